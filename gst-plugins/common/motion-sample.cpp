@@ -1,0 +1,124 @@
+#include "motion-sample.hpp"
+
+#include <bit>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kMagic = {'H', 'M', 'S', 'P'};
+constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kKindPoint = 0;
+
+class Writer {
+public:
+  explicit Writer(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
+  void u8(std::uint8_t value) { bytes_[at_++] = value; }
+  void u16(std::uint16_t value) { little_endian(value, 2); }
+  void u32(std::uint32_t value) { little_endian(value, 4); }
+  void u64(std::uint64_t value) { little_endian(value, 8); }
+  void f32(float value) { u32(std::bit_cast<std::uint32_t>(value)); }
+
+private:
+  void little_endian(std::uint64_t value, int count) {
+    for (int i = 0; i < count; ++i)
+      u8(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+  std::span<std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+// The caller has checked that the bytes suffice.
+class Reader {
+public:
+  explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  std::uint8_t u8() { return bytes_[at_++]; }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(little_endian(2)); }
+  std::uint32_t u32() { return static_cast<std::uint32_t>(little_endian(4)); }
+  std::uint64_t u64() { return little_endian(8); }
+  float f32() { return std::bit_cast<float>(u32()); }
+
+private:
+  std::uint64_t little_endian(int count) {
+    std::uint64_t value = 0;
+    for (int i = 0; i < count; ++i)
+      value |= std::uint64_t{u8()} << (8 * i);
+    return value;
+  }
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+bool is_fraction(float value) { return value >= 0 && value <= 1; } // false for NaN
+
+bool is_sane(const MotionSample &s) {
+  return std::isfinite(s.velocity_x) && std::isfinite(s.velocity_y) && std::isfinite(s.spin) &&
+         std::isfinite(s.divergence) && is_fraction(s.pointer_x) && is_fraction(s.pointer_y) &&
+         is_fraction(s.region_width) && is_fraction(s.region_height) && is_fraction(s.confidence) &&
+         s.picture_width > 0 && s.picture_height > 0 && s.pixel_aspect_n > 0 &&
+         s.pixel_aspect_d > 0 && s.model <= MotionModel::affine;
+}
+
+} // namespace
+
+std::string_view motion_model_name(MotionModel model) noexcept {
+  switch (model) {
+  case MotionModel::still:
+    return "static";
+  case MotionModel::translation:
+    return "translation";
+  case MotionModel::similarity:
+    return "similarity";
+  case MotionModel::affine:
+    return "affine";
+  case MotionModel::none:
+    break;
+  }
+  return "none";
+}
+
+MotionSampleBytes pack_motion_sample(const MotionSample &s) noexcept {
+  MotionSampleBytes bytes{};
+  Writer out(bytes);
+  for (auto letter : kMagic)
+    out.u8(letter);
+  out.u8(kVersion);
+  out.u8(kKindPoint);
+  out.u16(s.flags);
+  out.u64(s.interval);
+  for (auto value : {s.velocity_x, s.velocity_y, s.spin, s.divergence, s.pointer_x, s.pointer_y,
+                     s.region_width, s.region_height, s.confidence})
+    out.f32(value);
+  for (auto value : {s.picture_width, s.picture_height, s.pixel_aspect_n, s.pixel_aspect_d})
+    out.u32(value);
+  out.u16(s.points);
+  out.u8(static_cast<std::uint8_t>(s.model));
+  out.u8(0);
+  return bytes;
+}
+
+std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> bytes) noexcept {
+  if (bytes.size() < kMotionSampleSize)
+    return std::nullopt;
+  Reader in(bytes);
+  for (auto letter : kMagic)
+    if (in.u8() != letter)
+      return std::nullopt;
+  if (in.u8() != kVersion || in.u8() != kKindPoint)
+    return std::nullopt;
+  MotionSample s;
+  s.flags = in.u16();
+  s.interval = in.u64();
+  for (auto *value : {&s.velocity_x, &s.velocity_y, &s.spin, &s.divergence, &s.pointer_x,
+                      &s.pointer_y, &s.region_width, &s.region_height, &s.confidence})
+    *value = in.f32();
+  for (auto *value : {&s.picture_width, &s.picture_height, &s.pixel_aspect_n, &s.pixel_aspect_d})
+    *value = in.u32();
+  s.points = in.u16();
+  s.model = static_cast<MotionModel>(in.u8());
+  if (!is_sane(s))
+    return std::nullopt;
+  return s;
+}
+
+} // namespace haptic

@@ -1,0 +1,69 @@
+// The motion sample: what velocityavg says about one picture, as it flows in haptics/x-raw buffers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+/// One buffer of these caps holds exactly one motion sample. The caps may also carry width, height,
+/// pixel-aspect-ratio and framerate of the picture; the sample repeats what is needed to
+/// understand it alone, because caps do not survive a file or a network.
+#define HAPTIC_MOTION_CAPS "haptics/x-raw, modality=(string)velocity, layout=(string)point"
+
+namespace haptic {
+
+/// The smallest motion model that explains the picture.
+enum class MotionModel : std::uint8_t { none, still, translation, similarity, affine };
+
+/// "none", "static", "translation", "similarity" or "affine".
+std::string_view motion_model_name(MotionModel model) noexcept;
+
+/// Bits of MotionSample::flags.
+enum MotionFlags : std::uint16_t {
+  kMotionStill = 1 << 0,         ///< the pixels did not change
+  kMotionDuplicate = 1 << 1,     ///< the picture repeats the one before; the velocity is held
+  kMotionCut = 1 << 2,           ///< another scene began
+  kMotionDiscontinuity = 1 << 3, ///< there is no earlier picture to compare with
+};
+
+/// Velocities are in pixels of the picture per second of its time stamps, x to the right and y
+/// down. Positions and sizes are fractions of the picture, origin at its top left corner.
+struct MotionSample {
+  float velocity_x = 0;                 ///< px/s
+  float velocity_y = 0;                 ///< px/s
+  float spin = 0;                       ///< rad/s, positive turns x towards y (clockwise on screen)
+  float divergence = 0;                 ///< 1/s, mean relative rate of expansion
+  float pointer_x = 0.5F;               ///< 0..1
+  float pointer_y = 0.5F;               ///< 0..1
+  float region_width = 0;               ///< 0..1
+  float region_height = 0;              ///< 0..1
+  float confidence = 0;                 ///< 0..1; 0 means that nothing was measured
+  std::uint64_t interval = 0;           ///< ns between the two pictures, 0 when there is none
+  std::uint32_t picture_width = 0;      ///< px
+  std::uint32_t picture_height = 0;     ///< px
+  std::uint32_t pixel_aspect_n = 1;     ///< pixel width : height
+  std::uint32_t pixel_aspect_d = 1;
+  std::uint16_t points = 0;             ///< patches that the velocity rests on
+  std::uint16_t flags = 0;              ///< MotionFlags
+  MotionModel model = MotionModel::none;
+
+  bool operator==(const MotionSample &) const = default;
+};
+
+/// Bytes of a packed sample (docs/formats/motion-sample.md).
+inline constexpr std::size_t kMotionSampleSize = 72;
+
+using MotionSampleBytes = std::array<std::uint8_t, kMotionSampleSize>;
+
+/// Little-endian on every machine. Cannot fail.
+MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
+
+/// Nothing, if the bytes are not a sample of this version, hold a number that is not finite, or one
+/// outside its range. Never reads beyond `bytes`; longer input is accepted (later versions may add
+/// fields at the end).
+std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> bytes) noexcept;
+
+} // namespace haptic

@@ -1,0 +1,45 @@
+#include "pointer-event.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+
+namespace {
+constexpr const char *kStructureName = "haptic-pointer";
+}
+
+EventPtr make_pointer_event(const PointerPosition &position) {
+  return EventPtr(gst_event_new_custom(
+      GST_EVENT_CUSTOM_UPSTREAM,
+      gst_structure_new(kStructureName, "x", G_TYPE_DOUBLE, position.x, "y", G_TYPE_DOUBLE,
+                        position.y, "z", G_TYPE_DOUBLE, position.z, "pressed", G_TYPE_BOOLEAN,
+                        static_cast<gboolean>(position.pressed), "device", G_TYPE_STRING,
+                        position.device.c_str(), "timestamp", G_TYPE_UINT64, position.timestamp,
+                        nullptr)));
+}
+
+std::optional<PointerPosition> parse_pointer_event(GstEvent *event) {
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CUSTOM_UPSTREAM ||
+      !gst_event_has_name(event, kStructureName))
+    return std::nullopt;
+  const GstStructure *fields = gst_event_get_structure(event);
+  PointerPosition position;
+  if (!gst_structure_get_double(fields, "x", &position.x) ||
+      !gst_structure_get_double(fields, "y", &position.y) || !std::isfinite(position.x) ||
+      !std::isfinite(position.y))
+    return std::nullopt;
+  position.x = std::clamp(position.x, 0.0, 1.0);
+  position.y = std::clamp(position.y, 0.0, 1.0);
+  if (gst_structure_get_double(fields, "z", &position.z))
+    position.z = std::isfinite(position.z) ? std::clamp(position.z, -1.0, 1.0) : 0.0;
+  gboolean pressed = FALSE;
+  gst_structure_get_boolean(fields, "pressed", &pressed);
+  position.pressed = pressed;
+  if (const gchar *device = gst_structure_get_string(fields, "device"))
+    position.device = device;
+  gst_structure_get_uint64(fields, "timestamp", &position.timestamp);
+  return position;
+}
+
+} // namespace haptic

@@ -1,0 +1,28 @@
+// The pointer event: where the hand is, travelling upstream from hapticsink to roitracker.
+#pragma once
+
+#include "gst-raii.hpp"
+
+#include <optional>
+#include <string>
+
+namespace haptic {
+
+/// x and y are fractions of the picture, origin at its top left corner (paper, equation 1).
+struct PointerPosition {
+  double x = 0.5;          ///< 0..1, to the right
+  double y = 0.5;          ///< 0..1, down
+  double z = 0;            ///< -1..1, fraction of the half workspace, towards the user
+  bool pressed = false;    ///< a button of the grip
+  std::string device;      ///< who points, for people to read
+  GstClockTime timestamp = GST_CLOCK_TIME_NONE; ///< running time
+};
+
+/// A GST_EVENT_CUSTOM_UPSTREAM with the structure `haptic-pointer` (docs/formats/pointer-event.md).
+EventPtr make_pointer_event(const PointerPosition &position);
+
+/// Nothing, if the event is not a pointer event, or x or y is missing or not finite. Values outside
+/// their range are clamped. Does not take the event.
+std::optional<PointerPosition> parse_pointer_event(GstEvent *event);
+
+} // namespace haptic

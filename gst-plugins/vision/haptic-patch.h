@@ -1,0 +1,19 @@
+/* One measured patch: plain C, so that readers of the metadata need neither C++ nor the tracker. */
+#pragma once
+
+/**
+ * GstHapticPatch:
+ * @x, @y: centre in the earlier picture, px from its top left corner (pixel i covers i..i+1)
+ * @width, @height: size, px
+ * @dx, @dy: displacement from the earlier to the later picture, px, y down
+ * @precision_xx, @precision_xy, @precision_yy: inverse covariance of (dx, dy), 1/px². One
+ *   direction without precision is the aperture problem; 0 in all means unknown.
+ * @residual: rms grey-level difference that the displacement leaves, 8-bit steps
+ */
+typedef struct _GstHapticPatch {
+  float x, y;
+  float width, height;
+  float dx, dy;
+  float precision_xx, precision_xy, precision_yy;
+  float residual;
+} GstHapticPatch;

@@ -1,0 +1,80 @@
+// The interface of a tracker: two crops of luma in, patches with their displacement out.
+#pragma once
+
+#include "haptic-patch.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace haptic {
+
+using Patch = GstHapticPatch;
+
+inline constexpr int kMaxPatches = 64;
+
+/// Rows of 8-bit luma somewhere in memory; not owned.
+struct LumaView {
+  const std::uint8_t *pixels = nullptr;
+  int width = 0;             ///< px
+  int height = 0;            ///< px
+  std::ptrdiff_t stride = 0; ///< bytes from row to row, may exceed the width
+};
+
+struct Rectangle {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+  bool operator==(const Rectangle &) const = default;
+};
+
+/// Two pictures cropped at the same place, so that a moving pointer is not taken for motion.
+struct CropPair {
+  LumaView previous;
+  LumaView current;
+  Rectangle crop;   ///< where both views lie in the picture
+  Rectangle region; ///< the region of interest in the picture, inside crop
+  bool continues = false; ///< previous is the picture that was `current` in the call before
+};
+
+/// Why there are no patches, or what to think of them.
+enum MeasurementFlags : std::uint32_t {
+  kStill = 1 << 0, ///< the region did not change: the displacement is exactly zero
+  kCut = 1 << 1,   ///< the two pictures do not show the same scene
+};
+
+/// What was measured. Patch centres are in picture coordinates.
+struct Measurement {
+  std::uint32_t flags = 0;
+  int count = 0;
+  std::array<Patch, kMaxPatches> patches;
+
+  void add(const Patch &patch) { patches[count++] = patch; }
+  std::span<const Patch> view() const { return {patches.data(), static_cast<std::size_t>(count)}; }
+};
+
+/// One instance serves one stream, from one thread at a time.
+class PatchTracker {
+public:
+  virtual ~PatchTracker() = default;
+
+  /// Pixels wanted around a region of this side length; the caller clips the crop at the picture.
+  virtual int margin(int region_side) const = 0;
+
+  /// At most max_points patches (1..kMaxPatches).
+  virtual void set_max_points(int max_points) = 0;
+
+  /// Fills `measurement` anew. An empty one means that nothing could be tracked.
+  virtual void measure(const CropPair &pair, Measurement &measurement) = 0;
+
+  /// Forgets earlier pictures (discontinuity, flush, new caps).
+  virtual void reset() = 0;
+};
+
+/// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.
+std::unique_ptr<PatchTracker> make_opencv_tracker();
+
+} // namespace haptic

@@ -1,0 +1,60 @@
+// A SPIDAR-G as its user sees it: pose out, wrench in, limits kept.
+#pragma once
+
+#include "spidar/controller.hpp"
+#include "spidar/geometry.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace spidar {
+
+/// What one tick found and did.
+struct DeviceState {
+  Pose pose;
+  Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
+  StringLengths lengths = StringLengths::Zero();
+  Tensions tensions = Tensions::Zero(); ///< N, as last commanded
+  Wrench realised;                      ///< what these tensions do at this pose
+  bool feasible = true;                 ///< the commanded wrench was within the limits
+  bool valid = false;                   ///< the pose can be trusted
+};
+
+/// Not thread-safe: exchange() and command() belong to one thread; everything else before that
+/// thread starts or after it ended.
+class Device {
+public:
+  /// Starts with minimum tension in all strings and takes the present grip position as the centre
+  /// (calibrate()). Throws Error.
+  Device(std::unique_ptr<Controller> controller, Geometry geometry, double period = 0.001);
+  ~Device(); ///< leaves minimum tension behind
+
+  /// One tick: sends what was last commanded, receives the counts, solves the pose. False when the
+  /// device did not answer; the state then keeps its last pose with valid = false. Real-time safe.
+  bool exchange() noexcept;
+
+  /// Tensions for `wrench` at the present pose, sent by the next exchange. A wrench that is not
+  /// finite counts as zero. Tensions never leave the geometry's limits. Real-time safe.
+  void command(const Wrench &wrench) noexcept;
+
+  /// Takes the present grip position as workspace centre and identity orientation. Real-time safe.
+  void calibrate() noexcept;
+
+  const DeviceState &state() const noexcept;
+  const Geometry &geometry() const noexcept;
+  std::string description() const;
+
+private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Opens a SPIDAR-G on USB; `id` is its rotary switch, "" for the first one found. Throws Error
+/// (not_found, permission with the udev line, busy, io).
+std::unique_ptr<Controller> open_usb(const std::string &id);
+
+/// Whether open_usb("") would find a controller, without opening it.
+bool usb_present() noexcept;
+
+} // namespace spidar

@@ -1,0 +1,28 @@
+// What can go wrong outside the real-time loop. Inside it nothing throws.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace spidar {
+
+enum class Cause {
+  not_found,  ///< no such device, geometry or file
+  permission, ///< the device is there but may not be opened
+  busy,       ///< another program holds the device
+  geometry,   ///< unreadable or impossible geometry
+  argument,   ///< a value that makes no sense
+  io,         ///< the device answers wrongly or not at all
+};
+
+/// what() tells the user what happened and what to do about it.
+class Error : public std::runtime_error {
+public:
+  Error(Cause cause, const std::string &message) : std::runtime_error(message), cause_(cause) {}
+  Cause cause() const noexcept { return cause_; }
+
+private:
+  Cause cause_;
+};
+
+} // namespace spidar

@@ -1,0 +1,25 @@
+// Pose of the grip from eight string lengths: Gauss-Newton, rotation scaled by the grip radius.
+#pragma once
+
+#include "spidar/geometry.hpp"
+
+namespace spidar {
+
+class PoseSolver {
+public:
+  explicit PoseSolver(const Geometry &geometry);
+
+  struct Result {
+    Pose pose;
+    double residual = 0; ///< m, rms difference between measured and modelled lengths
+    bool singular = false; ///< the strings do not determine the pose; it was kept
+  };
+
+  /// `start` is the pose of the tick before. Real-time safe.
+  Result solve(const StringLengths &lengths, const Pose &start) const noexcept;
+
+private:
+  Geometry geometry_;
+};
+
+} // namespace spidar

@@ -1,0 +1,29 @@
+// Tensions from a wrench: box-constrained least squares by a primal active set, warm-started.
+#pragma once
+
+#include "spidar/geometry.hpp"
+
+namespace spidar {
+
+class TensionSolver {
+public:
+  explicit TensionSolver(const Geometry &geometry);
+
+  struct Result {
+    Tensions tensions;
+    Wrench realised;
+    bool feasible = true; ///< force met within 10 mN
+    int iterations = 0;
+  };
+
+  /// Minimises |W^1/2 (A t - w)|² + eps |t - t_min|² within the limits; torque in units of the grip
+  /// radius and weighted below force, so that a direction that cannot be had costs torque first.
+  /// Real-time safe; remembers the active set of the call before.
+  Result solve(const Wrench &wrench, const Pose &pose) noexcept;
+
+private:
+  Geometry geometry_;
+  std::array<signed char, kStrings> active_{}; ///< -1 at the lower limit, +1 at the upper, 0 free
+};
+
+} // namespace spidar
