@@ -49,7 +49,9 @@ private:
   std::size_t at_ = 0;
 };
 
-bool is_fraction(float value) { return value >= 0 && value <= 1; } // false for NaN
+bool is_fraction(float value) {
+  return value >= 0 && value <= 1;
+} // false for NaN
 
 bool is_sane(const MotionSample &s) {
   return std::isfinite(s.velocity_x) && std::isfinite(s.velocity_y) && std::isfinite(s.spin) &&

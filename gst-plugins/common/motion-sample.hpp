@@ -32,22 +32,22 @@ enum MotionFlags : std::uint16_t {
 /// Velocities are in pixels of the picture per second of its time stamps, x to the right and y
 /// down. Positions and sizes are fractions of the picture, origin at its top left corner.
 struct MotionSample {
-  float velocity_x = 0;                 ///< px/s
-  float velocity_y = 0;                 ///< px/s
-  float spin = 0;                       ///< rad/s, positive turns x towards y (clockwise on screen)
-  float divergence = 0;                 ///< 1/s, mean relative rate of expansion
-  float pointer_x = 0.5F;               ///< 0..1
-  float pointer_y = 0.5F;               ///< 0..1
-  float region_width = 0;               ///< 0..1
-  float region_height = 0;              ///< 0..1
-  float confidence = 0;                 ///< 0..1; 0 means that nothing was measured
-  std::uint64_t interval = 0;           ///< ns between the two pictures, 0 when there is none
-  std::uint32_t picture_width = 0;      ///< px
-  std::uint32_t picture_height = 0;     ///< px
-  std::uint32_t pixel_aspect_n = 1;     ///< pixel width : height
+  float velocity_x = 0;             ///< px/s
+  float velocity_y = 0;             ///< px/s
+  float spin = 0;                   ///< rad/s, positive turns x towards y (clockwise on screen)
+  float divergence = 0;             ///< 1/s, mean relative rate of expansion
+  float pointer_x = 0.5F;           ///< 0..1
+  float pointer_y = 0.5F;           ///< 0..1
+  float region_width = 0;           ///< 0..1
+  float region_height = 0;          ///< 0..1
+  float confidence = 0;             ///< 0..1; 0 means that nothing was measured
+  std::uint64_t interval = 0;       ///< ns between the two pictures, 0 when there is none
+  std::uint32_t picture_width = 0;  ///< px
+  std::uint32_t picture_height = 0; ///< px
+  std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
   std::uint32_t pixel_aspect_d = 1;
-  std::uint16_t points = 0;             ///< patches that the velocity rests on
-  std::uint16_t flags = 0;              ///< MotionFlags
+  std::uint16_t points = 0; ///< patches that the velocity rests on
+  std::uint16_t flags = 0;  ///< MotionFlags
   MotionModel model = MotionModel::none;
 
   bool operator==(const MotionSample &) const = default;

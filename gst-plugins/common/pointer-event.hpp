@@ -10,11 +10,11 @@ namespace haptic {
 
 /// x and y are fractions of the picture, origin at its top left corner (paper, equation 1).
 struct PointerPosition {
-  double x = 0.5;          ///< 0..1, to the right
-  double y = 0.5;          ///< 0..1, down
-  double z = 0;            ///< -1..1, fraction of the half workspace, towards the user
-  bool pressed = false;    ///< a button of the grip
-  std::string device;      ///< who points, for people to read
+  double x = 0.5;       ///< 0..1, to the right
+  double y = 0.5;       ///< 0..1, down
+  double z = 0;         ///< -1..1, fraction of the half workspace, towards the user
+  bool pressed = false; ///< a button of the grip
+  std::string device;   ///< who points, for people to read
   GstClockTime timestamp = GST_CLOCK_TIME_NONE; ///< running time
 };
 

@@ -13,8 +13,8 @@ G_BEGIN_DECLS
 /**
  * GstHapticMotionFlags:
  * @GST_HAPTIC_MOTION_STILL: the pixels of the region did not change
- * @GST_HAPTIC_MOTION_DUPLICATE: the picture repeats the one before (as in 3:2 pulldown); nothing was
- *   measured and the velocity of before goes on
+ * @GST_HAPTIC_MOTION_DUPLICATE: the picture repeats the one before (as in 3:2 pulldown); nothing
+ * was measured and the velocity of before goes on
  * @GST_HAPTIC_MOTION_CUT: another scene began
  * @GST_HAPTIC_MOTION_DISCONTINUITY: there was no earlier picture to compare with
  */
@@ -29,7 +29,8 @@ typedef enum {
  * GstHapticMotionMeta:
  * @flags: #GstHapticMotionFlags
  * @picture_width, @picture_height: px, the picture that the coordinates refer to
- * @region_x, @region_y, @region_width, @region_height: region of interest, px, clipped at the picture
+ * @region_x, @region_y, @region_width, @region_height: region of interest, px, clipped at the
+ * picture
  * @pointer_x, @pointer_y: pointer in use, px
  * @interval: time between the two pictures from their time stamps, 0 when there is none
  * @n_patches: used entries of @patches

@@ -35,8 +35,8 @@ struct Rectangle {
 struct CropPair {
   LumaView previous;
   LumaView current;
-  Rectangle crop;   ///< where both views lie in the picture
-  Rectangle region; ///< the region of interest in the picture, inside crop
+  Rectangle crop;         ///< where both views lie in the picture
+  Rectangle region;       ///< the region of interest in the picture, inside crop
   bool continues = false; ///< previous is the picture that was `current` in the call before
 };
 

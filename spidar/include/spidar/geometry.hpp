@@ -10,16 +10,17 @@ namespace spidar {
 
 struct Geometry {
   std::string name;
-  std::array<Vector3, kStrings> motors;      ///< string exit points, workspace frame, m
-  std::array<Vector3, kStrings> attachments; ///< string ends on the grip, grip frame, m
+  std::array<Vector3, kStrings> motors;          ///< string exit points, workspace frame, m
+  std::array<Vector3, kStrings> attachments;     ///< string ends on the grip, grip frame, m
   std::array<double, kStrings> metres_per_count; ///< signed
   std::array<double, kStrings> volts_per_newton; ///< signed
   double digits_per_volt = 415;
-  int dac_limit = 4095;      ///< largest magnitude of a D/A word
-  double tension_min = 0.3;  ///< N, keeps the strings taut
-  double tension_max = 5.0;  ///< N
+  int dac_limit = 4095;        ///< largest magnitude of a D/A word
+  double tension_min = 0.3;    ///< N, keeps the strings taut
+  double tension_max = 5.0;    ///< N
   double grip_radius = 0.0225; ///< m, scales rotation against translation
-  Vector3 workspace_half = {0.025, 0.025, 0.025}; ///< m from the centre; equation 1 maps it to the picture
+  Vector3 workspace_half = {0.025, 0.025,
+                            0.025}; ///< m from the centre; equation 1 maps it to the picture
 };
 
 /// Name of the geometry used when none is given.

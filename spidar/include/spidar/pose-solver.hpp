@@ -11,7 +11,7 @@ public:
 
   struct Result {
     Pose pose;
-    double residual = 0; ///< m, rms difference between measured and modelled lengths
+    double residual = 0;   ///< m, rms difference between measured and modelled lengths
     bool singular = false; ///< the strings do not determine the pose; it was kept
   };
 

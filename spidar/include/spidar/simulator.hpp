@@ -17,7 +17,8 @@ class HandScript {
 public:
   virtual ~HandScript() = default;
   /// False when nobody holds the grip. `time` in s from the start; `target` in m.
-  virtual bool target(double time, const Vector3 &workspace_half, Vector3 &target) const noexcept = 0;
+  virtual bool target(double time, const Vector3 &workspace_half,
+                      Vector3 &target) const noexcept = 0;
 };
 
 /// Throws Error (argument, not_found) that names what is accepted.

@@ -1,0 +1,93 @@
+#include "motion-sample.hpp"
+
+#include <bit>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <vector>
+
+namespace {
+
+using haptic::MotionSample;
+
+MotionSample full_sample() {
+  MotionSample s;
+  s.velocity_x = 12.5F;
+  s.velocity_y = -3.25F;
+  s.spin = 0.5F;
+  s.divergence = -0.125F;
+  s.pointer_x = 0.25F;
+  s.pointer_y = 0.75F;
+  s.region_width = 0.1F;
+  s.region_height = 0.2F;
+  s.confidence = 0.875F;
+  s.interval = 33'333'333;
+  s.picture_width = 352;
+  s.picture_height = 288;
+  s.pixel_aspect_n = 12;
+  s.pixel_aspect_d = 11;
+  s.points = 17;
+  s.flags = haptic::kMotionCut;
+  s.model = haptic::MotionModel::translation;
+  return s;
+}
+
+TEST(MotionSample, ComesBackBitByBit) {
+  const auto bytes = haptic::pack_motion_sample(full_sample());
+  EXPECT_EQ(haptic::unpack_motion_sample(bytes), full_sample());
+}
+
+TEST(MotionSample, StartsWithItsNameAndVersionSoThatAFileExplainsItself) {
+  const auto bytes = haptic::pack_motion_sample(full_sample());
+  EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "HMSP");
+  EXPECT_EQ(bytes[4], 1);
+}
+
+TEST(MotionSample, EveryTruncationIsRefused) {
+  const auto bytes = haptic::pack_motion_sample(full_sample());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const std::vector<std::uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<long>(size));
+    EXPECT_EQ(haptic::unpack_motion_sample(cut), std::nullopt) << size;
+  }
+}
+
+TEST(MotionSample, LongerInputIsALaterVersionWithMoreFields) {
+  const auto bytes = haptic::pack_motion_sample(full_sample());
+  std::vector<std::uint8_t> longer(bytes.begin(), bytes.end());
+  longer.resize(bytes.size() + 9, 0xAA);
+  EXPECT_EQ(haptic::unpack_motion_sample(longer), full_sample());
+}
+
+TEST(MotionSample, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
+  for (float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                    -std::numeric_limits<float>::infinity()}) {
+    for (auto field : {&MotionSample::velocity_x, &MotionSample::velocity_y, &MotionSample::spin,
+                       &MotionSample::divergence, &MotionSample::pointer_x,
+                       &MotionSample::confidence, &MotionSample::region_width}) {
+      MotionSample s = full_sample();
+      s.*field = bad;
+      EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
+    }
+  }
+  MotionSample s = full_sample();
+  s.confidence = 1.5F;
+  EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
+  s = full_sample();
+  s.picture_width = 0;
+  EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
+}
+
+TEST(MotionSample, AFlippedBitNeverYieldsAValueOutsideItsRange) {
+  const auto bytes = haptic::pack_motion_sample(full_sample());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    auto flipped = bytes;
+    flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1U << (bit % 8)));
+    if (const auto s = haptic::unpack_motion_sample(flipped)) {
+      EXPECT_TRUE(std::isfinite(s->velocity_x) && std::isfinite(s->velocity_y)) << bit;
+      EXPECT_GE(s->confidence, 0) << bit;
+      EXPECT_LE(s->confidence, 1) << bit;
+    }
+  }
+}
+
+} // namespace
