@@ -6,20 +6,23 @@
 
 namespace haptic {
 
-template <auto Release>
+// Overloads rather than a template over the release function: GStreamer's are static inline, and a
+// type made of such a function would have internal linkage.
 struct Releaser {
-  template <typename T>
-  void operator()(T *object) const noexcept {
-    Release(object);
-  }
+  void operator()(GstBuffer *buffer) const noexcept { gst_buffer_unref(buffer); }
+  void operator()(GstCaps *caps) const noexcept { gst_caps_unref(caps); }
+  void operator()(GstEvent *event) const noexcept { gst_event_unref(event); }
+  void operator()(GstQuery *query) const noexcept { gst_query_unref(query); }
+  void operator()(GstStructure *structure) const noexcept { gst_structure_free(structure); }
+  void operator()(gchar *text) const noexcept { g_free(text); }
 };
 
-using BufferPtr = std::unique_ptr<GstBuffer, Releaser<gst_buffer_unref>>;
-using CapsPtr = std::unique_ptr<GstCaps, Releaser<gst_caps_unref>>;
-using EventPtr = std::unique_ptr<GstEvent, Releaser<gst_event_unref>>;
-using QueryPtr = std::unique_ptr<GstQuery, Releaser<gst_query_unref>>;
-using StructurePtr = std::unique_ptr<GstStructure, Releaser<gst_structure_free>>;
-using GCharPtr = std::unique_ptr<gchar, Releaser<g_free>>;
+using BufferPtr = std::unique_ptr<GstBuffer, Releaser>;
+using CapsPtr = std::unique_ptr<GstCaps, Releaser>;
+using EventPtr = std::unique_ptr<GstEvent, Releaser>;
+using QueryPtr = std::unique_ptr<GstQuery, Releaser>;
+using StructurePtr = std::unique_ptr<GstStructure, Releaser>;
+using GCharPtr = std::unique_ptr<gchar, Releaser>;
 
 /// Holds a GstObject's lock for a scope. Never call into another element while it is held.
 class ObjectLock {
