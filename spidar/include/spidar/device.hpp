@@ -2,11 +2,11 @@
 #pragma once
 
 #include "spidar/controller.hpp"
+#include "spidar/export.hpp"
 #include "spidar/geometry.hpp"
 
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace spidar {
 
@@ -15,7 +15,7 @@ struct DeviceState {
   Pose pose;
   Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
   StringLengths lengths = StringLengths::Zero();
-  Tensions tensions = Tensions::Zero(); ///< N, as last commanded
+  Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
   Wrench realised;                      ///< what these tensions do at this pose
   bool feasible = true;                 ///< the commanded wrench was within the limits
   bool valid = false;                   ///< the pose can be trusted
@@ -23,10 +23,12 @@ struct DeviceState {
 
 /// Not thread-safe: exchange() and command() belong to one thread; everything else before that
 /// thread starts or after it ended.
-class Device {
+class SPIDAR_API Device {
 public:
-  /// Starts with minimum tension in all strings and takes the present grip position as the centre
-  /// (calibrate()). Throws Error.
+  /// Starts with minimum tension in all strings. The centre is where the controller knows it to be
+  /// (Controller::home()), else where the grip is once the strings are taut (calibrate()): within
+  /// 1 s, normally 50 ms. `period` is the time between two calls of exchange(), s. Throws Error
+  /// (geometry, argument, io).
   Device(std::unique_ptr<Controller> controller, Geometry geometry, double period = 0.001);
   ~Device(); ///< leaves minimum tension behind
 
@@ -52,9 +54,9 @@ private:
 
 /// Opens a SPIDAR-G on USB; `id` is its rotary switch, "" for the first one found. Throws Error
 /// (not_found, permission with the udev line, busy, io).
-std::unique_ptr<Controller> open_usb(const std::string &id);
+SPIDAR_API std::unique_ptr<Controller> open_usb(const std::string &id);
 
 /// Whether open_usb("") would find a controller, without opening it.
-bool usb_present() noexcept;
+SPIDAR_API bool usb_present() noexcept;
 
 } // namespace spidar

@@ -1,6 +1,8 @@
 // What can go wrong outside the real-time loop. Inside it nothing throws.
 #pragma once
 
+#include "spidar/export.hpp"
+
 #include <stdexcept>
 #include <string>
 
@@ -16,7 +18,7 @@ enum class Cause {
 };
 
 /// what() tells the user what happened and what to do about it.
-class Error : public std::runtime_error {
+class SPIDAR_API Error : public std::runtime_error {
 public:
   Error(Cause cause, const std::string &message) : std::runtime_error(message), cause_(cause) {}
   Cause cause() const noexcept { return cause_; }

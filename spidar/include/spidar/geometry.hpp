@@ -1,6 +1,7 @@
 // The constants of one SPIDAR-G: data that its user can measure and edit, never code.
 #pragma once
 
+#include "spidar/export.hpp"
 #include "spidar/types.hpp"
 
 #include <string>
@@ -27,19 +28,24 @@ struct Geometry {
 inline constexpr const char *kDefaultGeometry = "spidar-g6x3r";
 
 /// Names that load_geometry() knows without a file.
-std::vector<std::string> builtin_geometries();
+SPIDAR_API std::vector<std::string> builtin_geometries();
 
-/// `name_or_file` is the name of a built-in geometry, a name found as NAME.ini in a directory of
-/// $SPIDAR_GEOMETRY_PATH or the installed geometry directory, or a path to a GKeyFile
-/// (docs/formats/geometry.md). Throws Error: not_found, or geometry with the key and reason,
-/// also when the wrench-closure test fails (it says which direction cannot be pulled).
-Geometry load_geometry(const std::string &name_or_file);
+/// `name_or_file` is a path to a GKeyFile (docs/formats/geometry.md) if it has a slash or ends in
+/// ".ini"; else a name, looked up as NAME.ini in the directories of $SPIDAR_GEOMETRY_PATH, among
+/// the built-in ones, and in the installed geometry directory, in this order. Throws Error:
+/// not_found, or geometry with the file, key and reason, also when check_geometry() refuses it.
+SPIDAR_API Geometry load_geometry(const std::string &name_or_file);
+
+/// Refuses a geometry that cannot be driven: values that are not finite or contradict each other,
+/// and strings without wrench closure (the message says which direction cannot be pulled). Throws
+/// Error (geometry).
+SPIDAR_API void check_geometry(const Geometry &geometry);
 
 /// String lengths at a pose.
-StringLengths string_lengths(const Geometry &geometry, const Pose &pose);
+SPIDAR_API StringLengths string_lengths(const Geometry &geometry, const Pose &pose);
 
 /// Directions in which the strings cannot pull at the centre, in words ("turn about +y"), empty if
 /// the geometry has wrench closure: every wrench is a positive combination of string pulls.
-std::string unreachable_directions(const Geometry &geometry);
+SPIDAR_API std::string unreachable_directions(const Geometry &geometry);
 
 } // namespace spidar

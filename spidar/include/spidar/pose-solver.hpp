@@ -5,7 +5,7 @@
 
 namespace spidar {
 
-class PoseSolver {
+class SPIDAR_API PoseSolver {
 public:
   explicit PoseSolver(const Geometry &geometry);
 

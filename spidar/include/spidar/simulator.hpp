@@ -10,10 +10,11 @@
 
 namespace spidar {
 
-/// Where the hand wants the grip to be: `hold:X,Y,Z`, `circle:RADIUS,PERIOD`, `file:PATH` (lines
-/// `t,x,y,z`, interpolated) or `free` (nobody holds it). X, Y, Z and RADIUS in -1..1 of the half
-/// workspace, PERIOD and t in s.
-class HandScript {
+/// Where the hand wants the grip to be: `hold:X,Y,Z`, `circle:RADIUS,PERIOD` (about the centre,
+/// from (RADIUS, 0, 0) counter-clockwise as the user sees it), `file:PATH` (lines `t,x,y,z`,
+/// interpolated; stays at the last one; empty lines and lines that begin with # are skipped) or
+/// `free` (nobody holds it). X, Y, Z and RADIUS in -1..1 of the half workspace, PERIOD and t in s.
+class SPIDAR_API HandScript {
 public:
   virtual ~HandScript() = default;
   /// False when nobody holds the grip. `time` in s from the start; `target` in m.
@@ -22,15 +23,19 @@ public:
 };
 
 /// Throws Error (argument, not_found) that names what is accepted.
-std::unique_ptr<HandScript> parse_hand_script(const std::string &text);
+SPIDAR_API std::unique_ptr<HandScript> parse_hand_script(const std::string &text);
 
-class Simulator final : public Controller {
+class SPIDAR_API Simulator final : public Controller {
 public:
-  /// Each exchange advances the simulated time by `period` seconds.
+  /// Each exchange after the first advances the simulated time by `period` seconds, the D/A words
+  /// of the exchange before at the motors. The grip starts at the hand's first target (`free`: in
+  /// the centre). Throws Error (geometry, argument).
   Simulator(const Geometry &geometry, std::unique_ptr<HandScript> hand, double period = 0.001);
   ~Simulator() override;
 
   bool exchange(const DacWords &words, Counts &counts) noexcept override;
+  /// The counters' value at the centre: not zero, as after the power-on of a real controller.
+  bool home(Counts &counts) const noexcept override;
   std::string description() const override;
 
   /// The true pose of the simulated grip, for tests.

@@ -5,7 +5,7 @@
 
 namespace spidar {
 
-class TensionSolver {
+class SPIDAR_API TensionSolver {
 public:
   explicit TensionSolver(const Geometry &geometry);
 
@@ -18,11 +18,13 @@ public:
 
   /// Minimises |W^1/2 (A t - w)|² + eps |t - t_min|² within the limits; torque in units of the grip
   /// radius and weighted below force, so that a direction that cannot be had costs torque first.
-  /// Real-time safe; remembers the active set of the call before.
+  /// Real-time safe; remembers the active set of the call before, which changes the time taken and
+  /// not the result. A wrench or pose that is not finite gives minimum tensions.
   Result solve(const Wrench &wrench, const Pose &pose) noexcept;
 
 private:
   Geometry geometry_;
+  Tensions tensions_;                          ///< of the call before: where the search starts
   std::array<signed char, kStrings> active_{}; ///< -1 at the lower limit, +1 at the upper, 0 free
 };
 

@@ -1,0 +1,34 @@
+// Tension of one string and the D/A word that makes it.
+#pragma once
+
+#include "spidar/geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spidar {
+
+/// Signed digits per newton.
+inline double digits_per_newton(const Geometry &geometry, std::size_t string) noexcept {
+  return geometry.digits_per_volt * geometry.volts_per_newton[string];
+}
+
+inline double tension_of_word(const Geometry &geometry, std::size_t string,
+                              std::int16_t word) noexcept {
+  return word / digits_per_newton(geometry, string);
+}
+
+/// The nearest word whose tension is within the geometry's limits, which check_geometry() has found
+/// to exist. The last step before the wire.
+inline std::int16_t word_of_tension(const Geometry &geometry, std::size_t string,
+                                    double tension) noexcept {
+  const double scale = digits_per_newton(geometry, string);
+  const double size = std::abs(scale);
+  const double smallest = std::ceil(geometry.tension_min * size);
+  const double largest =
+      std::min(std::floor(geometry.tension_max * size), static_cast<double>(geometry.dac_limit));
+  const double digits = std::isfinite(tension) ? std::round(tension * size) : smallest;
+  return static_cast<std::int16_t>(std::copysign(std::clamp(digits, smallest, largest), scale));
+}
+
+} // namespace spidar

@@ -1,0 +1,189 @@
+// Reads a Geometry from a GKeyFile and finds the file for a name.
+#include "builtin-geometries.hpp"
+#include "spidar/error.hpp"
+#include "spidar/geometry.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <glib.h>
+#include <set>
+
+namespace spidar {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Unref {
+  void operator()(GKeyFile *file) const { g_key_file_unref(file); }
+  void operator()(GError *error) const { g_error_free(error); }
+  void operator()(char *text) const { g_free(text); }
+  void operator()(char **texts) const { g_strfreev(texts); }
+};
+using KeyFile = std::unique_ptr<GKeyFile, Unref>;
+
+class Reader {
+public:
+  /// `where` begins every message: the file's path, or the built-in name.
+  Reader(KeyFile file, std::string where) : file_(std::move(file)), where_(std::move(where)) {}
+
+  Geometry read(const std::string &name) {
+    Geometry geometry;
+    geometry.name = name;
+    group_ = "device";
+    geometry.digits_per_volt = number("digits-per-volt");
+    const double limit = number("dac-limit");
+    if (limit != std::floor(limit) || std::abs(limit) > 32767)
+      fail("dac-limit must be a whole number from 1 to 32767");
+    geometry.dac_limit = static_cast<int>(limit);
+    geometry.tension_min = number("tension-min");
+    geometry.tension_max = number("tension-max");
+    geometry.grip_radius = number("grip-radius");
+    geometry.workspace_half = vector("workspace-half");
+    for (std::size_t i = 0; i < kStrings; ++i) {
+      group_ = "string-" + std::to_string(i);
+      geometry.motors[i] = vector("motor");
+      geometry.attachments[i] = vector("attachment");
+      geometry.metres_per_count[i] = number("metres-per-count");
+      geometry.volts_per_newton[i] = number("volts-per-newton");
+    }
+    refuse_unknown();
+    return geometry;
+  }
+
+private:
+  [[noreturn]] void fail(const std::string &reason) const {
+    throw Error(Cause::geometry, where_ + ": [" + group_ + "] " + reason + ".");
+  }
+
+  std::string text(const char *key) {
+    known_.insert(group_ + "/" + key);
+    const std::unique_ptr<char, Unref> value(
+        g_key_file_get_value(file_.get(), group_.c_str(), key, nullptr));
+    if (!value)
+      fail(std::string(key) + " is missing");
+    return value.get();
+  }
+
+  double parse(const char *key, const char *text) const {
+    char *end = nullptr;
+    const double value = g_ascii_strtod(text, &end); // whatever the locale's decimal point
+    while (end != text && g_ascii_isspace(*end))
+      ++end;
+    if (end == text || *end != '\0' || !std::isfinite(value))
+      fail(std::string(key) + " has '" + text + "' where a number is expected");
+    return value;
+  }
+
+  double number(const char *key) { return parse(key, text(key).c_str()); }
+
+  Vector3 vector(const char *key) {
+    std::string value = text(key);
+    if (!value.empty() && value.back() == ';')
+      value.pop_back();
+    const std::unique_ptr<char *, Unref> parts(g_strsplit(value.c_str(), ";", -1));
+    if (g_strv_length(parts.get()) != 3)
+      fail(std::string(key) + " must be three numbers separated by ';', not '" + value + "'");
+    return {parse(key, parts.get()[0]), parse(key, parts.get()[1]), parse(key, parts.get()[2])};
+  }
+
+  /// A misspelt key would silently leave its meaning to chance.
+  void refuse_unknown() {
+    const std::unique_ptr<char *, Unref> groups(g_key_file_get_groups(file_.get(), nullptr));
+    for (char **group = groups.get(); *group != nullptr; ++group) {
+      group_ = *group;
+      const std::unique_ptr<char *, Unref> keys(
+          g_key_file_get_keys(file_.get(), *group, nullptr, nullptr));
+      for (char **key = keys.get(); key != nullptr && *key != nullptr; ++key)
+        if (known_.count(group_ + "/" + *key) == 0)
+          fail(std::string(*key) + " is not a key of a geometry file");
+    }
+  }
+
+  KeyFile file_;
+  std::string where_;
+  std::string group_;
+  std::set<std::string> known_;
+};
+
+Geometry finish(KeyFile file, const std::string &where, const std::string &name) {
+  Geometry geometry = Reader(std::move(file), where).read(name);
+  try {
+    check_geometry(geometry);
+  } catch (const Error &error) {
+    throw Error(error.cause(), where + ": " + error.what());
+  }
+  return geometry;
+}
+
+Geometry load_file(const fs::path &path) {
+  KeyFile file(g_key_file_new());
+  GError *raw = nullptr;
+  if (!g_key_file_load_from_file(file.get(), path.c_str(), G_KEY_FILE_NONE, &raw)) {
+    const std::unique_ptr<GError, Unref> error(raw);
+    const bool missing = g_error_matches(raw, G_FILE_ERROR, G_FILE_ERROR_NOENT);
+    throw Error(missing ? Cause::not_found : Cause::geometry,
+                "Cannot read the geometry file " + path.string() + ": " + error->message + ".");
+  }
+  return finish(std::move(file), path.string(), path.stem().string());
+}
+
+Geometry load_builtin(const std::string &name, std::string_view text) {
+  KeyFile file(g_key_file_new());
+  GError *raw = nullptr;
+  if (!g_key_file_load_from_data(file.get(), text.data(), text.size(), G_KEY_FILE_NONE, &raw)) {
+    const std::unique_ptr<GError, Unref> error(raw);
+    throw Error(Cause::geometry, "Built-in geometry " + name + ": " + error->message + ".");
+  }
+  return finish(std::move(file), "Built-in geometry", name);
+}
+
+std::vector<fs::path> search_path() {
+  std::vector<fs::path> directories;
+  if (const char *list = std::getenv("SPIDAR_GEOMETRY_PATH")) {
+    const std::unique_ptr<char *, Unref> parts(g_strsplit(list, ":", -1));
+    for (char **part = parts.get(); *part != nullptr; ++part)
+      if (**part != '\0')
+        directories.emplace_back(*part);
+  }
+  return directories;
+}
+
+} // namespace
+
+std::vector<std::string> builtin_geometries() {
+  std::vector<std::string> names;
+  names.reserve(kBuiltinGeometries.size());
+  for (const auto &[name, text] : kBuiltinGeometries)
+    names.emplace_back(name);
+  return names;
+}
+
+Geometry load_geometry(const std::string &name_or_file) {
+  const std::string suffix = ".ini";
+  if (name_or_file.find('/') != std::string::npos || name_or_file.ends_with(suffix))
+    return load_file(name_or_file);
+
+  const std::string file_name = name_or_file + suffix;
+  std::error_code ignored;
+  for (const fs::path &directory : search_path())
+    if (fs::exists(directory / file_name, ignored))
+      return load_file(directory / file_name);
+  for (const auto &[name, text] : kBuiltinGeometries)
+    if (name == name_or_file)
+      return load_builtin(name_or_file, text);
+  const fs::path installed = fs::path(SPIDAR_GEOMETRY_DIR) / file_name;
+  if (fs::exists(installed, ignored))
+    return load_file(installed);
+
+  std::string names;
+  for (const std::string &name : builtin_geometries())
+    names += (names.empty() ? "" : ", ") + name;
+  throw Error(Cause::not_found, "No geometry '" + name_or_file + "'. Known are " + names +
+                                    "; or give the path of a file, or put " + file_name +
+                                    " into a directory of SPIDAR_GEOMETRY_PATH or into " +
+                                    SPIDAR_GEOMETRY_DIR + ".");
+}
+
+} // namespace spidar

@@ -1,0 +1,59 @@
+#include "spidar/pose-solver.hpp"
+
+#include "string-kinematics.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace spidar {
+
+namespace {
+
+// A step below this leaves an error of about its square over a string length: under 1 nm.
+constexpr double kConverged = 1e-5; // m
+// Far from home the linearisation holds for a few centimetres; garbage must not throw the pose out.
+constexpr double kLongestStep = 0.02; // m, rotation counted at the grip radius
+constexpr int kMostSteps = 6;
+constexpr double kLongestString = 100;  // m
+constexpr double kSmallestPivot = 1e-3; // of the largest; 1/30 is usual at the centre
+
+} // namespace
+
+PoseSolver::PoseSolver(const Geometry &geometry) : geometry_(geometry) {}
+
+PoseSolver::Result PoseSolver::solve(const StringLengths &lengths,
+                                     const Pose &start) const noexcept {
+  Result result{start, 0, true};
+  if (!lengths.allFinite() || lengths.minCoeff() <= 0 || lengths.maxCoeff() > kLongestString ||
+      !start.position.allFinite() || !start.rotation.allFinite())
+    return result;
+
+  Pose pose = start;
+  StringKinematics strings = string_kinematics(geometry_, pose);
+  for (int steps = 0; steps < kMostSteps; ++steps) {
+    // In units of the grip radius a turn weighs as much as a shift: the normal matrix is then well
+    // conditioned and needs no damping.
+    WrenchMatrix scaled = strings.pull;
+    scaled.bottomRows<3>() /= geometry_.grip_radius;
+    const Eigen::LLT<Matrix6> cholesky(Matrix6(scaled * scaled.transpose()));
+    const auto pivots = cholesky.matrixLLT().diagonal();
+    if (cholesky.info() != Eigen::Success ||
+        !(pivots.minCoeff() > kSmallestPivot * pivots.maxCoeff()))
+      return result;
+
+    Vector6 step = cholesky.solve(scaled * (strings.lengths - lengths));
+    const double size = step.norm();
+    if (size > kLongestStep)
+      step *= kLongestStep / size;
+    pose.position += step.head<3>();
+    pose.rotation = turned(pose.rotation, step.tail<3>() / geometry_.grip_radius);
+    strings = string_kinematics(geometry_, pose);
+    if (size < kConverged)
+      break;
+  }
+  if (!pose.position.allFinite() || !pose.rotation.allFinite())
+    return result;
+  constexpr double kCount = kStrings;
+  return {pose, std::sqrt((strings.lengths - lengths).squaredNorm() / kCount), false};
+}
+
+} // namespace spidar

@@ -1,0 +1,14 @@
+// Whether strings can pull in every direction, decided exactly by non-negative least squares.
+#pragma once
+
+#include "string-kinematics.hpp"
+
+#include <string>
+
+namespace spidar {
+
+/// Directions that no non-negative combination of the columns of `pull` gives, in words; empty if
+/// the columns span all six dimensions positively. Torque rows in units of the grip radius.
+std::string directions_out_of_reach(const WrenchMatrix &pull);
+
+} // namespace spidar

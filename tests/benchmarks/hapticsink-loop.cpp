@@ -1,0 +1,81 @@
+// Timing of the 1 kHz loop with the simulated device, as hapticsink runs it. Run by hand on an idle
+// machine:
+//   BUILD/tests/benchmarks/hapticsink-loop [SECONDS]
+// Targets: no tick missed (more than 20 ms late) in 60 s, loop body p99 <= 50 us.
+#include "device-choice.hpp"
+#include "haptic-loop.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+constexpr double kDefaultSeconds = 60;
+constexpr auto kFrame = std::chrono::nanoseconds(std::chrono::seconds(1)) / 30;
+
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name"))
+      return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+haptic::MotionSample leaf(double t) {
+  haptic::MotionSample sample;
+  sample.velocity_x = static_cast<float>(150 * std::sin(7 * t));
+  sample.velocity_y = static_cast<float>(80 * std::sin(14 * t));
+  sample.confidence = 1;
+  sample.interval = static_cast<std::uint64_t>(kFrame.count());
+  sample.picture_width = 352;
+  sample.picture_height = 288;
+  return sample;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : kDefaultSeconds;
+  const std::string path = "/tmp/hapticsink-loop-" + std::to_string(getpid()) + ".csv";
+  haptic::HapticLoop loop;
+  {
+    const auto opened = haptic::open_device({.device = "sim", .sim_hand = "circle:0.6,5"});
+    haptic::TickLog log(path);
+    loop.start({.device = opened.device.get(), .log = &log});
+    loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
+    const auto start = std::chrono::steady_clock::now();
+    auto next = start;
+    for (double t = 0; t < seconds; t += 1.0 / 30) {
+      loop.submit(leaf(t));
+      std::this_thread::sleep_until(next += kFrame);
+    }
+    loop.stop();
+  }
+  std::remove(path.c_str());
+
+  const haptic::LoopStatistics &s = loop.statistics();
+  std::printf("%s, %ld processors, compiler %s, %.0f s with the log on\n", processor().c_str(),
+              sysconf(_SC_NPROCESSORS_ONLN), __VERSION__, seconds);
+  std::printf("real-time priority: %s\n",
+              loop.priority_error() == 0 ? "yes" : std::strerror(loop.priority_error()));
+  std::printf("ticks %lu, late by a period %lu, missed (20 ms) %lu, log rows lost %lu\n",
+              s.ticks.load(), s.late_ticks.load(), s.missed_ticks.load(), s.log_rows_lost.load());
+  std::printf("lateness  p50 %8.1f us  p99 %8.1f us  p99.9 %8.1f us  max %8.1f us\n",
+              s.lateness.percentile_us(0.5), s.lateness.percentile_us(0.99),
+              s.lateness.percentile_us(0.999), s.lateness.max_us());
+  std::printf("loop body p50 %8.1f us  p99 %8.1f us  p99.9 %8.1f us  max %8.1f us\n",
+              s.body.percentile_us(0.5), s.body.percentile_us(0.99), s.body.percentile_us(0.999),
+              s.body.max_us());
+  std::printf("sample age mean %.3f ms, largest force %.3f N\n",
+              static_cast<double>(s.sample_age_sum) * 1e-6 /
+                  static_cast<double>(std::max<std::uint64_t>(s.samples_used, 1)),
+              s.force_max.load());
+  return s.missed_ticks == 0 && s.body.percentile_us(0.99) <= 50 ? EXIT_SUCCESS : EXIT_FAILURE;
+}

@@ -1,0 +1,347 @@
+#include "spidar-poses.hpp"
+#include "spidar/device.hpp"
+#include "spidar/error.hpp"
+#include "spidar/simulator.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <limits>
+#include <new>
+#include <vector>
+
+using namespace spidar;
+using namespace spidar_test;
+
+namespace {
+
+std::atomic<long> allocations = 0;
+
+} // namespace
+
+// Inlined, the pair would look mismatched to the compiler.
+[[gnu::noinline]] void *operator new(std::size_t size) {
+  ++allocations;
+  if (void *memory = std::malloc(size))
+    return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void *memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void *memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace {
+
+/// Between device and simulator: remembers the words, hides the home counts, breaks things.
+struct Wire {
+  std::vector<DacWords> sent;
+  int silent_exchanges = 0; ///< still to fail
+  Counts disturbance{};     ///< added to the counts
+  bool knows_home = true;
+};
+
+class Tapped final : public Controller {
+public:
+  Tapped(Wire &wire, std::unique_ptr<Controller> inner) : wire_(wire), inner_(std::move(inner)) {}
+  bool exchange(const DacWords &words, Counts &counts) noexcept override {
+    wire_.sent.push_back(words);
+    if (wire_.silent_exchanges > 0) {
+      --wire_.silent_exchanges;
+      return false;
+    }
+    const bool answered = inner_->exchange(words, counts);
+    for (std::size_t i = 0; i < kStrings; ++i)
+      counts[i] += wire_.disturbance[i];
+    return answered;
+  }
+  bool home(Counts &counts) const noexcept override {
+    return wire_.knows_home && inner_->home(counts);
+  }
+  std::string description() const override { return "test controller"; }
+
+private:
+  Wire &wire_;
+  std::unique_ptr<Controller> inner_;
+};
+
+Device device_with(const std::string &hand, Wire &wire,
+                   const std::string &geometry_name = kDefaultGeometry) {
+  const Geometry geometry = load_geometry(geometry_name);
+  return Device(std::make_unique<Tapped>(
+                    wire, std::make_unique<Simulator>(geometry, parse_hand_script(hand))),
+                geometry);
+}
+
+void run(Device &device, int ticks, const Wrench &wrench = {}) {
+  for (int tick = 0; tick < ticks; ++tick) {
+    ASSERT_TRUE(device.exchange());
+    device.command(wrench);
+  }
+}
+
+Wrench push(double x, double y, double z) {
+  return {{x, y, z}, Vector3::Zero()};
+}
+
+double tension(const Geometry &geometry, std::size_t i, std::int16_t word) {
+  return word / (geometry.digits_per_volt * geometry.volts_per_newton[i]);
+}
+
+} // namespace
+
+class DeviceOf : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Builtin, DeviceOf, testing::ValuesIn(builtin_geometries()),
+                         [](const auto &test) {
+                           return test.param.substr(test.param.find('-') + 1);
+                         });
+
+TEST_P(DeviceOf, SeesTheHandWhereTheSimulatorHasIt) {
+  Wire wire;
+  Device device = device_with("hold:0.5,0,0", wire, GetParam());
+  run(device, 5);
+  for (int tick = 0; tick < 3000; ++tick) {
+    run(device, 1);
+    ASSERT_TRUE(device.state().valid);
+    ASSERT_NEAR(device.state().pose.position.x(), 0.0125, 0.0003);
+    ASSERT_NEAR(device.state().pose.position.y(), 0, 0.0003);
+    ASSERT_NEAR(device.state().pose.position.z(), 0, 0.0003);
+  }
+}
+
+TEST_P(DeviceOf, ACommandedForceMovesTheHandThatWay) {
+  for (const Vector3 &direction : directions(12)) {
+    Wire wire;
+    Device device = device_with("hold:0,0,0", wire, GetParam());
+    run(device, 1000, {direction, Vector3::Zero()});
+    // 1 N against 1000 N/m.
+    EXPECT_LT((device.state().pose.position - 0.001 * direction).norm(), 0.0001);
+    EXPECT_LT((device.state().realised.force - direction).norm(), 0.02);
+    EXPECT_TRUE(device.state().feasible);
+  }
+}
+
+TEST_P(DeviceOf, EveryWordOnTheWireIsWithinTheTensionLimits) {
+  Wire wire;
+  const Geometry geometry = load_geometry(GetParam());
+  {
+    Device device = device_with("circle:1,0.5", wire, GetParam());
+    Random random(1);
+    for (int tick = 0; tick < 3000; ++tick)
+      run(device, 1,
+          {random.between(0, 40) * random.direction(), random.between(0, 1) * random.direction()});
+  }
+  for (const DacWords &words : wire.sent) {
+    for (std::size_t i = 0; i < kStrings; ++i) {
+      const double newtons = tension(geometry, i, words[i]);
+      ASSERT_GE(newtons, geometry.tension_min);
+      ASSERT_LE(newtons, geometry.tension_max);
+      ASSERT_LE(std::abs(words[i]), geometry.dac_limit);
+    }
+  }
+}
+
+TEST(Device, KeepsWordsWithinTheConverterEvenBelowTheTensionCeiling) {
+  Geometry geometry = load_geometry(kDefaultGeometry);
+  geometry.dac_limit = 200; // 1.3 N
+  Wire wire;
+  {
+    Device device(std::make_unique<Tapped>(
+                      wire, std::make_unique<Simulator>(geometry, parse_hand_script("hold:0,0,0"))),
+                  geometry);
+    run(device, 100, push(0, 10, 0));
+    EXPECT_LT(device.state().tensions.maxCoeff(), 1.32);
+  }
+  int largest = 0;
+  for (const DacWords &words : wire.sent)
+    for (const std::int16_t word : words)
+      largest = std::max(largest, std::abs(static_cast<int>(word)));
+  EXPECT_EQ(largest, 200);
+}
+
+TEST(Device, ReportsTheTensionsThatItSends) {
+  Wire wire;
+  Device device = device_with("hold:0.2,0.3,-0.4", wire);
+  run(device, 20, push(0.3, -0.5, 0.2));
+  const Tensions reported = device.state().tensions;
+  device.exchange();
+  for (std::size_t i = 0; i < kStrings; ++i)
+    EXPECT_DOUBLE_EQ(tension(device.geometry(), i, wire.sent.back()[i]), reported[i]);
+}
+
+TEST(Device, AWrenchThatIsNotFiniteCountsAsZero) {
+  Wire wire;
+  Device device = device_with("hold:0.5,0.5,0", wire);
+  run(device, 100);
+  const Tensions at_rest = device.state().tensions;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double garbage : {nan, std::numeric_limits<double>::infinity()}) {
+    device.command(push(0, 3, 0));
+    EXPECT_NE(device.state().tensions, at_rest);
+    device.command(push(0, garbage, 0));
+    EXPECT_EQ(device.state().tensions, at_rest);
+  }
+}
+
+TEST(Device, StartsAndEndsWithMinimumTension) {
+  Wire wire;
+  const Geometry geometry = load_geometry(kDefaultGeometry);
+  {
+    Device device = device_with("hold:0,0,0", wire);
+    run(device, 50, push(1, 1, 0));
+    EXPECT_GT(device.state().tensions.maxCoeff(), 0.5);
+  }
+  const auto relaxed = [&](const DacWords &words) {
+    for (std::size_t i = 0; i < kStrings; ++i)
+      if (std::abs(tension(geometry, i, words[i]) - geometry.tension_min) > 0.01)
+        return false;
+    return true;
+  };
+  ASSERT_GT(wire.sent.size(), 50U);
+  EXPECT_TRUE(relaxed(wire.sent.front()));
+  EXPECT_FALSE(relaxed(wire.sent[wire.sent.size() - 3]));
+  EXPECT_TRUE(relaxed(wire.sent[wire.sent.size() - 2]));
+  EXPECT_TRUE(relaxed(wire.sent.back()));
+}
+
+TEST(Device, WithoutKnownHomeThePresentPlaceIsTheCentre) {
+  Wire wire;
+  wire.knows_home = false;
+  Device device = device_with("hold:0.5,0,0", wire);
+  run(device, 10);
+  EXPECT_TRUE(device.state().valid);
+  EXPECT_LT(device.state().pose.position.norm(), 0.0003);
+}
+
+TEST(Device, CalibrateTakesThePresentPlaceAsCentreWithoutAVelocity) {
+  Wire wire;
+  Device device = device_with("hold:0.4,-0.4,0.4", wire);
+  run(device, 200);
+  ASSERT_GT(device.state().pose.position.norm(), 0.015);
+  device.calibrate();
+  EXPECT_EQ(device.state().pose.position, Vector3::Zero());
+  for (int tick = 0; tick < 200; ++tick) {
+    run(device, 1);
+    ASSERT_TRUE(device.state().valid);
+    ASSERT_LT(device.state().pose.position.norm(), 0.0003);
+    ASSERT_LT(device.state().velocity.norm(), 0.02);
+  }
+}
+
+TEST(Device, VelocityIsThatOfTheHand) {
+  Wire wire;
+  Device device = device_with("circle:1,1", wire);
+  run(device, 500);
+  // Half a turn later: at the left, moving down.
+  const double speed = 2 * std::numbers::pi * 0.025;
+  EXPECT_NEAR(device.state().velocity.y(), -speed, 0.1 * speed);
+  EXPECT_NEAR(device.state().velocity.x(), 0, 0.1 * speed);
+}
+
+TEST(Device, ASilentTickKeepsThePoseAndIsNotValid) {
+  Wire wire;
+  Device device = device_with("hold:0.5,0,0", wire);
+  run(device, 10);
+  const Pose before = device.state().pose;
+  wire.silent_exchanges = 2;
+  EXPECT_FALSE(device.exchange());
+  EXPECT_FALSE(device.state().valid);
+  EXPECT_EQ(device.state().pose.position, before.position);
+  EXPECT_FALSE(device.exchange());
+  EXPECT_TRUE(device.exchange());
+  EXPECT_TRUE(device.state().valid);
+}
+
+TEST(Device, AnEncoderGlitchOfOneTickDoesNotMoveThePose) {
+  Wire wire;
+  Device device = device_with("hold:0.5,0,0", wire);
+  run(device, 10);
+  for (std::size_t i = 0; i < kStrings; ++i) {
+    const Vector3 before = device.state().pose.position;
+    wire.disturbance[i] = 3000; // 50 mm of string
+    device.exchange();
+    EXPECT_FALSE(device.state().valid) << i;
+    EXPECT_EQ(device.state().pose.position, before) << i;
+    wire.disturbance[i] = 0;
+    device.exchange();
+    EXPECT_TRUE(device.state().valid) << i;
+    EXPECT_LT(device.state().velocity.norm(), 0.05) << i;
+  }
+}
+
+TEST(Device, GarbageCountsNeverGiveAPoseThatIsNone) {
+  Wire wire;
+  Device device = device_with("hold:0.5,0,0", wire);
+  Random random(7);
+  for (int tick = 0; tick < 2000; ++tick) {
+    for (auto &disturbance : wire.disturbance)
+      disturbance = static_cast<std::int32_t>(random.between(-2e9, 2e9));
+    device.exchange();
+    device.command(push(1, 0, 0));
+    ASSERT_TRUE(device.state().pose.position.allFinite());
+    ASSERT_TRUE(device.state().tensions.allFinite());
+    ASSERT_FALSE(device.state().valid);
+  }
+  wire.disturbance = {};
+  run(device, 10);
+  EXPECT_TRUE(device.state().valid);
+  EXPECT_NEAR(device.state().pose.position.x(), 0.0125, 0.002);
+}
+
+TEST(Device, ATickTakesNoMemory) {
+  const Geometry geometry = load_geometry(kDefaultGeometry);
+  Device device(std::make_unique<Simulator>(geometry, parse_hand_script("circle:1,1")), geometry);
+  const long before = allocations;
+  for (int tick = 0; tick < 1000; ++tick) {
+    device.exchange();
+    device.command(push(std::sin(tick), tick % 7 == 0 ? std::nan("") : 20, 0));
+    if (tick % 100 == 0)
+      device.calibrate();
+  }
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(Device, AMoveWhileNobodyLookedIsBelievedWhenItLasts) {
+  Wire wire;
+  Device device = device_with("circle:1,1", wire);
+  run(device, 10);
+  // The strings as they are 10 mm further: the simulator's hand is taken there behind our back.
+  const Geometry &geometry = device.geometry();
+  Pose elsewhere = device.state().pose;
+  elsewhere.position.x() -= 0.01;
+  const StringLengths change =
+      string_lengths(geometry, elsewhere) - string_lengths(geometry, device.state().pose);
+  for (std::size_t i = 0; i < kStrings; ++i)
+    wire.disturbance[i] =
+        static_cast<std::int32_t>(std::lround(change[i] / geometry.metres_per_count[i]));
+  device.exchange();
+  EXPECT_FALSE(device.state().valid);
+  device.exchange();
+  EXPECT_TRUE(device.state().valid);
+  EXPECT_NEAR(device.state().pose.position.x(), elsewhere.position.x(), 0.001);
+  EXPECT_LT(device.state().velocity.norm(), 0.5);
+}
+
+TEST(Device, AControllerThatNeverAnswersIsAnError) {
+  Wire wire;
+  wire.knows_home = false;
+  wire.silent_exchanges = 1 << 20;
+  try {
+    Device device = device_with("free", wire);
+    FAIL();
+  } catch (const Error &error) {
+    EXPECT_EQ(error.cause(), Cause::io);
+    EXPECT_NE(std::string(error.what()).find("test controller"), std::string::npos);
+  }
+}
+
+TEST(Device, RefusesAGeometryThatCannotPullEverywhere) {
+  Geometry geometry = load_geometry(kDefaultGeometry);
+  const Geometry good = geometry;
+  geometry.attachments.fill(Vector3::Zero());
+  EXPECT_THROW(Device(std::make_unique<Simulator>(good, parse_hand_script("free")), geometry),
+               Error);
+}
