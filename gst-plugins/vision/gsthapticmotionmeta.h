@@ -1,5 +1,5 @@
 /* Metadata that roitracker attaches to each picture: what was measured between it and an earlier
- * one. */
+ * one. This header is all that a reader needs. */
 #pragma once
 
 #include "haptic-patch.h"
@@ -8,6 +8,7 @@
 
 G_BEGIN_DECLS
 
+#define GST_HAPTIC_MOTION_META_NAME "GstHapticMotionMeta"
 #define GST_HAPTIC_MOTION_META_MAX_PATCHES 64
 
 /**
@@ -32,7 +33,9 @@ typedef enum {
  * @region_x, @region_y, @region_width, @region_height: region of interest, px, clipped at the
  * picture
  * @pointer_x, @pointer_y: pointer in use, px
- * @interval: time between the two pictures from their time stamps, 0 when there is none
+ * @interval: ns between the two pictures from their time stamps, 0 when there is none
+ * @n_candidates: patches that were looked at; those that could not be trusted are left out of
+ * @patches
  * @n_patches: used entries of @patches
  */
 typedef struct _GstHapticMotionMeta {
@@ -43,16 +46,19 @@ typedef struct _GstHapticMotionMeta {
   gfloat region_x, region_y, region_width, region_height;
   gfloat pointer_x, pointer_y;
   GstClockTime interval;
+  guint n_candidates;
   guint n_patches;
   GstHapticPatch patches[GST_HAPTIC_MOTION_META_MAX_PATCHES];
 } GstHapticMotionMeta;
 
-GType gst_haptic_motion_meta_api_get_type(void);
-#define GST_HAPTIC_MOTION_META_API_TYPE (gst_haptic_motion_meta_api_get_type())
-const GstMetaInfo *gst_haptic_motion_meta_get_info(void);
+/* By name, so that readers do not link to the plugin. NULL if the buffer has none. */
+static inline GstHapticMotionMeta *gst_buffer_get_haptic_motion_meta(GstBuffer *buffer) {
+  const GstMetaInfo *info = gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME);
+  return info ? (GstHapticMotionMeta *)(void *)gst_buffer_get_meta(buffer, info->api) : NULL;
+}
 
-/* The buffer must be writable. All fields but the header start at zero. */
+/* Inside the plugin that registers the metadata. The buffer must be writable. All fields but the
+ * header start at zero. */
 GstHapticMotionMeta *gst_buffer_add_haptic_motion_meta(GstBuffer *buffer);
-GstHapticMotionMeta *gst_buffer_get_haptic_motion_meta(GstBuffer *buffer);
 
 G_END_DECLS

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic-patch.h"
+#include "region.hpp"
 
 #include <array>
 #include <cstddef>
@@ -15,20 +16,15 @@ using Patch = GstHapticPatch;
 
 inline constexpr int kMaxPatches = 64;
 
+/// Standard deviation of the noise that a camera's picture is assumed to have, 8-bit grey levels.
+inline constexpr float kAssumedNoise = 1.5F;
+
 /// Rows of 8-bit luma somewhere in memory; not owned.
 struct LumaView {
   const std::uint8_t *pixels = nullptr;
   int width = 0;             ///< px
   int height = 0;            ///< px
   std::ptrdiff_t stride = 0; ///< bytes from row to row, may exceed the width
-};
-
-struct Rectangle {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  bool operator==(const Rectangle &) const = default;
 };
 
 /// Two pictures cropped at the same place, so that a moving pointer is not taken for motion.
@@ -49,10 +45,16 @@ enum MeasurementFlags : std::uint32_t {
 /// What was measured. Patch centres are in picture coordinates.
 struct Measurement {
   std::uint32_t flags = 0;
+  int candidates = 0; ///< patches looked at; those that could not be trusted are not in the list
   int count = 0;
   std::array<Patch, kMaxPatches> patches;
 
-  void add(const Patch &patch) { patches[count++] = patch; }
+  void clear() {
+    flags = 0;
+    candidates = 0;
+    count = 0;
+  }
+  void add(const Patch &patch) { patches[static_cast<std::size_t>(count++)] = patch; }
   std::span<const Patch> view() const { return {patches.data(), static_cast<std::size_t>(count)}; }
 };
 

@@ -1,0 +1,86 @@
+#include "gsthapticmotionmeta.h"
+
+#include <algorithm>
+#include <cstring>
+#include <gst/video/gstvideometa.h>
+#include <gst/video/video.h>
+
+namespace {
+
+// Elements that do not keep the picture's geometry (crop, composite) drop metadata tagged so,
+// rather than carry wrong coordinates.
+GType api_type() {
+  static const GType type = [] {
+    static const gchar *tags[] = {GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR,
+                                  GST_META_TAG_VIDEO_ORIENTATION_STR, nullptr};
+    return gst_meta_api_type_register("GstHapticMotionMetaAPI", tags);
+  }();
+  return type;
+}
+
+GstHapticMotionMeta *cast(GstMeta *meta) {
+  return reinterpret_cast<GstHapticMotionMeta *>(meta);
+}
+
+void copy_fields(const GstHapticMotionMeta &from, GstHapticMotionMeta &to) {
+  const GstMeta header = to.meta;
+  to = from;
+  to.meta = header;
+}
+
+void scale_patch(GstHapticPatch &patch, gfloat sx, gfloat sy) {
+  patch.x *= sx;
+  patch.y *= sy;
+  patch.width *= sx;
+  patch.height *= sy;
+  patch.dx *= sx;
+  patch.dy *= sy;
+  patch.precision_xx /= sx * sx;
+  patch.precision_xy /= sx * sy;
+  patch.precision_yy /= sy * sy;
+}
+
+void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
+  const auto sx = static_cast<gfloat>(width) / static_cast<gfloat>(meta.picture_width);
+  const auto sy = static_cast<gfloat>(height) / static_cast<gfloat>(meta.picture_height);
+  meta.picture_width = width;
+  meta.picture_height = height;
+  for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x})
+    *x *= sx;
+  for (gfloat *y : {&meta.region_y, &meta.region_height, &meta.pointer_y})
+    *y *= sy;
+  std::for_each_n(meta.patches, meta.n_patches,
+                  [&](GstHapticPatch &patch) { scale_patch(patch, sx, sy); });
+}
+
+gboolean init(GstMeta *meta, gpointer, GstBuffer *) {
+  copy_fields(GstHapticMotionMeta{}, *cast(meta));
+  return TRUE;
+}
+
+gboolean transform(GstBuffer *to, GstMeta *meta, GstBuffer *, GQuark type, gpointer data) {
+  const bool is_copy = GST_META_TRANSFORM_IS_COPY(type);
+  if (!is_copy && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+    return FALSE;
+  GstHapticMotionMeta *copy = gst_buffer_add_haptic_motion_meta(to);
+  copy_fields(*cast(meta), *copy);
+  if (!is_copy && copy->picture_width > 0 && copy->picture_height > 0) {
+    const GstVideoInfo *out = static_cast<const GstVideoMetaTransform *>(data)->out_info;
+    scale_fields(*copy, static_cast<guint>(GST_VIDEO_INFO_WIDTH(out)),
+                 static_cast<guint>(GST_VIDEO_INFO_HEIGHT(out)));
+  }
+  return TRUE;
+}
+
+const GstMetaInfo *meta_info() {
+  static const GstMetaInfo *const info =
+      gst_meta_register(api_type(), GST_HAPTIC_MOTION_META_NAME, sizeof(GstHapticMotionMeta), init,
+                        nullptr, transform);
+  return info;
+}
+
+} // namespace
+
+GstHapticMotionMeta *gst_buffer_add_haptic_motion_meta(GstBuffer *buffer) {
+  return cast(gst_buffer_add_meta(buffer, meta_info(), nullptr));
+}

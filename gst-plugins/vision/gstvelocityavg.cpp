@@ -1,0 +1,372 @@
+#include "gstvelocityavg.h"
+
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "gsthapticmotionmeta.h"
+#include "luma-crop.hpp"
+#include "motion-sample.hpp"
+#include "velocity-estimate.hpp"
+
+#include <algorithm>
+#include <gst/video/gstvideometa.h>
+#include <gst/video/video.h>
+#include <limits>
+#include <string>
+
+GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
+#define GST_CAT_DEFAULT velocityavg_debug
+
+namespace {
+
+using haptic::Average;
+using haptic::guarded;
+using haptic::ModelChoice;
+using haptic::MotionModel;
+using haptic::MotionSample;
+using haptic::ObjectLock;
+
+enum PropertyId : guint { kAverage = 1, kMotionModel, kPostMessages };
+
+struct Settings {
+  Average average = Average::model;
+  ModelChoice motion_model = ModelChoice::automatic;
+  bool post_messages = false;
+};
+
+struct State {
+  // Object lock: written by the application, read by the streaming thread.
+  Settings settings;
+
+  // Streaming thread only, or while it is stopped.
+  GstVideoInfo picture; // of the caps
+  MotionSample last;    // a duplicate picture repeats it
+  bool told_about_metadata = false;
+};
+
+} // namespace
+
+struct _GstVelocityAvg {
+  GstBaseTransform parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_MOTION_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFORM,
+                        GST_DEBUG_CATEGORY_INIT(velocityavg_debug, "velocityavg", 0,
+                                                "one velocity per picture"))
+GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, GST_TYPE_VELOCITY_AVG)
+
+namespace {
+
+GType average_type() {
+  static const GEnumValue values[] = {
+      {static_cast<int>(Average::model), "A motion model fitted to the points, at the pointer",
+       "model"},
+      {static_cast<int>(Average::mean), "The mean of the points' velocities", "mean"},
+      {static_cast<int>(Average::median), "The median of each component", "median"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstVelocityAvgAverage", values);
+  return type;
+}
+
+GType motion_model_type() {
+  static const GEnumValue values[] = {
+      {static_cast<int>(ModelChoice::automatic), "What suits; for now the same as translation",
+       "auto"},
+      {static_cast<int>(ModelChoice::still), "Nothing moves", "static"},
+      {static_cast<int>(ModelChoice::translation), "All points move alike", "translation"},
+      {static_cast<int>(ModelChoice::similarity), "Points also turn and grow about the pointer",
+       "similarity"},
+      {static_cast<int>(ModelChoice::affine), "Points also shear and stretch", "affine"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstVelocityAvgMotionModel", values);
+  return type;
+}
+
+std::uint16_t sample_flags(guint meta_flags) {
+  std::uint16_t flags = 0;
+  for (const auto &[from, to] :
+       {std::pair(GST_HAPTIC_MOTION_STILL, haptic::kMotionStill),
+        std::pair(GST_HAPTIC_MOTION_DUPLICATE, haptic::kMotionDuplicate),
+        std::pair(GST_HAPTIC_MOTION_CUT, haptic::kMotionCut),
+        std::pair(GST_HAPTIC_MOTION_DISCONTINUITY, haptic::kMotionDiscontinuity)})
+    if (meta_flags & static_cast<guint>(from))
+      flags = static_cast<std::uint16_t>(flags | to);
+  return flags;
+}
+
+void set_motion(MotionSample &sample, const haptic::VelocityEstimate &estimate) {
+  sample.velocity_x = estimate.velocity_x;
+  sample.velocity_y = estimate.velocity_y;
+  sample.spin = estimate.spin;
+  sample.divergence = estimate.divergence;
+  sample.confidence = estimate.confidence;
+  sample.points = static_cast<std::uint16_t>(estimate.points);
+  sample.model = estimate.model;
+}
+
+void repeat_motion(MotionSample &sample, const MotionSample &before) {
+  sample.velocity_x = before.velocity_x;
+  sample.velocity_y = before.velocity_y;
+  sample.spin = before.spin;
+  sample.divergence = before.divergence;
+  sample.confidence = before.confidence;
+  sample.points = before.points;
+  sample.model = before.model;
+}
+
+// What every sample says, whether or not anything was measured.
+MotionSample sample_for(const GstVideoInfo &picture) {
+  MotionSample sample;
+  sample.picture_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&picture));
+  sample.picture_height = static_cast<std::uint32_t>(GST_VIDEO_INFO_HEIGHT(&picture));
+  sample.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&picture));
+  sample.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&picture));
+  return sample;
+}
+
+void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
+  const auto fraction = [](float part, guint whole) {
+    return whole > 0 ? std::clamp(part / static_cast<float>(whole), 0.0F, 1.0F) : 0.0F;
+  };
+  sample.pointer_x = fraction(meta.pointer_x, meta.picture_width);
+  sample.pointer_y = fraction(meta.pointer_y, meta.picture_height);
+  sample.region_width = fraction(meta.region_width, meta.picture_width);
+  sample.region_height = fraction(meta.region_height, meta.picture_height);
+}
+
+MotionSample interpret(const GstHapticMotionMeta &meta, const State &state,
+                       const Settings &settings) {
+  MotionSample sample = sample_for(state.picture);
+  set_place(sample, meta);
+  sample.interval = meta.interval;
+  sample.flags = sample_flags(meta.flags);
+  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT))
+    return sample;
+  if (meta.flags & GST_HAPTIC_MOTION_STILL) {
+    sample.confidence = 1;
+    sample.model = MotionModel::still;
+  } else if (meta.flags & GST_HAPTIC_MOTION_DUPLICATE) {
+    repeat_motion(sample, state.last);
+  } else if (meta.interval > 0) {
+    const auto patches = std::span(meta.patches)
+                             .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
+    set_motion(sample, haptic::estimate_velocity({patches, static_cast<int>(meta.n_candidates),
+                                                  meta.pointer_x, meta.pointer_y,
+                                                  static_cast<double>(meta.interval) / GST_SECOND},
+                                                 settings.average, settings.motion_model));
+  }
+  return sample;
+}
+
+void tell_once_about_metadata(GstVelocityAvg *self) {
+  if (std::exchange(self->state->told_about_metadata, true))
+    return;
+  GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE,
+                      ("The pictures carry no motion. Put roitracker directly before velocityavg."),
+                      ("no GstHapticMotionMeta: there is no roitracker, or an element after it "
+                       "dropped the metadata (cropping, composing and encoding do)"));
+}
+
+void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
+  const std::string model(haptic::motion_model_name(sample.model));
+  GstStructure *fields = gst_structure_new(
+      "haptic-motion", "pts", G_TYPE_UINT64, pts, "interval", G_TYPE_UINT64, sample.interval, "vx",
+      G_TYPE_DOUBLE, static_cast<double>(sample.velocity_x), "vy", G_TYPE_DOUBLE,
+      static_cast<double>(sample.velocity_y), "spin", G_TYPE_DOUBLE,
+      static_cast<double>(sample.spin), "divergence", G_TYPE_DOUBLE,
+      static_cast<double>(sample.divergence), "confidence", G_TYPE_DOUBLE,
+      static_cast<double>(sample.confidence), "points", G_TYPE_UINT,
+      static_cast<guint>(sample.points), "model", G_TYPE_STRING, model.c_str(), nullptr);
+  gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), fields));
+}
+
+GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) {
+  State &state = *self->state;
+  Settings settings;
+  {
+    const ObjectLock lock(self);
+    settings = state.settings;
+  }
+  MotionSample sample;
+  if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(picture)) {
+    sample = interpret(*meta, state, settings);
+  } else {
+    tell_once_about_metadata(self);
+    sample = sample_for(state.picture);
+  }
+  state.last = sample;
+
+  const haptic::MotionSampleBytes bytes = haptic::pack_motion_sample(sample);
+  gst_buffer_fill(out, 0, bytes.data(), bytes.size());
+  if (!(sample.confidence > 0))
+    GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
+  GST_LOG_OBJECT(self, "%.2f, %.2f px/s, confidence %.2f, %u points", sample.velocity_x,
+                 sample.velocity_y, sample.confidence, sample.points);
+  if (settings.post_messages)
+    post(self, GST_BUFFER_PTS(picture), sample);
+  return GST_FLOW_OK;
+}
+
+// The fields that describe the picture are the same on both sides.
+void copy_picture_fields(const GstStructure *from, GstStructure *to) {
+  for (const char *field : {"width", "height", "pixel-aspect-ratio", "framerate"})
+    if (const GValue *value = gst_structure_get_value(from, field))
+      gst_structure_set_value(to, field, value);
+}
+
+haptic::CapsPtr other_side(GstPadDirection from, const GstCaps *caps) {
+  const haptic::CapsPtr pattern(
+      gst_static_pad_template_get_caps(from == GST_PAD_SINK ? &src_template : &sink_template));
+  haptic::CapsPtr result(gst_caps_new_empty());
+  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+    GstStructure *structure = gst_structure_copy(gst_caps_get_structure(pattern.get(), 0));
+    copy_picture_fields(gst_caps_get_structure(caps, i), structure);
+    result.reset(gst_caps_merge_structure(result.release(), structure));
+  }
+  return result;
+}
+
+} // namespace
+
+static GstCaps *gst_velocity_avg_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
+                                                GstCaps *caps, GstCaps *filter) {
+  return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
+    haptic::CapsPtr result = other_side(direction, caps);
+    if (filter)
+      result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
+    return result.release();
+  });
+}
+
+static gboolean gst_velocity_avg_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
+  return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->picture, in);
+}
+
+static GstFlowReturn gst_velocity_avg_prepare_output_buffer(GstBaseTransform *, GstBuffer *in,
+                                                            GstBuffer **out) {
+  *out = gst_buffer_new_allocate(nullptr, haptic::kMotionSampleSize, nullptr);
+  GST_BUFFER_PTS(*out) = GST_BUFFER_PTS(in);
+  GST_BUFFER_DURATION(*out) = GST_BUFFER_DURATION(in);
+  if (GST_BUFFER_IS_DISCONT(in))
+    GST_BUFFER_FLAG_SET(*out, GST_BUFFER_FLAG_DISCONT);
+  return GST_FLOW_OK;
+}
+
+static GstFlowReturn gst_velocity_avg_transform(GstBaseTransform *trans, GstBuffer *in,
+                                                GstBuffer *out) {
+  return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_VELOCITY_AVG(trans), in, out); });
+}
+
+// The pixels are not looked at, so any strides will do.
+static gboolean gst_velocity_avg_propose_allocation(GstBaseTransform *, GstQuery *,
+                                                    GstQuery *query) {
+  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  return TRUE;
+}
+
+static gboolean gst_velocity_avg_start(GstBaseTransform *trans) {
+  State &state = *GST_VELOCITY_AVG(trans)->state;
+  state.last = {};
+  state.told_about_metadata = false;
+  return TRUE;
+}
+
+static void gst_velocity_avg_set_property(GObject *object, guint id, const GValue *value,
+                                          GParamSpec *pspec) {
+  Settings &settings = GST_VELOCITY_AVG(object)->state->settings;
+  const ObjectLock lock(object);
+  switch (id) {
+  case kAverage:
+    settings.average = static_cast<Average>(g_value_get_enum(value));
+    break;
+  case kMotionModel:
+    settings.motion_model = static_cast<ModelChoice>(g_value_get_enum(value));
+    break;
+  case kPostMessages:
+    settings.post_messages = g_value_get_boolean(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  }
+}
+
+static void gst_velocity_avg_get_property(GObject *object, guint id, GValue *value,
+                                          GParamSpec *pspec) {
+  const Settings &settings = GST_VELOCITY_AVG(object)->state->settings;
+  const ObjectLock lock(object);
+  switch (id) {
+  case kAverage:
+    g_value_set_enum(value, static_cast<gint>(settings.average));
+    break;
+  case kMotionModel:
+    g_value_set_enum(value, static_cast<gint>(settings.motion_model));
+    break;
+  case kPostMessages:
+    g_value_set_boolean(value, settings.post_messages);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  }
+}
+
+static void gst_velocity_avg_finalize(GObject *object) {
+  delete GST_VELOCITY_AVG(object)->state;
+  G_OBJECT_CLASS(gst_velocity_avg_parent_class)->finalize(object);
+}
+
+static void gst_velocity_avg_init(GstVelocityAvg *self) {
+  self->state = new State;
+  gst_video_info_init(&self->state->picture);
+  auto *trans = GST_BASE_TRANSFORM(self);
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+  // Otherwise the base class clears the flag that says that nothing was measured.
+  gst_base_transform_set_gap_aware(trans, TRUE);
+}
+
+static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  const auto flags = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                              GST_PARAM_MUTABLE_PLAYING);
+
+  object_class->set_property = gst_velocity_avg_set_property;
+  object_class->get_property = gst_velocity_avg_get_property;
+  object_class->finalize = gst_velocity_avg_finalize;
+  g_object_class_install_property(
+      object_class, kAverage,
+      g_param_spec_enum("average", "Average", "How the velocities of the points become one",
+                        average_type(), static_cast<gint>(Average::model), flags));
+  g_object_class_install_property(
+      object_class, kMotionModel,
+      g_param_spec_enum("motion-model", "Motion Model",
+                        "Motion model that is fitted with average=model", motion_model_type(),
+                        static_cast<gint>(ModelChoice::automatic), flags));
+  g_object_class_install_property(
+      object_class, kPostMessages,
+      g_param_spec_boolean("post-messages", "Post Messages",
+                           "Post an element message haptic-motion for each picture", FALSE, flags));
+
+  gst_element_class_set_static_metadata(
+      element_class, "Velocity averager", "Filter/Analyzer/Video",
+      "Turns the motion that roitracker found in a picture into one haptic motion sample",
+      "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+
+  transform_class->transform_caps = gst_velocity_avg_transform_caps;
+  transform_class->set_caps = gst_velocity_avg_set_caps;
+  transform_class->prepare_output_buffer = gst_velocity_avg_prepare_output_buffer;
+  transform_class->transform = gst_velocity_avg_transform;
+  transform_class->propose_allocation = gst_velocity_avg_propose_allocation;
+  transform_class->start = gst_velocity_avg_start;
+
+  gst_type_mark_as_plugin_api(average_type(), static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(motion_model_type(), static_cast<GstPluginAPIFlags>(0));
+}

@@ -1,0 +1,44 @@
+// Time between pictures, from their time stamps alone: what a stream claims as its frame rate need
+// not be true.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace haptic {
+
+/// How a picture follows in time on the reference, the earlier picture it is to be compared with.
+struct TimeStep {
+  enum class Kind {
+    follows,  ///< `interval` after the reference
+    repeats,  ///< same time as the picture before: nothing can be said about its velocity
+    restarts, ///< no reference, or none that it can be compared with
+  };
+  Kind kind = Kind::restarts;
+  std::uint64_t interval = 0;  ///< ns, only when it follows
+  const char *fault = nullptr; ///< what is wrong with the time stamp, for people; or null
+};
+
+/// Not thread-safe.
+class PictureTimeline {
+public:
+  /// The next picture of the stream, with its time stamp in ns. `descending`: the stream is played
+  /// backwards, so that its time stamps fall.
+  TimeStep advance(std::optional<std::uint64_t> pts, bool descending);
+
+  /// The picture given last becomes the reference.
+  void adopt() { reference_ = last_; }
+
+  /// The next picture restarts.
+  void forget() {
+    reference_.reset();
+    last_.reset();
+  }
+
+private:
+  std::optional<std::uint64_t> reference_;
+  std::optional<std::uint64_t> last_;
+  std::uint64_t usual_interval_ = 0; ///< ns; outlives forget(), a stream keeps its pace
+};
+
+} // namespace haptic

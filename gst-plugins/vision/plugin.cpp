@@ -1,0 +1,13 @@
+#include "gstroitracker.h"
+#include "gstvelocityavg.h"
+
+static gboolean plugin_init(GstPlugin *plugin) {
+  gboolean registered = FALSE;
+  registered |= GST_ELEMENT_REGISTER(roitracker, plugin);
+  registered |= GST_ELEMENT_REGISTER(velocityavg, plugin);
+  return registered;
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, hapticvision,
+                  "Motion of what a pointer rests on in a video", plugin_init, VERSION, GST_LICENSE,
+                  GST_PACKAGE_NAME, GST_PACKAGE_ORIGIN)

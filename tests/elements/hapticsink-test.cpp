@@ -1,0 +1,947 @@
+// hapticsink in small pipelines, with the simulated device; what it did is read from its log.
+#include "gst-raii.hpp"
+#include "motion-sample.hpp"
+#include "pointer-event.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <gst/app/gstappsrc.h>
+#include <gst/check/gstharness.h>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::BufferPtr;
+using haptic::MotionSample;
+
+struct ObjectDeleter {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+struct HarnessDeleter {
+  void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
+};
+struct MessageDeleter {
+  void operator()(GstMessage *message) const { gst_message_unref(message); }
+};
+using ElementPtr = std::unique_ptr<GstElement, ObjectDeleter>;
+using HarnessPtr = std::unique_ptr<GstHarness, HarnessDeleter>;
+using MessagePtr = std::unique_ptr<GstMessage, MessageDeleter>;
+
+constexpr GstClockTime kFrame = GST_SECOND / 30;
+constexpr const char *kCaps = HAPTIC_MOTION_CAPS ", width=352, height=288, framerate=30/1";
+
+MotionSample moving(double vx, double vy) {
+  MotionSample sample;
+  sample.velocity_x = static_cast<float>(vx);
+  sample.velocity_y = static_cast<float>(vy);
+  sample.confidence = 1;
+  sample.interval = kFrame;
+  sample.picture_width = 352;
+  sample.picture_height = 288;
+  sample.points = 20;
+  sample.model = haptic::MotionModel::translation;
+  return sample;
+}
+
+GstBuffer *packed(const MotionSample &sample, GstClockTime pts) {
+  const auto bytes = haptic::pack_motion_sample(sample);
+  GstBuffer *buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = pts;
+  GST_BUFFER_DURATION(buffer) = kFrame;
+  return buffer;
+}
+
+GstBuffer *gap(GstClockTime pts) {
+  GstBuffer *buffer = packed({.picture_width = 352, .picture_height = 288}, pts);
+  GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_GAP);
+  return buffer;
+}
+
+/// The paper's equation 5 with the element's defaults, N.
+double equation5(double v) {
+  return 2 / std::numbers::pi * std::atan(0.01 * v);
+}
+
+struct Row {
+  double time, x, y, z, vx, vy, spin, fx, fy, fz, tx, ty, tz, confidence, t[8];
+  double force() const { return std::hypot(fx, fy, fz); }
+};
+
+std::vector<Row> read_log(const std::filesystem::path &path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7");
+  std::vector<Row> rows;
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    std::array<double, 22> values{};
+    std::size_t n = 0;
+    for (std::string field; std::getline(fields, field, ',') && n < values.size(); ++n)
+      values[n] = std::stod(field);
+    EXPECT_EQ(n, values.size()) << line;
+    Row row;
+    static_assert(sizeof row == sizeof values);
+    std::memcpy(&row, values.data(), sizeof row);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The last rows may already show the fade of the stop.
+const Row &before_stop(const std::vector<Row> &rows) {
+  return rows.at(rows.size() - 150);
+}
+
+class HapticSink : public ::testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "hapticsink-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    log_ = directory_ / "log.csv";
+  }
+  void TearDown() override {
+    if (pipeline_)
+      stop();
+    pipeline_.reset();
+    std::filesystem::remove_all(directory_);
+  }
+
+  void build(const std::string &properties, const std::string &source = "") {
+    const std::string line = "appsrc name=source format=time caps=\"" + std::string(kCaps) + "\" " +
+                             source + " ! hapticsink name=sink " + properties;
+    GError *error = nullptr;
+    pipeline_.reset(gst_parse_launch(line.c_str(), &error));
+    ASSERT_EQ(error, nullptr) << error->message;
+    source_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "source"));
+    sink_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "sink"));
+  }
+  void build_logging(const std::string &properties = "") {
+    build("device=sim log-location=" + log_.string() + " " + properties);
+  }
+
+  void set(GstState state) {
+    ASSERT_NE(gst_element_set_state(pipeline_.get(), state), GST_STATE_CHANGE_FAILURE);
+  }
+  void wait_for(GstState state) {
+    set(state);
+    ASSERT_EQ(gst_element_get_state(pipeline_.get(), nullptr, nullptr, 5 * GST_SECOND),
+              GST_STATE_CHANGE_SUCCESS);
+  }
+  void stop() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+
+  void push(GstBuffer *buffer) {
+    ASSERT_EQ(gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer), GST_FLOW_OK);
+  }
+  /// One sample per frame; they wait in the source for their time.
+  void push_motion(double vx, double vy, double seconds) {
+    for (int n = static_cast<int>(seconds * 30); n > 0; --n, pts_ += kFrame)
+      push(packed(moving(vx, vy), pts_));
+  }
+  void push_end() { gst_app_src_end_of_stream(GST_APP_SRC(source_.get())); }
+
+  MessagePtr message(GstMessageType types, GstClockTime timeout = 10 * GST_SECOND) {
+    GstBus *bus = gst_element_get_bus(pipeline_.get());
+    MessagePtr found(gst_bus_timed_pop_filtered(bus, timeout, types));
+    gst_object_unref(bus);
+    return found;
+  }
+  void wait_for_end() {
+    const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+    ASSERT_TRUE(found);
+    ASSERT_EQ(GST_MESSAGE_TYPE(found.get()), GST_MESSAGE_EOS);
+  }
+
+  std::vector<Row> stop_and_read_log() {
+    stop();
+    return read_log(log_);
+  }
+
+  bool armed() const {
+    gboolean armed = FALSE;
+    g_object_get(sink_.get(), "armed", &armed, nullptr);
+    return armed;
+  }
+  haptic::StructurePtr stats() const {
+    GstStructure *stats = nullptr;
+    g_object_get(sink_.get(), "stats", &stats, nullptr);
+    return haptic::StructurePtr(stats);
+  }
+  guint64 count(const char *name) const {
+    guint64 value = 0;
+    EXPECT_TRUE(gst_structure_get_uint64(stats().get(), name, &value)) << name;
+    return value;
+  }
+  double number(const char *name) const {
+    double value = 0;
+    EXPECT_TRUE(gst_structure_get_double(stats().get(), name, &value)) << name;
+    return value;
+  }
+
+  /// Waits as long as it takes, within reason.
+  static bool eventually(const std::function<bool()> &condition) {
+    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(5ms))
+      if (condition())
+        return true;
+    return false;
+  }
+
+  std::filesystem::path directory_;
+  std::filesystem::path log_;
+  ElementPtr pipeline_;
+  ElementPtr source_;
+  ElementPtr sink_;
+  GstClockTime pts_ = 0;
+};
+
+// ---- what is felt -------------------------------------------------------------------------------
+
+TEST_F(HapticSink, TheForceOnTheLogIsEquation5OfTheVelocity) {
+  build_logging();
+  const std::array<double, 3> speeds = {20, 100, 400};
+  for (double v : speeds)
+    push_motion(v, 0, 0.5);
+  push_motion(0, -100, 0.5); // up
+  push_motion(-60, 80, 0.5); // left and down
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+
+  const auto rows = stop_and_read_log();
+  const auto at = [&](double time) {
+    for (const Row &row : rows)
+      if (row.time >= time)
+        return row;
+    ADD_FAILURE() << "no row at " << time << " s";
+    return Row{};
+  };
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const Row row = at(0.5 * static_cast<double>(i) + 0.4);
+    EXPECT_EQ(row.vx, speeds[i]);
+    EXPECT_NEAR(row.fx, equation5(speeds[i]), 0.02) << speeds[i] << " px/s";
+    EXPECT_EQ(row.fy, 0);
+  }
+  EXPECT_NEAR(at(1.9).fx, 0, 1e-9);
+  EXPECT_NEAR(at(1.9).fy, 0.5, 0.02); // up on the screen is up in the hand
+  EXPECT_NEAR(at(2.4).fx, -0.6 * 0.5, 0.02);
+  EXPECT_NEAR(at(2.4).fy, -0.8 * 0.5, 0.02);
+}
+
+TEST_F(HapticSink, TheLogIsFiniteOrderedAndWithinEveryLimit) {
+  build_logging("max-force=0.7 force-law=arctan-axis");
+  for (int i = 0; i < 8; ++i)
+    push_motion(i % 2 ? -2000 : 2000, i % 3 ? 2000 : -2000, 0.1);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+
+  const auto rows = stop_and_read_log();
+  ASSERT_GT(rows.size(), 500U);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const Row &before = rows[i - 1];
+    const Row &now = rows[i];
+    ASSERT_GE(now.time, before.time);
+    ASSERT_LE(now.force(), 0.7 + 1e-8);
+    const double step = std::hypot(now.fx - before.fx, now.fy - before.fy);
+    ASSERT_LE(step, 20 * (now.time - before.time) + 0.002) << "at " << now.time << " s";
+    for (double tension : now.t) {
+      ASSERT_GT(tension, 0.2);
+      ASSERT_LE(tension, 5.0);
+    }
+  }
+  EXPECT_EQ(rows.back().force(), 0);
+}
+
+TEST_F(HapticSink, AStalledSourceIsSilentWithin250MillisecondsAndAnInterval) {
+  build_logging();
+  push_motion(100, 0, 0.5);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") == 15; }));
+  std::this_thread::sleep_for(500ms);
+  const auto rows = stop_and_read_log();
+  const double last_sample = 14.0 / 30;
+  ASSERT_GT(rows.back().time, last_sample + 0.25 + 1.0 / 30);
+  for (const Row &row : rows) {
+    if (row.time > last_sample + 0.25 + 1.0 / 30) {
+      ASSERT_EQ(row.force(), 0) << row.time;
+    }
+    if (row.time > last_sample - 0.1 && row.time < last_sample + 0.09) {
+      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
+    }
+  }
+}
+
+TEST_F(HapticSink, APauseIsSilentWithin120Milliseconds) {
+  build_logging();
+  push_motion(100, 0, 3);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
+  wait_for(GST_STATE_PAUSED);
+  std::this_thread::sleep_for(250ms);
+  const auto rows = stop_and_read_log();
+  const double frozen = rows.back().time;
+  const auto paused_rows =
+      std::count_if(rows.begin(), rows.end(), [&](const Row &row) { return row.time == frozen; });
+  EXPECT_GT(paused_rows, 50); // it fades and does not drop
+  EXPECT_LE(paused_rows, 120);
+  EXPECT_EQ(rows.back().force(), 0);
+  EXPECT_NEAR(rows[rows.size() - 130].fx, 0.5, 1e-6);
+}
+
+TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
+  build_logging();
+  push_motion(100, 0, 2);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
+  wait_for(GST_STATE_PAUSED);
+  std::this_thread::sleep_for(400ms);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  const auto rows = stop_and_read_log();
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    ASSERT_GE(rows[i].time, rows[i - 1].time);
+  EXPECT_NEAR(rows.back().time, 2, 0.25); // the pause is not in it
+  EXPECT_NEAR(rows[rows.size() - 300].fx, 0.5, 1e-6);
+}
+
+TEST_F(HapticSink, TheEndIsSilentWithin120MillisecondsAndBeforeItIsTold) {
+  build_logging();
+  push_motion(100, 0, 0.5);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  const auto rows = stop_and_read_log(); // at once, as gst-launch-1.0 does
+  double last_full = 0;
+  for (const Row &row : rows)
+    if (row.force() > 0.499)
+      last_full = row.time;
+  EXPECT_EQ(rows.back().force(), 0);
+  EXPECT_LE(rows.back().time - last_full, 0.12);
+  EXPECT_GE(rows.back().time - last_full, 0.05);
+}
+
+TEST_F(HapticSink, APauseWhileItFadesAtTheEndOnlyDelaysTheEnd) {
+  for (const auto pause_at : {440ms, 480ms, 520ms, 560ms, 600ms}) {
+    build("device=sim");
+    pts_ = 0;
+    push_motion(100, 0, 0.5);
+    push_end();
+    wait_for(GST_STATE_PLAYING);
+    std::this_thread::sleep_for(pause_at);
+    wait_for(GST_STATE_PAUSED);
+    std::this_thread::sleep_for(20ms);
+    set(GST_STATE_PLAYING);
+    wait_for_end();
+    stop();
+  }
+}
+
+TEST_F(HapticSink, AFlushIsSilentWithin60Milliseconds) {
+  build_logging();
+  push_motion(100, 0, 3);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
+  GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
+  gst_pad_send_event(pad, gst_event_new_flush_start());
+  std::this_thread::sleep_for(150ms);
+  gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
+  gst_object_unref(pad);
+  const auto rows = stop_and_read_log();
+  double last_full = 0;
+  double first_zero = 0;
+  for (const Row &row : rows) {
+    if (row.force() > 0.499)
+      last_full = row.time;
+    if (last_full > 0 && row.force() == 0 && first_zero == 0)
+      first_zero = row.time;
+  }
+  EXPECT_LE(first_zero - last_full, 0.06);
+  EXPECT_GE(first_zero - last_full, 0.02);
+  EXPECT_EQ(rows.back().force(), 0);
+}
+
+TEST_F(HapticSink, GapsAreFeltAsNothing) {
+  build_logging();
+  push_motion(100, 0, 0.5);
+  for (int i = 0; i < 15; ++i, pts_ += kFrame)
+    push(gap(pts_));
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  EXPECT_EQ(count("samples"), 15U);
+  EXPECT_EQ(count("gaps"), 15U);
+  for (const Row &row : stop_and_read_log())
+    if (row.time > 0.5 + 0.12) {
+      ASSERT_EQ(row.force(), 0) << row.time;
+    }
+}
+
+TEST_F(HapticSink, AGapEventIsFeltAsNothing) {
+  build_logging();
+  push_motion(100, 0, 0.5);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") == 15; }));
+  GstPad *pad = gst_element_get_static_pad(source_.get(), "src");
+  gst_pad_push_event(pad, gst_event_new_gap(pts_, kFrame));
+  gst_object_unref(pad);
+  EXPECT_EQ(count("gaps"), 1U);
+  EXPECT_TRUE(eventually([&] { return number("force-max") > 0; }));
+}
+
+TEST_F(HapticSink, GarbageIsNeverAForceAndIsWarnedOfOnce) {
+  build_logging();
+  MotionSample nan = moving(100, 0);
+  nan.velocity_y = std::numeric_limits<float>::quiet_NaN();
+  MotionSample huge = moving(1e30, -1e30);
+  for (int i = 0; i < 10; ++i, pts_ += kFrame)
+    push(packed(i % 2 ? nan : huge, pts_));
+  GstBuffer *cut = gst_buffer_new_allocate(nullptr, 7, nullptr);
+  gst_buffer_memset(cut, 0, 0x55, 7);
+  GST_BUFFER_PTS(cut) = pts_;
+  push(cut);
+  GstBuffer *empty = gst_buffer_new();
+  GST_BUFFER_PTS(empty) = pts_ + kFrame;
+  push(empty);
+  push_end();
+  set(GST_STATE_PLAYING);
+  int warnings = 0;
+  for (;;) {
+    const auto found = message(
+        static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_WARNING));
+    ASSERT_TRUE(found);
+    ASSERT_NE(GST_MESSAGE_TYPE(found.get()), GST_MESSAGE_ERROR);
+    if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
+      break;
+    ++warnings;
+  }
+  EXPECT_EQ(warnings, 1);
+  EXPECT_EQ(count("bad-samples"), 12U);
+  EXPECT_EQ(number("force-max"), 0);
+  for (const Row &row : stop_and_read_log())
+    ASSERT_EQ(row.force(), 0);
+}
+
+TEST_F(HapticSink, TheLastChangeOfAPropertyIsFelt) {
+  build_logging();
+  push_motion(100, 0, 3);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
+  g_object_set(sink_.get(), "max-force", 2.0, "alpha", 0.02, "reference-width", 176U, nullptr);
+  std::this_thread::sleep_for(400ms);
+  const auto rows = stop_and_read_log();
+  EXPECT_NEAR(before_stop(rows).fx, 2 * equation5(100),
+              0.02); // half the speed at twice the steepness
+}
+
+TEST_F(HapticSink, RandomPropertyChangesWhileItRunsBreakNothing) {
+  build_logging();
+  push_motion(300, -200, 3);
+  set(GST_STATE_PLAYING);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> fraction(0, 1);
+  for (int i = 0; i < 1000; ++i) {
+    switch (random() % 6) {
+    case 0:
+      g_object_set(sink_.get(), "max-force", 5 * fraction(random), nullptr);
+      break;
+    case 1:
+      g_object_set(sink_.get(), "alpha", 10 * fraction(random), nullptr);
+      break;
+    case 2:
+      g_object_set(sink_.get(), "reference-width", static_cast<guint>(random() % 65536), nullptr);
+      break;
+    case 3:
+      g_object_set(sink_.get(), "slew-rate", 0.1 + 100 * fraction(random), nullptr);
+      break;
+    case 4:
+      gst_util_set_object_arg(G_OBJECT(sink_.get()), "force-law",
+                              random() % 2 ? "arctan" : "arctan-axis");
+      break;
+    default:
+      gst_util_set_object_arg(G_OBJECT(sink_.get()), "latency-mode",
+                              random() % 2 ? "auto" : "immediate");
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_LE(number("force-max"), 5);
+  for (const Row &row : stop_and_read_log()) {
+    ASSERT_TRUE(std::isfinite(row.fx) && std::isfinite(row.fy));
+    ASSERT_LE(row.force(), 5 + 1e-6);
+  }
+}
+
+// ---- arming -------------------------------------------------------------------------------------
+
+TEST_F(HapticSink, IsArmedWhenItsDeviceIsOpen) {
+  build("device=sim");
+  EXPECT_FALSE(armed());
+  wait_for(GST_STATE_READY);
+  EXPECT_TRUE(armed());
+  stop();
+  EXPECT_FALSE(armed());
+}
+
+TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
+  build_logging();
+  push_motion(100, 0, 5);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
+  std::atomic<int> notified = 0;
+  g_signal_connect(sink_.get(), "notify::armed",
+                   G_CALLBACK(+[](GObject *, GParamSpec *, std::atomic<int> *n) { ++*n; }),
+                   &notified);
+  g_signal_emit_by_name(sink_.get(), "release");
+  EXPECT_FALSE(armed());
+  EXPECT_GE(notified, 1);
+  std::this_thread::sleep_for(300ms);
+  const guint64 released_ticks = count("ticks");
+  g_signal_emit_by_name(sink_.get(), "arm");
+  EXPECT_TRUE(armed());
+  std::this_thread::sleep_for(800ms);
+  EXPECT_GT(count("ticks"), released_ticks);
+  const auto rows = stop_and_read_log();
+  EXPECT_NEAR(before_stop(rows).fx, 0.5, 1e-6);
+  const auto silent = std::count_if(
+      rows.begin(), rows.end(), [](const Row &row) { return row.time > 0.2 && row.force() == 0; });
+  EXPECT_GT(silent, 150);
+}
+
+TEST_F(HapticSink, AReleaseOutlivesTheNextStart) {
+  build("device=sim");
+  g_signal_emit_by_name(sink_.get(), "release");
+  wait_for(GST_STATE_READY);
+  EXPECT_FALSE(armed());
+  g_signal_emit_by_name(sink_.get(), "arm");
+  EXPECT_TRUE(armed());
+}
+
+TEST_F(HapticSink, CalibrateMakesThePresentPositionTheCentre) {
+  build_logging("sim-hand=hold:0.5,0,0");
+  push_motion(0, 0, 2);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
+  g_signal_emit_by_name(sink_.get(), "calibrate");
+  std::this_thread::sleep_for(200ms);
+  const auto rows = stop_and_read_log();
+  EXPECT_NEAR(rows.front().x, 0.0125, 0.0005);
+  EXPECT_NEAR(rows.back().x, 0, 0.0005);
+}
+
+// ---- the pointer --------------------------------------------------------------------------------
+
+class HapticSinkPointer : public HapticSink {
+protected:
+  void harness(const std::string &properties) {
+    harness_.reset(gst_harness_new_parse(("hapticsink " + properties).c_str()));
+    gst_harness_set_src_caps_str(harness_.get(), kCaps);
+    gst_harness_play(harness_.get());
+  }
+  std::optional<haptic::PointerPosition> next_pointer() {
+    for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(2ms))
+      while (GstEvent *event = gst_harness_try_pull_upstream_event(harness_.get())) {
+        const haptic::EventPtr owned(event);
+        if (auto position = haptic::parse_pointer_event(event))
+          return position;
+      }
+    return std::nullopt;
+  }
+  HarnessPtr harness_;
+};
+
+TEST_F(HapticSinkPointer, AHandHalfwayToTheRightPointsAtThreeQuarters) {
+  harness("device=sim sim-hand=hold:0.5,0,0");
+  const auto first = next_pointer();
+  ASSERT_TRUE(first);
+  EXPECT_NEAR(first->x, 0.75, 0.01);
+  EXPECT_NEAR(first->y, 0.5, 0.01);
+  EXPECT_NEAR(first->z, 0, 0.05);
+  EXPECT_FALSE(first->device.empty());
+  const auto second = next_pointer(); // a resting hand goes on being told
+  ASSERT_TRUE(second);
+  EXPECT_NEAR(second->x, 0.75, 0.01);
+}
+
+TEST_F(HapticSinkPointer, AHandThatIsUpPointsAtTheTop) {
+  harness("device=sim sim-hand=hold:0,0.8,0.4");
+  const auto pointer = next_pointer();
+  ASSERT_TRUE(pointer);
+  EXPECT_NEAR(pointer->y, 0.1, 0.01);
+  EXPECT_NEAR(pointer->z, 0.4, 0.02);
+}
+
+TEST_F(HapticSinkPointer, AWanderingHandIsFollowed) {
+  harness("device=sim sim-hand=circle:0.8,1");
+  double lowest = 1;
+  double highest = 0;
+  for (int i = 0; i < 120; ++i) {
+    const auto pointer = next_pointer();
+    ASSERT_TRUE(pointer);
+    lowest = std::min(lowest, pointer->x);
+    highest = std::max(highest, pointer->x);
+  }
+  EXPECT_LT(lowest, 0.2);
+  EXPECT_GT(highest, 0.8);
+}
+
+TEST_F(HapticSinkPointer, WithoutADeviceThereIsNoPointer) {
+  harness("device=none");
+  for (int i = 0; i < 30; ++i)
+    gst_harness_push(harness_.get(), packed(moving(100, 0), GST_CLOCK_TIME_NONE));
+  EXPECT_EQ(next_pointer(), std::nullopt);
+}
+
+// ---- latency ------------------------------------------------------------------------------------
+
+class HapticSinkLatency : public HapticSinkPointer {
+protected:
+  // ms that a push keeps its thread, median over some samples stamped with the present.
+  double median_push(const std::string &properties, bool live) {
+    harness_.reset(gst_harness_new_parse(("hapticsink device=sim " + properties).c_str()));
+    gst_harness_set_live(harness_.get(), live);
+    gst_harness_set_upstream_latency(harness_.get(), 40 * GST_MSECOND);
+    gst_harness_set_src_caps_str(harness_.get(), kCaps);
+    gst_harness_use_systemclock(harness_.get());
+    GstElement *sink = gst_harness_find_element(harness_.get(), "hapticsink");
+    g_object_set(sink, "sync", TRUE, nullptr); // the harness has turned it off
+    gst_harness_play(harness_.get());
+    gst_element_send_event(sink, gst_event_new_latency(40 * GST_MSECOND));
+    GstClock *clock = gst_element_get_clock(sink);
+    std::vector<double> durations;
+    for (int i = 0; i < 21; ++i) {
+      const GstClockTime now = gst_clock_get_time(clock) - gst_element_get_base_time(sink);
+      const auto before = std::chrono::steady_clock::now();
+      gst_harness_push(harness_.get(), packed(moving(100, 0), now));
+      durations.push_back(
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before)
+              .count());
+      std::this_thread::sleep_for(2ms);
+    }
+    gst_object_unref(clock);
+    gst_object_unref(sink);
+    std::nth_element(durations.begin(), durations.begin() + 10, durations.end());
+    return durations[10];
+  }
+};
+
+TEST_F(HapticSinkLatency, ALiveSampleIsFeltAtOnce) {
+  EXPECT_LT(median_push("", true), 2);
+  EXPECT_LT(median_push("latency-mode=immediate", false), 2);
+}
+
+TEST_F(HapticSinkLatency, OtherwiseASampleWaitsForItsTime) {
+  EXPECT_GT(median_push("latency-mode=synchronized", true), 30);
+  EXPECT_GT(median_push("", false), 30);
+}
+
+TEST_F(HapticSink, ALivePipelineIsNoSlowerForIt) {
+  const auto latency = [](const std::string &branch) {
+    const std::string line = "videotestsrc is-live=true ! video/x-raw,framerate=30/1 ! tee name=t "
+                             "t. ! queue ! fakesink sync=true " +
+                             branch;
+    const ElementPtr pipeline(gst_parse_launch(line.c_str(), nullptr));
+    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+    gst_element_get_state(pipeline.get(), nullptr, nullptr, 5 * GST_SECOND);
+    const haptic::QueryPtr query(gst_query_new_latency());
+    GstClockTime least = GST_CLOCK_TIME_NONE;
+    EXPECT_TRUE(eventually([&] {
+      gboolean live = FALSE;
+      return gst_element_query(pipeline.get(), query.get()) &&
+             (gst_query_parse_latency(query.get(), &live, &least, nullptr), live);
+    }));
+    gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+    return least;
+  };
+  const std::string samples = "appsrc is-live=true format=time do-timestamp=true caps=\"" +
+                              std::string(kCaps) + "\" ! queue ! hapticsink device=sim";
+  EXPECT_EQ(latency(samples), latency(""));
+}
+
+// ---- life cycle ---------------------------------------------------------------------------------
+
+TEST_F(HapticSink, SurvivesTwoHundredStateChanges) {
+  build("device=sim");
+  std::mt19937 random(6);
+  constexpr std::array kStates = {GST_STATE_NULL, GST_STATE_READY, GST_STATE_PAUSED,
+                                  GST_STATE_PLAYING};
+  for (int i = 0; i < 200; ++i) {
+    // The source refuses while it is stopped, and forgets when it stops.
+    gst_app_src_push_buffer(GST_APP_SRC(source_.get()), packed(moving(100, 0), 0));
+    set(kStates[random() % kStates.size()]);
+    if (random() % 4 == 0)
+      std::this_thread::sleep_for(5ms);
+  }
+  stop();
+  EXPECT_FALSE(message(GST_MESSAGE_ERROR, 0));
+}
+
+TEST_F(HapticSink, TwoOfThemWorkSideBySide) {
+  build_logging();
+  const auto other_log = directory_ / "other.csv";
+  const ElementPtr other(
+      gst_parse_launch(("appsrc name=source format=time caps=\"" + std::string(kCaps) +
+                        "\" ! hapticsink name=sink device=sim log-location=" + other_log.string())
+                           .c_str(),
+                       nullptr));
+  const ElementPtr other_source(gst_bin_get_by_name(GST_BIN(other.get()), "source"));
+  for (int i = 0; i < 15; ++i)
+    gst_app_src_push_buffer(GST_APP_SRC(other_source.get()),
+                            packed(moving(-100, 0), static_cast<GstClockTime>(i) * kFrame));
+  push_motion(100, 0, 0.5);
+  gst_app_src_end_of_stream(GST_APP_SRC(other_source.get()));
+  push_end();
+  gst_element_set_state(other.get(), GST_STATE_PLAYING);
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  gst_element_set_state(other.get(), GST_STATE_NULL);
+  const auto middle = [](const std::vector<Row> &rows) { return rows.at(300).fx; };
+  EXPECT_NEAR(middle(stop_and_read_log()), 0.5, 1e-6);
+  EXPECT_NEAR(middle(read_log(other_log)), -0.5, 1e-6);
+}
+
+TEST_F(HapticSink, TheEndMayComeBeforeTheFirstSample) {
+  build_logging();
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  for (const Row &row : stop_and_read_log())
+    EXPECT_EQ(row.force(), 0);
+}
+
+TEST_F(HapticSink, AChangeOfCapsIsNoInterruption) {
+  build_logging();
+  push_motion(100, 0, 0.4);
+  const haptic::CapsPtr caps(
+      gst_caps_from_string(HAPTIC_MOTION_CAPS ", width=704, height=576, framerate=30/1"));
+  gst_app_src_set_caps(GST_APP_SRC(source_.get()), caps.get());
+  for (int i = 0; i < 12; ++i, pts_ += kFrame) {
+    MotionSample sample = moving(200, 0); // the same motion in a picture twice as wide
+    sample.picture_width = 704;
+    push(packed(sample, pts_));
+  }
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  for (const Row &row : stop_and_read_log())
+    if (row.time > 0.2 && row.time < 0.8) {
+      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
+    }
+}
+
+TEST_F(HapticSink, ASeekIsSilentAndThenGoesOn) {
+  build("device=sim log-location=" + log_.string(), "stream-type=seekable");
+  std::atomic<int> seeks = 0;
+  g_signal_connect(source_.get(), "seek-data",
+                   G_CALLBACK(+[](GstAppSrc *, guint64, std::atomic<int> *n) -> gboolean {
+                     ++*n;
+                     return TRUE;
+                   }),
+                   &seeks);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return seeks == 1; })); // every source begins with one
+  push_motion(100, 0, 1);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
+  ASSERT_TRUE(gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, 0));
+  const guint64 before = count("samples");
+  pts_ = 0;
+  push_motion(100, 0, 1);
+  push_end();
+  wait_for_end();
+  EXPECT_GE(count("samples"), before + 29);
+  const auto rows = stop_and_read_log();
+  EXPECT_GT(rows.back().time, 1.4); // the log's time went on
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    ASSERT_GE(rows[i].time, rows[i - 1].time);
+  EXPECT_NEAR(rows[rows.size() - 300].fx, 0.5, 1e-6);
+  const auto silent = std::count_if(rows.begin(), rows.end(), [](const Row &row) {
+    return row.time > 0.2 && row.time < 1 && row.force() == 0;
+  });
+  EXPECT_GT(silent, 0);
+}
+
+TEST_F(HapticSink, APropertyChangedInReadyCounts) {
+  build("device=none");
+  wait_for(GST_STATE_READY);
+  g_object_set(sink_.get(), "device", "sim", "rate", 500U, "log-location", log_.c_str(), nullptr);
+  push_motion(100, 0, 0.5);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  const auto rows = stop_and_read_log();
+  EXPECT_NEAR(static_cast<double>(rows.size()), 0.6 * 500, 40);
+  EXPECT_GT(rows.back().t[0], 0.2);
+}
+
+// ---- messages -----------------------------------------------------------------------------------
+
+TEST_F(HapticSink, TellsItsStatisticsJustBeforeTheEnd) {
+  build("device=sim");
+  push_motion(100, 0, 0.5);
+  push_end();
+  set(GST_STATE_PLAYING);
+  int told = 0;
+  for (;;) {
+    const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
+    ASSERT_TRUE(found);
+    if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
+      break;
+    const GstStructure *s = gst_message_get_structure(found.get());
+    ASSERT_STREQ(gst_structure_get_name(s), "hapticsink-stats");
+    ++told;
+    for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples",
+                             "gaps", "faults", "log-rows-lost"})
+      EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
+    for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
+                             "loop-max", "sample-age", "sample-age-max", "force-max"})
+      EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
+    EXPECT_EQ(gst_structure_n_fields(s), 17);
+  }
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(count("samples"), 15U);
+  EXPECT_GT(count("ticks"), 300U);
+  EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
+  EXPECT_GT(number("loop-p99"), 0);
+  EXPECT_GT(number("sample-age"), 0);
+}
+
+TEST_F(HapticSink, AnnouncesItsThread) {
+  build("device=sim");
+  std::vector<GstStreamStatusType> told;
+  push_motion(100, 0, 0.2);
+  GstBus *bus = gst_element_get_bus(pipeline_.get());
+  gst_bus_set_sync_handler(
+      bus,
+      [](GstBus *, GstMessage *m, gpointer data) {
+        if (GST_MESSAGE_TYPE(m) == GST_MESSAGE_STREAM_STATUS) {
+          GstStreamStatusType type;
+          GstElement *owner = nullptr;
+          gst_message_parse_stream_status(m, &type, &owner);
+          gchar *name = gst_element_get_name(owner);
+          if (std::strcmp(name, "sink") == 0)
+            static_cast<std::vector<GstStreamStatusType> *>(data)->push_back(type);
+          g_free(name);
+        }
+        return GST_BUS_PASS;
+      },
+      &told, nullptr);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") > 0; }));
+  stop();
+  gst_bus_set_sync_handler(bus, nullptr, nullptr, nullptr);
+  gst_object_unref(bus);
+  EXPECT_EQ(told, (std::vector{GST_STREAM_STATUS_TYPE_CREATE, GST_STREAM_STATUS_TYPE_ENTER,
+                               GST_STREAM_STATUS_TYPE_LEAVE}));
+}
+
+// ---- errors -------------------------------------------------------------------------------------
+
+class HapticSinkErrors : public HapticSink {
+protected:
+  struct Told {
+    GQuark domain = 0;
+    int code = 0;
+    std::string text;
+  };
+  Told told(GstMessageType type) {
+    const auto found = message(type, GST_SECOND);
+    if (!found)
+      return {};
+    GError *error = nullptr;
+    if (type == GST_MESSAGE_ERROR)
+      gst_message_parse_error(found.get(), &error, nullptr);
+    else
+      gst_message_parse_warning(found.get(), &error, nullptr);
+    Told t{error->domain, error->code, error->message};
+    g_error_free(error);
+    return t;
+  }
+  Told failure(GstState state) {
+    EXPECT_EQ(gst_element_set_state(pipeline_.get(), state), GST_STATE_CHANGE_FAILURE);
+    return told(GST_MESSAGE_ERROR);
+  }
+};
+
+TEST_F(HapticSinkErrors, AnUnknownGeometryNamesIt) {
+  build("device=sim geometry=no-such-frame");
+  const auto error = failure(GST_STATE_READY);
+  EXPECT_EQ(error.domain, GST_RESOURCE_ERROR);
+  EXPECT_EQ(error.code, GST_RESOURCE_ERROR_NOT_FOUND);
+  EXPECT_NE(error.text.find("no-such-frame"), std::string::npos) << error.text;
+}
+
+TEST_F(HapticSinkErrors, AnUnknownDeviceSaysWhatThereIs) {
+  build("device=toaster");
+  const auto error = failure(GST_STATE_READY);
+  EXPECT_EQ(error.code, GST_RESOURCE_ERROR_SETTINGS);
+  EXPECT_NE(error.text.find("usb:ID"), std::string::npos) << error.text;
+}
+
+TEST_F(HapticSinkErrors, AHandThatIsNotUnderstoodSaysWhatIs) {
+  build("device=sim sim-hand=wave");
+  const auto error = failure(GST_STATE_READY);
+  EXPECT_EQ(error.code, GST_RESOURCE_ERROR_SETTINGS);
+  EXPECT_NE(error.text.find("hold:"), std::string::npos) << error.text;
+}
+
+TEST_F(HapticSinkErrors, ALogThatCannotBeWrittenNamesTheFile) {
+  build("device=sim log-location=" + (directory_ / "missing" / "log.csv").string());
+  wait_for(GST_STATE_READY);
+  const auto error = failure(GST_STATE_PAUSED);
+  EXPECT_EQ(error.domain, GST_RESOURCE_ERROR);
+  EXPECT_EQ(error.code, GST_RESOURCE_ERROR_OPEN_WRITE);
+  EXPECT_NE(error.text.find("missing/log.csv"), std::string::npos) << error.text;
+}
+
+TEST_F(HapticSinkErrors, AfterAnErrorItStartsOnceTheCauseIsGone) {
+  build("device=sim geometry=no-such-frame");
+  failure(GST_STATE_READY);
+  stop();
+  g_object_set(sink_.get(), "geometry", "spidar-g6x3r", nullptr);
+  wait_for(GST_STATE_READY);
+}
+
+// Only where no SPIDAR-G is plugged in.
+TEST_F(HapticSinkErrors, WithoutADeviceUsbIsAnErrorAndAutoASimulatedOneWithAWarning) {
+  build("device=usb");
+  if (gst_element_set_state(pipeline_.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE)
+    GTEST_SKIP() << "a SPIDAR-G is plugged in";
+  const auto error = told(GST_MESSAGE_ERROR);
+  EXPECT_EQ(error.domain, GST_RESOURCE_ERROR);
+  EXPECT_EQ(error.code, GST_RESOURCE_ERROR_NOT_FOUND);
+  stop();
+  build("");
+  wait_for(GST_STATE_READY);
+  const auto warning = told(GST_MESSAGE_WARNING);
+  EXPECT_EQ(warning.code, GST_RESOURCE_ERROR_NOT_FOUND);
+  EXPECT_NE(warning.text.find("simulated"), std::string::npos) << warning.text;
+}
+
+TEST_F(HapticSinkErrors, OtherCapsAreRefused) {
+  const ElementPtr pipeline(
+      gst_parse_launch("videotestsrc num-buffers=1 ! hapticsink device=none", nullptr));
+  // gst_parse_launch may already refuse to link.
+  if (pipeline)
+    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const HarnessPtr harness(gst_harness_new_parse("hapticsink device=none"));
+  gst_harness_set_src_caps_str(harness.get(), "haptics/x-raw, modality=force, layout=point");
+  EXPECT_EQ(gst_harness_push(harness.get(), packed(moving(1, 1), 0)), GST_FLOW_NOT_NEGOTIATED);
+  if (pipeline)
+    gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+}
+
+} // namespace

@@ -1,0 +1,121 @@
+// Pictures whose motion is known exactly: band-limited textures, painted at any fraction of a
+// pixel.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace test {
+
+/// px, x to the right, y down.
+struct Shift {
+  double x = 0;
+  double y = 0;
+};
+
+/// 8-bit luma.
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels; ///< width*height, row by row
+
+  Picture() = default;
+  Picture(int w, int h, std::uint8_t grey = 0)
+      : width(w), height(h),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), grey) {}
+
+  std::uint8_t &at(int x, int y) {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+};
+
+/// A sum of sine waves in random directions. None is shorter than `shortest` pixels, so that the
+/// samples hold the texture whole and a shift by any fraction of a pixel is exact.
+class Texture {
+public:
+  explicit Texture(unsigned seed, double shortest = 5, double contrast = 35) {
+    constexpr int kWaves = 40;
+    constexpr double kOctaves = 3.6;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    double power = 0;
+    for (int i = 0; i < kWaves; ++i) {
+      const double length = shortest * std::exp2(kOctaves * unit(random));
+      const double direction = 2 * std::numbers::pi * unit(random);
+      const double number = 2 * std::numbers::pi / length;
+      const double amplitude = std::sqrt(length); // as in nature, coarse is stronger
+      waves_.push_back({number * std::cos(direction), number * std::sin(direction),
+                        2 * std::numbers::pi * unit(random), amplitude});
+      power += amplitude * amplitude / 2;
+    }
+    for (Wave &wave : waves_)
+      wave.amplitude *= contrast / std::sqrt(power);
+  }
+
+  /// Paints the columns left..right-1 (all by default) with the texture moved by `shift`.
+  void paint(Picture &picture, Shift shift, int left = 0, int right = -1) const {
+    if (right < 0)
+      right = picture.width;
+    const std::size_t columns = static_cast<std::size_t>(right - left);
+    std::vector<double> row(columns);
+    const auto along_x = phases(left, right, [&](const Wave &wave, double x) {
+      return std::polar(wave.amplitude, wave.kx * (x - shift.x) + wave.phase);
+    });
+    const auto along_y = phases(0, picture.height, [&](const Wave &wave, double y) {
+      return std::polar(1.0, wave.ky * (y - shift.y));
+    });
+    for (int y = 0; y < picture.height; ++y) {
+      std::fill(row.begin(), row.end(), 128.0);
+      for (std::size_t wave = 0; wave < waves_.size(); ++wave) {
+        const auto factor = along_y[wave][static_cast<std::size_t>(y)];
+        for (std::size_t i = 0; i < columns; ++i)
+          row[i] +=
+              along_x[wave][i].real() * factor.real() - along_x[wave][i].imag() * factor.imag();
+      }
+      for (std::size_t i = 0; i < columns; ++i)
+        picture.at(left + static_cast<int>(i), y) =
+            static_cast<std::uint8_t>(std::clamp(std::round(row[i]), 0.0, 255.0));
+    }
+  }
+
+  Picture picture(int width, int height, Shift shift) const {
+    Picture picture(width, height);
+    paint(picture, shift);
+    return picture;
+  }
+
+private:
+  struct Wave {
+    double kx, ky, phase, amplitude;
+  };
+
+  // One list per wave, at the centres of the pixels begin..end-1.
+  template <typename Function>
+  std::vector<std::vector<std::complex<double>>> phases(int begin, int end,
+                                                        const Function &at) const {
+    std::vector<std::vector<std::complex<double>>> lists;
+    for (const Wave &wave : waves_) {
+      auto &list = lists.emplace_back();
+      for (int i = begin; i < end; ++i)
+        list.push_back(at(wave, i + 0.5));
+    }
+    return lists;
+  }
+
+  std::vector<Wave> waves_;
+};
+
+/// Gaussian noise of a camera, standard deviation in grey levels.
+inline void add_noise(Picture &picture, double sigma, std::mt19937 &random) {
+  std::normal_distribution<double> noise(0, sigma);
+  for (auto &pixel : picture.pixels)
+    pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise(random)), 0.0, 255.0));
+}
+
+} // namespace test

@@ -1,0 +1,183 @@
+// Feeds pictures of known motion to elements and looks at what comes out.
+#pragma once
+
+#include "gst-raii.hpp"
+#include "gsthapticmotionmeta.h"
+#include "moving-texture.hpp"
+
+#include <functional>
+#include <gst/check/gstharness.h>
+#include <gst/video/video.h>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace test {
+
+struct HarnessTeardown {
+  void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
+};
+struct ObjectUnref {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+struct MessageUnref {
+  void operator()(GstMessage *message) const { gst_message_unref(message); }
+};
+using ElementPtr = std::unique_ptr<GstElement, ObjectUnref>;
+using MessagePtr = std::unique_ptr<GstMessage, MessageUnref>;
+
+inline GstVideoInfo video_info(GstVideoFormat format, int width, int height) {
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, format, static_cast<guint>(width), static_cast<guint>(height));
+  return info;
+}
+
+/// The picture in a new buffer of this format; chroma is neutral.
+inline haptic::BufferPtr to_buffer(const Picture &picture, const GstVideoInfo &info) {
+  haptic::BufferPtr buffer(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
+  gst_buffer_memset(buffer.get(), 0, 128, GST_VIDEO_INFO_SIZE(&info));
+  GstVideoFrame frame;
+  gst_video_frame_map(&frame, &info, buffer.get(), GST_MAP_WRITE);
+  const guint components = GST_VIDEO_INFO_IS_RGB(&info) ? 3 : 1;
+  for (guint component = 0; component < components; ++component) {
+    auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame, component));
+    const int step = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, component);
+    for (int y = 0; y < picture.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&frame, component))
+      for (int x = 0; x < picture.width; ++x)
+        row[x * step] = picture.pixels[static_cast<std::size_t>(y) * picture.width + x];
+  }
+  gst_video_frame_unmap(&frame);
+  return buffer;
+}
+
+/// Elements between a source and a sink of the test's own.
+class VideoHarness {
+public:
+  explicit VideoHarness(const char *line)
+      : harness_(gst_harness_new_parse(line)), bus_(gst_bus_new()) {
+    gst_element_set_bus(harness_->element, bus_.get());
+  }
+  ~VideoHarness() { gst_element_set_bus(harness_->element, nullptr); }
+  VideoHarness(const VideoHarness &) = delete;
+  VideoHarness &operator=(const VideoHarness &) = delete;
+
+  void set_format(GstVideoFormat format, int width, int height) {
+    info = video_info(format, width, height);
+    GST_VIDEO_INFO_FPS_N(&info) = 30;
+    gst_harness_set_src_caps(get(), gst_video_info_to_caps(&info));
+  }
+
+  GstFlowReturn push(haptic::BufferPtr buffer) { return gst_harness_push(get(), buffer.release()); }
+
+  /// Pushes the picture in the format that is set and takes what comes out.
+  haptic::BufferPtr pass(const Picture &picture, GstClockTime pts, guint flags = 0) {
+    haptic::BufferPtr buffer = to_buffer(picture, info);
+    GST_BUFFER_PTS(buffer.get()) = pts;
+    GST_BUFFER_FLAG_SET(buffer.get(), flags);
+    return push(std::move(buffer)) == GST_FLOW_OK ? pull() : nullptr;
+  }
+
+  haptic::BufferPtr pull() { return haptic::BufferPtr(gst_harness_try_pull(get())); }
+
+  /// The next message of these types on the bus; nothing, if there is none.
+  MessagePtr message(GstMessageType types) {
+    return MessagePtr(gst_bus_pop_filtered(bus_.get(), types));
+  }
+
+  /// The next upstream event of this type that got through; nothing, if there is none.
+  haptic::EventPtr upstream_event(GstEventType type) {
+    while (GstEvent *event = gst_harness_try_pull_upstream_event(get())) {
+      haptic::EventPtr owned(event);
+      if (GST_EVENT_TYPE(event) == type)
+        return owned;
+    }
+    return nullptr;
+  }
+
+  ElementPtr element(const char *factory) {
+    return ElementPtr(gst_harness_find_element(get(), factory));
+  }
+
+  GstHarness *get() const { return harness_.get(); }
+
+  GstVideoInfo info{};
+
+private:
+  std::unique_ptr<GstHarness, HarnessTeardown> harness_;
+  std::unique_ptr<GstBus, ObjectUnref> bus_;
+};
+
+/// Mean displacement of the patches, px; nothing without patches.
+inline std::optional<Shift> displacement(GstBuffer *buffer) {
+  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
+  if (!meta || meta->n_patches == 0)
+    return std::nullopt;
+  Shift sum;
+  for (guint i = 0; i < meta->n_patches; ++i) {
+    sum.x += static_cast<double>(meta->patches[i].dx) / meta->n_patches;
+    sum.y += static_cast<double>(meta->patches[i].dy) / meta->n_patches;
+  }
+  return sum;
+}
+
+/// Runs the pipeline to its end. The text of the error, or nothing.
+inline std::optional<std::string> run_to_end(GstElement *pipeline,
+                                             const std::function<void()> &meanwhile = {}) {
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  if (meanwhile)
+    meanwhile();
+  const std::unique_ptr<GstBus, ObjectUnref> bus(gst_element_get_bus(pipeline));
+  const MessagePtr message(
+      gst_bus_timed_pop_filtered(bus.get(), 60 * GST_SECOND,
+                                 static_cast<GstMessageType>(static_cast<int>(GST_MESSAGE_EOS) |
+                                                             static_cast<int>(GST_MESSAGE_ERROR))));
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  if (!message)
+    return "it did not end";
+  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_EOS)
+    return std::nullopt;
+  GError *error = nullptr;
+  gst_message_parse_error(message.get(), &error, nullptr);
+  std::string text = error->message;
+  g_error_free(error);
+  return text;
+}
+
+/// Sets each writable property that the element adds to its parents to values all over its range.
+inline void flip_every_property(GstElement *element, int rounds) {
+  guint count = 0;
+  GParamSpec **list = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int round = 0; round < rounds; ++round)
+    for (guint i = 0; i < count; ++i) {
+      GParamSpec *spec = list[i];
+      if (spec->owner_type != G_OBJECT_TYPE(element))
+        continue;
+      GValue value = G_VALUE_INIT;
+      if (spec->flags & G_PARAM_WRITABLE) {
+        g_value_init(&value, spec->value_type);
+        if (auto *number = G_IS_PARAM_SPEC_UINT(spec) ? G_PARAM_SPEC_UINT(spec) : nullptr)
+          g_value_set_uint(
+              &value, number->minimum +
+                          static_cast<guint>(unit(random) * (number->maximum - number->minimum)));
+        else if (auto *real = G_IS_PARAM_SPEC_DOUBLE(spec) ? G_PARAM_SPEC_DOUBLE(spec) : nullptr)
+          g_value_set_double(&value,
+                             real->minimum + unit(random) * (real->maximum - real->minimum));
+        else if (auto *choice = G_IS_PARAM_SPEC_ENUM(spec) ? G_PARAM_SPEC_ENUM(spec) : nullptr)
+          g_value_set_enum(
+              &value, choice->enum_class->values[random() % choice->enum_class->n_values].value);
+        else if (G_IS_PARAM_SPEC_BOOLEAN(spec))
+          g_value_set_boolean(&value, random() % 2 == 0);
+        g_object_set_property(G_OBJECT(element), spec->name, &value);
+        g_value_unset(&value);
+      }
+      if (spec->flags & G_PARAM_READABLE) {
+        g_object_get_property(G_OBJECT(element), spec->name, &value);
+        g_value_unset(&value);
+      }
+    }
+  g_free(list);
+}
+
+} // namespace test

@@ -1,0 +1,447 @@
+#include "haptic-loop.hpp"
+
+#include "device-choice.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <spidar/error.hpp>
+#include <spidar/simulator.hpp>
+#include <sstream>
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::HapticLoop;
+using haptic::MotionSample;
+
+constexpr std::int64_t kMs = 1'000'000; // ns
+
+// The simulated device behind a wire that can be cut, and whose grip can be thrown.
+class Wire final : public spidar::Controller {
+public:
+  explicit Wire(const std::string &hand)
+      : geometry_(spidar::load_geometry(spidar::kDefaultGeometry)),
+        simulator_(geometry_, spidar::parse_hand_script(hand)) {}
+
+  bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
+    ++exchanges;
+    last_words = words;
+    std::this_thread::sleep_for(stall.exchange(0ms));
+    if (cut)
+      return false;
+    if (thrown_speed == 0)
+      return simulator_.exchange(words, counts);
+    thrown_.position.x() += thrown_speed * 0.001;
+    const spidar::StringLengths change =
+        string_lengths(geometry_, thrown_) - string_lengths(geometry_, {});
+    home(counts);
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      counts[i] += static_cast<std::int32_t>(
+          std::lround(change[static_cast<Eigen::Index>(i)] / geometry_.metres_per_count[i]));
+    return true;
+  }
+  bool home(spidar::Counts &counts) const noexcept override { return simulator_.home(counts); }
+  std::string description() const override { return "a wire"; }
+
+  bool cut = false;
+  std::atomic<std::chrono::milliseconds> stall = 0ms; // once
+  double thrown_speed = 0;                            // m/s to the right, from the centre
+  int exchanges = 0;
+  spidar::DacWords last_words{};
+
+private:
+  spidar::Geometry geometry_;
+  spidar::Simulator simulator_;
+  spidar::Pose thrown_;
+};
+
+MotionSample moving(float vx, float vy) {
+  MotionSample sample;
+  sample.velocity_x = vx;
+  sample.velocity_y = vy;
+  sample.confidence = 1;
+  sample.interval = 33 * kMs;
+  sample.picture_width = 352;
+  sample.picture_height = 288;
+  return sample;
+}
+
+// Drives the ticks by hand, so that a test takes no time and knows every tick.
+class Loop : public ::testing::Test {
+protected:
+  void open(const std::string &hand = "hold:0,0,0") {
+    auto wire = std::make_unique<Wire>(hand);
+    wire_ = wire.get();
+    device_ = std::make_unique<spidar::Device>(std::move(wire),
+                                               spidar::load_geometry(spidar::kDefaultGeometry));
+    loop_.prepare({.device = device_.get()});
+    loop_.unhold(haptic::kHoldClosed);
+  }
+  void play() { loop_.unhold(haptic::kHoldPaused); }
+
+  void ticks(int n, std::int64_t lateness = 0) {
+    for (int i = 0; i < n; ++i) {
+      now_ += kMs;
+      loop_.tick(now_ - lateness, now_);
+    }
+  }
+  // A source of 100 samples/s for so long.
+  void play_motion(float vx, float vy, int ms) {
+    for (int i = 0; i < ms; i += 10) {
+      loop_.submit(moving(vx, vy), now_);
+      ticks(10);
+    }
+  }
+  double force_max() const { return loop_.statistics().force_max; }
+  bool is_held(std::uint32_t hold) const { return loop_.holds() & hold; }
+  spidar::Vector3 realised() const { return device_->state().realised.force; }
+
+  std::int64_t now_ = 1000 * kMs;
+  Wire *wire_ = nullptr;
+  std::unique_ptr<spidar::Device> device_;
+  HapticLoop loop_;
+};
+
+TEST_F(Loop, TheDevicePullsWithTheForceOfEquation5) {
+  open();
+  play();
+  play_motion(100, 0, 1000);
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+  EXPECT_NEAR(force_max(), 0.5, 1e-6);
+  play_motion(0, -100, 500);
+  EXPECT_NEAR(realised().y(), 0.5, 0.02);
+}
+
+TEST_F(Loop, ExertsNothingBeforeItPlays) {
+  open();
+  play_motion(100, 0, 500);
+  EXPECT_EQ(force_max(), 0);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(Loop, FlushedSamplesAreForgotten) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldFlushing);
+  loop_.drop_samples();
+  ticks(51);
+  EXPECT_TRUE(loop_.silent());
+  loop_.unhold(haptic::kHoldFlushing);
+  ticks(300);
+  EXPECT_TRUE(loop_.silent()); // nothing new came
+  play_motion(100, 0, 300);
+  EXPECT_FALSE(loop_.silent());
+}
+
+TEST_F(Loop, AFlushThatIsOverWithinATickStillFadesToZeroAndBack) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldFlushing);
+  loop_.drop_samples();
+  loop_.drop_samples();
+  loop_.unhold(haptic::kHoldFlushing);
+  play_motion(100, 0, 50);
+  EXPECT_TRUE(loop_.silent());
+  play_motion(100, 0, 100);
+  EXPECT_NEAR(realised().x(), 0.25, 0.02);
+}
+
+TEST_F(Loop, AStalledSourceFadesOut) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  ticks(205);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(Loop, AGapFadesOut) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  loop_.submit_gap(now_);
+  ticks(101);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(Loop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  wire_->cut = true;
+  ticks(2);
+  EXPECT_FALSE(is_held(haptic::kHoldFaulted));
+  ticks(1);
+  EXPECT_TRUE(is_held(haptic::kHoldFaulted));
+  EXPECT_TRUE(loop_.silent());
+  EXPECT_EQ(loop_.statistics().device_faults, 1U);
+
+  wire_->cut = false;
+  play_motion(100, 0, 1000);
+  EXPECT_TRUE(loop_.silent()); // it answers again, but nobody armed it
+  loop_.unhold(haptic::kLatches);
+  play_motion(100, 0, 1000);
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+  EXPECT_EQ(loop_.statistics().device_faults, 1U);
+}
+
+TEST_F(Loop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
+  open();
+  play();
+  wire_->cut = true;
+  ticks(10);
+  const int before = wire_->exchanges;
+  ticks(1000);
+  EXPECT_NEAR(wire_->exchanges - before, 10, 1);
+}
+
+TEST_F(Loop, ASingleFailedExchangeChangesNothingToSpeakOf) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  wire_->cut = true;
+  ticks(1);
+  wire_->cut = false;
+  ticks(5);
+  EXPECT_FALSE(loop_.silent());
+  EXPECT_EQ(loop_.statistics().device_faults, 0U);
+}
+
+TEST_F(Loop, AGripThatFliesOffIsLetGoUntilArmed) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  wire_->thrown_speed = 1.5;
+  ticks(12);
+  EXPECT_TRUE(is_held(haptic::kHoldOverspeed));
+  wire_->thrown_speed = 0; // caught again
+  ticks(50);
+  EXPECT_TRUE(loop_.silent());
+  EXPECT_EQ(loop_.statistics().overspeeds, 1U);
+  play_motion(100, 0, 1000);
+  EXPECT_TRUE(loop_.silent());
+  loop_.unhold(haptic::kLatches);
+  play_motion(100, 0, 1000);
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+}
+
+TEST_F(Loop, AGripThatIsMovedFastWithoutAForceStaysArmed) {
+  open();
+  play();
+  wire_->thrown_speed = 1.5;
+  ticks(12);
+  EXPECT_FALSE(is_held(haptic::kHoldOverspeed));
+}
+
+TEST_F(Loop, ATickMuchTooLateFadesAndIsCounted) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  const auto late = loop_.statistics().late_ticks.load();
+  ticks(1, 21 * kMs);
+  EXPECT_EQ(loop_.statistics().missed_ticks, 1U);
+  EXPECT_EQ(loop_.statistics().late_ticks, late + 1);
+  ticks(49);
+  EXPECT_TRUE(loop_.silent());
+  play_motion(100, 0, 500);
+  EXPECT_FALSE(loop_.silent());
+}
+
+TEST_F(Loop, SettingsThatAreNotFiniteGiveZeroAndAreCounted) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  haptic::LoopSettings settings;
+  settings.law_settings.max_force = std::numeric_limits<double>::quiet_NaN();
+  loop_.set_settings(settings);
+  ticks(1);
+  EXPECT_TRUE(loop_.silent());
+  EXPECT_EQ(loop_.statistics().non_finite, 1U);
+}
+
+TEST_F(Loop, TellsWhereTheHandIs) {
+  open("hold:0.5,-0.5,0");
+  ticks(50);
+  const auto hand = loop_.hand();
+  EXPECT_TRUE(hand.valid);
+  EXPECT_NEAR(hand.position.x(), 0.0125, 0.0005);
+  EXPECT_NEAR(hand.position.y(), -0.0125, 0.0005);
+}
+
+TEST_F(Loop, CalibrateMakesThePresentPositionTheCentre) {
+  open("hold:0.5,0,0");
+  ticks(50);
+  loop_.calibrate();
+  ticks(50);
+  EXPECT_NEAR(loop_.hand().position.x(), 0, 0.0005);
+}
+
+TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
+  loop_.prepare({});
+  loop_.unhold(haptic::kHoldClosed);
+  play();
+  play_motion(100, 0, 500);
+  EXPECT_NEAR(force_max(), 0.5, 1e-6);
+  EXPECT_FALSE(loop_.hand().valid);
+}
+
+TEST_F(Loop, ItsThreadTicksAndLeavesMinimumTensionBehind) {
+  open();
+  bool entered = false;
+  bool left = false;
+  loop_.start({.device = device_.get(),
+               .rate = 1000,
+               .entered = [&] { entered = true; },
+               .left = [&] { left = true; }});
+  play();
+  for (int i = 0; i < 30; ++i) {
+    loop_.submit(moving(1000, 0));
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_GT(force_max(), 0.5);
+  loop_.stop();
+  EXPECT_TRUE(entered);
+  EXPECT_TRUE(left);
+  EXPECT_GT(loop_.statistics().ticks, 100U);
+
+  // Minimum tension: all words as right after opening, when no force was asked for.
+  auto wire = std::make_unique<Wire>("hold:0,0,0");
+  Wire *fresh = wire.get();
+  spidar::Device other(std::move(wire), spidar::load_geometry(spidar::kDefaultGeometry));
+  other.command({});
+  other.exchange();
+  for (std::size_t i = 0; i < spidar::kStrings; ++i)
+    EXPECT_NEAR(wire_->last_words[i], fresh->last_words[i], 40) << i; // 0.1 N at 4 V/N
+  const auto ticks = loop_.statistics().ticks.load();
+  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(loop_.statistics().ticks, ticks);
+}
+
+TEST_F(Loop, ADeviceThatHoldsUpTheLoopMakesItsNextTickAMissedOne) {
+  open();
+  loop_.start({.device = device_.get()});
+  std::this_thread::sleep_for(20ms);
+  const auto missed = loop_.statistics().missed_ticks.load();
+  wire_->stall = 60ms;
+  std::this_thread::sleep_for(120ms);
+  loop_.stop();
+  EXPECT_GE(loop_.statistics().missed_ticks, missed + 1);
+  EXPECT_GE(loop_.statistics().lateness.max_us(), 50'000);
+}
+
+TEST_F(Loop, CanBeStartedAndStoppedAgainAndAgain) {
+  open();
+  for (int i = 0; i < 50; ++i) {
+    loop_.start({.device = device_.get()});
+    loop_.stop();
+    loop_.stop();
+  }
+}
+
+class LoopLog : public Loop {
+protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "loop-log-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    log_ = std::make_unique<haptic::TickLog>((directory_ / "log.csv").string());
+    loop_.prepare({.log = log_.get()});
+    loop_.unhold(haptic::kHoldClosed);
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  std::vector<std::vector<double>> rows() {
+    log_.reset();
+    std::ifstream file(directory_ / "log.csv");
+    std::string line;
+    std::getline(file, line);
+    std::vector<std::vector<double>> all;
+    while (std::getline(file, line)) {
+      std::istringstream fields(line);
+      std::vector<double> row;
+      for (std::string field; std::getline(fields, field, ',');)
+        row.push_back(std::stod(field));
+      all.push_back(row);
+    }
+    return all;
+  }
+
+  std::filesystem::path directory_;
+  std::unique_ptr<haptic::TickLog> log_;
+};
+
+constexpr std::size_t kFx = 7;
+
+TEST_F(LoopLog, HasOneRowPerTickFromTheFirstPlayingOn) {
+  ticks(100);
+  play();
+  ticks(250);
+  EXPECT_EQ(rows().size(), 250U);
+}
+
+TEST_F(LoopLog, WhilePausedShowsTheForceReachZeroAndNoMore) {
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldPaused);
+  ticks(1000);
+  const auto all = rows();
+  EXPECT_NEAR(static_cast<double>(all.size()), 500 + 100, 2);
+  EXPECT_EQ(all.back()[kFx], 0);
+  EXPECT_NE(all[all.size() - 2][kFx], 0);
+}
+
+TEST_F(LoopLog, AfterTheEndShowsTheForceReachZeroAndNoMore) {
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldEnded);
+  ticks(1000);
+  const auto all = rows();
+  EXPECT_NEAR(static_cast<double>(all.size()), 500 + 100, 2);
+  EXPECT_EQ(all.back()[kFx], 0);
+}
+
+TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {
+  play();
+  play_motion(100, -40, 500);
+  ticks(1000);
+  const auto all = rows();
+  EXPECT_EQ(all[400][4], 100);
+  EXPECT_EQ(all[400][5], -40);
+  EXPECT_EQ(all.back()[4], 0);
+  EXPECT_EQ(all.back()[kFx], 0);
+}
+
+TEST(DeviceChoiceTest, NoneIsNoDevice) {
+  EXPECT_EQ(haptic::open_device({.device = "none"}).device, nullptr);
+}
+
+TEST(DeviceChoiceTest, SimIsTheSimulatedOneAndNoSubstitute) {
+  const auto opened = haptic::open_device({.device = "sim"});
+  EXPECT_NE(opened.device, nullptr);
+  EXPECT_FALSE(opened.simulated_instead);
+}
+
+TEST(DeviceChoiceTest, WhatIsNotUnderstoodIsAnErrorWithItsCause) {
+  const auto cause_of = [](const haptic::DeviceChoice &choice) -> std::optional<spidar::Cause> {
+    try {
+      haptic::open_device(choice);
+    } catch (const spidar::Error &error) {
+      return error.cause();
+    }
+    return std::nullopt;
+  };
+  EXPECT_EQ(cause_of({.device = "toaster"}), spidar::Cause::argument);
+  EXPECT_EQ(cause_of({.device = "usb:"}), spidar::Cause::argument);
+  EXPECT_EQ(cause_of({.device = "sim", .geometry = "no-such"}), spidar::Cause::not_found);
+  EXPECT_EQ(cause_of({.device = "sim", .sim_hand = "wave"}), spidar::Cause::argument);
+}
+
+} // namespace

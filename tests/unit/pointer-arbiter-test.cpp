@@ -1,0 +1,57 @@
+#include "pointer-arbiter.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::Pointer;
+using haptic::PointerArbiter;
+using haptic::PointerSource;
+
+constexpr Pointer kDevice{0.1, 0.2};
+constexpr Pointer kMouse{0.3, 0.4};
+constexpr Pointer kSet{0.6, 0.7};
+constexpr PointerArbiter::Time kNow{1000s};
+
+PointerArbiter all_three(PointerSource source) {
+  PointerArbiter arbiter;
+  arbiter.source = source;
+  arbiter.property = kSet;
+  arbiter.point_navigation(kMouse);
+  arbiter.point_haptic(kDevice, kNow);
+  return arbiter;
+}
+
+TEST(PointerArbiter, StartsInTheMiddle) {
+  EXPECT_EQ(PointerArbiter{}.in_use(kNow), (Pointer{0.5, 0.5}));
+}
+
+TEST(PointerArbiter, TheHandComesBeforeTheMouseForASecondAfterItMoved) {
+  const PointerArbiter arbiter = all_three(PointerSource::automatic);
+  EXPECT_EQ(arbiter.in_use(kNow + 1s), kDevice);
+  EXPECT_EQ(arbiter.in_use(kNow + 1001ms), kMouse);
+}
+
+TEST(PointerArbiter, WithoutEventsTheProperties) {
+  PointerArbiter arbiter = all_three(PointerSource::automatic);
+  arbiter.forget();
+  EXPECT_EQ(arbiter.in_use(kNow), kSet);
+}
+
+TEST(PointerArbiter, AChosenSourceIsTheOnlyOne) {
+  EXPECT_EQ(all_three(PointerSource::haptic).in_use(kNow + 1h), kDevice);
+  EXPECT_EQ(all_three(PointerSource::navigation).in_use(kNow), kMouse);
+  EXPECT_EQ(all_three(PointerSource::property).in_use(kNow), kSet);
+}
+
+TEST(PointerArbiter, AChosenSourceThatNeverSpokeLeavesTheProperties) {
+  for (const auto source : {PointerSource::haptic, PointerSource::navigation}) {
+    PointerArbiter arbiter;
+    arbiter.source = source;
+    arbiter.property = kSet;
+    EXPECT_EQ(arbiter.in_use(kNow), kSet);
+  }
+}
+
+} // namespace

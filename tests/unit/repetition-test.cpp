@@ -1,0 +1,43 @@
+#include "repetition.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using haptic::Repetition;
+using haptic::RepetitionJudge;
+
+constexpr auto kAsThere = [] { return true; };
+constexpr auto kOtherThere = [] { return false; };
+
+TEST(RepetitionJudge, TheFirstIdenticalPictureAfterMotionIsADuplicate) {
+  RepetitionJudge judge;
+  EXPECT_EQ(judge.judge(false, kAsThere), Repetition::none);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate);
+  EXPECT_EQ(judge.judge(false, kAsThere), Repetition::none);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate);
+}
+
+TEST(RepetitionJudge, ASecondOneInARowIsStandstill) {
+  RepetitionJudge judge;
+  judge.judge(false, kAsThere);
+  judge.judge(true, kAsThere);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still);
+}
+
+TEST(RepetitionJudge, AStreamMayBeginWithADuplicate) {
+  RepetitionJudge judge;
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still);
+  judge.forget();
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate);
+}
+
+TEST(RepetitionJudge, ThePointerThatLeavesAMovingObjectFindsStandstillAtOnce) {
+  RepetitionJudge judge;
+  judge.judge(false, kAsThere);
+  EXPECT_EQ(judge.judge(true, kOtherThere), Repetition::still);
+}
+
+} // namespace

@@ -1,0 +1,298 @@
+#include "safety-chain.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+
+namespace {
+
+using haptic::SafetyChain;
+using spidar::Vector3;
+
+constexpr double kTick = 0.001; // s
+
+SafetyChain::Input push(double fx, double fy = 0) {
+  SafetyChain::Input input;
+  input.wanted = {fx, fy, 0};
+  input.measured = true;
+  input.confidence = 1;
+  input.interval = 1.0 / 30;
+  input.max_force = 1;
+  input.slew_rate = 20;
+  input.dt = kTick;
+  return input;
+}
+
+Vector3 steps(SafetyChain &chain, const SafetyChain::Input &input, int n) {
+  Vector3 force = Vector3::Zero();
+  for (int i = 0; i < n; ++i)
+    force = chain.step(input);
+  return force;
+}
+
+SafetyChain settled(const SafetyChain::Input &input) {
+  SafetyChain chain;
+  steps(chain, input, 2000);
+  return chain;
+}
+
+// Steps until silent; the force must never grow on the way. s.
+double time_to_silence(SafetyChain &chain, const SafetyChain::Input &input, double force) {
+  for (int n = 1; n < 10'000; ++n) {
+    const double now = chain.step(input).norm();
+    EXPECT_LE(now, force) << "after " << n << " ms";
+    force = now;
+    if (chain.silent())
+      return n * kTick;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+SafetyChain::Input held(SafetyChain::Input input, std::uint32_t holds) {
+  input.holds = holds;
+  return input;
+}
+
+TEST(SafetyChain, LetsATrustedForceThroughExactly) {
+  SafetyChain chain;
+  EXPECT_EQ(steps(chain, push(0.3, -0.4), 1000), Vector3(0.3, -0.4, 0));
+  EXPECT_TRUE(chain.listening());
+}
+
+TEST(SafetyChain, ChangesNoFasterThanTheSlewRate) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> force(-3, 3);
+  SafetyChain chain = settled(push(0));
+  Vector3 before = Vector3::Zero();
+  for (int i = 0; i < 20'000; ++i) {
+    static SafetyChain::Input input = push(0);
+    if (i % 33 == 0)
+      input = push(force(random), force(random));
+    const Vector3 now = chain.step(input);
+    ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
+    before = now;
+  }
+}
+
+TEST(SafetyChain, AReversalOfTheFullForceTakesTheSlewRatesTime) {
+  SafetyChain chain = settled(push(1));
+  EXPECT_NEAR(steps(chain, push(-1), 50).x(), 0, 1e-9);
+  EXPECT_NEAR(steps(chain, push(-1), 50).x(), -1, 1e-9);
+}
+
+TEST(SafetyChain, NeverExceedsTheMaximumForce) {
+  SafetyChain chain;
+  EXPECT_NEAR(steps(chain, push(4, 3), 1000).norm(), 1, 1e-12);
+  EXPECT_NEAR(chain.step(push(4, 3)).x(), 0.8, 1e-12); // the direction is kept
+}
+
+TEST(SafetyChain, ALoweredMaximumForceIsApproachedAtTheSlewRate) {
+  SafetyChain chain = settled(push(1));
+  auto input = push(1);
+  input.max_force = 0;
+  EXPECT_NEAR(steps(chain, input, 1).norm(), 0.98, 1e-9);
+  EXPECT_NEAR(steps(chain, input, 49).norm(), 0, 1e-9);
+}
+
+TEST(SafetyChain, EveryReasonForSilenceHasItsTime) {
+  const struct {
+    std::uint32_t hold;
+    double seconds;
+  } kTimes[] = {
+      {haptic::kHoldPaused, 0.1},    {haptic::kHoldEnded, 0.1},     {haptic::kHoldFlushing, 0.05},
+      {haptic::kHoldReleased, 0.05}, {haptic::kHoldLate, 0.05},     {haptic::kHoldOverspeed, 0.05},
+      {haptic::kHoldNoPose, 0.05},   {haptic::kHoldFaulted, 0.001}, {haptic::kHoldClosed, 0.001}};
+  for (const auto &[hold, seconds] : kTimes) {
+    SafetyChain chain = settled(push(1));
+    EXPECT_NEAR(time_to_silence(chain, held(push(1), hold), 1), seconds, kTick / 2) << hold;
+  }
+}
+
+TEST(SafetyChain, AFadeReachesZeroInTimeWhateverTheSlewRateAndTheTicks) {
+  auto input = push(4);
+  input.max_force = 4;
+  input.slew_rate = 0.5;
+  SafetyChain chain = settled(input);
+  for (int i = 0; i < 20'000; ++i)
+    chain.step(input);
+  EXPECT_NEAR(time_to_silence(chain, held(input, haptic::kHoldFlushing), 4), 0.05, kTick / 2);
+
+  chain = settled(push(1));
+  auto slow = held(push(1), haptic::kHoldPaused);
+  slow.dt = 0.04;
+  steps(chain, slow, 3);
+  EXPECT_TRUE(chain.silent());
+}
+
+TEST(SafetyChain, WhileItFadesNothingTheLawSaysCountsAnyMore) {
+  SafetyChain chain = settled(push(0.5));
+  const auto pause = held(push(-5, 5), haptic::kHoldPaused);
+  const Vector3 halfway = steps(chain, pause, 50);
+  EXPECT_NEAR(halfway.x(), 0.25, 1e-9);
+  EXPECT_EQ(halfway.y(), 0);
+}
+
+TEST(SafetyChain, AMoreUrgentReasonShortensAFade) {
+  SafetyChain chain = settled(push(1));
+  steps(chain, held(push(1), haptic::kHoldPaused), 20); // 80 ms to go
+  EXPECT_NEAR(
+      time_to_silence(chain, held(push(1), haptic::kHoldPaused | haptic::kHoldFlushing), 0.81),
+      0.05, kTick / 2);
+}
+
+TEST(SafetyChain, FadesInAsSlowlyAsTheReasonDemands) {
+  const struct {
+    std::uint32_t hold;
+    int milliseconds;
+  } kTimes[] = {{haptic::kHoldPaused, 50},
+                {haptic::kHoldFlushing, 200},
+                {haptic::kHoldReleased, 500},
+                {haptic::kHoldReleased | haptic::kHoldPaused, 500}};
+  for (const auto &[hold, milliseconds] : kTimes) {
+    SafetyChain chain = settled(push(0.2));
+    steps(chain, held(push(0.2), hold), 200);
+    ASSERT_TRUE(chain.silent());
+    EXPECT_NEAR(steps(chain, push(0.2), milliseconds / 2).x(), 0.1, 1e-9) << hold;
+    EXPECT_NEAR(steps(chain, push(0.2), milliseconds / 2).x(), 0.2, 1e-9) << hold;
+  }
+}
+
+TEST(SafetyChain, AGapDuringTheFadeInAfterArmDoesNotHurryIt) {
+  SafetyChain chain = settled(push(0.2));
+  steps(chain, held(push(0.2), haptic::kHoldReleased), 200);
+  steps(chain, push(0.2), 10);
+  auto gap = push(0.2);
+  gap.measured = false;
+  steps(chain, gap, 100);
+  EXPECT_NEAR(steps(chain, push(0.2), 250).x(), 0.1, 1e-9);
+}
+
+TEST(SafetyChain, AFadeThatIsTakenBackGoesOnWithoutAStep) {
+  SafetyChain chain = settled(push(1));
+  const double before = steps(chain, held(push(1), haptic::kHoldPaused), 50).x();
+  const double after = chain.step(push(1)).x();
+  EXPECT_NEAR(before, 0.5, 1e-9);
+  EXPECT_GE(after, before);
+  EXPECT_LE(after - before, 20 * kTick + 1e-12);
+}
+
+TEST(SafetyChain, WithoutAMeasurementItFadesIn100Milliseconds) {
+  SafetyChain chain = settled(push(1));
+  auto gap = push(1);
+  gap.measured = false;
+  gap.confidence = 0;
+  EXPECT_NEAR(time_to_silence(chain, gap, 1), 0.1, kTick / 2);
+  EXPECT_FALSE(chain.listening());
+}
+
+TEST(SafetyChain, ASampleIsStaleAfterThreeOfItsIntervals) {
+  EXPECT_NEAR(haptic::stale_after(0.4), 1.2, 1e-12); // tree.avi
+  EXPECT_EQ(haptic::stale_after(1.0 / 60), 0.1);
+  EXPECT_EQ(haptic::stale_after(0), 0.1);
+  EXPECT_EQ(haptic::stale_after(1e9), 2); // no claim keeps a force standing
+}
+
+TEST(SafetyChain, AStalledSourceIsSilentWithin250MillisecondsAndAnInterval) {
+  SafetyChain chain = settled(push(1));
+  auto input = push(1);
+  double silent_at = 0;
+  for (int n = 1; n < 1000 && !silent_at; ++n) {
+    input.age = n * kTick;
+    if (chain.step(input); chain.silent())
+      silent_at = input.age;
+  }
+  EXPECT_NEAR(silent_at, 0.2, 2 * kTick);
+}
+
+TEST(SafetyChain, ConfidenceOpensAtOnceAndClosesSlowly) {
+  EXPECT_EQ(haptic::confidence_gate(0.2), 0);
+  EXPECT_NEAR(haptic::confidence_gate(0.35), 0.5, 1e-12);
+  EXPECT_EQ(haptic::confidence_gate(0.5), 1);
+
+  SafetyChain chain = settled(push(0.01));
+  auto doubtful = push(0.01);
+  doubtful.confidence = 0.1;
+  EXPECT_NEAR(steps(chain, doubtful, 100).x(), 0.01 * std::exp(-1), 1e-5);
+  EXPECT_NEAR(chain.step(push(0.01)).x(), 0.01, 1e-12);
+  steps(chain, doubtful, 1000);
+  EXPECT_TRUE(chain.silent());
+}
+
+TEST(SafetyChain, ADoubtfulMeasurementDecaysTheForceAndDoesNotTurnIt) {
+  SafetyChain chain = settled(push(0.5));
+  auto doubtful = push(-1, 1);
+  doubtful.confidence = 0.15;
+  double before = 0.5;
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 now = chain.step(doubtful);
+    ASSERT_GE(now.x(), 0);
+    ASSERT_LE(now.x(), before);
+    ASSERT_EQ(now.y(), 0);
+    before = now.x();
+  }
+}
+
+TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (double bad : {nan, infinity, -infinity}) {
+    for (auto spoil : {+[](SafetyChain::Input &i, double b) { i.wanted.y() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.confidence = b; },
+                       +[](SafetyChain::Input &i, double b) { i.age = b; },
+                       +[](SafetyChain::Input &i, double b) { i.interval = b; },
+                       +[](SafetyChain::Input &i, double b) { i.max_force = b; },
+                       +[](SafetyChain::Input &i, double b) { i.slew_rate = b; },
+                       +[](SafetyChain::Input &i, double b) { i.dt = b; }}) {
+      SafetyChain chain = settled(push(1));
+      auto input = push(1);
+      spoil(input, bad);
+      EXPECT_TRUE(chain.step(input).isZero(0));
+      EXPECT_TRUE(chain.found_non_finite());
+      EXPECT_LE(chain.step(push(1)).norm(), 20 * kTick + 1e-12);
+      EXPECT_FALSE(chain.found_non_finite());
+    }
+  }
+}
+
+TEST(SafetyChain, ALateTickFadesToZeroBeforeTheForceComesBack) {
+  SafetyChain chain = settled(push(1));
+  chain.step(held(push(1), haptic::kHoldLate));
+  double before = 1;
+  int n = 0;
+  while (!chain.silent() && n < 100) {
+    const double now = chain.step(push(1)).norm();
+    ASSERT_LE(now, before);
+    before = now;
+    ++n;
+  }
+  EXPECT_NEAR(n, 49, 1);
+  EXPECT_NEAR(steps(chain, push(1), 100).x(), 0.5, 0.011); // 200 ms back
+}
+
+TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-2, 2);
+  SafetyChain chain;
+  Vector3 before = Vector3::Zero();
+  auto input = push(0);
+  for (int i = 0; i < 200'000; ++i) {
+    if (i % 17 == 0) {
+      input = push(number(random), number(random));
+      input.confidence = std::abs(number(random)) / 2;
+      input.measured = random() % 8 != 0;
+    }
+    if (i % 41 == 0)
+      input.holds = random() % 3 ? 0 : (1U << (random() % 9));
+    const Vector3 now = chain.step(input);
+    ASSERT_TRUE(now.allFinite());
+    ASSERT_LE(now.norm(), 1 + 1e-12);
+    if (input.holds || !input.measured)
+      ASSERT_LE(now.norm(), before.norm());
+    else
+      ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
+    before = now;
+  }
+}
+
+} // namespace

@@ -1,0 +1,165 @@
+#include "tick-log.hpp"
+
+#include "running-time.hpp"
+
+#include <clocale>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+#include <sstream>
+#include <system_error>
+
+namespace {
+
+using haptic::RunningTime;
+using haptic::TickLog;
+using haptic::TickRow;
+
+class TickLogFile : public ::testing::Test {
+protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "tick-log-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    directory_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  std::string path() const { return (directory_ / "log.csv").string(); }
+  std::vector<std::string> lines() const {
+    std::ifstream file(path());
+    std::vector<std::string> all;
+    for (std::string line; std::getline(file, line);)
+      all.push_back(line);
+    return all;
+  }
+
+  std::filesystem::path directory_;
+};
+
+TickRow numbered_row() {
+  TickRow row;
+  row.time = 1;
+  row.position = {2, 3, 4};
+  row.velocity = {5, 6};
+  row.spin = 7;
+  row.force = {8, 9, 10};
+  row.torque = {11, 12, 13};
+  row.confidence = 14;
+  row.tension = {15, 16, 17, 18, 19, 20, 21, 22};
+  return row;
+}
+
+TEST_F(TickLogFile, HasTheHeaderAndTheColumnsInTheirOrder) {
+  {
+    TickLog log(path());
+    EXPECT_TRUE(log.write(numbered_row()));
+  }
+  const auto all = lines();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0], "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7");
+  EXPECT_EQ(all[1], "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22");
+}
+
+TEST_F(TickLogFile, IsCompleteWhenItIsClosed) {
+  constexpr int kRows = 5000;
+  {
+    TickLog log(path());
+    for (int i = 0; i < kRows; ++i) {
+      TickRow row;
+      row.time = i;
+      ASSERT_TRUE(log.write(row));
+    }
+  }
+  const auto all = lines();
+  ASSERT_EQ(all.size(), kRows + 1U);
+  for (int i = 0; i < kRows; ++i)
+    ASSERT_EQ(std::stod(all[static_cast<std::size_t>(i) + 1]), i);
+}
+
+TEST_F(TickLogFile, RowsThatDoNotFitAreRefusedAndTheOthersAreKept) {
+  std::size_t kept = 0;
+  {
+    TickLog log(path());
+    for (int i = 0; i < 100'000; ++i) // faster than any writer
+      kept += log.write(numbered_row());
+  }
+  EXPECT_EQ(lines().size(), kept + 1);
+}
+
+TEST_F(TickLogFile, ThatCannotBeCreatedIsAnErrorThatNamesIt) {
+  try {
+    TickLog log((directory_ / "missing" / "log.csv").string());
+    FAIL() << "created";
+  } catch (const std::system_error &error) {
+    EXPECT_EQ(error.code().value(), ENOENT);
+    EXPECT_NE(std::string(error.what()).find("missing/log.csv"), std::string::npos);
+  }
+}
+
+TEST(TickLogDisk, ThatIsFullIsAnErrorAtTheStart) {
+  if (!std::filesystem::exists("/dev/full"))
+    GTEST_SKIP() << "no /dev/full";
+  EXPECT_THROW(TickLog("/dev/full"), std::system_error);
+}
+
+TEST(TickRow, KeepsNineDigitsWithAPointInEveryLocale) {
+  const char *before = std::setlocale(LC_NUMERIC, "de_DE.UTF-8"); // where it exists
+  TickRow row;
+  row.time = 12345.6789;
+  row.force[0] = -1.0 / 3;
+  std::string text;
+  haptic::append_row(text, row);
+  if (before)
+    std::setlocale(LC_NUMERIC, "C");
+  EXPECT_EQ(text.substr(0, text.find(',')), "12345.6789");
+  EXPECT_NE(text.find(",-0.333333333,"), std::string::npos) << text;
+}
+
+TEST(TickRow, HoldsNoNanNoInfinityAndNoMinusZero) {
+  TickRow row;
+  row.velocity = {std::nan(""), std::numeric_limits<double>::infinity()};
+  row.force[1] = -0.0;
+  std::string text;
+  haptic::append_row(text, row);
+  EXPECT_EQ(text, "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
+}
+
+constexpr std::int64_t kMs = 1'000'000; // ns
+
+TEST(RunningTimeTest, FollowsTheMonotonicClock) {
+  RunningTime time;
+  time.set(5000 * kMs, 100 * kMs);
+  EXPECT_NEAR(time.advance(5001 * kMs), 0.101, 1e-12);
+  EXPECT_NEAR(time.advance(5010 * kMs), 0.110, 1e-12);
+  EXPECT_EQ(time.last(), time.advance(5010 * kMs));
+}
+
+TEST(RunningTimeTest, NeverGoesBackWhenTheClocksAreReadAgain) {
+  RunningTime time;
+  time.set(0, 1000 * kMs);
+  const double before = time.advance(10 * kMs);
+  time.set(10 * kMs, 1005 * kMs); // 5 ms behind
+  EXPECT_EQ(time.advance(11 * kMs), before);
+  EXPECT_NEAR(time.advance(30 * kMs), 1.025, 1e-12);
+}
+
+TEST(RunningTimeTest, GoesOnWhereASeekStartsItAnew) {
+  RunningTime time;
+  time.set(0, 5000 * kMs);
+  EXPECT_NEAR(time.advance(kMs), 5.001, 1e-12);
+  time.set(kMs, 0);
+  EXPECT_NEAR(time.advance(kMs), 5.001, 1e-12);
+  EXPECT_NEAR(time.advance(3 * kMs), 5.003, 1e-12);
+}
+
+TEST(RunningTimeTest, IsZeroBeforeItsStart) {
+  RunningTime time;
+  time.set(0, -500 * kMs);
+  EXPECT_EQ(time.advance(0), 0);
+  EXPECT_NEAR(time.advance(600 * kMs), 0.1, 1e-12);
+}
+
+} // namespace
