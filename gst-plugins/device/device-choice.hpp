@@ -1,0 +1,28 @@
+// Opens what the properties `device`, `geometry` and `sim-hand` ask for.
+#pragma once
+
+#include <memory>
+#include <spidar/device.hpp>
+#include <string>
+
+namespace haptic {
+
+struct DeviceChoice {
+  std::string device = "auto"; ///< auto, sim, usb, usb:ID or none
+  std::string geometry = spidar::kDefaultGeometry;
+  std::string sim_hand = "hold:0,0,0"; ///< spidar::parse_hand_script()
+  unsigned rate = 1000;                ///< Hz
+
+  bool operator==(const DeviceChoice &) const = default;
+};
+
+struct OpenedDevice {
+  std::unique_ptr<spidar::Device> device; ///< null for `none`
+  bool simulated_instead = false;         ///< `auto` found no hardware
+};
+
+/// May take a second (the strings are pulled taut). Throws spidar::Error, with Cause::argument
+/// for a `device` that is none of the five.
+OpenedDevice open_device(const DeviceChoice &choice);
+
+} // namespace haptic

@@ -1,0 +1,942 @@
+/**
+ * SECTION:element-hapticsink
+ *
+ * Lets the hand feel the motion that velocityavg measures. See docs/elements/hapticsink.md.
+ */
+#include "gsthapticsink.h"
+
+#include "device-choice.hpp"
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "haptic-loop.hpp"
+#include "motion-sample.hpp"
+#include "pointer-mapping.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <spidar/error.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
+#define GST_CAT_DEFAULT haptic_sink_debug
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::guarded;
+using haptic::ObjectLock;
+
+enum class LatencyMode { automatic, synchronized, immediate };
+enum class Liveness { unknown, live, not_live };
+
+constexpr auto kPointerPeriod = 10ms;
+constexpr auto kClockPeriod = 100ms;
+constexpr auto kTrackerGrace = 1s;
+constexpr auto kEndFade = 150ms; // the fade's 100 ms and some ticks
+
+constexpr double kHighestForce = 5;  // N, what a SPIDAR-G's motors are good for
+constexpr double kHighestAlpha = 10; // s/px
+constexpr unsigned kWidestPicture = 65536;
+constexpr double kLowestSlewRate = 0.1; // N/s
+constexpr double kHighestSlewRate = 1000;
+constexpr unsigned kLowestRate = 100; // Hz
+constexpr unsigned kHighestRate = 4000;
+
+struct State {
+  // The object's lock.
+  haptic::DeviceChoice choice;
+  std::string log_location;
+  haptic::LoopSettings settings; // handed to the loop on every change
+
+  // The thread that changes the state.
+  haptic::DeviceChoice opened_as;
+  std::unique_ptr<spidar::Device> device;
+  std::unique_ptr<haptic::TickLog> log;
+
+  // Its members say who may call them.
+  haptic::HapticLoop loop;
+
+  // Streaming thread; the counters are read by anybody.
+  std::atomic<std::uint64_t> samples = 0;
+  std::atomic<std::uint64_t> bad_samples = 0;
+  std::atomic<std::uint64_t> gaps = 0;
+  bool warned_of_bad_sample = false;
+
+  std::atomic<LatencyMode> latency_mode = LatencyMode::automatic;
+  std::atomic<Liveness> liveness = Liveness::unknown;
+
+  // Wakes the streaming thread where it waits for the force to fade at the end of the stream.
+  std::mutex end_mutex;
+  std::condition_variable end_changed;
+  bool unlocked = false; // end_mutex
+
+  std::mutex pointer_mutex; // only to sleep on
+  std::condition_variable_any pointer_wake;
+  std::jthread pointer_thread; // last: ends before what it uses
+};
+
+} // namespace
+
+struct _GstHapticSink {
+  GstBaseSink parent;
+  State *state;
+};
+
+#define GST_TYPE_HAPTIC_SINK_FORCE_LAW (gst_haptic_sink_force_law_get_type())
+static GType gst_haptic_sink_force_law_get_type() {
+  static const GType type = [] {
+    static std::vector<GEnumValue> values;
+    for (const auto &law : haptic::force_laws())
+      values.push_back({static_cast<gint>(values.size()), law.description, law.name});
+    values.push_back({0, nullptr, nullptr});
+    return g_enum_register_static("GstHapticSinkForceLaw", values.data());
+  }();
+  return type;
+}
+
+#define GST_TYPE_HAPTIC_SINK_LATENCY_MODE (gst_haptic_sink_latency_mode_get_type())
+static GType gst_haptic_sink_latency_mode_get_type() {
+  static const GType type = [] {
+    static const GEnumValue values[] = {
+        {static_cast<gint>(LatencyMode::automatic),
+         "Immediate if the source is live, else synchronized", "auto"},
+        {static_cast<gint>(LatencyMode::synchronized), "Each sample at its time stamp",
+         "synchronized"},
+        {static_cast<gint>(LatencyMode::immediate), "Each sample as soon as it comes", "immediate"},
+        {0, nullptr, nullptr}};
+    return g_enum_register_static("GstHapticSinkLatencyMode", values);
+  }();
+  return type;
+}
+
+G_DEFINE_TYPE_WITH_CODE(GstHapticSink, gst_haptic_sink, GST_TYPE_BASE_SINK,
+                        GST_DEBUG_CATEGORY_INIT(haptic_sink_debug, "hapticsink", 0,
+                                                "motion as force on the hand"))
+GST_ELEMENT_REGISTER_DEFINE(hapticsink, "hapticsink", GST_RANK_NONE, GST_TYPE_HAPTIC_SINK)
+
+namespace {
+
+enum Property {
+  kPropDevice = 1,
+  kPropForceLaw,
+  kPropMaxForce,
+  kPropAlpha,
+  kPropReferenceWidth,
+  kPropLatencyMode,
+  kPropRate,
+  kPropSlewRate,
+  kPropGeometry,
+  kPropLogLocation,
+  kPropSimHand,
+  kPropArmed,
+  kPropStats,
+  kPropCount
+};
+std::array<GParamSpec *, kPropCount> properties{};
+
+State &state_of(gpointer object) {
+  return *GST_HAPTIC_SINK(object)->state;
+}
+
+GstBaseSinkClass *parent_class() {
+  return GST_BASE_SINK_CLASS(gst_haptic_sink_parent_class);
+}
+
+bool is_armed(const State &state) {
+  return !(state.loop.holds() & (haptic::kHoldClosed | haptic::kLatches));
+}
+
+// ---- statistics ---------------------------------------------------------------------------------
+
+haptic::StructurePtr make_stats(const State &state) {
+  const haptic::LoopStatistics &loop = state.loop.statistics();
+  const auto ms = [](auto nanoseconds) { return static_cast<double>(nanoseconds) * 1e-6; };
+  const std::uint64_t used = loop.samples_used;
+  const double mean_age = used ? ms(loop.sample_age_sum.load()) / static_cast<double>(used) : 0;
+  const std::uint64_t faults = loop.device_faults + loop.overspeeds + loop.non_finite;
+  return haptic::StructurePtr(
+      gst_structure_new("hapticsink-stats",                                              //
+                        "ticks", G_TYPE_UINT64, loop.ticks.load(),                       //
+                        "late-ticks", G_TYPE_UINT64, loop.late_ticks.load(),             //
+                        "missed-ticks", G_TYPE_UINT64, loop.missed_ticks.load(),         //
+                        "jitter-p50", G_TYPE_DOUBLE, loop.lateness.percentile_us(0.5),   //
+                        "jitter-p99", G_TYPE_DOUBLE, loop.lateness.percentile_us(0.99),  //
+                        "jitter-max", G_TYPE_DOUBLE, loop.lateness.max_us(),             //
+                        "loop-p50", G_TYPE_DOUBLE, loop.body.percentile_us(0.5),         //
+                        "loop-p99", G_TYPE_DOUBLE, loop.body.percentile_us(0.99),        //
+                        "loop-max", G_TYPE_DOUBLE, loop.body.max_us(),                   //
+                        "samples", G_TYPE_UINT64, state.samples.load(),                  //
+                        "bad-samples", G_TYPE_UINT64, state.bad_samples.load(),          //
+                        "gaps", G_TYPE_UINT64, state.gaps.load(),                        //
+                        "sample-age", G_TYPE_DOUBLE, mean_age,                           //
+                        "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
+                        "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
+                        "faults", G_TYPE_UINT64, faults,                                 //
+                        "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(), nullptr));
+}
+
+void post_stats(GstHapticSink *self) {
+  gst_element_post_message(
+      GST_ELEMENT(self),
+      gst_message_new_element(GST_OBJECT(self), make_stats(*self->state).release()));
+}
+
+// ---- time ---------------------------------------------------------------------------------------
+
+struct ClockReading {
+  std::int64_t monotonic; // ns
+  std::int64_t running;   // ns
+};
+
+// Nothing without a clock, or when something came between reading the two clocks.
+std::optional<ClockReading> read_clocks(GstHapticSink *self) {
+  constexpr std::int64_t kUndisturbed = 100'000; // ns
+  GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
+  if (!clock)
+    return std::nullopt;
+  const std::int64_t before = haptic::monotonic_now();
+  const GstClockTime time = gst_clock_get_time(clock);
+  const std::int64_t after = haptic::monotonic_now();
+  gst_object_unref(clock);
+  const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(self));
+  if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) ||
+      after - before > kUndisturbed)
+    return std::nullopt;
+  return ClockReading{before + (after - before) / 2, GST_CLOCK_DIFF(base, time)};
+}
+
+void refresh_running_time(GstHapticSink *self) {
+  if (const auto reading = read_clocks(self))
+    self->state->loop.set_running_time(reading->monotonic, reading->running);
+}
+
+// ---- pointer thread -----------------------------------------------------------------------------
+
+// What the pointer thread remembers from round to round.
+class PointerRounds {
+public:
+  explicit PointerRounds(GstHapticSink *self) : self_(self), armed_(is_armed(*self->state)) {
+    if (const auto &device = self->state->device) {
+      has_hand_ = true;
+      workspace_half_ = device->geometry().workspace_half;
+      description_ = device->description();
+    }
+  }
+
+  void round() {
+    const auto now = std::chrono::steady_clock::now();
+    const bool playing = !(self_->state->loop.holds() & haptic::kHoldPaused);
+    if (playing && now - clock_read_ > kClockPeriod) {
+      clock_read_ = now;
+      refresh_running_time(self_);
+    }
+    if (has_hand_)
+      tell_pointer(playing);
+    report_priority();
+    report_faults();
+    report_log();
+    if (const bool armed = is_armed(*self_->state); armed != armed_) {
+      armed_ = armed;
+      g_object_notify_by_pspec(G_OBJECT(self_), properties[kPropArmed]);
+    }
+  }
+
+private:
+  void tell_pointer(bool playing) {
+    const haptic::HandPosition hand = self_->state->loop.hand();
+    if (!hand.valid)
+      return;
+    haptic::PointerPosition position = haptic::map_pointer(hand.position, workspace_half_);
+    const std::int64_t now = haptic::monotonic_now();
+    if (!gate_.pass(position, now))
+      return;
+    position.device = description_;
+    if (playing)
+      if (const auto reading = read_clocks(self_); reading && reading->running >= 0)
+        position.timestamp = static_cast<GstClockTime>(reading->running);
+    const bool handled = gst_pad_push_event(GST_BASE_SINK_PAD(self_),
+                                            haptic::make_pointer_event(position).release());
+    GST_LOG_OBJECT(self_, "pointer at %.3f, %.3f%s", position.x, position.y,
+                   handled ? "" : ", which nobody wanted");
+    tracker_found_ = tracker_found_ || handled;
+    if (!tracker_found_ && !tracker_reported_ &&
+        std::chrono::steady_clock::now() - started_ > kTrackerGrace) {
+      tracker_reported_ = true;
+      GST_INFO_OBJECT(self_, "no tracker upstream; the pointer goes nowhere");
+    }
+  }
+
+  void report_priority() {
+    const int error = self_->state->loop.priority_error();
+    if (priority_reported_ || error < 0)
+      return;
+    priority_reported_ = true;
+    if (error == 0)
+      GST_DEBUG_OBJECT(self_, "the loop has real-time priority");
+    else
+      GST_INFO_OBJECT(
+          self_,
+          "the loop runs at normal priority (%s), so that a busy machine may delay the "
+          "force; allow real-time priority with a line such as \"@plugdev - rtprio 60\" "
+          "in /etc/security/limits.d/spidar.conf",
+          g_strerror(error));
+  }
+
+  void report_faults() {
+    const haptic::LoopStatistics &loop = self_->state->loop.statistics();
+    if (const auto faults = loop.device_faults.load(); faults != device_faults_) {
+      device_faults_ = faults;
+      GST_ELEMENT_WARNING(self_, RESOURCE, WRITE,
+                          ("The SPIDAR does not answer. The force is off and the video goes on. "
+                           "Check its cable and power, then re-arm (signal arm)."),
+                          ("three exchanges in a row failed"));
+    }
+    if (const auto overspeeds = loop.overspeeds.load(); overspeeds != overspeeds_) {
+      overspeeds_ = overspeeds;
+      GST_ELEMENT_WARNING(self_, RESOURCE, FAILED,
+                          ("The grip moved faster than 1 m/s, as if it had been let go. The force "
+                           "is off and the video goes on. Take the grip and re-arm (signal arm)."),
+                          ("latched until re-armed"));
+    }
+    if (!non_finite_reported_ && loop.non_finite.load()) {
+      non_finite_reported_ = true;
+      GST_WARNING_OBJECT(self_, "a force that was not finite was taken as zero");
+    }
+  }
+
+  void report_log() {
+    const auto &log = self_->state->log;
+    if (log_reported_ || !log || !log->error())
+      return;
+    log_reported_ = true;
+    GST_ELEMENT_WARNING(self_, RESOURCE, WRITE,
+                        ("The log cannot be written any more: %s. It is incomplete; the force "
+                         "goes on.",
+                         g_strerror(log->error())),
+                        (nullptr));
+  }
+
+  GstHapticSink *self_;
+  bool has_hand_ = false;
+  spidar::Vector3 workspace_half_ = spidar::Vector3::Ones(); // m
+  std::string description_;
+  haptic::PointerGate gate_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point clock_read_;
+  std::uint64_t device_faults_ = 0;
+  std::uint64_t overspeeds_ = 0;
+  bool armed_;
+  bool tracker_found_ = false;
+  bool tracker_reported_ = false;
+  bool priority_reported_ = false;
+  bool non_finite_reported_ = false;
+  bool log_reported_ = false;
+};
+
+void run_pointer_thread(GstHapticSink *self, const std::stop_token &stop) {
+  State &state = *self->state;
+  PointerRounds rounds(self);
+  while (!stop.stop_requested()) {
+    rounds.round();
+    std::unique_lock lock(state.pointer_mutex);
+    state.pointer_wake.wait_for(lock, stop, kPointerPeriod, [] { return false; });
+  }
+  rounds.round(); // what happened since must not go unreported
+}
+
+// ---- device and threads -------------------------------------------------------------------------
+
+GstResourceError resource_error(spidar::Cause cause) {
+  switch (cause) {
+  case spidar::Cause::not_found:
+    return GST_RESOURCE_ERROR_NOT_FOUND;
+  case spidar::Cause::busy:
+    return GST_RESOURCE_ERROR_BUSY;
+  case spidar::Cause::geometry:
+  case spidar::Cause::argument:
+    return GST_RESOURCE_ERROR_SETTINGS;
+  case spidar::Cause::permission:
+  case spidar::Cause::io:
+    break;
+  }
+  return GST_RESOURCE_ERROR_OPEN_READ_WRITE;
+}
+
+bool open_device(GstHapticSink *self) {
+  State &state = *self->state;
+  haptic::DeviceChoice choice;
+  {
+    const ObjectLock lock(self);
+    choice = state.choice;
+  }
+  haptic::OpenedDevice opened;
+  try {
+    opened = haptic::open_device(choice);
+  } catch (const spidar::Error &error) {
+    gst_element_message_full(GST_ELEMENT(self), GST_MESSAGE_ERROR, GST_RESOURCE_ERROR,
+                             resource_error(error.cause()), g_strdup(error.what()),
+                             g_strdup_printf("device=%s geometry=%s sim-hand=%s",
+                                             choice.device.c_str(), choice.geometry.c_str(),
+                                             choice.sim_hand.c_str()),
+                             __FILE__, GST_FUNCTION, __LINE__);
+    return false;
+  }
+  if (opened.simulated_instead)
+    GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
+                        ("No SPIDAR-G found on USB; a simulated one takes its place. Plug one in, "
+                         "or say device=sim to be spared this message."),
+                        (nullptr));
+  state.device = std::move(opened.device);
+  state.opened_as = choice;
+  // What went wrong with a device is over once it is opened anew; what the user said is not.
+  state.loop.unhold(haptic::kHoldClosed | haptic::kHoldOverspeed | haptic::kHoldFaulted);
+  GST_INFO_OBJECT(self, "opened %s",
+                  state.device ? state.device->description().c_str() : "no device");
+  return true;
+}
+
+void close_device(GstHapticSink *self) {
+  self->state->loop.hold(haptic::kHoldClosed);
+  self->state->device.reset();
+}
+
+// Properties may have been changed in READY.
+bool reopen_if_changed(GstHapticSink *self) {
+  State &state = *self->state;
+  {
+    const ObjectLock lock(self);
+    if (state.choice == state.opened_as)
+      return true;
+  }
+  close_device(self);
+  return open_device(self);
+}
+
+bool open_log(GstHapticSink *self) {
+  State &state = *self->state;
+  std::string path;
+  {
+    const ObjectLock lock(self);
+    path = state.log_location;
+  }
+  if (path.empty())
+    return true;
+  try {
+    state.log = std::make_unique<haptic::TickLog>(path);
+  } catch (const std::system_error &error) {
+    GST_ELEMENT_ERROR(
+        self, RESOURCE, OPEN_WRITE,
+        ("The log \"%s\" cannot be written: %s.", path.c_str(), error.code().message().c_str()),
+        ("log-location"));
+    return false;
+  }
+  return true;
+}
+
+void post_stream_status(GstHapticSink *self, GstStreamStatusType type) {
+  gst_element_post_message(
+      GST_ELEMENT(self), gst_message_new_stream_status(GST_OBJECT(self), type, GST_ELEMENT(self)));
+}
+
+void stop_pointer_thread_and_log(State &state) {
+  state.pointer_thread = {};
+  state.log.reset();
+}
+
+bool start_threads(GstHapticSink *self) {
+  State &state = *self->state;
+  if (!reopen_if_changed(self) || !open_log(self))
+    return false;
+  state.samples = state.bad_samples = state.gaps = 0;
+  state.warned_of_bad_sample = false;
+  state.liveness = Liveness::unknown;
+
+  haptic::HapticLoop::Environment environment;
+  environment.device = state.device.get();
+  environment.log = state.log.get();
+  environment.rate = state.opened_as.rate;
+  environment.entered = [self] {
+    guarded(self, [&] { post_stream_status(self, GST_STREAM_STATUS_TYPE_ENTER); });
+  };
+  environment.left = [self] {
+    guarded(self, [&] { post_stream_status(self, GST_STREAM_STATUS_TYPE_LEAVE); });
+  };
+  post_stream_status(self, GST_STREAM_STATUS_TYPE_CREATE);
+  try {
+    state.loop.start(std::move(environment));
+    state.loop.set_running_time(haptic::monotonic_now(), 0); // until there is a clock to ask
+    state.pointer_thread = std::jthread([self](const std::stop_token &stop) {
+      guarded(self, [&] { run_pointer_thread(self, stop); });
+    });
+  } catch (const std::system_error &) {
+    state.loop.stop();
+    stop_pointer_thread_and_log(state);
+    throw;
+  }
+  return true;
+}
+
+GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
+  GstHapticSink *self = GST_HAPTIC_SINK(element);
+  State &state = *self->state;
+  switch (transition) {
+  case GST_STATE_CHANGE_READY_TO_PAUSED:
+    if (!start_threads(self))
+      return GST_STATE_CHANGE_FAILURE;
+    break;
+  case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
+    state.loop.hold(haptic::kHoldPaused); // before the parent, which may wait for the preroll
+    break;
+  case GST_STATE_CHANGE_PAUSED_TO_READY:
+    state.loop.stop();
+    break;
+  default:
+    break;
+  }
+
+  const GstStateChangeReturn result =
+      GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);
+  const bool failed = result == GST_STATE_CHANGE_FAILURE;
+
+  switch (transition) {
+  case GST_STATE_CHANGE_READY_TO_PAUSED:
+    if (failed) {
+      state.loop.stop();
+      stop_pointer_thread_and_log(state);
+    }
+    break;
+  case GST_STATE_CHANGE_PAUSED_TO_PLAYING:
+    if (!failed) {
+      refresh_running_time(self);
+      state.loop.unhold(haptic::kHoldPaused);
+    }
+    break;
+  case GST_STATE_CHANGE_PAUSED_TO_READY:
+    // Not before the parent has let the streaming thread go: the pointer thread may be in an
+    // element that waits for it.
+    stop_pointer_thread_and_log(state);
+    break;
+  default:
+    break;
+  }
+  return result;
+}
+
+// ---- streaming ----------------------------------------------------------------------------------
+
+bool is_immediate(GstHapticSink *self) {
+  State &state = *self->state;
+  const LatencyMode mode = state.latency_mode;
+  if (mode != LatencyMode::automatic)
+    return mode == LatencyMode::immediate;
+  if (state.liveness == Liveness::unknown) {
+    // Asked of the peer: the base class answers only once it has prerolled, which costs a live
+    // source its first sample.
+    const haptic::QueryPtr query(gst_query_new_latency());
+    if (gst_pad_peer_query(GST_BASE_SINK_PAD(self), query.get())) {
+      gboolean live = FALSE;
+      gst_query_parse_latency(query.get(), &live, nullptr, nullptr);
+      state.liveness = live ? Liveness::live : Liveness::not_live;
+      GST_INFO_OBJECT(self, "%s",
+                      live ? "live: samples are felt as soon as they come"
+                           : "not live: samples are felt at their time stamps");
+    }
+  }
+  return state.liveness == Liveness::live;
+}
+
+void take_gap(State &state) {
+  ++state.gaps;
+  state.loop.submit_gap();
+}
+
+GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
+  State &state = state_of(sink);
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP)) {
+    take_gap(state);
+    return GST_FLOW_OK;
+  }
+  std::optional<haptic::MotionSample> sample;
+  GstMapInfo map;
+  if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
+    sample = haptic::unpack_motion_sample({map.data, map.size});
+    gst_buffer_unmap(buffer, &map);
+  }
+  if (!sample || !haptic::is_plausible(*sample)) {
+    ++state.bad_samples;
+    state.loop.submit_gap();
+    if (!std::exchange(state.warned_of_bad_sample, true))
+      GST_ELEMENT_WARNING(sink, STREAM, FORMAT,
+                          ("A motion sample is damaged and was felt as nothing. Further ones are "
+                           "only counted (stats)."),
+                          ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
+    return GST_FLOW_OK;
+  }
+  ++state.samples;
+  if (sample->confidence > 0)
+    state.loop.submit(*sample);
+  else
+    take_gap(state);
+  return GST_FLOW_OK;
+}
+
+void get_times(GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start, GstClockTime *end) {
+  if (is_immediate(GST_HAPTIC_SINK(sink)))
+    *start = *end = GST_CLOCK_TIME_NONE; // nothing to wait for
+  else
+    parent_class()->get_times(sink, buffer, start, end);
+}
+
+gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
+  GST_DEBUG_OBJECT(sink, "%" GST_PTR_FORMAT, static_cast<void *>(caps));
+  is_immediate(GST_HAPTIC_SINK(sink));
+  return TRUE;
+}
+
+gboolean event(GstBaseSink *sink, GstEvent *event) {
+  haptic::HapticLoop &loop = state_of(sink).loop;
+  const GstEventType type = GST_EVENT_TYPE(event);
+  if (type == GST_EVENT_FLUSH_START) {
+    loop.hold(haptic::kHoldFlushing);
+    loop.drop_samples();
+  } else if (type == GST_EVENT_STREAM_START || type == GST_EVENT_SEGMENT) {
+    loop.unhold(haptic::kHoldEnded);
+  }
+  const gboolean result = parent_class()->event(sink, event);
+  if (type == GST_EVENT_FLUSH_STOP) {
+    loop.drop_samples(); // what render() may have been about to submit
+    loop.unhold(haptic::kHoldFlushing | haptic::kHoldEnded);
+  }
+  return result;
+}
+
+// The force is gone before anybody is told of the end, since programs then tear everything down.
+GstFlowReturn fade_at_end(GstBaseSink *sink) {
+  State &state = state_of(sink);
+  state.loop.hold(haptic::kHoldEnded);
+  const auto deadline = std::chrono::steady_clock::now() + kEndFade;
+  while (!state.loop.silent() && std::chrono::steady_clock::now() < deadline) {
+    bool unlocked = false;
+    {
+      std::unique_lock lock(state.end_mutex);
+      unlocked = state.end_changed.wait_for(lock, 2ms, [&] { return state.unlocked; });
+    }
+    if (!unlocked)
+      continue;
+    const GstFlowReturn result = gst_base_sink_wait_preroll(sink);
+    if (result != GST_FLOW_OK)
+      return result;
+  }
+  return GST_FLOW_OK;
+}
+
+GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
+  GstHapticSink *self = GST_HAPTIC_SINK(sink);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP && is_immediate(self)) {
+    const GstFlowReturn result = gst_base_sink_do_preroll(sink, GST_MINI_OBJECT_CAST(event));
+    if (result == GST_FLOW_OK)
+      take_gap(*self->state);
+    return result;
+  }
+  GstFlowReturn result = parent_class()->wait_event(sink, event);
+  if (result != GST_FLOW_OK)
+    return result;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP)
+    take_gap(*self->state);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
+    result = fade_at_end(sink);
+    if (result == GST_FLOW_OK)
+      post_stats(self);
+  }
+  return result;
+}
+
+gboolean set_unlocked(GstBaseSink *sink, bool unlocked) {
+  State &state = state_of(sink);
+  {
+    const std::lock_guard lock(state.end_mutex);
+    state.unlocked = unlocked;
+  }
+  state.end_changed.notify_all();
+  return TRUE;
+}
+
+// ---- properties and signals ---------------------------------------------------------------------
+
+std::string string_of(const GValue *value) {
+  const gchar *text = g_value_get_string(value);
+  return text ? text : "";
+}
+
+void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
+  State &state = state_of(object);
+  const ObjectLock lock(object);
+  switch (id) {
+  case kPropDevice:
+    state.choice.device = string_of(value);
+    return;
+  case kPropGeometry:
+    state.choice.geometry = string_of(value);
+    return;
+  case kPropSimHand:
+    state.choice.sim_hand = string_of(value);
+    return;
+  case kPropRate:
+    state.choice.rate = g_value_get_uint(value);
+    return;
+  case kPropLogLocation:
+    state.log_location = string_of(value);
+    return;
+  case kPropLatencyMode:
+    state.latency_mode = static_cast<LatencyMode>(g_value_get_enum(value));
+    return;
+  case kPropForceLaw:
+    state.settings.law = static_cast<std::size_t>(g_value_get_enum(value));
+    break;
+  case kPropMaxForce:
+    state.settings.law_settings.max_force = g_value_get_double(value);
+    break;
+  case kPropAlpha:
+    state.settings.law_settings.alpha = g_value_get_double(value);
+    break;
+  case kPropReferenceWidth:
+    state.settings.reference_width = g_value_get_uint(value);
+    break;
+  case kPropSlewRate:
+    state.settings.slew_rate = g_value_get_double(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    return;
+  }
+  state.loop.set_settings(state.settings);
+}
+
+void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
+  State &state = state_of(object);
+  if (id == kPropStats) {
+    g_value_take_boxed(value, make_stats(state).release());
+    return;
+  }
+  const ObjectLock lock(object);
+  switch (id) {
+  case kPropDevice:
+    g_value_set_string(value, state.choice.device.c_str());
+    break;
+  case kPropGeometry:
+    g_value_set_string(value, state.choice.geometry.c_str());
+    break;
+  case kPropSimHand:
+    g_value_set_string(value, state.choice.sim_hand.c_str());
+    break;
+  case kPropRate:
+    g_value_set_uint(value, state.choice.rate);
+    break;
+  case kPropLogLocation:
+    g_value_set_string(value, state.log_location.empty() ? nullptr : state.log_location.c_str());
+    break;
+  case kPropLatencyMode:
+    g_value_set_enum(value, static_cast<gint>(state.latency_mode.load()));
+    break;
+  case kPropForceLaw:
+    g_value_set_enum(value, static_cast<gint>(state.settings.law));
+    break;
+  case kPropMaxForce:
+    g_value_set_double(value, state.settings.law_settings.max_force);
+    break;
+  case kPropAlpha:
+    g_value_set_double(value, state.settings.law_settings.alpha);
+    break;
+  case kPropReferenceWidth:
+    g_value_set_uint(value, static_cast<guint>(state.settings.reference_width));
+    break;
+  case kPropSlewRate:
+    g_value_set_double(value, state.settings.slew_rate);
+    break;
+  case kPropArmed:
+    g_value_set_boolean(value, is_armed(state));
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
+  }
+}
+
+void calibrate(GstHapticSink *self) {
+  self->state->loop.calibrate();
+}
+
+void arm(GstHapticSink *self) {
+  self->state->loop.unhold(haptic::kLatches);
+  g_object_notify_by_pspec(G_OBJECT(self), properties[kPropArmed]);
+}
+
+void release(GstHapticSink *self) {
+  self->state->loop.hold(haptic::kHoldReleased);
+  g_object_notify_by_pspec(G_OBJECT(self), properties[kPropArmed]);
+}
+
+void install_properties(GObjectClass *klass) {
+  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                              GST_PARAM_MUTABLE_READY);
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                GST_PARAM_MUTABLE_PLAYING);
+  const auto readable = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
+  const haptic::DeviceChoice choice;
+  const haptic::LoopSettings settings;
+
+  properties[kPropDevice] = g_param_spec_string(
+      "device", "Device",
+      "auto, sim, usb, usb:ID (its rotary switch) or none; auto takes the first SPIDAR-G found, "
+      "else the simulated one",
+      choice.device.c_str(), ready);
+  properties[kPropForceLaw] =
+      g_param_spec_enum("force-law", "Force Law", "How motion becomes force",
+                        GST_TYPE_HAPTIC_SINK_FORCE_LAW, static_cast<gint>(settings.law), playing);
+  properties[kPropMaxForce] =
+      g_param_spec_double("max-force", "Maximum Force", "The force that no motion exceeds, N", 0,
+                          kHighestForce, settings.law_settings.max_force, playing);
+  properties[kPropAlpha] = g_param_spec_double(
+      "alpha", "Alpha",
+      "Steepness of the force law, s/px, at a picture reference-width wide: 1/alpha px/s give half "
+      "of max-force",
+      0, kHighestAlpha, settings.law_settings.alpha, playing);
+  properties[kPropReferenceWidth] = g_param_spec_uint(
+      "reference-width", "Reference Width",
+      "Picture width, px, that alpha is meant at; velocities are scaled to it (0 = native pixels)",
+      0, kWidestPicture, static_cast<guint>(settings.reference_width), playing);
+  properties[kPropLatencyMode] = g_param_spec_enum(
+      "latency-mode", "Latency Mode", "When a sample is felt", GST_TYPE_HAPTIC_SINK_LATENCY_MODE,
+      static_cast<gint>(LatencyMode::automatic), playing);
+  properties[kPropRate] = g_param_spec_uint("rate", "Rate", "Force updates per second, Hz",
+                                            kLowestRate, kHighestRate, choice.rate, ready);
+  properties[kPropSlewRate] =
+      g_param_spec_double("slew-rate", "Slew Rate", "How fast the force may change, N/s",
+                          kLowestSlewRate, kHighestSlewRate, settings.slew_rate, playing);
+  properties[kPropGeometry] =
+      g_param_spec_string("geometry", "Geometry", "Name or file of the device's geometry",
+                          choice.geometry.c_str(), ready);
+  properties[kPropLogLocation] =
+      g_param_spec_string("log-location", "Log Location",
+                          "CSV file that gets one row per force update", nullptr, ready);
+  properties[kPropSimHand] = g_param_spec_string(
+      "sim-hand", "Simulated Hand",
+      "What holds the simulated grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free; X, Y, Z "
+      "and RADIUS in -1..1 of the half workspace, PERIOD in s",
+      choice.sim_hand.c_str(), ready);
+  properties[kPropArmed] = g_param_spec_boolean(
+      "armed", "Armed", "Whether the device is open and allowed to exert force", FALSE, readable);
+  properties[kPropStats] =
+      g_param_spec_boxed("stats", "Statistics", "Counters and timing since the last start",
+                         GST_TYPE_STRUCTURE, readable);
+  g_object_class_install_properties(klass, kPropCount, properties.data());
+}
+
+void install_action(GstHapticSinkClass *klass, const char *name, void (*action)(GstHapticSink *)) {
+  g_signal_new_class_handler(name, G_TYPE_FROM_CLASS(klass),
+                             static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION),
+                             G_CALLBACK(action), nullptr, nullptr, nullptr, G_TYPE_NONE, 0);
+}
+
+} // namespace
+
+// ---- GObject ------------------------------------------------------------------------------------
+
+static void gst_haptic_sink_finalize(GObject *object) {
+  delete GST_HAPTIC_SINK(object)->state;
+  G_OBJECT_CLASS(gst_haptic_sink_parent_class)->finalize(object);
+}
+
+static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
+  GObjectClass *object_class = G_OBJECT_CLASS(klass);
+  GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
+  GstBaseSinkClass *sink_class = GST_BASE_SINK_CLASS(klass);
+
+  static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+      "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_MOTION_CAPS));
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
+                                        "Motion in pictures as force on the hand",
+                                        "Feeling Wind project");
+
+  object_class->finalize = gst_haptic_sink_finalize;
+  object_class->set_property = [](GObject *object, guint id, const GValue *value,
+                                  GParamSpec *pspec) {
+    guarded(object, [&] { set_property(object, id, value, pspec); });
+  };
+  object_class->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
+    guarded(object, [&] { get_property(object, id, value, pspec); });
+  };
+  install_properties(object_class);
+
+  /**
+   * GstHapticSink::calibrate:
+   *
+   * Takes the present position of the grip as the centre of the workspace.
+   */
+  install_action(klass, "calibrate",
+                 [](GstHapticSink *self) { guarded(self, [&] { calibrate(self); }); });
+  /**
+   * GstHapticSink::arm:
+   *
+   * Allows force again after `release` or a fault; it comes back within half a second.
+   */
+  install_action(klass, "arm", [](GstHapticSink *self) { guarded(self, [&] { arm(self); }); });
+  /**
+   * GstHapticSink::release:
+   *
+   * Lets go: the force fades in 50 ms and stays off until `arm`.
+   */
+  install_action(klass, "release",
+                 [](GstHapticSink *self) { guarded(self, [&] { release(self); }); });
+
+  element_class->change_state = [](GstElement *element, GstStateChange transition) {
+    return guarded(element, GST_STATE_CHANGE_FAILURE,
+                   [&] { return change_state(element, transition); });
+  };
+  sink_class->start = [](GstBaseSink *sink) -> gboolean {
+    return guarded(sink, FALSE, [&] { return gboolean{open_device(GST_HAPTIC_SINK(sink))}; });
+  };
+  sink_class->stop = [](GstBaseSink *sink) -> gboolean {
+    return guarded(sink, FALSE, [&] {
+      close_device(GST_HAPTIC_SINK(sink));
+      return TRUE;
+    });
+  };
+  sink_class->set_caps = [](GstBaseSink *sink, GstCaps *caps) -> gboolean {
+    return guarded(sink, FALSE, [&] { return set_caps(sink, caps); });
+  };
+  sink_class->get_times = [](GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start,
+                             GstClockTime *end) {
+    guarded(sink, [&] { get_times(sink, buffer, start, end); });
+  };
+  sink_class->event = [](GstBaseSink *sink, GstEvent *e) -> gboolean {
+    return guarded(sink, FALSE, [&] { return event(sink, e); });
+  };
+  sink_class->wait_event = [](GstBaseSink *sink, GstEvent *e) {
+    return guarded(sink, GST_FLOW_ERROR, [&] { return wait_event(sink, e); });
+  };
+  sink_class->unlock = [](GstBaseSink *sink) -> gboolean {
+    return guarded(sink, FALSE, [&] { return set_unlocked(sink, true); });
+  };
+  sink_class->unlock_stop = [](GstBaseSink *sink) -> gboolean {
+    return guarded(sink, FALSE, [&] { return set_unlocked(sink, false); });
+  };
+  sink_class->render = [](GstBaseSink *sink, GstBuffer *buffer) {
+    return guarded(sink, GST_FLOW_ERROR, [&] { return render(sink, buffer); });
+  };
+
+  gst_type_mark_as_plugin_api(GST_TYPE_HAPTIC_SINK_FORCE_LAW, static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(GST_TYPE_HAPTIC_SINK_LATENCY_MODE, static_cast<GstPluginAPIFlags>(0));
+}
+
+static void gst_haptic_sink_init(GstHapticSink *self) {
+  self->state = new State;
+  // The pipeline's latency is the largest of its sinks': this one must not add to it. Nor may a
+  // slow device make the tracker skip pictures.
+  gst_base_sink_set_processing_deadline(GST_BASE_SINK(self), 0);
+  gst_base_sink_set_qos_enabled(GST_BASE_SINK(self), FALSE);
+}

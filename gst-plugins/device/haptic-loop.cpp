@@ -1,0 +1,275 @@
+#include "haptic-loop.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <ctime>
+#include <pthread.h>
+#include <sys/prctl.h>
+
+namespace haptic {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;            // ns
+constexpr std::int64_t kTooLate = 20'000'000;              // ns
+constexpr std::int64_t kRetryFaultedDevice = kSecond / 10; // ns
+constexpr double kGripLetGo = 1.0;                         // m/s
+constexpr int kFailuresToFault = 3;
+constexpr int kRealTimePriority = 50; // above what desktops use, below the kernel's threads
+
+// Only the loop writes its counters, so no read-modify-write instruction is needed.
+template <typename T>
+void add(std::atomic<T> &counter, T amount = 1) noexcept {
+  counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+}
+
+template <typename T>
+void raise(std::atomic<T> &maximum, T value) noexcept {
+  if (value > maximum.load(std::memory_order_relaxed))
+    maximum.store(value, std::memory_order_relaxed);
+}
+
+void reset(LoopStatistics &s) noexcept {
+  for (auto *counter : {&s.ticks, &s.late_ticks, &s.missed_ticks, &s.device_faults, &s.overspeeds,
+                        &s.non_finite, &s.log_rows_lost, &s.samples_used})
+    counter->store(0);
+  s.sample_age_sum = 0;
+  s.sample_age_max = 0;
+  s.force_max = 0;
+  s.lateness.reset();
+  s.body.reset();
+}
+
+void sleep_until(std::int64_t when) noexcept {
+  const timespec at{.tv_sec = when / kSecond, .tv_nsec = when % kSecond};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
+  }
+}
+
+void back_to_normal_priority() noexcept {
+  const sched_param normal{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+}
+
+int ask_for_real_time_priority() noexcept {
+  const sched_param wanted{.sched_priority = kRealTimePriority};
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  // At normal priority the kernel may delay a wake-up by 50 us to save power, unless told not to.
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  return error;
+}
+
+} // namespace
+
+std::int64_t monotonic_now() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kSecond + now.tv_nsec;
+}
+
+HapticLoop::HapticLoop() {
+  for (const auto &law : force_laws())
+    laws_.push_back(law.make());
+}
+
+HapticLoop::~HapticLoop() {
+  stop();
+}
+
+void HapticLoop::prepare(Environment environment) {
+  environment_ = std::move(environment);
+  period_ = std::llround(static_cast<double>(kSecond) / environment_.rate);
+  hold(kHoldPaused);
+  unhold(kHoldFlushing | kHoldEnded);
+  drop_samples();
+  chain_ = {};
+  current_ = {};
+  measured_ = {};
+  last_tick_ = 0;
+  retry_at_ = 0;
+  failed_exchanges_ = 0;
+  flushed_ = false;
+  current_epoch_ = epoch_;
+  log_begun_ = false;
+  row_had_force_ = false;
+  running_time_.reset();
+  reset(statistics_);
+  silent_ = true;
+  priority_error_ = -1;
+}
+
+void HapticLoop::start(Environment environment) {
+  prepare(std::move(environment));
+  thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+}
+
+void HapticLoop::stop() noexcept {
+  thread_ = {};
+}
+
+void HapticLoop::run(const std::stop_token &stop) noexcept {
+  if (environment_.entered)
+    environment_.entered();
+  priority_error_ = ask_for_real_time_priority();
+
+  std::int64_t next = monotonic_now() + period_;
+  while (!stop.stop_requested()) {
+    sleep_until(next);
+    const std::int64_t now = monotonic_now();
+    tick(next, now);
+    statistics_.body.record(monotonic_now() - now);
+    next += period_;
+    if (now > next) // skip what is past rather than hurry after it
+      next += (now - next) / period_ * period_;
+  }
+
+  if (environment_.device) {
+    environment_.device->command({});
+    environment_.device->exchange();
+    environment_.device->exchange();
+  }
+  silent_ = true;
+  back_to_normal_priority();
+  if (environment_.left)
+    environment_.left();
+}
+
+void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
+  const std::int64_t lateness = now - scheduled;
+  statistics_.lateness.record(lateness);
+  add<std::uint64_t>(statistics_.ticks);
+  if (lateness > period_)
+    add<std::uint64_t>(statistics_.late_ticks);
+  const bool too_late = lateness > kTooLate;
+  if (too_late)
+    add<std::uint64_t>(statistics_.missed_ticks);
+  const std::int64_t elapsed = last_tick_ ? now - last_tick_ : period_;
+  last_tick_ = now;
+
+  settings_.refresh();
+  take_submission(now);
+  exchange(now);
+  const spidar::Vector3 force =
+      next_force(now, static_cast<double>(elapsed) / static_cast<double>(kSecond), too_late);
+  if (environment_.device)
+    environment_.device->command({.force = force});
+  if (environment_.log)
+    write_row(now, force);
+  silent_.store(chain_.silent());
+  raise(statistics_.force_max, force.norm());
+}
+
+void HapticLoop::take_submission(std::int64_t now) noexcept {
+  const bool fresh = submissions_.refresh();
+  const std::uint32_t epoch = epoch_.load();
+  flushed_ = epoch != current_epoch_;
+  current_epoch_ = epoch;
+  if (submissions_.value().epoch != epoch) {
+    current_.measured = false;
+    current_.sample.confidence = 0;
+    return;
+  }
+  if (!fresh)
+    return;
+  current_ = submissions_.value();
+  if (!current_.measured)
+    return;
+  measured_ = current_.sample;
+  const std::int64_t age = now - current_.arrival;
+  add<std::uint64_t>(statistics_.samples_used);
+  add(statistics_.sample_age_sum, age);
+  raise(statistics_.sample_age_max, age);
+}
+
+void HapticLoop::exchange(std::int64_t now) noexcept {
+  spidar::Device *device = environment_.device;
+  if (!device)
+    return;
+  if (calibrate_.exchange(false))
+    device->calibrate();
+  const bool faulted = holds_.load() & kHoldFaulted;
+  if (faulted && now < retry_at_)
+    return;
+  retry_at_ = now + kRetryFaultedDevice;
+  if (device->exchange()) {
+    failed_exchanges_ = 0;
+  } else if (++failed_exchanges_ == kFailuresToFault) {
+    failed_exchanges_ = 0;
+    if (!faulted) {
+      hold(kHoldFaulted);
+      add<std::uint64_t>(statistics_.device_faults);
+    }
+  }
+  hand_.write({device->state().pose.position, device->state().valid});
+}
+
+spidar::Vector3 HapticLoop::next_force(std::int64_t now, double dt, bool late) noexcept {
+  Hand hand;
+  std::uint32_t holds = holds_.load();
+  if (late)
+    holds |= kHoldLate;
+  if (flushed_) // a flush may be over within a tick
+    holds |= kHoldFlushing;
+  if (environment_.device) {
+    const auto &state = environment_.device->state();
+    hand = {state.pose, state.velocity};
+    if (!state.valid)
+      holds |= kHoldNoPose;
+    // A grip that nobody pushes may move as it likes.
+    else if (state.velocity.norm() > kGripLetGo && !chain_.silent() && !(holds & kHoldOverspeed)) {
+      hold(kHoldOverspeed);
+      holds |= kHoldOverspeed;
+      add<std::uint64_t>(statistics_.overspeeds);
+    }
+  }
+
+  const LoopSettings &settings = settings_.value();
+  SafetyChain::Input input;
+  input.wanted = laws_[settings.law]->force(scale_motion(measured_, settings.reference_width), hand,
+                                            settings.law_settings);
+  input.measured = current_.measured;
+  input.confidence = current_.sample.confidence;
+  input.age = static_cast<double>(now - current_.arrival) / static_cast<double>(kSecond);
+  input.interval = static_cast<double>(current_.sample.interval) / static_cast<double>(kSecond);
+  input.holds = holds;
+  input.max_force = settings.law_settings.max_force;
+  input.slew_rate = settings.slew_rate;
+  input.dt = dt;
+  const spidar::Vector3 force = chain_.step(input);
+  if (chain_.found_non_finite())
+    add<std::uint64_t>(statistics_.non_finite);
+  return force;
+}
+
+// While the pipeline does not play, the log goes on only until it has shown the force reach zero.
+void HapticLoop::write_row(std::int64_t now, const spidar::Vector3 &force) noexcept {
+  const std::uint32_t holds = holds_.load();
+  const bool playing = !(holds & kHoldPaused);
+  log_begun_ = log_begun_ || playing;
+  const bool has_force = !force.isZero(0);
+  const bool wanted =
+      log_begun_ && ((playing && !(holds & kHoldEnded)) || has_force || row_had_force_);
+  row_had_force_ = has_force;
+  if (!wanted)
+    return;
+
+  TickRow row;
+  row.time = playing ? running_time_.advance(now) : running_time_.last();
+  if (environment_.device) {
+    const auto &state = environment_.device->state();
+    for (std::size_t i = 0; i < row.position.size(); ++i)
+      row.position[i] = state.pose.position[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < row.tension.size(); ++i)
+      row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
+  }
+  if (has_force || chain_.listening()) {
+    row.velocity = {measured_.velocity_x, measured_.velocity_y};
+    row.spin = measured_.spin;
+  }
+  row.force = {force.x(), force.y(), force.z()};
+  row.confidence = current_.sample.confidence;
+  if (!environment_.log->write(row))
+    add<std::uint64_t>(statistics_.log_rows_lost);
+}
+
+} // namespace haptic

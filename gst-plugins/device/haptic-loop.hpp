@@ -1,0 +1,163 @@
+// The real-time loop: device exchange, law, safety chain, command. No GStreamer in it.
+#pragma once
+
+#include "duration-histogram.hpp"
+#include "force-law.hpp"
+#include "newest-slot.hpp"
+#include "running-time.hpp"
+#include "safety-chain.hpp"
+#include "tick-log.hpp"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <spidar/device.hpp>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+namespace haptic {
+
+/// ns of the monotonic clock.
+std::int64_t monotonic_now() noexcept;
+
+/// What may change while the loop runs. Handed over whole, so that no tick sees half a change.
+struct LoopSettings {
+  std::size_t law = 0; ///< index into force_laws()
+  LawSettings law_settings;
+  double reference_width = 352; ///< px, 0: native
+  double slew_rate = 20;        ///< N/s
+};
+
+/// Where the hand is, for the pointer.
+struct HandPosition {
+  spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
+  bool valid = false;
+};
+
+/// Written by the loop, read by anybody. Since the last start().
+struct LoopStatistics {
+  std::atomic<std::uint64_t> ticks = 0;
+  std::atomic<std::uint64_t> late_ticks = 0;    ///< began more than a period late
+  std::atomic<std::uint64_t> missed_ticks = 0;  ///< began more than 20 ms late
+  std::atomic<std::uint64_t> device_faults = 0; ///< three failed exchanges in a row
+  std::atomic<std::uint64_t> overspeeds = 0;    ///< grip faster than 1 m/s with a force on it
+  std::atomic<std::uint64_t> non_finite = 0;    ///< ticks silenced by a NaN or an infinity
+  std::atomic<std::uint64_t> log_rows_lost = 0;
+  std::atomic<std::uint64_t> samples_used = 0;
+  std::atomic<std::int64_t> sample_age_sum = 0; ///< ns from submit() to the first tick with it
+  std::atomic<std::int64_t> sample_age_max = 0; ///< ns
+  std::atomic<double> force_max = 0;            ///< N
+  DurationHistogram lateness;
+  DurationHistogram body;
+};
+
+class HapticLoop {
+public:
+  HapticLoop();
+  ~HapticLoop();
+  HapticLoop(const HapticLoop &) = delete;
+  HapticLoop &operator=(const HapticLoop &) = delete;
+
+  struct Environment {
+    spidar::Device *device = nullptr; ///< null: no hand; outlives stop()
+    TickLog *log = nullptr;           ///< null: no log; outlives stop()
+    double rate = 1000;               ///< Hz
+    std::function<void()> entered;    ///< called in the thread before the loop proper
+    std::function<void()> left;       ///< and after it
+  };
+
+  // Life cycle: one thread at a time.
+
+  /// Starts the thread, silent (kHoldPaused). Throws std::system_error.
+  void start(Environment environment);
+  /// Zero wrench, two exchanges, join. Harmless when not started.
+  void stop() noexcept;
+  /// As start() without the thread: the caller drives tick(). For tests and measurements.
+  void prepare(Environment environment);
+  /// One period of the loop, begun at `now` though meant for `scheduled` (ns). Real-time safe.
+  void tick(std::int64_t scheduled, std::int64_t now) noexcept;
+
+  // Any thread.
+
+  void hold(std::uint32_t holds) noexcept { holds_.fetch_or(holds); }
+  void unhold(std::uint32_t holds) noexcept { holds_.fetch_and(~holds); }
+  std::uint32_t holds() const noexcept { return holds_.load(); }
+  /// Forgets every sample submitted so far.
+  void drop_samples() noexcept { epoch_.fetch_add(1); }
+  void calibrate() noexcept { calibrate_.store(true); }
+  bool silent() const noexcept { return silent_.load(); }
+  const LoopStatistics &statistics() const noexcept { return statistics_; }
+  /// Relation of the clocks for the log; one thread at a time.
+  void set_running_time(std::int64_t monotonic, std::int64_t running) noexcept {
+    running_time_.set(monotonic, running);
+  }
+
+  // Streaming thread.
+
+  /// A measurement, come at `arrival` (ns, monotonic). Takes over from the one before on the next
+  /// tick.
+  void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now()) noexcept {
+    submissions_.write({sample, true, arrival, epoch_.load()});
+  }
+  /// Nothing was measured.
+  void submit_gap(std::int64_t arrival = monotonic_now()) noexcept {
+    submissions_.write({{}, false, arrival, epoch_.load()});
+  }
+
+  // One writer at a time.
+  void set_settings(const LoopSettings &settings) noexcept { settings_.write(settings); }
+
+  // Pointer thread.
+  HandPosition hand() noexcept {
+    hand_.refresh();
+    return hand_.value();
+  }
+  /// 0 with real-time priority, else why not (errno); -1 until the thread runs.
+  int priority_error() const noexcept { return priority_error_.load(); }
+
+private:
+  struct Submission {
+    MotionSample sample;
+    bool measured = false;
+    std::int64_t arrival = 0; // ns, monotonic
+    std::uint32_t epoch = 0;
+  };
+
+  void run(const std::stop_token &stop) noexcept;
+  void take_submission(std::int64_t now) noexcept;
+  void exchange(std::int64_t now) noexcept;
+  spidar::Vector3 next_force(std::int64_t now, double dt, bool late) noexcept;
+  void write_row(std::int64_t now, const spidar::Vector3 &force) noexcept;
+
+  // Between threads.
+  std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused;
+  std::atomic<std::uint32_t> epoch_ = 0;
+  std::atomic<bool> calibrate_ = false;
+  std::atomic<bool> silent_ = true;
+  std::atomic<int> priority_error_ = -1;
+  NewestSlot<Submission> submissions_; // streaming thread -> loop
+  NewestSlot<LoopSettings> settings_;  // property setters, under the object's lock -> loop
+  NewestSlot<HandPosition> hand_;      // loop -> pointer thread
+  RunningTime running_time_;
+  LoopStatistics statistics_;
+
+  // The loop's own, others touch them only while it does not run.
+  Environment environment_;
+  std::int64_t period_ = 1'000'000; // ns
+  std::vector<std::unique_ptr<ForceLaw>> laws_;
+  SafetyChain chain_;
+  Submission current_;    // the newest one
+  MotionSample measured_; // the newest one that holds a measurement
+  std::uint32_t current_epoch_ = 0;
+  bool flushed_ = false;       // samples were dropped since the last tick
+  std::int64_t last_tick_ = 0; // ns, 0: none yet
+  std::int64_t retry_at_ = 0;  // ns, while faulted
+  int failed_exchanges_ = 0;
+  bool log_begun_ = false;
+  bool row_had_force_ = false;
+
+  std::jthread thread_;
+};
+
+} // namespace haptic

@@ -1,0 +1,48 @@
+// The time column of the log: the pipeline's running time, told by the monotonic clock.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+
+namespace haptic {
+
+/// Normal threads say how the two clocks relate (set()); the loop's thread asks (advance()).
+class RunningTime {
+public:
+  /// `running` is the running time at `monotonic`, both ns.
+  void set(std::int64_t monotonic, std::int64_t running) noexcept {
+    const std::int64_t offset = monotonic - running;
+    // Reading two clocks takes time; smaller differences say nothing.
+    if (std::abs(offset - offset_.load(std::memory_order_relaxed)) > kReadingError)
+      offset_.store(offset, std::memory_order_relaxed);
+  }
+
+  /// Running time at `monotonic`, s. Never decreases: where the running time itself starts again
+  /// (a flushing seek) this one goes on from where it was.
+  double advance(std::int64_t monotonic) noexcept {
+    const std::int64_t running =
+        std::max<std::int64_t>(monotonic - offset_.load(std::memory_order_relaxed), 0);
+    if (running + shift_ < last_ - kRestart)
+      shift_ = last_ - running;
+    last_ = std::max(last_, running + shift_);
+    return last();
+  }
+
+  /// What advance() returned last.
+  double last() const noexcept { return static_cast<double>(last_) * 1e-9; }
+
+  /// Only while the loop does not run.
+  void reset() noexcept { shift_ = last_ = 0; }
+
+private:
+  static constexpr std::int64_t kReadingError = 50'000; // ns
+  static constexpr std::int64_t kRestart = 100'000'000; // ns
+
+  std::atomic<std::int64_t> offset_ = 0; // ns, monotonic - running
+  std::int64_t shift_ = 0;               // ns, the loop's
+  std::int64_t last_ = 0;                // ns, the loop's
+};
+
+} // namespace haptic

@@ -1,0 +1,101 @@
+#include "tick-log.hpp"
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <system_error>
+
+namespace haptic {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kDrainEvery = 20ms;
+constexpr int kDigits = 9;
+
+void append_number(std::string &text, double value) {
+  std::array<char, 32> digits{};
+  // Adding zero turns -0 into 0.
+  const auto end =
+      std::to_chars(digits.begin(), digits.end(), std::isfinite(value) ? value + 0.0 : 0,
+                    std::chars_format::general, kDigits)
+          .ptr;
+  if (!text.empty() && text.back() != '\n')
+    text += ',';
+  text.append(digits.begin(), end);
+}
+
+} // namespace
+
+void append_row(std::string &text, const TickRow &row) {
+  append_number(text, row.time);
+  for (double v : row.position)
+    append_number(text, v);
+  for (double v : row.velocity)
+    append_number(text, v);
+  append_number(text, row.spin);
+  for (double v : row.force)
+    append_number(text, v);
+  for (double v : row.torque)
+    append_number(text, v);
+  append_number(text, row.confidence);
+  for (double v : row.tension)
+    append_number(text, v);
+  text += '\n';
+}
+
+TickLog::TickLog(const std::string &path) : file_(std::fopen(path.c_str(), "we")), rows_(kRows) {
+  if (!file_)
+    throw std::system_error(errno, std::generic_category(), path);
+  put(std::string(kTickLogHeader) + '\n');
+  // A full disk shows here already.
+  if (error())
+    throw std::system_error(error(), std::generic_category(), path);
+  thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+}
+
+TickLog::~TickLog() = default; // the thread is the last member: it ends and is joined first
+
+bool TickLog::write(const TickRow &row) noexcept {
+  const std::size_t at = written_.load(std::memory_order_relaxed);
+  if (at - read_.load(std::memory_order_acquire) == kRows)
+    return false;
+  rows_[at % kRows] = row;
+  written_.store(at + 1, std::memory_order_release);
+  return true;
+}
+
+void TickLog::run(const std::stop_token &stop) try {
+  std::string text;
+  while (!stop.stop_requested()) {
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, kDrainEvery, [] { return false; });
+    }
+    drain(text);
+  }
+  drain(text);
+} catch (const std::bad_alloc &) {
+  error_.store(ENOMEM, std::memory_order_relaxed);
+}
+
+void TickLog::drain(std::string &text) {
+  text.clear();
+  std::size_t at = read_.load(std::memory_order_relaxed);
+  for (const std::size_t end = written_.load(std::memory_order_acquire); at != end; ++at)
+    append_row(text, rows_[at % kRows]);
+  read_.store(at, std::memory_order_release);
+  if (!text.empty() && !error())
+    put(text);
+}
+
+void TickLog::put(const std::string &text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
+      std::fflush(file_.get()) != 0)
+    error_.store(errno ? errno : EIO, std::memory_order_relaxed);
+}
+
+} // namespace haptic

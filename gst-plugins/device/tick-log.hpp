@@ -1,0 +1,72 @@
+// The CSV log: rows come from the real-time thread, a normal thread writes them.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace haptic {
+
+/// One row; the members are the columns in their order (docs/formats/csv-log.md). SI units.
+struct TickRow {
+  double time = 0;                  ///< s, running time
+  std::array<double, 3> position{}; ///< m, grip
+  std::array<double, 2> velocity{}; ///< px/s of the picture, y down
+  double spin = 0;                  ///< rad/s
+  std::array<double, 3> force{};    ///< N, commanded
+  std::array<double, 3> torque{};   ///< N·m, commanded
+  double confidence = 0;            ///< 0..1
+  std::array<double, 8> tension{};  ///< N
+};
+
+inline constexpr const char *kTickLogHeader =
+    "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7";
+
+/// One line with its end, nine significant digits, "." whatever the locale says. A number that is
+/// not finite is written as 0.
+void append_row(std::string &text, const TickRow &row);
+
+class TickLog {
+public:
+  /// Creates the file and writes the header. Throws std::system_error.
+  explicit TickLog(const std::string &path);
+  /// Writes what is left and closes the file.
+  ~TickLog();
+  TickLog(const TickLog &) = delete;
+  TickLog &operator=(const TickLog &) = delete;
+
+  /// False, if the row is lost because the writer is too far behind. One thread; real-time safe.
+  bool write(const TickRow &row) noexcept;
+
+  /// errno of the first write that failed (nothing is written after it), 0 while all is well.
+  int error() const noexcept { return error_.load(std::memory_order_relaxed); }
+
+private:
+  // At the highest rate, 4 kHz, this is two seconds of a stuck disk.
+  static constexpr std::size_t kRows = 8192;
+
+  struct CloseFile {
+    void operator()(std::FILE *file) const noexcept { std::fclose(file); }
+  };
+
+  void run(const std::stop_token &stop);
+  void drain(std::string &text);
+  void put(const std::string &text);
+
+  std::unique_ptr<std::FILE, CloseFile> file_;       // writer thread after construction
+  std::vector<TickRow> rows_;                        // ring; a row belongs to one side at a time
+  alignas(64) std::atomic<std::size_t> written_ = 0; // rows ever put in, by write()
+  alignas(64) std::atomic<std::size_t> read_ = 0;    // rows ever taken out, by the writer thread
+  std::atomic<int> error_ = 0;
+  std::mutex mutex_; // only to sleep on
+  std::condition_variable_any wake_;
+  std::jthread thread_;
+};
+
+} // namespace haptic
