@@ -1,0 +1,236 @@
+#!/usr/bin/env bash
+# Sets everything up on a Debian 12 and runs the paper's system: a hand wanders over a video of a
+# tree in the wind and feels it move. Leaves in demo-output/
+#   trace.csv  one row per millisecond: hand, velocity, force, string tensions
+#   trace.png  velocity and force over time, as the paper's figure 11
+# and prints a summary. Installs Debian packages and builds the plugins the first time (it says
+# which); later runs take as long as the video, 28 s. Ctrl-C ends it early and keeps the results.
+#
+# Usage: pipelines/demo.sh [OPTION...]
+#   --video FILE          a video of your own instead of the tree
+#   --camera /dev/videoN  a camera instead of a file; "--camera test" is a live test picture
+#   --seconds N           end after N seconds (a camera: 30; a file: at its end)
+#   --device DEVICE       sim (default): a simulated SPIDAR-G whose hand goes round in a circle
+#                         usb or usb:ID: a real one; auto: a real one if there is one
+#   --show                show the picture in a window, where there is a display
+#   --output DIR          where the results go (demo-output)
+#   --help
+
+source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/packages.sh"
+
+video='' camera='' seconds='' device=sim show=no output=demo-output
+hand=circle:0.6,20
+
+read_options() {
+  while [ $# -gt 0 ]; do
+    case $1 in
+    --help | -h)
+      show_help
+      exit
+      ;;
+    --show)
+      show=yes
+      shift
+      continue
+      ;;
+    --video | --camera | --seconds | --device | --output)
+      [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
+      ;;
+    *) fail "unknown option '$1'; see --help" ;;
+    esac
+    case $1 in
+    --video) video=$2 ;;
+    --camera) camera=$2 ;;
+    --seconds) seconds=$2 ;;
+    --device) device=$2 ;;
+    --output) output=$2 ;;
+    esac
+    shift 2
+  done
+}
+
+check_options() {
+  [ -z "$video" ] || [ -z "$camera" ] || fail "either --video or --camera, not both"
+  [ -z "$video" ] || need_file "$video"
+  [ -z "$camera" ] || [ "$camera" = test ] || need_camera "$camera"
+  [ -z "$camera" ] || seconds=${seconds:-30}
+  [[ ${seconds:-1} =~ ^[1-9][0-9]{0,5}$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
+  [[ $device =~ ^(sim|auto|usb|usb:.+)$ ]] || fail "--device is sim, usb, usb:ID or auto, not '$device'"
+  if [ "$show" = yes ] && ! has_display; then
+    echo "There is no display: going on without a window."
+    show=no
+  fi
+  if ! mkdir -p "$output" 2>/dev/null || ! : 2>/dev/null >"$output/trace.csv"; then
+    fail "the folder '$output' cannot be written to; give another with --output"
+  fi
+}
+
+# Packages and build, unless the caller brought a finished build.
+set_up() {
+  if [ -z "${FEELING_WIND_BUILD:-}" ]; then
+    install_packages "${run_packages[@]}" "${build_packages[@]}"
+    build_plugins
+  fi
+  use_elements
+  if [ -z "$video$camera" ]; then
+    video=$(tree_video)
+    hand=file:$root/pipelines/tree-hand.csv
+  fi
+}
+
+# What the first error in a log of gst-launch tells the user; failing that, its last line.
+reason() {
+  local text
+  text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' "$1" |
+    sed '/^Additional debug info/,$d; s/^ERROR: from element [^ ]*: //')
+  printf '%s' "${text:-$(tail -n 1 "$1")}"
+}
+
+need_video() {
+  local log=$output/gst-launch.log
+  timeout 30 gst-launch-1.0 -q filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert \
+    ! fakesink num-buffers=1 >"$log" 2>&1 ||
+    fail "'$video' is not a video that GStreamer can play ($(reason "$log"))"
+}
+
+# Puts the gst-launch line into $line.
+make_line() {
+  if [ "$camera" = test ]; then
+    line=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
+      ! "video/x-raw,width=352,height=288,framerate=30/1" ! "${camera_pictures[@]}")
+  elif [ -n "$camera" ]; then
+    line=(v4l2src "device=$(quoted "$camera")" ! "${camera_pictures[@]}")
+  else
+    line=(filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert)
+  fi
+  line+=(! progressreport update-freq=1 silent=true ! roitracker !)
+  [ "$show" = no ] || line+=("${window_branch[@]}")
+  line+=(velocityavg ! hapticsink "device=$(quoted "$device")" "sim-hand=$(quoted "$hand")"
+    "log-location=$(quoted "$output/trace.csv")")
+}
+
+# Reads what gst-launch -m says, after a first line with its process id. Keeps it in the log given,
+# shows progress and warnings, and interrupts gst-launch after $seconds, if set.
+follow() {
+  local log=$1 process text rest='' began=$SECONDS asked=no
+  trap '' INT # Ctrl-C is for gst-launch alone; its last words matter
+  read -r process
+  while true; do
+    if IFS= read -r -t 1 text; then
+      text=$rest$text rest=''
+      printf '%s\n' "$text" >>"$log"
+      show_event "$text"
+    elif [ $? -gt 128 ]; then
+      rest+=$text
+    else
+      break
+    fi
+    if [ -n "$seconds" ] && [ $((SECONDS - began)) -ge "$seconds" ]; then
+      if [ $asked = no ]; then
+        asked=yes
+        kill -INT "$process" 2>/dev/null || true
+      elif [ $((SECONDS - began)) -ge $((seconds + 15)) ]; then
+        kill -KILL "$process" 2>/dev/null || true
+      fi
+    fi
+  done
+  [ ! -t 1 ] || printf '\r\e[K'
+}
+
+show_event() {
+  local now total of=''
+  case $1 in
+  *'(element): progress,'*)
+    [[ $1 =~ current=\(gint64\)([0-9]+) ]] || return 0
+    now=${BASH_REMATCH[1]}
+    total=$seconds
+    [[ ! $1 =~ total=\(gint64\)([0-9]+) ]] || total=${BASH_REMATCH[1]}
+    [ -z "$total" ] || of=" of $total"
+    if [ -t 1 ]; then
+      printf '\r\e[K  %s%s s' "$now" "$of"
+    elif [ $((now % 5)) = 0 ] && [ "$now" != "${shown:-0}" ]; then
+      shown=$now
+      printf '  %s%s s\n' "$now" "$of"
+    fi
+    ;;
+  'WARNING: from element '*) printf '\r%s\n' "Note: ${1#*: * }" ;;
+  esac
+}
+
+# A number from the last element message of this name in the log.
+statistic() {
+  sed -n "s/.*(element): $2, \(.* \)\?$3=([a-z0-9]*)\([^,;]*\).*/\2/p" "$1" | tail -n 1
+}
+
+summarise() {
+  local log=$1 trace=$output/trace.csv
+  picture() { statistic "$log" roitracker-stats "$1"; }
+  loop() { statistic "$log" hapticsink-stats "$1"; }
+  echo
+  awk -F, -v frames="$(picture frames)" -v measured="$(picture measured)" \
+    -v still="$(picture still)" -v repeated="$(picture duplicates)" -v points="$(picture points)" \
+    -v ticks="$(loop ticks)" -v late="$(loop late-ticks)" -v missed="$(loop missed-ticks)" \
+    -v start50="$(loop jitter-p50)" -v start99="$(loop jitter-p99)" -v start="$(loop jitter-max)" \
+    -v body50="$(loop loop-p50)" -v body99="$(loop loop-p99)" '
+    NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next }
+    {
+      rows++; last = $c["time"]
+      speed = sqrt($c["vx"] ^ 2 + $c["vy"] ^ 2); if (speed > fastest) fastest = speed
+      force = sqrt($c["fx"] ^ 2 + $c["fy"] ^ 2 + $c["fz"] ^ 2); if (force > strongest) strongest = force
+      if (rows == 1) { fx0 = fx1 = $c["fx"]; fy0 = fy1 = $c["fy"] }
+      if ($c["fx"] < fx0) fx0 = $c["fx"]; if ($c["fx"] > fx1) fx1 = $c["fx"]
+      if ($c["fy"] < fy0) fy0 = $c["fy"]; if ($c["fy"] > fy1) fy1 = $c["fy"]
+    }
+    END {
+      if (frames != "") {
+        printf "Pictures    %d: %d measured, %d still, %d repeated\n", frames, measured, still, repeated
+        printf "Points      %.1f in a measured picture\n", points
+      }
+      if (rows == 0) { print "The log holds no rows."; exit }
+      printf "Velocity    at most %.0f px/s\n", fastest
+      printf "Force       x %.2f to %.2f N, y %.2f to %.2f N, at most %.2f N\n", fx0, fx1, fy0, fy1, strongest
+      if (ticks != "") {
+        printf "1 kHz loop  %d ticks in %.1f s, %d late by more than 1 ms, %d by more than 20 ms\n", ticks, last, late, missed
+        printf "            a tick begins %.0f us late (median), %.0f us (99 %%), %.0f us (worst)\n", start50, start99, start
+        printf "            and takes %.0f us (median), %.0f us (99 %%)\n", body50, body99
+      }
+    }' "$trace"
+}
+
+draw() {
+  local name=${camera:+camera $camera}
+  if [ "$(wc -l <"$output/trace.csv")" -lt 3 ]; then
+    rm -f "$output/trace.png"
+    echo "Files       $output/trace.csv (too short for a picture)"
+    return
+  fi
+  gnuplot -c "$root/pipelines/trace.gp" "$output/trace.csv" "$output/trace.png" \
+    "${name:-${video##*/}}" || fail "gnuplot could not draw $output/trace.png"
+  echo "Files       $output/trace.csv, $output/trace.png"
+}
+
+run() {
+  local log=$output/gst-launch.log status
+  : >"$log"
+  make_line
+  echo "Running, with the log in $log:"
+  show_line gst-launch-1.0 -e -m "${line[@]}"
+  trap : INT # the summary still follows
+  set +e
+  {
+    echo "$BASHPID"
+    exec gst-launch-1.0 -e -m "${line[@]}" 2>&1
+  } | follow "$log"
+  status=${PIPESTATUS[0]}
+  set -e
+  [ "$status" = 0 ] || fail "${camera:+the camera $camera: }$(reason "$log") (log: $log)"
+  summarise "$log"
+  draw
+}
+
+read_options "$@"
+check_options
+set_up
+[ -z "$video" ] || need_video
+run

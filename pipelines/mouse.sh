@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# The mouse instead of the device: it points over the video window, and hapticsink computes the force
+# that a hand there would feel. Without further options the force goes nowhere but into the log.
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#       ! roitracker pointer-source=navigation ! tee name=t \
+#       t. ! queue ! videoconvert ! autovideosink \
+#       t. ! queue ! velocityavg ! hapticsink device=none log-location=trace.csv
+#
+# X11 windows look at the mouse 20 times a second; glimagesink, where it is installed, follows at once.
+#
+# Usage: pipelines/mouse.sh [FILE] [-- OPTION=VALUE...]
+#   FILE is a video, the tree of the demonstration if none is given. What follows -- goes to
+#   hapticsink, for example log-location=trace.csv, or device=usb to point with the mouse and feel
+#   with the other hand. Ctrl-C stops.
+
+source "$(dirname "$0")/common.sh"
+
+read_arguments "$@"
+[ -n "$input" ] || input=$(tree_video)
+need_file "$input"
+need_display
+
+launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+  ! roitracker pointer-source=navigation ! "${window_branch[@]}" velocityavg \
+  ! hapticsink device=none "${sink_options[@]}"

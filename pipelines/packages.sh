@@ -1,0 +1,91 @@
+# shellcheck shell=bash disable=SC2034 # its variables are read by the scripts that source it
+# The Debian 12 packages that this project needs: the one list of them. To be sourced after common.sh.
+
+# To run the pipelines.
+run_packages=(
+  gstreamer1.0-tools        # gst-launch-1.0, gst-inspect-1.0
+  gstreamer1.0-plugins-base # decodebin, videoconvert, videotestsrc
+  gstreamer1.0-plugins-good # avidemux, jpegdec, v4l2src, autovideosink, progressreport
+  gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
+  gstreamer1.0-x            # video windows
+  gnuplot-nox               # the picture of a trace
+)
+
+# To build the plugins.
+build_packages=(
+  g++
+  meson
+  ninja-build
+  pkg-config
+  libgstreamer1.0-dev
+  libgstreamer-plugins-base1.0-dev
+  libopencv-core-dev
+  libopencv-imgproc-dev
+  libopencv-video-dev
+  libeigen3-dev
+  libusb-1.0-0-dev
+)
+
+# To build and run the tests.
+test_packages=(
+  libgtest-dev
+  libbenchmark-dev
+  clang-format
+  clang-tidy
+  shellcheck
+  xvfb
+  xauth # xvfb-run needs it
+  xdotool
+)
+
+# The given packages that are not installed, one a line.
+missing_packages() {
+  local installed package
+  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null |
+    sed -n 's/^installed //p') || true
+  for package; do
+    grep -qxF -- "$package" <<<"$installed" || echo "$package"
+  done
+}
+
+# Runs a command as root.
+as_root() {
+  if [ "$(id -u)" = 0 ]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    return 127
+  fi
+}
+
+# Runs apt-get without questions; its output goes to the log named by the first argument.
+quiet_apt_get() {
+  local log=$1
+  shift
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -y -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "$@" >>"$log" 2>&1
+}
+
+# Installs what is missing of the given packages and says so. Does nothing, and asks nobody, when
+# nothing is missing.
+install_packages() {
+  local missing log
+  if ! command -v dpkg-query >/dev/null; then
+    echo "This is not a Debian system. Taking it that these are installed by other means: $*"
+    return
+  fi
+  mapfile -t missing < <(missing_packages "$@")
+  [ ${#missing[@]} -gt 0 ] || return 0
+  if [ "$(id -u)" != 0 ] && ! command -v sudo >/dev/null; then
+    fail "packages are missing and there is no sudo; as root run: apt-get install --no-install-recommends ${missing[*]}"
+  fi
+  log=$(mktemp)
+  echo "Installing ${#missing[@]} Debian packages with apt-get: ${missing[*]}"
+  if ! quiet_apt_get "$log" update ||
+    ! quiet_apt_get "$log" install --no-install-recommends "${missing[@]}"; then
+    tail -n 20 "$log" >&2
+    fail "apt-get could not install the packages (log: $log)"
+  fi
+  rm -f "$log"
+}

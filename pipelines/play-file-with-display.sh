@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# Feel a video file and see it in a window beside it.
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! roitracker ! tee name=t \
+#       t. ! queue ! videoconvert ! autovideosink \
+#       t. ! queue ! velocityavg ! hapticsink
+#
+# Usage: pipelines/play-file-with-display.sh FILE [-- OPTION=VALUE...]
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+
+source "$(dirname "$0")/common.sh"
+
+read_arguments "$@"
+need_file "$input"
+need_display
+
+launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+  ! roitracker ! "${window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"

@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# Feel a video file: the three elements in a row, without a window.
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#       ! roitracker ! velocityavg ! hapticsink
+#
+# Usage: pipelines/play-file.sh FILE [-- OPTION=VALUE...]
+#   What follows -- goes to hapticsink, for example
+#     pipelines/play-file.sh in.mp4 -- device=sim sim-hand=circle:0.5,10 log-location=trace.csv
+#   Ctrl-C stops.
+
+source "$(dirname "$0")/common.sh"
+
+read_arguments "$@"
+need_file "$input"
+
+launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+  ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}"

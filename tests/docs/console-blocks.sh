@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Runs what the pages tell the reader to type: every line that begins with "$ " in a ```console
+# block, with its continuation lines. Each must succeed; one that does not end by itself is
+# interrupted after some seconds, as a reader would with Ctrl-C, and must then end well.
+#
+# A block right below a line `<!-- not run: REASON -->` is left out.
+#
+# The commands find in.mp4 beside the repository's folders, and a window system.
+
+source "$(dirname "$0")/../pipelines/support.sh"
+need_window_system
+
+scratch=$work/checkout
+mkdir "$scratch"
+for entry in "$root"/*; do
+  case ${entry##*/} in
+  build*) ;;
+  *) ln -s "$entry" "$scratch/" ;;
+  esac
+done
+ln -s "$build" "$scratch/build"
+clip "$scratch/in.mp4" 352 288 30 4 uniform:40,-20
+
+# Prints NUMBER<tab>COMMAND for each command of a page.
+commands() {
+  awk '
+    /^```/ {
+      if (open) { open = 0 } else { open = 1; run = ($0 ~ /^```console/) && (before !~ /^<!-- not run: ./) }
+      before = $0
+      next
+    }
+    open && run && /^\$ / { number = NR; text = substr($0, 3); more = 1 }
+    open && run && more && !/^\$ / { text = text $0 }
+    open && run && more { if (sub(/\\$/, "", text)) next; print number "\t" text; more = 0 }
+    !open && NF { before = $0 }
+  ' "$1"
+}
+
+count=0 wrong=0
+while IFS= read -r page; do
+  while IFS=$'\t' read -r number command; do
+    count=$((count + 1))
+    echo "$page:$number: $command"
+    if ! (cd "$scratch" && in_window_system timeout --foreground --preserve-status -k 10 -s INT 8 \
+      bash -o pipefail -c "$command" </dev/null) >"$work/output" 2>&1 ||
+      grep -qE '^(ERROR|erroneous pipeline)|CRITICAL \*\*' "$work/output"; then
+      echo "FAILED"
+      tail -n 20 "$work/output"
+      wrong=$((wrong + 1))
+    fi
+  done < <(commands "$root/$page")
+done < <(cd "$root" && printf '%s\n' ./*.md && find docs -name '*.md')
+
+echo "$count commands run, $wrong failed"
+[ "$count" -gt 0 ] && [ "$wrong" = 0 ]

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Every link between the pages leads to a file, and to a heading in it where it names one.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+# Headings of a page as link targets: small letters, no punctuation, dashes for blanks.
+anchors() {
+  sed -n 's/^#\+ \+//p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^a-z0-9 _-]//g; s/ /-/g'
+}
+
+broken=0 count=0
+complain() {
+  echo "$page: the link '$target' leads $1"
+  broken=1
+}
+
+while IFS= read -r page; do
+  while IFS= read -r target; do
+    case $target in
+    http:* | https:* | mailto:*) continue ;;
+    esac
+    count=$((count + 1))
+    file=${target%%#*}
+    if [ -n "$file" ]; then
+      file=$(dirname "$page")/$file
+    else
+      file=$page
+    fi
+    if [ ! -e "$file" ]; then
+      complain "nowhere"
+    elif [[ $target == *#* ]] && ! anchors "$file" | grep -qxF -- "${target#*#}"; then
+      complain "to a heading that is not there"
+    fi
+  done < <(grep -o '](\([^)]*\))' "$page" | sed 's/^](//; s/)$//')
+done < <(printf '%s\n' *.md; find docs -name '*.md')
+
+echo "$count links looked at"
+[ "$count" -gt 0 ] && [ "$broken" = 0 ]

@@ -1,0 +1,130 @@
+// docs/elements/NAME.md tells the truth about the properties of each element.
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <fstream>
+#include <gst/gst.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+// Name of each property of the element itself (not of its parents) and its default.
+using Properties = std::map<std::string, std::string>;
+
+std::string number_text(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+std::string text_of(const GValue &value) {
+  if (G_VALUE_HOLDS_BOOLEAN(&value)) {
+    return g_value_get_boolean(&value) ? "true" : "false";
+  }
+  if (G_VALUE_HOLDS_ENUM(&value)) {
+    auto *type = static_cast<GEnumClass *>(g_type_class_ref(G_VALUE_TYPE(&value)));
+    const GEnumValue *entry = g_enum_get_value(type, g_value_get_enum(&value));
+    std::string nick = entry != nullptr ? entry->value_nick : "";
+    g_type_class_unref(type);
+    return nick;
+  }
+  if (G_VALUE_HOLDS_STRING(&value)) {
+    const gchar *text = g_value_get_string(&value);
+    return text != nullptr ? text : "";
+  }
+  GValue number = G_VALUE_INIT;
+  g_value_init(&number, G_TYPE_DOUBLE);
+  const bool is_number = g_value_transform(&value, &number);
+  return is_number ? number_text(g_value_get_double(&number)) : "";
+}
+
+Properties properties_of_element(const std::string &name) {
+  Properties properties;
+  GstElement *element = gst_element_factory_make(name.c_str(), nullptr);
+  EXPECT_NE(element, nullptr) << name;
+  if (element == nullptr) {
+    return properties;
+  }
+  guint count = 0;
+  GParamSpec **list = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
+  for (guint i = 0; i < count; ++i) {
+    if (list[i]->owner_type == G_OBJECT_TYPE(element)) {
+      properties[list[i]->name] = text_of(*g_param_spec_get_default_value(list[i]));
+    }
+  }
+  g_free(list);
+  gst_object_unref(element);
+  return properties;
+}
+
+std::string without(std::string text, const std::string &characters) {
+  std::erase_if(text, [&](char c) { return characters.find(c) != std::string::npos; });
+  return text;
+}
+
+std::vector<std::string> cells_of(const std::string &line) {
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  std::string cell;
+  std::getline(stream, cell, '|'); // what stands before the first bar
+  while (std::getline(stream, cell, '|')) {
+    const auto first = cell.find_first_not_of(' ');
+    const auto last = cell.find_last_not_of(' ');
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  return cells;
+}
+
+// A default as people write it: `20`, 1.0, `"sim"`, NULL or a dash for none.
+std::string default_of_cell(const std::string &cell) {
+  const std::string text = without(cell, "`\"");
+  if (text == "NULL" || text == "-" || text == "–" || text == "—") {
+    return "";
+  }
+  char *end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' ? number_text(number) : text;
+}
+
+// The table whose head begins `| property | type | range/unit | default | meaning |`.
+Properties properties_of_page(const std::string &name) {
+  Properties properties;
+  std::ifstream page(std::string(SOURCE_ROOT "/docs/elements/") + name + ".md");
+  EXPECT_TRUE(page.is_open()) << name;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    const auto cells = cells_of(line);
+    if (cells.size() < 5) {
+      inside = false;
+    } else if (without(cells[0], "`*") == "property" || without(cells[0], "`*") == "Property") {
+      inside = true;
+    } else if (inside && !cells[0].starts_with("-") && !cells[0].starts_with(":")) {
+      properties[without(cells[0], "`")] = default_of_cell(cells[3]);
+    }
+  }
+  return properties;
+}
+
+class PropertyTable : public testing::TestWithParam<const char *> {};
+
+TEST_P(PropertyTable, ListsEveryPropertyOfTheElementWithItsDefaultAndNoOther) {
+  const Properties element = properties_of_element(GetParam());
+  EXPECT_FALSE(element.empty());
+  EXPECT_EQ(properties_of_page(GetParam()), element);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,
+                         testing::Values("roitracker", "velocityavg", "hapticsink"),
+                         [](const auto &element) { return std::string(element.param); });
+
+} // namespace
+
+int main(int argc, char **argv) {
+  testing::InitGoogleTest(&argc, argv);
+  gst_init(&argc, &argv);
+  return RUN_ALL_TESTS();
+}

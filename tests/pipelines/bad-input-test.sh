@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Bad input is answered by one sentence that says what is wrong, and a failure.
+
+source "$(dirname "$0")/support.sh"
+
+# `refuses PATTERN SCRIPT ARGUMENT...`: fails with one line on stderr that matches.
+refuses() {
+  local pattern=$1 script=$2
+  shift 2
+  if (cd "$work" && timeout 60 "$root/pipelines/$script" "$@") >"$work/stdout" 2>"$work/stderr"; then
+    echo "NOT OK: $script $* succeeded"
+    exit 1
+  fi
+  if [ "$(wc -l <"$work/stderr")" != 1 ] || ! grep -qE "^$script: .*$pattern" "$work/stderr"; then
+    echo "NOT OK: $script $* said:"
+    cat "$work/stderr"
+    exit 1
+  fi
+  echo "ok: $script $*: $(cat "$work/stderr")"
+}
+
+head -c 20000 /dev/urandom >"$work/noise.avi"
+: >"$work/empty.mp4"
+gst-launch-1.0 -q audiotestsrc num-buffers=50 ! wavenc ! filesink "location=$work/sound.wav"
+clip "$work/clip.mkv" 352 288 30 1 uniform:10,0
+mkdir "$work/folder"
+
+refuses "no file" demo.sh --video "$work/missing.mp4"
+refuses "folder" demo.sh --video "$work/folder"
+refuses "not a video" demo.sh --video "$work/noise.avi"
+refuses "not a video" demo.sh --video "$work/empty.mp4"
+refuses "not a video" demo.sh --video "$work/sound.wav"
+refuses "no camera '/dev/video99'" demo.sh --camera /dev/video99
+refuses "not a camera" demo.sh --camera "$work/clip.mkv"
+refuses "the camera /dev/null" demo.sh --camera /dev/null
+refuses "cannot be written" demo.sh --video "$work/clip.mkv" --output /proc/demo-output
+refuses "cannot be written" demo.sh --video "$work/clip.mkv" --output "$work/clip.mkv"
+refuses "whole number" demo.sh --camera test --seconds soon
+refuses "whole number" demo.sh --camera test --seconds 0
+refuses "not both" demo.sh --camera test --video "$work/clip.mkv"
+refuses "needs a value" demo.sh --video
+refuses "sim, usb, usb:ID or auto" demo.sh --device joystick
+refuses "SPIDAR" demo.sh --video "$work/clip.mkv" --device usb
+refuses "unknown option '--speed'" demo.sh --speed 3
+
+for script in play-file.sh play-file-with-display.sh; do
+  refuses "which video file" "$script"
+  refuses "no file" "$script" "$work/missing.mp4"
+  refuses "one input" "$script" "$work/clip.mkv" device=sim
+done
+refuses "no file" mouse.sh "$work/missing.mp4"
+refuses "no camera" camera.sh /dev/video99
+unset DISPLAY WAYLAND_DISPLAY
+refuses "no display" play-file-with-display.sh "$work/clip.mkv"
+refuses "no display" mouse.sh "$work/clip.mkv"
+FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
+  GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
+
+for script in demo play-file play-file-with-display camera mouse; do
+  "$root/pipelines/$script.sh" --help >"$work/help"
+  grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
+  echo "ok: $script.sh --help"
+done

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# demo.sh leaves a trace, its picture and a summary, from a file and from a live source.
+
+source "$(dirname "$0")/support.sh"
+
+# At least so many pixels of the picture have the colour (hexadecimal, as od prints it).
+has_colour() {
+  local count
+  count=$(gst-launch-1.0 -q filesrc "location=$1" ! pngdec ! videoconvert ! video/x-raw,format=RGB \
+    ! fdsink | od -An -v -tx1 -w3 | grep -c "$2") || true
+  [ "$count" -ge "$3" ] || { echo "$count pixels"; return 1; }
+}
+
+results() {
+  promise "the log is sound" sound_log "$1/trace.csv" 1 3
+  promise "the picture of the trace shows both components" has_colour "$1/trace.png" '00 72 b2' 500
+  promise "in two colours" has_colour "$1/trace.png" 'd5 5e 00' 500
+  promise "the summary names the pictures" grep -qE '^Pictures +[1-9][0-9]*: [1-9]' "$1/output"
+  promise "the points" grep -qE '^Points +[1-9][0-9.]* in' "$1/output"
+  promise "the force" grep -qE '^Force +x -?[0-9.]+ to' "$1/output"
+  promise "the timing of the loop" grep -qE '^1 kHz loop +[1-9][0-9]* ticks' "$1/output"
+}
+
+run_demo() {
+  local output=$1
+  shift
+  mkdir -p "$output"
+  "$root/pipelines/demo.sh" --output "$output" "$@" >"$output/output" 2>&1 || { cat "$output/output"; return 1; }
+}
+
+folder="$work/a folder; with 'odd \"name"
+mkdir "$folder"
+clip "$work/clip.mkv" 352 288 30 4 uniform:-30,-100
+mv "$work/clip.mkv" "$folder/a \"clip\"!.mkv"
+promise "demo.sh plays a file" run_demo "$folder/out" --video "$folder/a \"clip\"!.mkv"
+results "$folder/out"
+promise "the force is that of the motion" in_log "$folder/out/trace.csv" \
+  'time < 1.5 || time > 3.5 || (fx < -0.1 && fy > 0.4)'
+
+promise "demo.sh plays a live source for the seconds given" \
+  run_demo "$work/live" --camera test --seconds 5
+results "$work/live"
+
+promise "demo.sh goes on without a display" \
+  env -u DISPLAY -u WAYLAND_DISPLAY "$root/pipelines/demo.sh" --show --camera test --seconds 2 --output "$work/none"
+if command -v xvfb-run >/dev/null; then
+  promise "demo.sh shows a window" \
+    in_window_system "$root/pipelines/demo.sh" --show --camera test --seconds 5 --output "$work/window"
+  promise "its log is sound" sound_log "$work/window/trace.csv" 1 3
+fi
+
+# Ctrl-C reaches all of the foreground: demo.sh and gst-launch.
+stopped_early() {
+  timeout --preserve-status -k 20 -s INT 4 \
+    "$root/pipelines/demo.sh" --camera test --output "$work/stopped" >"$work/stopped.txt" 2>&1
+}
+promise "Ctrl-C ends demo.sh early without an error" stopped_early
+promise "with a summary all the same" grep -qE '^Files .*trace.png' "$work/stopped.txt"

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# With a window beside it the same force is felt.
+
+source "$(dirname "$0")/support.sh"
+need_window_system
+
+clip "$work/clip.mkv" 352 288 30 4 uniform:0,-100
+promise "a clip plays to its end beside a window" in_window_system \
+  "$root/pipelines/play-file-with-display.sh" "$work/clip.mkv" \
+  -- device=sim "log-location=$work/log.csv"
+promise "its log is sound" sound_log "$work/log.csv" 1 4
+promise "its force is that of the motion" in_log "$work/log.csv" \
+  'time < 1.5 || time > 3.5 || abs(fy - 0.5) <= 0.02'

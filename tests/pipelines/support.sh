@@ -1,0 +1,112 @@
+# shellcheck shell=bash disable=SC2034 # its variables are read by the tests that source it
+# What the tests of the scripts share: a scratch folder that goes away, clips of known motion, a
+# window system, and assertions about the log of hapticsink. To be sourced.
+#
+# From the environment: FEELING_WIND_BUILD, the build to test; MAKE_CLIP, the program beside this file.
+
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
+use_elements
+
+work=$(mktemp -d)
+processes=()
+
+clean_up() {
+  local process
+  for process in "${processes[@]}"; do
+    kill "$process" 2>/dev/null || true
+  done
+  wait
+  rm -rf "$work"
+}
+trap clean_up EXIT
+
+skip() {
+  echo "SKIP: $*"
+  exit 77
+}
+
+# `promise TEXT COMMAND...`: the command must succeed; the text says what that means.
+promise() {
+  local text=$1
+  shift
+  if "$@"; then
+    echo "ok: $text"
+  else
+    echo "NOT OK: $text"
+    exit 1
+  fi
+}
+
+# `clip FILE WIDTH HEIGHT FRAMES-PER-SECOND SECONDS SCENE` writes a video of known motion; see
+# make-clip.cpp for the scenes. The ending of FILE chooses the container: mkv (Motion JPEG of high
+# quality) or mp4 (MPEG-4, for the pages).
+clip() {
+  local encoder=(jpegenc quality=95 ! matroskamux)
+  [[ $1 != *.mp4 ]] || encoder=(avenc_mpeg4 bitrate=4000000 ! mp4mux)
+  "$MAKE_CLIP" "$2" "$3" "$4" "$5" "$6" |
+    gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 "width=$2" "height=$3" "framerate=$4/1" \
+      ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
+}
+
+need_tree_video() {
+  local installed=/usr/share/doc/opencv-doc/examples/data/tree.avi
+  [ -f "$installed" ] || [ -f "$root/build-data/tree.avi" ] ||
+    skip "tree.avi is not here; ./pipelines/demo.sh or ./tests/run.sh fetches it"
+}
+
+need_window_system() {
+  command -v xvfb-run >/dev/null || skip "xvfb-run is not installed (packages xvfb and xauth)"
+}
+
+# Runs a command with an X server of its own.
+in_window_system() {
+  xvfb-run -a -s '-screen 0 1024x768x24' "$@"
+}
+
+# Runs a script as if someone pressed Ctrl-C after so many seconds.
+interrupted_after() {
+  local seconds=$1
+  shift
+  timeout --foreground --preserve-status -k 20 -s INT "$seconds" "$@"
+}
+
+# `in_log FILE CONDITION [VARIABLE=VALUE...]`: the awk condition holds in every row of the log; the
+# fields have the names of its header. Shows the first row where it does not. An empty log fails.
+in_log() {
+  local file=$1 condition=$2 assignments=()
+  shift 2
+  for assignment; do
+    assignments+=(-v "$assignment")
+  done
+  awk -F, "${assignments[@]}" '
+    function abs(x) { return x < 0 ? -x : x }
+    function atan(x) { return atan2(x, 1) }
+    NR == 1 {
+      if ($0 != "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7") {
+        print "the header is " $0; bad = 1; exit
+      }
+      next
+    }
+    {
+      time = $1; x = $2; y = $3; z = $4; vx = $5; vy = $6; fx = $8; fy = $9; fz = $10
+      confidence = $14; force = sqrt(fx * fx + fy * fy + fz * fz)
+      rows++
+      if (!('"$condition"')) { print "row " NR ": " $0; bad = 1; exit }
+      before = time
+    }
+    END { if (rows == 0) print "no rows"; exit bad || rows == 0 }' "$file"
+}
+
+# `sound_log FILE MAX-FORCE SECONDS`: all numbers finite, the time never runs backwards, force and
+# tensions within their limits, and at least half of a row per millisecond.
+sound_log() {
+  local rows
+  rows=$(wc -l <"$1")
+  ! grep -qiE 'nan|inf' <(tail -n +2 "$1") || { echo "not finite: $(grep -iE -m 1 'nan|inf' "$1")"; return 1; }
+  [ "$rows" -gt $(($3 * 500)) ] || { echo "only $rows rows"; return 1; }
+  # shellcheck disable=SC2016 # $i is awk's
+  in_log "$1" 'NF == 22 && time >= before && force <= max * 1.000001 &&
+    $15 >= 0 && $16 >= 0 && $17 >= 0 && $18 >= 0 && $19 >= 0 && $20 >= 0 && $21 >= 0 && $22 >= 0 &&
+    $15 <= 5 && $16 <= 5 && $17 <= 5 && $18 <= 5 && $19 <= 5 && $20 <= 5 && $21 <= 5 && $22 <= 5' \
+    "max=$2"
+}

@@ -1,0 +1,148 @@
+#!/usr/bin/env bash
+# Installs what is missing on a Debian 12 (it says what), builds, runs every test and check, and
+# closes with one line: N passed, N failed, N skipped. The exit status is 0 only when nothing
+# failed. Each check of format, style or scripts counts as one test.
+#
+# Usage: tests/run.sh [--quick]
+#   --quick  without the sanitizers, clang-tidy and the demonstration
+#
+# Builds in build-tests/ and build-sanitized/, the demonstration in build/.
+
+source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/packages.sh"
+
+quick=no
+case ${1:-} in
+'') ;;
+--quick) quick=yes ;;
+--help | -h) show_help && exit ;;
+*) fail "unknown option '$1'; see --help" ;;
+esac
+
+cd "$root"
+unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
+passed=0 failed=0 skipped=0
+
+# However the script ends, the closing line is printed, and an early end counts as a failure.
+finish() {
+  [ "$1" = 0 ] || [ "$failed" -gt 0 ] || failed=1
+  echo
+  echo "$passed passed, $failed failed, $skipped skipped"
+  [ "$failed" = 0 ] || exit 1
+}
+trap 'finish $?' EXIT
+
+step() {
+  printf '\n== %s\n' "$*"
+}
+
+# Runs a command as one test.
+check() {
+  local name=$1
+  shift
+  step "$name"
+  if "$@"; then
+    echo "ok: $name"
+    passed=$((passed + 1))
+  else
+    echo "FAILED: $name"
+    failed=$((failed + 1))
+    return 1
+  fi
+}
+
+set_up() {
+  step "Packages"
+  install_packages "${run_packages[@]}" "${build_packages[@]}" "${test_packages[@]}"
+  echo "tree.avi: $(tree_video)"
+}
+
+# `build_in FOLDER MESON-OPTION...`
+build_in() {
+  local folder=$1 log=$1/build.log
+  shift
+  mkdir -p "$folder"
+  if [ -f "$folder/build.ninja" ]; then
+    set -- --reconfigure "$@"
+  fi
+  if ! meson setup "$folder" "$@" >"$log" 2>&1 || ! meson compile -C "$folder" >>"$log" 2>&1; then
+    tail -n 40 "$log"
+    return 1
+  fi
+}
+
+# `run_meson_tests FOLDER OPTION...` adds up what meson counted.
+run_meson_tests() {
+  local folder=$1 report=$1/test-report.txt before=$failed status=0
+  shift
+  meson test -C "$folder" --no-rebuild --print-errorlogs "$@" 2>&1 | tee "$report" || status=1
+  passed=$((passed + $(reported "$report" Ok) + $(reported "$report" 'Expected Fail')))
+  skipped=$((skipped + $(reported "$report" Skipped)))
+  failed=$((failed + $(reported "$report" Fail) + $(reported "$report" 'Unexpected Pass')))
+  failed=$((failed + $(reported "$report" Timeout)))
+  # A run that went wrong without a count of failures still is one.
+  [ "$status" = 0 ] || [ "$failed" -gt "$before" ] || failed=$((failed + 1))
+}
+
+reported() {
+  local number
+  number=$(sed -n "s/^$2: *\([0-9]\+\).*/\1/p" "$1" | tail -n 1)
+  echo "${number:-0}"
+}
+
+# Whether LeakSanitizer works here: some containers forbid what it needs.
+leaks_can_be_found() {
+  ! ASAN_OPTIONS=detect_leaks=1 build-sanitized/tests/unit/unit-common --gtest_filter=nothing 2>&1 |
+    grep -q 'LeakSanitizer has encountered a fatal error'
+}
+
+run_sanitized_tests() {
+  local leaks=1
+  if ! leaks_can_be_found; then
+    leaks=0
+    echo "LeakSanitizer does not work here: leaks are not looked for."
+  fi
+  ASAN_OPTIONS=detect_leaks=$leaks \
+    LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
+    UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+    run_meson_tests build-sanitized --suite unit --suite elements --timeout-multiplier 4
+}
+
+check_format() {
+  find gst-plugins spidar tests \( -name '*.[ch]pp' -o -name '*.[ch]' \) -print0 |
+    xargs -0 clang-format --dry-run --Werror
+}
+
+check_style() {
+  run-clang-tidy -p build-tests -quiet -j "$(nproc)" "$root/(gst-plugins|spidar)/" \
+    >build-tests/clang-tidy.log 2>&1 ||
+    { grep -E -A 5 'warning:|error:' build-tests/clang-tidy.log; return 1; }
+}
+
+check_scripts() {
+  find pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
+    xargs -0 shellcheck -x -P SCRIPTDIR
+}
+
+set_up
+check "Every script passes shellcheck" check_scripts || true
+check "The source is formatted with clang-format" check_format || true
+if check "Everything builds without a warning" \
+  build_in build-tests -Dwerror=true -Dtests=enabled -Dbenchmarks=enabled \
+  -Dvision=enabled -Ddevice=enabled; then
+  step "Unit, element, pipeline and documentation tests"
+  run_meson_tests build-tests
+  if [ "$quick" = no ]; then
+    check "clang-tidy finds nothing" check_style || true
+  fi
+fi
+if [ "$quick" = no ]; then
+  if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" \
+    build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
+    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled; then
+    step "Unit and element tests with sanitizers"
+    run_sanitized_tests
+  fi
+  check "The demonstration runs as a user starts it" \
+    pipelines/demo.sh --output build-tests/demo-output || true
+fi
