@@ -147,35 +147,3 @@ launch() {
   show_line gst-launch-1.0 -e "$@"
   exec gst-launch-1.0 -e "$@"
 }
-
-# The path of tree.avi, a tree in the wind. It comes with the Debian package opencv-doc; where that
-# is not installed (274 MB) or was told to leave its files out, the package is fetched and only this
-# file is taken from it.
-tree_video() {
-  local installed=/usr/share/doc/opencv-doc/examples/data/tree.avi
-  local kept=$root/build-data/tree.avi
-  if [ -f "$installed" ]; then
-    echo "$installed"
-  else
-    [ -f "$kept" ] || fetch_tree_video "$kept" >&2
-    echo "$kept"
-  fi
-}
-
-fetch_tree_video() {
-  local kept=$1 folder
-  mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made"
-  folder=$(mktemp -d "${kept%/*}/fetch.XXXXXX")
-  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to take tree.avi out of it ..."
-  if (cd "$folder" && apt-get download opencv-doc >log 2>&1) &&
-    dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb >"$folder/files.tar" &&
-    tar -xf "$folder/files.tar" -O ./usr/share/doc/opencv-doc/examples/data/tree.avi \
-      >"$folder/tree.avi"; then
-    mv "$folder/tree.avi" "$kept"
-    rm -rf "$folder"
-  else
-    tail -n 5 "$folder/log" >&2
-    rm -rf "$folder"
-    fail "the package opencv-doc could not be fetched; run apt-get update as root, or give a video of your own"
-  fi
-}

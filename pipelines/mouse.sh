@@ -15,6 +15,7 @@
 #   with the other hand. Ctrl-C stops.
 
 source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/packages.sh"
 
 read_arguments "$@"
 [ -n "$input" ] || input=$(tree_video)

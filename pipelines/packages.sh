@@ -1,5 +1,6 @@
-# shellcheck shell=bash disable=SC2034 # its variables are read by the scripts that source it
-# The Debian 12 packages that this project needs: the one list of them. To be sourced after common.sh.
+# shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
+# What this project takes from Debian 12: the one list of packages, and the film of the demonstration. To be
+# sourced after common.sh.
 
 # To run the pipelines.
 run_packages=(
@@ -88,4 +89,44 @@ install_packages() {
     fail "apt-get could not install the packages (log: $log)"
   fi
   rm -f "$log"
+}
+
+# The path of tree.avi, a tree in the wind. It comes with the Debian package opencv-doc; where that
+# is not installed (274 MB) or was told to leave its files out, the package is fetched and only this
+# file is taken from it.
+tree_video() {
+  found_tree_video || { fetch_tree_video >&2 && found_tree_video; }
+}
+
+found_tree_video() {
+  local file
+  for file in /usr/share/doc/opencv-doc/examples/data/tree.avi "$root/build-data/tree.avi"; do
+    [ ! -f "$file" ] || { echo "$file"; return; }
+  done
+  return 1
+}
+
+fetch_tree_video() {
+  local kept=$root/build-data/tree.avi folder
+  mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made"
+  folder=$(mktemp -d "${kept%/*}/fetch.XXXXXX")
+  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to take tree.avi out of it ..."
+  if download_package opencv-doc "$folder" &&
+    dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb |
+      tar -xO ./usr/share/doc/opencv-doc/examples/data/tree.avi \
+        >"$folder/tree.avi"; then
+    mv "$folder/tree.avi" "$kept"
+    rm -rf "$folder"
+  else
+    tail -n 5 "$folder/log" >&2
+    rm -rf "$folder"
+    fail "the package opencv-doc could not be fetched; give a video of your own"
+  fi
+}
+
+# `download_package NAME FOLDER` fetches a package without installing it; what apt-get says goes to FOLDER/log.
+download_package() {
+  (cd "$2" && apt-get download "$1" >log 2>&1) && return
+  # Fresh systems have no list of packages yet.
+  quiet_apt_get "$2/log" update && (cd "$2" && apt-get download "$1" >>log 2>&1)
 }

@@ -235,7 +235,7 @@ spidar::Vector3 HapticLoop::next_force(std::int64_t now, double dt, bool late) n
   input.max_force = settings.law_settings.max_force;
   input.slew_rate = settings.slew_rate;
   input.dt = dt;
-  const spidar::Vector3 force = chain_.step(input);
+  spidar::Vector3 force = chain_.step(input);
   if (chain_.found_non_finite())
     add<std::uint64_t>(statistics_.non_finite);
   return force;

@@ -48,12 +48,6 @@ clip() {
       ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
 }
 
-need_tree_video() {
-  local installed=/usr/share/doc/opencv-doc/examples/data/tree.avi
-  [ -f "$installed" ] || [ -f "$root/build-data/tree.avi" ] ||
-    skip "tree.avi is not here; ./pipelines/demo.sh or ./tests/run.sh fetches it"
-}
-
 need_window_system() {
   command -v xvfb-run >/dev/null || skip "xvfb-run is not installed (packages xvfb and xauth)"
 }

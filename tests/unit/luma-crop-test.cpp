@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, LumaCrop,
                          [](const auto &format) { return std::string(format.param); });
 
 TEST(LumaComparison, SeesASingleChangedPixelAndIgnoresWhatLiesBetweenTheRows) {
-  std::vector<std::uint8_t> one(10 * 8, 50);
+  std::vector<std::uint8_t> one(std::size_t{10} * 8, 50);
   std::vector<std::uint8_t> other = one;
   const LumaView a{one.data(), 7, 8, 10};
   const LumaView b{other.data(), 7, 8, 10};

@@ -25,7 +25,7 @@ TEST_F(PointerEvent, CarriesThePositionUpstream) {
   sent.device = "simulated SPIDAR-G";
   sent.timestamp = 1'234'567;
   const EventPtr event = haptic::make_pointer_event(sent);
-  EXPECT_TRUE(GST_EVENT_IS_UPSTREAM(event.get()));
+  EXPECT_EQ(GST_EVENT_TYPE(event.get()), GST_EVENT_CUSTOM_UPSTREAM);
   const auto received = haptic::parse_pointer_event(event.get());
   ASSERT_TRUE(received.has_value());
   EXPECT_EQ(received->x, 0.75);
