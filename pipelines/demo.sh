@@ -4,13 +4,13 @@
 #   trace.csv  one row per millisecond: hand, velocity, force, string tensions
 #   trace.png  velocity and force over time, as the paper's figure 11
 # and prints a summary. Installs Debian packages and builds the plugins the first time (it says
-# which); later runs take as long as the video, 28 s. Ctrl-C ends it early and keeps the results.
+# which); later runs take as long as the video, 30 s. Ctrl-C ends it early and keeps the results.
 #
 # Usage: pipelines/demo.sh [OPTION...]
 #   --video FILE          a video of your own instead of the tree
 #   --camera /dev/videoN  a camera instead of a file; "--camera test" is a live test picture
 #   --seconds N           end after N seconds (a camera: 30; a file: at its end)
-#   --device DEVICE       sim (default): a simulated SPIDAR-G whose hand goes round in a circle
+#   --device DEVICE       sim (default): a simulated SPIDAR-G whose hand wanders about
 #                         usb or usb:ID: a real one; auto: a real one if there is one
 #   --show                show the picture in a window, where there is a display
 #   --output DIR          where the results go (demo-output)

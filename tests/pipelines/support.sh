@@ -5,20 +5,11 @@
 # From the environment: FEELING_WIND_BUILD, the build to test; MAKE_CLIP, the program beside this file.
 
 source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/packages.sh"
 use_elements
 
 work=$(mktemp -d)
-processes=()
-
-clean_up() {
-  local process
-  for process in "${processes[@]}"; do
-    kill "$process" 2>/dev/null || true
-  done
-  wait
-  rm -rf "$work"
-}
-trap clean_up EXIT
+trap 'rm -rf "$work"' EXIT
 
 skip() {
   echo "SKIP: $*"
