@@ -24,6 +24,7 @@ build_packages=(
   libopencv-imgproc-dev
   libopencv-video-dev
   libeigen3-dev
+  libhwy-dev
   libusb-1.0-0-dev
 )
 

@@ -31,6 +31,11 @@ using haptic::Rectangle;
 using Clock = std::chrono::steady_clock;
 
 enum class Method { fast, opencv };
+constexpr Method kDefaultMethod = Method::opencv; // until the other has passed everything
+
+std::unique_ptr<haptic::PatchTracker> make_tracker(Method method) {
+  return method == Method::fast ? haptic::make_fast_tracker() : haptic::make_opencv_tracker();
+}
 
 enum PropertyId : guint {
   kRoiSize = 1,
@@ -72,6 +77,7 @@ struct Settings {
   Pointer pointer;
   guint roi_size;
   guint max_points;
+  Method method;
 };
 
 struct State {
@@ -79,13 +85,14 @@ struct State {
   haptic::PointerArbiter pointers;
   guint roi_size = 0;
   guint max_points = kDefaultMaxPoints;
-  Method method = Method::fast;
+  Method method = kDefaultMethod;
   int picture_width = 0; // 0: no caps yet
   int picture_height = 0;
   Statistics statistics;
 
   // Streaming thread only, or while it is stopped.
-  std::unique_ptr<haptic::PatchTracker> tracker = haptic::make_opencv_tracker();
+  Method tracker_method = kDefaultMethod;
+  std::unique_ptr<haptic::PatchTracker> tracker = make_tracker(kDefaultMethod);
   haptic::PictureTimeline timeline;
   haptic::RepetitionJudge repetition;
   haptic::BufferPtr reference; // the earlier picture
@@ -102,6 +109,13 @@ struct State {
     repetition.forget();
     moving_crop = {};
     tracker->reset();
+    reference_was_measured = false;
+  }
+
+  void use(Method wanted) {
+    if (std::exchange(tracker_method, wanted) == wanted)
+      return;
+    tracker = make_tracker(wanted);
     reference_was_measured = false;
   }
 
@@ -181,7 +195,10 @@ GType pointer_source_type() {
 
 GType method_type() {
   static const GEnumValue values[] = {
-      {static_cast<int>(Method::fast), "The quickest there is; for now the same as opencv", "fast"},
+      {static_cast<int>(Method::fast),
+       "Still, one translation or a grid of patches, whatever is the least that explains the "
+       "picture",
+       "fast"},
       {static_cast<int>(Method::opencv),
        "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
       {0, nullptr, nullptr}};
@@ -312,6 +329,7 @@ std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rec
   if (!haptic::is_measurable(region))
     return Finding{.interval = step.interval};
 
+  state.use(settings.method);
   state.tracker->set_max_points(static_cast<int>(settings.max_points));
   const int margin = state.tracker->margin(std::max(region.width, region.height));
   const Rectangle crop =
@@ -389,7 +407,7 @@ void notify_pointer(GstRoiTracker *self, const Pointer &pointer) {
 Settings take_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
   const State &state = *self->state;
-  return {state.pointers.in_use(Clock::now()), state.roi_size, state.max_points};
+  return {state.pointers.in_use(Clock::now()), state.roi_size, state.max_points, state.method};
 }
 
 void follow_controllers(GstRoiTracker *self, GstBuffer *buffer) {
@@ -688,7 +706,7 @@ static void install_properties(GObjectClass *object_class) {
       g_param_spec_enum("pointer-source", "Pointer Source", "Who moves the pointer",
                         pointer_source_type(), static_cast<gint>(PointerSource::automatic), usual);
   properties[kMethod] = g_param_spec_enum("method", "Method", "How motion is measured",
-                                          method_type(), static_cast<gint>(Method::fast), usual);
+                                          method_type(), static_cast<gint>(kDefaultMethod), usual);
   properties[kMaxPoints] = g_param_spec_uint("max-points", "Maximum Points",
                                              "Most points that are tracked in the region", 1,
                                              haptic::kMaxPatches, kDefaultMaxPoints, usual);

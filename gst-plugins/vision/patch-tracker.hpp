@@ -76,6 +76,10 @@ public:
   virtual void reset() = 0;
 };
 
+/// The default: still, one translation or a grid of patches, whatever is the least that explains
+/// the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
+std::unique_ptr<PatchTracker> make_fast_tracker();
+
 /// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.
 std::unique_ptr<PatchTracker> make_opencv_tracker();
 

@@ -84,6 +84,16 @@ public:
     }
   }
 
+  /// Paints the texture `times` larger, its origin at the picture's.
+  void paint_magnified(Picture &picture, int times) const {
+    Texture larger = *this;
+    for (Wave &wave : larger.waves_) {
+      wave.kx /= times;
+      wave.ky /= times;
+    }
+    larger.paint(picture, {});
+  }
+
   Picture picture(int width, int height, Shift shift) const {
     Picture picture(width, height);
     paint(picture, shift);

@@ -1,0 +1,633 @@
+// A ladder: each rung is climbed only when the one below does not explain the pixels.
+//   1. nothing changed but noise
+//   2. one translation of the whole region
+//   3. a grid of patches, evenly spread so that their mean is the mean over the region
+#include "lk-kernels.hpp"
+#include "patch-tracker.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr int kFewestLevels = 3;
+constexpr int kMostLevels = 5;
+constexpr int kSmallPatch = 8;  // px
+constexpr int kLargePatch = 16; // px
+constexpr int kRim = 4;         // px around a patch, for gradients and interpolation
+constexpr int kSmallSide = 30;  // px, the region of the paper
+constexpr int kReach =
+    20; // px per picture that the search covers there; what is larger moves further
+constexpr int kLargestSide =
+    128; // px; larger regions are averaged down first, so that the cost stays bounded
+
+// Smoothing correlates the noise of neighbouring pixels: there are fewer independent ones than it
+// seems.
+constexpr float kNoiseCorrelation = 5;
+// What interpolation leaves of the displacement's error even without noise, px.
+constexpr float kDisplacementFloor = 0.02F;
+// Variance of a smoothed pixel's gradient from white noise of variance 1: (1 2 0 -2 -1)/8 along, (1
+// 2 1)/4 across.
+constexpr float kGradientNoise = 10.0F / 64 * 6 / 16;
+// Variance of a smoothed pixel itself: (6/16)^2.
+constexpr float kSmoothedNoise = 36.0F / 256;
+constexpr float kTextureOverNoise = 3;
+constexpr float kLeastResidual2 = 0.05F; // grey levels squared, rounding to 8 bits
+
+Displacement operator+(Displacement a, Displacement b) {
+  return {a.x + b.x, a.y + b.y};
+}
+Displacement operator-(Displacement a, Displacement b) {
+  return {a.x - b.x, a.y - b.y};
+}
+Displacement operator*(float scale, Displacement d) {
+  return {scale * d.x, scale * d.y};
+}
+float norm2(Displacement d) {
+  return d.x * d.x + d.y * d.y;
+}
+
+Tensor &operator+=(Tensor &sum, const Tensor &t) {
+  sum.xx += t.xx;
+  sum.xy += t.xy;
+  sum.yy += t.yy;
+  return sum;
+}
+
+Displacement solve(const Tensor &t, Displacement right, float regularised) {
+  const float xx = t.xx + regularised;
+  const float yy = t.yy + regularised;
+  const float inverse = 1 / (xx * yy - t.xy * t.xy);
+  return {(yy * right.x - t.xy * right.y) * inverse, (xx * right.y - t.xy * right.x) * inverse};
+}
+
+float quadratic(const Tensor &t, Displacement d) {
+  return t.xx * d.x * d.x + 2 * t.xy * d.x * d.y + t.yy * d.y * d.y;
+}
+
+struct Eigenvalues {
+  float least;
+  float most;
+};
+
+Eigenvalues eigenvalues(const Tensor &t) {
+  const float mean = (t.xx + t.yy) / 2;
+  const float spread = std::hypot((t.xx - t.yy) / 2, t.xy);
+  return {mean - spread, mean + spread};
+}
+
+// Unit vector of the larger eigenvalue.
+Displacement strong_direction(const Tensor &t) {
+  const float angle = 0.5F * std::atan2(2 * t.xy, t.xx - t.yy);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+// A rectangle in pixels of some level; pixel i covers i..i+1.
+struct Area {
+  float x;
+  float y;
+  float width;
+  float height;
+
+  Area at_level(int level) const {
+    const float scale = 1 / static_cast<float>(1 << level);
+    return {x * scale, y * scale, width * scale, height * scale};
+  }
+};
+
+// One picture's crop, from fine to coarse.
+struct Pyramid {
+  std::array<Plane, kMostLevels> levels;
+
+  void build(const LumaView &view, std::size_t count) {
+    widen_and_smooth(view, levels[0]);
+    for (std::size_t i = 1; i < count; ++i)
+      halve(levels[i - 1], levels[i]);
+  }
+};
+
+// Patches side by side over an area, on one level of the earlier picture.
+struct PatchGrid {
+  int columns = 0;
+  int rows = 0;
+  std::array<Template, kMaxPatches> patches;
+
+  std::span<const Template> view() const {
+    return {patches.data(), static_cast<std::size_t>(columns * rows)};
+  }
+};
+
+// Index into a table with so many columns.
+std::size_t cell(int row, int columns, int column) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+         static_cast<std::size_t>(column);
+}
+
+bool fits_into(const Plane &plane, int side) {
+  return std::min(plane.width(), plane.height()) >= side + kRim;
+}
+
+// Column or row of a patch's first pixel, kept inside the plane with pixels to spare for gradients
+// and interpolation.
+int first_pixel(float from, float length, int index, int parts, int side, int available) {
+  const float centre =
+      from + (static_cast<float>(index) + 0.5F) * length / static_cast<float>(parts);
+  return std::clamp(static_cast<int>(std::floor(centre - 0.5F * static_cast<float>(side))), 1,
+                    available - side - 2);
+}
+
+int parts_of(float length, float part, int most) {
+  return std::clamp(static_cast<int>(std::lround(length / part)), 1, most);
+}
+
+// What one translation of all blocks explains.
+struct Translation {
+  Displacement displacement;
+  Tensor structure;
+  float pixels = 0;
+  float correlation = -1;     // mean over the blocks, weighted by their contrast
+  float residual2 = 0;        // mean squared grey levels
+  float disagreement = 0;     // chi-squared of what each block alone would correct
+  bool one_direction = false; // only the component along strong_direction() is known
+
+  float variance() const { return kNoiseCorrelation * std::max(residual2, kLeastResidual2); }
+};
+
+class FastTracker final : public PatchTracker {
+public:
+  int margin(int region_side) const override {
+    const int reduced = reductions(region_side);
+    return (reach(region_side >> reduced) + 2) << reduced;
+  }
+  void set_max_points(int max_points) override {
+    max_points_ = std::clamp(max_points, 1, kMaxPatches);
+  }
+  void measure(const CropPair &pair, Measurement &measurement) override;
+  void reset() override {
+    have_previous_ = false;
+    last_ = {};
+    noise_ = kAssumedNoise * kAssumedNoise;
+  }
+
+private:
+  static int reductions(int side) {
+    int count = 0;
+    while ((side >> count) > kLargestSide)
+      ++count;
+    return count;
+  }
+
+  static int reach(int side) { return kReach * std::max(side, kSmallSide) / kSmallSide; }
+
+  void measure_reduced(const CropPair &pair, Measurement &measurement);
+  enum class Change { none, unseen, some };
+  Change change(const CropPair &pair);
+  void take_pictures(const CropPair &pair);
+  void cover(const Area &area, std::size_t level, int columns, int rows, int side, PatchGrid &grid);
+  void cover_with_blocks(const Area &area);
+  Translation translate(Displacement start);
+  Translation translate_level(std::size_t level, Displacement start, int iterations);
+  Translation find_translation();
+  static bool has_texture(float least_eigenvalue, float pixels, float noise) {
+    return least_eigenvalue > kTextureOverNoise * kGradientNoise * noise * pixels;
+  }
+  bool explains(const Translation &whole) const;
+  static bool is_still(const Translation &whole);
+  static bool is_precise(const Translation &whole);
+  void add_whole(const Area &area, const Translation &whole, Measurement &measurement);
+  void add_grid(const Area &area, const Translation &whole, Measurement &measurement);
+  void add_patch(const Template &patch, Displacement moved, const Fit &fit,
+                 Measurement &measurement);
+
+  int max_points_ = kMaxPatches;
+  bool have_previous_ = false; // current_ holds the picture that comes next as the earlier one
+  Rectangle last_crop_;
+  Pyramid previous_;
+  Pyramid current_;
+  int side_ = 0; // px, of the region
+  std::size_t built_levels_ = 0;
+  std::size_t levels_ = 1;       // of the pyramids that are large enough to be of use
+  std::array<Plane, 2> shifted_; // the earlier picture around the region, a quarter and three
+                                 // quarters of a pixel further
+  std::array<PatchGrid, kMostLevels> blocks_;
+  PatchGrid coarse_grid_;
+  PatchGrid grid_;
+  std::array<ByteImage, 2> reduced_previous_;
+  std::array<ByteImage, 2> reduced_current_;
+  Displacement last_;                           // px, of the picture before
+  float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still pictures
+  float trust_ = 0;         // sum over the grid's patches that have texture, 0..1 each
+  float change_energy_ = 0; // mean squared difference about its mean
+};
+
+// Nothing, if the differences are no larger than noise and do not line up with the gradients: a
+// translation would make them do so.
+FastTracker::Change FastTracker::change(const CropPair &pair) {
+  constexpr float kOverNoise = 1.3F;
+  constexpr float kSignificant = 7; // F distribution with 2 degrees of freedom: 1 in 1000
+  const std::ptrdiff_t x = pair.region.x - pair.crop.x;
+  const std::ptrdiff_t y = pair.region.y - pair.crop.y;
+  const auto inside = [&](const LumaView &view) {
+    return LumaView{view.pixels + y * view.stride + x, pair.region.width, pair.region.height,
+                    view.stride};
+  };
+  const auto sums = measure_change(inside(pair.previous), inside(pair.current));
+  if (sums.squares == 0)
+    return Change::none;
+  const auto pixels = static_cast<float>((pair.region.width - 2) * (pair.region.height - 2));
+  const float mean = sums.sum / pixels;
+  change_energy_ = std::max(0.0F, sums.squares / pixels - mean * mean);
+  if (change_energy_ > 2 * kOverNoise * noise_)
+    return Change::some;
+  const Displacement moved = solve(sums.structure, sums.moment, 1);
+  if (quadratic(sums.structure, moved) > 2 * kSignificant * change_energy_)
+    return Change::some;
+  // Nothing can be said of a region whose texture could hide such a motion. (A plain central
+  // difference of white noise of variance 1 has variance 1/2.)
+  constexpr float kHidden = 0.15F; // px
+  const float texture = eigenvalues(sums.structure).least - 0.5F * noise_ * pixels;
+  return texture > 2 * noise_ / (kHidden * kHidden) ? Change::none : Change::unseen;
+}
+
+void FastTracker::take_pictures(const CropPair &pair) {
+  // A level more for each doubling of the region: its largest displacement doubles too.
+  side_ = std::max(pair.region.width, pair.region.height);
+  const int doublings = std::bit_width(static_cast<unsigned>(std::max(side_ / kSmallSide, 1))) - 1;
+  const auto wanted = static_cast<std::size_t>(std::min(kFewestLevels + doublings, kMostLevels));
+  if (pair.continues && have_previous_ && pair.crop == last_crop_ && wanted == built_levels_)
+    std::swap(previous_, current_);
+  else
+    previous_.build(pair.previous, wanted);
+  current_.build(pair.current, wanted);
+  built_levels_ = wanted;
+  have_previous_ = true;
+  last_crop_ = pair.crop;
+  levels_ = 1;
+  while (levels_ < wanted && fits_into(previous_.levels[levels_], kSmallPatch))
+    ++levels_;
+}
+
+void FastTracker::cover(const Area &area, std::size_t level, int columns, int rows, int side,
+                        PatchGrid &grid) {
+  grid.columns = columns;
+  grid.rows = rows;
+  const Plane &plane = previous_.levels[level];
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const int column = first_pixel(area.x, area.width, i, columns, side, plane.width());
+      const int row = first_pixel(area.y, area.height, j, rows, side, plane.height());
+      Template &patch = grid.patches[cell(j, columns, i)];
+      if (level > 0) {
+        prepare_template(plane, column, row, side, patch);
+        continue;
+      }
+      // Interpolation draws displacements towards whole pixels. Neighbours are sampled a quarter
+      // and three quarters of a pixel off the raster, so that the bias of one cancels the other's.
+      const Plane &shifted = shifted_[static_cast<std::size_t>((i + j) & 1)];
+      const auto inside = [&](int first, float origin, int length) {
+        return std::clamp(first - static_cast<int>(origin), 1, length - side - 1);
+      };
+      prepare_template(shifted, inside(column, shifted.origin_x, shifted.width()),
+                       inside(row, shifted.origin_y, shifted.height()), side, patch);
+    }
+}
+
+void FastTracker::cover_with_blocks(const Area &area) {
+  // Room for a large patch also where a narrow region lies in a corner.
+  constexpr float kOverhang = kLargePatch + 2;
+  const Plane &base = previous_.levels[0];
+  const auto begin = [](float from) { return std::max(0, static_cast<int>(from - kOverhang)); };
+  const int x = begin(area.x);
+  const int y = begin(area.y);
+  const Rectangle around{
+      x, y, std::min(base.width() - 1, static_cast<int>(area.x + area.width + kOverhang)) - x,
+      std::min(base.height() - 1, static_cast<int>(area.y + area.height + kOverhang)) - y};
+  shift_diagonally(base, around, 0.25F, shifted_[0]);
+  shift_diagonally(base, around, 0.75F, shifted_[1]);
+  for (std::size_t level = 0; level < levels_; ++level) {
+    const Area a = area.at_level(static_cast<int>(level));
+    const bool large =
+        std::min(a.width, a.height) >= 12 && fits_into(previous_.levels[level], kLargePatch);
+    const int side = large ? kLargePatch : kSmallPatch;
+    const auto length = static_cast<float>(side);
+    cover(a, level, parts_of(a.width, length, 8), parts_of(a.height, length, 8), side,
+          blocks_[level]);
+  }
+}
+
+Translation FastTracker::translate_level(std::size_t level, Displacement start, int iterations) {
+  const auto blocks = blocks_[level].view();
+  const auto count = static_cast<float>(blocks.size());
+  Translation result;
+  result.displacement = start;
+  for (const Template &block : blocks)
+    result.structure += block.structure;
+  result.pixels = count * static_cast<float>(blocks[0].side * blocks[0].side);
+  const float regularised = regulariser(result.structure, result.pixels);
+  const float least = eigenvalues(result.structure).least;
+  const Displacement strong = strong_direction(result.structure);
+  const auto along_strong = [&](Displacement d) {
+    return (d.x * strong.x + d.y * strong.y) * strong;
+  };
+  std::array<Fit, kMaxPatches> fits;
+
+  const auto fit_all = [&] {
+    Displacement gradient;
+    float energy = 0;
+    float correlation = 0;
+    float squares = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      fits[i] = fit_template(current_.levels[level], blocks[i], result.displacement);
+      gradient = gradient + fits[i].gradient;
+      correlation += fits[i].correlation * blocks[i].energy;
+      energy += blocks[i].energy;
+      squares += fits[i].residual * fits[i].residual;
+    }
+    result.correlation = energy > 0 ? correlation / energy : 0;
+    result.residual2 = squares / count;
+    return gradient;
+  };
+  const auto descend = [&] {
+    Displacement gradient = fit_all();
+    for (int step = 0; step < iterations; ++step) {
+      Displacement move = solve(result.structure, gradient, regularised);
+      if (result.one_direction)
+        move = along_strong(move);
+      const float length2 = norm2(move);
+      if (length2 > 1)
+        move = 1 / std::sqrt(length2) * move;
+      result.displacement = result.displacement - move;
+      if (length2 < 1e-5F)
+        break;
+      gradient = fit_all();
+    }
+  };
+
+  // Where the weak direction may be noise, only the strong one is followed, else the estimate would
+  // run along an edge. The residual then tells how much noise there really is (that of both
+  // pictures, smoothed, and whatever else does not fit).
+  result.one_direction = !has_texture(least, result.pixels, noise_);
+  if (result.one_direction)
+    result.displacement = along_strong(start);
+  descend();
+  if (result.one_direction &&
+      has_texture(least, result.pixels,
+                  std::min(noise_, result.residual2 / (2 * kSmoothedNoise)))) {
+    result.one_direction = false;
+    result.displacement = start;
+    descend();
+  }
+  if (level > 0)
+    return result;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Tensor &structure = blocks[i].structure;
+    const Displacement own =
+        solve(structure, fits[i].gradient, regulariser(structure, result.pixels / count));
+    const float length2 = norm2(own);
+    const float information =
+        quadratic(structure, own) / std::max(length2, 1e-12F) / result.variance();
+    result.disagreement +=
+        length2 / (1 / std::max(information, 1e-6F) + kDisplacementFloor * kDisplacementFloor);
+  }
+  return result;
+}
+
+Translation FastTracker::translate(Displacement start) {
+  constexpr int kIterations = 5;
+  Translation t;
+  t.displacement = 1 / static_cast<float>(1 << levels_) * start;
+  for (std::size_t level = levels_; level-- > 0;)
+    t = translate_level(level, 2 * t.displacement, kIterations);
+  return t;
+}
+
+Translation FastTracker::find_translation() {
+  constexpr float kGood = 0.8F;
+  constexpr float kClearlyBetter = 0.1F;
+  Translation whole = translate(last_);
+  if (whole.correlation >= kGood)
+    return whole;
+  const std::size_t coarsest = levels_ - 1;
+  const auto blocks = blocks_[coarsest].view();
+  const SearchResult found = search_template(current_.levels[coarsest], blocks[blocks.size() / 2],
+                                             {}, (reach(side_) >> coarsest) + 1);
+  const Translation other = translate(static_cast<float>(1 << coarsest) * found.best);
+  return other.correlation > whole.correlation + kClearlyBetter ? other : whole;
+}
+
+bool FastTracker::explains(const Translation &whole) const {
+  constexpr float kFits = 0.7F;
+  const auto blocks = static_cast<float>(blocks_[0].view().size());
+  // Chi-squared with two degrees of freedom per block: its mean and a standard deviation.
+  return has_texture(eigenvalues(whole.structure).most, whole.pixels, noise_) &&
+         whole.correlation > kFits && whole.disagreement < 2 * blocks + 2 * std::sqrt(blocks);
+}
+
+bool FastTracker::is_still(const Translation &whole) {
+  constexpr float kSignificant = 12; // chi-squared with 2 degrees of freedom: 1 in 400
+  return quadratic(whole.structure, whole.displacement) < kSignificant * whole.variance();
+}
+
+bool FastTracker::is_precise(const Translation &whole) {
+  constexpr float kPrecise = 0.1F; // px
+  const auto [least, most] = eigenvalues(whole.structure);
+  return (whole.one_direction ? most : least) > whole.variance() / (kPrecise * kPrecise);
+}
+
+void FastTracker::add_whole(const Area &area, const Translation &whole, Measurement &measurement) {
+  Tensor precision = whole.structure;
+  if (whole.one_direction) {
+    const Displacement strong = strong_direction(precision);
+    const float most = eigenvalues(precision).most;
+    precision = {most * strong.x * strong.x, most * strong.x * strong.y,
+                 most * strong.y * strong.y};
+  }
+  const float scale = 1 / whole.variance();
+  measurement.candidates = 1;
+  measurement.add({area.x + area.width / 2, area.y + area.height / 2, area.width, area.height,
+                   whole.displacement.x, whole.displacement.y, precision.xx * scale,
+                   precision.xy * scale, precision.yy * scale, std::sqrt(whole.residual2)});
+}
+
+void FastTracker::add_patch(const Template &patch, Displacement moved, const Fit &fit,
+                            Measurement &measurement) {
+  constexpr float kUseless = 0.6F;
+  constexpr float kGood = 0.9F;
+  const auto side = static_cast<float>(patch.side);
+  const float trust = std::clamp((fit.correlation - kUseless) / (kGood - kUseless), 0.0F, 1.0F);
+  if (has_texture(eigenvalues(patch.structure).least, side * side, noise_)) {
+    ++measurement.candidates;
+    trust_ += trust;
+    if (trust <= 0)
+      return;
+  }
+  const float scale =
+      trust / (kNoiseCorrelation * std::max(fit.residual * fit.residual, kLeastResidual2));
+  measurement.add({patch.x + side / 2, patch.y + side / 2, side, side, moved.x, moved.y,
+                   patch.structure.xx * scale, patch.structure.xy * scale,
+                   patch.structure.yy * scale, fit.residual});
+}
+
+struct Aligned {
+  Displacement displacement;
+  Fit fit;
+};
+
+// From the best of several starts.
+Aligned align(const Plane &plane, const Template &patch, std::span<const Displacement> starts) {
+  constexpr int kIterations = 4;
+  constexpr float kFurthest = 4; // px from the start
+  Aligned best{starts[0], fit_template(plane, patch, starts[0])};
+  for (const Displacement start : starts.subspan(1))
+    if (const Fit fit = fit_template(plane, patch, start); fit.residual < best.fit.residual)
+      best = {start, fit};
+  const Displacement moved = align_template(plane, patch, best.displacement, kIterations);
+  const Fit fit = fit_template(plane, patch, moved);
+  if (fit.residual <= best.fit.residual && norm2(moved - best.displacement) < kFurthest * kFurthest)
+    return {moved, fit};
+  return best;
+}
+
+void FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
+  constexpr float kCoarseSpacing = 5; // px of the half-size picture
+  constexpr float kSpacing = 6;       // px
+  constexpr float kSame2 = 0.04F;     // px squared between starts that are not worth telling apart
+
+  const std::size_t coarse_level = levels_ > 1 ? 1 : 0;
+  const auto coarse_scale = static_cast<float>(1 << coarse_level);
+  const Area half = area.at_level(static_cast<int>(coarse_level));
+  const int coarse_columns = parts_of(half.width, kCoarseSpacing, 8);
+  const int coarse_rows = parts_of(half.height, kCoarseSpacing, 8);
+  cover(half, coarse_level, coarse_columns, coarse_rows, kSmallPatch, coarse_grid_);
+  std::array<Displacement, kMaxPatches> coarse;
+  const std::array<Displacement, 2> coarse_starts = {1 / coarse_scale * whole.displacement,
+                                                     Displacement{}};
+  for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
+    coarse[i] =
+        coarse_scale *
+        align(current_.levels[coarse_level], coarse_grid_.patches[i], coarse_starts).displacement;
+
+  trust_ = 0;
+  int columns = parts_of(area.width, kSpacing, 8);
+  int rows = parts_of(area.height, kSpacing, 8);
+  while (columns * rows > max_points_)
+    --(columns > rows ? columns : rows);
+  const bool sparse = std::max(area.width / static_cast<float>(columns),
+                               area.height / static_cast<float>(rows)) > 9;
+  const int side =
+      sparse && fits_into(previous_.levels[0], kLargePatch) ? kLargePatch : kSmallPatch;
+  cover(area, 0, columns, rows, side, grid_);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const int parent_x = (2 * i + 1) * coarse_columns / (2 * columns);
+      const int parent_y = (2 * j + 1) * coarse_rows / (2 * rows);
+      std::array<Displacement, 10> starts;
+      std::size_t count = 0;
+      const auto offer = [&](int x, int y) {
+        const Displacement start = coarse[cell(y, coarse_columns, x)];
+        if (std::ranges::none_of(std::span(starts).first(count),
+                                 [&](Displacement other) { return norm2(other - start) < kSame2; }))
+          starts[count++] = start;
+      };
+      offer(parent_x, parent_y);
+      for (int y = std::max(0, parent_y - 1); y <= std::min(coarse_rows - 1, parent_y + 1); ++y)
+        for (int x = std::max(0, parent_x - 1); x <= std::min(coarse_columns - 1, parent_x + 1);
+             ++x)
+          offer(x, y);
+      const Template &patch = grid_.patches[cell(j, columns, i)];
+      const Aligned aligned = align(current_.levels[0], patch, std::span(starts).first(count));
+      add_patch(patch, aligned.displacement, aligned.fit, measurement);
+    }
+}
+
+void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement) {
+  constexpr float kSameScene = 0.5F;
+  // Patches of the same scene come close to 1 in the mean, those of another scene stay below.
+  constexpr float kLeastTrust = 0.6F;
+  if (!pair.continues)
+    last_ = {};
+  switch (change(pair)) {
+  case Change::none:
+    measurement.flags = kStill;
+    [[fallthrough]];
+  case Change::unseen:
+    have_previous_ = false;
+    last_ = {};
+    return;
+  case Change::some:
+    break;
+  }
+  take_pictures(pair);
+  const Area area{static_cast<float>(pair.region.x - pair.crop.x),
+                  static_cast<float>(pair.region.y - pair.crop.y),
+                  static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)};
+  cover_with_blocks(area);
+  const Translation whole = find_translation();
+  last_ = whole.displacement;
+  const bool explained = explains(whole);
+  if (explained && is_still(whole)) {
+    constexpr float kLearning = 0.3F;
+    measurement.flags = kStill;
+    noise_ += kLearning * (std::clamp(change_energy_ / 2, 0.25F, 150.0F) - noise_);
+    return;
+  }
+  if (explained && is_precise(whole)) {
+    add_whole(area, whole, measurement);
+    return;
+  }
+  add_grid(area, whole, measurement);
+  if (trust_ < kLeastTrust * static_cast<float>(measurement.candidates)) {
+    if (whole.correlation < kSameScene)
+      measurement.flags |= kCut;
+    measurement.count = 0;
+    last_ = {};
+  }
+}
+
+void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
+  measurement.clear();
+  const int count = reductions(std::max(pair.region.width, pair.region.height));
+  CropPair reduced = pair;
+  for (int i = 0; i < count; ++i) {
+    const auto slot = static_cast<std::size_t>(i & 1);
+    average_pairs(reduced.previous, reduced_previous_[slot]);
+    average_pairs(reduced.current, reduced_current_[slot]);
+    reduced.previous = reduced_previous_[slot].view();
+    reduced.current = reduced_current_[slot].view();
+  }
+  if (count > 0) {
+    // From here on the crop's corner is the origin: it need not lie on a multiple of the reduction.
+    const int scale = 1 << count;
+    reduced.region = {(pair.region.x - pair.crop.x) / scale, (pair.region.y - pair.crop.y) / scale,
+                      pair.region.width / scale, pair.region.height / scale};
+    reduced.crop = {0, 0, reduced.previous.width, reduced.previous.height};
+    reduced.continues = false;
+  }
+  // A strip along a picture's border may have become too narrow for patches.
+  const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
+  if (least(reduced.region) < kSmallestRegion / 2 || least(reduced.crop) < kSmallPatch + kRim)
+    return;
+  measure_reduced(reduced, measurement);
+
+  const auto scale = static_cast<float>(1 << count);
+  for (int i = 0; i < measurement.count; ++i) {
+    Patch &patch = measurement.patches[static_cast<std::size_t>(i)];
+    for (float *length : {&patch.x, &patch.y, &patch.width, &patch.height, &patch.dx, &patch.dy})
+      *length *= scale;
+    for (float *precision : {&patch.precision_xx, &patch.precision_xy, &patch.precision_yy})
+      *precision /= scale * scale;
+    patch.x += static_cast<float>(pair.crop.x);
+    patch.y += static_cast<float>(pair.crop.y);
+  }
+}
+
+} // namespace
+
+std::unique_ptr<PatchTracker> make_fast_tracker() {
+  return std::make_unique<FastTracker>();
+}
+
+} // namespace haptic

@@ -1,0 +1,495 @@
+#include "lk-kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+// Planes and patches are small: an int holds any offset in them.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lk-kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace haptic::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A patch row is 8 or 16 floats; narrower vectors take several steps per row.
+template <int kSide>
+using RowTag = hn::CappedTag<float, kSide>;
+
+template <class D>
+float total(D d, hn::Vec<D> v) {
+  return hn::GetLane(hn::SumOfLanes(d, v));
+}
+
+// Runs `body(at)` over [0, width) in whole vectors, the last one moved back to end at width, so
+// that no pixel is handled alone.
+template <class D, class Body>
+HWY_INLINE void for_row(D d, int width, Body &&body) {
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  int at = 0;
+  for (; at + lanes <= width; at += lanes)
+    body(at);
+  if (at < width)
+    body(std::max(0, width - lanes));
+}
+
+void AveragePairs(const LumaView &fine, ByteImage &coarse) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int y = 0; y < coarse.height; ++y) {
+    const std::uint8_t *top = fine.pixels + 2 * y * fine.stride;
+    const std::uint8_t *bottom = top + fine.stride;
+    std::uint8_t *out = coarse.pixels.data() + static_cast<std::ptrdiff_t>(y) * coarse.width;
+    int x = 0;
+    for (; x + lanes <= coarse.width; x += lanes) {
+      hn::Vec<decltype(d)> a, b, e, f;
+      hn::LoadInterleaved2(d, top + 2 * x, a, b);
+      hn::LoadInterleaved2(d, bottom + 2 * x, e, f);
+      hn::StoreU(hn::AverageRound(hn::AverageRound(a, b), hn::AverageRound(e, f)), d, out + x);
+    }
+    const auto average = [](int a, int b) { return (a + b + 1) / 2; };
+    for (; x < coarse.width; ++x)
+      out[x] = static_cast<std::uint8_t>(
+          average(average(top[2 * x], top[2 * x + 1]), average(bottom[2 * x], bottom[2 * x + 1])));
+  }
+}
+
+void WidenAndSmooth(const LumaView &view, Plane &plane) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const hn::Rebind<std::uint8_t, decltype(d)> du;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int width = view.width;
+  const auto sixteenth = hn::Set(d, 1.0F / 16);
+  // Room for one repeated pixel on the left, and on the right for the last vector to run over.
+  HWY_ALIGN float column_sums[16 + kWidestPlane + 32];
+  for (int y = 0; y < view.height; ++y) {
+    const std::uint8_t *mid = view.pixels + y * view.stride;
+    const std::uint8_t *up = y > 0 ? mid - view.stride : mid;
+    const std::uint8_t *low = y + 1 < view.height ? mid + view.stride : mid;
+    float *sums = column_sums + 16;
+    if (width >= lanes) {
+      for_row(d, width, [&](int x) HWY_ATTR {
+        const auto a = hn::PromoteTo(di, hn::LoadU(du, up + x));
+        const auto b = hn::PromoteTo(di, hn::LoadU(du, mid + x));
+        const auto c = hn::PromoteTo(di, hn::LoadU(du, low + x));
+        hn::StoreU(hn::ConvertTo(d, hn::Add(hn::Add(a, c), hn::Add(b, b))), d, sums + x);
+      });
+    } else {
+      for (int x = 0; x < width; ++x)
+        sums[x] = static_cast<float>(up[x] + 2 * mid[x] + low[x]);
+    }
+    sums[-1] = sums[0];
+    sums[width] = sums[width - 1];
+    float *out = plane.row(y);
+    // The plane's rows are padded, so that the last vector may run over the end of the row.
+    for (int x = 0; x < width; x += lanes) {
+      const auto l = hn::LoadU(d, sums + x - 1);
+      const auto m = hn::LoadU(d, sums + x);
+      const auto r = hn::LoadU(d, sums + x + 1);
+      hn::StoreU(hn::Mul(hn::Add(hn::Add(l, r), hn::Add(m, m)), sixteenth), d, out + x);
+    }
+  }
+}
+
+void Halve(const Plane &fine, Plane &coarse) {
+  const hn::ScalableTag<float> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto quarter = hn::Set(d, 0.25F);
+  for (int y = 0; y < coarse.height(); ++y) {
+    const float *top = fine.row(2 * y);
+    const float *bottom = fine.row(2 * y + 1);
+    float *out = coarse.row(y);
+    for (int x = 0; x < coarse.width(); x += lanes) {
+      hn::Vec<decltype(d)> a, b, e, f;
+      hn::LoadInterleaved2(d, top + 2 * x, a, b);
+      hn::LoadInterleaved2(d, bottom + 2 * x, e, f);
+      hn::StoreU(hn::Mul(hn::Add(hn::Add(a, b), hn::Add(e, f)), quarter), d, out + x);
+    }
+  }
+}
+
+void ShiftDiagonally(const Plane &plane, const Rectangle &from, float offset, Plane &shifted) {
+  const hn::ScalableTag<float> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto w = hn::Set(d, offset);
+  for (int y = 0; y < shifted.height(); ++y) {
+    const float *top = plane.row(from.y + y) + from.x;
+    const float *bottom = top + plane.stride();
+    float *out = shifted.row(y);
+    for (int x = 0; x < shifted.width(); x += lanes) {
+      const auto t0 = hn::LoadU(d, top + x);
+      const auto t1 = hn::LoadU(d, top + x + 1);
+      const auto b0 = hn::LoadU(d, bottom + x);
+      const auto b1 = hn::LoadU(d, bottom + x + 1);
+      const auto t = hn::MulAdd(w, hn::Sub(t1, t0), t0);
+      const auto b = hn::MulAdd(w, hn::Sub(b1, b0), b0);
+      hn::StoreU(hn::MulAdd(w, hn::Sub(b, t), t), d, out + x);
+    }
+  }
+}
+
+template <int kSide>
+void PrepareTemplate(const Plane &plane, int column, int row, Template &patch) {
+  const RowTag<kSide> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  using V = hn::Vec<RowTag<kSide>>;
+  const auto half = hn::Set(d, 0.5F);
+  V s = hn::Zero(d), sx = hn::Zero(d), sy = hn::Zero(d), ss = hn::Zero(d), stx = hn::Zero(d),
+    sty = hn::Zero(d);
+  V sxx = hn::Zero(d), sxy = hn::Zero(d), syy = hn::Zero(d);
+  for (int y = 0; y < kSide; ++y) {
+    const float *mid = plane.row(row + y) + column;
+    const float *up = plane.row(row + y - 1) + column;
+    const float *low = plane.row(row + y + 1) + column;
+    for (int x = 0; x < kSide; x += lanes) {
+      const V t = hn::LoadU(d, mid + x);
+      const V gx = hn::Mul(half, hn::Sub(hn::LoadU(d, mid + x + 1), hn::LoadU(d, mid + x - 1)));
+      const V gy = hn::Mul(half, hn::Sub(hn::LoadU(d, low + x), hn::LoadU(d, up + x)));
+      hn::Store(t, d, patch.grey.data() + y * kSide + x);
+      hn::Store(gx, d, patch.gradient_x.data() + y * kSide + x);
+      hn::Store(gy, d, patch.gradient_y.data() + y * kSide + x);
+      s = hn::Add(s, t);
+      sx = hn::Add(sx, gx);
+      sy = hn::Add(sy, gy);
+      ss = hn::MulAdd(t, t, ss);
+      stx = hn::MulAdd(t, gx, stx);
+      sty = hn::MulAdd(t, gy, sty);
+      sxx = hn::MulAdd(gx, gx, sxx);
+      sxy = hn::MulAdd(gx, gy, sxy);
+      syy = hn::MulAdd(gy, gy, syy);
+    }
+  }
+  constexpr float kPixels = kSide * kSide;
+  const float mean = total(d, s) / kPixels;
+  const float mean_x = total(d, sx) / kPixels;
+  const float mean_y = total(d, sy) / kPixels;
+  patch.energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
+  const float tx = total(d, stx) - kPixels * mean * mean_x;
+  const float ty = total(d, sty) - kPixels * mean * mean_y;
+  // The regulariser keeps a patch without contrast from losing its gradients to noise.
+  const float inverse_energy = 1.0F / (patch.energy + 0.8F * kPixels);
+  const float ax = tx * inverse_energy;
+  const float ay = ty * inverse_energy;
+  patch.structure.xx =
+      total(d, sxx) - kPixels * mean_x * mean_x - ax * (2 * tx - ax * patch.energy);
+  patch.structure.xy =
+      total(d, sxy) - kPixels * mean_x * mean_y - ax * ty - ay * tx + ax * ay * patch.energy;
+  patch.structure.yy =
+      total(d, syy) - kPixels * mean_y * mean_y - ay * (2 * ty - ay * patch.energy);
+  const auto vm = hn::Set(d, mean), vax = hn::Set(d, ax), vay = hn::Set(d, ay),
+             vmx = hn::Set(d, mean_x), vmy = hn::Set(d, mean_y);
+  for (int i = 0; i < kSide * kSide; i += lanes) {
+    const V t = hn::Sub(hn::Load(d, patch.grey.data() + i), vm);
+    hn::Store(t, d, patch.grey.data() + i);
+    hn::Store(hn::NegMulAdd(vax, t, hn::Sub(hn::Load(d, patch.gradient_x.data() + i), vmx)), d,
+              patch.gradient_x.data() + i);
+    hn::Store(hn::NegMulAdd(vay, t, hn::Sub(hn::Load(d, patch.gradient_y.data() + i), vmy)), d,
+              patch.gradient_y.data() + i);
+  }
+}
+
+// Where a displaced patch lies: whole part as a pointer, fraction as weights.
+struct Position {
+  const float *first;
+  float u;
+  float v;
+};
+
+HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displacement moved) {
+  const float x =
+      std::clamp(patch.x + moved.x, 0.0F, static_cast<float>(plane.width() - patch.side) - 1.001F);
+  const float y =
+      std::clamp(patch.y + moved.y, 0.0F, static_cast<float>(plane.height() - patch.side) - 1.001F);
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  return {plane.row(row) + column, x - static_cast<float>(column), y - static_cast<float>(row)};
+}
+
+// body(at, grey levels of the later picture at the displaced pixels from patch index `at`)
+template <int kSide, class Body>
+HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
+  const RowTag<kSide> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto u = hn::Set(d, position.u), v = hn::Set(d, position.v);
+  for (int x = 0; x < kSide; x += lanes) {
+    const float *from = position.first + x;
+    auto left = hn::LoadU(d, from);
+    auto upper = hn::MulAdd(u, hn::Sub(hn::LoadU(d, from + 1), left), left);
+    for (int y = 0; y < kSide; ++y) {
+      from += plane.stride();
+      left = hn::LoadU(d, from);
+      const auto lower = hn::MulAdd(u, hn::Sub(hn::LoadU(d, from + 1), left), left);
+      body(y * kSide + x, hn::MulAdd(v, hn::Sub(lower, upper), upper));
+      upper = lower;
+    }
+  }
+}
+
+template <int kSide>
+Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
+  const RowTag<kSide> d;
+  auto bx = hn::Zero(d), by = hn::Zero(d), s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
+  for_pixels<kSide>(plane, locate(plane, patch, moved), [&](int at, auto grey) HWY_ATTR {
+    bx = hn::MulAdd(hn::Load(d, patch.gradient_x.data() + at), grey, bx);
+    by = hn::MulAdd(hn::Load(d, patch.gradient_y.data() + at), grey, by);
+    s = hn::Add(s, grey);
+    ss = hn::MulAdd(grey, grey, ss);
+    st = hn::MulAdd(hn::Load(d, patch.grey.data() + at), grey, st);
+  });
+  constexpr float kPixels = kSide * kSide;
+  const float mean = total(d, s) / kPixels;
+  const float energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
+  const float cross = total(d, st);
+  Fit fit;
+  fit.gradient = {total(d, bx), total(d, by)};
+  fit.correlation = cross / std::sqrt(std::max(1e-6F, energy * patch.energy));
+  const float explained = cross > 0 ? cross * cross / std::max(1e-6F, patch.energy) : 0.0F;
+  fit.residual = std::sqrt(std::max(0.0F, energy - explained) / kPixels);
+  return fit;
+}
+
+template <int kSide>
+Displacement AlignTemplate(const Plane &plane, const Template &patch, Displacement moved,
+                           int iterations) {
+  const RowTag<kSide> d;
+  const float floor = regulariser(patch.structure, kSide * kSide);
+  const float xx = patch.structure.xx + floor, yy = patch.structure.yy + floor,
+              xy = patch.structure.xy;
+  const float inverse_determinant = 1.0F / (xx * yy - xy * xy);
+  for (int i = 0; i < iterations; ++i) {
+    auto bx = hn::Zero(d), by = hn::Zero(d);
+    for_pixels<kSide>(plane, locate(plane, patch, moved), [&](int at, auto grey) HWY_ATTR {
+      bx = hn::MulAdd(hn::Load(d, patch.gradient_x.data() + at), grey, bx);
+      by = hn::MulAdd(hn::Load(d, patch.gradient_y.data() + at), grey, by);
+    });
+    const float gx = total(d, bx), gy = total(d, by);
+    float step_x = (yy * gx - xy * gy) * inverse_determinant;
+    float step_y = (xx * gy - xy * gx) * inverse_determinant;
+    const float length2 = step_x * step_x + step_y * step_y;
+    if (length2 > 1.0F) {
+      const float scale = 1.0F / std::sqrt(length2);
+      step_x *= scale;
+      step_y *= scale;
+    }
+    moved.x -= step_x;
+    moved.y -= step_y;
+    if (length2 < 1e-5F)
+      break;
+  }
+  return moved;
+}
+
+ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
+  const hn::CappedTag<std::int16_t, 16> d; // a region of 30 px fills two of these
+  const hn::Rebind<std::uint8_t, decltype(d)> du;
+  const hn::RepartitionToWide<decltype(d)> dw;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto zero = hn::Zero(dw);
+  auto s = zero, s1 = zero, ss = zero, mx = zero, my = zero, xx = zero, xy = zero, yy = zero,
+       ss1 = zero, mx1 = zero, my1 = zero, xx1 = zero, xy1 = zero, yy1 = zero;
+  const int width = previous.width - 2;
+  const auto one = hn::Set(d, std::int16_t{1});
+  for (int y = 1; y + 1 < previous.height; ++y) {
+    const std::uint8_t *p = previous.pixels + y * previous.stride + 1;
+    const std::uint8_t *c = current.pixels + y * current.stride + 1;
+    for (int x = 0; x < width; x += lanes) {
+      // The last vector is moved back to end at the row's end, and what was counted before is
+      // masked out.
+      const int at = std::max(0, std::min(x, width - lanes));
+      const auto load = [&](const std::uint8_t *from) HWY_ATTR {
+        if (width >= lanes)
+          return hn::PromoteTo(d, hn::LoadU(du, from + at));
+        HWY_ALIGN std::uint8_t tail[64] = {};
+        std::copy_n(from, width, tail);
+        return hn::PromoteTo(d, hn::Load(du, tail));
+      };
+      auto keep = hn::Gt(hn::Iota(d, 1), hn::Set(d, static_cast<std::int16_t>(x - at)));
+      auto diff = hn::Sub(load(c), load(p));
+      auto gx = hn::Sub(load(p + 1), load(p - 1));
+      auto gy = hn::Sub(load(p + previous.stride), load(p - previous.stride));
+      if (at != x) {
+        diff = hn::IfThenElseZero(keep, diff);
+        gx = hn::IfThenElseZero(keep, gx);
+        gy = hn::IfThenElseZero(keep, gy);
+      }
+      s = hn::ReorderWidenMulAccumulate(dw, diff, one, s, s1);
+      ss = hn::ReorderWidenMulAccumulate(dw, diff, diff, ss, ss1);
+      mx = hn::ReorderWidenMulAccumulate(dw, gx, diff, mx, mx1);
+      my = hn::ReorderWidenMulAccumulate(dw, gy, diff, my, my1);
+      xx = hn::ReorderWidenMulAccumulate(dw, gx, gx, xx, xx1);
+      xy = hn::ReorderWidenMulAccumulate(dw, gx, gy, xy, xy1);
+      yy = hn::ReorderWidenMulAccumulate(dw, gy, gy, yy, yy1);
+    }
+  }
+  const auto reduce = [&](auto a, auto b) HWY_ATTR {
+    return static_cast<float>(hn::GetLane(hn::SumOfLanes(dw, hn::Add(a, b))));
+  };
+  ChangeSums change;
+  change.sum = reduce(s, s1);
+  change.squares = reduce(ss, ss1);
+  change.moment = {0.5F * reduce(mx, mx1), 0.5F * reduce(my, my1)};
+  change.structure = {0.25F * reduce(xx, xx1), 0.25F * reduce(xy, xy1), 0.25F * reduce(yy, yy1)};
+  return change;
+}
+
+template <int kSide>
+SearchResult SearchTemplate(const Plane &plane, const Template &patch, Displacement centre,
+                            int radius) {
+  const RowTag<kSide> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  constexpr int kMaxRadius = 12;
+  constexpr float kPixels = kSide * kSide;
+  radius = std::min(radius, kMaxRadius);
+  const int cx = static_cast<int>(std::lround(patch.x + centre.x)),
+            cy = static_cast<int>(std::lround(patch.y + centre.y));
+  const int left = std::max(0, cx - radius), right = std::min(plane.width() - kSide, cx + radius);
+  const int top = std::max(0, cy - radius), bottom = std::min(plane.height() - kSide, cy + radius);
+  float scores[(2 * kMaxRadius + 1) * (2 * kMaxRadius + 1)];
+  SearchResult result;
+  int best_x = 0, best_y = 0;
+  const int columns = right - left + 1;
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      auto s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
+      for (int j = 0; j < kSide; ++j) {
+        const float *row = plane.row(y + j) + x;
+        for (int i = 0; i < kSide; i += lanes) {
+          const auto grey = hn::LoadU(d, row + i);
+          s = hn::Add(s, grey);
+          ss = hn::MulAdd(grey, grey, ss);
+          st = hn::MulAdd(hn::Load(d, patch.grey.data() + j * kSide + i), grey, st);
+        }
+      }
+      const float mean = total(d, s) / kPixels;
+      const float energy = std::max(1e-6F, total(d, ss) - kPixels * mean * mean);
+      const float score = total(d, st) / std::sqrt(energy * std::max(1e-6F, patch.energy));
+      scores[(y - top) * columns + x - left] = score;
+      if (score > result.correlation) {
+        result.correlation = score;
+        best_x = x;
+        best_y = y;
+      }
+    }
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x)
+      if (std::abs(x - best_x) > 1 || std::abs(y - best_y) > 1)
+        result.runner_up = std::max(result.runner_up, scores[(y - top) * columns + x - left]);
+  result.best = {static_cast<float>(best_x) - patch.x, static_cast<float>(best_y) - patch.y};
+  return result;
+}
+
+void PrepareTemplateAny(const Plane &plane, int column, int row, int side, Template &patch) {
+  side == 16 ? PrepareTemplate<16>(plane, column, row, patch)
+             : PrepareTemplate<8>(plane, column, row, patch);
+}
+Fit FitTemplateAny(const Plane &plane, const Template &patch, Displacement moved) {
+  return patch.side == 16 ? FitTemplate<16>(plane, patch, moved)
+                          : FitTemplate<8>(plane, patch, moved);
+}
+Displacement AlignTemplateAny(const Plane &plane, const Template &patch, Displacement moved,
+                              int iterations) {
+  return patch.side == 16 ? AlignTemplate<16>(plane, patch, moved, iterations)
+                          : AlignTemplate<8>(plane, patch, moved, iterations);
+}
+SearchResult SearchTemplateAny(const Plane &plane, const Template &patch, Displacement centre,
+                               int radius) {
+  return patch.side == 16 ? SearchTemplate<16>(plane, patch, centre, radius)
+                          : SearchTemplate<8>(plane, patch, centre, radius);
+}
+
+} // namespace haptic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptic {
+
+HWY_EXPORT(AveragePairs);
+HWY_EXPORT(MeasureChange);
+HWY_EXPORT(WidenAndSmooth);
+HWY_EXPORT(Halve);
+HWY_EXPORT(ShiftDiagonally);
+HWY_EXPORT(PrepareTemplateAny);
+HWY_EXPORT(FitTemplateAny);
+HWY_EXPORT(AlignTemplateAny);
+HWY_EXPORT(SearchTemplateAny);
+
+void Plane::resize(int width, int height) {
+  // Two of the widest vectors: one that runs over the row's end, twice as far where pixels are
+  // taken in pairs.
+  constexpr int kPadding = 2 * 16;
+  width_ = width;
+  height_ = height;
+  stride_ = (width + kPadding + 15) / 16 * 16;
+  const std::size_t needed =
+      static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 2);
+  if (values_.size() < needed)
+    values_.resize(needed);
+}
+
+ChangeSums measure_change(const LumaView &previous, const LumaView &current) {
+  return HWY_DYNAMIC_DISPATCH(MeasureChange)(previous, current);
+}
+
+void widen_and_smooth(const LumaView &view, Plane &plane) {
+  plane.resize(view.width, view.height);
+  HWY_DYNAMIC_DISPATCH(WidenAndSmooth)(view, plane);
+}
+
+void halve(const Plane &fine, Plane &coarse) {
+  coarse.resize(fine.width() / 2, fine.height() / 2);
+  HWY_DYNAMIC_DISPATCH(Halve)(fine, coarse);
+}
+
+void shift_diagonally(const Plane &plane, const Rectangle &rectangle, float offset,
+                      Plane &shifted) {
+  shifted.resize(rectangle.width, rectangle.height);
+  shifted.origin_x = static_cast<float>(rectangle.x) + offset;
+  shifted.origin_y = static_cast<float>(rectangle.y) + offset;
+  HWY_DYNAMIC_DISPATCH(ShiftDiagonally)(plane, rectangle, offset, shifted);
+}
+
+void prepare_template(const Plane &plane, int column, int row, int side, Template &patch) {
+  patch.side = side;
+  patch.x = plane.origin_x + static_cast<float>(column);
+  patch.y = plane.origin_y + static_cast<float>(row);
+  HWY_DYNAMIC_DISPATCH(PrepareTemplateAny)(plane, column, row, side, patch);
+}
+
+Fit fit_template(const Plane &plane, const Template &patch, Displacement displacement) {
+  return HWY_DYNAMIC_DISPATCH(FitTemplateAny)(plane, patch, displacement);
+}
+
+Displacement align_template(const Plane &plane, const Template &patch, Displacement displacement,
+                            int iterations) {
+  return HWY_DYNAMIC_DISPATCH(AlignTemplateAny)(plane, patch, displacement, iterations);
+}
+
+float regulariser(const Tensor &structure, float pixels) {
+  constexpr float kNoise = 0.16F;
+  constexpr float kOfTrace = 0.03F;
+  return kNoise * pixels + kOfTrace * (structure.xx + structure.yy);
+}
+
+void average_pairs(const LumaView &fine, ByteImage &coarse) {
+  coarse.width = fine.width / 2;
+  coarse.height = fine.height / 2;
+  const std::size_t needed =
+      static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height);
+  if (coarse.pixels.size() < needed)
+    coarse.pixels.resize(needed);
+  HWY_DYNAMIC_DISPATCH(AveragePairs)(fine, coarse);
+}
+
+SearchResult search_template(const Plane &plane, const Template &patch, Displacement centre,
+                             int radius) {
+  return HWY_DYNAMIC_DISPATCH(SearchTemplateAny)(plane, patch, centre, radius);
+}
+
+} // namespace haptic
+#endif
+
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)

@@ -1,0 +1,137 @@
+// The pixel work of the fast tracker, one source for every instruction set (Google Highway,
+// dispatched at run time).
+#pragma once
+
+#include "patch-tracker.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace haptic {
+
+/// Wider crops are averaged down before they become planes, px.
+inline constexpr int kWidestPlane = 512;
+
+/// 8-bit luma without padding. Keeps its memory unless it has to grow.
+struct ByteImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;
+
+  LumaView view() const { return {pixels.data(), width, height, width}; }
+};
+
+/// Grey levels as floats, at most kWidestPlane wide. Rows are padded so that vectors may run over
+/// their end.
+class Plane {
+public:
+  /// Keeps its memory unless it has to grow.
+  void resize(int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int stride() const { return stride_; }
+  float *row(int y) { return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_; }
+  const float *row(int y) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_;
+  }
+
+  float origin_x =
+      0; ///< where the first pixel lies, in pixels of the plane that this one was sampled from
+  float origin_y = 0;
+
+private:
+  int width_ = 0;
+  int height_ = 0;
+  int stride_ = 0;
+  std::vector<float> values_;
+};
+
+/// Symmetric 2x2 matrix.
+struct Tensor {
+  float xx = 0;
+  float xy = 0;
+  float yy = 0;
+};
+
+struct Displacement {
+  float x = 0;
+  float y = 0;
+};
+
+/// A square piece of the earlier picture, ready for inverse-compositional Lucas-Kanade. Its
+/// gradients are made orthogonal to a constant and to the grey levels themselves, so that a change
+/// of offset or gain between the pictures does not move the estimate.
+struct Template {
+  static constexpr std::size_t kMostPixels = 256;
+
+  float x = 0; ///< sampling position of the first pixel in the plane, may be fractional
+  float y = 0;
+  int side = 8;     ///< px, 8 or 16
+  Tensor structure; ///< structure tensor of the projected gradients
+  float energy = 0; ///< sum of squared grey levels about their mean
+  alignas(64) std::array<float, kMostPixels> grey;
+  alignas(64) std::array<float, kMostPixels> gradient_x;
+  alignas(64) std::array<float, kMostPixels> gradient_y;
+};
+
+/// How well a template fits at a displacement.
+struct Fit {
+  Displacement gradient; ///< sum of gradient * later picture
+  float correlation = 0; ///< zero-mean normalised, -1..1
+  float residual = 0;    ///< rms grey levels left after the best gain and offset
+};
+
+/// Sums over the region that tell a still picture from a moving one.
+struct ChangeSums {
+  float sum = 0;       ///< of the differences later - earlier
+  float squares = 0;   ///< of the squared differences
+  Displacement moment; ///< of gradient * difference
+  Tensor structure;    ///< of the gradients of the earlier picture
+};
+
+/// Differences inside the view; both views have the same size, at least 3x3. The outermost pixels
+/// serve the gradients alone.
+ChangeSums measure_change(const LumaView &previous, const LumaView &current);
+
+/// Averages 2x2 pixels; an odd last row or column is left out.
+void average_pairs(const LumaView &fine, ByteImage &coarse);
+
+/// Widens to float and smooths with the 3x3 binomial kernel, borders repeated.
+void widen_and_smooth(const LumaView &view, Plane &plane);
+
+/// Averages 2x2 pixels; an odd last row or column is left out.
+void halve(const Plane &fine, Plane &coarse);
+
+/// The rectangle of `plane` sampled `offset` px further along both axes, 0 <= offset < 1. One more
+/// row and column are read.
+void shift_diagonally(const Plane &plane, const Rectangle &rectangle, float offset, Plane &shifted);
+
+/// Template of side x side pixels whose first pixel is (column, row) of `plane`. One more pixel is
+/// needed on every side.
+void prepare_template(const Plane &plane, int column, int row, int side, Template &patch);
+
+/// Added to a structure tensor before it is inverted: what noise contributes, so that a patch
+/// without texture stays where it started, and a share of the strongest direction, so that a patch
+/// with a single edge does not run along it.
+float regulariser(const Tensor &structure, float pixels);
+
+/// The position is clamped so that the patch stays inside the plane.
+Fit fit_template(const Plane &plane, const Template &patch, Displacement displacement);
+
+/// Gauss-Newton steps from `displacement`, at most `iterations`, each at most one pixel long.
+Displacement align_template(const Plane &plane, const Template &patch, Displacement displacement,
+                            int iterations);
+
+/// The best whole-pixel displacement within `radius` of `centre`, by correlation; also the best one
+/// that is not its neighbour.
+struct SearchResult {
+  Displacement best;
+  float correlation = -1;
+  float runner_up = -1; ///< correlation of the best maximum elsewhere
+};
+SearchResult search_template(const Plane &plane, const Template &patch, Displacement centre,
+                             int radius);
+
+} // namespace haptic

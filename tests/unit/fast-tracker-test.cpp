@@ -1,0 +1,391 @@
+#include "moving-texture.hpp"
+#include "patch-tracker.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <random>
+
+namespace {
+
+using haptic::CropPair;
+using haptic::LumaView;
+using haptic::Measurement;
+using haptic::Patch;
+using haptic::Rectangle;
+using test::Picture;
+using test::Shift;
+using test::Texture;
+
+constexpr int kSide = 30;
+constexpr int kPicture = 140;
+
+class FastTracker : public ::testing::Test {
+protected:
+  const Measurement &track(Picture &previous, Picture &current, Rectangle region) {
+    const Rectangle crop =
+        haptic::crop_around(region, tracker->margin(region.width), previous.width, previous.height);
+    tracker->measure({view(previous, crop), view(current, crop), crop, region}, measurement);
+    return measurement;
+  }
+
+  const Measurement &track(Picture &previous, Picture &current) {
+    return track(previous, current,
+                 {(previous.width - kSide) / 2, (previous.height - kSide) / 2, kSide, kSide});
+  }
+
+  static LumaView view(Picture &picture, const Rectangle &crop) {
+    return {&picture.at(crop.x, crop.y), crop.width, crop.height, picture.width};
+  }
+
+  static Shift mean(const Measurement &found) {
+    Shift sum;
+    for (const Patch &patch : found.view()) {
+      sum.x += static_cast<double>(patch.dx) / found.count;
+      sum.y += static_cast<double>(patch.dy) / found.count;
+    }
+    return sum;
+  }
+
+  static double error(const Measurement &found, const Shift &truth) {
+    const Shift measured = mean(found);
+    return std::hypot(measured.x - truth.x, measured.y - truth.y);
+  }
+
+  // Every pixel of the texture turned about the middle of the picture, radians per picture.
+  static Picture turned(const Texture &texture, double angle) {
+    // Bilinear from a picture four times finer, so that the turn is exact to some thousandths.
+    constexpr int kFiner = 4;
+    Picture fine(kFiner * kPicture, kFiner * kPicture);
+    texture.paint_magnified(fine, kFiner);
+    Picture picture(kPicture, kPicture);
+    const double middle = kPicture / 2.0;
+    for (int y = 0; y < kPicture; ++y)
+      for (int x = 0; x < kPicture; ++x) {
+        const double rx = x + 0.5 - middle;
+        const double ry = y + 0.5 - middle;
+        const double sx = std::cos(angle) * rx + std::sin(angle) * ry + middle;
+        const double sy = -std::sin(angle) * rx + std::cos(angle) * ry + middle;
+        const double fx = std::clamp(sx * kFiner - 0.5, 0.0, fine.width - 1.001);
+        const double fy = std::clamp(sy * kFiner - 0.5, 0.0, fine.height - 1.001);
+        const int ix = static_cast<int>(fx);
+        const int iy = static_cast<int>(fy);
+        const double u = fx - ix;
+        const double v = fy - iy;
+        picture.at(x, y) = static_cast<std::uint8_t>(
+            std::lround((1 - v) * ((1 - u) * fine.at(ix, iy) + u * fine.at(ix + 1, iy)) +
+                        v * ((1 - u) * fine.at(ix, iy + 1) + u * fine.at(ix + 1, iy + 1))));
+      }
+    return picture;
+  }
+
+  std::unique_ptr<haptic::PatchTracker> tracker = haptic::make_fast_tracker();
+  Measurement measurement;
+};
+
+TEST_F(FastTracker, OneTranslationIsOnePatchWithinAHundredthOfAPixelInTheMean) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> component(-3, 3);
+  double errors = 0;
+  constexpr int kCases = 60;
+  for (int i = 0; i < kCases; ++i) {
+    const Texture texture(static_cast<unsigned>(random()), 4, 45);
+    const Shift truth{component(random), component(random)};
+    Picture before = texture.picture(kPicture, kPicture, {});
+    Picture after = texture.picture(kPicture, kPicture, truth);
+    add_noise(before, 1.5, random);
+    add_noise(after, 1.5, random);
+    const Measurement &found = track(before, after);
+    ASSERT_GT(found.count, 0);
+    errors += error(found, truth);
+  }
+  EXPECT_LT(errors / kCases, 0.010);
+}
+
+TEST_F(FastTracker, EverySixteenthOfAPixelHasTheSameSmallBias) {
+  for (int step = 0; step < 16; ++step) {
+    const Shift truth{1 + step / 16.0, -step / 16.0};
+    Shift sum;
+    constexpr unsigned kTextures = 12;
+    for (unsigned seed = 1; seed <= kTextures; ++seed) {
+      const Texture texture(seed);
+      Picture before = texture.picture(kPicture, kPicture, {});
+      Picture after = texture.picture(kPicture, kPicture, truth);
+      const Measurement &found = track(before, after);
+      ASSERT_GT(found.count, 0);
+      const Shift measured = mean(found);
+      sum.x += (measured.x - truth.x) / kTextures;
+      sum.y += (measured.y - truth.y) / kTextures;
+    }
+    EXPECT_LT(std::hypot(sum.x, sum.y), 0.005) << step;
+  }
+}
+
+TEST_F(FastTracker, HoldsUpToSixteenPixels) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> turn(0, 2 * std::numbers::pi);
+  int gross = 0;
+  int cases = 0;
+  for (const double distance : {4.0, 8.0, 12.0, 13.33, 16.0})
+    for (int i = 0; i < 40; ++i, ++cases) {
+      const Texture texture(static_cast<unsigned>(random()));
+      const double direction = turn(random);
+      const Shift truth{distance * std::cos(direction), distance * std::sin(direction)};
+      Picture before = texture.picture(kPicture, kPicture, {});
+      Picture after = texture.picture(kPicture, kPicture, truth);
+      add_noise(before, 1.5, random);
+      add_noise(after, 1.5, random);
+      const Measurement &found = track(before, after);
+      gross += found.count == 0 || error(found, truth) > 0.5;
+    }
+  EXPECT_LE(gross, cases / 100);
+}
+
+TEST_F(FastTracker, ALargeRegionReachesFurther) {
+  for (const int side : {60, 120, 240}) {
+    tracker->reset();
+    const Texture texture(15, side / 8.0);
+    const Shift truth{side * 0.28, side * -0.2};
+    Picture before = texture.picture(4 * side, 4 * side, {});
+    Picture after = texture.picture(4 * side, 4 * side, truth);
+    const Rectangle region{side + side / 2, side + side / 2, side, side};
+    const Measurement &found = track(before, after, region);
+    ASSERT_GT(found.count, 0) << side;
+    EXPECT_LT(error(found, truth), 0.05) << side;
+  }
+}
+
+TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
+  for (const double sigma : {0.0, 1.5, 5.0, 10.0}) {
+    tracker->reset();
+    std::mt19937 random(3);
+    int false_motions = 0;
+    const Texture texture(4);
+    const Picture scene = texture.picture(kPicture, kPicture, {});
+    Picture before = scene;
+    add_noise(before, sigma, random);
+    constexpr int kPictures = 200;
+    constexpr int kLearning = 20; // how noisy the camera is, it learns from the first pictures
+    for (int i = 0; i < kPictures; ++i) {
+      Picture after = scene;
+      add_noise(after, sigma, random);
+      const Measurement &found = track(before, after);
+      if (i >= kLearning)
+        false_motions += !(found.flags & haptic::kStill);
+      before = after;
+    }
+    EXPECT_LE(false_motions, (kPictures - kLearning) / 100) << sigma;
+  }
+}
+
+TEST_F(FastTracker, ABlankWallSaysNothing) {
+  std::mt19937 random(8);
+  for (int i = 0; i < 100; ++i) {
+    Picture before(kPicture, kPicture, 120);
+    Picture after(kPicture, kPicture, 120);
+    add_noise(before, 1.5, random);
+    add_noise(after, 1.5, random);
+    const Measurement &found = track(before, after);
+    EXPECT_EQ(found.count, 0);
+    EXPECT_EQ(found.flags, 0U);
+  }
+}
+
+TEST_F(FastTracker, AnotherSceneIsNoMotion) {
+  std::mt19937 random(9);
+  int patches = 0;
+  int cuts = 0;
+  constexpr int kCuts = 100;
+  for (unsigned seed = 0; seed < kCuts; ++seed) {
+    Picture before = Texture(2 * seed).picture(kPicture, kPicture, {});
+    Picture after = Texture(2 * seed + 1).picture(kPicture, kPicture, {});
+    add_noise(before, 1.5, random);
+    add_noise(after, 1.5, random);
+    tracker->reset();
+    const Measurement &found = track(before, after);
+    patches += found.count > 0;
+    cuts += (found.flags & haptic::kCut) != 0;
+  }
+  EXPECT_LE(patches, kCuts / 100);
+  EXPECT_GE(cuts, kCuts / 2);
+}
+
+TEST_F(FastTracker, ChangesOfGainAndOffsetDoNotMoveAnything) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<double> component(-3, 3);
+  constexpr int kCases = 30;
+  struct {
+    double gain, offset;
+  } const changes[] = {{0.7, 0}, {1.4, -40}, {1.2, 20}, {1, 40}, {1, -40}};
+  for (const auto &change : changes) {
+    double errors = 0;
+    for (int i = 0; i < kCases; ++i) {
+      const Texture texture(static_cast<unsigned>(random()), 5, 20);
+      const Shift truth{component(random), component(random)};
+      Picture before = texture.picture(kPicture, kPicture, {});
+      Picture after = texture.picture(kPicture, kPicture, truth);
+      for (auto &pixel : after.pixels)
+        pixel = static_cast<std::uint8_t>(
+            std::clamp(std::lround(change.gain * (pixel - 128) + 128 + change.offset), 0L, 255L));
+      add_noise(before, 0.5, random);
+      add_noise(after, 0.5, random);
+      const Measurement &found = track(before, after);
+      ASSERT_GT(found.count, 0);
+      errors += error(found, truth);
+    }
+    EXPECT_LT(errors / kCases, 0.015) << change.gain << " " << change.offset;
+  }
+}
+
+TEST_F(FastTracker, StripesTellTheirNormalMotionAlone) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> turn(0, std::numbers::pi);
+  std::uniform_real_distribution<double> distance(-1.5, 1.5);
+  for (int i = 0; i < 40; ++i) {
+    const double direction = turn(random);
+    const double moved = distance(random);
+    const auto paint = [&](double shift) {
+      Picture picture(kPicture, kPicture);
+      for (int y = 0; y < kPicture; ++y)
+        for (int x = 0; x < kPicture; ++x) {
+          const double along = x * std::cos(direction) + y * std::sin(direction) - shift;
+          picture.at(x, y) = static_cast<std::uint8_t>(
+              std::lround(128 + 40 * std::sin(0.7 * along) + 20 * std::sin(0.23 * along + 1)));
+        }
+      add_noise(picture, 1.5, random);
+      return picture;
+    };
+    Picture before = paint(0);
+    Picture after = paint(moved);
+    const Measurement &found = track(before, after);
+    if (found.count == 0) {
+      EXPECT_LT(std::abs(moved), 0.05); // lost in the noise
+      continue;
+    }
+    ASSERT_EQ(found.count, 1);
+    const Shift measured = mean(found);
+    const double normal = measured.x * std::cos(direction) + measured.y * std::sin(direction);
+    const double tangential = -measured.x * std::sin(direction) + measured.y * std::cos(direction);
+    EXPECT_NEAR(normal, moved, 0.05);
+    EXPECT_NEAR(tangential, 0, 0.05);
+    const Patch &patch = found.patches[0];
+    const double determinant = static_cast<double>(patch.precision_xx) * patch.precision_yy -
+                               static_cast<double>(patch.precision_xy) * patch.precision_xy;
+    EXPECT_LT(determinant, 1e-3 * patch.precision_xx * patch.precision_yy +
+                               1e-3 * patch.precision_xx * patch.precision_xx +
+                               1e-3 * patch.precision_yy * patch.precision_yy);
+  }
+}
+
+TEST_F(FastTracker, ATurnTakesAGridThatShowsIt) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  constexpr double kAngle = 5 * kDegree;
+  constexpr unsigned kTextures = 8;
+  double errors = 0;
+  for (unsigned seed = 21; seed < 21 + kTextures; ++seed) {
+    const Texture texture(seed);
+    Picture before = turned(texture, 0);
+    Picture after = turned(texture, kAngle);
+    tracker->reset();
+    const Measurement &found = track(before, after);
+    ASSERT_GT(found.count, 15);
+    // About the centre the motions of the patches cancel; the turn is in their differences.
+    const Shift of_all = mean(found);
+    EXPECT_LT(std::hypot(of_all.x, of_all.y), 0.1) << seed;
+    double turn = 0;
+    double spread = 0;
+    for (const Patch &patch : found.view()) {
+      const double rx = patch.x - kPicture / 2.0;
+      const double ry = patch.y - kPicture / 2.0;
+      turn += rx * patch.dy - ry * patch.dx;
+      spread += rx * rx + ry * ry;
+    }
+    errors += std::abs(turn / spread - std::sin(kAngle)) / kTextures;
+  }
+  EXPECT_LT(errors, 0.3 * kDegree);
+}
+
+TEST_F(FastTracker, FollowsTheObjectInTheRegionAndNotItsNeighbour) {
+  const Texture left(11);
+  const Texture right(12);
+  Picture before(240, kPicture);
+  Picture after(240, kPicture);
+  left.paint(before, {}, 0, 120);
+  right.paint(before, {}, 120, 240);
+  left.paint(after, {-3, 1}, 0, 120);
+  right.paint(after, {4, -2}, 120, 240);
+  EXPECT_LT(error(track(before, after, {80, 55, kSide, kSide}), {-3, 1}), 0.05);
+  EXPECT_LT(error(track(before, after, {130, 55, kSide, kSide}), {4, -2}), 0.05);
+}
+
+TEST_F(FastTracker, APictureThatFollowsOnTheLastOneGivesTheSameAnswer) {
+  const Texture texture(14);
+  std::vector<Picture> pictures;
+  for (int i = 0; i < 6; ++i)
+    pictures.push_back(texture.picture(kPicture, kPicture, {1.3 * i, -0.7 * i}));
+  const Rectangle region{55, 55, kSide, kSide};
+  const Rectangle crop = haptic::crop_around(region, tracker->margin(kSide), kPicture, kPicture);
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    tracker->measure({view(pictures[i - 1], crop), view(pictures[i], crop), crop, region, i > 1},
+                     measurement);
+    const Shift with_memory = mean(measurement);
+    auto fresh = haptic::make_fast_tracker();
+    Measurement anew;
+    fresh->measure({view(pictures[i - 1], crop), view(pictures[i], crop), crop, region}, anew);
+    EXPECT_NEAR(with_memory.x, mean(anew).x, 0.002);
+    EXPECT_NEAR(with_memory.y, mean(anew).y, 0.002);
+  }
+}
+
+TEST_F(FastTracker, KeepsToTheMaximumOfPoints) {
+  const Texture texture(10);
+  Picture before = turned(texture, 0);
+  Picture after = turned(texture, 0.08);
+  for (const int most : {1, 5, 20, haptic::kMaxPatches}) {
+    tracker->set_max_points(most);
+    const Measurement &found = track(before, after);
+    EXPECT_LE(found.count, most);
+  }
+}
+
+TEST_F(FastTracker, WorksInTheSmallestPictureThatCanBeMeasured) {
+  const Texture texture(13);
+  for (int side = haptic::kSmallestRegion; side < 90; ++side) {
+    Picture before = texture.picture(side, side, {});
+    Picture after = texture.picture(side, side, {0.5, 0.25});
+    const int width = std::min(side, kSide);
+    for (const Patch &patch : track(before, after, {0, 0, width, width}).view()) {
+      EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));
+      EXPECT_TRUE(std::isfinite(patch.precision_xx) && std::isfinite(patch.residual));
+    }
+  }
+}
+
+TEST_F(FastTracker, RandomPixelsAndShapesNeverYieldNonsense) {
+  std::mt19937 random(17);
+  for (int i = 0; i < 300; ++i) {
+    const int width = 12 + static_cast<int>(random() % (i % 10 == 0 ? 1200 : 200));
+    const int height = 12 + static_cast<int>(random() % 200);
+    Picture before(width, height);
+    Picture after(width, height);
+    for (auto *picture : {&before, &after})
+      for (auto &pixel : picture->pixels)
+        pixel = static_cast<std::uint8_t>(random() % (1 + random() % 256));
+    const int w = 12 + static_cast<int>(random() % static_cast<unsigned>(width - 11));
+    const int h = 12 + static_cast<int>(random() % static_cast<unsigned>(height - 11));
+    const Rectangle region{static_cast<int>(random() % static_cast<unsigned>(width - w + 1)),
+                           static_cast<int>(random() % static_cast<unsigned>(height - h + 1)), w,
+                           h};
+    const Rectangle crop =
+        haptic::crop_around(region, tracker->margin(std::max(w, h)), width, height);
+    tracker->measure({view(before, crop), view(after, crop), crop, region, i % 3 == 0},
+                     measurement);
+    EXPECT_LE(measurement.count, haptic::kMaxPatches);
+    for (const Patch &patch : measurement.view()) {
+      EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));
+      EXPECT_TRUE(std::isfinite(patch.precision_xx) && std::isfinite(patch.residual));
+    }
+  }
+}
+
+} // namespace
