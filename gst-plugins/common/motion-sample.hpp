@@ -27,6 +27,7 @@ enum MotionFlags : std::uint16_t {
   kMotionDuplicate = 1 << 1,     ///< the picture repeats the one before; the velocity is held
   kMotionCut = 1 << 2,           ///< another scene began
   kMotionDiscontinuity = 1 << 3, ///< there is no earlier picture to compare with
+  kMotionMixture = 1 << 4,       ///< two motions in the region; the velocity is their mean by area
 };
 
 /// Velocities are in pixels of the picture per second of its time stamps, x to the right and y

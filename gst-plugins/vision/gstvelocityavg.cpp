@@ -40,6 +40,7 @@ struct State {
   // Streaming thread only, or while it is stopped.
   GstVideoInfo picture; // of the caps
   MotionSample last;    // a duplicate picture repeats it
+  haptic::ModelHistory history;
   bool told_about_metadata = false;
 };
 
@@ -76,8 +77,7 @@ GType average_type() {
 
 GType motion_model_type() {
   static const GEnumValue values[] = {
-      {static_cast<int>(ModelChoice::automatic), "What suits; for now the same as translation",
-       "auto"},
+      {static_cast<int>(ModelChoice::automatic), "The smallest that explains the points", "auto"},
       {static_cast<int>(ModelChoice::still), "Nothing moves", "static"},
       {static_cast<int>(ModelChoice::translation), "All points move alike", "translation"},
       {static_cast<int>(ModelChoice::similarity), "Points also turn and grow about the pointer",
@@ -108,6 +108,8 @@ void set_motion(MotionSample &sample, const haptic::VelocityEstimate &estimate) 
   sample.confidence = estimate.confidence;
   sample.points = static_cast<std::uint16_t>(estimate.points);
   sample.model = estimate.model;
+  if (estimate.mixture)
+    sample.flags |= haptic::kMotionMixture;
 }
 
 void repeat_motion(MotionSample &sample, const MotionSample &before) {
@@ -118,6 +120,7 @@ void repeat_motion(MotionSample &sample, const MotionSample &before) {
   sample.confidence = before.confidence;
   sample.points = before.points;
   sample.model = before.model;
+  sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & haptic::kMotionMixture));
 }
 
 // What every sample says, whether or not anything was measured.
@@ -140,26 +143,39 @@ void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
   sample.region_height = fraction(meta.region_height, meta.picture_height);
 }
 
-MotionSample interpret(const GstHapticMotionMeta &meta, const State &state,
-                       const Settings &settings) {
+MotionSample interpret(const GstHapticMotionMeta &meta, State &state, const Settings &settings) {
   MotionSample sample = sample_for(state.picture);
   set_place(sample, meta);
   sample.interval = meta.interval;
   sample.flags = sample_flags(meta.flags);
-  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT))
+  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT)) {
+    state.history = {};
     return sample;
+  }
   if (meta.flags & GST_HAPTIC_MOTION_STILL) {
     sample.confidence = 1;
     sample.model = MotionModel::still;
+    state.history = {.current = MotionModel::still};
   } else if (meta.flags & GST_HAPTIC_MOTION_DUPLICATE) {
     repeat_motion(sample, state.last);
   } else if (meta.interval > 0) {
     const auto patches = std::span(meta.patches)
                              .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
-    set_motion(sample, haptic::estimate_velocity({patches, static_cast<int>(meta.n_candidates),
-                                                  meta.pointer_x, meta.pointer_y,
-                                                  static_cast<double>(meta.interval) / GST_SECOND},
-                                                 settings.average, settings.motion_model));
+    const haptic::PatchSet set{
+        .patches = patches,
+        .candidates = static_cast<int>(meta.n_candidates),
+        .pointer_x = meta.pointer_x,
+        .pointer_y = meta.pointer_y,
+        .interval = static_cast<double>(meta.interval) / GST_SECOND,
+        .region_x = meta.region_x,
+        .region_y = meta.region_y,
+        .region_width = meta.region_width,
+        .region_height = meta.region_height,
+    };
+    const haptic::VelocityEstimate estimate =
+        haptic::estimate_velocity(set, settings.average, settings.motion_model, state.history);
+    state.history = estimate.history;
+    set_motion(sample, estimate);
   }
   return sample;
 }
@@ -273,6 +289,7 @@ static gboolean gst_velocity_avg_propose_allocation(GstBaseTransform *, GstQuery
 static gboolean gst_velocity_avg_start(GstBaseTransform *trans) {
   State &state = *GST_VELOCITY_AVG(trans)->state;
   state.last = {};
+  state.history = {};
   state.told_about_metadata = false;
   return TRUE;
 }
