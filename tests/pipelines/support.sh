@@ -45,7 +45,8 @@ need_window_system() {
 
 # Runs a command with an X server of its own.
 in_window_system() {
-  xvfb-run -a -s '-screen 0 1024x768x24' "$@"
+  # A display number of its own: the one just given up by the test before may not be free yet.
+  xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24' "$@"
 }
 
 # Runs a script as if someone pressed Ctrl-C after so many seconds.
