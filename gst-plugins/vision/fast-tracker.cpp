@@ -13,7 +13,6 @@
 namespace haptic {
 namespace {
 
-constexpr int kFewestLevels = 3;
 constexpr int kMostLevels = 5;
 constexpr int kSmallPatch = 8;  // px
 constexpr int kLargePatch = 16; // px
@@ -158,6 +157,7 @@ struct Translation {
 
 class FastTracker final : public PatchTracker {
 public:
+  explicit FastTracker(const FastTrackerOptions &options) : options_(options) {}
   int margin(int region_side) const override {
     const int reduced = reductions(region_side);
     return (reach(region_side >> reduced) + 2) << reduced;
@@ -202,6 +202,7 @@ private:
   void add_patch(const Template &patch, Displacement moved, const Fit &fit,
                  Measurement &measurement);
 
+  const FastTrackerOptions options_;
   int max_points_ = kMaxPatches;
   bool have_previous_ = false; // current_ holds the picture that comes next as the earlier one
   Rectangle last_crop_;
@@ -256,7 +257,7 @@ void FastTracker::take_pictures(const CropPair &pair) {
   // A level more for each doubling of the region: its largest displacement doubles too.
   side_ = std::max(pair.region.width, pair.region.height);
   const int doublings = std::bit_width(static_cast<unsigned>(std::max(side_ / kSmallSide, 1))) - 1;
-  const auto wanted = static_cast<std::size_t>(std::min(kFewestLevels + doublings, kMostLevels));
+  const auto wanted = static_cast<std::size_t>(std::min(options_.levels + doublings, kMostLevels));
   if (pair.continues && have_previous_ && pair.crop == last_crop_ && wanted == built_levels_)
     std::swap(previous_, current_);
   else
@@ -477,14 +478,14 @@ struct Aligned {
 };
 
 // From the best of several starts.
-Aligned align(const Plane &plane, const Template &patch, std::span<const Displacement> starts) {
-  constexpr int kIterations = 4;
+Aligned align(const Plane &plane, const Template &patch, std::span<const Displacement> starts,
+              int iterations) {
   constexpr float kFurthest = 4; // px from the start
   Aligned best{starts[0], fit_template(plane, patch, starts[0])};
   for (const Displacement start : starts.subspan(1))
     if (const Fit fit = fit_template(plane, patch, start); fit.residual < best.fit.residual)
       best = {start, fit};
-  const Displacement moved = align_template(plane, patch, best.displacement, kIterations);
+  const Displacement moved = align_template(plane, patch, best.displacement, iterations);
   const Fit fit = fit_template(plane, patch, moved);
   if (fit.residual <= best.fit.residual && norm2(moved - best.displacement) < kFurthest * kFurthest)
     return {moved, fit};
@@ -493,7 +494,6 @@ Aligned align(const Plane &plane, const Template &patch, std::span<const Displac
 
 void FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
   constexpr float kCoarseSpacing = 5; // px of the half-size picture
-  constexpr float kSpacing = 6;       // px
   constexpr float kSame2 = 0.04F;     // px squared between starts that are not worth telling apart
 
   const std::size_t coarse_level = levels_ > 1 ? 1 : 0;
@@ -506,13 +506,13 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
   const std::array<Displacement, 2> coarse_starts = {1 / coarse_scale * whole.displacement,
                                                      Displacement{}};
   for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
-    coarse[i] =
-        coarse_scale *
-        align(current_.levels[coarse_level], coarse_grid_.patches[i], coarse_starts).displacement;
+    coarse[i] = coarse_scale * align(current_.levels[coarse_level], coarse_grid_.patches[i],
+                                     coarse_starts, options_.iterations)
+                                   .displacement;
 
   trust_ = 0;
-  int columns = parts_of(area.width, kSpacing, 8);
-  int rows = parts_of(area.height, kSpacing, 8);
+  int columns = parts_of(area.width, options_.spacing, 8);
+  int rows = parts_of(area.height, options_.spacing, 8);
   while (columns * rows > max_points_)
     --(columns > rows ? columns : rows);
   const bool sparse = std::max(area.width / static_cast<float>(columns),
@@ -538,7 +538,8 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
              ++x)
           offer(x, y);
       const Template &patch = grid_.patches[cell(j, columns, i)];
-      const Aligned aligned = align(current_.levels[0], patch, std::span(starts).first(count));
+      const Aligned aligned =
+          align(current_.levels[0], patch, std::span(starts).first(count), options_.iterations);
       add_patch(patch, aligned.displacement, aligned.fit, measurement);
     }
 }
@@ -574,7 +575,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     noise_ += kLearning * (std::clamp(change_energy_ / 2, 0.25F, 150.0F) - noise_);
     return;
   }
-  if (explained && is_precise(whole)) {
+  if (explained && !options_.always_grid && is_precise(whole)) {
     add_whole(area, whole, measurement);
     return;
   }
@@ -626,8 +627,8 @@ void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
 
 } // namespace
 
-std::unique_ptr<PatchTracker> make_fast_tracker() {
-  return std::make_unique<FastTracker>();
+std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options) {
+  return std::make_unique<FastTracker>(options);
 }
 
 } // namespace haptic

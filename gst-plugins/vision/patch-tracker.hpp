@@ -76,9 +76,17 @@ public:
   virtual void reset() = 0;
 };
 
+/// What may be traded between speed and accuracy; the defaults are what the element runs.
+struct FastTrackerOptions {
+  float spacing = 6;        ///< px between the patches of the grid, for a region of 30 px
+  int iterations = 4;       ///< most Gauss-Newton steps of a patch
+  int levels = 3;           ///< 1..5, of the pyramid for a region of 30 px
+  bool always_grid = false; ///< also where one translation explains the region
+};
+
 /// The default: still, one translation or a grid of patches, whatever is the least that explains
 /// the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
-std::unique_ptr<PatchTracker> make_fast_tracker();
+std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options = {});
 
 /// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.
 std::unique_ptr<PatchTracker> make_opencv_tracker();
