@@ -14,10 +14,11 @@ namespace haptic {
 namespace {
 
 constexpr int kMostLevels = 5;
-constexpr int kSmallPatch = 8;  // px
-constexpr int kLargePatch = 16; // px
-constexpr int kRim = 4;         // px around a patch, for gradients and interpolation
-constexpr int kSmallSide = 30;  // px, the region of the paper
+constexpr int kSmallPatch = 8;      // px
+constexpr int kLargePatch = 16;     // px
+constexpr int kRim = 4;             // px around a patch, for gradients and interpolation
+constexpr int kSmoothingRadius = 1; // px by which planes are smaller than the crop on every side
+constexpr int kSmallSide = 30;      // px, the region of the paper
 constexpr int kReach =
     20; // px per picture that the search covers there; what is larger moves further
 constexpr int kLargestSide =
@@ -74,14 +75,18 @@ struct Eigenvalues {
 
 Eigenvalues eigenvalues(const Tensor &t) {
   const float mean = (t.xx + t.yy) / 2;
-  const float spread = std::hypot((t.xx - t.yy) / 2, t.xy);
+  const float half_difference = (t.xx - t.yy) / 2;
+  const float spread = std::sqrt(half_difference * half_difference + t.xy * t.xy);
   return {mean - spread, mean + spread};
 }
 
 // Unit vector of the larger eigenvalue.
 Displacement strong_direction(const Tensor &t) {
-  const float angle = 0.5F * std::atan2(2 * t.xy, t.xx - t.yy);
-  return {std::cos(angle), std::sin(angle)};
+  const float most = eigenvalues(t).most;
+  const Displacement along =
+      t.xx > t.yy ? Displacement{most - t.yy, t.xy} : Displacement{t.xy, most - t.xx};
+  const float length2 = norm2(along);
+  return length2 > 0 ? 1 / std::sqrt(length2) * along : Displacement{1, 0};
 }
 
 // A rectangle in pixels of some level; pixel i covers i..i+1.
@@ -102,7 +107,7 @@ struct Pyramid {
   std::array<Plane, kMostLevels> levels;
 
   void build(const LumaView &view, std::size_t count) {
-    widen_and_smooth(view, levels[0]);
+    smooth(view, levels[0]);
     for (std::size_t i = 1; i < count; ++i)
       halve(levels[i - 1], levels[i]);
   }
@@ -114,9 +119,7 @@ struct PatchGrid {
   int rows = 0;
   std::array<Template, kMaxPatches> patches;
 
-  std::span<const Template> view() const {
-    return {patches.data(), static_cast<std::size_t>(columns * rows)};
-  }
+  std::span<Template> view() { return {patches.data(), static_cast<std::size_t>(columns * rows)}; }
 };
 
 // Index into a table with so many columns.
@@ -170,6 +173,7 @@ public:
     have_previous_ = false;
     last_ = {};
     noise_ = kAssumedNoise * kAssumedNoise;
+    expected_residual2_ = 2 * kSmoothedNoise * noise_;
   }
 
 private:
@@ -210,9 +214,7 @@ private:
   Pyramid current_;
   int side_ = 0; // px, of the region
   std::size_t built_levels_ = 0;
-  std::size_t levels_ = 1;       // of the pyramids that are large enough to be of use
-  std::array<Plane, 2> shifted_; // the earlier picture around the region, a quarter and three
-                                 // quarters of a pixel further
+  std::size_t levels_ = 1; // of the pyramids that are large enough to be of use
   std::array<PatchGrid, kMostLevels> blocks_;
   PatchGrid coarse_grid_;
   PatchGrid grid_;
@@ -220,6 +222,7 @@ private:
   std::array<ByteImage, 2> reduced_current_;
   Displacement last_;                           // px, of the picture before
   float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still pictures
+  float expected_residual2_ = 2 * kSmoothedNoise * noise_; // grey levels squared, of what fits
   float trust_ = 0;         // sum over the grid's patches that have texture, 0..1 each
   float change_energy_ = 0; // mean squared difference about its mean
 };
@@ -278,36 +281,23 @@ void FastTracker::cover(const Area &area, std::size_t level, int columns, int ro
   const Plane &plane = previous_.levels[level];
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const int column = first_pixel(area.x, area.width, i, columns, side, plane.width());
-      const int row = first_pixel(area.y, area.height, j, rows, side, plane.height());
-      Template &patch = grid.patches[cell(j, columns, i)];
-      if (level > 0) {
-        prepare_template(plane, column, row, side, patch);
-        continue;
-      }
-      // Interpolation draws displacements towards whole pixels. Neighbours are sampled a quarter
-      // and three quarters of a pixel off the raster, so that the bias of one cancels the other's.
-      const Plane &shifted = shifted_[static_cast<std::size_t>((i + j) & 1)];
-      const auto inside = [&](int first, float origin, int length) {
-        return std::clamp(first - static_cast<int>(origin), 1, length - side - 1);
+      // Interpolation draws displacements towards whole pixels. At the finest level, neighbours are
+      // sampled a quarter and three quarters of a pixel off the raster, so that the bias of one
+      // cancels the other's.
+      const float off_raster = level > 0 ? 0 : ((i + j) & 1) == 0 ? 0.25F : 0.75F;
+      const auto first = [&](float from, float length, int index, int parts, int available) {
+        return static_cast<float>(first_pixel(from, length, index, parts, side, available)) +
+               off_raster;
       };
-      prepare_template(shifted, inside(column, shifted.origin_x, shifted.width()),
-                       inside(row, shifted.origin_y, shifted.height()), side, patch);
+      Template &patch = grid.patches[cell(j, columns, i)];
+      patch.side = side;
+      patch.x = first(area.x, area.width, i, columns, plane.width());
+      patch.y = first(area.y, area.height, j, rows, plane.height());
     }
+  prepare_templates(plane, grid.view());
 }
 
 void FastTracker::cover_with_blocks(const Area &area) {
-  // Room for a large patch also where a narrow region lies in a corner.
-  constexpr float kOverhang = kLargePatch + 2;
-  const Plane &base = previous_.levels[0];
-  const auto begin = [](float from) { return std::max(0, static_cast<int>(from - kOverhang)); };
-  const int x = begin(area.x);
-  const int y = begin(area.y);
-  const Rectangle around{
-      x, y, std::min(base.width() - 1, static_cast<int>(area.x + area.width + kOverhang)) - x,
-      std::min(base.height() - 1, static_cast<int>(area.y + area.height + kOverhang)) - y};
-  shift_diagonally(base, around, 0.25F, shifted_[0]);
-  shift_diagonally(base, around, 0.75F, shifted_[1]);
   for (std::size_t level = 0; level < levels_; ++level) {
     const Area a = area.at_level(static_cast<int>(level));
     const bool large =
@@ -340,8 +330,9 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
     float energy = 0;
     float correlation = 0;
     float squares = 0;
+    fit_templates(current_.levels[level], blocks, result.displacement,
+                  std::span(fits).first(blocks.size()));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-      fits[i] = fit_template(current_.levels[level], blocks[i], result.displacement);
       gradient = gradient + fits[i].gradient;
       correlation += fits[i].correlation * blocks[i].energy;
       energy += blocks[i].energy;
@@ -421,7 +412,7 @@ Translation FastTracker::find_translation() {
 
 bool FastTracker::explains(const Translation &whole) const {
   constexpr float kFits = 0.7F;
-  const auto blocks = static_cast<float>(blocks_[0].view().size());
+  const auto blocks = static_cast<float>(blocks_[0].columns * blocks_[0].rows);
   // Chi-squared with two degrees of freedom per block: its mean and a standard deviation.
   return has_texture(eigenvalues(whole.structure).most, whole.pixels, noise_) &&
          whole.correlation > kFits && whole.disagreement < 2 * blocks + 2 * std::sqrt(blocks);
@@ -472,29 +463,9 @@ void FastTracker::add_patch(const Template &patch, Displacement moved, const Fit
                    patch.structure.yy * scale, fit.residual});
 }
 
-struct Aligned {
-  Displacement displacement;
-  Fit fit;
-};
-
-// From the best of several starts.
-Aligned align(const Plane &plane, const Template &patch, std::span<const Displacement> starts,
-              int iterations) {
-  constexpr float kFurthest = 4; // px from the start
-  Aligned best{starts[0], fit_template(plane, patch, starts[0])};
-  for (const Displacement start : starts.subspan(1))
-    if (const Fit fit = fit_template(plane, patch, start); fit.residual < best.fit.residual)
-      best = {start, fit};
-  const Displacement moved = align_template(plane, patch, best.displacement, iterations);
-  const Fit fit = fit_template(plane, patch, moved);
-  if (fit.residual <= best.fit.residual && norm2(moved - best.displacement) < kFurthest * kFurthest)
-    return {moved, fit};
-  return best;
-}
-
 void FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
   constexpr float kCoarseSpacing = 5; // px of the half-size picture
-  constexpr float kSame2 = 0.04F;     // px squared between starts that are not worth telling apart
+  constexpr float kSame2 = 1.0F;      // px squared between starts that are not worth telling apart
 
   const std::size_t coarse_level = levels_ > 1 ? 1 : 0;
   const auto coarse_scale = static_cast<float>(1 << coarse_level);
@@ -506,9 +477,10 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
   const std::array<Displacement, 2> coarse_starts = {1 / coarse_scale * whole.displacement,
                                                      Displacement{}};
   for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
-    coarse[i] = coarse_scale * align(current_.levels[coarse_level], coarse_grid_.patches[i],
-                                     coarse_starts, options_.iterations)
-                                   .displacement;
+    coarse[i] =
+        coarse_scale * align_template(current_.levels[coarse_level], coarse_grid_.patches[i],
+                                      coarse_starts, options_.iterations)
+                           .displacement;
 
   trust_ = 0;
   int columns = parts_of(area.width, options_.spacing, 8);
@@ -538,13 +510,14 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
              ++x)
           offer(x, y);
       const Template &patch = grid_.patches[cell(j, columns, i)];
-      const Aligned aligned =
-          align(current_.levels[0], patch, std::span(starts).first(count), options_.iterations);
+      const Alignment aligned = align_template(current_.levels[0], patch,
+                                               std::span(starts).first(count), options_.iterations);
       add_patch(patch, aligned.displacement, aligned.fit, measurement);
     }
 }
 
 void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement) {
+  constexpr float kOverExpected = 1.2F;
   constexpr float kSameScene = 0.5F;
   // Patches of the same scene come close to 1 in the mean, those of another scene stay below.
   constexpr float kLeastTrust = 0.6F;
@@ -562,8 +535,8 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     break;
   }
   take_pictures(pair);
-  const Area area{static_cast<float>(pair.region.x - pair.crop.x),
-                  static_cast<float>(pair.region.y - pair.crop.y),
+  const Area area{static_cast<float>(pair.region.x - pair.crop.x - kSmoothingRadius),
+                  static_cast<float>(pair.region.y - pair.crop.y - kSmoothingRadius),
                   static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)};
   cover_with_blocks(area);
   const Translation whole = find_translation();
@@ -575,7 +548,8 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     noise_ += kLearning * (std::clamp(change_energy_ / 2, 0.25F, 150.0F) - noise_);
     return;
   }
-  if (explained && !options_.always_grid && is_precise(whole)) {
+  if (explained && !options_.always_grid && is_precise(whole) &&
+      whole.residual2 < kOverExpected * expected_residual2_) {
     add_whole(area, whole, measurement);
     return;
   }
@@ -600,22 +574,25 @@ void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
     reduced.current = reduced_current_[slot].view();
   }
   if (count > 0) {
-    // From here on the crop's corner is the origin: it need not lie on a multiple of the reduction.
+    // The corner of the crop stays: it need not lie on a multiple of the reduction.
     const int scale = 1 << count;
-    reduced.region = {(pair.region.x - pair.crop.x) / scale, (pair.region.y - pair.crop.y) / scale,
+    reduced.crop = {pair.crop.x, pair.crop.y, reduced.previous.width, reduced.previous.height};
+    reduced.region = {pair.crop.x + (pair.region.x - pair.crop.x) / scale,
+                      pair.crop.y + (pair.region.y - pair.crop.y) / scale,
                       pair.region.width / scale, pair.region.height / scale};
-    reduced.crop = {0, 0, reduced.previous.width, reduced.previous.height};
-    reduced.continues = false;
   }
   // A strip along a picture's border may have become too narrow for patches.
   const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
-  if (least(reduced.region) < kSmallestRegion / 2 || least(reduced.crop) < kSmallPatch + kRim)
+  if (least(reduced.region) < kSmallestRegion / 2 ||
+      least(reduced.crop) < kSmallPatch + kRim + 2 * kSmoothingRadius)
     return;
   measure_reduced(reduced, measurement);
 
   const auto scale = static_cast<float>(1 << count);
   for (int i = 0; i < measurement.count; ++i) {
     Patch &patch = measurement.patches[static_cast<std::size_t>(i)];
+    patch.x += kSmoothingRadius;
+    patch.y += kSmoothingRadius;
     for (float *length : {&patch.x, &patch.y, &patch.width, &patch.height, &patch.dx, &patch.dy})
       *length *= scale;
     for (float *precision : {&patch.precision_xx, &patch.precision_xy, &patch.precision_yy})

@@ -57,42 +57,41 @@ void AveragePairs(const LumaView &fine, ByteImage &coarse) {
   }
 }
 
-void WidenAndSmooth(const LumaView &view, Plane &plane) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  const hn::Rebind<std::uint8_t, decltype(d)> du;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int width = view.width;
+// One column of vectors after another, so that each row is read once and stays in registers until
+// it has served three rows of the result.
+template <class D>
+HWY_INLINE void SmoothColumns(D d, const LumaView &view, Plane &plane) {
+  const hn::RebindToSigned<D> di;
+  const hn::Rebind<std::uint8_t, D> du;
   const auto sixteenth = hn::Set(d, 1.0F / 16);
-  // Room for one repeated pixel on the left, and on the right for the last vector to run over.
-  HWY_ALIGN float column_sums[16 + kWidestPlane + 32];
-  for (int y = 0; y < view.height; ++y) {
-    const std::uint8_t *mid = view.pixels + y * view.stride;
-    const std::uint8_t *up = y > 0 ? mid - view.stride : mid;
-    const std::uint8_t *low = y + 1 < view.height ? mid + view.stride : mid;
-    float *sums = column_sums + 16;
-    if (width >= lanes) {
-      for_row(d, width, [&](int x) HWY_ATTR {
-        const auto a = hn::PromoteTo(di, hn::LoadU(du, up + x));
-        const auto b = hn::PromoteTo(di, hn::LoadU(du, mid + x));
-        const auto c = hn::PromoteTo(di, hn::LoadU(du, low + x));
-        hn::StoreU(hn::ConvertTo(d, hn::Add(hn::Add(a, c), hn::Add(b, b))), d, sums + x);
-      });
-    } else {
-      for (int x = 0; x < width; ++x)
-        sums[x] = static_cast<float>(up[x] + 2 * mid[x] + low[x]);
+  for_row(d, plane.width(), [&](int x) HWY_ATTR {
+    const auto load = [&](const std::uint8_t *from)
+                          HWY_ATTR { return hn::PromoteTo(di, hn::LoadU(du, from)); };
+    const std::uint8_t *from = view.pixels + x;
+    const auto across = [&] HWY_ATTR {
+      const auto middle = load(from + 1);
+      const auto sum = hn::Add(hn::Add(load(from), load(from + 2)), hn::Add(middle, middle));
+      from += view.stride;
+      return sum;
+    };
+    auto upper = across();
+    auto middle = across();
+    for (int y = 0; y < plane.height(); ++y) {
+      const auto lower = across();
+      const auto sum = hn::Add(hn::Add(upper, lower), hn::Add(middle, middle));
+      hn::StoreU(hn::Mul(hn::ConvertTo(d, sum), sixteenth), d, plane.row(y) + x);
+      upper = middle;
+      middle = lower;
     }
-    sums[-1] = sums[0];
-    sums[width] = sums[width - 1];
-    float *out = plane.row(y);
-    // The plane's rows are padded, so that the last vector may run over the end of the row.
-    for (int x = 0; x < width; x += lanes) {
-      const auto l = hn::LoadU(d, sums + x - 1);
-      const auto m = hn::LoadU(d, sums + x);
-      const auto r = hn::LoadU(d, sums + x + 1);
-      hn::StoreU(hn::Mul(hn::Add(hn::Add(l, r), hn::Add(m, m)), sixteenth), d, out + x);
-    }
-  }
+  });
+}
+
+void Smooth(const LumaView &view, Plane &plane) {
+  const hn::ScalableTag<float> widest;
+  if (plane.width() >= static_cast<int>(hn::Lanes(widest)))
+    SmoothColumns(widest, view, plane);
+  else
+    SmoothColumns(hn::CappedTag<float, 8>(), view, plane);
 }
 
 void Halve(const Plane &fine, Plane &coarse) {
@@ -104,36 +103,47 @@ void Halve(const Plane &fine, Plane &coarse) {
     const float *bottom = fine.row(2 * y + 1);
     float *out = coarse.row(y);
     for (int x = 0; x < coarse.width(); x += lanes) {
-      hn::Vec<decltype(d)> a, b, e, f;
-      hn::LoadInterleaved2(d, top + 2 * x, a, b);
-      hn::LoadInterleaved2(d, bottom + 2 * x, e, f);
-      hn::StoreU(hn::Mul(hn::Add(hn::Add(a, b), hn::Add(e, f)), quarter), d, out + x);
+      const auto column_sums = [&](int at) HWY_ATTR {
+        return hn::Add(hn::LoadU(d, top + at), hn::LoadU(d, bottom + at));
+      };
+      const auto left = column_sums(2 * x);
+      const auto right = column_sums(2 * x + lanes);
+#if HWY_TARGET == HWY_SCALAR
+      const auto sum = hn::Add(left, right);
+#else
+      const auto sum = hn::Add(hn::ConcatEven(d, right, left), hn::ConcatOdd(d, right, left));
+#endif
+      hn::StoreU(hn::Mul(sum, quarter), d, out + x);
     }
   }
 }
 
-void ShiftDiagonally(const Plane &plane, const Rectangle &from, float offset, Plane &shifted) {
-  const hn::ScalableTag<float> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto w = hn::Set(d, offset);
-  for (int y = 0; y < shifted.height(); ++y) {
-    const float *top = plane.row(from.y + y) + from.x;
-    const float *bottom = top + plane.stride();
-    float *out = shifted.row(y);
-    for (int x = 0; x < shifted.width(); x += lanes) {
-      const auto t0 = hn::LoadU(d, top + x);
-      const auto t1 = hn::LoadU(d, top + x + 1);
-      const auto b0 = hn::LoadU(d, bottom + x);
-      const auto b1 = hn::LoadU(d, bottom + x + 1);
-      const auto t = hn::MulAdd(w, hn::Sub(t1, t0), t0);
-      const auto b = hn::MulAdd(w, hn::Sub(b1, b0), b0);
-      hn::StoreU(hn::MulAdd(w, hn::Sub(b, t), t), d, out + x);
+// Pixels of a patch and one more on every side, sampled between the pixels of the plane.
+template <int kSide>
+HWY_INLINE void SampleTile(const float *first, std::ptrdiff_t stride, float u, float v,
+                           float *tile) {
+  constexpr int kTile = kSide + 2;
+  const RowTag<kSide> d;
+  const auto wu = hn::Set(d, u), wv = hn::Set(d, v);
+  for_row(d, kTile, [&](int x) HWY_ATTR {
+    const float *from = first - stride - 1 + x;
+    const auto across = [&] HWY_ATTR {
+      const auto left = hn::LoadU(d, from);
+      const auto sampled = hn::MulAdd(wu, hn::Sub(hn::LoadU(d, from + 1), left), left);
+      from += stride;
+      return sampled;
+    };
+    auto upper = across();
+    for (int y = 0; y < kTile; ++y) {
+      const auto lower = across();
+      hn::StoreU(hn::MulAdd(wv, hn::Sub(lower, upper), upper), d, tile + y * kTile + x);
+      upper = lower;
     }
-  }
+  });
 }
 
 template <int kSide>
-void PrepareTemplate(const Plane &plane, int column, int row, Template &patch) {
+void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
   const RowTag<kSide> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   using V = hn::Vec<RowTag<kSide>>;
@@ -142,9 +152,9 @@ void PrepareTemplate(const Plane &plane, int column, int row, Template &patch) {
     sty = hn::Zero(d);
   V sxx = hn::Zero(d), sxy = hn::Zero(d), syy = hn::Zero(d);
   for (int y = 0; y < kSide; ++y) {
-    const float *mid = plane.row(row + y) + column;
-    const float *up = plane.row(row + y - 1) + column;
-    const float *low = plane.row(row + y + 1) + column;
+    const float *mid = first + y * stride;
+    const float *up = mid - stride;
+    const float *low = mid + stride;
     for (int x = 0; x < kSide; x += lanes) {
       const V t = hn::LoadU(d, mid + x);
       const V gx = hn::Mul(half, hn::Sub(hn::LoadU(d, mid + x + 1), hn::LoadU(d, mid + x - 1)));
@@ -253,34 +263,43 @@ Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
 }
 
 template <int kSide>
-Displacement AlignTemplate(const Plane &plane, const Template &patch, Displacement moved,
-                           int iterations) {
-  const RowTag<kSide> d;
+Alignment AlignTemplate(const Plane &plane, const Template &patch,
+                        std::span<const Displacement> starts, int iterations) {
+  constexpr float kFurthest = 4;      // px from the start
+  constexpr float kConverged = 3e-4F; // px squared
+  constexpr float kLongest = 1;       // px
+  Alignment best{starts[0], FitTemplate<kSide>(plane, patch, starts[0])};
+  for (const Displacement start : starts.subspan(1))
+    if (const Fit fit = FitTemplate<kSide>(plane, patch, start); fit.residual < best.fit.residual)
+      best = {start, fit};
+  const Displacement start = best.displacement;
   const float floor = regulariser(patch.structure, kSide * kSide);
   const float xx = patch.structure.xx + floor, yy = patch.structure.yy + floor,
               xy = patch.structure.xy;
   const float inverse_determinant = 1.0F / (xx * yy - xy * xy);
+  Alignment at = best;
   for (int i = 0; i < iterations; ++i) {
-    auto bx = hn::Zero(d), by = hn::Zero(d);
-    for_pixels<kSide>(plane, locate(plane, patch, moved), [&](int at, auto grey) HWY_ATTR {
-      bx = hn::MulAdd(hn::Load(d, patch.gradient_x.data() + at), grey, bx);
-      by = hn::MulAdd(hn::Load(d, patch.gradient_y.data() + at), grey, by);
-    });
-    const float gx = total(d, bx), gy = total(d, by);
-    float step_x = (yy * gx - xy * gy) * inverse_determinant;
-    float step_y = (xx * gy - xy * gx) * inverse_determinant;
+    const auto [gx, gy] = at.fit.gradient;
+    const float step_x = (yy * gx - xy * gy) * inverse_determinant;
+    const float step_y = (xx * gy - xy * gx) * inverse_determinant;
     const float length2 = step_x * step_x + step_y * step_y;
-    if (length2 > 1.0F) {
-      const float scale = 1.0F / std::sqrt(length2);
-      step_x *= scale;
-      step_y *= scale;
-    }
-    moved.x -= step_x;
-    moved.y -= step_y;
-    if (length2 < 1e-5F)
+    const float scale = length2 > kLongest * kLongest ? kLongest / std::sqrt(length2) : 1.0F;
+    at.displacement.x -= scale * step_x;
+    at.displacement.y -= scale * step_y;
+    const float away_x = at.displacement.x - start.x, away_y = at.displacement.y - start.y;
+    if (away_x * away_x + away_y * away_y > kFurthest * kFurthest)
       break;
+    // So short a step does not change the fit.
+    if (length2 < kConverged) {
+      if (at.fit.residual == best.fit.residual)
+        best.displacement = at.displacement;
+      break;
+    }
+    at.fit = FitTemplate<kSide>(plane, patch, at.displacement);
+    if (at.fit.residual < best.fit.residual)
+      best = at;
   }
-  return moved;
+  return best;
 }
 
 ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
@@ -382,18 +401,45 @@ SearchResult SearchTemplate(const Plane &plane, const Template &patch, Displacem
   return result;
 }
 
-void PrepareTemplateAny(const Plane &plane, int column, int row, int side, Template &patch) {
-  side == 16 ? PrepareTemplate<16>(plane, column, row, patch)
-             : PrepareTemplate<8>(plane, column, row, patch);
+template <int kSide>
+void PrepareTemplatesOf(const Plane &plane, std::span<Template> patches) {
+  for (Template &patch : patches) {
+    const int column = static_cast<int>(patch.x);
+    const int row = static_cast<int>(patch.y);
+    const float u = patch.x - static_cast<float>(column);
+    const float v = patch.y - static_cast<float>(row);
+    const float *first = plane.row(row) + column;
+    if (u == 0 && v == 0) {
+      PrepareTemplate<kSide>(first, plane.stride(), patch);
+      continue;
+    }
+    constexpr int kTile = kSide + 2;
+    HWY_ALIGN float tile[kTile * kTile];
+    SampleTile<kSide>(first, plane.stride(), u, v, tile);
+    PrepareTemplate<kSide>(tile + kTile + 1, kTile, patch);
+  }
 }
-Fit FitTemplateAny(const Plane &plane, const Template &patch, Displacement moved) {
-  return patch.side == 16 ? FitTemplate<16>(plane, patch, moved)
-                          : FitTemplate<8>(plane, patch, moved);
+
+template <int kSide>
+void FitTemplatesOf(const Plane &plane, std::span<const Template> patches, Displacement moved,
+                    std::span<Fit> fits) {
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    fits[i] = FitTemplate<kSide>(plane, patches[i], moved);
 }
-Displacement AlignTemplateAny(const Plane &plane, const Template &patch, Displacement moved,
-                              int iterations) {
-  return patch.side == 16 ? AlignTemplate<16>(plane, patch, moved, iterations)
-                          : AlignTemplate<8>(plane, patch, moved, iterations);
+
+void PrepareTemplates(const Plane &plane, std::span<Template> patches) {
+  patches.front().side == 16 ? PrepareTemplatesOf<16>(plane, patches)
+                             : PrepareTemplatesOf<8>(plane, patches);
+}
+void FitTemplates(const Plane &plane, std::span<const Template> patches, Displacement moved,
+                  std::span<Fit> fits) {
+  patches.front().side == 16 ? FitTemplatesOf<16>(plane, patches, moved, fits)
+                             : FitTemplatesOf<8>(plane, patches, moved, fits);
+}
+Alignment AlignTemplateAny(const Plane &plane, const Template &patch,
+                           std::span<const Displacement> starts, int iterations) {
+  return patch.side == 16 ? AlignTemplate<16>(plane, patch, starts, iterations)
+                          : AlignTemplate<8>(plane, patch, starts, iterations);
 }
 SearchResult SearchTemplateAny(const Plane &plane, const Template &patch, Displacement centre,
                                int radius) {
@@ -409,11 +455,10 @@ namespace haptic {
 
 HWY_EXPORT(AveragePairs);
 HWY_EXPORT(MeasureChange);
-HWY_EXPORT(WidenAndSmooth);
+HWY_EXPORT(Smooth);
 HWY_EXPORT(Halve);
-HWY_EXPORT(ShiftDiagonally);
-HWY_EXPORT(PrepareTemplateAny);
-HWY_EXPORT(FitTemplateAny);
+HWY_EXPORT(PrepareTemplates);
+HWY_EXPORT(FitTemplates);
 HWY_EXPORT(AlignTemplateAny);
 HWY_EXPORT(SearchTemplateAny);
 
@@ -434,9 +479,9 @@ ChangeSums measure_change(const LumaView &previous, const LumaView &current) {
   return HWY_DYNAMIC_DISPATCH(MeasureChange)(previous, current);
 }
 
-void widen_and_smooth(const LumaView &view, Plane &plane) {
-  plane.resize(view.width, view.height);
-  HWY_DYNAMIC_DISPATCH(WidenAndSmooth)(view, plane);
+void smooth(const LumaView &view, Plane &plane) {
+  plane.resize(view.width - 2, view.height - 2);
+  HWY_DYNAMIC_DISPATCH(Smooth)(view, plane);
 }
 
 void halve(const Plane &fine, Plane &coarse) {
@@ -444,28 +489,18 @@ void halve(const Plane &fine, Plane &coarse) {
   HWY_DYNAMIC_DISPATCH(Halve)(fine, coarse);
 }
 
-void shift_diagonally(const Plane &plane, const Rectangle &rectangle, float offset,
-                      Plane &shifted) {
-  shifted.resize(rectangle.width, rectangle.height);
-  shifted.origin_x = static_cast<float>(rectangle.x) + offset;
-  shifted.origin_y = static_cast<float>(rectangle.y) + offset;
-  HWY_DYNAMIC_DISPATCH(ShiftDiagonally)(plane, rectangle, offset, shifted);
+void prepare_templates(const Plane &plane, std::span<Template> patches) {
+  HWY_DYNAMIC_DISPATCH(PrepareTemplates)(plane, patches);
 }
 
-void prepare_template(const Plane &plane, int column, int row, int side, Template &patch) {
-  patch.side = side;
-  patch.x = plane.origin_x + static_cast<float>(column);
-  patch.y = plane.origin_y + static_cast<float>(row);
-  HWY_DYNAMIC_DISPATCH(PrepareTemplateAny)(plane, column, row, side, patch);
+void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,
+                   std::span<Fit> fits) {
+  HWY_DYNAMIC_DISPATCH(FitTemplates)(plane, patches, displacement, fits);
 }
 
-Fit fit_template(const Plane &plane, const Template &patch, Displacement displacement) {
-  return HWY_DYNAMIC_DISPATCH(FitTemplateAny)(plane, patch, displacement);
-}
-
-Displacement align_template(const Plane &plane, const Template &patch, Displacement displacement,
-                            int iterations) {
-  return HWY_DYNAMIC_DISPATCH(AlignTemplateAny)(plane, patch, displacement, iterations);
+Alignment align_template(const Plane &plane, const Template &patch,
+                         std::span<const Displacement> starts, int iterations) {
+  return HWY_DYNAMIC_DISPATCH(AlignTemplateAny)(plane, patch, starts, iterations);
 }
 
 float regulariser(const Tensor &structure, float pixels) {

@@ -6,12 +6,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace haptic {
-
-/// Wider crops are averaged down before they become planes, px.
-inline constexpr int kWidestPlane = 512;
 
 /// 8-bit luma without padding. Keeps its memory unless it has to grow.
 struct ByteImage {
@@ -22,7 +20,7 @@ struct ByteImage {
   LumaView view() const { return {pixels.data(), width, height, width}; }
 };
 
-/// Grey levels as floats, at most kWidestPlane wide. Rows are padded so that vectors may run over
+/// Grey levels as floats. Rows are padded so that vectors may run over
 /// their end.
 class Plane {
 public:
@@ -36,10 +34,6 @@ public:
   const float *row(int y) const {
     return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_;
   }
-
-  float origin_x =
-      0; ///< where the first pixel lies, in pixels of the plane that this one was sampled from
-  float origin_y = 0;
 
 private:
   int width_ = 0;
@@ -98,31 +92,35 @@ ChangeSums measure_change(const LumaView &previous, const LumaView &current);
 /// Averages 2x2 pixels; an odd last row or column is left out.
 void average_pairs(const LumaView &fine, ByteImage &coarse);
 
-/// Widens to float and smooths with the 3x3 binomial kernel, borders repeated.
-void widen_and_smooth(const LumaView &view, Plane &plane);
+/// Smooths with the 3x3 binomial kernel. The plane lacks the outermost pixels of the view, which
+/// is at least 10x10.
+void smooth(const LumaView &view, Plane &plane);
 
 /// Averages 2x2 pixels; an odd last row or column is left out.
 void halve(const Plane &fine, Plane &coarse);
 
-/// The rectangle of `plane` sampled `offset` px further along both axes, 0 <= offset < 1. One more
-/// row and column are read.
-void shift_diagonally(const Plane &plane, const Rectangle &rectangle, float offset, Plane &shifted);
-
-/// Template of side x side pixels whose first pixel is (column, row) of `plane`. One more pixel is
-/// needed on every side.
-void prepare_template(const Plane &plane, int column, int row, int side, Template &patch);
+/// Fills in templates of one side from their positions. One more pixel is needed on every side, and
+/// another to the right and below where the position is fractional.
+void prepare_templates(const Plane &plane, std::span<Template> patches);
 
 /// Added to a structure tensor before it is inverted: what noise contributes, so that a patch
 /// without texture stays where it started, and a share of the strongest direction, so that a patch
 /// with a single edge does not run along it.
 float regulariser(const Tensor &structure, float pixels);
 
-/// The position is clamped so that the patch stays inside the plane.
-Fit fit_template(const Plane &plane, const Template &patch, Displacement displacement);
+/// How templates of one side fit when all are displaced alike. Positions are clamped so that the
+/// patches stay inside the plane.
+void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,
+                   std::span<Fit> fits);
 
-/// Gauss-Newton steps from `displacement`, at most `iterations`, each at most one pixel long.
-Displacement align_template(const Plane &plane, const Template &patch, Displacement displacement,
-                            int iterations);
+struct Alignment {
+  Displacement displacement;
+  Fit fit; ///< there, but for the last hundredths of a pixel
+};
+
+/// At most so many Gauss-Newton steps, each at most one pixel long, from the start that fits best.
+Alignment align_template(const Plane &plane, const Template &patch,
+                         std::span<const Displacement> starts, int iterations);
 
 /// The best whole-pixel displacement within `radius` of `centre`, by correlation; also the best one
 /// that is not its neighbour.
