@@ -32,6 +32,7 @@ build_packages=(
 test_packages=(
   libgtest-dev
   libbenchmark-dev
+  libopencv-calib3d-dev # what the benchmark of the motion models compares with
   clang-format
   clang-tidy
   shellcheck

@@ -28,6 +28,7 @@ enum MotionFlags : std::uint16_t {
   kMotionCut = 1 << 2,           ///< another scene began
   kMotionDiscontinuity = 1 << 3, ///< there is no earlier picture to compare with
   kMotionMixture = 1 << 4,       ///< two motions in the region; the velocity is their mean by area
+  kMotionAperture = 1 << 5, ///< only edges of one direction: the velocity is the part across them
 };
 
 /// Velocities are in pixels of the picture per second of its time stamps, x to the right and y

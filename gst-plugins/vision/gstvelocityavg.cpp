@@ -110,6 +110,8 @@ void set_motion(MotionSample &sample, const haptic::VelocityEstimate &estimate) 
   sample.model = estimate.model;
   if (estimate.mixture)
     sample.flags |= haptic::kMotionMixture;
+  if (estimate.aperture)
+    sample.flags |= haptic::kMotionAperture;
 }
 
 void repeat_motion(MotionSample &sample, const MotionSample &before) {
@@ -120,7 +122,8 @@ void repeat_motion(MotionSample &sample, const MotionSample &before) {
   sample.confidence = before.confidence;
   sample.points = before.points;
   sample.model = before.model;
-  sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & haptic::kMotionMixture));
+  constexpr auto kOfTheMotion = haptic::kMotionMixture | haptic::kMotionAperture;
+  sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & kOfTheMotion));
 }
 
 // What every sample says, whether or not anything was measured.

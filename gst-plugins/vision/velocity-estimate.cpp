@@ -5,433 +5,119 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <experimental/simd>
 #include <limits>
 #include <optional>
 
-namespace haptic {
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "velocity-estimate.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "motion-models-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace haptic::HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t kCapacity = GST_HAPTIC_MOTION_META_MAX_PATCHES;
-
-// Vectors of the machine's width: this runs for every picture, and most of it is sums over points.
-namespace simd = std::experimental;
-using Lanes = simd::native_simd<float>;
-constexpr std::size_t kLanes = Lanes::size();
-static_assert(kCapacity % kLanes == 0);
-
-struct alignas(simd::memory_alignment_v<Lanes>) Values : std::array<float, kCapacity> {
-  Lanes lanes(std::size_t i) const { return {data() + i, simd::vector_aligned}; }
-  void set_lanes(std::size_t i, const Lanes &value) {
-    value.copy_to(data() + i, simd::vector_aligned);
-  }
-};
-
-// A squared error beyond this many variances is another object (99 % of chi square with two
-// degrees of freedom), and how far off it is does not matter.
-constexpr float kOutlier = 9.21F;
-// Median of chi square with two degrees of freedom.
-constexpr float kMedianOfChi2 = 1.386F;
-// Smaller groups that agree are not a motion of their own: false matches agree by chance.
-constexpr std::size_t kSmallestLayer = 3;
-
-// Displacement (px) about the pointer: dx = x0 + xx*x + xy*y, dy = y0 + yx*x + yy*y.
-struct Displacement {
-  float x0 = 0, y0 = 0;
-  float xx = 0, xy = 0, yx = 0, yy = 0;
-
-  template <typename Number>
-  Number dx(const Number &x, const Number &y) const {
-    return x0 + xx * x + xy * y;
-  }
-  template <typename Number>
-  Number dy(const Number &x, const Number &y) const {
-    return y0 + yx * x + yy * y;
-  }
-  friend Displacement operator+(const Displacement &a, const Displacement &b) {
-    return {a.x0 + b.x0, a.y0 + b.y0, a.xx + b.xx, a.xy + b.xy, a.yx + b.yx, a.yy + b.yy};
-  }
-};
-
-// What the patches say, in rows of their own. Entries from `count` on are zero: without
-// information they have no say.
-struct Points {
-  std::size_t count = 0;
-  Values x{}, y{};      // px from the pointer
-  Values dx{}, dy{};    // px
-  Values information{}; // one over the variance of a component, 1/px²
-
-  // To be added to the lanes counted when entries beyond `count` are counted too.
-  std::size_t padding() const { return (kLanes - count % kLanes) % kLanes; }
-
-  Lanes error_x(const Displacement &motion, std::size_t i) const {
-    return dx.lanes(i) - motion.dx(x.lanes(i), y.lanes(i));
-  }
-  Lanes error_y(const Displacement &motion, std::size_t i) const {
-    return dy.lanes(i) - motion.dy(x.lanes(i), y.lanes(i));
-  }
-  // In variances.
-  Lanes squared_errors(const Displacement &motion, std::size_t i) const {
-    const Lanes ex = error_x(motion, i);
-    const Lanes ey = error_y(motion, i);
-    return (ex * ex + ey * ey) * information.lanes(i);
-  }
-  bool is_explained(const Displacement &motion, std::size_t i) const {
-    const float ex = dx[i] - motion.dx(x[i], y[i]);
-    const float ey = dy[i] - motion.dy(x[i], y[i]);
-    return (ex * ex + ey * ey) * information[i] < kOutlier;
-  }
-  void copy(const Points &from, std::size_t i) {
-    x[count] = from.x[i];
-    y[count] = from.y[i];
-    dx[count] = from.dx[i];
-    dy[count] = from.dy[i];
-    information[count] = from.information[i];
-    ++count;
-  }
-};
-
-// Symmetric 2x2 matrix.
-struct Precision {
-  float xx = 0, xy = 0, yy = 0;
-
-  float least_eigenvalue() const {
-    return std::max(0.0F, (xx + yy) / 2 - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy));
-  }
-  // (P^-1 + variance I)^-1, which exists for a P of rank 1 too.
-  Precision blurred(float variance) const {
-    const float determinant = xx * yy - xy * xy;
-    const float scale =
-        1 / ((1 + variance * xx) * (1 + variance * yy) - variance * xy * variance * xy);
-    return {scale * (xx + variance * determinant), scale * xy,
-            scale * (yy + variance * determinant)};
-  }
-};
-
-// What tracking cannot do better than even on noiseless texture (interpolation), px² per component.
-constexpr float kTrackingFloor = 0.02F * 0.02F;
+// Falls from 1 to 0 as the value goes from `good` to `bad`.
+float fade(float value, float good, float bad) {
+  return std::clamp((value - bad) / (good - bad), 0.0F, 1.0F);
+}
 
 Precision precision_of(const GstHapticPatch &patch) {
-  const Precision p{patch.precision_xx, patch.precision_xy, patch.precision_yy};
-  if (!std::isfinite(p.xx + p.xy + p.yy) || p.xx < 0 || p.yy < 0)
-    return {};
-  return p;
-}
-
-bool is_known(const Precision &p) {
-  return p.xx > 0 || p.yy > 0;
-}
-
-float information_of(const GstHapticPatch &patch) {
-  constexpr float kUnknown = 0.1F * 0.1F; // px²
-  constexpr float kBlind = 10.0F * 10.0F; // px², of an edge along which nothing was seen
-  const Precision p = precision_of(patch);
-  if (!is_known(p))
-    return 1 / kUnknown;
-  return 1 / (kTrackingFloor + 1 / std::max(p.least_eigenvalue(), 1 / kBlind));
+  constexpr float kUnknown = 1 / (0.1F * 0.1F); // 1/px², also in place of nonsense
+  constexpr float kFinest = 1e8F;
+  const float trace = patch.precision_xx + patch.precision_yy;
+  if (!(patch.precision_xx >= 0 && patch.precision_yy >= 0 && trace > 0 && trace < kInfinity &&
+        2 * std::abs(patch.precision_xy) <= 1.001F * trace))
+    return {kUnknown, 0, kUnknown};
+  const float scale = std::min(1.0F, kFinest / trace);
+  return {scale * patch.precision_xx, scale * patch.precision_xy, scale * patch.precision_yy};
 }
 
 // False for a number that is not finite, too.
 bool is_usable(const GstHapticPatch &patch) {
-  constexpr float kLargest = 1e5F; // px
+  constexpr float kLargest = 1e5F; // px, grey levels
   return std::abs(patch.x) < kLargest && std::abs(patch.y) < kLargest &&
-         std::abs(patch.dx) < kLargest && std::abs(patch.dy) < kLargest;
+         std::abs(patch.dx) < kLargest && std::abs(patch.dy) < kLargest &&
+         std::abs(patch.residual) < kLargest;
 }
 
-Points points_of(const PatchSet &set) {
-  Points points;
-  for (const GstHapticPatch &patch : set.patches) {
+void gather(std::span<const GstHapticPatch> patches, Points &points) {
+  for (const GstHapticPatch &patch : patches) {
     if (!is_usable(patch))
       continue;
-    points.x[points.count] = patch.x - set.pointer_x;
-    points.y[points.count] = patch.y - set.pointer_y;
-    points.dx[points.count] = patch.dx;
-    points.dy[points.count] = patch.dy;
-    points.information[points.count] = information_of(patch);
-    ++points.count;
+    const std::size_t i = points.count++;
+    const Precision p = precision_of(patch);
+    const float area = std::clamp(patch.width * patch.height, 1.0F, 1e6F);
+    points.x[i] = patch.x;
+    points.y[i] = patch.y;
+    points.dx[i] = patch.dx;
+    points.dy[i] = patch.dy;
+    points.xx[i] = p.xx;
+    points.xy[i] = p.xy;
+    points.yy[i] = p.yy;
+    points.weight[i] = area * fade(patch.residual, 15, 45);
+    points.area += area;
+    points.centre_x += patch.x;
+    points.centre_y += patch.y;
   }
-  return points;
-}
-
-// By rank: at these numbers comparing each with all is faster than sorting.
-float median(Values &values, std::size_t count) {
-  for (std::size_t i = count; i % kLanes != 0; ++i)
-    values[i] = std::numeric_limits<float>::infinity();
-  const std::size_t upper_place = count / 2;
-  const std::size_t lower_place = (count - 1) / 2;
-  const Lanes upper_rank = static_cast<float>(upper_place);
-  const Lanes lower_rank = static_cast<float>(lower_place);
-  Lanes lower = -std::numeric_limits<float>::infinity();
-  Lanes upper = lower;
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    const Lanes candidates = values.lanes(i);
-    Lanes below = 0;
-    Lanes not_above = 0;
-    for (std::size_t j = 0; j < count; ++j) {
-      const Lanes other = values[j];
-      where(other < candidates, below) += 1;
-      where(other <= candidates, not_above) += 1;
-    }
-    where(below <= lower_rank && lower_rank < not_above, lower) = candidates;
-    where(below <= upper_rank && upper_rank < not_above, upper) = candidates;
-  }
-  return (hmax(lower) + hmax(upper)) / 2;
-}
-
-Displacement medians(const Points &points) {
-  Values dx = points.dx;
-  Values dy = points.dy;
-  return {median(dx, points.count), median(dy, points.count)};
-}
-
-// Weighted moments of the points about their weighted centroid, of what a motion leaves to explain.
-struct Moments {
-  float weight = 0;
-  float x = 0, y = 0, dx = 0, dy = 0; // means, x and y from the pointer
-  float xx = 0, xy = 0, yy = 0;       // sums of products
-  float x_dx = 0, x_dy = 0, y_dx = 0, y_dy = 0;
-
-  template <typename WeightsOf>
-  Moments(const Points &points, const Displacement &at, WeightsOf weights_of) {
-    Lanes w_sum = 0, x_sum = 0, y_sum = 0, dx_sum = 0, dy_sum = 0;
-    Lanes xx_sum = 0, xy_sum = 0, yy_sum = 0;
-    Lanes x_dx_sum = 0, x_dy_sum = 0, y_dx_sum = 0, y_dy_sum = 0;
-    for (std::size_t i = 0; i < points.count; i += kLanes) {
-      const Lanes px = points.x.lanes(i);
-      const Lanes py = points.y.lanes(i);
-      const Lanes ex = points.error_x(at, i);
-      const Lanes ey = points.error_y(at, i);
-      const Lanes w = weights_of(points.information.lanes(i), ex * ex + ey * ey);
-      const Lanes wx = w * px;
-      const Lanes wy = w * py;
-      w_sum += w;
-      x_sum += wx;
-      y_sum += wy;
-      dx_sum += w * ex;
-      dy_sum += w * ey;
-      xx_sum += wx * px;
-      xy_sum += wx * py;
-      yy_sum += wy * py;
-      x_dx_sum += wx * ex;
-      x_dy_sum += wx * ey;
-      y_dx_sum += wy * ex;
-      y_dy_sum += wy * ey;
-    }
-    weight = reduce(w_sum);
-    if (!(weight > 0))
-      return;
-    x = reduce(x_sum) / weight;
-    y = reduce(y_sum) / weight;
-    dx = reduce(dx_sum) / weight;
-    dy = reduce(dy_sum) / weight;
-    xx = reduce(xx_sum) - weight * x * x;
-    xy = reduce(xy_sum) - weight * x * y;
-    yy = reduce(yy_sum) - weight * y * y;
-    x_dx = reduce(x_dx_sum) - weight * x * dx;
-    x_dy = reduce(x_dy_sum) - weight * x * dy;
-    y_dx = reduce(y_dx_sum) - weight * y * dx;
-    y_dy = reduce(y_dy_sum) - weight * y * dy;
-  }
-
-  // The motion that has this gradient and is right at the centroid.
-  Displacement with_gradient(float gxx, float gxy, float gyx, float gyy) const {
-    return {dx - gxx * x - gxy * y, dy - gyx * x - gyy * y, gxx, gxy, gyx, gyy};
-  }
-};
-
-// Closed-form weighted least squares; nothing if the points do not determine the model.
-std::optional<Displacement> solve(MotionModel model, const Moments &m, std::size_t count) {
-  // Points closer together than this say nothing about a gradient, px² (of variance).
-  constexpr float kSmallestSpread = 1;
-
-  if (!(m.weight > 0))
-    return std::nullopt;
-  const float spread = m.xx + m.yy;
-  if (model == MotionModel::translation)
-    return m.with_gradient(0, 0, 0, 0);
-  if (model == MotionModel::similarity) {
-    if (count < 3 || !(spread > kSmallestSpread * m.weight))
-      return std::nullopt;
-    const float grow = (m.x_dx + m.y_dy) / spread;
-    const float turn = (m.x_dy - m.y_dx) / spread;
-    return m.with_gradient(grow, -turn, turn, grow);
-  }
-  const float determinant = m.xx * m.yy - m.xy * m.xy;
-  // Product over sum of the eigenvalues: about the spread across the longest axis.
-  if (count < 4 || !(determinant > kSmallestSpread * m.weight * spread))
-    return std::nullopt;
-  return m.with_gradient(
-      (m.x_dx * m.yy - m.y_dx * m.xy) / determinant, (m.y_dx * m.xx - m.x_dx * m.xy) / determinant,
-      (m.x_dy * m.yy - m.y_dy * m.xy) / determinant, (m.y_dy * m.xx - m.x_dy * m.xy) / determinant);
-}
-
-// Where a robust fit begins, and how far off (in standard deviations) that may be.
-struct Start {
-  Displacement motion;
-  float sigmas = 1;
-};
-
-Start median_start(const Points &points) {
-  constexpr float kFarthest = 1e4F;
-  const Displacement middle = medians(points);
-  Values errors;
-  for (std::size_t i = 0; i < points.count; i += kLanes)
-    errors.set_lanes(i, points.squared_errors(middle, i));
-  return {middle,
-          std::clamp(std::sqrt(median(errors, points.count) / kMedianOfChi2), 1.0F, kFarthest)};
-}
-
-// Geman-McClure re-weighting, from a scale at which the start can be right down to that of the
-// precision, so that a turn does not look like outliers; at last only what agrees counts.
-std::optional<Displacement> robust_fit(MotionModel model, const Points &points,
-                                       const Start &start) {
-  constexpr float kNarrowing = 3;
-  constexpr int kPassesAtPrecision = 2;
-  Displacement motion = start.motion;
-  float sigmas = start.sigmas;
-  for (int left = kPassesAtPrecision; left > 0; sigmas = std::max(1.0F, sigmas / kNarrowing)) {
-    left -= sigmas <= 1;
-    const float per_scale = 1 / (9 * sigmas * sigmas);
-    const Moments moments(points, motion, [=](const Lanes &information, const Lanes &squares) {
-      const Lanes root = 1 / (1 + squares * information * per_scale);
-      return information * root * root;
-    });
-    const auto step = solve(model, moments, points.count);
-    if (!step)
-      return std::nullopt;
-    motion = motion + *step;
-  }
-  const Moments agreeing(points, motion, [](const Lanes &information, const Lanes &squares) {
-    Lanes weights = information;
-    where(squares * information >= kOutlier, weights) = 0;
-    return weights;
-  });
-  if (const auto step = solve(model, agreeing, points.count))
-    motion = motion + *step;
-  return motion;
-}
-
-struct Fit {
-  Displacement motion;
-  MotionModel model = MotionModel::none;
-  float cost = 0;            // robust information criterion; the smaller the better
-  std::size_t explained = 0; // points
-};
-
-std::size_t parameters(MotionModel model) {
-  return 2 * (static_cast<std::size_t>(model) - static_cast<std::size_t>(MotionModel::still));
-}
-
-// What the parameters of a model cost. Four: the numbers that a pair of places has.
-float price(MotionModel model, const Points &points) {
-  return static_cast<float>(parameters(model)) * std::log(4 * static_cast<float>(points.count));
-}
-
-Fit judged(MotionModel model, const Displacement &motion, const Points &points) {
-  Lanes cost = 0;
-  std::size_t explained = 0;
-  for (std::size_t i = 0; i < points.count; i += kLanes) {
-    const Lanes errors = points.squared_errors(motion, i);
-    cost += min(errors, Lanes(kOutlier));
-    explained += static_cast<std::size_t>(popcount(errors < kOutlier));
-  }
-  return {motion, model, price(model, points) + reduce(cost), explained - points.padding()};
-}
-
-bool explains_most(const Fit &fit, const Points &points) {
-  return static_cast<double>(fit.explained) >= 0.6 * static_cast<double>(points.count);
-}
-
-struct Selection {
-  Fit fit;
-  ModelHistory history;
-};
-
-// One picture is not enough to change a model that explains nearly as much as the best.
-Selection settled(const Fit &best, const std::optional<Fit> &current, ModelHistory history) {
-  constexpr float kClear = 2;
-  if (!current || current->model == best.model || current->cost - best.cost > kClear ||
-      history.challenger == best.model)
-    return {best, {best.model, MotionModel::none}};
-  return {*current, {current->model, best.model}};
-}
-
-// The smallest model from `smallest` on that explains the points.
-Selection select_model(const Points &points, MotionModel smallest, ModelHistory history) {
-  std::optional<Fit> best;
-  std::optional<Fit> current;
-  const auto consider = [&](MotionModel model, const Displacement &motion) {
-    const Fit fit = judged(model, motion, points);
-    if (model == history.current)
-      current = fit;
-    if (!best || fit.cost < best->cost)
-      best = fit;
-  };
-
-  if (smallest == MotionModel::still)
-    consider(MotionModel::still, {});
-  std::optional<Start> start;
-  for (const MotionModel model :
-       {MotionModel::translation, MotionModel::similarity, MotionModel::affine}) {
-    // Its parameters alone cost more than the best model with all its errors.
-    if (best && best->cost <= price(model, points) && model > history.current)
-      break;
-    if (model > MotionModel::translation && points.count < parameters(model) / 2 + 2)
-      break;
-    if (!start)
-      start = median_start(points);
-    if (const auto motion = robust_fit(model, points, *start))
-      consider(model, *motion);
-  }
-  return settled(*best, current, history);
-}
-
-// The displacement that most others share, for when no median is near any of them.
-Start commonest(const Points &points) {
-  int most = 0;
-  std::size_t at = 0;
+  if (points.count == 0)
+    return;
+  const auto count = static_cast<float>(points.count);
+  points.step = 2 * std::log(4 * count);
+  points.centre_x /= count;
+  points.centre_y /= count;
   for (std::size_t i = 0; i < points.count; ++i) {
-    const Displacement motion{points.dx[i], points.dy[i]};
-    int near = 0;
-    for (std::size_t j = 0; j < points.count; j += kLanes)
-      near += popcount(points.squared_errors(motion, j) < 2 * kOutlier);
-    if (near > most) {
-      most = near;
-      at = i;
-    }
+    points.x[i] -= points.centre_x;
+    points.y[i] -= points.centre_y;
   }
-  return {{points.dx[at], points.dy[at]}, 1};
+  points.pad();
+  blur(points, kTrackingFloor);
 }
 
-Fit commonest_translation(const Points &points) {
-  const Start start = commonest(points);
-  const auto motion = robust_fit(MotionModel::translation, points, start);
-  return judged(MotionModel::translation, motion.value_or(start.motion), points);
-}
+struct Layers {
+  Fit first;
+  Motion second; // a translation
+  float cost = 0;
+};
 
 // A second motion among the points that the first does not explain.
-std::optional<Displacement> second_motion(const Points &points, const Displacement &first) {
-  constexpr double kEnough = 0.12;
+std::optional<Layers> layers_of(const Points &points, const Fit &first) {
+  if (first.explained < kSmallestLayer || points.count - first.explained < kSmallestLayer)
+    return std::nullopt;
   Points others;
+  alignas(64) Points::Row errors;
+  for (std::size_t i = 0; i < points.count; i += kLanes)
+    hn::Store(squared_errors(points, first.motion, i), kTag, errors.data() + i);
   for (std::size_t i = 0; i < points.count; ++i)
-    if (!points.is_explained(first, i))
+    if (errors[i] >= kOutlier)
       others.copy(points, i);
-  if (others.count < kSmallestLayer ||
-      static_cast<double>(others.count) < kEnough * static_cast<double>(points.count))
+  others.pad();
+  const Fit second = commonest_translation(others);
+  if (second.explained < kSmallestLayer || !explains_most(second, others))
     return std::nullopt;
-  const Fit fit = commonest_translation(others);
-  if (fit.explained < kSmallestLayer || !explains_most(fit, others))
-    return std::nullopt;
-  return fit.motion;
+
+  Lanes cost = hn::Zero(kTag);
+  for (std::size_t i = 0; i < points.count; i += kLanes)
+    cost = cost + hn::Min(hn::Min(load(errors, i), hn::Set(kTag, kOutlier)),
+                          squared_errors(points, second.motion, i));
+  // Which point belongs to which motion has to be told too: twice the entropy of the shares.
+  const auto count = static_cast<float>(first.explained + second.explained);
+  const float share = static_cast<float>(second.explained) / count;
+  const float telling = -2 * count * (share * std::log(share) + (1 - share) * std::log(1 - share));
+  return Layers{first, second.motion,
+                sum(cost) + price(first.model, points) + points.step + telling};
 }
 
 struct Box {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
+// About the centre of the points.
 Box region_of(const PatchSet &set, const Points &points) {
   if (set.region_width > 0 && set.region_height > 0)
-    return {set.region_x - set.pointer_x, set.region_y - set.pointer_y, set.region_width,
+    return {set.region_x - points.centre_x, set.region_y - points.centre_y, set.region_width,
             set.region_height};
   const auto end = static_cast<std::ptrdiff_t>(points.count);
   const auto [left, right] = std::minmax_element(points.x.begin(), points.x.begin() + end);
@@ -441,131 +127,150 @@ Box region_of(const PatchSet &set, const Points &points) {
 
 // The mean over the region: each place moves like the point nearest to it, and points that belong
 // to neither motion say nothing.
-Displacement mean_by_area(const Points &points, const Box &region, const Displacement &first,
-                          const Displacement &second) {
-  Points layered;
-  std::array<bool, kCapacity> is_second;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const bool in_first = points.is_explained(first, i);
-    if (!in_first && !points.is_explained(second, i))
-      continue;
-    is_second[layered.count] = !in_first;
-    layered.copy(points, i);
-  }
-
+Motion mean_by_area(const Points &points, const Box &region, const Layers &layers) {
   // Golden-section lattice: even along both axes, and finer than any raster of as many places.
-  constexpr int kPlaces = 233;
-  constexpr float kGoldenStep = 144.0F / kPlaces;
-  Displacement mean;
-  for (int place = 0; place < kPlaces; ++place) {
-    const float along = static_cast<float>(place) * kGoldenStep;
-    const float x = region.x + region.width * (along - std::floor(along) + 0.5F / kPlaces);
-    const float y = region.y + region.height * (static_cast<float>(place) + 0.5F) / kPlaces;
-    std::size_t nearest = 0;
-    float least = std::numeric_limits<float>::infinity();
-    for (std::size_t i = 0; i < layered.count; ++i) {
-      const float away_x = layered.x[i] - x;
-      const float away_y = layered.y[i] - y;
-      const float distance = away_x * away_x + away_y * away_y;
-      if (distance < least) {
-        least = distance;
-        nearest = i;
-      }
-    }
-    const Displacement &motion = is_second[nearest] ? second : first;
-    mean.x0 += motion.dx(x, y) / kPlaces;
-    mean.y0 += motion.dy(x, y) / kPlaces;
-    mean.xx += motion.xx / kPlaces;
-    mean.xy += motion.xy / kPlaces;
-    mean.yx += motion.yx / kPlaces;
-    mean.yy += motion.yy / kPlaces;
-  }
-  return mean;
-}
-
-// How far the points are from moving as one, px² per component.
-float scatter_of(const Points &points) {
-  const Displacement middle = medians(points);
-  Values errors;
+  constexpr std::size_t kPlaces = 240;
+  constexpr float kGoldenStep = 0.6180340F;
+  static_assert(kPlaces % kWidest == 0);
+  alignas(64) Points::Row first_errors;
+  alignas(64) Points::Row second_errors;
   for (std::size_t i = 0; i < points.count; i += kLanes) {
-    const Lanes ex = points.error_x(middle, i);
-    const Lanes ey = points.error_y(middle, i);
-    errors.set_lanes(i, ex * ex + ey * ey);
+    hn::Store(squared_errors(points, layers.first.motion, i), kTag, first_errors.data() + i);
+    hn::Store(squared_errors(points, layers.second, i), kTag, second_errors.data() + i);
   }
-  return median(errors, points.count) / kMedianOfChi2;
-}
-
-void blur(Points &points, float variance) {
-  for (std::size_t i = 0; i < points.count; ++i)
-    points.information[i] = 1 / (1 / points.information[i] + variance);
+  Lanes firsts = hn::Zero(kTag);
+  Lanes first_x = hn::Zero(kTag);
+  Lanes first_y = hn::Zero(kTag);
+  for (std::size_t place = 0; place < kPlaces; place += kLanes) {
+    const Lanes index = hn::Iota(kTag, static_cast<float>(place));
+    const Lanes along = index * hn::Set(kTag, kGoldenStep);
+    const Lanes x =
+        hn::MulAdd(hn::Set(kTag, region.width), along - hn::Floor(along), hn::Set(kTag, region.x));
+    const Lanes y = hn::MulAdd(hn::Set(kTag, region.height / kPlaces), index + hn::Set(kTag, 0.5F),
+                               hn::Set(kTag, region.y));
+    Lanes least_first = hn::Set(kTag, kInfinity);
+    Lanes least_second = least_first;
+    for (std::size_t i = 0; i < points.count; ++i) {
+      if (std::min(first_errors[i], second_errors[i]) >= kOutlier)
+        continue;
+      const Lanes away_x = hn::Set(kTag, points.x[i]) - x;
+      const Lanes away_y = hn::Set(kTag, points.y[i]) - y;
+      const Lanes distance = hn::MulAdd(away_x, away_x, away_y * away_y);
+      Lanes &least = first_errors[i] <= second_errors[i] ? least_first : least_second;
+      least = hn::Min(least, distance);
+    }
+    const auto is_first = least_first <= least_second;
+    firsts = firsts + hn::IfThenElseZero(is_first, hn::Set(kTag, 1));
+    first_x = first_x + hn::IfThenElseZero(is_first, x);
+    first_y = first_y + hn::IfThenElseZero(is_first, y);
+  }
+  const float number = std::max(1.0F, sum(firsts));
+  const float share = sum(firsts) / kPlaces;
+  const Motion first = layers.first.motion.about(sum(first_x) / number, sum(first_y) / number);
+  const auto mean = [&](float a, float b) { return share * a + (1 - share) * b; };
+  return {mean(first.x0, layers.second.x0),
+          mean(first.y0, layers.second.y0),
+          share * first.xx,
+          share * first.xy,
+          share * first.yx,
+          share * first.yy};
 }
 
 struct Answer {
-  Displacement motion;                // what to feel
-  Displacement first;                 // what the points do
-  std::optional<Displacement> second; // what the others do, in a mixture
+  Motion felt;                  // about the pointer
+  Motion first;                 // what the points do
+  std::optional<Motion> second; // what the others do, in a mixture
   MotionModel model = MotionModel::translation;
   float scatter = 0; // px² per component that no model explains
   ModelHistory history;
 };
 
-Answer answer_of(const Selection &selection) {
-  const Fit &fit = selection.fit;
-  return {fit.motion, fit.motion, std::nullopt, fit.model, 0, selection.history};
+// How far the points are from moving as one, px² per component.
+float scatter_of(const Points &points) {
+  const Motion middle = mean_start(points).motion;
+  alignas(64) Points::Row squares;
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
+    Lanes ex;
+    Lanes ey;
+    errors_at(points, middle, i, ex, ey);
+    hn::Store(hn::MulAdd(ex, ex, ey * ey), kTag, squares.data() + i);
+  }
+  return median(squares, points.count) / kMedianOfChi2;
 }
 
-Answer explain(const PatchSet &set, Points &points, ModelHistory history) {
-  Answer answer;
+void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &answer) {
+  // To become a mixture, and to cease to be one, takes more than noise does to the costs.
+  constexpr float kHold = 10;
+  const auto take = [&](const Selection &selection) {
+    answer.first = selection.fit.motion;
+    answer.model = selection.fit.model;
+    answer.history = selection.history;
+    answer.felt =
+        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y);
+  };
   Selection selection = select_model(points, MotionModel::still, history);
   if (!explains_most(selection.fit, points)) {
     const Fit common = commonest_translation(points);
     if (common.explained >= kSmallestLayer && common.cost < selection.fit.cost)
       selection = {common, {MotionModel::translation, MotionModel::none}};
   }
-  answer = answer_of(selection);
-  answer.second = second_motion(points, answer.first);
-  if (answer.second) {
-    answer.motion = mean_by_area(points, region_of(set, points), answer.first, *answer.second);
-    return answer;
+  take(selection);
+  const auto layers = layers_of(points, selection.fit);
+  if (layers && layers->cost < selection.fit.cost + (history.mixture ? kHold : 0)) {
+    take({layers->first, {layers->first.model, MotionModel::none}});
+    answer.second = layers->second;
+    answer.felt = mean_by_area(points, region_of(set, points), *layers);
+    answer.history.mixture = true;
+    return;
   }
   if (explains_most(selection.fit, points))
-    return answer;
+    return;
 
   // No motion model, no layers: leaves, water. They move, so static is out; the others are judged
   // by how much of the scatter they explain.
-  const float scatter = scatter_of(points);
-  blur(points, scatter);
-  answer = answer_of(select_model(points, MotionModel::translation, history));
-  answer.scatter = scatter;
-  return answer;
+  answer.scatter = scatter_of(points);
+  blur(points, answer.scatter);
+  take(select_model(points, MotionModel::translation, history));
 }
 
 // The model that was asked for, or the largest below it that the points determine.
-Answer fit_model(MotionModel largest, Points &points) {
-  constexpr MotionModel kModels[] = {MotionModel::affine, MotionModel::similarity,
-                                     MotionModel::translation};
-  Answer answer;
+void fit_model(MotionModel largest, Points &points, Answer &answer) {
+  constexpr std::array kModels = {MotionModel::affine, MotionModel::similarity,
+                                  MotionModel::translation};
+  const auto determined = [&](MotionModel model) {
+    return model == MotionModel::translation || points.count >= parameters(model) / 2 + 1;
+  };
   for (int attempt = 0; attempt < 2; ++attempt) {
-    const Start start = median_start(points);
-    answer.motion = start.motion;
+    const Start start = mean_start(points);
+    answer.first = start.motion;
     for (const MotionModel model : kModels)
-      if (model <= largest)
+      if (model <= largest && determined(model))
         if (const auto motion = robust_fit(model, points, start)) {
-          answer.motion = *motion;
+          answer.first = *motion;
           answer.model = model;
           break;
         }
-    if (attempt > 0 || explains_most(judged(answer.model, answer.motion, points), points))
+    if (attempt > 0 || explains_most(judged(answer.model, answer.first, points), points))
       break;
     answer.scatter = scatter_of(points);
     blur(points, answer.scatter);
   }
-  answer.first = answer.motion;
-  return answer;
 }
 
-Displacement mean(const Points &points) {
-  Displacement sum;
+// The upper of the middle two, or between them.
+float middle_of(Points::Row values, std::size_t count) {
+  const auto begin = values.begin();
+  const auto half = begin + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(begin, half, begin + static_cast<std::ptrdiff_t>(count));
+  return count % 2 ? *half : (*half + *std::max_element(begin, half)) / 2;
+}
+
+Motion component_medians(const Points &points) {
+  return {middle_of(points.dx, points.count), middle_of(points.dy, points.count)};
+}
+
+Motion mean(const Points &points) {
+  Motion sum;
   for (std::size_t i = 0; i < points.count; ++i) {
     sum.x0 += points.dx[i];
     sum.y0 += points.dy[i];
@@ -574,72 +279,104 @@ Displacement mean(const Points &points) {
   return {sum.x0 / count, sum.y0 / count};
 }
 
-Answer average_of(const PatchSet &set, Points &points, Average average, ModelChoice choice,
-                  ModelHistory history) {
-  if (average == Average::model) {
-    if (choice == ModelChoice::automatic)
-      return explain(set, points, history);
-    return fit_model(choice == ModelChoice::affine       ? MotionModel::affine
-                     : choice == ModelChoice::similarity ? MotionModel::similarity
-                                                         : MotionModel::translation,
-                     points);
-  }
+Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoice choice,
+                 ModelHistory history) {
   Answer answer;
-  answer.motion = average == Average::median ? medians(points) : mean(points);
-  answer.first = answer.motion;
+  if (average == Average::model && choice == ModelChoice::automatic) {
+    explain(set, points, history, answer);
+    return answer;
+  }
+  if (average == Average::median)
+    answer.first = component_medians(points);
+  else if (average == Average::mean)
+    answer.first = mean(points);
+  else
+    fit_model(choice == ModelChoice::affine       ? MotionModel::affine
+              : choice == ModelChoice::similarity ? MotionModel::similarity
+                                                  : MotionModel::translation,
+              points, answer);
+  answer.felt =
+      answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y);
   return answer;
 }
 
-// Falls from 1 to 0 as the value goes from `good` to `bad`.
-double fade(double value, double good, double bad) {
-  return std::clamp((value - bad) / (good - bad), 0.0, 1.0);
-}
+// How sure the points that agree with the answer make it.
+struct Support {
+  int points = 0;
+  float share = 0;     // of the area
+  Precision precision; // 1/px²
+  float misfit = 0;    // rms error over that predicted, per component
+};
 
-// Leaves of one branch do not move as one; what differs by more is another object.
-bool agrees(const GstHapticPatch &patch, const Displacement &motion, const PatchSet &set) {
+Support support_of(const Points &points, const Answer &answer) {
+  // Leaves of one branch do not move as one; what differs by more is another object.
   constexpr float kAlways = 1; // px
   constexpr float kOfDisplacement = 0.25F;
-  const float x = patch.x - set.pointer_x;
-  const float y = patch.y - set.pointer_y;
-  const float ex = patch.dx - motion.dx(x, y);
-  const float ey = patch.dy - motion.dy(x, y);
-  const float limit =
-      kAlways + kOfDisplacement * std::sqrt(motion.x0 * motion.x0 + motion.y0 * motion.y0);
-  return ex * ex + ey * ey <= limit * limit;
-}
-
-// Standard deviation of the velocity along its worse direction, px; by number where no patch knows
-// its precision: one is a third of enough.
-double enough(const Precision &total, int agreeing) {
-  constexpr double kGood = 0.1; // px
-  constexpr double kBad = 0.5;
-  if (!is_known(total))
-    return fade(agreeing, 3, 0);
-  return fade(1 / std::sqrt(total.least_eigenvalue()), kGood, kBad);
-}
-
-// Three doubts multiplied: do the patches agree, do they determine the velocity, do the pictures
-// match?
-void set_confidence(VelocityEstimate &estimate, const Answer &answer, const PatchSet &set) {
-  double residual = 0;
-  int finite = 0;
-  Precision total;
-  for (const GstHapticPatch &patch : set.patches) {
-    if (!is_usable(patch))
-      continue;
-    ++finite;
-    residual += patch.residual;
-    if (!agrees(patch, answer.first, set) && !(answer.second && agrees(patch, *answer.second, set)))
-      continue;
-    ++estimate.points;
-    const Precision p = precision_of(patch).blurred(kTrackingFloor + answer.scatter);
-    total = {total.xx + p.xx, total.xy + p.xy, total.yy + p.yy};
+  constexpr float kFar = 25; // variances
+  const float leeway = kAlways + kOfDisplacement * std::sqrt(answer.first.x0 * answer.first.x0 +
+                                                             answer.first.y0 * answer.first.y0);
+  const Lanes zero = hn::Zero(kTag);
+  Lanes weight = zero, misfit = zero, xx = zero, xy = zero, yy = zero;
+  std::size_t agreeing = 0;
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
+    const Lanes p_xx = load(points.xx, i);
+    const Lanes p_xy = load(points.xy, i);
+    const Lanes p_yy = load(points.yy, i);
+    Lanes wide_xx = p_xx;
+    Lanes wide_xy = p_xy;
+    Lanes wide_yy = p_yy;
+    blur(leeway * leeway / kOutlier, wide_xx, wide_xy, wide_yy);
+    Lanes ex;
+    Lanes ey;
+    errors_at(points, answer.first, i, ex, ey);
+    Lanes wide = quadratic(wide_xx, wide_xy, wide_yy, ex, ey);
+    Lanes tight = quadratic(p_xx, p_xy, p_yy, ex, ey);
+    if (answer.second) {
+      errors_at(points, *answer.second, i, ex, ey);
+      wide = hn::Min(wide, quadratic(wide_xx, wide_xy, wide_yy, ex, ey));
+      tight = hn::Min(tight, quadratic(p_xx, p_xy, p_yy, ex, ey));
+    }
+    const auto agrees = wide < hn::Set(kTag, kOutlier);
+    const auto add = [&](Lanes &sum, Lanes value)
+                         HWY_ATTR { sum = sum + hn::IfThenElseZero(agrees, value); };
+    agreeing += hn::CountTrue(kTag, agrees);
+    add(weight, load(points.weight, i));
+    add(misfit, hn::Min(tight, hn::Set(kTag, kFar)));
+    add(xx, p_xx);
+    add(xy, p_xy);
+    add(yy, p_yy);
   }
-  residual /= finite;
-  const double share =
-      static_cast<double>(estimate.points) / std::max({set.candidates, estimate.points, 1});
-  estimate.confidence = static_cast<float>(fade(share, 0.6, 0.2) * enough(total, estimate.points) *
-                                           fade(residual, 15, 45));
+  agreeing -= points.padding();
+  return {static_cast<int>(agreeing),
+          sum(weight) / points.area,
+          {sum(xx), sum(xy), sum(yy)},
+          std::sqrt(sum(misfit) / (2 * std::max(1.0F, static_cast<float>(agreeing))))};
+}
+
+constexpr float kGoodDeviation = 0.1F; // px, of the velocity
+constexpr float kBadDeviation = 0.5F;
+
+// All that is known is the motion along one direction, across the edges: only that is left of the
+// velocity, and counts for its precision. Returns the standard deviation in px.
+float known_part(const Precision &p, VelocityEstimate &estimate) {
+  constexpr float kUnknown = (kGoodDeviation + kBadDeviation) / 2;
+  constexpr float kRatio = 5; // of standard deviations
+  const float half = (p.xx - p.yy) / 2;
+  const float radius = std::sqrt(half * half + p.xy * p.xy);
+  const float most = (p.xx + p.yy) / 2 + radius;
+  if (!(most > 0))
+    return kInfinity;
+  const float least = std::max(0.0F, (p.xx * p.yy - p.xy * p.xy) / most);
+  if (least * kUnknown * kUnknown >= 1 || least * kRatio * kRatio > most)
+    return 1 / std::sqrt(least);
+  // (P - least I) / (most - least) projects on the direction of the larger eigenvalue.
+  const float vx = estimate.velocity_x;
+  const float vy = estimate.velocity_y;
+  const float scale = 1 / (2 * radius);
+  estimate.velocity_x = ((radius + half) * vx + p.xy * vy) * scale;
+  estimate.velocity_y = (p.xy * vx + (radius - half) * vy) * scale;
+  estimate.aperture = true;
+  return 1 / std::sqrt(most);
 }
 
 // Time stamps a hair apart make any displacement a speed that no picture shows. False for a number
@@ -650,36 +387,58 @@ bool is_plausible(const VelocityEstimate &e) {
          std::isfinite(e.divergence) && e.confidence > 0;
 }
 
+VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choice,
+                          ModelHistory history) {
+  Points points;
+  gather(set.patches, points);
+  if (points.count == 0)
+    return {};
+  const Answer answer = answer_of(set, points, average, choice, history);
+
+  const Motion &motion = answer.felt;
+  const auto per_second = static_cast<float>(1 / set.interval);
+  VelocityEstimate estimate{.velocity_x = motion.x0 * per_second,
+                            .velocity_y = motion.y0 * per_second,
+                            .spin = (motion.yx - motion.xy) / 2 * per_second,
+                            .divergence = (motion.xx + motion.yy) / 2 * per_second,
+                            .model = answer.model,
+                            .mixture = answer.second.has_value(),
+                            .history = answer.history};
+  // Three doubts multiplied: is the velocity precise, do the errors fit their precision, and do the
+  // patches agree?
+  const Support support = support_of(points, answer);
+  const float tracked =
+      static_cast<float>(points.count) /
+      std::max(static_cast<float>(set.candidates), static_cast<float>(points.count));
+  estimate.points = support.points;
+  estimate.confidence =
+      fade(known_part(support.precision, estimate), kGoodDeviation, kBadDeviation) *
+      (average == Average::model ? fade(support.misfit, 1.5F, 3.5F) : 1) *
+      fade(support.share * tracked, 0.7F, 0.3F);
+  return is_plausible(estimate) ? estimate : VelocityEstimate{};
+}
+
+} // namespace
+} // namespace haptic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptic {
+namespace {
+HWY_EXPORT(Estimate);
 } // namespace
 
 VelocityEstimate estimate_velocity(const PatchSet &set, Average average, ModelChoice choice,
                                    ModelHistory history) {
-  if (set.patches.empty() || set.patches.size() > kCapacity || !(set.interval > 0))
+  if (set.patches.empty() || set.patches.size() > GST_HAPTIC_MOTION_META_MAX_PATCHES ||
+      !(set.interval > 0))
     return {};
-
   if (average == Average::model && choice == ModelChoice::still)
     return {.confidence = 1,
             .points = static_cast<int>(set.patches.size()),
             .model = MotionModel::still};
-
-  Points points = points_of(set);
-  if (points.count == 0)
-    return {};
-  const Answer answer = average_of(set, points, average, choice, history);
-
-  const Displacement &motion = answer.motion;
-  VelocityEstimate estimate;
-  set_confidence(estimate, answer, set);
-  estimate.velocity_x = static_cast<float>(motion.x0 / set.interval);
-  estimate.velocity_y = static_cast<float>(motion.y0 / set.interval);
-  estimate.spin = static_cast<float>((motion.yx - motion.xy) / (2 * set.interval));
-  estimate.divergence = static_cast<float>((motion.xx + motion.yy) / (2 * set.interval));
-  estimate.model = answer.model;
-  estimate.mixture = answer.second.has_value();
-  estimate.history = answer.history;
-  if (!is_plausible(estimate))
-    return {};
-  return estimate;
+  return HWY_DYNAMIC_DISPATCH(Estimate)(set, average, choice, history);
 }
 
 } // namespace haptic
+#endif

@@ -35,6 +35,7 @@ struct PatchSet {
 struct ModelHistory {
   MotionModel current = MotionModel::none;    ///< of the picture before
   MotionModel challenger = MotionModel::none; ///< explained that picture better, but not by much
+  bool mixture = false;                       ///< of the picture before: two motions
 };
 
 struct VelocityEstimate {
@@ -47,14 +48,18 @@ struct VelocityEstimate {
   MotionModel model = MotionModel::none;
   /// Two motions in one region: the velocity is their mean by area, `model` that of the first.
   bool mixture = false;
+  /// The patches see motion only across edges of one direction: the velocity is the part along
+  /// which they do, and the confidence that of this part.
+  bool aperture = false;
   ModelHistory history; ///< for the next picture
 };
 
 /// `automatic` minimises a robust information criterion after Torr (GRIC, IJCV 50(1), 2002) over
 /// static, translation, similarity and affine; errors are measured against the precision of each
-/// patch (0.1 px where unknown). Other choices give way to the next smaller model where the patches
-/// cannot determine them (too few, or on one line); `model` of the result tells. Patches that hold
-/// a number that is not finite are left out. Never returns such a number, never allocates. Pure.
+/// patch, direction by direction (0.1 px where unknown). Other choices give way to the next smaller
+/// model where the patches cannot determine them (too few, or on one line); `model` of the result
+/// tells. Patches that hold a number that is not finite are left out. Never returns such a number,
+/// never allocates. Pure.
 VelocityEstimate estimate_velocity(const PatchSet &set, Average average, ModelChoice choice,
                                    ModelHistory history = {});
 
