@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace haptic {
@@ -87,6 +88,13 @@ Displacement strong_direction(const Tensor &t) {
       t.xx > t.yy ? Displacement{most - t.yy, t.xy} : Displacement{t.xy, most - t.xx};
   const float length2 = norm2(along);
   return length2 > 0 ? 1 / std::sqrt(length2) * along : Displacement{1, 0};
+}
+
+// What is left of a tensor when the weaker direction counts as unknown.
+Tensor strong_part(const Tensor &t) {
+  const Displacement strong = strong_direction(t);
+  const float most = eigenvalues(t).most;
+  return {most * strong.x * strong.x, most * strong.x * strong.y, most * strong.y * strong.y};
 }
 
 // A rectangle in pixels of some level; pixel i covers i..i+1.
@@ -172,6 +180,7 @@ public:
   void reset() override {
     have_previous_ = false;
     last_ = {};
+    certain_ = false;
     noise_ = kAssumedNoise * kAssumedNoise;
     expected_residual2_ = 2 * kSmoothedNoise * noise_;
   }
@@ -201,6 +210,7 @@ private:
   bool explains(const Translation &whole) const;
   static bool is_still(const Translation &whole);
   static bool is_precise(const Translation &whole);
+  float period();
   void add_whole(const Area &area, const Translation &whole, Measurement &measurement);
   void add_grid(const Area &area, const Translation &whole, Measurement &measurement);
   void add_patch(const Template &patch, Displacement moved, const Fit &fit,
@@ -221,6 +231,7 @@ private:
   std::array<ByteImage, 2> reduced_previous_;
   std::array<ByteImage, 2> reduced_current_;
   Displacement last_;                           // px, of the picture before
+  bool certain_ = false;                        // that last_ is true
   float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still pictures
   float expected_residual2_ = 2 * kSmoothedNoise * noise_; // grey levels squared, of what fits
   float trust_ = 0;         // sum over the grid's patches that have texture, 0..1 each
@@ -423,6 +434,43 @@ bool FastTracker::is_still(const Translation &whole) {
   return quadratic(whole.structure, whole.displacement) < kSignificant * whole.variance();
 }
 
+// A texture of one spatial frequency looks the same one period further, so that two pictures cannot
+// tell which way it went. 0: no such texture, else the period in px.
+float FastTracker::period() {
+  constexpr float kNarrowBand = 1.6F; // one frequency alone gives 1
+  constexpr float kRepeats = 0.8F;
+  constexpr int kDirections = 32; // of half a turn
+  float energy = 0;
+  float slope = 0;
+  float curvature = 0;
+  const auto blocks = blocks_[0].view();
+  for (const Template &block : blocks) {
+    energy += block.energy;
+    slope += block.slope;
+    curvature += block.curvature;
+  }
+  if (!(energy > 0) || energy * curvature > kNarrowBand * slope * slope)
+    return 0;
+  // The mean squared difference to the next pixel of a wave of angular frequency w is 2 - 2 cos w
+  // times its power.
+  const float length =
+      2 * std::numbers::pi_v<float> / std::acos(std::clamp(1 - slope / energy / 2, -1.0F, 1.0F));
+  if (length > static_cast<float>(2 * reach(side_)))
+    return 0;
+  std::array<Fit, kMaxPatches> fits;
+  for (int i = 0; i < kDirections; ++i) {
+    const float angle = std::numbers::pi_v<float> * static_cast<float>(i) / kDirections;
+    const Displacement further = length * Displacement{std::cos(angle), std::sin(angle)};
+    fit_templates(previous_.levels[0], blocks, further, std::span(fits).first(blocks.size()));
+    float correlation = 0;
+    for (const Fit &fit : std::span(fits).first(blocks.size()))
+      correlation += fit.correlation / static_cast<float>(blocks.size());
+    if (correlation > kRepeats)
+      return length;
+  }
+  return 0;
+}
+
 bool FastTracker::is_precise(const Translation &whole) {
   constexpr float kPrecise = 0.1F; // px
   const auto [least, most] = eigenvalues(whole.structure);
@@ -430,13 +478,7 @@ bool FastTracker::is_precise(const Translation &whole) {
 }
 
 void FastTracker::add_whole(const Area &area, const Translation &whole, Measurement &measurement) {
-  Tensor precision = whole.structure;
-  if (whole.one_direction) {
-    const Displacement strong = strong_direction(precision);
-    const float most = eigenvalues(precision).most;
-    precision = {most * strong.x * strong.x, most * strong.x * strong.y,
-                 most * strong.y * strong.y};
-  }
+  const Tensor precision = whole.one_direction ? strong_part(whole.structure) : whole.structure;
   const float scale = 1 / whole.variance();
   measurement.candidates = 1;
   measurement.add({area.x + area.width / 2, area.y + area.height / 2, area.width, area.height,
@@ -449,8 +491,9 @@ void FastTracker::add_patch(const Template &patch, Displacement moved, const Fit
   constexpr float kUseless = 0.6F;
   constexpr float kGood = 0.9F;
   const auto side = static_cast<float>(patch.side);
+  const auto [least, most] = eigenvalues(patch.structure);
   const float trust = std::clamp((fit.correlation - kUseless) / (kGood - kUseless), 0.0F, 1.0F);
-  if (has_texture(eigenvalues(patch.structure).least, side * side, noise_)) {
+  if (has_texture(most, side * side, noise_)) {
     ++measurement.candidates;
     trust_ += trust;
     if (trust <= 0)
@@ -458,9 +501,11 @@ void FastTracker::add_patch(const Template &patch, Displacement moved, const Fit
   }
   const float scale =
       trust / (kNoiseCorrelation * std::max(fit.residual * fit.residual, kLeastResidual2));
+  const float noise = std::min(noise_, fit.residual * fit.residual / (2 * kSmoothedNoise));
+  const Tensor known =
+      has_texture(least, side * side, noise) ? patch.structure : strong_part(patch.structure);
   measurement.add({patch.x + side / 2, patch.y + side / 2, side, side, moved.x, moved.y,
-                   patch.structure.xx * scale, patch.structure.xy * scale,
-                   patch.structure.yy * scale, fit.residual});
+                   known.xx * scale, known.xy * scale, known.yy * scale, fit.residual});
 }
 
 void FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
@@ -492,6 +537,7 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
   const int side =
       sparse && fits_into(previous_.levels[0], kLargePatch) ? kLargePatch : kSmallPatch;
   cover(area, 0, columns, rows, side, grid_);
+  std::array<Alignment, kMaxPatches> aligned;
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
       const int parent_x = (2 * i + 1) * coarse_columns / (2 * columns);
@@ -510,9 +556,31 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
              ++x)
           offer(x, y);
       const Template &patch = grid_.patches[cell(j, columns, i)];
-      const Alignment aligned = align_template(current_.levels[0], patch,
-                                               std::span(starts).first(count), options_.iterations);
-      add_patch(patch, aligned.displacement, aligned.fit, measurement);
+      aligned[cell(j, columns, i)] = align_template(
+          current_.levels[0], patch, std::span(starts).first(count), options_.iterations);
+    }
+  // Beside the border of an object, a patch may have followed the wrong side.
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      Alignment &own = aligned[cell(j, columns, i)];
+      std::array<Displacement, 5> starts = {own.displacement};
+      std::size_t count = 1;
+      const auto offer = [&](int x, int y) {
+        if (x < 0 || x >= columns || y < 0 || y >= rows)
+          return;
+        const Displacement start = aligned[cell(y, columns, x)].displacement;
+        if (norm2(own.displacement - start) > kSame2)
+          starts[count++] = start;
+      };
+      offer(i - 1, j);
+      offer(i + 1, j);
+      offer(i, j - 1);
+      offer(i, j + 1);
+      const Template &patch = grid_.patches[cell(j, columns, i)];
+      if (count > 1)
+        own = align_template(current_.levels[0], patch, std::span(starts).first(count),
+                             options_.iterations);
+      add_patch(patch, own.displacement, own.fit, measurement);
     }
 }
 
@@ -521,13 +589,17 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   constexpr float kSameScene = 0.5F;
   // Patches of the same scene come close to 1 in the mean, those of another scene stay below.
   constexpr float kLeastTrust = 0.6F;
-  if (!pair.continues)
+  if (!pair.continues) {
     last_ = {};
-  switch (change(pair)) {
+    certain_ = false;
+  }
+  const Change changed = change(pair);
+  switch (changed) {
   case Change::none:
-    measurement.flags = kStill;
-    [[fallthrough]];
   case Change::unseen:
+    if (changed == Change::none)
+      measurement.flags = kStill;
+    certain_ = changed == Change::none;
     have_previous_ = false;
     last_ = {};
     return;
@@ -540,7 +612,18 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
                   static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)};
   cover_with_blocks(area);
   const Translation whole = find_translation();
+  if (!whole.one_direction) {
+    // Only where it was before can tell.
+    const float repeats = period();
+    if (repeats > 0 && (!certain_ || norm2(whole.displacement - last_) > repeats * repeats / 16)) {
+      measurement.candidates = 1;
+      certain_ = false;
+      last_ = {};
+      return;
+    }
+  }
   last_ = whole.displacement;
+  certain_ = true;
   const bool explained = explains(whole);
   if (explained && is_still(whole)) {
     constexpr float kLearning = 0.3F;
@@ -559,6 +642,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
       measurement.flags |= kCut;
     measurement.count = 0;
     last_ = {};
+    certain_ = false;
   }
 }
 

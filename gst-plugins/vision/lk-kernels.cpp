@@ -147,18 +147,23 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
   const RowTag<kSide> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   using V = hn::Vec<RowTag<kSide>>;
-  const auto half = hn::Set(d, 0.5F);
+  const auto half = hn::Set(d, 0.5F), four = hn::Set(d, 4.0F);
   V s = hn::Zero(d), sx = hn::Zero(d), sy = hn::Zero(d), ss = hn::Zero(d), stx = hn::Zero(d),
     sty = hn::Zero(d);
   V sxx = hn::Zero(d), sxy = hn::Zero(d), syy = hn::Zero(d);
+  V sl = hn::Zero(d), stl = hn::Zero(d), sll = hn::Zero(d);
   for (int y = 0; y < kSide; ++y) {
     const float *mid = first + y * stride;
     const float *up = mid - stride;
     const float *low = mid + stride;
     for (int x = 0; x < kSide; x += lanes) {
       const V t = hn::LoadU(d, mid + x);
-      const V gx = hn::Mul(half, hn::Sub(hn::LoadU(d, mid + x + 1), hn::LoadU(d, mid + x - 1)));
-      const V gy = hn::Mul(half, hn::Sub(hn::LoadU(d, low + x), hn::LoadU(d, up + x)));
+      const V left = hn::LoadU(d, mid + x - 1), right = hn::LoadU(d, mid + x + 1);
+      const V above = hn::LoadU(d, up + x), below = hn::LoadU(d, low + x);
+      const V gx = hn::Mul(half, hn::Sub(right, left));
+      const V gy = hn::Mul(half, hn::Sub(below, above));
+      const V laplacian =
+          hn::NegMulAdd(four, t, hn::Add(hn::Add(left, right), hn::Add(above, below)));
       hn::Store(t, d, patch.grey.data() + y * kSide + x);
       hn::Store(gx, d, patch.gradient_x.data() + y * kSide + x);
       hn::Store(gy, d, patch.gradient_y.data() + y * kSide + x);
@@ -171,6 +176,9 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
       sxx = hn::MulAdd(gx, gx, sxx);
       sxy = hn::MulAdd(gx, gy, sxy);
       syy = hn::MulAdd(gy, gy, syy);
+      sl = hn::Add(sl, laplacian);
+      stl = hn::MulAdd(t, laplacian, stl);
+      sll = hn::MulAdd(laplacian, laplacian, sll);
     }
   }
   constexpr float kPixels = kSide * kSide;
@@ -178,6 +186,8 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
   const float mean_x = total(d, sx) / kPixels;
   const float mean_y = total(d, sy) / kPixels;
   patch.energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
+  patch.slope = mean * total(d, sl) - total(d, stl);
+  patch.curvature = total(d, sll);
   const float tx = total(d, stx) - kPixels * mean * mean_x;
   const float ty = total(d, sty) - kPixels * mean * mean_y;
   // The regulariser keeps a patch without contrast from losing its gradients to noise.

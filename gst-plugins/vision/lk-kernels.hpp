@@ -62,9 +62,11 @@ struct Template {
 
   float x = 0; ///< sampling position of the first pixel in the plane, may be fractional
   float y = 0;
-  int side = 8;     ///< px, 8 or 16
-  Tensor structure; ///< structure tensor of the projected gradients
-  float energy = 0; ///< sum of squared grey levels about their mean
+  int side = 8;        ///< px, 8 or 16
+  Tensor structure;    ///< structure tensor of the projected gradients
+  float energy = 0;    ///< sum of squared grey levels about their mean
+  float slope = 0;     ///< sum of squared differences to the next pixel, along x and y
+  float curvature = 0; ///< sum of the squared Laplacian
   alignas(64) std::array<float, kMostPixels> grey;
   alignas(64) std::array<float, kMostPixels> gradient_x;
   alignas(64) std::array<float, kMostPixels> gradient_y;

@@ -198,6 +198,43 @@ float scatter_of(const Points &points) {
   return median(squares, points.count) / kMedianOfChi2;
 }
 
+// What points that contradict the motion add to the mean over the region. Those that contradict it
+// alike side by side are another object, however small; those that do it alone are false matches.
+Motion left_by_neighbours(const Points &points, const Motion &motion) {
+  constexpr float kAlike = 0.5F;         // px
+  constexpr float kOfDifference = 0.25F; // the motion's own gradients, unknown here
+  alignas(64) Points::Row errors, ex, ey;
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
+    Lanes error_x;
+    Lanes error_y;
+    errors_at(points, motion, i, error_x, error_y);
+    hn::Store(error_x, kTag, ex.data() + i);
+    hn::Store(error_y, kTag, ey.data() + i);
+    hn::Store(squared_errors(points, motion, i), kTag, errors.data() + i);
+  }
+  const auto count = static_cast<float>(points.count);
+  const float near2 = 2.5F * points.area / count;
+  const auto supports = [&](std::size_t i, std::size_t j) {
+    const auto squared = [](float x, float y) { return x * x + y * y; };
+    const float alike = kAlike + kOfDifference * std::sqrt(squared(ex[i], ey[i]));
+    return i != j && errors[j] > kOutlier &&
+           squared(points.x[i] - points.x[j], points.y[i] - points.y[j]) < near2 &&
+           squared(ex[i] - ex[j], ey[i] - ey[j]) < alike * alike;
+  };
+  Motion left;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (errors[i] <= kOutlier)
+      continue;
+    for (std::size_t j = 0; j < points.count; ++j)
+      if (supports(i, j)) {
+        left.x0 += ex[i] / count;
+        left.y0 += ey[i] / count;
+        break;
+      }
+  }
+  return left;
+}
+
 void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &answer) {
   // To become a mixture, and to cease to be one, takes more than noise does to the costs.
   constexpr float kHold = 10;
@@ -206,7 +243,8 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     answer.model = selection.fit.model;
     answer.history = selection.history;
     answer.felt =
-        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y);
+        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y) +
+        left_by_neighbours(points, answer.first);
   };
   Selection selection = select_model(points, MotionModel::still, history);
   if (!explains_most(selection.fit, points)) {
