@@ -95,6 +95,13 @@ camera_pictures=(
 # Each branch of the tee needs a queue of its own, otherwise the pipeline never starts.
 window_branch=(tee name=t t. ! queue ! videoconvert ! autovideosink t. ! queue !)
 
+# Of a file, which is read as fast as the window takes it: longer queues would let the tracker run ahead
+# of what is seen, and what the hand points at would be felt a second later.
+file_window_branch=(
+  tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink
+  t. ! queue max-size-buffers=1 !
+)
+
 # Configures (the first time) and builds the plugins in $build. What the tools say goes to a log.
 build_plugins() {
   local log=$build/build.log

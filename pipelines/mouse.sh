@@ -4,8 +4,8 @@
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
 #       ! roitracker pointer-source=navigation ! tee name=t \
-#       t. ! queue ! videoconvert ! autovideosink \
-#       t. ! queue ! velocityavg ! hapticsink device=none log-location=trace.csv
+#       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
+#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=none log-location=trace.csv
 #
 # X11 windows look at the mouse 20 times a second; glimagesink, where it is installed, follows at once.
 #
@@ -23,5 +23,5 @@ need_file "$input"
 need_display
 
 launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-  ! roitracker pointer-source=navigation ! "${window_branch[@]}" velocityavg \
+  ! roitracker pointer-source=navigation ! "${file_window_branch[@]}" velocityavg \
   ! hapticsink device=none "${sink_options[@]}"

@@ -2,8 +2,8 @@
 # Feel a video file and see it in a window beside it.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! roitracker ! tee name=t \
-#       t. ! queue ! videoconvert ! autovideosink \
-#       t. ! queue ! velocityavg ! hapticsink
+#       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
+#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink
 #
 # Usage: pipelines/play-file-with-display.sh FILE [-- OPTION=VALUE...]
 #   What follows -- goes to hapticsink. Ctrl-C stops.
@@ -15,4 +15,4 @@ need_file "$input"
 need_display
 
 launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-  ! roitracker ! "${window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"
+  ! roitracker ! "${file_window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"

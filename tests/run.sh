@@ -106,7 +106,8 @@ run_sanitized_tests() {
   ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0 \
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-    run_meson_tests build-sanitized --suite unit --suite elements --timeout-multiplier 4
+    run_meson_tests build-sanitized --suite unit --suite elements --suite faults \
+    --timeout-multiplier 4
 }
 
 check_format() {
@@ -142,7 +143,7 @@ if [ "$quick" = no ]; then
     build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
     -Doptimization=1 -Ddebug=false -Dcpp_args=-g1 `# half the time to compile` \
     -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled; then
-    step "Unit and element tests with sanitizers"
+    step "Unit, element and fault tests with sanitizers"
     run_sanitized_tests
   fi
   check "The demonstration runs as a user starts it" \

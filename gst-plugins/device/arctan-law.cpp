@@ -2,52 +2,45 @@
 #include "force-law.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace haptic {
 
-std::unique_ptr<ForceLaw> make_arctan_law();
-std::unique_ptr<ForceLaw> make_arctan_axis_law();
+ForceLawInfo arctan_law() noexcept;
+ForceLawInfo arctan_axis_law() noexcept;
 
 namespace {
 
-/// Equation 5 divided by v, N·s/px: finite and smooth also at v = 0.
-double gain(double v, const LawSettings &settings) {
-  const double scale = 2 * settings.max_force / std::numbers::pi;
-  const double x = settings.alpha * v;
-  // Below 1e-4 the next term of the series is less than 1e-17.
-  if (std::abs(x) < 1e-4)
-    return scale * settings.alpha * (1 - x * x / 3);
-  return scale * std::atan(x) / v;
-}
-
-// On the speed: the force keeps the direction of the motion and never exceeds max_force. Picture y
-// points down, device y up.
+// On the speed: the force keeps the direction of the motion and never exceeds max_force.
 class ArctanLaw final : public ForceLaw {
-public:
-  spidar::Vector3 force(const Motion &m, const Hand &, const LawSettings &s) noexcept override {
-    const double k = gain(std::hypot(m.velocity_x, m.velocity_y), s);
-    return {k * m.velocity_x, -k * m.velocity_y, 0};
+  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                    double) noexcept override {
+    const auto &v = m.velocity;
+    const double k = arctan_gain(std::hypot(v.x, v.y), s.alpha, s.max_force);
+    return {k * v.x, k * v.y};
   }
 };
 
 // As printed. It bends diagonal motions towards the diagonal, and its length reaches 1.41 max_force
 // (the safety chain cuts that).
 class ArctanAxisLaw final : public ForceLaw {
-public:
-  spidar::Vector3 force(const Motion &m, const Hand &, const LawSettings &s) noexcept override {
-    return {gain(m.velocity_x, s) * m.velocity_x, -gain(m.velocity_y, s) * m.velocity_y, 0};
+  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                    double) noexcept override {
+    const auto &v = m.velocity;
+    return {arctan_gain(v.x, s.alpha, s.max_force) * v.x,
+            arctan_gain(v.y, s.alpha, s.max_force) * v.y};
   }
 };
 
 } // namespace
 
-std::unique_ptr<ForceLaw> make_arctan_law() {
-  return std::make_unique<ArctanLaw>();
+ForceLawInfo arctan_law() noexcept {
+  return {"arctan", "Equation 5 on the speed, along the motion",
+          []() -> std::unique_ptr<ForceLaw> { return std::make_unique<ArctanLaw>(); }};
 }
 
-std::unique_ptr<ForceLaw> make_arctan_axis_law() {
-  return std::make_unique<ArctanAxisLaw>();
+ForceLawInfo arctan_axis_law() noexcept {
+  return {"arctan-axis", "Equation 5 on each axis, as printed",
+          []() -> std::unique_ptr<ForceLaw> { return std::make_unique<ArctanAxisLaw>(); }};
 }
 
 } // namespace haptic

@@ -1,22 +1,52 @@
 #include "force-law.hpp"
 
 #include <array>
+#include <cmath>
+#include <numbers>
+
+// A new law is a file of its own that defines NAME_law(), and a line here.
+#define FORCE_LAWS(LAW)                                                                            \
+  LAW(arctan_law)                                                                                  \
+  LAW(arctan_axis_law)                                                                             \
+  LAW(linear_law)                                                                                  \
+  LAW(drag_law)                                                                                    \
+  LAW(inertial_law)
 
 namespace haptic {
 
-// A new law is a file of its own with its maker, and a line in this table.
-std::unique_ptr<ForceLaw> make_arctan_law();
-std::unique_ptr<ForceLaw> make_arctan_axis_law();
+#define DECLARE(law) ForceLawInfo law() noexcept;
+FORCE_LAWS(DECLARE)
+#undef DECLARE
 
 namespace {
-constexpr std::array kLaws = {
-    ForceLawInfo{"arctan", "Equation 5 on the speed, along the motion", make_arctan_law},
-    ForceLawInfo{"arctan-axis", "Equation 5 on each axis, as printed", make_arctan_axis_law},
-};
+constexpr double kDivergenceHalf = 0.5; // 1/s that give half of max_push
 }
 
 std::span<const ForceLawInfo> force_laws() noexcept {
-  return kLaws;
+#define CALL(law) law(),
+  static const std::array laws = {FORCE_LAWS(CALL)};
+#undef CALL
+  return laws;
+}
+
+double arctan_gain(double v, double alpha, double maximum) noexcept {
+  const double scale = 2 * maximum / std::numbers::pi;
+  const double x = alpha * v;
+  // Below 1e-4 the next term of the series is less than 1e-17.
+  if (std::abs(x) < 1e-4)
+    return scale * alpha * (1 - x * x / 3);
+  return scale * std::atan(x) / v;
+}
+
+spidar::Wrench ForceLaw::wrench(const Motion &motion, const PlanarVelocity &hand,
+                                const LawSettings &settings, double dt) noexcept {
+  const PlanarForce planar = force(motion, hand, settings, dt);
+  const double push =
+      arctan_gain(motion.divergence, 1 / kDivergenceHalf, settings.max_push) * motion.divergence;
+  const double turn =
+      arctan_gain(motion.spin, 1 / settings.spin_half, settings.max_torque) * motion.spin;
+  // Picture y points down: what turns clockwise on the screen turns negatively about z.
+  return {.force = {planar.x, -planar.y, push}, .torque = {0, 0, -turn}};
 }
 
 } // namespace haptic

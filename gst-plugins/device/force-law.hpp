@@ -10,26 +10,30 @@
 
 namespace haptic {
 
-/// The grip, for laws that ask how the hand moves.
-struct Hand {
-  spidar::Pose pose;
-  spidar::Vector3 velocity = spidar::Vector3::Zero(); ///< m/s
-};
-
-/// Properties of the element that shape the law.
+/// Properties of the element that shape the laws.
 struct LawSettings {
-  double max_force = 1.0; ///< N
-  double alpha = 0.01;    ///< s/px, the paper's
+  double max_force = 1.0;   ///< N
+  double alpha = 0.01;      ///< s/px, the paper's
+  double gain_window = 10;  ///< s, of the linear law
+  double max_torque = 0.02; ///< N·m
+  double spin_half = 1;     ///< rad/s that give half of max_torque
+  double max_push = 0;      ///< N along z
 };
 
-/// No clock, no device. Used by one thread; real-time safe.
+/// No device and no clock but the time since the call before. Used by one thread; real-time safe.
 class ForceLaw {
 public:
   virtual ~ForceLaw() = default;
 
-  /// Force on the grip, N: x to the right, y up, z towards the user.
-  virtual spidar::Vector3 force(const Motion &motion, const Hand &hand,
-                                const LawSettings &settings) noexcept = 0;
+  /// Force and torque on the grip: x to the right, y up, z towards the user. The law's force, and
+  /// what all laws share: rotation as torque about z, approach as a push along it. `dt` in s.
+  spidar::Wrench wrench(const Motion &motion, const PlanarVelocity &hand,
+                        const LawSettings &settings, double dt) noexcept;
+
+private:
+  /// N, in the direction of the picture: y down. `hand` as Motion::velocity.
+  virtual PlanarForce force(const Motion &motion, const PlanarVelocity &hand,
+                            const LawSettings &settings, double dt) noexcept = 0;
 };
 
 struct ForceLawInfo {
@@ -40,5 +44,9 @@ struct ForceLawInfo {
 
 /// All laws there are; the first is the default.
 std::span<const ForceLawInfo> force_laws() noexcept;
+
+/// The paper's equation 5 divided by v: (2 maximum / pi) atan(alpha v) / v, finite and smooth also
+/// at v = 0.
+double arctan_gain(double v, double alpha, double maximum) noexcept;
 
 } // namespace haptic

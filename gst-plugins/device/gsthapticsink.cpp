@@ -5,11 +5,13 @@
  */
 #include "gsthapticsink.h"
 
+#include "cadence.hpp"
 #include "device-choice.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-loop.hpp"
 #include "motion-sample.hpp"
+#include "playback-rate.hpp"
 #include "pointer-mapping.hpp"
 
 #include <chrono>
@@ -44,6 +46,16 @@ constexpr double kLowestSlewRate = 0.1; // N/s
 constexpr double kHighestSlewRate = 1000;
 constexpr unsigned kLowestRate = 100; // Hz
 constexpr unsigned kHighestRate = 4000;
+constexpr double kLongestGainWindow = 600; // s
+constexpr double kHighestTorque = 0.1;     // N·m, 5 N at the grip's radius
+constexpr double kSlowestSpinHalf = 0.01;  // rad/s
+constexpr double kFastestSpinHalf = 100;
+constexpr double kHighestDamping = 10; // N·s/m
+constexpr double kHighestSmoothHz = 500;
+
+// A motion can be felt when it is seen if its sample is known 1.5 intervals before.
+constexpr double kLookAheadIntervals = 1.5;
+constexpr GstClockTime kLongestLookAhead = 750 * GST_MSECOND; // queues hold 1 s
 
 struct State {
   // The object's lock.
@@ -64,8 +76,12 @@ struct State {
   std::atomic<std::uint64_t> bad_samples = 0;
   std::atomic<std::uint64_t> gaps = 0;
   bool warned_of_bad_sample = false;
+  haptic::Cadence cadence;
+  GstClockTime last_interval = 0; // of the sample before
+  GstClockTime look_ahead = 0;    // running time
 
   std::atomic<LatencyMode> latency_mode = LatencyMode::automatic;
+  std::atomic<haptic::RateLaw> rate_law = haptic::RateLaw::as_seen;
   std::atomic<Liveness> liveness = Liveness::unknown;
 
   // Wakes the streaming thread where it waits for the force to fade at the end of the stream.
@@ -112,6 +128,20 @@ static GType gst_haptic_sink_latency_mode_get_type() {
   return type;
 }
 
+#define GST_TYPE_HAPTIC_SINK_RATE_LAW (gst_haptic_sink_rate_law_get_type())
+static GType gst_haptic_sink_rate_law_get_type() {
+  static const GType type = [] {
+    static const GEnumValue values[] = {
+        {static_cast<gint>(haptic::RateLaw::as_seen),
+         "Motion as it is seen: slow motion feels softer", "as-seen"},
+        {static_cast<gint>(haptic::RateLaw::as_filmed),
+         "Motion as it was filmed, however fast it is played", "as-filmed"},
+        {0, nullptr, nullptr}};
+    return g_enum_register_static("GstHapticSinkRateLaw", values);
+  }();
+  return type;
+}
+
 G_DEFINE_TYPE_WITH_CODE(GstHapticSink, gst_haptic_sink, GST_TYPE_BASE_SINK,
                         GST_DEBUG_CATEGORY_INIT(haptic_sink_debug, "hapticsink", 0,
                                                 "motion as force on the hand"))
@@ -133,6 +163,13 @@ enum Property {
   kPropSimHand,
   kPropArmed,
   kPropStats,
+  kPropGainWindow,
+  kPropMaxTorque,
+  kPropSpinHalf,
+  kPropMaxPush,
+  kPropDamping,
+  kPropSmoothHz,
+  kPropRateLaw,
   kPropCount
 };
 std::array<GParamSpec *, kPropCount> properties{};
@@ -156,7 +193,8 @@ haptic::StructurePtr make_stats(const State &state) {
   const auto ms = [](auto nanoseconds) { return static_cast<double>(nanoseconds) * 1e-6; };
   const std::uint64_t used = loop.samples_used;
   const double mean_age = used ? ms(loop.sample_age_sum.load()) / static_cast<double>(used) : 0;
-  const std::uint64_t faults = loop.device_faults + loop.overspeeds + loop.non_finite;
+  const std::uint64_t faults =
+      loop.device_faults + loop.overspeeds + loop.suspends + loop.non_finite;
   return haptic::StructurePtr(
       gst_structure_new("hapticsink-stats",                                              //
                         "ticks", G_TYPE_UINT64, loop.ticks.load(),                       //
@@ -301,6 +339,13 @@ private:
                            "is off and the video goes on. Take the grip and re-arm (signal arm)."),
                           ("latched until re-armed"));
     }
+    if (const auto suspends = loop.suspends.load(); suspends != suspends_) {
+      suspends_ = suspends;
+      GST_ELEMENT_WARNING(self_, RESOURCE, FAILED,
+                          ("The machine slept. The force is off and the video goes on. Take the "
+                           "grip and re-arm (signal arm)."),
+                          ("latched until re-armed"));
+    }
     if (!non_finite_reported_ && loop.non_finite.load()) {
       non_finite_reported_ = true;
       GST_WARNING_OBJECT(self_, "a force that was not finite was taken as zero");
@@ -328,6 +373,7 @@ private:
   std::chrono::steady_clock::time_point clock_read_;
   std::uint64_t device_faults_ = 0;
   std::uint64_t overspeeds_ = 0;
+  std::uint64_t suspends_ = 0;
   bool armed_;
   bool tracker_found_ = false;
   bool tracker_reported_ = false;
@@ -392,7 +438,8 @@ bool open_device(GstHapticSink *self) {
   state.device = std::move(opened.device);
   state.opened_as = choice;
   // What went wrong with a device is over once it is opened anew; what the user said is not.
-  state.loop.unhold(haptic::kHoldClosed | haptic::kHoldOverspeed | haptic::kHoldFaulted);
+  state.loop.unhold(haptic::kHoldClosed | haptic::kHoldOverspeed | haptic::kHoldFaulted |
+                    haptic::kHoldSuspended);
   GST_INFO_OBJECT(self, "opened %s",
                   state.device ? state.device->description().c_str() : "no device");
   return true;
@@ -452,6 +499,8 @@ bool start_threads(GstHapticSink *self) {
     return false;
   state.samples = state.bad_samples = state.gaps = 0;
   state.warned_of_bad_sample = false;
+  state.cadence.forget();
+  state.last_interval = state.look_ahead = 0;
   state.liveness = Liveness::unknown;
 
   haptic::HapticLoop::Environment environment;
@@ -529,6 +578,8 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 
 bool is_immediate(GstHapticSink *self) {
   State &state = *self->state;
+  if (!gst_base_sink_get_sync(GST_BASE_SINK(self)))
+    return true;
   const LatencyMode mode = state.latency_mode;
   if (mode != LatencyMode::automatic)
     return mode == LatencyMode::immediate;
@@ -548,24 +599,76 @@ bool is_immediate(GstHapticSink *self) {
   return state.liveness == Liveness::live;
 }
 
-void take_gap(State &state) {
+// ns of running time at which what has this time stamp is presented; kAtOnce when it is not to
+// wait.
+std::int64_t presented_at(GstHapticSink *self, GstClockTime pts) {
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  if (is_immediate(self) || !GST_CLOCK_TIME_IS_VALID(pts) ||
+      sink->segment.format != GST_FORMAT_TIME)
+    return haptic::kAtOnce;
+  guint64 running = 0;
+  const int sign = gst_segment_to_running_time_full(&sink->segment, GST_FORMAT_TIME, pts, &running);
+  if (sign == 0)
+    return haptic::kAtOnce;
+  return sign * static_cast<std::int64_t>(running) +
+         static_cast<std::int64_t>(gst_base_sink_get_latency(sink)) +
+         gst_base_sink_get_ts_offset(sink);
+}
+
+// Samples are wanted so long before they are due. It grows to what the stream needs; a single late
+// picture is no measure.
+void look_ahead(State &state, GstClockTime interval) {
+  const GstClockTime usual = std::min(interval, std::exchange(state.last_interval, interval));
+  const auto wanted = static_cast<GstClockTime>(kLookAheadIntervals * static_cast<double>(usual));
+  state.look_ahead = std::clamp(wanted, state.look_ahead, kLongestLookAhead);
+}
+
+void take_gap(GstHapticSink *self, GstClockTime pts, const haptic::MotionSample &sample = {}) {
+  State &state = *self->state;
   ++state.gaps;
-  state.loop.submit_gap();
+  state.cadence.forget();
+  std::int64_t time = presented_at(self, pts);
+  if (time != haptic::kAtOnce)
+    time -= static_cast<std::int64_t>(std::min(sample.interval, kLongestLookAhead) / 2);
+  state.loop.submit_gap(sample, haptic::monotonic_now(), time);
+}
+
+void take_sample(GstHapticSink *self, GstClockTime pts, haptic::MotionSample sample) {
+  State &state = *self->state;
+  const GstSegment &segment = GST_BASE_SINK(self)->segment;
+  const haptic::Playback playback{
+      segment.rate, segment.applied_rate,
+      (segment.flags & (GST_SEGMENT_FLAG_TRICKMODE | GST_SEGMENT_FLAG_TRICKMODE_KEY_UNITS)) != 0};
+  const auto correction = static_cast<float>(state.cadence.correction(sample));
+  if (sample.flags & haptic::kMotionDuplicate)
+    return; // says nothing new; the motion goes on
+  sample.velocity_x *= correction;
+  sample.velocity_y *= correction;
+  sample.spin *= correction;
+  sample.divergence *= correction;
+  const auto played = haptic::play(sample, playback, state.rate_law);
+  if (!played)
+    return take_gap(self, pts);
+  look_ahead(state, played->interval);
+  std::int64_t time = presented_at(self, pts);
+  if (time != haptic::kAtOnce)
+    time -= static_cast<std::int64_t>(played->interval / 2);
+  state.loop.submit(*played, haptic::monotonic_now(), time);
 }
 
 GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
-  State &state = state_of(sink);
-  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP)) {
-    take_gap(state);
-    return GST_FLOW_OK;
-  }
+  GstHapticSink *self = GST_HAPTIC_SINK(sink);
+  State &state = *self->state;
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  refresh_running_time(self);
   std::optional<haptic::MotionSample> sample;
   GstMapInfo map;
   if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
     sample = haptic::unpack_motion_sample({map.data, map.size});
     gst_buffer_unmap(buffer, &map);
   }
-  if (!sample || !haptic::is_plausible(*sample)) {
+  const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
+  if (!gap && (!sample || !haptic::is_plausible(*sample))) {
     ++state.bad_samples;
     state.loop.submit_gap();
     if (!std::exchange(state.warned_of_bad_sample, true))
@@ -575,24 +678,42 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
                           ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
     return GST_FLOW_OK;
   }
-  ++state.samples;
-  if (sample->confidence > 0)
-    state.loop.submit(*sample);
+  state.samples += !gap;
+  if (!gap && sample->confidence > 0)
+    take_sample(self, pts, *sample);
   else
-    take_gap(state);
+    take_gap(self, pts, sample.value_or(haptic::MotionSample{}));
   return GST_FLOW_OK;
 }
 
 void get_times(GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start, GstClockTime *end) {
+  *start = *end = GST_CLOCK_TIME_NONE;
   if (is_immediate(GST_HAPTIC_SINK(sink)))
-    *start = *end = GST_CLOCK_TIME_NONE; // nothing to wait for
-  else
-    parent_class()->get_times(sink, buffer, start, end);
+    return; // nothing to wait for
+  parent_class()->get_times(sink, buffer, start, end);
+  // Handed over earlier by the look-ahead, but not before the segment begins: what is outside of it
+  // is dropped.
+  const GstSegment &segment = sink->segment;
+  const auto ahead = static_cast<GstClockTime>(static_cast<double>(state_of(sink).look_ahead) *
+                                               std::abs(segment.rate));
+  if (segment.rate > 0 && GST_CLOCK_TIME_IS_VALID(*start) && *start > segment.start)
+    *start -= std::min(ahead, *start - segment.start);
+  if (segment.rate < 0 && GST_CLOCK_TIME_IS_VALID(*end) && GST_CLOCK_TIME_IS_VALID(segment.stop) &&
+      *end < segment.stop)
+    *end += std::min(ahead, segment.stop - *end);
 }
 
 gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
   GST_DEBUG_OBJECT(sink, "%" GST_PTR_FORMAT, static_cast<void *>(caps));
-  is_immediate(GST_HAPTIC_SINK(sink));
+  gint n = 0;
+  gint d = 0;
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  if (gst_structure_get_fraction(structure, "framerate", &n, &d) && n > 0 && d > 0) {
+    State &state = state_of(sink);
+    state.last_interval =
+        gst_util_uint64_scale(GST_SECOND, static_cast<guint64>(d), static_cast<guint64>(n));
+    look_ahead(state, state.last_interval);
+  }
   return TRUE;
 }
 
@@ -638,14 +759,17 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_GAP && is_immediate(self)) {
     const GstFlowReturn result = gst_base_sink_do_preroll(sink, GST_MINI_OBJECT_CAST(event));
     if (result == GST_FLOW_OK)
-      take_gap(*self->state);
+      take_gap(self, GST_CLOCK_TIME_NONE);
     return result;
   }
   GstFlowReturn result = parent_class()->wait_event(sink, event);
   if (result != GST_FLOW_OK)
     return result;
-  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP)
-    take_gap(*self->state);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP) {
+    GstClockTime pts = GST_CLOCK_TIME_NONE;
+    gst_event_parse_gap(event, &pts, nullptr);
+    take_gap(self, pts);
+  }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     result = fade_at_end(sink);
     if (result == GST_FLOW_OK)
@@ -708,6 +832,27 @@ void set_property(GObject *object, guint id, const GValue *value, GParamSpec *ps
   case kPropSlewRate:
     state.settings.slew_rate = g_value_get_double(value);
     break;
+  case kPropGainWindow:
+    state.settings.law_settings.gain_window = g_value_get_double(value);
+    break;
+  case kPropMaxTorque:
+    state.settings.law_settings.max_torque = g_value_get_double(value);
+    break;
+  case kPropSpinHalf:
+    state.settings.law_settings.spin_half = g_value_get_double(value);
+    break;
+  case kPropMaxPush:
+    state.settings.law_settings.max_push = g_value_get_double(value);
+    break;
+  case kPropDamping:
+    state.settings.damping = g_value_get_double(value);
+    break;
+  case kPropSmoothHz:
+    state.settings.smooth_hz = g_value_get_double(value);
+    break;
+  case kPropRateLaw:
+    state.rate_law = static_cast<haptic::RateLaw>(g_value_get_enum(value));
+    return;
   default:
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
     return;
@@ -755,6 +900,27 @@ void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
     break;
   case kPropSlewRate:
     g_value_set_double(value, state.settings.slew_rate);
+    break;
+  case kPropGainWindow:
+    g_value_set_double(value, state.settings.law_settings.gain_window);
+    break;
+  case kPropMaxTorque:
+    g_value_set_double(value, state.settings.law_settings.max_torque);
+    break;
+  case kPropSpinHalf:
+    g_value_set_double(value, state.settings.law_settings.spin_half);
+    break;
+  case kPropMaxPush:
+    g_value_set_double(value, state.settings.law_settings.max_push);
+    break;
+  case kPropDamping:
+    g_value_set_double(value, state.settings.damping);
+    break;
+  case kPropSmoothHz:
+    g_value_set_double(value, state.settings.smooth_hz);
+    break;
+  case kPropRateLaw:
+    g_value_set_enum(value, static_cast<gint>(state.rate_law.load()));
     break;
   case kPropArmed:
     g_value_set_boolean(value, is_armed(state));
@@ -816,6 +982,31 @@ void install_properties(GObjectClass *klass) {
   properties[kPropSlewRate] =
       g_param_spec_double("slew-rate", "Slew Rate", "How fast the force may change, N/s",
                           kLowestSlewRate, kHighestSlewRate, settings.slew_rate, playing);
+  properties[kPropGainWindow] = g_param_spec_double(
+      "gain-window", "Gain Window",
+      "With force-law=linear: the fastest motion of so many seconds gives max-force", 0.1,
+      kLongestGainWindow, settings.law_settings.gain_window, playing);
+  properties[kPropMaxTorque] = g_param_spec_double(
+      "max-torque", "Maximum Torque", "The torque that no rotation exceeds, N·m; 0: no torque", 0,
+      kHighestTorque, settings.law_settings.max_torque, playing);
+  properties[kPropSpinHalf] = g_param_spec_double(
+      "spin-half", "Spin Half", "The rotation that gives half of max-torque, rad/s",
+      kSlowestSpinHalf, kFastestSpinHalf, settings.law_settings.spin_half, playing);
+  properties[kPropMaxPush] = g_param_spec_double(
+      "max-push", "Maximum Push",
+      "The force towards the user that no approach exceeds, N; 0.5 1/s give half of it, 0: none", 0,
+      kHighestForce, settings.law_settings.max_push, playing);
+  properties[kPropDamping] = g_param_spec_double(
+      "damping", "Damping",
+      "Against the hand's speed above 0.1 m/s, N·s/m; never more than the force itself", 0,
+      kHighestDamping, settings.damping, playing);
+  properties[kPropSmoothHz] = g_param_spec_double(
+      "smooth-hz", "Smooth Hz",
+      "Cut-off of an additional low-pass on the motion, Hz; 12 for noisy pictures, 0: none", 0,
+      kHighestSmoothHz, settings.smooth_hz, playing);
+  properties[kPropRateLaw] = g_param_spec_enum(
+      "rate-law", "Rate Law", "What a film played slower or faster feels like",
+      GST_TYPE_HAPTIC_SINK_RATE_LAW, static_cast<gint>(haptic::RateLaw::as_seen), playing);
   properties[kPropGeometry] =
       g_param_spec_string("geometry", "Geometry", "Name or file of the device's geometry",
                           choice.geometry.c_str(), ready);
@@ -931,6 +1122,7 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
 
   gst_type_mark_as_plugin_api(GST_TYPE_HAPTIC_SINK_FORCE_LAW, static_cast<GstPluginAPIFlags>(0));
   gst_type_mark_as_plugin_api(GST_TYPE_HAPTIC_SINK_LATENCY_MODE, static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(GST_TYPE_HAPTIC_SINK_RATE_LAW, static_cast<GstPluginAPIFlags>(0));
 }
 
 static void gst_haptic_sink_init(GstHapticSink *self) {

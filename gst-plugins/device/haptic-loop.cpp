@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <pthread.h>
 #include <sys/prctl.h>
 
@@ -31,7 +32,7 @@ void raise(std::atomic<T> &maximum, T value) noexcept {
 
 void reset(LoopStatistics &s) noexcept {
   for (auto *counter : {&s.ticks, &s.late_ticks, &s.missed_ticks, &s.device_faults, &s.overspeeds,
-                        &s.non_finite, &s.log_rows_lost, &s.samples_used})
+                        &s.suspends, &s.non_finite, &s.log_rows_lost, &s.samples_used})
     counter->store(0);
   s.sample_age_sum = 0;
   s.sample_age_max = 0;
@@ -59,12 +60,22 @@ int ask_for_real_time_priority() noexcept {
   return error;
 }
 
+bool is_finite(const MotionSample &sample) noexcept {
+  return std::isfinite(sample.velocity_x) && std::isfinite(sample.velocity_y) &&
+         std::isfinite(sample.spin) && std::isfinite(sample.divergence) &&
+         std::isfinite(sample.confidence);
+}
+
+std::int64_t read_clock(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return now.tv_sec * kSecond + now.tv_nsec;
+}
+
 } // namespace
 
 std::int64_t monotonic_now() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kSecond + now.tv_nsec;
+  return read_clock(CLOCK_MONOTONIC);
 }
 
 HapticLoop::HapticLoop() {
@@ -83,8 +94,11 @@ void HapticLoop::prepare(Environment environment) {
   unhold(kHoldFlushing | kHoldEnded);
   drop_samples();
   chain_ = {};
-  current_ = {};
-  measured_ = {};
+  interpolator_.clear();
+  motion_ = {};
+  deadband_ = {};
+  smoother_.forget();
+  suspend_ = {};
   last_tick_ = 0;
   retry_at_ = 0;
   failed_exchanges_ = 0;
@@ -116,6 +130,10 @@ void HapticLoop::run(const std::stop_token &stop) noexcept {
   while (!stop.stop_requested()) {
     sleep_until(next);
     const std::int64_t now = monotonic_now();
+    if (suspend_.has_slept(now, read_clock(CLOCK_BOOTTIME))) {
+      hold(kHoldSuspended);
+      add<std::uint64_t>(statistics_.suspends);
+    }
     tick(next, now);
     statistics_.body.record(monotonic_now() - now);
     next += period_;
@@ -147,38 +165,44 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   last_tick_ = now;
 
   settings_.refresh();
-  take_submission(now);
+  const double dt = static_cast<double>(elapsed) / static_cast<double>(kSecond);
+  take_submissions(now);
   exchange(now);
-  const spidar::Vector3 force =
-      next_force(now, static_cast<double>(elapsed) / static_cast<double>(kSecond), too_late);
+  const spidar::Wrench wrench = next_wrench(dt, too_late);
   if (environment_.device)
-    environment_.device->command({.force = force});
+    environment_.device->command(wrench);
   if (environment_.log)
-    write_row(now, force);
+    write_row(now, wrench);
   silent_.store(chain_.silent());
-  raise(statistics_.force_max, force.norm());
+  raise(statistics_.force_max, wrench.force.norm());
 }
 
-void HapticLoop::take_submission(std::int64_t now) noexcept {
-  const bool fresh = submissions_.refresh();
+void HapticLoop::take_submissions(std::int64_t now) noexcept {
   const std::uint32_t epoch = epoch_.load();
   flushed_ = epoch != current_epoch_;
   current_epoch_ = epoch;
-  if (submissions_.value().epoch != epoch) {
-    current_.measured = false;
-    current_.sample.confidence = 0;
-    return;
+  if (flushed_)
+    interpolator_.clear();
+  broken_ = false;
+  const std::int64_t running = running_time_.at(now);
+  for (Submission submission; submissions_.pop(submission);) {
+    if (submission.epoch != epoch)
+      continue;
+    if (!is_finite(submission.motion.sample)) {
+      broken_ = true;
+      continue;
+    }
+    interpolator_.add(submission.motion, running);
+    if (!submission.motion.measured)
+      continue;
+    const std::int64_t age = now - submission.arrival;
+    add<std::uint64_t>(statistics_.samples_used);
+    add(statistics_.sample_age_sum, age);
+    raise(statistics_.sample_age_max, age);
   }
-  if (!fresh)
-    return;
-  current_ = submissions_.value();
-  if (!current_.measured)
-    return;
-  measured_ = current_.sample;
-  const std::int64_t age = now - current_.arrival;
-  add<std::uint64_t>(statistics_.samples_used);
-  add(statistics_.sample_age_sum, age);
-  raise(statistics_.sample_age_max, age);
+  // While the pipeline is paused its time stands still.
+  if (flushed_ || !(holds_.load() & kHoldPaused))
+    motion_ = interpolator_.at(running);
 }
 
 void HapticLoop::exchange(std::int64_t now) noexcept {
@@ -203,16 +227,22 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   hand_.write({device->state().pose.position, device->state().valid});
 }
 
-spidar::Vector3 HapticLoop::next_force(std::int64_t now, double dt, bool late) noexcept {
-  Hand hand;
+spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
+  const LoopSettings &settings = settings_.value();
   std::uint32_t holds = holds_.load();
   if (late)
     holds |= kHoldLate;
   if (flushed_) // a flush may be over within a tick
     holds |= kHoldFlushing;
+  if (motion_.cut)
+    holds |= kHoldCut;
+  SafetyChain::Input input;
+  PlanarVelocity hand;
   if (environment_.device) {
     const auto &state = environment_.device->state();
-    hand = {state.pose, state.velocity};
+    input.hand_velocity = state.velocity;
+    hand = scale_hand(state.velocity, environment_.device->geometry().workspace_half,
+                      motion_.sample, settings.reference_width);
     if (!state.valid)
       holds |= kHoldNoPose;
     // A grip that nobody pushes may move as it likes.
@@ -223,30 +253,36 @@ spidar::Vector3 HapticLoop::next_force(std::int64_t now, double dt, bool late) n
     }
   }
 
-  const LoopSettings &settings = settings_.value();
-  SafetyChain::Input input;
-  input.wanted = laws_[settings.law]->force(scale_motion(measured_, settings.reference_width), hand,
-                                            settings.law_settings);
-  input.measured = current_.measured;
-  input.confidence = current_.sample.confidence;
-  input.age = static_cast<double>(now - current_.arrival) / static_cast<double>(kSecond);
-  input.interval = static_cast<double>(current_.sample.interval) / static_cast<double>(kSecond);
+  if (!motion_.measured)
+    smoother_.forget();
+  const Motion &motion =
+      smoother_.step(deadband_.step(scale_motion(motion_.sample, settings.reference_width), dt),
+                     settings.smooth_hz, dt);
+  input.wanted = laws_[settings.law]->wrench(motion, hand, settings.law_settings, dt);
+  if (broken_)
+    input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());
+  input.measured = motion_.measured;
+  input.confidence = motion_.sample.confidence;
+  input.age = motion_.age;
+  input.interval = motion_.interval;
   input.holds = holds;
   input.max_force = settings.law_settings.max_force;
+  input.max_torque = settings.law_settings.max_torque;
   input.slew_rate = settings.slew_rate;
+  input.damping = settings.damping;
   input.dt = dt;
-  spidar::Vector3 force = chain_.step(input);
+  spidar::Wrench wrench = chain_.step(input);
   if (chain_.found_non_finite())
     add<std::uint64_t>(statistics_.non_finite);
-  return force;
+  return wrench;
 }
 
 // While the pipeline does not play, the log goes on only until it has shown the force reach zero.
-void HapticLoop::write_row(std::int64_t now, const spidar::Vector3 &force) noexcept {
+void HapticLoop::write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
   const std::uint32_t holds = holds_.load();
   const bool playing = !(holds & kHoldPaused);
   log_begun_ = log_begun_ || playing;
-  const bool has_force = !force.isZero(0);
+  const bool has_force = !chain_.silent();
   const bool wanted =
       log_begun_ && ((playing && !(holds & kHoldEnded)) || has_force || row_had_force_);
   row_had_force_ = has_force;
@@ -263,11 +299,12 @@ void HapticLoop::write_row(std::int64_t now, const spidar::Vector3 &force) noexc
       row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
   }
   if (has_force || chain_.listening()) {
-    row.velocity = {measured_.velocity_x, measured_.velocity_y};
-    row.spin = measured_.spin;
+    row.velocity = {motion_.sample.velocity_x, motion_.sample.velocity_y};
+    row.spin = motion_.sample.spin;
   }
-  row.force = {force.x(), force.y(), force.z()};
-  row.confidence = current_.sample.confidence;
+  row.force = {wrench.force.x(), wrench.force.y(), wrench.force.z()};
+  row.torque = {wrench.torque.x(), wrench.torque.y(), wrench.torque.z()};
+  row.confidence = motion_.sample.confidence;
   if (!environment_.log->write(row))
     add<std::uint64_t>(statistics_.log_rows_lost);
 }

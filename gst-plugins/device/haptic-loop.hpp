@@ -1,11 +1,17 @@
-// The real-time loop: device exchange, law, safety chain, command. No GStreamer in it.
+// The real-time loop: device exchange, interpolation, law, safety chain, command. No GStreamer in
+// it.
 #pragma once
 
+#include "deadband.hpp"
 #include "duration-histogram.hpp"
 #include "force-law.hpp"
+#include "motion-interpolator.hpp"
+#include "motion-smoother.hpp"
 #include "newest-slot.hpp"
 #include "running-time.hpp"
 #include "safety-chain.hpp"
+#include "sample-ring.hpp"
+#include "suspend-detector.hpp"
 #include "tick-log.hpp"
 
 #include <atomic>
@@ -27,6 +33,8 @@ struct LoopSettings {
   LawSettings law_settings;
   double reference_width = 352; ///< px, 0: native
   double slew_rate = 20;        ///< N/s
+  double damping = 1;           ///< N·s/m
+  double smooth_hz = 0;         ///< Hz, 0: off
 };
 
 /// Where the hand is, for the pointer.
@@ -43,6 +51,7 @@ struct LoopStatistics {
   std::atomic<std::uint64_t> device_faults = 0; ///< three failed exchanges in a row
   std::atomic<std::uint64_t> overspeeds = 0;    ///< grip faster than 1 m/s with a force on it
   std::atomic<std::uint64_t> non_finite = 0;    ///< ticks silenced by a NaN or an infinity
+  std::atomic<std::uint64_t> suspends = 0;      ///< times that the machine slept
   std::atomic<std::uint64_t> log_rows_lost = 0;
   std::atomic<std::uint64_t> samples_used = 0;
   std::atomic<std::int64_t> sample_age_sum = 0; ///< ns from submit() to the first tick with it
@@ -86,23 +95,31 @@ public:
   /// Forgets every sample submitted so far.
   void drop_samples() noexcept { epoch_.fetch_add(1); }
   void calibrate() noexcept { calibrate_.store(true); }
+  /// What was commanded last; of the thread that ticks.
+  const spidar::Wrench &wrench() const noexcept { return chain_.wrench(); }
   bool silent() const noexcept { return silent_.load(); }
   const LoopStatistics &statistics() const noexcept { return statistics_; }
-  /// Relation of the clocks for the log; one thread at a time.
+  /// How the clocks are related: for the log, and for samples with a time.
   void set_running_time(std::int64_t monotonic, std::int64_t running) noexcept {
     running_time_.set(monotonic, running);
+  }
+  /// ns, as last related.
+  std::int64_t running_time(std::int64_t monotonic) const noexcept {
+    return running_time_.at(monotonic);
   }
 
   // Streaming thread.
 
-  /// A measurement, come at `arrival` (ns, monotonic). Takes over from the one before on the next
-  /// tick.
-  void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now()) noexcept {
-    submissions_.write({sample, true, arrival, epoch_.load()});
+  /// A measurement, come at `arrival` (ns, monotonic), that is to be felt `middle` (ns, running
+  /// time that set_running_time() relates to the monotonic clock; MotionInterpolator).
+  void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now(),
+              std::int64_t middle = kAtOnce) noexcept {
+    submit({{sample, true, middle}, arrival, epoch_.load()});
   }
-  /// Nothing was measured.
-  void submit_gap(std::int64_t arrival = monotonic_now()) noexcept {
-    submissions_.write({{}, false, arrival, epoch_.load()});
+  /// Nothing was measured; the sample's flags say why.
+  void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),
+                  std::int64_t middle = kAtOnce) noexcept {
+    submit({{sample, false, middle}, arrival, epoch_.load()});
   }
 
   // One writer at a time.
@@ -118,17 +135,19 @@ public:
 
 private:
   struct Submission {
-    MotionSample sample;
-    bool measured = false;
+    TimedMotion motion;
     std::int64_t arrival = 0; // ns, monotonic
     std::uint32_t epoch = 0;
   };
 
+  // A loop that is so far behind has stood still for seconds: what is lost then is stale anyway.
+  void submit(const Submission &submission) noexcept { submissions_.push(submission); }
+
   void run(const std::stop_token &stop) noexcept;
-  void take_submission(std::int64_t now) noexcept;
+  void take_submissions(std::int64_t now) noexcept;
   void exchange(std::int64_t now) noexcept;
-  spidar::Vector3 next_force(std::int64_t now, double dt, bool late) noexcept;
-  void write_row(std::int64_t now, const spidar::Vector3 &force) noexcept;
+  spidar::Wrench next_wrench(double dt, bool late) noexcept;
+  void write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
   // Between threads.
   std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused;
@@ -136,9 +155,9 @@ private:
   std::atomic<bool> calibrate_ = false;
   std::atomic<bool> silent_ = true;
   std::atomic<int> priority_error_ = -1;
-  NewestSlot<Submission> submissions_; // streaming thread -> loop
-  NewestSlot<LoopSettings> settings_;  // property setters, under the object's lock -> loop
-  NewestSlot<HandPosition> hand_;      // loop -> pointer thread
+  SampleRing<Submission, 256> submissions_; // streaming thread -> loop
+  NewestSlot<LoopSettings> settings_;       // property setters, under the object's lock -> loop
+  NewestSlot<HandPosition> hand_;           // loop -> pointer thread
   RunningTime running_time_;
   LoopStatistics statistics_;
 
@@ -147,8 +166,12 @@ private:
   std::int64_t period_ = 1'000'000; // ns
   std::vector<std::unique_ptr<ForceLaw>> laws_;
   SafetyChain chain_;
-  Submission current_;    // the newest one
-  MotionSample measured_; // the newest one that holds a measurement
+  MotionInterpolator interpolator_;
+  MotionAt motion_;     // felt now
+  bool broken_ = false; // a sample held a number that is not finite
+  Deadband deadband_;
+  MotionSmoother smoother_;
+  SuspendDetector suspend_;
   std::uint32_t current_epoch_ = 0;
   bool flushed_ = false;       // samples were dropped since the last tick
   std::int64_t last_tick_ = 0; // ns, 0: none yet

@@ -5,15 +5,8 @@
 namespace haptic {
 namespace {
 
-constexpr double kFastest = 1e6; // px/s
-
-double deadband(double speed) {
-  if (speed <= kStillSpeed)
-    return 0;
-  if (speed >= kMovingSpeed)
-    return 1;
-  return kMovingSpeed / (kMovingSpeed - kStillSpeed) * (speed - kStillSpeed) / speed;
-}
+constexpr double kFastest = 1e6;     // px/s
+constexpr double kFastestTurn = 1e4; // rad/s, and 1/s
 
 } // namespace
 
@@ -22,13 +15,24 @@ Motion scale_motion(const MotionSample &sample, double reference_width) noexcept
   const double scale = known ? reference_width / sample.picture_width : 1;
   const double x = scale * sample.velocity_x;
   const double y = scale * sample.velocity_y * sample.pixel_aspect_d / sample.pixel_aspect_n;
-  const double keep = deadband(std::hypot(x, y));
-  return {keep * x, keep * y};
+  return {{x, y}, sample.spin, sample.divergence};
+}
+
+PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3 &workspace_half,
+                          const MotionSample &sample, double reference_width) noexcept {
+  if (sample.picture_width == 0)
+    return {};
+  const double width = reference_width > 0 ? reference_width : sample.picture_width;
+  const double height = width * sample.picture_height / sample.picture_width *
+                        sample.pixel_aspect_d / sample.pixel_aspect_n;
+  return {velocity.x() / (2 * workspace_half.x()) * width,
+          -velocity.y() / (2 * workspace_half.y()) * height};
 }
 
 bool is_plausible(const MotionSample &sample) noexcept {
   // Written so that NaN fails.
-  return std::hypot(sample.velocity_x, sample.velocity_y) <= kFastest;
+  return std::hypot(sample.velocity_x, sample.velocity_y) <= kFastest &&
+         std::abs(sample.spin) <= kFastestTurn && std::abs(sample.divergence) <= kFastestTurn;
 }
 
 } // namespace haptic

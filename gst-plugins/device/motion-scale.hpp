@@ -1,27 +1,41 @@
-// From pixels of one picture to motion that means the same for every picture.
+// From the pixels of a sample's own picture to those of the reference width.
 #pragma once
 
 #include "motion-sample.hpp"
 
+#include <spidar/types.hpp>
+
 namespace haptic {
 
-/// Motion as a force law sees it: square pixels of a picture that is `reference-width` wide, x to
-/// the right and y down, freed from the tracker's noise around standstill.
-struct Motion {
-  double velocity_x = 0; ///< px/s
-  double velocity_y = 0; ///< px/s
+/// In the plane of the picture: x to the right, y down.
+struct PlanarVelocity {
+  double x = 0; ///< px/s
+  double y = 0; ///< px/s
 };
 
-/// The speed below which a motion counts as none, and from which on it is left as it is; linear
-/// between, so that the force does not chatter around standstill. px/s of the reference width.
-inline constexpr double kStillSpeed = 3;
-inline constexpr double kMovingSpeed = 6;
+struct PlanarForce {
+  double x = 0; ///< N
+  double y = 0; ///< N
+};
+
+/// Motion as the force laws see it: in pixels of a picture of the reference width, both axes in
+/// units of its pixel width.
+struct Motion {
+  PlanarVelocity velocity;
+  double spin = 0;       ///< rad/s, positive turns x towards y
+  double divergence = 0; ///< 1/s
+};
 
 /// `reference_width` in px; 0 keeps the pixels of the picture itself. Real-time safe.
 Motion scale_motion(const MotionSample &sample, double reference_width) noexcept;
 
-/// False for speeds that no tracker can measure: faster than 1e6 px/s, an 8K picture's width
-/// in a hundredth of a second. Such a sample is damaged.
+/// The hand's velocity (m/s, y up) as that of its point in the picture, in the same unit: the
+/// workspace is the picture (paper, equation 1). Real-time safe.
+PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3 &workspace_half,
+                          const MotionSample &sample, double reference_width) noexcept;
+
+/// False for motions that no tracker can measure: faster than 1e6 px/s, an 8K picture's width in a
+/// hundredth of a second; or 1e4 turns or doublings a second. Such a sample is damaged.
 bool is_plausible(const MotionSample &sample) noexcept;
 
 } // namespace haptic

@@ -1,4 +1,4 @@
-// The time column of the log: the pipeline's running time, told by the monotonic clock.
+// The pipeline's running time, told by the monotonic clock.
 #pragma once
 
 #include <algorithm>
@@ -19,15 +19,19 @@ public:
       offset_.store(offset, std::memory_order_relaxed);
   }
 
-  /// Running time at `monotonic`, s. Never decreases: where the running time itself starts again
-  /// (a flushing seek) this one goes on from where it was.
+  /// The time column of the log: running time at `monotonic`, s. Never decreases: where the running
+  /// time itself starts again (a flushing seek) this one goes on from where it was.
   double advance(std::int64_t monotonic) noexcept {
-    const std::int64_t running =
-        std::max<std::int64_t>(monotonic - offset_.load(std::memory_order_relaxed), 0);
+    const std::int64_t running = std::max<std::int64_t>(at(monotonic), 0);
     if (running + shift_ < last_ - kRestart)
       shift_ = last_ - running;
     last_ = std::max(last_, running + shift_);
     return last();
+  }
+
+  /// Running time at `monotonic`, ns, as it is; it jumps where the pipeline's does.
+  std::int64_t at(std::int64_t monotonic) const noexcept {
+    return monotonic - offset_.load(std::memory_order_relaxed);
   }
 
   /// What advance() returned last.

@@ -8,6 +8,7 @@ namespace haptic {
 namespace {
 
 using spidar::Vector3;
+using spidar::Wrench;
 
 struct FadeTimes {
   std::uint32_t hold;
@@ -16,16 +17,17 @@ struct FadeTimes {
 };
 
 constexpr std::array kFadeTimes = {
-    FadeTimes{kHoldClosed, 0, 0.05},     FadeTimes{kHoldPaused, 0.1, 0.05},
-    FadeTimes{kHoldFlushing, 0.05, 0.2}, FadeTimes{kHoldEnded, 0.1, 0.2},
-    FadeTimes{kHoldReleased, 0.05, 0.5}, FadeTimes{kHoldOverspeed, 0.05, 0.5},
-    FadeTimes{kHoldFaulted, 0, 0.5},     FadeTimes{kHoldLate, 0.05, 0.2},
-    FadeTimes{kHoldNoPose, 0.05, 0.2},   FadeTimes{kHoldGap, 0.1, 0.05},
-    FadeTimes{kHoldStale, 0.1, 0.05},
+    FadeTimes{kHoldClosed, 0, 0.05},      FadeTimes{kHoldPaused, 0.1, 0.05},
+    FadeTimes{kHoldFlushing, 0.05, 0.2},  FadeTimes{kHoldEnded, 0.1, 0.2},
+    FadeTimes{kHoldReleased, 0.05, 0.5},  FadeTimes{kHoldOverspeed, 0.05, 0.5},
+    FadeTimes{kHoldFaulted, 0, 0.5},      FadeTimes{kHoldLate, 0.05, 0.2},
+    FadeTimes{kHoldNoPose, 0.05, 0.2},    FadeTimes{kHoldGap, 0.1, 0.05},
+    FadeTimes{kHoldStale, 0.1, 0.05},     FadeTimes{kHoldCut, 0.05, 0.05},
+    FadeTimes{kHoldSuspended, 0.05, 0.5},
 };
 
 // Over within a tick, but what came before must not go on as if nothing had been.
-constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate;
+constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate | kHoldCut;
 
 constexpr double kGateRelease = 0.1;  // s, time constant
 constexpr double kGateNothing = 1e-3; // an exponential never ends by itself
@@ -33,15 +35,37 @@ constexpr double kStaleIntervals = 3;
 constexpr double kStaleShortest = 0.1; // s
 constexpr double kStaleLongest = 2;    // s
 
+// The force goes down over the last of the work, so that running out of it is no step.
+constexpr double kWorkToFade = 0.25; // J
+
 bool is_finite(const SafetyChain::Input &input) {
-  return input.wanted.allFinite() && std::isfinite(input.confidence) && std::isfinite(input.age) &&
-         std::isfinite(input.interval) && std::isfinite(input.max_force) &&
-         std::isfinite(input.slew_rate) && std::isfinite(input.dt);
+  return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
+         input.hand_velocity.allFinite() && std::isfinite(input.confidence) &&
+         std::isfinite(input.age) && std::isfinite(input.interval) &&
+         std::isfinite(input.max_force) && std::isfinite(input.max_torque) &&
+         std::isfinite(input.slew_rate) && std::isfinite(input.damping) && std::isfinite(input.dt);
 }
 
 Vector3 clamp_norm(const Vector3 &v, double limit) {
   const double norm = v.norm();
   return norm > limit ? Vector3(v * (limit / norm)) : v;
+}
+
+// A step of at most `most` towards the target, and not beyond the limit but on the way back to it.
+Vector3 approach(const Vector3 &from, const Vector3 &target, double most, double limit) {
+  const Vector3 change = target - from;
+  const Vector3 reached = change.norm() <= most ? target : Vector3(from + clamp_norm(change, most));
+  return clamp_norm(reached, std::max(limit, from.norm() - most));
+}
+
+// Against the hand's speed above kUndamped. Never stronger than the force it damps: without a force
+// there is nothing to run away with.
+Vector3 damped(const Vector3 &force, const SafetyChain::Input &input) {
+  const double speed = input.hand_velocity.norm();
+  if (speed <= SafetyChain::kUndamped)
+    return force;
+  const double brake = std::min(input.damping * (speed - SafetyChain::kUndamped), force.norm());
+  return force - brake / speed * input.hand_velocity;
 }
 
 } // namespace
@@ -54,7 +78,7 @@ double confidence_gate(double confidence) noexcept {
   return std::clamp((confidence - 0.2) / 0.3, 0.0, 1.0);
 }
 
-Vector3 SafetyChain::step(const Input &input) noexcept {
+Wrench SafetyChain::step(const Input &input) noexcept {
   listening_ = false;
   non_finite_ = !is_finite(input);
   if (non_finite_)
@@ -78,23 +102,24 @@ Vector3 SafetyChain::step(const Input &input) noexcept {
   if (gate_ < kGateNothing)
     gate_ = 0;
 
+  account_for_work(input);
   if (holds)
     return fade_out(holds, dt);
   return follow(input);
 }
 
-Vector3 SafetyChain::silence() noexcept {
+Wrench SafetyChain::silence() noexcept {
   envelope_ = 0;
   gate_ = 0;
-  accepted_.setZero();
-  output_.setZero();
+  accepted_ = {};
+  output_ = {};
   return output_;
 }
 
 // Scales down what is commanded now, so that the force falls in a straight line whatever the law
 // and the samples do meanwhile, and reaches zero in time also where the slew limit would not let
 // it.
-Vector3 SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
+Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   if (!holds_) {
     fade_left_ = kStaleLongest;
     if (envelope_ >= 1)
@@ -117,11 +142,19 @@ Vector3 SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   const double factor = (fade_left_ - dt) / fade_left_;
   fade_left_ -= dt;
   envelope_ *= factor;
-  output_ *= factor;
+  output_.force *= factor;
+  output_.torque *= factor;
   return output_;
 }
 
-Vector3 SafetyChain::follow(const Input &input) noexcept {
+// Only what the force gave counts: a hand that pushes back does not earn a harder push.
+void SafetyChain::account_for_work(const Input &input) noexcept {
+  const double dt = std::max(input.dt, 0.0);
+  const double power = std::max(output_.force.dot(input.hand_velocity), 0.0);
+  work_left_ = std::clamp(work_left_ + (kWorkRate - power) * dt, 0.0, kWorkAtOnce);
+}
+
+Wrench SafetyChain::follow(const Input &input) noexcept {
   holds_ = 0;
   const double dt = std::max(input.dt, 0.0);
   envelope_ = fade_in_ > 0 ? std::min(envelope_ + dt / fade_in_, 1.0) : 1.0;
@@ -129,13 +162,14 @@ Vector3 SafetyChain::follow(const Input &input) noexcept {
   // A measurement not worth trusting must not turn the force on its way to zero.
   if (confidence_gate(input.confidence) > 0)
     accepted_ = input.wanted;
-  const Vector3 target = clamp_norm(accepted_, input.max_force) * (gate_ * envelope_);
+  const double share = gate_ * envelope_;
+  const double work_share = std::min(work_left_ / kWorkToFade, 1.0);
+  const Vector3 force = clamp_norm(accepted_.force, input.max_force) * (share * work_share);
+  const Vector3 torque = clamp_norm(accepted_.torque, input.max_torque) * share;
 
   const double step = input.slew_rate * dt;
-  const double before = output_.norm();
-  const Vector3 change = target - output_;
-  output_ = change.norm() <= step ? target : Vector3(output_ + clamp_norm(change, step));
-  output_ = clamp_norm(output_, std::max(input.max_force, before - step));
+  output_.force = approach(output_.force, damped(force, input), step, input.max_force);
+  output_.torque = approach(output_.torque, torque, step * kTorqueArm, input.max_torque);
   return output_;
 }
 

@@ -95,6 +95,7 @@ struct State {
   std::unique_ptr<haptic::PatchTracker> tracker = make_tracker(kDefaultMethod);
   haptic::PictureTimeline timeline;
   haptic::RepetitionJudge repetition;
+  haptic::RegionSize region_size;
   haptic::BufferPtr reference; // the earlier picture
   Rectangle moving_crop;       // where motion was last seen; empty: nowhere yet
   bool reference_was_measured = false;
@@ -424,8 +425,10 @@ GstFlowReturn process(GstRoiTracker *self, GstBuffer *buffer) {
   State &state = *self->state;
   follow_controllers(self, buffer);
   const Settings settings = take_settings(self);
-  const int side = settings.roi_size > 0 ? static_cast<int>(settings.roi_size)
+  const int base = settings.roi_size > 0 ? static_cast<int>(settings.roi_size)
                                          : haptic::default_region_side(state.picture_width);
+  const int side =
+      state.region_size.side(settings.pointer.z, base, state.picture_width, state.picture_height);
   const Rectangle region = haptic::region_at(settings.pointer.x, settings.pointer.y, side,
                                              state.picture_width, state.picture_height);
 
@@ -535,7 +538,7 @@ static gboolean gst_roi_tracker_src_event(GstBaseTransform *trans, GstEvent *eve
     if (!position)
       return false;
     const ObjectLock lock(self);
-    self->state->pointers.point_haptic({position->x, position->y}, Clock::now());
+    self->state->pointers.point_haptic({position->x, position->y, position->z}, Clock::now());
     return true;
   });
   if (is_mine) {
@@ -599,6 +602,7 @@ static gboolean gst_roi_tracker_stop(GstBaseTransform *trans) {
   return guarded(trans, FALSE, [&] {
     State &state = *GST_ROI_TRACKER(trans)->state;
     state.forget_pictures();
+    state.region_size = {};
     const ObjectLock lock(trans);
     state.pointers.forget();
     state.picture_width = 0;

@@ -10,6 +10,7 @@ namespace haptic {
 struct Pointer {
   double x = 0.5;
   double y = 0.5;
+  double z = 0; ///< -1..1 of the half workspace, towards the user; only a device has it
   bool operator==(const Pointer &) const = default;
 };
 

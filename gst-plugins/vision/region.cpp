@@ -25,6 +25,21 @@ int default_region_side(int picture_width) {
   return std::max(1, static_cast<int>(std::lround(picture_width * kSide / kPictureWidth)));
 }
 
+int RegionSize::side(double z, int base, int picture_width, int picture_height) {
+  constexpr double kDoubling = 0.5; // a quarter of the workspace, in z
+  constexpr double kHysteresis = 0.1;
+  const double smallest =
+      std::max<double>(kSmallestRegion, std::round(picture_width * kSmallestRegion / 352.0));
+  const double largest = std::max(smallest, std::min(picture_width, picture_height) / 2.0);
+  const double wanted = std::clamp(base * std::exp2(z / kDoubling), smallest, largest);
+  // A hand about the centre, and a pointer without a third dimension, mean the size as it is set.
+  if (std::abs(std::exp2(z / kDoubling) - 1) <= kHysteresis)
+    side_ = base;
+  else if (side_ == 0 || std::abs(wanted - side_) > kHysteresis * side_)
+    side_ = 2 * static_cast<int>(std::lround(wanted / 2));
+  return side_;
+}
+
 Rectangle region_at(double pointer_x, double pointer_y, int side, int picture_width,
                     int picture_height) {
   const Interval x = interval_at(pointer_x * picture_width, side, picture_width);

@@ -18,6 +18,20 @@ inline constexpr int kSmallestRegion = 12;
 /// Side of the region at a picture width, both px: 30 px in a picture 352 px wide (paper, 3.2.1).
 int default_region_side(int picture_width);
 
+/// The hand's third dimension: how far it is pulled towards the user chooses how much of the
+/// picture it feels, the fruit or the tree. Not thread-safe.
+class RegionSize {
+public:
+  /// Side in px, even. `z` is that of the pointer event, -1..1 of the half workspace: `base` at 0,
+  /// doubled for each quarter of the workspace towards the user, halved away from him. Bounded by
+  /// what can be measured and by half of the picture. Follows only a change of more than a tenth,
+  /// so that a hand that trembles leaves the size alone.
+  int side(double z, int base, int picture_width, int picture_height);
+
+private:
+  int side_ = 0;
+};
+
 /// The square of `side` px about the pointer, clipped at the picture. `pointer_x` and `pointer_y`
 /// are fractions of the picture, 0..1, origin at its top left (paper, equation 1). The centre stays
 /// under the pointer: at a border the region gets smaller, it does not move inwards. At least 1x1.

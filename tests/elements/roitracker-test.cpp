@@ -68,10 +68,11 @@ protected:
     EXPECT_NEAR(found->y, shift.y, 0.05);
   }
 
-  void point_haptic(double x, double y) {
+  void point_haptic(double x, double y, double z = 0) {
     haptic::PointerPosition position;
     position.x = x;
     position.y = y;
+    position.z = z;
     EXPECT_TRUE(gst_harness_push_upstream_event(harness.get(),
                                                 haptic::make_pointer_event(position).release()));
   }
@@ -450,6 +451,33 @@ TEST_F(RoiTracker, NewCapsInMidStreamStartAnew) {
   EXPECT_EQ(motion_of(first).flags, static_cast<guint>(GST_HAPTIC_MOTION_DISCONTINUITY));
   EXPECT_EQ(motion_of(first).picture_width, 321U);
   expect_motion(harness.pass(texture.picture(321, 243, {1, 1}), 3 * kFrame), {1, 1});
+}
+
+// The third dimension of the hand
+
+TEST_F(RoiTracker, AHandPulledTowardsTheUserFeelsMoreOfThePicture) {
+  // The last would be 120 px, but half of the picture is enough.
+  const std::pair<double, float> kSides[] = {{0.2, 40.0F}, {0.5, 60.0F}, {-0.4, 18.0F}, {1, 72.0F}};
+  int i = 0;
+  for (const auto &[z, side] : kSides) {
+    point_haptic(0.5, 0.5, z);
+    const BufferPtr picture = pass_moving(i++);
+    EXPECT_EQ(motion_of(picture).region_width, side) << z;
+    if (i > 1)
+      expect_motion(picture, {2, -1}); // the size does not change the motion
+  }
+}
+
+TEST_F(RoiTracker, AChangeOfTheSizeAloneIsExactlyNothing) {
+  const Picture still = moving(0);
+  for (int i = 0; i < 40; ++i) {
+    point_haptic(0.5, 0.5, i % 2 ? 0.8 : -0.3);
+    const BufferPtr picture = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
+    EXPECT_EQ(motion_of(picture).n_patches, 0U);
+    if (i > 1) {
+      EXPECT_EQ(motion_of(picture).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL));
+    }
+  }
 }
 
 // Pictures that do not change

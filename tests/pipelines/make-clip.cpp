@@ -2,13 +2,16 @@
 //
 //   make-clip WIDTH HEIGHT FRAMES-PER-SECOND SECONDS SCENE
 //
-// SCENE is `uniform:VX,VY`, everything moving at so many px/s (x right, y down), or
-// `halves:VX,VY,VX,VY`, the left half moving one way and the right half another.
+// SCENE is `uniform:VX,VY`, everything moving at so many px/s (x right, y down),
+// `halves:VX,VY,VX,VY`, the left half moving one way and the right half another, or `leaf`,
+// everything swinging to the left and right like a leaf in the wind.
+#include "leaf.hpp"
 #include "moving-texture.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <vector>
 
 namespace {
@@ -33,7 +36,7 @@ std::vector<Velocity> parse_scene(const char *scene) {
 }
 
 int write_clip(int width, int height, double rate, double seconds,
-               const std::vector<Velocity> &parts) {
+               const std::vector<Velocity> &parts, bool is_leaf) {
   const test::Texture texture(7);
   test::Picture picture(width, height);
   const int frames = static_cast<int>(std::lround(rate * seconds));
@@ -41,7 +44,8 @@ int write_clip(int width, int height, double rate, double seconds,
   for (int frame = 0; frame < frames; ++frame) {
     const double time = frame / rate;
     for (int i = 0; i < count; ++i) {
-      texture.paint(picture, {parts[i].x * time, parts[i].y * time}, i * width / count,
+      const double swing = is_leaf ? test::Leaf::position(time) : 0;
+      texture.paint(picture, {parts[i].x * time + swing, parts[i].y * time}, i * width / count,
                     (i + 1) * width / count);
     }
     const auto &pixels = picture.pixels;
@@ -60,13 +64,14 @@ int main(int argc, char **argv) {
     const int height = std::atoi(argv[2]);
     const double rate = std::atof(argv[3]);
     const double seconds = std::atof(argv[4]);
-    const auto parts = parse_scene(argv[5]);
+    const bool is_leaf = std::strcmp(argv[5], "leaf") == 0;
+    const auto parts = is_leaf ? std::vector<Velocity>(1) : parse_scene(argv[5]);
     if (width > 0 && height > 0 && rate > 0 && seconds > 0 && !parts.empty()) {
-      return write_clip(width, height, rate, seconds, parts);
+      return write_clip(width, height, rate, seconds, parts, is_leaf);
     }
   }
   std::fputs("usage: make-clip WIDTH HEIGHT FRAMES-PER-SECOND SECONDS "
-             "uniform:VX,VY | halves:VX,VY,VX,VY\n",
+             "uniform:VX,VY | halves:VX,VY,VX,VY | leaf\n",
              stderr);
   return EXIT_FAILURE;
 }

@@ -27,3 +27,10 @@ promise "options after -- reach hapticsink" \
   "log-location=$work/log.csv"
 promise "and change the force" in_log "$work/log.csv" \
   'time < 1.2 || time > 1.8 || abs(fy - 4 / pi * atan(2)) < 0.04' pi=3.141592653589793
+
+# The same visible motion in a picture of another size: 100 px/s at a width of 352 px.
+clip "$work/clip.mkv" 1280 720 30 3 uniform:0,-363.636
+promise "a larger clip plays to its end" \
+  "$root/pipelines/play-file.sh" "$work/clip.mkv" -- device=sim "log-location=$work/log.csv"
+promise "the same visible motion is the same force within 2 %" in_log "$work/log.csv" \
+  'time < 1.2 || time > 2.5 || abs(fy - 0.5) <= 0.01'

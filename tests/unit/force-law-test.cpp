@@ -1,7 +1,9 @@
+#include "deadband.hpp"
 #include "force-law.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -15,7 +17,7 @@ using spidar::Vector3;
 Vector3 felt(const char *name, double vx, double vy, const LawSettings &settings = {}) {
   for (const auto &law : haptic::force_laws())
     if (std::string(law.name) == name)
-      return law.make()->force({vx, vy}, {}, settings);
+      return law.make()->wrench({.velocity = {vx, vy}}, {}, settings, 0.001).force;
   ADD_FAILURE() << "no law " << name;
   return Vector3::Zero();
 }
@@ -89,39 +91,61 @@ TEST(ArctanAxisLaw, IsEquation5OfEachAxisAsPrinted) {
 
 TEST(MotionScale, TheSameVisibleMotionMeansTheSameInEveryPicture) {
   const Motion cif = haptic::scale_motion(seen(100, -50, 352), 352);
-  const Motion hd = haptic::scale_motion(seen(100 * 1920 / 352.0, -50 * 1920 / 352.0, 1920), 352);
-  EXPECT_NEAR(cif.velocity_x, 100, 1e-9);
-  EXPECT_NEAR(hd.velocity_x, cif.velocity_x, 1e-4);
-  EXPECT_NEAR(hd.velocity_y, cif.velocity_y, 1e-4);
+  EXPECT_NEAR(cif.velocity.x, 100, 1e-9);
+  for (const std::uint32_t width : {1280U, 1920U, 3840U}) {
+    const double larger = width / 352.0;
+    const Motion same = haptic::scale_motion(seen(100 * larger, -50 * larger, width), 352);
+    EXPECT_NEAR(same.velocity.x, cif.velocity.x, 1e-4);
+    EXPECT_NEAR(same.velocity.y, cif.velocity.y, 1e-4);
+  }
 }
 
 TEST(MotionScale, ReferenceWidthZeroKeepsThePixelsOfThePicture) {
-  EXPECT_EQ(haptic::scale_motion(seen(545, 0, 1920), 0).velocity_x, 545);
+  EXPECT_EQ(haptic::scale_motion(seen(545, 0, 1920), 0).velocity.x, 545);
 }
 
 TEST(MotionScale, VerticalMotionIsCountedInPixelWidths) {
   MotionSample sample = seen(0, 120);
   sample.pixel_aspect_n = 12; // a pixel is 12 wide and 11 high
   sample.pixel_aspect_d = 11;
-  EXPECT_NEAR(haptic::scale_motion(sample, 352).velocity_y, 110, 1e-9);
+  EXPECT_NEAR(haptic::scale_motion(sample, 352).velocity.y, 110, 1e-9);
 }
 
-TEST(MotionScale, StandstillIsFreeOfNoiseAndMotionIsLeftAsItIs) {
-  EXPECT_EQ(haptic::scale_motion(seen(2, -2), 352).velocity_x, 0);
-  EXPECT_EQ(haptic::scale_motion(seen(0, 3), 352).velocity_y, 0);
-  EXPECT_NEAR(haptic::scale_motion(seen(4.5, 0), 352).velocity_x, 3, 1e-9);
-  EXPECT_EQ(haptic::scale_motion(seen(6, 0), 352).velocity_x, 6);
-  EXPECT_EQ(haptic::scale_motion(seen(20, 0), 352).velocity_x, 20);
+double kept(double vx, double vy = 0) {
+  return haptic::Deadband().step({.velocity = {vx, vy}}, 0.001).velocity.x;
 }
 
-TEST(MotionScale, TheDeadbandHasNoStep) {
+TEST(Deadband, StandstillIsFreeOfNoiseAndMotionIsLeftAsItIs) {
+  EXPECT_EQ(kept(2, -2), 0);
+  EXPECT_EQ(kept(3), 0);
+  EXPECT_NEAR(kept(4.5), 3, 1e-9);
+  EXPECT_EQ(kept(6), 6);
+  EXPECT_EQ(kept(20), 20);
+}
+
+TEST(Deadband, HasNoStep) {
   double before = 0;
   for (double v = 0; v < 10; v += 0.001) {
-    const double now = haptic::scale_motion(seen(v, 0), 352).velocity_x;
+    const double now = kept(v);
     ASSERT_GE(now, before);
     ASSERT_LE(now - before, 0.003);
     before = now;
   }
+}
+
+TEST(Deadband, AMotionThatTurnsRoundDoesNotStandStill) {
+  haptic::Deadband deadband;
+  for (double v = 100; v > -100; v -= 1) // in 0.2 s
+    ASSERT_EQ(deadband.step({.velocity = {v, 0}}, 0.001).velocity.x, v);
+}
+
+TEST(Deadband, NoiseAfterAMotionIsSilentWithinHalfASecond) {
+  haptic::Deadband deadband;
+  deadband.step({.velocity = {300, 0}}, 0.001);
+  Motion motion;
+  for (int i = 0; i < 500; ++i)
+    motion = deadband.step({.velocity = {2, 0}}, 0.001);
+  EXPECT_EQ(motion.velocity.x, 0);
 }
 
 TEST(MotionScale, AnImpossibleSpeedIsNotPlausible) {
@@ -131,7 +155,117 @@ TEST(MotionScale, AnImpossibleSpeedIsNotPlausible) {
 }
 
 TEST(MotionScale, ASampleWithoutAPictureIsHarmless) {
-  EXPECT_EQ(haptic::scale_motion({}, 352).velocity_x, 0);
+  EXPECT_EQ(haptic::scale_motion({}, 352).velocity.x, 0);
+}
+
+// ---- the other laws -----------------------------------------------------------------------------
+
+std::unique_ptr<haptic::ForceLaw> law(const std::string &name) {
+  for (const auto &info : haptic::force_laws())
+    if (name == info.name)
+      return info.make();
+  return nullptr;
+}
+
+Motion motion(double vx, double vy = 0) {
+  return {.velocity = {vx, vy}};
+}
+
+constexpr double kTick = 0.001; // s
+
+TEST(EveryLaw, IsOddAndTurnsWithTheMotion) {
+  for (const char *name : {"arctan", "linear", "drag", "inertial"}) {
+    for (double angle = 0.1; angle < 6.3; angle += 0.3) {
+      const auto straight = law(name)->wrench(motion(120, 0), {30, 0}, {}, kTick).force;
+      const Vector3 turned = law(name)
+                                 ->wrench(motion(120 * std::cos(angle), 120 * std::sin(angle)),
+                                          {30 * std::cos(angle), 30 * std::sin(angle)}, {}, kTick)
+                                 .force;
+      const Vector3 expected(straight.x() * std::cos(angle), -straight.x() * std::sin(angle), 0);
+      EXPECT_LE((turned - expected).norm(), 1e-12) << name << " at " << angle;
+    }
+    EXPECT_TRUE(law(name)->wrench({}, {}, {}, kTick).force.isZero(0)) << name;
+  }
+}
+
+TEST(EveryLaw, RecoversFromWhateverItIsGiven) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const auto &info : haptic::force_laws()) {
+    const auto made = info.make();
+    for (const double bad : {1e30, 1e300, infinity, std::nan("")})
+      made->wrench({{bad, -bad}, bad, bad}, {bad, bad}, {}, kTick);
+    Vector3 force = Vector3::Zero();
+    for (int i = 0; i < 20'000; ++i)
+      force = made->wrench(motion(100), {}, {}, kTick).force;
+    EXPECT_TRUE(force.allFinite()) << info.name;
+  }
+}
+
+TEST(LinearLaw, TheFastestMotionOfTheWindowGivesTheMaximumForce) {
+  const auto linear = law("linear");
+  const LawSettings settings{.max_force = 2, .gain_window = 1};
+  const auto feel = [&](double v) {
+    return linear->wrench(motion(v), {}, settings, kTick).force.x();
+  };
+  EXPECT_NEAR(feel(200), 2, 1e-12);
+  EXPECT_NEAR(feel(50), 0.5, 1e-12);
+  for (int i = 0; i < 900; ++i)
+    feel(50);
+  EXPECT_NEAR(feel(50), 0.5, 1e-12); // still remembered
+  for (int i = 0; i < 200; ++i)
+    feel(50);
+  EXPECT_NEAR(feel(50), 2, 1e-12); // and forgotten
+}
+
+TEST(LinearLaw, SilenceIsNotAmplified) {
+  const auto linear = law("linear");
+  EXPECT_NEAR(linear->wrench(motion(1), {}, {.gain_window = 1}, kTick).force.x(), 0.1, 1e-12);
+}
+
+TEST(DragLaw, IsEquation5OfTheMotionRelativeToTheHand) {
+  const auto drag = [](double v, double hand) {
+    return law("drag")->wrench(motion(v), {hand, 0}, {}, kTick).force.x();
+  };
+  EXPECT_NEAR(drag(100, 0), equation5(100), 1e-12); // a hand at rest feels the paper's law
+  EXPECT_EQ(drag(100, 100), 0);                     // one that goes along nothing
+  EXPECT_NEAR(drag(100, 300), -equation5(200), 1e-12);
+  EXPECT_NEAR(drag(100, -100), equation5(200), 1e-12);
+}
+
+TEST(InertialLaw, FeelsTheChangeOfTheMotionAndNotTheMotion) {
+  const auto inertial = law("inertial");
+  const auto feel = [&](double v) { return inertial->wrench(motion(v), {}, {}, kTick).force.x(); };
+  for (int i = 0; i < 2000; ++i)
+    feel(200);
+  EXPECT_NEAR(feel(200), 0, 1e-6);
+  double force = 0;
+  for (int i = 0; i < 1000; ++i)
+    force = feel(200 + 1000 * i * kTick); // 1000 px/s², over 0.1 s
+  EXPECT_NEAR(force, equation5(100), 0.01);
+}
+
+TEST(Torque, FollowsTheRotationOnTheScreen) {
+  const auto torque = [](double spin) -> Vector3 {
+    return law("arctan")->wrench({.spin = spin}, {}, {}, kTick).torque;
+  };
+  EXPECT_NEAR(torque(1).z(), -0.01, 1e-12); // clockwise on the screen: against z, half of 20 mN·m
+  EXPECT_NEAR(torque(-1).z(), 0.01, 1e-12);
+  EXPECT_LT(torque(-1e6).z(), 0.02);
+  EXPECT_EQ(torque(0.7).head<2>().norm(), 0);
+}
+
+TEST(Push, IsOffUnlessAskedForAndThenTowardsTheUser) {
+  const Motion approach{.divergence = 0.5};
+  EXPECT_EQ(law("arctan")->wrench(approach, {}, {}, kTick).force.z(), 0);
+  EXPECT_NEAR(law("arctan")->wrench(approach, {}, {.max_push = 1}, kTick).force.z(), 0.5, 1e-12);
+}
+
+TEST(HandScale, TheWorkspaceIsThePicture) {
+  MotionSample sample = seen(0, 0);
+  sample.picture_height = 288;
+  const auto hand = haptic::scale_hand({0.01, 0.02, 5}, {0.025, 0.025, 0.025}, sample, 352);
+  EXPECT_NEAR(hand.x, 0.01 / 0.05 * 352, 1e-9);
+  EXPECT_NEAR(hand.y, -0.02 / 0.05 * 288, 1e-9); // down in the picture
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-#include "haptic-loop.hpp"
+#include "loop-fixture.hpp"
 
 #include "device-choice.hpp"
 
@@ -18,96 +18,10 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::HapticLoop;
-using haptic::MotionSample;
-
-constexpr std::int64_t kMs = 1'000'000; // ns
-
-// The simulated device behind a wire that can be cut, and whose grip can be thrown.
-class Wire final : public spidar::Controller {
-public:
-  explicit Wire(const std::string &hand)
-      : geometry_(spidar::load_geometry(spidar::kDefaultGeometry)),
-        simulator_(geometry_, spidar::parse_hand_script(hand)) {}
-
-  bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
-    ++exchanges;
-    last_words = words;
-    std::this_thread::sleep_for(stall.exchange(0ms));
-    if (cut)
-      return false;
-    if (thrown_speed == 0)
-      return simulator_.exchange(words, counts);
-    thrown_.position.x() += thrown_speed * 0.001;
-    const spidar::StringLengths change =
-        string_lengths(geometry_, thrown_) - string_lengths(geometry_, {});
-    home(counts);
-    for (std::size_t i = 0; i < counts.size(); ++i)
-      counts[i] += static_cast<std::int32_t>(
-          std::lround(change[static_cast<Eigen::Index>(i)] / geometry_.metres_per_count[i]));
-    return true;
-  }
-  bool home(spidar::Counts &counts) const noexcept override { return simulator_.home(counts); }
-  std::string description() const override { return "a wire"; }
-
-  bool cut = false;
-  std::atomic<std::chrono::milliseconds> stall = 0ms; // once
-  double thrown_speed = 0;                            // m/s to the right, from the centre
-  int exchanges = 0;
-  spidar::DacWords last_words{};
-
-private:
-  spidar::Geometry geometry_;
-  spidar::Simulator simulator_;
-  spidar::Pose thrown_;
-};
-
-MotionSample moving(float vx, float vy) {
-  MotionSample sample;
-  sample.velocity_x = vx;
-  sample.velocity_y = vy;
-  sample.confidence = 1;
-  sample.interval = 33 * kMs;
-  sample.picture_width = 352;
-  sample.picture_height = 288;
-  return sample;
-}
-
-// Drives the ticks by hand, so that a test takes no time and knows every tick.
-class Loop : public ::testing::Test {
-protected:
-  void open(const std::string &hand = "hold:0,0,0") {
-    auto wire = std::make_unique<Wire>(hand);
-    wire_ = wire.get();
-    device_ = std::make_unique<spidar::Device>(std::move(wire),
-                                               spidar::load_geometry(spidar::kDefaultGeometry));
-    loop_.prepare({.device = device_.get()});
-    loop_.unhold(haptic::kHoldClosed);
-  }
-  void play() { loop_.unhold(haptic::kHoldPaused); }
-
-  void ticks(int n, std::int64_t lateness = 0) {
-    for (int i = 0; i < n; ++i) {
-      now_ += kMs;
-      loop_.tick(now_ - lateness, now_);
-    }
-  }
-  // A source of 100 samples/s for so long.
-  void play_motion(float vx, float vy, int ms) {
-    for (int i = 0; i < ms; i += 10) {
-      loop_.submit(moving(vx, vy), now_);
-      ticks(10);
-    }
-  }
-  double force_max() const { return loop_.statistics().force_max; }
-  bool is_held(std::uint32_t hold) const { return loop_.holds() & hold; }
-  spidar::Vector3 realised() const { return device_->state().realised.force; }
-
-  std::int64_t now_ = 1000 * kMs;
-  Wire *wire_ = nullptr;
-  std::unique_ptr<spidar::Device> device_;
-  HapticLoop loop_;
-};
+using test::kMs;
+using test::Loop;
+using test::moving;
+using test::Wire;
 
 TEST_F(Loop, TheDevicePullsWithTheForceOfEquation5) {
   open();
@@ -167,7 +81,7 @@ TEST_F(Loop, AGapFadesOut) {
   open();
   play();
   play_motion(100, 0, 500);
-  loop_.submit_gap(now_);
+  loop_.submit_gap({}, now_);
   ticks(101);
   EXPECT_TRUE(loop_.silent());
 }

@@ -49,4 +49,33 @@ TEST(Region, BelowTwelvePixelsIsTooSmallToMeasure) {
   EXPECT_FALSE(haptic::is_measurable({0, 0, 30, 11}));
 }
 
+TEST(RegionSize, DoublesWithEveryQuarterOfTheWorkspaceTowardsTheUser) {
+  const auto side = [](double z) { return haptic::RegionSize().side(z, 30, 352, 288); };
+  EXPECT_EQ(side(0), 30);
+  EXPECT_EQ(side(0.5), 60);
+  EXPECT_EQ(side(1), 120);
+  EXPECT_EQ(side(-0.5), 16); // 15, even
+}
+
+TEST(RegionSize, IsBoundedByWhatCanBeMeasuredAndByHalfThePicture) {
+  EXPECT_EQ(haptic::RegionSize().side(-1, 30, 352, 288), 12);
+  EXPECT_EQ(haptic::RegionSize().side(-1, 164, 1920, 1080), 66);
+  EXPECT_EQ(haptic::RegionSize().side(1, 60, 352, 288), 144);
+  EXPECT_EQ(haptic::RegionSize().side(1, 30, 20, 16), 12);
+}
+
+TEST(RegionSize, ATremblingHandLeavesItAlone) {
+  haptic::RegionSize size;
+  const int side = size.side(0.3, 30, 352, 288);
+  for (const double tremor : {0.02, -0.03, 0.05, -0.05, 0.0})
+    EXPECT_EQ(size.side(0.3 + tremor, 30, 352, 288), side);
+  EXPECT_NE(size.side(0.5, 30, 352, 288), side);
+}
+
+TEST(RegionSize, WithoutAThirdDimensionItIsWhatThePropertySays) {
+  haptic::RegionSize size;
+  for (const int base : {31, 8000, 5})
+    EXPECT_EQ(size.side(0, base, 352, 288), base);
+}
+
 } // namespace

@@ -14,12 +14,14 @@ constexpr double kTick = 0.001; // s
 
 SafetyChain::Input push(double fx, double fy = 0) {
   SafetyChain::Input input;
-  input.wanted = {fx, fy, 0};
+  input.wanted.force = {fx, fy, 0};
   input.measured = true;
   input.confidence = 1;
   input.interval = 1.0 / 30;
   input.max_force = 1;
+  input.max_torque = 0.02;
   input.slew_rate = 20;
+  input.damping = 1;
   input.dt = kTick;
   return input;
 }
@@ -27,7 +29,7 @@ SafetyChain::Input push(double fx, double fy = 0) {
 Vector3 steps(SafetyChain &chain, const SafetyChain::Input &input, int n) {
   Vector3 force = Vector3::Zero();
   for (int i = 0; i < n; ++i)
-    force = chain.step(input);
+    force = chain.step(input).force;
   return force;
 }
 
@@ -40,7 +42,7 @@ SafetyChain settled(const SafetyChain::Input &input) {
 // Steps until silent; the force must never grow on the way. s.
 double time_to_silence(SafetyChain &chain, const SafetyChain::Input &input, double force) {
   for (int n = 1; n < 10'000; ++n) {
-    const double now = chain.step(input).norm();
+    const double now = chain.step(input).force.norm();
     EXPECT_LE(now, force) << "after " << n << " ms";
     force = now;
     if (chain.silent())
@@ -69,7 +71,7 @@ TEST(SafetyChain, ChangesNoFasterThanTheSlewRate) {
     static SafetyChain::Input input = push(0);
     if (i % 33 == 0)
       input = push(force(random), force(random));
-    const Vector3 now = chain.step(input);
+    const Vector3 now = chain.step(input).force;
     ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
     before = now;
   }
@@ -84,7 +86,7 @@ TEST(SafetyChain, AReversalOfTheFullForceTakesTheSlewRatesTime) {
 TEST(SafetyChain, NeverExceedsTheMaximumForce) {
   SafetyChain chain;
   EXPECT_NEAR(steps(chain, push(4, 3), 1000).norm(), 1, 1e-12);
-  EXPECT_NEAR(chain.step(push(4, 3)).x(), 0.8, 1e-12); // the direction is kept
+  EXPECT_NEAR(chain.step(push(4, 3)).force.x(), 0.8, 1e-12); // the direction is kept
 }
 
 TEST(SafetyChain, ALoweredMaximumForceIsApproachedAtTheSlewRate) {
@@ -100,9 +102,10 @@ TEST(SafetyChain, EveryReasonForSilenceHasItsTime) {
     std::uint32_t hold;
     double seconds;
   } kTimes[] = {
-      {haptic::kHoldPaused, 0.1},    {haptic::kHoldEnded, 0.1},     {haptic::kHoldFlushing, 0.05},
-      {haptic::kHoldReleased, 0.05}, {haptic::kHoldLate, 0.05},     {haptic::kHoldOverspeed, 0.05},
-      {haptic::kHoldNoPose, 0.05},   {haptic::kHoldFaulted, 0.001}, {haptic::kHoldClosed, 0.001}};
+      {haptic::kHoldPaused, 0.1},    {haptic::kHoldEnded, 0.1},   {haptic::kHoldFlushing, 0.05},
+      {haptic::kHoldReleased, 0.05}, {haptic::kHoldLate, 0.05},   {haptic::kHoldOverspeed, 0.05},
+      {haptic::kHoldNoPose, 0.05},   {haptic::kHoldCut, 0.05},    {haptic::kHoldSuspended, 0.05},
+      {haptic::kHoldFaulted, 0.001}, {haptic::kHoldClosed, 0.001}};
   for (const auto &[hold, seconds] : kTimes) {
     SafetyChain chain = settled(push(1));
     EXPECT_NEAR(time_to_silence(chain, held(push(1), hold), 1), seconds, kTick / 2) << hold;
@@ -171,7 +174,7 @@ TEST(SafetyChain, AGapDuringTheFadeInAfterArmDoesNotHurryIt) {
 TEST(SafetyChain, AFadeThatIsTakenBackGoesOnWithoutAStep) {
   SafetyChain chain = settled(push(1));
   const double before = steps(chain, held(push(1), haptic::kHoldPaused), 50).x();
-  const double after = chain.step(push(1)).x();
+  const double after = chain.step(push(1)).force.x();
   EXPECT_NEAR(before, 0.5, 1e-9);
   EXPECT_GE(after, before);
   EXPECT_LE(after - before, 20 * kTick + 1e-12);
@@ -214,7 +217,7 @@ TEST(SafetyChain, ConfidenceOpensAtOnceAndClosesSlowly) {
   auto doubtful = push(0.01);
   doubtful.confidence = 0.1;
   EXPECT_NEAR(steps(chain, doubtful, 100).x(), 0.01 * std::exp(-1), 1e-5);
-  EXPECT_NEAR(chain.step(push(0.01)).x(), 0.01, 1e-12);
+  EXPECT_NEAR(chain.step(push(0.01)).force.x(), 0.01, 1e-12);
   steps(chain, doubtful, 1000);
   EXPECT_TRUE(chain.silent());
 }
@@ -225,7 +228,7 @@ TEST(SafetyChain, ADoubtfulMeasurementDecaysTheForceAndDoesNotTurnIt) {
   doubtful.confidence = 0.15;
   double before = 0.5;
   for (int i = 0; i < 500; ++i) {
-    const Vector3 now = chain.step(doubtful);
+    const Vector3 now = chain.step(doubtful).force;
     ASSERT_GE(now.x(), 0);
     ASSERT_LE(now.x(), before);
     ASSERT_EQ(now.y(), 0);
@@ -237,8 +240,12 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (double bad : {nan, infinity, -infinity}) {
-    for (auto spoil : {+[](SafetyChain::Input &i, double b) { i.wanted.y() = b; },
+    for (auto spoil : {+[](SafetyChain::Input &i, double b) { i.wanted.force.y() = b; },
                        +[](SafetyChain::Input &i, double b) { i.confidence = b; },
+                       +[](SafetyChain::Input &i, double b) { i.wanted.torque.z() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.hand_velocity.x() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.max_torque = b; },
+                       +[](SafetyChain::Input &i, double b) { i.damping = b; },
                        +[](SafetyChain::Input &i, double b) { i.age = b; },
                        +[](SafetyChain::Input &i, double b) { i.interval = b; },
                        +[](SafetyChain::Input &i, double b) { i.max_force = b; },
@@ -247,9 +254,9 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
       SafetyChain chain = settled(push(1));
       auto input = push(1);
       spoil(input, bad);
-      EXPECT_TRUE(chain.step(input).isZero(0));
+      EXPECT_TRUE(chain.step(input).force.isZero(0));
       EXPECT_TRUE(chain.found_non_finite());
-      EXPECT_LE(chain.step(push(1)).norm(), 20 * kTick + 1e-12);
+      EXPECT_LE(chain.step(push(1)).force.norm(), 20 * kTick + 1e-12);
       EXPECT_FALSE(chain.found_non_finite());
     }
   }
@@ -261,7 +268,7 @@ TEST(SafetyChain, ALateTickFadesToZeroBeforeTheForceComesBack) {
   double before = 1;
   int n = 0;
   while (!chain.silent() && n < 100) {
-    const double now = chain.step(push(1)).norm();
+    const double now = chain.step(push(1)).force.norm();
     ASSERT_LE(now, before);
     before = now;
     ++n;
@@ -283,8 +290,8 @@ TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
       input.measured = random() % 8 != 0;
     }
     if (i % 41 == 0)
-      input.holds = random() % 3 ? 0 : (1U << (random() % 9));
-    const Vector3 now = chain.step(input);
+      input.holds = random() % 3 ? 0 : (1U << (random() % 13));
+    const Vector3 now = chain.step(input).force;
     ASSERT_TRUE(now.allFinite());
     ASSERT_LE(now.norm(), 1 + 1e-12);
     if (input.holds || !input.measured)
@@ -293,6 +300,85 @@ TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
       ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
     before = now;
   }
+}
+
+// ---- torque, cut, work and damping --------------------------------------------------------------
+
+SafetyChain::Input turn(double torque) {
+  auto input = push(0);
+  input.wanted.torque.z() = torque;
+  return input;
+}
+
+TEST(SafetyChain, ATorqueHasTheSameLimitsAsAForce) {
+  SafetyChain chain = settled(turn(0));
+  EXPECT_NEAR(chain.step(turn(1)).torque.z(), 20 * kTick * SafetyChain::kTorqueArm, 1e-12);
+  steps(chain, turn(1), 100);
+  EXPECT_NEAR(chain.wrench().torque.z(), 0.02, 1e-12); // max_torque
+  steps(chain, held(turn(1), haptic::kHoldPaused), 50);
+  EXPECT_NEAR(chain.wrench().torque.z(), 0.01, 1e-9);
+  steps(chain, held(turn(1), haptic::kHoldPaused), 50);
+  EXPECT_TRUE(chain.silent());
+}
+
+TEST(SafetyChain, ACutIsZeroInTwoPicturesAndStartsAnew) {
+  SafetyChain chain = settled(push(1));
+  chain.step(held(push(1), haptic::kHoldCut));
+  double before = 1;
+  for (int i = 1; i < 50; ++i) {
+    const double now = chain.step(push(-1)).force.x();
+    ASSERT_LE(now, before);
+    ASSERT_GE(now, 0);
+    before = now;
+  }
+  EXPECT_LT(before, 0.03);
+}
+
+TEST(SafetyChain, AHandThatIsCarriedAlongIsBrakedAndAHandThatPointsIsNot) {
+  auto input = push(0.5);
+  input.hand_velocity = {0.1, 0, 0}; // pointing
+  EXPECT_EQ(settled(input).step(input).force.x(), 0.5);
+  input.hand_velocity = {0.4, 0, 0};
+  SafetyChain chain = settled(push(0.5));
+  EXPECT_NEAR(steps(chain, input, 50).x(), 0.2, 1e-9); // 1 N·s/m of the 0.3 m/s beyond
+}
+
+TEST(SafetyChain, WithoutAForceThereIsNoDamping) {
+  auto input = push(0);
+  input.hand_velocity = {0.9, -0.9, 0};
+  SafetyChain chain;
+  EXPECT_TRUE(steps(chain, input, 1000).isZero(0));
+}
+
+TEST(SafetyChain, DampingTakesAtMostTheWholeForce) {
+  auto input = push(0.3);
+  input.damping = 10;
+  input.hand_velocity = {0.9, 0, 0};
+  SafetyChain chain = settled(push(0.3));
+  EXPECT_NEAR(steps(chain, input, 100).norm(), 0, 1e-9);
+}
+
+TEST(SafetyChain, InFiveSecondsTheForceDoesAtMostTwoAndAHalfJoules) {
+  auto input = push(4);
+  input.max_force = 4;
+  input.damping = 0;
+  input.hand_velocity = {0.9, 0, 0};
+  SafetyChain chain;
+  double work = 0;
+  Vector3 before = Vector3::Zero();
+  for (int i = 0; i < 5000; ++i) {
+    work += before.x() * 0.9 * kTick;
+    const Vector3 now = chain.step(input).force;
+    ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
+    before = now;
+  }
+  EXPECT_LE(work, 2.5);
+  EXPECT_NEAR(before.x() * 0.9, SafetyChain::kWorkRate, 0.01); // what remains for ever
+}
+
+TEST(SafetyChain, AHandThatHoldsStillGetsTheWholeForceForEver) {
+  SafetyChain chain;
+  EXPECT_EQ(steps(chain, push(0.8), 100'000).x(), 0.8);
 }
 
 } // namespace

@@ -1,0 +1,30 @@
+// Tells that the machine slept: the clock that counts sleep has got ahead of the one that does not.
+#pragma once
+
+#include <cstdint>
+
+namespace haptic {
+
+/// One thread; real-time safe.
+class SuspendDetector {
+public:
+  /// True once after each sleep. `monotonic` and `boottime` are CLOCK_MONOTONIC and CLOCK_BOOTTIME,
+  /// ns, read one right after the other.
+  bool has_slept(std::int64_t monotonic, std::int64_t boottime) noexcept {
+    const std::int64_t asleep = boottime - monotonic;
+    const bool slept = known_ && asleep - asleep_ > kShortestSleep;
+    // Followed only so far: being held up between the two readings must not count as awake again.
+    if (!known_ || slept || asleep < asleep_)
+      asleep_ = asleep;
+    known_ = true;
+    return slept;
+  }
+
+private:
+  static constexpr std::int64_t kShortestSleep = 500'000'000; // ns; more than any hold-up
+
+  std::int64_t asleep_ = 0; // ns
+  bool known_ = false;
+};
+
+} // namespace haptic

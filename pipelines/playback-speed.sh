@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Feel a video file at half its speed, at its own, and at twice its speed: slow motion feels softer and
+# fast motion stronger.
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#       ! videorate rate=SPEED ! video/x-raw,framerate=FRAME-RATE-TIMES-SPEED \
+#       ! roitracker ! velocityavg ! hapticsink
+#
+# Usage: pipelines/playback-speed.sh [--speed SPEED] FILE [-- OPTION=VALUE...]
+#   --speed SPEED  only at this speed, for example 0.25
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# videorate writes new time stamps, so that to hapticsink slow motion is what was filmed. An application
+# that seeks with a rate can choose what is felt (rate-law).
+
+source "$(dirname "$0")/common.sh"
+
+speeds=(0.5 1 2)
+if [ "${1:-}" = --speed ]; then
+  [[ ${2:-} =~ ^[0-9]*\.?[0-9]+$ ]] || fail "which speed? For example --speed 0.5; see --help"
+  speeds=("$2")
+  shift 2
+fi
+read_arguments "$@"
+need_file "$input"
+
+# The frame rate as a fraction; 30/1 where the file does not tell.
+frame_rate() {
+  local told
+  told=$(gst-launch-1.0 -v filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+    ! identity eos-after=1 ! fakesink 2>/dev/null |
+    sed -n 's|.*framerate=(fraction)\([1-9][0-9]*/[1-9][0-9]*\).*|\1|p' | head -n 1) || true
+  echo "${told:-30/1}"
+}
+
+trap exit INT # not on to the next speed
+
+# Each picture is to be shown once: repeated ones would make an even motion uneven.
+rate=$(frame_rate)
+for speed in "${speeds[@]}"; do
+  echo "at $speed times its speed"
+  played=$(awk -v "rate=$rate" -v "speed=$speed" \
+    'BEGIN { split(rate, f, "/"); printf "%d/%d", f[1] * speed * 1000 + 0.5, f[2] * 1000 }')
+  (launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+    ! videorate "rate=$speed" ! "video/x-raw,framerate=$played" \
+    ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}")
+done

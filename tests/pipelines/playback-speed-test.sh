@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# A film that is played slower, as it is, and faster gives the force of the motion as it is seen.
+
+source "$(dirname "$0")/support.sh"
+
+clip "$work/clip.mkv" 352 288 30 4 uniform:80,0
+for speed in 0.5 1 2; do
+  promise "the clip plays at $speed times its speed" \
+    "$root/pipelines/playback-speed.sh" --speed "$speed" "$work/clip.mkv" \
+    -- device=sim "log-location=$work/log.csv"
+  promise "its log is sound" sound_log "$work/log.csv" 1 1
+  promise "its force is equation 5 of the motion as seen" in_log "$work/log.csv" \
+    'time < 1 || time > 1.7 || abs(fx - 2 / pi * atan(0.8 * speed)) <= 0.02' \
+    pi=3.141592653589793 "speed=$speed"
+done
+promise "a speed that is none is an error" test "$(
+  "$root/pipelines/playback-speed.sh" --speed fast "$work/clip.mkv" 2>&1 | grep -c 'which speed'
+)" = 1
