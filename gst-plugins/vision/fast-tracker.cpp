@@ -322,13 +322,12 @@ void FastTracker::cover_with_blocks(const Area &area) {
 
 Translation FastTracker::translate_level(std::size_t level, Displacement start, int iterations) {
   const auto blocks = blocks_[level].view();
-  const auto count = static_cast<float>(blocks.size());
+  const auto block_pixels = static_cast<float>(blocks[0].side * blocks[0].side);
+  const float all_pixels = block_pixels * static_cast<float>(blocks.size());
   Translation result;
   result.displacement = start;
   for (const Template &block : blocks)
     result.structure += block.structure;
-  result.pixels = count * static_cast<float>(blocks[0].side * blocks[0].side);
-  const float regularised = regulariser(result.structure, result.pixels);
   const float least = eigenvalues(result.structure).least;
   const Displacement strong = strong_direction(result.structure);
   const auto along_strong = [&](Displacement d) {
@@ -336,27 +335,37 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
   };
   std::array<Fit, kMaxPatches> fits;
 
+  // Blocks that leave the picture have no say.
   const auto fit_all = [&] {
     Displacement gradient;
     float energy = 0;
     float correlation = 0;
     float squares = 0;
+    result.structure = {};
+    result.pixels = 0;
     fit_templates(current_.levels[level], blocks, result.displacement,
                   std::span(fits).first(blocks.size()));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (!fits[i].inside)
+        continue;
       gradient = gradient + fits[i].gradient;
       correlation += fits[i].correlation * blocks[i].energy;
       energy += blocks[i].energy;
       squares += fits[i].residual * fits[i].residual;
+      result.structure += blocks[i].structure;
+      result.pixels += block_pixels;
     }
-    result.correlation = energy > 0 ? correlation / energy : 0;
-    result.residual2 = squares / count;
+    // What is seen of less than half of the region stands for the rest with less right.
+    const float seen = std::min(1.0F, 2 * result.pixels / all_pixels);
+    result.correlation = energy > 0 ? seen * correlation / energy : -1;
+    result.residual2 = squares * block_pixels / std::max(result.pixels, block_pixels);
     return gradient;
   };
   const auto descend = [&] {
     Displacement gradient = fit_all();
     for (int step = 0; step < iterations; ++step) {
-      Displacement move = solve(result.structure, gradient, regularised);
+      Displacement move =
+          solve(result.structure, gradient, regulariser(result.structure, result.pixels + 1));
       if (result.one_direction)
         move = along_strong(move);
       const float length2 = norm2(move);
@@ -372,13 +381,12 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
   // Where the weak direction may be noise, only the strong one is followed, else the estimate would
   // run along an edge. The residual then tells how much noise there really is (that of both
   // pictures, smoothed, and whatever else does not fit).
-  result.one_direction = !has_texture(least, result.pixels, noise_);
+  result.one_direction = !has_texture(least, all_pixels, noise_);
   if (result.one_direction)
     result.displacement = along_strong(start);
   descend();
   if (result.one_direction &&
-      has_texture(least, result.pixels,
-                  std::min(noise_, result.residual2 / (2 * kSmoothedNoise)))) {
+      has_texture(least, all_pixels, std::min(noise_, result.residual2 / (2 * kSmoothedNoise)))) {
     result.one_direction = false;
     result.displacement = start;
     descend();
@@ -386,9 +394,11 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
   if (level > 0)
     return result;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!fits[i].inside)
+      continue;
     const Tensor &structure = blocks[i].structure;
     const Displacement own =
-        solve(structure, fits[i].gradient, regulariser(structure, result.pixels / count));
+        solve(structure, fits[i].gradient, regulariser(structure, block_pixels));
     const float length2 = norm2(own);
     const float information =
         quadratic(structure, own) / std::max(length2, 1e-12F) / result.variance();
@@ -423,7 +433,8 @@ Translation FastTracker::find_translation() {
 
 bool FastTracker::explains(const Translation &whole) const {
   constexpr float kFits = 0.7F;
-  const auto blocks = static_cast<float>(blocks_[0].columns * blocks_[0].rows);
+  const auto side = static_cast<float>(blocks_[0].patches[0].side);
+  const float blocks = whole.pixels / (side * side);
   // Chi-squared with two degrees of freedom per block: its mean and a standard deviation.
   return has_texture(eigenvalues(whole.structure).most, whole.pixels, noise_) &&
          whole.correlation > kFits && whole.disagreement < 2 * blocks + 2 * std::sqrt(blocks);
@@ -463,9 +474,13 @@ float FastTracker::period() {
     const Displacement further = length * Displacement{std::cos(angle), std::sin(angle)};
     fit_templates(previous_.levels[0], blocks, further, std::span(fits).first(blocks.size()));
     float correlation = 0;
+    float inside = 0;
     for (const Fit &fit : std::span(fits).first(blocks.size()))
-      correlation += fit.correlation / static_cast<float>(blocks.size());
-    if (correlation > kRepeats)
+      if (fit.inside) {
+        correlation += fit.correlation;
+        ++inside;
+      }
+    if (inside > 0 && correlation > kRepeats * inside)
       return length;
   }
   return 0;
@@ -490,6 +505,10 @@ void FastTracker::add_patch(const Template &patch, Displacement moved, const Fit
                             Measurement &measurement) {
   constexpr float kUseless = 0.6F;
   constexpr float kGood = 0.9F;
+  if (!fit.inside) {
+    ++measurement.candidates;
+    return;
+  }
   const auto side = static_cast<float>(patch.side);
   const auto [least, most] = eigenvalues(patch.structure);
   const float trust = std::clamp((fit.correlation - kUseless) / (kGood - kUseless), 0.0F, 1.0F);

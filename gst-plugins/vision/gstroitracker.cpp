@@ -31,7 +31,7 @@ using haptic::Rectangle;
 using Clock = std::chrono::steady_clock;
 
 enum class Method { fast, opencv };
-constexpr Method kDefaultMethod = Method::opencv; // until the other has passed everything
+constexpr Method kDefaultMethod = Method::fast;
 
 std::unique_ptr<haptic::PatchTracker> make_tracker(Method method) {
   return method == Method::fast ? haptic::make_fast_tracker() : haptic::make_opencv_tracker();
@@ -49,7 +49,7 @@ enum PropertyId : guint {
 };
 
 constexpr guint kLargestRoi = 8192; // px
-constexpr guint kDefaultMaxPoints = 20;
+constexpr guint kDefaultMaxPoints = 32;
 
 GParamSpec *properties[kPropertyCount];
 

@@ -217,16 +217,22 @@ struct Position {
   const float *first;
   float u;
   float v;
+  bool inside; // moved by no more than a pixel to fit into the plane
 };
 
 HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displacement moved) {
-  const float x =
-      std::clamp(patch.x + moved.x, 0.0F, static_cast<float>(plane.width() - patch.side) - 1.001F);
-  const float y =
-      std::clamp(patch.y + moved.y, 0.0F, static_cast<float>(plane.height() - patch.side) - 1.001F);
+  constexpr float kTolerance = 1;
+  const auto kept = [&](float at, int length) {
+    return std::clamp(at, 0.0F, static_cast<float>(length - patch.side) - 1.001F);
+  };
+  const float wanted_x = patch.x + moved.x;
+  const float wanted_y = patch.y + moved.y;
+  const float x = kept(wanted_x, plane.width());
+  const float y = kept(wanted_y, plane.height());
   const int column = static_cast<int>(x);
   const int row = static_cast<int>(y);
-  return {plane.row(row) + column, x - static_cast<float>(column), y - static_cast<float>(row)};
+  return {plane.row(row) + column, x - static_cast<float>(column), y - static_cast<float>(row),
+          std::abs(x - wanted_x) <= kTolerance && std::abs(y - wanted_y) <= kTolerance};
 }
 
 // body(at, grey levels of the later picture at the displaced pixels from patch index `at`)
@@ -251,9 +257,12 @@ HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
 
 template <int kSide>
 Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
+  const Position position = locate(plane, patch, moved);
+  if (!position.inside)
+    return {};
   const RowTag<kSide> d;
   auto bx = hn::Zero(d), by = hn::Zero(d), s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
-  for_pixels<kSide>(plane, locate(plane, patch, moved), [&](int at, auto grey) HWY_ATTR {
+  for_pixels<kSide>(plane, position, [&](int at, auto grey) HWY_ATTR {
     bx = hn::MulAdd(hn::Load(d, patch.gradient_x.data() + at), grey, bx);
     by = hn::MulAdd(hn::Load(d, patch.gradient_y.data() + at), grey, by);
     s = hn::Add(s, grey);
@@ -265,6 +274,7 @@ Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
   const float energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
   const float cross = total(d, st);
   Fit fit;
+  fit.inside = true;
   fit.gradient = {total(d, bx), total(d, by)};
   fit.correlation = cross / std::sqrt(std::max(1e-6F, energy * patch.energy));
   const float explained = cross > 0 ? cross * cross / std::max(1e-6F, patch.energy) : 0.0F;

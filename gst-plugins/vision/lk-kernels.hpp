@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -74,9 +75,11 @@ struct Template {
 
 /// How well a template fits at a displacement.
 struct Fit {
-  Displacement gradient; ///< sum of gradient * later picture
-  float correlation = 0; ///< zero-mean normalised, -1..1
-  float residual = 0;    ///< rms grey levels left after the best gain and offset
+  Displacement gradient;                                   ///< sum of gradient * later picture
+  float correlation = -1;                                  ///< zero-mean normalised, -1..1
+  float residual = std::numeric_limits<float>::infinity(); ///< rms grey levels left after the best
+                                                           ///< gain and offset
+  bool inside = false; ///< false: the displaced template leaves the plane, nothing is known
 };
 
 /// Sums over the region that tell a still picture from a moving one.
@@ -110,8 +113,7 @@ void prepare_templates(const Plane &plane, std::span<Template> patches);
 /// with a single edge does not run along it.
 float regulariser(const Tensor &structure, float pixels);
 
-/// How templates of one side fit when all are displaced alike. Positions are clamped so that the
-/// patches stay inside the plane.
+/// How templates of one side fit when all are displaced alike.
 void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,
                    std::span<Fit> fits);
 

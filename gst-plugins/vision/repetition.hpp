@@ -17,18 +17,25 @@ public:
   /// pointer has left what moves for what stands still, only the pixels under it do.
   template <typename SameThere>
   Repetition judge(bool same_here, SameThere &&same_there) {
-    const bool may_move = may_move_;
-    may_move_ = !same_here;
-    if (!same_here)
+    if (!same_here) {
+      repeats_ = 0;
       return Repetition::none;
-    return may_move && same_there() ? Repetition::duplicate : Repetition::still;
+    }
+    if (repeats_ < kMostRepeats && same_there()) {
+      ++repeats_;
+      return Repetition::duplicate;
+    }
+    repeats_ = kMostRepeats;
+    return Repetition::still;
   }
 
   /// Of a stream that begins nothing is known: it may begin with a duplicate.
-  void forget() { may_move_ = true; }
+  void forget() { repeats_ = 0; }
 
 private:
-  bool may_move_ = true;
+  // Film at 24 pictures a second shown at 60: three times, twice, three times.
+  static constexpr int kMostRepeats = 2;
+  int repeats_ = 0;
 };
 
 } // namespace haptic

@@ -474,7 +474,7 @@ TEST_F(RoiTracker, AChangeOfTheSizeAloneIsExactlyNothing) {
     point_haptic(0.5, 0.5, i % 2 ? 0.8 : -0.3);
     const BufferPtr picture = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
     EXPECT_EQ(motion_of(picture).n_patches, 0U);
-    if (i > 1) {
+    if (i > 2) {
       EXPECT_EQ(motion_of(picture).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL));
     }
   }
@@ -488,10 +488,11 @@ TEST_F(RoiTracker, OverAStillVideoAMovingPointerFindsExactlyNothing) {
   const Picture still = moving(0);
   double x = 0.5;
   harness.pass(still, 0);
-  const BufferPtr second = harness.pass(still, kFrame);
-  EXPECT_EQ(motion_of(second).flags, static_cast<guint>(GST_HAPTIC_MOTION_DUPLICATE))
-      << "as yet it might move";
-  for (int i = 2; i < 200; ++i) {
+  for (int i = 1; i < 3; ++i)
+    EXPECT_EQ(motion_of(harness.pass(still, static_cast<GstClockTime>(i) * kFrame)).flags,
+              static_cast<guint>(GST_HAPTIC_MOTION_DUPLICATE))
+        << "as yet it might move";
+  for (int i = 3; i < 200; ++i) {
     if (i % 7 == 0)
       x = unit(random); // a jump
     else
@@ -502,7 +503,7 @@ TEST_F(RoiTracker, OverAStillVideoAMovingPointerFindsExactlyNothing) {
     ASSERT_EQ(motion_of(picture).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL)) << i;
     ASSERT_EQ(motion_of(picture).n_patches, 0U) << i;
   }
-  EXPECT_EQ(statistic(tracker.get(), "still"), 198U);
+  EXPECT_EQ(statistic(tracker.get(), "still"), 197U);
 }
 
 TEST_F(RoiTracker, ARepeatedPictureIsADuplicateAndTheNextIntervalSpansBoth) {
@@ -517,13 +518,14 @@ TEST_F(RoiTracker, ARepeatedPictureIsADuplicateAndTheNextIntervalSpansBoth) {
   EXPECT_EQ(statistic(tracker.get(), "duplicates"), 1U);
 }
 
-TEST_F(RoiTracker, WhatRepeatsTwiceStandsStillAndMovesOnFromThere) {
+TEST_F(RoiTracker, WhatRepeatsThriceStandsStillAndMovesOnFromThere) {
   pass_moving(0);
   pass_moving(1);
   harness.pass(moving(1), 2 * kFrame);
-  EXPECT_EQ(motion_of(harness.pass(moving(1), 3 * kFrame)).flags,
+  harness.pass(moving(1), 3 * kFrame);
+  EXPECT_EQ(motion_of(harness.pass(moving(1), 4 * kFrame)).flags,
             static_cast<guint>(GST_HAPTIC_MOTION_STILL));
-  const BufferPtr next = harness.pass(moving(2), 4 * kFrame);
+  const BufferPtr next = harness.pass(moving(2), 5 * kFrame);
   EXPECT_EQ(motion_of(next).interval, kFrame);
   expect_motion(next, {2, -1});
 }
@@ -691,8 +693,7 @@ TEST_F(RoiTracker, AtTheEndItPostsItsStatistics) {
   gdouble time = 0;
   gst_structure_get(gst_message_get_structure(message.get()), "points", G_TYPE_DOUBLE, &points,
                     "time-mean-us", G_TYPE_DOUBLE, &time, nullptr);
-  EXPECT_GT(points, 5);
-  EXPECT_LE(points, 20);
+  EXPECT_EQ(points, 1) << "one translation explains it";
   EXPECT_GT(time, 0);
 }
 
