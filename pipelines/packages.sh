@@ -39,6 +39,13 @@ test_packages=(
   xvfb
   xauth # xvfb-run needs it
   xdotool
+  libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
+  libjson-glib-dev        # the lab
+)
+
+# The lab can do without: only for the peer RLOF.
+lab_packages=(
+  libopencv-contrib-dev
 )
 
 # The given packages that are not installed, one a line.

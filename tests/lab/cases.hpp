@@ -1,0 +1,65 @@
+// What the methods are asked: pictures, place, and the right answer.
+#pragma once
+
+#include "methods.hpp"
+#include "pairs.hpp"
+#include "scenes.hpp"
+
+#include <string>
+#include <vector>
+
+namespace lab {
+
+struct Case {
+  Task task;
+  Vector truth;           ///< px per picture, mean over the region
+  double bound = 0;       ///< Cramer-Rao, px; 0: not known
+  int block = 0;          ///< cases of one block are not independent
+  bool is_unseen = false; ///< the pictures do not show the motion: only silence is right
+  std::string scene{};
+};
+
+struct CaseSet {
+  std::string name;
+  std::vector<Case> cases;
+  double x = 0; ///< of a series: what is varied
+};
+
+/// Seeds follow from the name of what is made, so that no set changes when another is added.
+std::uint64_t seed_of(const std::string &name);
+
+/// "translation", "wide", "hard", and "pairs" unless there are none.
+std::vector<CaseSet> strata(bool quick, const std::vector<TruePair> &pairs);
+
+/// Sets that differ in one thing.
+struct Series {
+  std::string name;
+  std::vector<CaseSet> sets;
+};
+
+/// "displacement" (px), "phase" (px), "noise" (grey levels), "contrast", "frame" (megapixels),
+/// "region" (px).
+std::vector<Series> all_series(bool quick);
+
+/// Pictures of a stream, for the cost of what an element does all day.
+struct Stream {
+  std::string name;
+  std::vector<cv::Mat> pictures;
+};
+
+std::vector<Stream> streams(bool quick);
+
+/// Pairs whose second picture is moved by a known shift, and the same the other way round in time:
+/// what must follow needs no truth.
+struct ClipCase {
+  std::string clip;
+  Task plain;
+  Task shifted;
+  Task reversed;
+  Vector shift; ///< px
+  int block = 0;
+};
+
+std::vector<ClipCase> clip_cases(const std::vector<Clip> &clips);
+
+} // namespace lab

@@ -1,0 +1,96 @@
+// Reads videos with GStreamer: nothing more is needed than what the elements need themselves.
+#include "pairs.hpp"
+
+#include <algorithm>
+#include <gst/app/gstappsink.h>
+#include <gst/video/video.h>
+#include <memory>
+#include <stdexcept>
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <auto unref>
+struct Unref {
+  template <typename T>
+  void operator()(T *object) const {
+    unref(object);
+  }
+};
+using Sample = std::unique_ptr<GstSample, Unref<gst_sample_unref>>;
+
+cv::Mat luma_of(GstSample *sample) {
+  GstVideoInfo info;
+  GstVideoFrame frame;
+  if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
+      !gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
+    throw std::runtime_error("a picture of a clip cannot be read");
+  const cv::Mat mapped(GST_VIDEO_FRAME_HEIGHT(&frame), GST_VIDEO_FRAME_WIDTH(&frame), CV_8UC1,
+                       GST_VIDEO_FRAME_PLANE_DATA(&frame, 0),
+                       static_cast<std::size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)));
+  cv::Mat picture = mapped.clone();
+  gst_video_frame_unmap(&frame);
+  return picture;
+}
+
+// Empty where the file is no video.
+std::vector<cv::Mat> pictures_of(const fs::path &file) {
+  constexpr std::size_t kMost = 250;
+  GstElement *pipeline = gst_parse_launch(
+      "filesrc name=file ! decodebin ! videoconvert ! video/x-raw,format=GRAY8 ! appsink name=out "
+      "sync=false max-buffers=4",
+      nullptr);
+  if (!pipeline)
+    throw std::runtime_error("no pipeline for clips: is gstreamer1.0-plugins-base installed?");
+  GstElement *source = gst_bin_get_by_name(GST_BIN(pipeline), "file");
+  g_object_set(source, "location", file.c_str(), nullptr);
+  gst_object_unref(source);
+  GstElement *out = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  std::vector<cv::Mat> pictures;
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  constexpr GstClockTime kPatience = 5 * GST_SECOND; // a file that is no video never gives one
+  while (pictures.size() < kMost) {
+    const Sample sample(gst_app_sink_try_pull_sample(GST_APP_SINK(out), kPatience));
+    if (!sample)
+      break;
+    pictures.push_back(luma_of(sample.get()));
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(out);
+  gst_object_unref(pipeline);
+  return pictures;
+}
+
+bool is_video(const fs::path &path) {
+  return path.extension() == ".mp4" || path.extension() == ".avi" || path.extension() == ".mkv" ||
+         path.extension() == ".webm";
+}
+
+} // namespace
+
+std::vector<Clip> read_clips(const fs::path &folder, int runs, int length) {
+  gst_init(nullptr, nullptr);
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto &entry : fs::directory_iterator(folder, error))
+    if (is_video(entry.path()))
+      files.push_back(entry.path());
+  std::ranges::sort(files);
+  std::vector<Clip> clips;
+  for (const fs::path &file : files) {
+    const std::vector<cv::Mat> pictures = pictures_of(file);
+    const int most = static_cast<int>(pictures.size()) - length;
+    for (int run = 0; run < runs && most >= 0; ++run) {
+      const auto first = pictures.begin() + (runs > 1 ? most * run / (runs - 1) : 0);
+      clips.push_back({file.stem().string(), {first, first + length}});
+    }
+  }
+  if (clips.empty())
+    throw std::runtime_error("in '" + folder.string() +
+                             "' there is no video (.mp4, .avi, .mkv, .webm) that can be decoded");
+  return clips;
+}
+
+} // namespace lab

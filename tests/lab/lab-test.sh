@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The lab runs from one command and leaves every table and chart. What is fast here and now is not
+# judged: time cannot be tested.
+set -euo pipefail
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+here=$(dirname "$0")
+
+status=0
+"$here/run.sh" --quick --output "$work/out" || status=$?
+[ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
+for file in {pareto,series,confidence}.{svg,png} {sweep,series,streams,reliability,roc,scenes,clips}.csv \
+  lab.json results.md; do
+  [ -s "$work/out/$file" ] || { echo "NOT OK: there is no $file"; exit 1; }
+done
+for row in '"translation","fast","default"' '"hard","DIS fast"' '"wide","PyrLK crop"'; do
+  grep -q "^$row" "$work/out/sweep.csv" || { echo "NOT OK: sweep.csv lacks $row"; exit 1; }
+done
+if "$here/run.sh" --quick --pairs "$work/nowhere" 2>"$work/error" || ! grep -q "no folder" "$work/error"; then
+  echo "NOT OK: a folder that is not there gives no clear error"
+  exit 1
+fi
+if "$here/run.sh" --quick --pairs "$work/out" --output "$work/other" 2>"$work/error" ||
+  ! grep -q "there is no pair of pictures" "$work/error"; then
+  echo "NOT OK: a folder without pairs gives no clear error"
+  exit 1
+fi
+echo "ok"

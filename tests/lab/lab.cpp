@@ -1,0 +1,371 @@
+// Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
+#include "measure.hpp"
+#include "report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+using namespace lab;
+namespace fs = std::filesystem;
+
+struct Options {
+  bool quick = false;
+  std::optional<fs::path> pairs;
+  std::optional<fs::path> clips;
+  fs::path output;
+  std::string commit = "unknown";
+};
+
+Options parse(int argc, char **argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view name = argv[i];
+    if (name == "--quick") {
+      options.quick = true;
+      continue;
+    }
+    if (i + 1 == argc)
+      throw std::runtime_error("option '" + std::string(name) + "' is unknown or lacks its value");
+    const char *value = argv[++i];
+    if (name == "--pairs")
+      options.pairs = value;
+    else if (name == "--clips")
+      options.clips = value;
+    else if (name == "--output")
+      options.output = value;
+    else if (name == "--commit")
+      options.commit = value;
+    else
+      throw std::runtime_error("unknown option '" + std::string(name) + "'");
+  }
+  if (options.output.empty())
+    throw std::runtime_error("where shall the results go? --output FOLDER");
+  return options;
+}
+
+// What, how much of it is done, and when it will be: one line that is written over on a terminal.
+class Progress {
+public:
+  Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total) {}
+  ~Progress() {
+    if (on_terminal_)
+      std::cerr << "\r\33[K";
+    std::cerr << what_ << ": done in " << static_cast<int>(elapsed()) << " s\n";
+  }
+  Progress(const Progress &) = delete;
+  Progress &operator=(const Progress &) = delete;
+
+  void step(const std::string &name) {
+    // A file shall not fill with it.
+    if (on_terminal_ || done_ % (total_ / 10 + 1) == 0) {
+      std::cerr << (on_terminal_ ? "\r\33[K" : "") << what_ << ": " << done_ << '/' << total_;
+      if (done_ > 0)
+        std::cerr << ", "
+                  << static_cast<int>(elapsed() / static_cast<double>(done_) *
+                                      static_cast<double>(total_ - done_))
+                  << " s left";
+      std::cerr << ", " << name << (on_terminal_ ? "" : "\n") << std::flush;
+    }
+    ++done_;
+  }
+
+private:
+  double elapsed() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+  std::string what_;
+  std::size_t total_;
+  std::size_t done_ = 0;
+  bool on_terminal_ = isatty(STDERR_FILENO) != 0;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name"))
+      return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
+  return text;
+}
+
+// Whole pictures cost so much that every fourth case has to do.
+std::size_t stride_of(const Configuration &configuration) {
+  return configuration.method.starts_with("PyrLK frame") ? 4 : 1;
+}
+
+std::vector<double> errors_of(const std::vector<Answer> &answers) {
+  std::vector<double> errors;
+  for (const Answer &answer : answers)
+    errors.push_back(answer.error);
+  return errors;
+}
+
+std::vector<double> times_of(const std::vector<Answer> &answers) {
+  std::vector<double> times;
+  for (const Answer &answer : answers)
+    times.push_back(answer.time);
+  return times;
+}
+
+double share_above(const std::vector<double> &values, double limit) {
+  return static_cast<double>(
+             std::ranges::count_if(values, [&](double value) { return value > limit; })) /
+         static_cast<double>(values.size());
+}
+
+SweepRow sweep_row(const Configuration &c, const CaseSet &set, const std::vector<Answer> &answers,
+                   int threads) {
+  const std::vector<double> errors = errors_of(answers);
+  std::vector<int> blocks;
+  for (std::size_t i = 0; i < set.cases.size(); i += stride_of(c))
+    blocks.push_back(set.cases[i].block);
+  return {.stratum = set.name,
+          .method = c.method,
+          .parameters = c.parameters,
+          .is_peer = c.is_peer,
+          .is_default = c.is_default,
+          .threads = threads,
+          .cases = answers.size(),
+          .error = mean(errors),
+          .error_95 = bootstrap(errors, blocks, seed_of("bootstrap")),
+          .median = percentile(errors, 0.5),
+          .p95 = percentile(errors, 0.95),
+          .gross = share_above(errors, 0.5),
+          .time = percentile(times_of(answers), 0.5),
+          .time_99 = percentile(times_of(answers), 0.99)};
+}
+
+std::vector<Configuration> defaults_of(const std::vector<Configuration> &all) {
+  std::vector<Configuration> defaults;
+  std::ranges::copy_if(all, std::back_inserter(defaults), &Configuration::is_default);
+  return defaults;
+}
+
+void run_sweep(const std::vector<Configuration> &all, const std::vector<CaseSet> &sets,
+               Report &report) {
+  Progress progress("sweep", all.size());
+  for (const Configuration &c : all) {
+    progress.step(c.method + " " + c.parameters);
+    for (const CaseSet &set : sets)
+      report.sweep.push_back(sweep_row(c, set, measure(c, set, stride_of(c)), 1));
+  }
+}
+
+void run_threads(const std::vector<Configuration> &defaults, const CaseSet &set, Report &report) {
+  const int threads = static_cast<int>(std::thread::hardware_concurrency());
+  if (threads < 2)
+    return;
+  cv::setNumThreads(threads);
+  Progress progress("all threads", defaults.size());
+  for (const Configuration &c : defaults) {
+    progress.step(c.method);
+    report.sweep.push_back(sweep_row(c, set, measure(c, set, stride_of(c)), threads));
+  }
+  cv::setNumThreads(1);
+}
+
+void run_series(const std::vector<Configuration> &defaults, bool quick, Report &report) {
+  const std::vector<Series> all = all_series(quick);
+  Progress progress("series", all.size());
+  for (const Series &series : all) {
+    progress.step(series.name);
+    for (const CaseSet &set : series.sets) {
+      double bound = 0;
+      for (const Case &one : set.cases)
+        bound += one.bound / static_cast<double>(set.cases.size());
+      report.series.push_back(
+          {.series = series.name, .method = "bound", .x = set.x, .error = bound});
+      for (const Configuration &c : defaults) {
+        const std::vector<Answer> answers = measure(c, set);
+        const std::vector<double> errors = errors_of(answers);
+        Vector bias;
+        for (const Answer &answer : answers)
+          bias += answer.difference / static_cast<double>(answers.size());
+        report.series.push_back({.series = series.name,
+                                 .method = c.method,
+                                 .x = set.x,
+                                 .error = mean(errors),
+                                 .bias = cv::norm(bias),
+                                 .gross = share_above(errors, 0.5),
+                                 .time = percentile(times_of(answers), 0.5)});
+      }
+    }
+  }
+}
+
+void run_streams(bool quick, Report &report) {
+  const auto method = make_default();
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<double>> times;
+  for (const Stream &stream : streams(quick)) {
+    if (!times.contains(stream.name))
+      order.push_back(stream.name);
+    measure(*method, stream); // warms up
+    auto &list = times[stream.name];
+    const std::vector<double> some = measure(*method, stream);
+    list.insert(list.end(), some.begin(), some.end());
+  }
+  for (const std::string &name : order)
+    report.streams.push_back({name, percentile(times[name], 0.5), percentile(times[name], 0.99)});
+}
+
+// On everything rendered: there the truth is known for every kind of failure.
+void run_confidence(const std::vector<Configuration> &defaults, const std::vector<CaseSet> &sets,
+                    Report &report) {
+  constexpr double kBad = 0.3;    // px
+  constexpr double kWrong = 0.15; // px
+  constexpr std::size_t kBins = 10;
+  for (const Configuration &c : defaults) {
+    if (c.method != "fast" && c.method != "method=opencv" && c.method != "PyrLK crop back" &&
+        c.method != "phase correlation" && c.method != "ECC")
+      continue; // says nothing of its confidence
+    std::vector<double> confidences;
+    std::vector<bool> bad;
+    std::array<std::vector<double>, kBins> bins;
+    for (const CaseSet &set : sets) {
+      if (set.name == "pairs")
+        continue;
+      const std::vector<Answer> answers = measure(c, set);
+      for (std::size_t i = 0; i < answers.size(); ++i) {
+        const double confidence = answers[i].confidence;
+        const bool unseen = set.cases[i].is_unseen;
+        confidences.push_back(confidence);
+        bad.push_back(unseen || answers[i].error > kBad);
+        bins[std::min(kBins - 1, static_cast<std::size_t>(confidence * kBins))].push_back(
+            unseen ? 99 : answers[i].error);
+      }
+    }
+    const std::vector<RocPoint> curve = roc(confidences, bad);
+    for (const RocPoint &point : curve)
+      report.roc.push_back({c.method, point});
+    report.area[c.method] = area_under(curve);
+    for (std::size_t bin = 0; bin < kBins; ++bin)
+      if (!bins[bin].empty())
+        report.reliability.push_back({c.method, (static_cast<double>(bin) + 0.5) / kBins,
+                                      bins[bin].size(), percentile(bins[bin], 0.5),
+                                      share_above(bins[bin], kWrong)});
+  }
+}
+
+void run_scenes(const std::vector<Configuration> &defaults, const CaseSet &hard, Report &report) {
+  std::map<std::string, std::vector<Answer>> answers;
+  for (const Configuration &c : defaults)
+    answers[c.method] = measure(c, hard);
+  for (std::size_t first = 0; first < hard.cases.size();) {
+    std::size_t end = first;
+    double bound = 0;
+    while (end < hard.cases.size() && hard.cases[end].scene == hard.cases[first].scene)
+      bound += hard.cases[end++].bound;
+    const auto count = static_cast<double>(end - first);
+    for (const Configuration &c : defaults) {
+      double sum = 0;
+      for (std::size_t i = first; i < end; ++i)
+        sum += answers[c.method][i].error;
+      report.scenes.push_back({hard.cases[first].scene, c.method, sum / count, bound / count});
+    }
+    first = end;
+  }
+}
+
+void run_clips(const std::vector<Configuration> &defaults, const std::vector<Clip> &clips,
+               Report &report) {
+  const std::vector<ClipCase> cases = clip_cases(clips);
+  Progress progress("clips", defaults.size());
+  for (const Configuration &c : defaults) {
+    progress.step(c.method);
+    if (c.method.starts_with("PyrLK frame") || c.method == "always zero")
+      continue;
+    const auto method = c.make();
+    std::map<std::string, std::vector<Equivariance>> by_clip;
+    for (const ClipCase &one : cases)
+      by_clip[one.clip].push_back(measure(*method, one));
+    for (const auto &[clip, all] : by_clip) {
+      std::vector<double> shift;
+      std::vector<double> reversal;
+      for (const Equivariance &e : all)
+        if (e.is_answered) {
+          shift.push_back(e.shift_error);
+          reversal.push_back(e.reversal_error);
+        }
+      report.clips.push_back({clip, c.method, all.size(),
+                              static_cast<double>(shift.size()) / static_cast<double>(all.size()),
+                              percentile(shift, 0.5), percentile(shift, 0.95),
+                              percentile(reversal, 0.5)});
+    }
+  }
+}
+
+int run(const Options &options) {
+  cv::setNumThreads(1);
+  Report report;
+  report.circumstances = {
+      {"processor", processor()},
+      {"threads of the machine", std::to_string(std::thread::hardware_concurrency())},
+      {"compiler", "GCC " __VERSION__},
+      {"compiler options", LAB_COMPILER_OPTIONS},
+      {"OpenCV", cv::getVersionString()},
+      {"commit", options.commit},
+      {"date", today()},
+      {"seeds", "FNV-1a of each set's name"},
+      {"extent", options.quick ? "quick" : "full"}};
+  const std::vector<TruePair> pairs =
+      options.pairs ? read_pairs(*options.pairs) : std::vector<TruePair>();
+  std::vector<CaseSet> sets;
+  {
+    const Progress progress("rendering", 1);
+    sets = strata(options.quick, pairs);
+  }
+  const std::vector<Configuration> all = configurations(options.quick);
+  const std::vector<Configuration> defaults = defaults_of(all);
+  run_sweep(all, sets, report);
+  run_threads(defaults, sets.front(), report);
+  run_series(defaults, options.quick, report);
+  run_streams(options.quick, report);
+  run_confidence(defaults, sets, report);
+  run_scenes(defaults, sets.back(), report);
+  if (options.clips)
+    run_clips(defaults, read_clips(*options.clips, options.quick ? 1 : 6, options.quick ? 2 : 5),
+              report);
+  mark_fronts(report.sweep);
+  write(report, options.output);
+
+  const std::vector<SweepRow> ahead = dominating_peers(report.sweep);
+  for (const SweepRow &row : ahead)
+    std::cout << "dominates the default on " << row.stratum << ": " << row.method << ' '
+              << row.parameters << ", " << row.time << " µs, " << row.error << " px\n";
+  if (!ahead.empty())
+    return EXIT_FAILURE;
+  std::cout << "No configuration of a peer dominates the default.\n";
+  return EXIT_SUCCESS;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  try {
+    return run(parse(argc, argv));
+  } catch (const std::exception &error) {
+    std::cerr << "lab: " << error.what() << '\n';
+    return 2;
+  }
+}

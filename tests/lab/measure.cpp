@@ -1,0 +1,76 @@
+#include "measure.hpp"
+
+#include <chrono>
+
+namespace lab {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds(Clock::duration time) {
+  return std::chrono::duration<double, std::micro>(time).count();
+}
+
+} // namespace
+
+std::vector<Answer> measure(const Configuration &configuration, const CaseSet &set,
+                            std::size_t stride) {
+  constexpr int kWarmUps = 2;
+  constexpr int kPasses = 3;
+  constexpr double kShort = 50e3; // µs that a pass may take to be repeated
+  const auto method = configuration.make();
+  for (int i = 0; i < kWarmUps; ++i)
+    method->measure(set.cases.front().task);
+  std::vector<Answer> answers;
+  double total = 0;
+  for (std::size_t i = 0; i < set.cases.size(); i += stride) {
+    const Case &one = set.cases[i];
+    method->forget();
+    const auto begin = Clock::now();
+    const Reading reading = method->measure(one.task);
+    const double time = microseconds(Clock::now() - begin);
+    const Vector difference = (reading.confidence > 0 ? reading.velocity : Vector()) - one.truth;
+    answers.push_back({cv::norm(difference), reading.confidence, time, difference});
+    total += time;
+  }
+  // Whole passes, so that other cases have been through the caches in between.
+  for (int pass = 1; pass < kPasses && total < kShort; ++pass)
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      method->forget();
+      const auto begin = Clock::now();
+      method->measure(set.cases[i * stride].task);
+      answers[i].time = std::min(answers[i].time, microseconds(Clock::now() - begin));
+    }
+  return answers;
+}
+
+std::vector<double> measure(Method &method, const Stream &stream) {
+  method.forget();
+  std::vector<double> times;
+  for (std::size_t i = 1; i < stream.pictures.size(); ++i) {
+    const Task task{stream.pictures[i - 1], stream.pictures[i], {0.5, 0.5}, 30, i > 1};
+    const auto begin = Clock::now();
+    method.measure(task);
+    const double time = microseconds(Clock::now() - begin);
+    if (i > 1)
+      times.push_back(time);
+  }
+  return times;
+}
+
+Equivariance measure(Method &method, const ClipCase &clip) {
+  constexpr double kLeastConfidence = 0.3;
+  const auto ask = [&](const Task &task) {
+    method.forget();
+    return method.measure(task);
+  };
+  const Reading plain = ask(clip.plain);
+  const Reading shifted = ask(clip.shifted);
+  const Reading reversed = ask(clip.reversed);
+  return {cv::norm(shifted.velocity - plain.velocity - clip.shift),
+          cv::norm(plain.velocity + reversed.velocity),
+          std::min({plain.confidence, shifted.confidence, reversed.confidence}) >=
+              kLeastConfidence};
+}
+
+} // namespace lab

@@ -1,0 +1,33 @@
+// Puts the questions to a method and times each answer.
+#pragma once
+
+#include "cases.hpp"
+
+#include <vector>
+
+namespace lab {
+
+struct Answer {
+  double error = 0;      ///< px; where only silence is right, the length of what was said
+  double confidence = 0; ///< 0..1
+  double time = 0;       ///< µs, the least of some passes
+  Vector difference;     ///< answer minus truth, px
+};
+
+/// Every `stride`-th case, each timed on its own from the whole luma to the velocity. An answer
+/// without confidence counts as zero velocity: that is what the hand would feel.
+std::vector<Answer> measure(const Configuration &configuration, const CaseSet &set,
+                            std::size_t stride = 1);
+
+/// µs of each picture of a stream after the first pair.
+std::vector<double> measure(Method &method, const Stream &stream);
+
+struct Equivariance {
+  double shift_error = 0;    ///< px, what a known shift of the second picture changes too much
+  double reversal_error = 0; ///< px, forward plus backward
+  bool is_answered = false;  ///< all three with a confidence that the force is not faded at
+};
+
+Equivariance measure(Method &method, const ClipCase &clip);
+
+} // namespace lab

@@ -1,0 +1,132 @@
+#include "methods.hpp"
+
+#include "region.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace lab {
+namespace {
+
+haptic::LumaView view(const cv::Mat &picture, const haptic::Rectangle &crop) {
+  return {picture.ptr(crop.y) + crop.x, crop.width, crop.height,
+          static_cast<std::ptrdiff_t>(picture.step)};
+}
+
+struct Knobs {
+  haptic::FastTrackerOptions options{};
+  int points = kDefaultPoints;
+  haptic::Average average = haptic::Average::model;
+  haptic::ModelChoice choice = haptic::ModelChoice::automatic;
+};
+
+std::unique_ptr<Method> make_fast(const Knobs &knobs) {
+  auto tracker = haptic::make_fast_tracker(knobs.options);
+  tracker->set_max_points(knobs.points);
+  return std::make_unique<TrackerMethod>(std::move(tracker), knobs.average, knobs.choice);
+}
+
+// The text of a number without zeros at its end.
+std::string text(float value) {
+  std::string digits = std::to_string(value);
+  digits.erase(digits.find_last_not_of('0') + 1);
+  if (digits.ends_with('.'))
+    digits.pop_back();
+  return digits;
+}
+
+void add_fast(std::vector<Configuration> &list, std::string parameters, const Knobs &knobs) {
+  list.push_back(
+      {"fast", std::move(parameters), false, false, [knobs] { return make_fast(knobs); }});
+}
+
+} // namespace
+
+TrackerMethod::TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker, haptic::Average average,
+                             haptic::ModelChoice choice)
+    : tracker_(std::move(tracker)), average_(average), choice_(choice) {}
+
+Reading TrackerMethod::measure(const Task &task) {
+  constexpr double kInterval = 1.0 / 30;
+  const int width = task.previous.cols;
+  const int height = task.previous.rows;
+  const haptic::Rectangle region =
+      haptic::region_at(task.pointer.x, task.pointer.y, task.side, width, height);
+  if (!haptic::is_measurable(region))
+    return {};
+  const haptic::Rectangle crop =
+      haptic::crop_around(region, tracker_->margin(task.side), width, height);
+  tracker_->measure(
+      {view(task.previous, crop), view(task.current, crop), crop, region, task.continues},
+      measurement_);
+  if (!task.continues || (measurement_.flags & haptic::kCut))
+    history_ = {};
+  if (measurement_.flags & haptic::kCut)
+    return {};
+  if (measurement_.flags & haptic::kStill) {
+    history_ = {.current = haptic::MotionModel::still};
+    return {.confidence = 1, .model = haptic::MotionModel::still};
+  }
+  const haptic::VelocityEstimate estimate =
+      haptic::estimate_velocity({.patches = measurement_.view(),
+                                 .candidates = measurement_.candidates,
+                                 .pointer_x = static_cast<float>(task.pointer.x * width),
+                                 .pointer_y = static_cast<float>(task.pointer.y * height),
+                                 .interval = kInterval,
+                                 .region_x = static_cast<float>(region.x),
+                                 .region_y = static_cast<float>(region.y),
+                                 .region_width = static_cast<float>(region.width),
+                                 .region_height = static_cast<float>(region.height)},
+                                average_, choice_, history_);
+  history_ = estimate.history;
+  return {.velocity = Vector(estimate.velocity_x, estimate.velocity_y) * kInterval,
+          .confidence = estimate.confidence,
+          .spin = estimate.spin * kInterval,
+          .divergence = estimate.divergence * kInterval,
+          .model = estimate.model};
+}
+
+std::unique_ptr<Method> make_default() {
+  return make_fast({});
+}
+
+std::vector<Configuration> configurations(bool quick) {
+  std::vector<Configuration> list;
+  add_fast(list, "default", {});
+  list.front().is_default = true;
+  add_fast(list, "always-grid", {.options = {.always_grid = true}});
+  add_fast(list, "spacing=10", {.options = {.spacing = 10}});
+  if (!quick) {
+    // Pairs of knobs that trade speed for accuracy together, then each other knob on its own.
+    for (const bool always_grid : {false, true})
+      for (const float spacing : {4.0F, 5.0F, 6.0F, 7.5F, 10.0F, 15.0F})
+        for (const int iterations : {1, 2, 3, 4, 6, 10}) {
+          const haptic::FastTrackerOptions options{
+              .spacing = spacing, .iterations = iterations, .always_grid = always_grid};
+          add_fast(list,
+                   "spacing=" + text(spacing) + " iterations=" + std::to_string(iterations) +
+                       (always_grid ? " always-grid" : ""),
+                   {.options = options, .points = haptic::kMaxPatches});
+        }
+    for (const int levels : {1, 2, 4, 5})
+      add_fast(list, "levels=" + std::to_string(levels), {.options = {.levels = levels}});
+    for (const int points : {4, 8, 16, 32, 64})
+      add_fast(list, "points=" + std::to_string(points), {.points = points});
+    add_fast(list, "average=mean", {.average = haptic::Average::mean});
+    add_fast(list, "average=median", {.average = haptic::Average::median});
+    add_fast(list, "model=translation", {.choice = haptic::ModelChoice::translation});
+    add_fast(list, "model=similarity", {.choice = haptic::ModelChoice::similarity});
+    add_fast(list, "model=affine", {.choice = haptic::ModelChoice::affine});
+  }
+  for (const int points : quick ? std::vector{kDefaultPoints} : std::vector{8, 20, 32})
+    list.push_back({"method=opencv", "points=" + std::to_string(points), false,
+                    points == kDefaultPoints, [points] {
+                      auto tracker = haptic::make_opencv_tracker();
+                      tracker->set_max_points(points);
+                      return std::make_unique<TrackerMethod>(std::move(tracker));
+                    }});
+  std::ranges::move(peer_configurations(quick), std::back_inserter(list));
+  return list;
+}
+
+} // namespace lab

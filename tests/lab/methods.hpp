@@ -1,0 +1,80 @@
+// What is compared: the project's trackers and their peers, from two pictures and a pointer to one
+// velocity.
+#pragma once
+
+#include "motion-sample.hpp"
+#include "patch-tracker.hpp"
+#include "scenes.hpp"
+#include "velocity-estimate.hpp"
+
+#include <functional>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+/// What a method is given: the whole luma of both pictures.
+struct Task {
+  cv::Mat previous;
+  cv::Mat current;
+  Vector pointer{0.5, 0.5}; ///< fractions of the picture
+  int side = 30;            ///< px, of the region
+  bool continues = false;   ///< previous was `current` of the task before
+};
+
+struct Reading {
+  Vector velocity;       ///< px per picture; zero where nothing was measured
+  double confidence = 0; ///< 0..1; 0: nothing was measured
+  double spin = 0;       ///< rad per picture
+  double divergence = 0; ///< per picture
+  haptic::MotionModel model = haptic::MotionModel::none;
+};
+
+/// One instance sees one stream.
+class Method {
+public:
+  virtual ~Method() = default;
+  virtual Reading measure(const Task &task) = 0;
+  /// Another stream begins.
+  virtual void forget() {}
+};
+
+struct Configuration {
+  std::string method;
+  std::string parameters;
+  bool is_peer = true;
+  bool is_default = false; ///< as its authors or this project ship it
+  std::function<std::unique_ptr<Method>()> make;
+};
+
+/// A tracker of the project followed by the average over its patches, as the elements do it.
+class TrackerMethod final : public Method {
+public:
+  explicit TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker,
+                         haptic::Average average = haptic::Average::model,
+                         haptic::ModelChoice choice = haptic::ModelChoice::automatic);
+  Reading measure(const Task &task) override;
+  void forget() override { tracker_->reset(); }
+
+private:
+  std::unique_ptr<haptic::PatchTracker> tracker_;
+  haptic::Average average_;
+  haptic::ModelChoice choice_;
+  haptic::ModelHistory history_;
+  haptic::Measurement measurement_;
+};
+
+/// The element's number of points.
+inline constexpr int kDefaultPoints = 20;
+
+std::unique_ptr<Method> make_default();
+
+/// Every configuration of the sweep; `quick`: the defaults and a few more.
+std::vector<Configuration> configurations(bool quick);
+
+/// The peers among them.
+std::vector<Configuration> peer_configurations(bool quick);
+
+} // namespace lab

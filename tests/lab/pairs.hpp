@@ -1,0 +1,34 @@
+// Real pictures from a folder: pairs with true flow, and clips without any.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+/// Two pictures and where each pixel of the first has gone, NaN where nobody knows.
+struct TruePair {
+  std::string name;
+  cv::Mat previous; ///< 8-bit luma
+  cv::Mat current;
+  cv::Mat2f flow; ///< px
+};
+
+/// In a folder, in one of the two usual layouts:
+/// NAME_gt.flo (or NAME.flo) beside two pictures whose names begin with NAME, in alphabetical
+/// order (Middlebury); or image_2|image_0/NUMBER_10.png, NUMBER_11.png and flow_occ/NUMBER_10.png
+/// (KITTI). Throws std::runtime_error, with the file's name, for what cannot be read.
+std::vector<TruePair> read_pairs(const std::filesystem::path &folder);
+
+struct Clip {
+  std::string name;
+  std::vector<cv::Mat> pictures; ///< 8-bit luma, one after the other
+};
+
+/// Evenly spread runs of neighbouring pictures, from every file of the folder that is a video.
+/// Throws std::runtime_error where there is none.
+std::vector<Clip> read_clips(const std::filesystem::path &folder, int runs, int length);
+
+} // namespace lab

@@ -1,0 +1,419 @@
+#include "report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <json-glib/json-glib.h>
+#include <sstream>
+#include <stdexcept>
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+class File {
+public:
+  explicit File(const fs::path &path) : path_(path), stream_(path) {}
+  ~File() noexcept(false) {
+    stream_.flush();
+    if (!stream_ && std::uncaught_exceptions() == 0)
+      throw std::runtime_error("'" + path_.string() + "' cannot be written");
+  }
+  File(const File &) = delete;
+  File &operator=(const File &) = delete;
+
+  // A row of comma-separated values. No text holds a comma or a quote: gnuplot takes neither.
+  template <typename... Values>
+  void row(const Values &...values) {
+    const char *separator = "";
+    ((stream_ << separator, put(values), separator = ","), ...);
+    stream_ << '\n';
+  }
+  std::ostream &text() { return stream_; }
+
+private:
+  void put(const std::string &value) { stream_ << '"' << value << '"'; }
+  void put(const char *value) { stream_ << value; }
+  template <typename Number>
+  void put(Number value) {
+    stream_ << value;
+  }
+
+  fs::path path_;
+  std::ofstream stream_;
+};
+
+void write_tables(const Report &report, const fs::path &folder) {
+  {
+    File file(folder / "sweep.csv");
+    file.row("stratum", "method", "parameters", "peer", "default", "threads", "cases", "error",
+             "error_low", "error_high", "error_p50", "error_p95", "gross", "us_p50", "us_p99",
+             "front");
+    for (const SweepRow &r : report.sweep)
+      file.row(r.stratum, r.method, r.parameters, r.is_peer, r.is_default, r.threads, r.cases,
+               r.error, r.error_95.low, r.error_95.high, r.median, r.p95, r.gross, r.time,
+               r.time_99, r.on_front);
+  }
+  {
+    File file(folder / "series.csv");
+    file.row("series", "method", "x", "error", "bias", "gross", "us_p50");
+    for (const SeriesRow &r : report.series)
+      file.row(r.series, r.method, r.x, r.error, r.bias, r.gross, r.time);
+  }
+  {
+    File file(folder / "streams.csv");
+    file.row("scene", "us_p50", "us_p99");
+    for (const StreamRow &r : report.streams)
+      file.row(r.scene, r.time, r.time_99);
+  }
+  {
+    File file(folder / "reliability.csv");
+    file.row("method", "confidence", "cases", "error_p50", "wrong");
+    for (const ReliabilityRow &r : report.reliability)
+      file.row(r.method, r.confidence, r.cases, r.error, r.wrong);
+  }
+  {
+    File file(folder / "roc.csv");
+    file.row("method", "threshold", "false_alarms", "detections");
+    for (const RocRow &r : report.roc)
+      file.row(r.method, r.point.threshold, r.point.false_alarms, r.point.detections);
+  }
+  {
+    File file(folder / "scenes.csv");
+    file.row("scene", "method", "error", "bound");
+    for (const SceneRow &r : report.scenes)
+      file.row(r.scene, r.method, r.error, r.bound);
+  }
+  {
+    File file(folder / "clips.csv");
+    file.row("clip", "method", "cases", "answered", "shift_error_p50", "shift_error_p95",
+             "reversal_error_p50");
+    for (const ClipRow &r : report.clips)
+      file.row(r.clip, r.method, r.cases, r.answered, r.shift_error, r.shift_95, r.reversal_error);
+  }
+}
+
+// JSON
+
+class Json {
+public:
+  Json() : builder_(json_builder_new()) {}
+  ~Json() { g_object_unref(builder_); }
+  Json(const Json &) = delete;
+  Json &operator=(const Json &) = delete;
+
+  template <typename Members>
+  void object(const Members &members) {
+    json_builder_begin_object(builder_);
+    members();
+    json_builder_end_object(builder_);
+  }
+  template <typename Elements>
+  void array(const char *name, const Elements &elements) {
+    json_builder_set_member_name(builder_, name);
+    json_builder_begin_array(builder_);
+    elements();
+    json_builder_end_array(builder_);
+  }
+  void member(const char *name, const std::string &value) {
+    json_builder_set_member_name(builder_, name);
+    json_builder_add_string_value(builder_, value.c_str());
+  }
+  void member(const char *name, double value) {
+    json_builder_set_member_name(builder_, name);
+    json_builder_add_double_value(builder_, std::isfinite(value) ? value : 0);
+  }
+  void member(const char *name, bool value) {
+    json_builder_set_member_name(builder_, name);
+    json_builder_add_boolean_value(builder_, value);
+  }
+  void save(const fs::path &path) {
+    JsonGenerator *generator = json_generator_new();
+    JsonNode *root = json_builder_get_root(builder_);
+    json_generator_set_root(generator, root);
+    json_generator_set_pretty(generator, TRUE);
+    json_generator_set_indent(generator, 1);
+    GError *error = nullptr;
+    json_generator_to_file(generator, path.c_str(), &error);
+    json_node_unref(root);
+    g_object_unref(generator);
+    if (error) {
+      const std::string text = error->message;
+      g_error_free(error);
+      throw std::runtime_error("'" + path.string() + "' cannot be written: " + text);
+    }
+  }
+
+private:
+  JsonBuilder *builder_;
+};
+
+void write_json(const Report &report, const fs::path &path) {
+  Json json;
+  json.object([&] {
+    for (const auto &[name, value] : report.circumstances)
+      json.member(name.c_str(), value);
+    json.array("area-under-roc", [&] {
+      for (const auto &[method, area] : report.area)
+        json.object([&] {
+          json.member("method", method);
+          json.member("area", area);
+        });
+    });
+    json.array("sweep", [&] {
+      for (const SweepRow &r : report.sweep) {
+        if (!r.is_default && !r.on_front)
+          continue; // sweep.csv has all
+        json.object([&] {
+          json.member("stratum", r.stratum);
+          json.member("method", r.method);
+          json.member("parameters", r.parameters);
+          json.member("default", r.is_default);
+          json.member("threads", static_cast<double>(r.threads));
+          json.member("error", r.error);
+          json.member("error-low", r.error_95.low);
+          json.member("error-high", r.error_95.high);
+          json.member("us-p50", r.time);
+          json.member("us-p99", r.time_99);
+          json.member("front", r.on_front);
+        });
+      }
+    });
+  });
+  json.save(path);
+}
+
+// The page
+
+std::string rounded(double value) {
+  std::ostringstream text;
+  if (value != 0 && std::abs(value) < 10) {
+    text.precision(value < 0.1 ? 1 : 2);
+    if (std::abs(value) < 0.01)
+      text << std::fixed, text.precision(4);
+    else if (std::abs(value) < 1)
+      text << std::fixed, text.precision(3);
+  } else {
+    text << std::fixed;
+    text.precision(0);
+  }
+  text << value;
+  return text.str();
+}
+
+bool is_ours(const SweepRow &row) {
+  return row.method == "fast" && row.is_default && row.threads == 1;
+}
+
+std::vector<std::string> strata_of(const std::vector<SweepRow> &sweep) {
+  std::vector<std::string> names;
+  for (const SweepRow &row : sweep)
+    if (std::ranges::find(names, row.stratum) == names.end())
+      names.push_back(row.stratum);
+  return names;
+}
+
+std::string name_of(const SweepRow &row) {
+  return row.parameters.empty() ? row.method : row.method + ", " + row.parameters;
+}
+
+void write_strata(const Report &report, std::ostream &out) {
+  out << "| stratum | who | mean error (px) | 95 % interval | errors > 0.5 px | p50 (µs) | p99 "
+         "(µs) |\n"
+         "|---|---|---|---|---|---|---|\n";
+  const auto line = [&](const char *role, const SweepRow &r) {
+    out << "| " << r.stratum << " | " << role << name_of(r) << " | " << rounded(r.error) << " | "
+        << rounded(r.error_95.low) << " – " << rounded(r.error_95.high) << " | "
+        << rounded(100 * r.gross) << " % | " << rounded(r.time) << " | " << rounded(r.time_99)
+        << " |\n";
+  };
+  for (const std::string &stratum : strata_of(report.sweep)) {
+    const SweepRow *best_peer = nullptr;
+    const SweepRow *best_own = nullptr;
+    for (const SweepRow &row : report.sweep) {
+      if (row.stratum != stratum || row.threads != 1)
+        continue;
+      if (is_ours(row))
+        line("**default**: ", row);
+      const SweepRow *&best = row.is_peer ? best_peer : best_own;
+      if (!best || row.error < best->error)
+        best = &row;
+    }
+    if (best_own)
+      line("most accurate of ours: ", *best_own);
+    if (best_peer)
+      line("most accurate peer: ", *best_peer);
+  }
+}
+
+void write_shipped(const Report &report, std::ostream &out) {
+  out << "| stratum | method as shipped | mean error (px) | p50 (µs) | times the default's p50 | "
+         "p50, all threads (µs) |\n|---|---|---|---|---|---|\n";
+  for (const std::string &stratum : {std::string("translation"), std::string("pairs")}) {
+    double own = 0;
+    for (const SweepRow &row : report.sweep)
+      if (row.stratum == stratum && is_ours(row))
+        own = row.time;
+    for (const SweepRow &row : report.sweep) {
+      if (row.stratum != stratum || !row.is_default || row.threads != 1)
+        continue;
+      const auto threaded = std::ranges::find_if(report.sweep, [&](const SweepRow &other) {
+        return other.stratum == stratum && other.method == row.method &&
+               other.parameters == row.parameters && other.threads > 1;
+      });
+      out << "| " << stratum << " | " << name_of(row) << " | " << rounded(row.error) << " | "
+          << rounded(row.time) << " | " << (own > 0 ? rounded(row.time / own) : "") << " | "
+          << (threaded != report.sweep.end() ? rounded(threaded->time) : "") << " |\n";
+    }
+  }
+}
+
+void write_fronts(const Report &report, std::ostream &out) {
+  out << "| stratum | configuration | p50 (µs) | mean error (px) |\n|---|---|---|---|\n";
+  for (const SweepRow &row : report.sweep)
+    if (row.on_front)
+      out << "| " << row.stratum << " | " << name_of(row) << " | " << rounded(row.time) << " | "
+          << rounded(row.error) << " |\n";
+}
+
+// Where the most accurate configuration of a peer beats the default beyond chance, or a scene is
+// got better by a peer as shipped.
+void write_ahead(const Report &report, std::ostream &out) {
+  bool any = false;
+  for (const std::string &stratum : strata_of(report.sweep)) {
+    const auto own = std::ranges::find_if(
+        report.sweep, [&](const SweepRow &r) { return r.stratum == stratum && is_ours(r); });
+    const SweepRow *best = nullptr;
+    for (const SweepRow &row : report.sweep)
+      if (row.stratum == stratum && row.is_peer && row.threads == 1 &&
+          row.error_95.high < own->error_95.low && (!best || row.error < best->error))
+        best = &row;
+    if (!best)
+      continue;
+    any = true;
+    out << "* " << stratum << ": " << name_of(*best) << " errs by " << rounded(best->error)
+        << " px in " << rounded(best->time) << " µs, the default by " << rounded(own->error)
+        << " px in " << rounded(own->time) << " µs.\n";
+  }
+  for (const SceneRow &own : report.scenes) {
+    if (own.method != "fast")
+      continue;
+    const SceneRow *best = nullptr;
+    for (const SceneRow &row : report.scenes)
+      if (row.scene == own.scene && row.method != "fast" && row.method != "method=opencv" &&
+          row.method != "always zero" && (!best || row.error < best->error))
+        best = &row;
+    constexpr double kNegligible = 0.01; // px
+    if (!best || best->error + kNegligible > own.error)
+      continue;
+    any = true;
+    out << "* scene “" << own.scene << "”: " << best->method << " " << rounded(best->error)
+        << " px, the default " << rounded(own.error) << " px.\n";
+  }
+  if (!any)
+    out << "Nowhere in this run.\n";
+}
+
+void write_scenes(const Report &report, std::ostream &out) {
+  std::vector<std::string> methods;
+  for (const SceneRow &row : report.scenes)
+    if (std::ranges::find(methods, row.method) == methods.end())
+      methods.push_back(row.method);
+  out << "| scene | bound |";
+  for (const std::string &method : methods)
+    out << ' ' << method << " |";
+  out << "\n|---|---|";
+  for (std::size_t i = 0; i < methods.size(); ++i)
+    out << "---|";
+  std::string scene;
+  for (const SceneRow &row : report.scenes) {
+    if (row.scene != scene)
+      out << "\n| " << row.scene << " | " << (row.bound < 1 ? rounded(row.bound) : "–") << " |";
+    scene = row.scene;
+    out << ' ' << rounded(row.error) << " |";
+  }
+  out << "\n";
+}
+
+void write_clips(const Report &report, std::ostream &out) {
+  out << "| clip | method | regions | answered | shift: median (px) | p95 (px) | reversal: median "
+         "(px) |\n|---|---|---|---|---|---|---|\n";
+  for (const ClipRow &r : report.clips)
+    out << "| " << r.clip << " | " << r.method << " | " << r.cases << " | "
+        << rounded(100 * r.answered) << " % | " << rounded(r.shift_error) << " | "
+        << rounded(r.shift_95) << " | " << rounded(r.reversal_error) << " |\n";
+}
+
+void write_page(const Report &report, const fs::path &path) {
+  File file(path);
+  std::ostream &out = file.text();
+  out << "# Results of the lab\n\nWritten by `tests/lab/run.sh`; see [the lab](lab.md).\n\n";
+  for (const auto &[name, value] : report.circumstances)
+    out << "* " << name << ": " << value << "\n";
+  out << "\n## Speed and accuracy\n\n";
+  write_strata(report, out);
+  out << "\n## Where a peer is ahead\n\n";
+  write_ahead(report, out);
+  out << "\n## The fronts\n\n";
+  write_fronts(report, out);
+  out << "\n## Everything as shipped\n\n";
+  write_shipped(report, out);
+  out << "\n## Scene by scene\n\nMean error in px of each method as shipped. The bound is that of "
+         "Cramér and Rao for one translation, from the pixels of the region alone.\n\n";
+  write_scenes(report, out);
+  out << "\n## Time of the default by scene, in a stream\n\n| scene | p50 (µs) | p99 (µs) |\n"
+         "|---|---|---|\n";
+  for (const StreamRow &r : report.streams)
+    out << "| " << r.scene << " | " << rounded(r.time) << " | " << rounded(r.time_99) << " |\n";
+  out << "\n## Confidence\n\n| method | area under the curve, errors > 0.3 px |\n|---|---|\n";
+  for (const auto &[method, area] : report.area)
+    out << "| " << method << " | " << rounded(area) << " |\n";
+  if (!report.clips.empty()) {
+    out << "\n## Real clips\n\n";
+    write_clips(report, out);
+  }
+}
+
+} // namespace
+
+void mark_fronts(std::vector<SweepRow> &sweep) {
+  for (const std::string &stratum : strata_of(sweep)) {
+    std::vector<SweepRow *> rows;
+    std::vector<SpeedAndError> points;
+    for (SweepRow &row : sweep)
+      if (row.stratum == stratum && row.threads == 1 && row.method != "always zero") {
+        rows.push_back(&row);
+        points.push_back({row.time, row.error});
+      }
+    const std::vector<bool> on_front = pareto_front(points);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      rows[i]->on_front = on_front[i];
+  }
+}
+
+std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep) {
+  std::vector<SweepRow> found;
+  for (const SweepRow &own : sweep)
+    if (is_ours(own))
+      for (const SweepRow &row : sweep)
+        if (row.is_peer && row.method != "always zero" && row.threads == 1 &&
+            row.stratum == own.stratum && dominates({row.time, row.error}, {own.time, own.error}))
+          found.push_back(row);
+  return found;
+}
+
+void write(Report report, const fs::path &folder) {
+  const std::vector<std::string> strata = strata_of(report.sweep);
+  // In the order of the front, so that a chart can follow it.
+  std::ranges::stable_sort(report.sweep, {}, [](const SweepRow &r) { return r.time; });
+  std::ranges::stable_sort(report.sweep, {}, [&](const SweepRow &r) {
+    return std::ranges::find(strata, r.stratum) - strata.begin();
+  });
+  fs::create_directories(folder);
+  write_tables(report, folder);
+  write_json(report, folder / "lab.json");
+  write_page(report, folder / "results.md");
+}
+
+} // namespace lab

@@ -1,0 +1,101 @@
+// What was found, as CSV for the charts, as JSON for machines and as tables for the page.
+#pragma once
+
+#include "statistics.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+/// One configuration on one stratum.
+struct SweepRow {
+  std::string stratum;
+  std::string method;
+  std::string parameters;
+  bool is_peer = false;
+  bool is_default = false;
+  int threads = 1;
+  std::size_t cases = 0;
+  double error = 0;    ///< px, mean
+  Interval error_95{}; ///< of the mean
+  double median = 0;   ///< px
+  double p95 = 0;      ///< px
+  double gross = 0;    ///< share of errors above half a pixel
+  double time = 0;     ///< µs, median
+  double time_99 = 0;  ///< µs
+  bool on_front = false;
+};
+
+/// One method at one place of a series.
+struct SeriesRow {
+  std::string series;
+  std::string method;
+  double x = 0;
+  double error = 0; ///< px, mean
+  double bias = 0;  ///< px, length of the mean difference
+  double gross = 0;
+  double time = 0; ///< µs, median
+};
+
+struct StreamRow {
+  std::string scene;
+  double time = 0; ///< µs, median
+  double time_99 = 0;
+};
+
+struct ReliabilityRow {
+  std::string method;
+  double confidence = 0; ///< middle of the bin
+  std::size_t cases = 0;
+  double error = 0; ///< px, median
+  double wrong = 0; ///< share of errors above 0.15 px
+};
+
+struct RocRow {
+  std::string method;
+  RocPoint point;
+};
+
+struct SceneRow {
+  std::string scene;
+  std::string method;
+  double error = 0; ///< px, mean
+  double bound = 0; ///< px, Cramer-Rao
+};
+
+struct ClipRow {
+  std::string clip;
+  std::string method;
+  std::size_t cases = 0;
+  double answered = 0;    ///< share
+  double shift_error = 0; ///< px, median
+  double shift_95 = 0;
+  double reversal_error = 0; ///< px, median
+};
+
+struct Report {
+  std::map<std::string, std::string> circumstances; ///< machine, compiler, commit, ...
+  std::vector<SweepRow> sweep;
+  std::vector<SeriesRow> series;
+  std::vector<StreamRow> streams;
+  std::vector<ReliabilityRow> reliability;
+  std::vector<RocRow> roc;
+  std::map<std::string, double> area; ///< under the curve, by method
+  std::vector<SceneRow> scenes;
+  std::vector<ClipRow> clips;
+};
+
+/// Marks the fronts, one per stratum, of what ran in one thread.
+void mark_fronts(std::vector<SweepRow> &sweep);
+
+/// Peers that are at least as fast and at least as accurate as the default on some stratum.
+std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep);
+
+/// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv, lab.json
+/// and results.md. Throws std::runtime_error where a file cannot be written.
+void write(Report report, const std::filesystem::path &folder);
+
+} // namespace lab

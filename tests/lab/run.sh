@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Runs the lab: speed against accuracy of the trackers and their peers, ten minutes on two
+# processors. Builds (release) in build-lab/, measures, draws the charts. The exit status is 0 only
+# when no configuration of a peer dominates the default.
+#
+# Usage: tests/lab/run.sh [--quick] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
+#   --quick          a minute, and few cases: to see whether all works, not to be believed
+#   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
+#                    KITTI (default: ../shared/data/middlebury, if there)
+#   --clips FOLDER   videos (default: ../shared/data/video, if there)
+#   --output FOLDER  where tables and charts go; without it into docs/: images/lab/ and
+#                    lab-results.md
+
+source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/packages.sh"
+here=$root/tests/lab
+
+# Absolute, since the lab may be started from any folder.
+folder() {
+  [ -d "$1" ] || fail "there is no folder '$1'"
+  (cd "$1" && pwd)
+}
+
+quick=() pairs='' clips='' output=''
+while [ $# -gt 0 ]; do
+  case $1 in
+  --quick) quick=(--quick) && shift && continue ;;
+  --help | -h) show_help && exit ;;
+  --pairs | --clips | --output) [ $# -gt 1 ] || fail "$1 needs a folder; see --help" ;;
+  *) fail "unknown option '$1'; see --help" ;;
+  esac
+  case $1 in
+  --pairs) pairs=$(folder "$2") ;;
+  --clips) clips=$(folder "$2") ;;
+  --output) mkdir -p "$2" && output=$(folder "$2") ;;
+  esac
+  shift 2
+done
+data=$root/../shared/data
+[ -n "$pairs" ] || [ ! -d "$data/middlebury" ] || pairs=$(folder "$data/middlebury")
+[ -n "$clips" ] || [ ! -d "$data/video" ] || clips=$(folder "$data/video")
+
+if [ -z "${FEELING_WIND_BUILD:-}" ]; then
+  install_packages "${build_packages[@]}" "${test_packages[@]}" "${lab_packages[@]}" gnuplot-nox
+  build=$root/build-lab
+  echo "Building in $build ..."
+  mkdir -p "$build"
+  if { [ -f "$build/build.ninja" ] ||
+    meson setup "$build" "$root" --buildtype=release -Dtests=enabled -Dbenchmarks=enabled -Ddevice=disabled; } \
+    >"$build/build.log" 2>&1 && ninja -C "$build" tests/lab/lab >>"$build/build.log" 2>&1; then
+    :
+  else
+    tail -n 40 "$build/build.log" >&2
+    fail "the lab could not be built (log: $build/build.log)"
+  fi
+fi
+[ -x "$build/tests/lab/lab" ] || fail "there is no '$build/tests/lab/lab'; was it built with -Dbenchmarks=enabled?"
+
+results=${output:-$root/docs/images/lab}
+commit=$(git -C "$root" describe --always --dirty 2>/dev/null) || commit=unknown
+status=0
+"$build/tests/lab/lab" ${quick[@]+"${quick[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
+  --commit "$commit" --output "$results" || status=$?
+[ "$status" -le 1 ] || exit "$status"
+
+for chart in pareto series confidence; do
+  for ending in svg png; do
+    gnuplot -c "$here/$chart.gp" "$results" "$results/$chart.$ending"
+  done
+done
+if [ -z "$output" ]; then
+  mv "$results/results.md" "$root/docs/lab-results.md"
+fi
+echo "Tables and charts are in $results"
+exit "$status"

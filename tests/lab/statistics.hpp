@@ -1,0 +1,47 @@
+// From single measurements to what the charts show.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lab {
+
+/// Linear between the ranks; `fraction` 0..1. 0 of nothing.
+double percentile(std::vector<double> values, double fraction);
+
+double mean(std::span<const double> values);
+
+struct Interval {
+  double low;
+  double high;
+};
+
+/// 95 % bootstrap interval of the mean. Values of one block are drawn together, because what
+/// neighbouring regions of one picture show is not independent. Same result on every machine.
+Interval bootstrap(std::span<const double> values, std::span<const int> blocks, std::uint64_t seed);
+
+struct SpeedAndError {
+  double time;
+  double error;
+};
+
+/// Whether `a` is at least as good as `b` in both and better in one.
+bool dominates(const SpeedAndError &a, const SpeedAndError &b);
+
+/// For each: whether nothing dominates it.
+std::vector<bool> pareto_front(std::span<const SpeedAndError> all);
+
+struct RocPoint {
+  double threshold;
+  double false_alarms; ///< share of the good answers that fall below the threshold
+  double detections;   ///< share of the bad answers that fall below it
+};
+
+/// How well low confidence tells bad answers; from (0, 0) to (1, 1).
+std::vector<RocPoint> roc(std::span<const double> confidences, const std::vector<bool> &bad);
+
+/// Area under the curve, 0.5 for guessing, 1 for always right.
+double area_under(std::span<const RocPoint> curve);
+
+} // namespace lab

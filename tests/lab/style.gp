@@ -1,0 +1,25 @@
+# What the charts of the lab share. The palette is that of Okabe and Ito: told apart by all kinds of
+# colour vision; each method also has a symbol of its own.
+set datafile separator ","
+set datafile columnheaders
+set encoding utf8
+set border 3 linecolor rgb "#444444"
+set tics nomirror out
+set grid linecolor rgb "#DDDDDD" linewidth 1
+
+# `terminal(FILE, WIDTH, HEIGHT)` is the command that opens a picture by the ending of its name.
+terminal(file, width, height) = \
+  (file[strlen(file) - 3:] eq ".svg" \
+    ? sprintf("set terminal svg size %d,%d dynamic font 'DejaVu Sans,13' background '#ffffff'", width, height) \
+    : sprintf("set terminal pngcairo size %d,%d font 'DejaVu Sans,12' background '#ffffff'", width, height)) \
+  . sprintf("; set output '%s'", file)
+
+# Methods in groups, a colour and a symbol each.
+titles = "'fast' 'method=opencv' 'PyrLK on the crop' 'PyrLK on the frame' 'RLOF' 'DIS' 'Farneback' 'phase correlation' 'ECC' 'block search'"
+group(method) = \
+  method eq "fast" ? 1 : method eq "method=opencv" ? 2 : \
+  method[1:9] eq "PyrLK cro" ? 3 : method[1:9] eq "PyrLK fra" ? 4 : \
+  method eq "RLOF" ? 5 : method[1:3] eq "DIS" ? 6 : method eq "Farneback" ? 7 : \
+  method[1:5] eq "phase" ? 8 : method eq "ECC" ? 9 : method[1:5] eq "block" ? 10 : 0
+array colour[10] = [0xD55E00, 0x000000, 0x0072B2, 0x56B4E9, 0x009E73, 0xCC79A7, 0xE69F00, 0x882255, 0x999933, 0x777777]
+array symbol[10] = [7, 5, 9, 11, 13, 15, 4, 8, 6, 12]
