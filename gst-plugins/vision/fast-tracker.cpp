@@ -160,6 +160,7 @@ struct Translation {
   float pixels = 0;
   float correlation = -1;     // mean over the blocks, weighted by their contrast
   float residual2 = 0;        // mean squared grey levels
+  float interpolation2 = 0;   // how much of it interpolation may cause
   float disagreement = 0;     // chi-squared of what each block alone would correct
   bool one_direction = false; // only the component along strong_direction() is known
 
@@ -180,7 +181,6 @@ public:
   void reset() override {
     have_previous_ = false;
     last_ = {};
-    certain_ = false;
     noise_ = kAssumedNoise * kAssumedNoise;
     expected_residual2_ = 2 * kSmoothedNoise * noise_;
   }
@@ -231,7 +231,6 @@ private:
   std::array<ByteImage, 2> reduced_previous_;
   std::array<ByteImage, 2> reduced_current_;
   Displacement last_;                           // px, of the picture before
-  bool certain_ = false;                        // that last_ is true
   float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still pictures
   float expected_residual2_ = 2 * kSmoothedNoise * noise_; // grey levels squared, of what fits
   float trust_ = 0;         // sum over the grid's patches that have texture, 0..1 each
@@ -343,6 +342,7 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
     float squares = 0;
     result.structure = {};
     result.pixels = 0;
+    float curvature = 0;
     fit_templates(current_.levels[level], blocks, result.displacement,
                   std::span(fits).first(blocks.size()));
     for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -354,7 +354,11 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
       squares += fits[i].residual * fits[i].residual;
       result.structure += blocks[i].structure;
       result.pixels += block_pixels;
+      curvature += blocks[i].curvature;
     }
+    // Half way between pixels bilinear interpolation is off by an eighth of the second derivative,
+    // in both pictures.
+    result.interpolation2 = 2.0F / 64 * curvature / std::max(result.pixels, block_pixels);
     // What is seen of less than half of the region stands for the rest with less right.
     const float seen = std::min(1.0F, 2 * result.pixels / all_pixels);
     result.correlation = energy > 0 ? seen * correlation / energy : -1;
@@ -608,17 +612,14 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   constexpr float kSameScene = 0.5F;
   // Patches of the same scene come close to 1 in the mean, those of another scene stay below.
   constexpr float kLeastTrust = 0.6F;
-  if (!pair.continues) {
+  if (!pair.continues)
     last_ = {};
-    certain_ = false;
-  }
   const Change changed = change(pair);
   switch (changed) {
   case Change::none:
   case Change::unseen:
     if (changed == Change::none)
       measurement.flags = kStill;
-    certain_ = changed == Change::none;
     have_previous_ = false;
     last_ = {};
     return;
@@ -632,17 +633,15 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   cover_with_blocks(area);
   const Translation whole = find_translation();
   if (!whole.one_direction) {
-    // Only where it was before can tell.
+    // Only the motion before can tell, and at first that slow motion is likelier than fast.
     const float repeats = period();
-    if (repeats > 0 && (!certain_ || norm2(whole.displacement - last_) > repeats * repeats / 16)) {
+    if (repeats > 0 && norm2(whole.displacement - last_) > repeats * repeats / 16) {
       measurement.candidates = 1;
-      certain_ = false;
       last_ = {};
       return;
     }
   }
   last_ = whole.displacement;
-  certain_ = true;
   const bool explained = explains(whole);
   if (explained && is_still(whole)) {
     constexpr float kLearning = 0.3F;
@@ -651,7 +650,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     return;
   }
   if (explained && !options_.always_grid && is_precise(whole) &&
-      whole.residual2 < kOverExpected * expected_residual2_) {
+      whole.residual2 < kOverExpected * expected_residual2_ + whole.interpolation2) {
     add_whole(area, whole, measurement);
     return;
   }
@@ -661,7 +660,6 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
       measurement.flags |= kCut;
     measurement.count = 0;
     last_ = {};
-    certain_ = false;
   }
 }
 

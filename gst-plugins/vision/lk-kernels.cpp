@@ -217,11 +217,11 @@ struct Position {
   const float *first;
   float u;
   float v;
-  bool inside; // moved by no more than a pixel to fit into the plane
+  bool inside; // moved by a fraction of a pixel at most to fit into the plane
 };
 
 HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displacement moved) {
-  constexpr float kTolerance = 1;
+  constexpr float kTolerance = 0.25F;
   const auto kept = [&](float at, int length) {
     return std::clamp(at, 0.0F, static_cast<float>(length - patch.side) - 1.001F);
   };
