@@ -19,6 +19,7 @@ constexpr int kSmallPatch = 8;      // px
 constexpr int kLargePatch = 16;     // px
 constexpr int kRim = 4;             // px around a patch, for gradients and interpolation
 constexpr int kSmoothingRadius = 1; // px by which planes are smaller than the crop on every side
+constexpr int kIterations = 5;      // most Gauss-Newton steps of the whole region at a level
 constexpr int kSmallSide = 30;      // px, the region of the paper
 constexpr int kReach =
     20; // px per picture that the search covers there; what is larger moves further
@@ -413,7 +414,6 @@ Translation FastTracker::translate_level(std::size_t level, Displacement start, 
 }
 
 Translation FastTracker::translate(Displacement start) {
-  constexpr int kIterations = 5;
   Translation t;
   t.displacement = 1 / static_cast<float>(1 << levels_) * start;
   for (std::size_t level = levels_; level-- > 0;)
@@ -631,11 +631,11 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
                   static_cast<float>(pair.region.y - pair.crop.y - kSmoothingRadius),
                   static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)};
   cover_with_blocks(area);
-  const Translation whole = find_translation();
-  if (!whole.one_direction) {
+  Translation whole = find_translation();
+  if (const float repeats = whole.one_direction ? 0 : period(); repeats > 0) {
     // Only the motion before can tell, and at first that slow motion is likelier than fast.
-    const float repeats = period();
-    if (repeats > 0 && norm2(whole.displacement - last_) > repeats * repeats / 16) {
+    whole = translate_level(0, last_, kIterations);
+    if (norm2(whole.displacement - last_) > repeats * repeats / 16) {
       measurement.candidates = 1;
       last_ = {};
       return;
