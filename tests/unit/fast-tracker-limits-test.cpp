@@ -1,0 +1,193 @@
+// What the fast tracker promises of memory and of instruction sets.
+#include "moving-texture.hpp"
+#include "patch-tracker.hpp"
+#include "velocity-estimate.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <new>
+#include <random>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace {
+
+std::atomic<long> allocations = 0;
+
+} // namespace
+
+// NOLINTBEGIN(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
+void *operator new(std::size_t size) {
+  ++allocations;
+  if (void *memory = std::malloc(size))
+    return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void *memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void *memory, std::size_t /*size*/) noexcept {
+  std::free(memory);
+}
+// NOLINTEND(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
+
+namespace {
+
+using haptic::CropPair;
+using haptic::LumaView;
+using haptic::Measurement;
+using haptic::Rectangle;
+using test::Picture;
+using test::Texture;
+
+constexpr Rectangle kRegion{55, 55, 30, 30};
+constexpr int kSide = 140;
+
+CropPair pair_of(Picture &previous, Picture &current, const haptic::PatchTracker &tracker) {
+  const Rectangle crop = haptic::crop_around(kRegion, tracker.margin(kRegion.width), kSide, kSide);
+  const auto view = [&](Picture &picture) {
+    return LumaView{&picture.at(crop.x, crop.y), crop.width, crop.height, picture.width};
+  };
+  return {view(previous), view(current), crop, kRegion};
+}
+
+// Two objects, so that every rung of the ladder is climbed.
+Picture two_objects(const Texture &left, const Texture &right, double time) {
+  Picture picture = left.picture(kSide, kSide, {1.7 * time, -0.6 * time});
+  Picture other = right.picture(kSide, kSide, {-1.2 * time, 0.9 * time});
+  for (int y = 0; y < kSide; ++y)
+    for (int x = kSide / 2; x < kSide; ++x)
+      picture.at(x, y) = other.at(x, y);
+  return picture;
+}
+
+haptic::VelocityEstimate answer(const Measurement &found, const CropPair &pair) {
+  const auto &r = pair.region;
+  return haptic::estimate_velocity(
+      {.patches = found.view(),
+       .candidates = found.candidates,
+       .pointer_x = static_cast<float>(r.x) + static_cast<float>(r.width) / 2,
+       .pointer_y = static_cast<float>(r.y) + static_cast<float>(r.height) / 2,
+       .interval = 1,
+       .region_x = static_cast<float>(r.x),
+       .region_y = static_cast<float>(r.y),
+       .region_width = static_cast<float>(r.width),
+       .region_height = static_cast<float>(r.height)},
+      haptic::Average::model, haptic::ModelChoice::automatic);
+}
+
+TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
+  int targets = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const bool apart = seed % 2 == 0;
+    // A patch on the border between two motions may stop a step earlier or later.
+    const float alike = apart ? 5e-3F : 1e-3F;
+    const Texture texture(seed);
+    const Texture other(seed + 100);
+    Picture before = apart ? two_objects(texture, other, 0) : texture.picture(kSide, kSide, {});
+    Picture after =
+        apart ? two_objects(texture, other, 1) : texture.picture(kSide, kSide, {2.3, -1.4});
+    haptic::VelocityEstimate reference;
+    targets = 0;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      const auto tracker = haptic::make_fast_tracker();
+      const CropPair pair = pair_of(before, after, *tracker);
+      Measurement found;
+      tracker->measure(pair, found);
+      const auto estimate = answer(found, pair);
+      EXPECT_GT(estimate.confidence, 0) << hwy::TargetName(target);
+      if (targets++ == 0)
+        reference = estimate;
+      EXPECT_NEAR(estimate.velocity_x, reference.velocity_x, alike) << hwy::TargetName(target);
+      EXPECT_NEAR(estimate.velocity_y, reference.velocity_y, alike) << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+  }
+  RecordProperty("targets", targets);
+}
+
+// The crop in the middle of memory that may not be touched.
+class Guarded {
+public:
+  Guarded(int width, int height) : width_(width), height_(height) {
+    page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    rows_ = (static_cast<std::size_t>(width) + page_ - 1) / page_ * page_ + page_;
+    size_ = rows_ * static_cast<std::size_t>(height) + page_;
+    memory_ = static_cast<std::uint8_t *>(
+        mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  }
+  ~Guarded() { munmap(memory_, size_); }
+  Guarded(const Guarded &) = delete;
+  Guarded &operator=(const Guarded &) = delete;
+
+  // Each row ends (or begins) at a page that is protected.
+  LumaView filled(const LumaView &from, bool ends) {
+    const std::size_t inner = rows_ - page_;
+    for (int y = 0; y < height_; ++y) {
+      std::uint8_t *row = memory_ + page_ + static_cast<std::size_t>(y) * rows_;
+      std::uint8_t *first = ends ? row + inner - width_ : row;
+      std::copy_n(from.pixels + y * from.stride, width_, first);
+      if (y == 0)
+        first_ = first;
+    }
+    for (int y = 0; y <= height_; ++y)
+      mprotect(memory_ + static_cast<std::size_t>(y) * rows_, page_, PROT_NONE);
+    return {first_, width_, height_, static_cast<std::ptrdiff_t>(rows_)};
+  }
+
+private:
+  int width_;
+  int height_;
+  std::size_t page_ = 0;
+  std::size_t rows_ = 0;
+  std::size_t size_ = 0;
+  std::uint8_t *memory_ = nullptr;
+  std::uint8_t *first_ = nullptr;
+};
+
+TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
+  Picture before = two_objects(Texture(3), Texture(4), 0);
+  Picture after = two_objects(Texture(3), Texture(4), 1);
+  for (const bool ends : {false, true}) {
+    const auto tracker = haptic::make_fast_tracker();
+    CropPair pair = pair_of(before, after, *tracker);
+    Guarded previous(pair.crop.width, pair.crop.height);
+    Guarded current(pair.crop.width, pair.crop.height);
+    pair.previous = previous.filled(pair.previous, ends);
+    pair.current = current.filled(pair.current, ends);
+    Measurement found;
+    tracker->measure(pair, found);
+    EXPECT_GT(found.count, 1);
+  }
+}
+
+TEST(FastTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
+  std::mt19937 random(5);
+  std::vector<Picture> movie;
+  for (int i = 0; i < 6; ++i) {
+    movie.push_back(two_objects(Texture(6), Texture(i % 2 ? 7 : 6), i));
+    add_noise(movie.back(), 1.5, random);
+  }
+  const auto tracker = haptic::make_fast_tracker();
+  Measurement found;
+  const auto run = [&](int pictures) {
+    for (int i = 0; i < pictures; ++i) {
+      CropPair pair = pair_of(movie[static_cast<std::size_t>(i) % 6],
+                              movie[static_cast<std::size_t>(i + 1) % 6], *tracker);
+      pair.continues = i > 0;
+      tracker->measure(pair, found);
+    }
+  };
+  run(12);
+  const long before = allocations;
+  run(20000);
+  EXPECT_EQ(allocations, before);
+}
+
+} // namespace
