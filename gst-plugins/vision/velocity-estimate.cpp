@@ -179,7 +179,8 @@ Motion mean_by_area(const Points &points, const Box &region, const Layers &layer
 struct Answer {
   Motion felt;                  // about the pointer
   Motion first;                 // what the points do
-  std::optional<Motion> second; // what the others do, in a mixture
+  std::optional<Motion> second; // what the others do, where they do it together
+  bool is_mixture = false;
   MotionModel model = MotionModel::translation;
   float scatter = 0; // px² per component that no model explains
   ModelHistory history;
@@ -225,12 +226,13 @@ Motion left_by_neighbours(const Points &points, const Motion &motion) {
   for (std::size_t i = 0; i < points.count; ++i) {
     if (errors[i] <= kOutlier)
       continue;
+    std::size_t together = 1;
     for (std::size_t j = 0; j < points.count; ++j)
-      if (supports(i, j)) {
-        left.x0 += ex[i] / count;
-        left.y0 += ey[i] / count;
-        break;
-      }
+      together += supports(i, j) ? 1 : 0;
+    if (together < kSmallestLayer)
+      continue;
+    left.x0 += ex[i] / count;
+    left.y0 += ey[i] / count;
   }
   return left;
 }
@@ -242,9 +244,10 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     answer.first = selection.fit.motion;
     answer.model = selection.fit.model;
     answer.history = selection.history;
+    const Motion left = left_by_neighbours(points, answer.first);
+    answer.is_mixture = left.x0 != 0 || left.y0 != 0;
     answer.felt =
-        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y) +
-        left_by_neighbours(points, answer.first);
+        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y) + left;
   };
   Selection selection = select_model(points, MotionModel::still, history);
   if (!explains_most(selection.fit, points)) {
@@ -257,6 +260,7 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
   if (layers && layers->cost < selection.fit.cost + (history.mixture ? kHold : 0)) {
     take({layers->first, {layers->first.model, MotionModel::none}});
     answer.second = layers->second;
+    answer.is_mixture = true;
     answer.felt = mean_by_area(points, region_of(set, points), *layers);
     answer.history.mixture = true;
     return;
@@ -440,7 +444,7 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
                             .spin = (motion.yx - motion.xy) / 2 * per_second,
                             .divergence = (motion.xx + motion.yy) / 2 * per_second,
                             .model = answer.model,
-                            .mixture = answer.second.has_value(),
+                            .mixture = answer.is_mixture,
                             .history = answer.history};
   // Three doubts multiplied: is the velocity precise, do the errors fit their precision, and do the
   // patches agree?
