@@ -311,8 +311,8 @@ void FastTracker::cover(const Area &area, std::size_t level, int columns, int ro
 void FastTracker::cover_with_blocks(const Area &area) {
   for (std::size_t level = 0; level < levels_; ++level) {
     const Area a = area.at_level(static_cast<int>(level));
-    const bool large =
-        std::min(a.width, a.height) >= 12 && fits_into(previous_.levels[level], kLargePatch);
+    const bool large = std::min(a.width, a.height) >= (level > 0 ? 12.0F : 24.0F) &&
+                       fits_into(previous_.levels[level], kLargePatch);
     const int side = large ? kLargePatch : kSmallPatch;
     const auto length = static_cast<float>(side);
     cover(a, level, parts_of(a.width, length, 8), parts_of(a.height, length, 8), side,
