@@ -150,7 +150,8 @@ void blur(Points &points, float variance) {
 // The upper of the middle two. By rank: at these numbers comparing each with all is faster than
 // sorting. None is negative, so that the zeros beyond the end do no harm.
 float median(const Points::Row &values, std::size_t count) {
-  const Lanes rank = hn::Set(kTag, static_cast<float>(count / 2));
+  const std::size_t half = count / 2;
+  const Lanes rank = hn::Set(kTag, static_cast<float>(half));
   const Lanes one = hn::Set(kTag, 1);
   Lanes middle = hn::Zero(kTag);
   for (std::size_t i = 0; i < count; i += kLanes) {
