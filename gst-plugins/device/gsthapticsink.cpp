@@ -16,7 +16,9 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
+#include <optional>
 #include <spidar/error.hpp>
 #include <string>
 #include <system_error>
@@ -229,21 +231,27 @@ struct ClockReading {
   std::int64_t running;   // ns
 };
 
-// Nothing without a clock, or when something came between reading the two clocks.
+// Nothing without a clock. Of a few readings the least disturbed one: the thread may be preempted
+// between reading the two clocks.
 std::optional<ClockReading> read_clocks(GstHapticSink *self) {
-  constexpr std::int64_t kUndisturbed = 100'000; // ns
+  constexpr int kReadings = 5;
   GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
   if (!clock)
     return std::nullopt;
-  const std::int64_t before = haptic::monotonic_now();
-  const GstClockTime time = gst_clock_get_time(clock);
-  const std::int64_t after = haptic::monotonic_now();
-  gst_object_unref(clock);
   const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(self));
-  if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) ||
-      after - before > kUndisturbed)
-    return std::nullopt;
-  return ClockReading{before + (after - before) / 2, GST_CLOCK_DIFF(base, time)};
+  std::optional<ClockReading> best;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kReadings; ++i) {
+    const std::int64_t before = haptic::monotonic_now();
+    const GstClockTime time = gst_clock_get_time(clock);
+    const std::int64_t taken = haptic::monotonic_now() - before;
+    if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) || taken >= least)
+      continue;
+    least = taken;
+    best = ClockReading{before + taken / 2, GST_CLOCK_DIFF(base, time)};
+  }
+  gst_object_unref(clock);
+  return best;
 }
 
 void refresh_running_time(GstHapticSink *self) {

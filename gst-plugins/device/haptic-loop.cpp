@@ -277,11 +277,12 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   return wrench;
 }
 
-// While the pipeline does not play, the log goes on only until it has shown the force reach zero.
+// The log begins with the running time. While the pipeline does not play, it goes on only until it
+// has shown the force reach zero.
 void HapticLoop::write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
   const std::uint32_t holds = holds_.load();
   const bool playing = !(holds & kHoldPaused);
-  log_begun_ = log_begun_ || playing;
+  log_begun_ = log_begun_ || (playing && running_time_.at(now) >= 0);
   const bool has_force = !chain_.silent();
   const bool wanted =
       log_begun_ && ((playing && !(holds & kHoldEnded)) || has_force || row_had_force_);

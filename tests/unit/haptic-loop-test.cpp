@@ -301,6 +301,15 @@ TEST_F(LoopLog, HasOneRowPerTickFromTheFirstPlayingOn) {
   EXPECT_EQ(rows().size(), 250U);
 }
 
+TEST_F(LoopLog, BeginsWithTheRunningTime) {
+  loop_.set_running_time(now_ + 100 * kMs + kMs / 2, 0);
+  play();
+  ticks(250);
+  const auto all = rows();
+  ASSERT_EQ(all.size(), 150U);
+  EXPECT_NEAR(all.front()[0], 0.0005, 1e-9);
+}
+
 TEST_F(LoopLog, WhilePausedShowsTheForceReachZeroAndNoMore) {
   play();
   play_motion(100, 0, 500);
