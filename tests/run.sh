@@ -96,18 +96,26 @@ leaks_can_be_found() {
     grep -q 'LeakSanitizer has encountered a fatal error'
 }
 
+# They repeat for statistics or for hours what others do once: nothing more for a sanitizer to see.
+statistics=(
+  '*.F20_*' '*.F27_*'
+  'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
+  'FastTrackerLimits.AfterTheFirstPicturesNothingIsAllocated'
+  'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
+  '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
+)
+
 run_sanitized_tests() {
   local leaks=1
   if ! leaks_can_be_found; then
     leaks=0
     echo "LeakSanitizer does not work here: leaks are not looked for."
   fi
-  # The tests that play hours and minutes do nothing that the short ones do not do too.
   # The slow unwinder, since Debian's GLib has no frame pointers and a leak must be told from GLib's own.
   ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0 \
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-    GTEST_FILTER='-*.F20_*:*.F27_*' \
+    GTEST_FILTER="-$(IFS=: && echo "${statistics[*]}")" \
     run_meson_tests build-sanitized --suite unit --suite elements --suite faults \
     --timeout-multiplier 4
 }

@@ -214,6 +214,7 @@ private:
   float period();
   void add_whole(const Area &area, const Translation &whole, Measurement &measurement);
   void add_grid(const Area &area, const Translation &whole, Measurement &measurement);
+  void follow_strain(std::span<Alignment> aligned);
   void add_patch(const Template &patch, Displacement moved, const Fit &fit,
                  Measurement &measurement);
 
@@ -603,7 +604,60 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
       if (count > 1)
         own = align_template(current_.levels[0], patch, std::span(starts).first(count),
                              options_.iterations);
-      add_patch(patch, own.displacement, own.fit, measurement);
+    }
+  follow_strain(aligned);
+  for (std::size_t i = 0; i < grid_.view().size(); ++i)
+    add_patch(grid_.patches[i], aligned[i].displacement, aligned[i].fit, measurement);
+}
+
+// A patch that only shifts does not fit what turns or is stretched. Its neighbours tell how.
+void FastTracker::follow_strain(std::span<Alignment> aligned) {
+  constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
+  constexpr float kLargest = 0.25F;     // neighbours that differ by more move on their own
+  constexpr float kBetter = 0.95F;      // of the residual, else the strain was none
+  constexpr float kPrior = 0.5F;        // in neighbours: without them there is no strain
+  const int columns = grid_.columns;
+  const int rows = grid_.rows;
+  std::array<Displacement, kMaxPatches> before;
+  for (std::size_t i = 0; i < grid_.view().size(); ++i)
+    before[i] = aligned[i].displacement;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const std::size_t at = cell(j, columns, i);
+      Template &patch = grid_.patches[at];
+      const float prior = kPrior * static_cast<float>(patch.side * patch.side);
+      Tensor offsets{prior, 0, prior};
+      Displacement x_moved;
+      Displacement y_moved;
+      bool beside_another = false; // which tells the strain then, nobody knows
+      for (int y = std::max(0, j - 1); y <= std::min(rows - 1, j + 1); ++y)
+        for (int x = std::max(0, i - 1); x <= std::min(columns - 1, i + 1); ++x) {
+          const std::size_t other = cell(y, columns, x);
+          if (other == at || !aligned[other].fit.inside)
+            continue;
+          const Displacement away{grid_.patches[other].x - patch.x,
+                                  grid_.patches[other].y - patch.y};
+          const Displacement moved = before[other] - before[at];
+          if (norm2(moved) > kLargest * kLargest * norm2(away)) {
+            beside_another = true;
+            continue;
+          }
+          offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
+          x_moved = x_moved + moved.x * away;
+          y_moved = y_moved + moved.y * away;
+        }
+      const Displacement of_x = solve(offsets, x_moved, 0);
+      const Displacement of_y = solve(offsets, y_moved, 0);
+      if (beside_another || norm2(of_x) + norm2(of_y) < kSignificant * kSignificant)
+        continue;
+      Template strained = patch;
+      prepare_strained_template(previous_.levels[0], {of_x.x, of_x.y, of_y.x, of_y.y}, strained);
+      const Alignment better =
+          align_template(current_.levels[0], strained, {&before[at], 1}, options_.iterations);
+      if (better.fit.residual < kBetter * aligned[at].fit.residual) {
+        patch = strained;
+        aligned[at] = better;
+      }
     }
 }
 

@@ -440,6 +440,44 @@ void PrepareTemplatesOf(const Plane &plane, std::span<Template> patches) {
   }
 }
 
+// `back` maps offsets from the template's middle to offsets in the plane.
+template <int kSide>
+void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template &patch) {
+  constexpr int kTile = kSide + 2;
+  constexpr float kMiddle = 0.5F * (kSide - 1);
+  HWY_ALIGN float tile[kTile * kTile];
+  const RowTag<kSide> d;
+  const hn::RebindToSigned<RowTag<kSide>> di;
+  const auto within = [&](auto at, int length) HWY_ATTR {
+    return hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, static_cast<float>(length) - 1.001F));
+  };
+  const auto stride = hn::Set(di, plane.stride());
+  for (int j = 0; j < kTile; ++j)
+    for_row(d, kTile, [&](int i) HWY_ATTR {
+      const auto right = hn::Iota(d, static_cast<float>(i - 1) - kMiddle);
+      const float down = static_cast<float>(j - 1) - kMiddle;
+      const auto x = within(
+          hn::MulAdd(hn::Set(d, back.xx), right, hn::Set(d, patch.x + kMiddle + back.xy * down)),
+          plane.width());
+      const auto y = within(
+          hn::MulAdd(hn::Set(d, back.yx), right, hn::Set(d, patch.y + kMiddle + back.yy * down)),
+          plane.height());
+      const auto column = hn::ConvertTo(di, x);
+      const auto row = hn::ConvertTo(di, y);
+      const auto u = hn::Sub(x, hn::ConvertTo(d, column));
+      const auto v = hn::Sub(y, hn::ConvertTo(d, row));
+      const auto at = hn::Add(hn::Mul(row, stride), column);
+      const auto across = [&](const float *from) HWY_ATTR {
+        const auto left = hn::GatherIndex(d, from, at);
+        return hn::MulAdd(u, hn::Sub(hn::GatherIndex(d, from + 1, at), left), left);
+      };
+      const auto upper = across(plane.row(0));
+      const auto lower = across(plane.row(1));
+      hn::StoreU(hn::MulAdd(v, hn::Sub(lower, upper), upper), d, tile + j * kTile + i);
+    });
+  PrepareTemplate<kSide>(tile + kTile + 1, kTile, patch);
+}
+
 template <int kSide>
 void FitTemplatesOf(const Plane &plane, std::span<const Template> patches, Displacement moved,
                     std::span<Fit> fits) {
@@ -455,6 +493,10 @@ void FitTemplates(const Plane &plane, std::span<const Template> patches, Displac
                   std::span<Fit> fits) {
   patches.front().side == 16 ? FitTemplatesOf<16>(plane, patches, moved, fits)
                              : FitTemplatesOf<8>(plane, patches, moved, fits);
+}
+void PrepareStrainedTemplate(const Plane &plane, const Strain &back, Template &patch) {
+  patch.side == 16 ? PrepareStrainedTemplateOf<16>(plane, back, patch)
+                   : PrepareStrainedTemplateOf<8>(plane, back, patch);
 }
 Alignment AlignTemplateAny(const Plane &plane, const Template &patch,
                            std::span<const Displacement> starts, int iterations) {
@@ -478,6 +520,7 @@ HWY_EXPORT(MeasureChange);
 HWY_EXPORT(Smooth);
 HWY_EXPORT(Halve);
 HWY_EXPORT(PrepareTemplates);
+HWY_EXPORT(PrepareStrainedTemplate);
 HWY_EXPORT(FitTemplates);
 HWY_EXPORT(AlignTemplateAny);
 HWY_EXPORT(SearchTemplateAny);
@@ -511,6 +554,15 @@ void halve(const Plane &fine, Plane &coarse) {
 
 void prepare_templates(const Plane &plane, std::span<Template> patches) {
   HWY_DYNAMIC_DISPATCH(PrepareTemplates)(plane, patches);
+}
+
+void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch) {
+  // Each pixel of the template shows what was at its place before: the inverse of the strain.
+  const float xx = 1 + strain.xx;
+  const float yy = 1 + strain.yy;
+  const float inverse = 1 / (xx * yy - strain.xy * strain.yx);
+  const Strain back{yy * inverse, -strain.xy * inverse, -strain.yx * inverse, xx * inverse};
+  HWY_DYNAMIC_DISPATCH(PrepareStrainedTemplate)(plane, back, patch);
 }
 
 void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,

@@ -73,6 +73,14 @@ struct Template {
   alignas(64) std::array<float, kMostPixels> gradient_y;
 };
 
+/// How the displacement changes from place to place, px per px.
+struct Strain {
+  float xx = 0; ///< of its x, along x
+  float xy = 0; ///< of its x, along y
+  float yx = 0;
+  float yy = 0;
+};
+
 /// How well a template fits at a displacement.
 struct Fit {
   Displacement gradient;                                   ///< sum of gradient * later picture
@@ -107,6 +115,10 @@ void halve(const Plane &fine, Plane &coarse);
 /// Fills in templates of one side from their positions. One more pixel is needed on every side, and
 /// another to the right and below where the position is fractional.
 void prepare_templates(const Plane &plane, std::span<Template> patches);
+
+/// Fills in a template with what the picture will look like there after it was strained about the
+/// template's middle, which then is what a displacement moves.
+void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch);
 
 /// Added to a structure tensor before it is inverted: what noise contributes, so that a patch
 /// without texture stays where it started, and a share of the strongest direction, so that a patch

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <iostream>
 #include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
@@ -104,8 +105,10 @@ struct Unreached {
 
 // Silence is no accuracy: nearly all must have been measured.
 void expect_accurate(const std::vector<Shot> &shots, double bound) {
+  const double error = mean_error(shots);
+  std::cout << "mean error " << error << " px, bound " << bound << " px\n"; // for docs/lab.md
   EXPECT_GE(share(shots, &Shot::is_measured), 0.95);
-  EXPECT_LE(mean_error(shots), bound);
+  EXPECT_LE(error, bound);
 }
 
 void expect_accurate(const std::vector<Shot> &shots, const Unreached &bound) {
@@ -383,7 +386,7 @@ TEST(Stability, ATurnAboutThePointerIsNoTranslation) {
   for (const Shot &shot : shots)
     if (shot.is_measured())
       spins.push_back(std::abs(shot.reading.spin - 5 * kDegree));
-  expect_accurate(shots, Unreached{.target = 0.03, .reached = 0.053});
+  expect_accurate(shots, 0.03);
   EXPECT_LE(mean(spins), 0.2 * kDegree);
 }
 
@@ -392,8 +395,8 @@ TEST(Stability, AZoomAboutThePointerIsNoTranslation) {
 }
 
 TEST(Stability, ALeafThatIsSqueezedOrBends) {
-  expect_accurate(pairs("affine"), Unreached{.target = 0.05, .reached = 0.062});
-  expect_accurate(pairs("curl"), Unreached{.target = 0.05, .reached = 0.077});
+  expect_accurate(pairs("affine"), 0.05);
+  expect_accurate(pairs("curl"), Unreached{.target = 0.05, .reached = 0.061});
 }
 
 TEST(Stability, OfTwoMotionsTheMeanByAreaIsFelt) {
@@ -606,46 +609,42 @@ struct Answers {
   std::vector<double> errors; // px; of an answer where there should be none: infinite
 };
 
-const Answers &answers_to_all_scenes() {
-  static const Answers all = [] {
-    Answers answers;
-    std::uint64_t seed = 20;
-    for (const Scene &scene : hard_scenes(kSide))
-      for (const Shot &shot : pairs_of(scene.make, seed++, 40)) {
-        answers.confidences.push_back(shot.reading.confidence);
-        answers.errors.push_back(shot.is_unseen ? std::numeric_limits<double>::infinity()
-                                                : shot.error());
-      }
-    return answers;
-  }();
-  return all;
-}
-
-TEST(Stability, ConfidenceTellsBadAnswersFromGoodOnes) {
-  const Answers &answers = answers_to_all_scenes();
-  std::vector<bool> bad;
-  for (const double error : answers.errors)
-    bad.push_back(error > 0.3);
-  EXPECT_GE(area_under(roc(answers.confidences, bad)), 0.91); // the target is 0.95, see docs/lab.md
+Answers answers_to_all_scenes() {
+  Answers answers;
+  std::uint64_t seed = 20;
+  for (const Scene &scene : hard_scenes(kSide))
+    for (const Shot &shot : pairs_of(scene.make, seed++, 40)) {
+      answers.confidences.push_back(shot.reading.confidence);
+      answers.errors.push_back(shot.is_unseen ? std::numeric_limits<double>::infinity()
+                                              : shot.error());
+    }
+  return answers;
 }
 
 TEST(Stability, MoreConfidenceMeansFewerErrors) {
-  const Answers &answers = answers_to_all_scenes();
+  const Answers answers = answers_to_all_scenes();
+  std::vector<bool> bad;
+  for (const double error : answers.errors)
+    bad.push_back(error > 0.3);
+  const double area = area_under(roc(answers.confidences, bad));
+  std::cout << "area under the ROC " << area << "\n";
+  EXPECT_GE(area, 0.92); // the target is 0.95, see docs/lab.md
+
   constexpr int kBins = 5;
   constexpr int kEnough = 20; // answers in a bin, fewer say nothing
   double before = 1;
   int compared = 0;
   for (int bin = 0; bin < kBins; ++bin) {
     int count = 0;
-    int bad = 0;
+    int wrong = 0;
     for (std::size_t i = 0; i < answers.errors.size(); ++i)
       if (std::min(kBins - 1, static_cast<int>(kBins * answers.confidences[i])) == bin) {
         ++count;
-        bad += answers.errors[i] > 0.15;
+        wrong += answers.errors[i] > 0.15;
       }
     if (count < kEnough)
       continue;
-    const double rate = static_cast<double>(bad) / count;
+    const double rate = static_cast<double>(wrong) / count;
     EXPECT_LE(rate, before) << "bin " << bin;
     before = rate;
     ++compared;
@@ -681,6 +680,8 @@ TEST(Stability, TheSmallestModelThatExplainsThePictureIsChosen) {
       right += shot.reading.model == row.model;
       larger += shot.reading.model > row.model;
     }
+    std::cout << haptic::motion_model_name(row.model) << ": right " << right << ", larger "
+              << larger << " of " << kCases << "\n";
     EXPECT_GE(right, row.least * kCases) << haptic::motion_model_name(row.model);
     EXPECT_LE(larger, row.overfit * kCases) << haptic::motion_model_name(row.model) << ", over-fit";
   }
