@@ -43,6 +43,16 @@ test_packages=(
   libjson-glib-dev        # the lab
 )
 
+# The tests in a virtual machine (tests/hil).
+vm_packages=(
+  qemu-system-x86
+  busybox-static
+  cpio
+  kmod   # depmod, modprobe
+  usbip
+  usbutils # lsusb
+)
+
 # The lab can do without: only for the peer RLOF.
 lab_packages=(
   libopencv-contrib-dev

@@ -1,0 +1,143 @@
+#include "commands.hpp"
+
+#include "spidar/error.hpp"
+
+#include <charconv>
+#include <functional>
+#include <sstream>
+
+namespace emulator {
+
+const char *const kCommandHelp =
+    "  unplug               the unit is gone\n"
+    "  replug               it is there again, switched on anew\n"
+    "  stall in|out         the endpoint is halted until the host clears it\n"
+    "  short [N]            the next N replies (1) are cut to 7 bytes\n"
+    "  late MS              replies come so many milliseconds late; late 0 ends it\n"
+    "  freeze STRING        the counter of string 0..7 stands still\n"
+    "  thaw                 and counts again\n"
+    "  jump STRING COUNTS   the counter jumps\n"
+    "  id N                 the rotary switch is at 0..15\n"
+    "  wrap                 every counter stands just below an end of its range\n"
+    "  garbage              counters anywhere and replies nobody asked for, as after power-on\n";
+
+namespace {
+
+using Act = std::function<void(Unit &, Time, std::vector<Completion> &)>;
+
+[[noreturn]] void refuse(const std::string &line, const std::string &reason) {
+  throw spidar::Error(spidar::Cause::argument,
+                      "'" + line + "': " + reason + ". Known are:\n" + kCommandHelp);
+}
+
+class Words {
+public:
+  explicit Words(const std::string &line) : line_(line) {
+    std::istringstream stream(line);
+    for (std::string word; stream >> word;)
+      words_.push_back(word);
+  }
+
+  bool empty() const { return next_ == words_.size(); }
+
+  std::string next() {
+    if (empty())
+      refuse(line_, "a value is missing");
+    return words_[next_++];
+  }
+
+  int number(int least, int most) {
+    const std::string word = next();
+    int value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || value < least || value > most)
+      refuse(line_, "'" + word + "' is no number from " + std::to_string(least) + " to " +
+                        std::to_string(most));
+    return value;
+  }
+
+  /// The number behind a last word @UNIT, which is taken away; 0 without one.
+  int take_unit(int units) {
+    if (words_.empty() || words_.back().front() != '@')
+      return 0;
+    const std::string word = words_.back().substr(1);
+    words_.pop_back();
+    for (int unit = 1; unit <= units; ++unit)
+      if (word == std::to_string(unit))
+        return unit;
+    refuse(line_, "there is no unit '" + word + "', they go from 1 to " + std::to_string(units));
+  }
+
+private:
+  const std::string &line_;
+  std::vector<std::string> words_;
+  std::size_t next_ = 0;
+};
+
+Act parse(const std::string &line, Words &words) {
+  constexpr int kMostReplies = 1'000'000;
+  constexpr int kMostMilliseconds = 60'000;
+  constexpr int kMostCounts = 1 << 24;
+  const std::string command = words.next();
+  if (command == "unplug")
+    return [](Unit &unit, Time, auto &) { unit.unplug(); };
+  if (command == "replug")
+    return [](Unit &unit, Time now, auto &) { unit.plug(now); };
+  if (command == "stall") {
+    const std::string endpoint = words.next();
+    if (endpoint != "in" && endpoint != "out")
+      refuse(line, "stall in or stall out");
+    return [in = endpoint == "in"](Unit &unit, Time, auto &done) { unit.stall(in, done); };
+  }
+  if (command == "short") {
+    const int replies = words.empty() ? 1 : words.number(1, kMostReplies);
+    return [replies](Unit &unit, Time, auto &) { unit.board().shorten(replies); };
+  }
+  if (command == "late") {
+    const std::chrono::milliseconds time(words.number(0, kMostMilliseconds));
+    return [time](Unit &unit, Time, auto &) { unit.board().delay(time); };
+  }
+  if (command == "freeze") {
+    const auto string = static_cast<std::size_t>(words.number(0, spidar::kStrings - 1));
+    return [string](Unit &unit, Time now, auto &) { unit.board().freeze(string, now); };
+  }
+  if (command == "thaw")
+    return [](Unit &unit, Time, auto &) { unit.board().thaw(); };
+  if (command == "jump") {
+    const auto string = static_cast<std::size_t>(words.number(0, spidar::kStrings - 1));
+    const int counts = words.number(-kMostCounts, kMostCounts);
+    return [string, counts](Unit &unit, Time, auto &) { unit.board().jump(string, counts); };
+  }
+  if (command == "id") {
+    const int number = words.number(0, 15);
+    return [number](Unit &unit, Time, auto &) { unit.board().set_rotary_switch(number); };
+  }
+  if (command == "wrap")
+    return [](Unit &unit, Time now, auto &) { unit.board().near_wrap(now); };
+  if (command == "garbage")
+    return [](Unit &unit, Time now, auto &) { unit.board().garbage(now); };
+  refuse(line, "nothing known by this name");
+}
+
+} // namespace
+
+void obey(const std::string &line, const std::vector<std::unique_ptr<Unit>> &units, Time now,
+          std::vector<std::vector<Completion>> &done) {
+  Words words(line);
+  if (words.empty())
+    return;
+  const int wanted = words.take_unit(static_cast<int>(units.size()));
+  const Act act = parse(line, words);
+  if (!words.empty())
+    refuse(line, "too many values");
+  done.resize(units.size());
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    if (wanted != 0 && units[i]->number() != wanted)
+      continue;
+    act(*units[i], now, done[i]);
+    units[i]->board().note(line, now);
+    // A reply that waits for time, or for a halt to end, is seen to by the session.
+  }
+}
+
+} // namespace emulator

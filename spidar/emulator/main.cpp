@@ -1,0 +1,158 @@
+// spidar-emulator: a SPIDAR-G on the network, for the kernel's USB/IP client to attach.
+#include "commands.hpp"
+#include "server.hpp"
+#include "spidar/error.hpp"
+#include "spidar/geometry.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <glib.h>
+
+namespace {
+
+using emulator::Model;
+using spidar::Cause;
+using spidar::Error;
+
+constexpr int kMostUnits = 8; // the ports of one virtual hub
+
+struct Options {
+  std::vector<std::string> controllers;
+  std::vector<std::string> commands;
+  std::string hand = "hold:0,0,0";
+  std::string geometry = spidar::kDefaultGeometry;
+  std::string log;
+  emulator::ServerOptions server;
+};
+
+struct FreeDeleter {
+  void operator()(char *text) const { g_free(text); }
+  void operator()(char **texts) const { g_strfreev(texts); }
+  void operator()(GOptionContext *context) const { g_option_context_free(context); }
+  void operator()(GError *error) const { g_error_free(error); }
+};
+
+/// Moves a text that GOption allocated.
+void take(std::string &to, char *text) {
+  const std::unique_ptr<char, FreeDeleter> owned(text);
+  if (owned)
+    to = owned.get();
+}
+
+std::vector<std::string> list(char **texts) {
+  const std::unique_ptr<char *, FreeDeleter> owned(texts);
+  std::vector<std::string> result;
+  for (char **text = texts; text && *text; ++text)
+    result.emplace_back(*text);
+  return result;
+}
+
+Options parse(int argc, char **argv) {
+  char **controllers = nullptr;
+  char **commands = nullptr;
+  char *hand = nullptr;
+  char *geometry = nullptr;
+  char *log = nullptr;
+  char *listen = nullptr;
+  char *control = nullptr;
+  int port = 3240;
+  const GOptionEntry entries[] = {
+      {"controller", 'c', 0, G_OPTION_ARG_STRING_ARRAY, &controllers,
+       "simple or sh4, with :ID for its rotary switch (0 to 15); once more for each further unit",
+       "MODEL[:ID]"},
+      {"hand", 'H', 0, G_OPTION_ARG_STRING, &hand,
+       "who holds the grips: hold:X,Y,Z or circle:RADIUS,PERIOD or file:PATH or free", "SCRIPT"},
+      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry, "name or file", "GEOMETRY"},
+      {"log", 'l', 0, G_OPTION_ARG_FILENAME, &log,
+       "write every D/A word and event with its time as CSV", "FILE"},
+      {"do", 'd', 0, G_OPTION_ARG_STRING_ARRAY, &commands, "a command at the start, see below",
+       "COMMAND"},
+      {"control", 0, 0, G_OPTION_ARG_FILENAME, &control, "take commands from a local socket, too",
+       "PATH"},
+      {"listen", 0, 0, G_OPTION_ARG_STRING, &listen,
+       "address to listen on; without it only this machine can connect", "ADDRESS"},
+      {"port", 'p', 0, G_OPTION_ARG_INT, &port, "TCP port; 0 takes a free one", "PORT"},
+      {nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr}};
+  const std::unique_ptr<GOptionContext, FreeDeleter> context(
+      g_option_context_new("- a SPIDAR-G on the network (USB/IP)"));
+  g_option_context_add_main_entries(context.get(), entries, nullptr);
+  g_option_context_set_description(
+      context.get(),
+      (std::string("Commands, on standard input, from the control socket, or with --do; with @UNIT "
+                   "at the end for one\nunit only (from 1):\n") +
+       emulator::kCommandHelp)
+          .c_str());
+  GError *raw = nullptr;
+  const bool parsed = g_option_context_parse(context.get(), &argc, &argv, &raw) != 0;
+  const std::unique_ptr<GError, FreeDeleter> error(raw);
+  Options options;
+  options.controllers = list(controllers);
+  options.commands = list(commands);
+  take(options.hand, hand);
+  take(options.geometry, geometry);
+  take(options.log, log);
+  take(options.server.address, listen);
+  take(options.server.control, control);
+  if (!parsed)
+    throw Error(Cause::argument, std::string(error->message) + "; see --help");
+  if (argc > 1)
+    throw Error(Cause::argument, std::string("'") + argv[1] + "' is no option; see --help");
+  if (port < 0 || port > 65535)
+    throw Error(Cause::argument, "--port must be from 0 to 65535.");
+  options.server.port = static_cast<std::uint16_t>(port);
+  if (options.controllers.empty())
+    options.controllers = {"simple"};
+  if (options.controllers.size() > kMostUnits)
+    throw Error(Cause::argument, "At most 8 units, please.");
+  return options;
+}
+
+/// `simple` or `sh4`, and the rotary switch: without a number the unit's place in the row.
+std::pair<Model, int> parse_controller(const std::string &text, int number) {
+  const std::size_t colon = text.find(':');
+  const std::string model = text.substr(0, colon);
+  int id = number - 1;
+  if (colon != std::string::npos) {
+    const char *last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data() + colon + 1, last, id);
+    if (error != std::errc() || end != last || id < 0 || id > 15)
+      throw Error(Cause::argument, "--controller " + text + ": the rotary switch is 0 to 15.");
+  }
+  if (model != "simple" && model != "sh4")
+    throw Error(Cause::argument, "--controller " + text + ": known are simple and sh4.");
+  return {model == "simple" ? Model::simple : Model::sh4, id};
+}
+
+void run(int argc, char **argv) {
+  const Options options = parse(argc, argv);
+  const spidar::Geometry geometry = spidar::load_geometry(options.geometry);
+  std::unique_ptr<emulator::WordLog> log;
+  if (!options.log.empty())
+    log = std::make_unique<emulator::WordLog>(options.log);
+  emulator::Units units;
+  for (const std::string &controller : options.controllers) {
+    const int number = static_cast<int>(units.size()) + 1;
+    const auto [model, id] = parse_controller(controller, number);
+    emulator::Plant plant(geometry, spidar::parse_hand_script(options.hand));
+    emulator::Board board(model, id, std::move(plant), number, log.get());
+    units.push_back(std::make_unique<emulator::Unit>(number, std::move(board)));
+    units.back()->plug(emulator::Clock::now());
+  }
+  for (const std::string &command : options.commands) {
+    std::vector<std::vector<emulator::Completion>> done;
+    emulator::obey(command, units, emulator::Clock::now(), done);
+  }
+  emulator::serve(options.server, units, log.get());
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  try {
+    run(argc, argv);
+    return 0;
+  } catch (const std::exception &error) {
+    std::fprintf(stderr, "spidar-emulator: %s\n", error.what());
+    return 1;
+  }
+}

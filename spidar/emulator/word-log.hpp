@@ -1,0 +1,34 @@
+// What the motors were told and what happened to the units, one line of CSV each.
+#pragma once
+
+#include "spidar/types.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace emulator {
+
+using Clock = std::chrono::steady_clock;
+using Time = Clock::time_point;
+
+/// Columns: time in s of the machine's monotonic clock (that of /proc/uptime on a machine that
+/// never slept), unit from 1, event (`words` when the host set them), and the D/A words at the
+/// motors.
+class WordLog {
+public:
+  /// Throws spidar::Error (argument) when `path` cannot be written.
+  explicit WordLog(const std::string &path);
+
+  void add(Time time, int unit, const std::string &event, const spidar::DacWords &words);
+  void flush();
+
+private:
+  struct Closer {
+    void operator()(std::FILE *file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+} // namespace emulator

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# In the virtual machine: libspidar on a USB bus of the kernel, both controllers, with faults.
+#
+# HIL_SECONDS: how long each controller is driven, 3. With 60 or more the rate must be 1000 ticks in
+# every second and no exchange lost; less is too little to tell from what else a machine does.
+
+source "$(dirname "$0")/vm-support.sh"
+seconds=${HIL_SECONDS:-3}
+least_rate=300 most_lost=$((seconds * 5))
+if [ "$seconds" -ge 60 ]; then
+  least_rate=1000 most_lost=0
+fi
+
+start_emulator --controller simple:10 --controller sh4:3
+promise "the kernel sees a USB2.0 Simple" attach 1 0203
+promise "the kernel sees a USB2.0 SH4" attach 2 0205
+need_a_quick_machine
+
+driven() {
+  local line
+  line=$(chrt -f 50 "$usb_ticks" "$seconds" "$1") || return
+  echo "$line"
+  [ "$(value slowest-second "$line")" -ge "$least_rate" ] && [ "$(value lost "$line")" -le "$most_lost" ]
+}
+promise "the USB2.0 Simple is driven at $least_rate Hz or more" driven 10
+promise "the USB2.0 SH4 is driven at $least_rate Hz or more" driven 3
+promise "both are left at minimum tension" told "rows > 500 && largest <= least"
+
+survives() {
+  chrt -f 50 "$usb_ticks" 5 "$1" >"$work/line" &
+  local program=$!
+  shift
+  sleep 1.5
+  for fault; do
+    tell "$fault"
+    sleep 0.3
+  done
+  wait "$program" || return
+  cat "$work/line"
+  [ "$(value lost "$(cat "$work/line")")" -gt 0 ] && [ "$(value lost-at-the-end "$(cat "$work/line")")" = 0 ]
+}
+promise "short replies are survived" survives 10 "short 3 @1"
+promise "late replies are survived" survives 3 "late 200 @2" "late 0 @2"
+promise "a halted endpoint is survived" survives 10 "stall in @1"
+
+gone() {
+  local status=0
+  chrt -f 50 "$usb_ticks" 20 10 >"$work/line" &
+  local program=$!
+  sleep 1.5
+  tell "unplug @1"
+  wait "$program" || status=$?
+  cat "$work/line"
+  [ "$status" = 2 ] && ! on_the_bus 0203
+}
+promise "an unplugged unit is noticed" gone
+tell "replug @1"
+promise "the unit can be attached anew" attach 1 0203
+promise "and driven" "$usb_ticks" 1 10
+
+killed() {
+  chrt -f 50 "$usb_ticks" 20 "$1" &
+  local program=$!
+  sleep 1.5
+  told "rows > 0 && largest > least" || return
+  kill -9 "$program"
+  told "largest <= least && after <= 100"
+}
+if [ -n "$(find "$build/spidar" -name spidar-guardian -type f)" ]; then
+  promise "the motors of a killed program go to minimum tension" killed 10
+fi
