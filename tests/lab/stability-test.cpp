@@ -670,8 +670,8 @@ TEST(Stability, TheSmallestModelThatExplainsThePictureIsChosen) {
          const double x = signed_uniform(r, 0.3, 4);
          return translation(r, {x, signed_uniform(r, 0.3, 4)});
        }},
-      {MotionModel::similarity, 0.90, 0.10, scene_named(scenes, "rotation").make},
-      {MotionModel::affine, 0.89, 0.03, scene_named(scenes, "affine").make},
+      {MotionModel::similarity, 0.95, 0.03, scene_named(scenes, "rotation").make},
+      {MotionModel::affine, 0.93, 0.03, scene_named(scenes, "affine").make},
   };
   for (const auto &row : rows) {
     int right = 0;
