@@ -32,6 +32,8 @@ build_packages=(
 test_packages=(
   libgtest-dev
   libbenchmark-dev
+  libumockdev-dev # a USB bus without a bus
+  umockdev        # umockdev-wrapper
   libopencv-calib3d-dev # what the benchmark of the motion models compares with
   clang-format
   clang-tidy

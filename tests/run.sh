@@ -116,7 +116,7 @@ run_sanitized_tests() {
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
     GTEST_FILTER="-$(IFS=: && echo "${statistics[*]}")" \
-    run_meson_tests build-sanitized --suite unit --suite elements --suite faults \
+    run_meson_tests build-sanitized --suite unit --suite elements --suite faults --suite usb \
     --timeout-multiplier 4
 }
 

@@ -2,6 +2,7 @@
 
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
+#include <spidar/usb.hpp>
 
 namespace haptic {
 namespace {
@@ -35,6 +36,12 @@ OpenedDevice open_device(const DeviceChoice &choice) {
   opened.device =
       std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
   return opened;
+}
+
+std::unique_ptr<spidar::Device> reopen_device(DeviceChoice choice) {
+  if (choice.device == "auto")
+    choice.device = "usb";
+  return open_device(choice).device;
 }
 
 } // namespace haptic

@@ -25,4 +25,8 @@ struct OpenedDevice {
 /// for a `device` that is none of the five.
 OpenedDevice open_device(const DeviceChoice &choice);
 
+/// The device that open_device() has opened and that has gone since: what was on USB comes back on
+/// USB or not at all. Throws spidar::Error.
+std::unique_ptr<spidar::Device> reopen_device(DeviceChoice choice);
+
 } // namespace haptic

@@ -39,6 +39,8 @@ enum class Liveness { unknown, live, not_live };
 constexpr auto kPointerPeriod = 10ms;
 constexpr auto kClockPeriod = 100ms;
 constexpr auto kTrackerGrace = 1s;
+constexpr auto kFirstReopening = 100ms; // after the loss; then twice as long each time
+constexpr auto kLastReopening = 500ms;
 constexpr auto kEndFade = 150ms; // the fade's 100 ms and some ticks
 
 constexpr double kHighestForce = 5;  // N, what a SPIDAR-G's motors are good for
@@ -65,7 +67,8 @@ struct State {
   std::string log_location;
   haptic::LoopSettings settings; // handed to the loop on every change
 
-  // The thread that changes the state.
+  // The thread that changes the state; the pointer thread while it runs and the loop has lost the
+  // device.
   haptic::DeviceChoice opened_as;
   std::unique_ptr<spidar::Device> device;
   std::unique_ptr<haptic::TickLog> log;
@@ -196,7 +199,7 @@ haptic::StructurePtr make_stats(const State &state) {
   const std::uint64_t used = loop.samples_used;
   const double mean_age = used ? ms(loop.sample_age_sum.load()) / static_cast<double>(used) : 0;
   const std::uint64_t faults =
-      loop.device_faults + loop.overspeeds + loop.suspends + loop.non_finite;
+      loop.device_faults + loop.overspeeds + loop.suspends + loop.non_finite + loop.interruptions;
   return haptic::StructurePtr(
       gst_structure_new("hapticsink-stats",                                              //
                         "ticks", G_TYPE_UINT64, loop.ticks.load(),                       //
@@ -261,15 +264,71 @@ void refresh_running_time(GstHapticSink *self) {
 
 // ---- pointer thread -----------------------------------------------------------------------------
 
+// Opens a device that was unplugged again when it is back.
+class Reopening {
+public:
+  explicit Reopening(GstHapticSink *self) : self_(self) {}
+
+  /// True when there is a new device, which the loop has been given.
+  bool step() {
+    State &state = *self_->state;
+    if (!state.loop.device_lost()) {
+      wait_ = kFirstReopening;
+      return false;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (state.device || !waiting_) {
+      state.device.reset();
+      waiting_ = true;
+      reported_.clear();
+      next_ = now + wait_;
+    }
+    if (now < next_)
+      return false;
+    try {
+      state.device = haptic::reopen_device(state.opened_as);
+    } catch (const spidar::Error &error) {
+      wait_ = std::min<std::chrono::milliseconds>(2 * wait_, kLastReopening);
+      next_ = now + wait_;
+      report(error);
+      return false;
+    }
+    waiting_ = false;
+    state.loop.replace_device(state.device.get());
+    GST_ELEMENT_INFO(self_, RESOURCE, OPEN_READ_WRITE,
+                     ("The SPIDAR is back: %s. Hold the grip in the centre, calibrate (signal "
+                      "calibrate), and re-arm (signal arm).",
+                      state.device->description().c_str()),
+                     (nullptr));
+    return true;
+  }
+
+private:
+  // What has just been plugged in may for a moment not be allowed to be opened.
+  void report(const spidar::Error &error) {
+    GST_DEBUG_OBJECT(self_, "not yet: %s", error.what());
+    if (error.cause() == spidar::Cause::not_found)
+      return reported_.clear();
+    if (reported_ != error.what() && wait_ == kLastReopening) {
+      reported_ = error.what();
+      GST_ELEMENT_WARNING(self_, RESOURCE, OPEN_READ_WRITE, ("%s", error.what()),
+                          ("while opening it again"));
+    }
+  }
+
+  GstHapticSink *self_;
+  std::chrono::milliseconds wait_ = kFirstReopening;
+  std::chrono::steady_clock::time_point next_;
+  bool waiting_ = false;
+  std::string reported_;
+};
+
 // What the pointer thread remembers from round to round.
 class PointerRounds {
 public:
-  explicit PointerRounds(GstHapticSink *self) : self_(self), armed_(is_armed(*self->state)) {
-    if (const auto &device = self->state->device) {
-      has_hand_ = true;
-      workspace_half_ = device->geometry().workspace_half;
-      description_ = device->description();
-    }
+  explicit PointerRounds(GstHapticSink *self)
+      : self_(self), reopening_(self), armed_(is_armed(*self->state)) {
+    know_device();
   }
 
   void round() {
@@ -283,6 +342,8 @@ public:
       tell_pointer(playing);
     report_priority();
     report_faults();
+    if (reopening_.step())
+      know_device();
     report_log();
     if (const bool armed = is_armed(*self_->state); armed != armed_) {
       armed_ = armed;
@@ -291,6 +352,15 @@ public:
   }
 
 private:
+  void know_device() {
+    const auto &device = self_->state->device;
+    if (!device)
+      return;
+    has_hand_ = true;
+    workspace_half_ = device->geometry().workspace_half;
+    description_ = device->description();
+  }
+
   void tell_pointer(bool playing) {
     const haptic::HandPosition hand = self_->state->loop.hand();
     if (!hand.valid)
@@ -320,15 +390,16 @@ private:
     if (priority_reported_ || error < 0)
       return;
     priority_reported_ = true;
-    if (error == 0)
-      GST_DEBUG_OBJECT(self_, "the loop has real-time priority");
+    const int memory_error = self_->state->loop.memory_error();
+    if (error == 0 && memory_error == 0)
+      GST_DEBUG_OBJECT(self_, "the loop has real-time priority, and its memory is locked");
     else
-      GST_INFO_OBJECT(
-          self_,
-          "the loop runs at normal priority (%s), so that a busy machine may delay the "
-          "force; allow real-time priority with a line such as \"@plugdev - rtprio 60\" "
-          "in /etc/security/limits.d/spidar.conf",
-          g_strerror(error));
+      GST_INFO_OBJECT(self_,
+                      "a busy machine may delay the force: real-time priority %s, locked memory "
+                      "%s; allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - "
+                      "memlock 8192\" in /etc/security/limits.d/spidar.conf",
+                      error ? g_strerror(error) : "granted",
+                      memory_error ? g_strerror(memory_error) : "granted");
   }
 
   void report_faults() {
@@ -338,7 +409,7 @@ private:
       GST_ELEMENT_WARNING(self_, RESOURCE, WRITE,
                           ("The SPIDAR does not answer. The force is off and the video goes on. "
                            "Check its cable and power, then re-arm (signal arm)."),
-                          ("three exchanges in a row failed"));
+                          ("three exchanges in a row failed, or it was unplugged"));
     }
     if (const auto overspeeds = loop.overspeeds.load(); overspeeds != overspeeds_) {
       overspeeds_ = overspeeds;
@@ -373,6 +444,7 @@ private:
   }
 
   GstHapticSink *self_;
+  Reopening reopening_;
   bool has_hand_ = false;
   spidar::Vector3 workspace_half_ = spidar::Vector3::Ones(); // m
   std::string description_;
@@ -513,6 +585,7 @@ bool start_threads(GstHapticSink *self) {
 
   haptic::HapticLoop::Environment environment;
   environment.device = state.device.get();
+  environment.lost = !state.device && state.opened_as.device != "none"; // in a run before this one
   environment.log = state.log.get();
   environment.rate = state.opened_as.rate;
   environment.entered = [self] {

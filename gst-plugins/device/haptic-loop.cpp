@@ -6,6 +6,7 @@
 #include <ctime>
 #include <limits>
 #include <pthread.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 
 namespace haptic {
@@ -31,8 +32,9 @@ void raise(std::atomic<T> &maximum, T value) noexcept {
 }
 
 void reset(LoopStatistics &s) noexcept {
-  for (auto *counter : {&s.ticks, &s.late_ticks, &s.missed_ticks, &s.device_faults, &s.overspeeds,
-                        &s.suspends, &s.non_finite, &s.log_rows_lost, &s.samples_used})
+  for (auto *counter :
+       {&s.ticks, &s.late_ticks, &s.missed_ticks, &s.device_faults, &s.overspeeds, &s.suspends,
+        &s.interruptions, &s.non_finite, &s.log_rows_lost, &s.samples_used})
     counter->store(0);
   s.sample_age_sum = 0;
   s.sample_age_max = 0;
@@ -50,6 +52,22 @@ void sleep_until(std::int64_t when) noexcept {
 void back_to_normal_priority() noexcept {
   const sched_param normal{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+}
+
+// The stack as deep as the loop ever needs it: touched once and kept, so that no tick waits for a
+// page.
+[[gnu::noinline]] int lock_stack() noexcept {
+  constexpr std::size_t kDepth = 64 * 1024;
+  volatile char stack[kDepth];
+  for (std::size_t i = 0; i < kDepth; i += 1024)
+    stack[i] = 0;
+  return mlock(const_cast<char *>(stack), kDepth) == 0 ? 0 : errno;
+}
+
+int lock_memory(const HapticLoop &loop) noexcept {
+  if (const int error = lock_stack(); error != 0)
+    return error;
+  return mlock(&loop, sizeof loop) == 0 ? 0 : errno;
 }
 
 int ask_for_real_time_priority() noexcept {
@@ -110,6 +128,9 @@ void HapticLoop::prepare(Environment environment) {
   reset(statistics_);
   silent_ = true;
   priority_error_ = -1;
+  memory_error_ = 0;
+  replacement_ = nullptr;
+  device_lost_ = environment_.lost;
 }
 
 void HapticLoop::start(Environment environment) {
@@ -124,6 +145,7 @@ void HapticLoop::stop() noexcept {
 void HapticLoop::run(const std::stop_token &stop) noexcept {
   if (environment_.entered)
     environment_.entered();
+  memory_error_ = lock_memory(*this);
   priority_error_ = ask_for_real_time_priority();
 
   std::int64_t next = monotonic_now() + period_;
@@ -167,6 +189,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   settings_.refresh();
   const double dt = static_cast<double>(elapsed) / static_cast<double>(kSecond);
   take_submissions(now);
+  take_replacement();
   exchange(now);
   const spidar::Wrench wrench = next_wrench(dt, too_late);
   if (environment_.device)
@@ -205,6 +228,24 @@ void HapticLoop::take_submissions(std::int64_t now) noexcept {
     motion_ = interpolator_.at(running);
 }
 
+void HapticLoop::take_replacement() noexcept {
+  spidar::Device *device = replacement_.exchange(nullptr);
+  if (!device)
+    return;
+  environment_.device = device;
+  failed_exchanges_ = 0;
+  retry_at_ = 0;
+  hold(kHoldFaulted); // somebody may have armed what was not there
+  unhold(kHoldClosed);
+}
+
+void HapticLoop::lose_device() noexcept {
+  hold(kHoldFaulted | kHoldClosed);
+  hand_.write({});
+  environment_.device = nullptr;
+  device_lost_.store(true);
+}
+
 void HapticLoop::exchange(std::int64_t now) noexcept {
   spidar::Device *device = environment_.device;
   if (!device)
@@ -215,15 +256,24 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (faulted && now < retry_at_)
     return;
   retry_at_ = now + kRetryFaultedDevice;
-  if (device->exchange()) {
+  const bool answered = device->exchange();
+  const bool gone = !answered && !device->connected();
+  if (answered) {
     failed_exchanges_ = 0;
-  } else if (++failed_exchanges_ == kFailuresToFault) {
+  } else if (++failed_exchanges_ == kFailuresToFault || gone) {
     failed_exchanges_ = 0;
     if (!faulted) {
       hold(kHoldFaulted);
       add<std::uint64_t>(statistics_.device_faults);
+      retry_at_ = 0; // with a force of zero, which it may take even if it does not answer
     }
   }
+  if (device->state().interrupted) {
+    chain_ = {}; // the force was taken off the motors: it begins anew, from zero
+    add<std::uint64_t>(statistics_.interruptions);
+  }
+  if (gone)
+    return lose_device();
   hand_.write({device->state().pose.position, device->state().valid});
 }
 

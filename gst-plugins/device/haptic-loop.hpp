@@ -48,7 +48,8 @@ struct LoopStatistics {
   std::atomic<std::uint64_t> ticks = 0;
   std::atomic<std::uint64_t> late_ticks = 0;    ///< began more than a period late
   std::atomic<std::uint64_t> missed_ticks = 0;  ///< began more than 20 ms late
-  std::atomic<std::uint64_t> device_faults = 0; ///< three failed exchanges in a row
+  std::atomic<std::uint64_t> device_faults = 0; ///< three failed exchanges in a row, or unplugged
+  std::atomic<std::uint64_t> interruptions = 0; ///< times that the guardian let go of the motors
   std::atomic<std::uint64_t> overspeeds = 0;    ///< grip faster than 1 m/s with a force on it
   std::atomic<std::uint64_t> non_finite = 0;    ///< ticks silenced by a NaN or an infinity
   std::atomic<std::uint64_t> suspends = 0;      ///< times that the machine slept
@@ -69,7 +70,8 @@ public:
   HapticLoop &operator=(const HapticLoop &) = delete;
 
   struct Environment {
-    spidar::Device *device = nullptr; ///< null: no hand; outlives stop()
+    spidar::Device *device = nullptr; ///< null: no hand; outlives stop() or device_lost()
+    bool lost = false;                ///< it is null only until replace_device()
     TickLog *log = nullptr;           ///< null: no log; outlives stop()
     double rate = 1000;               ///< Hz
     std::function<void()> entered;    ///< called in the thread before the loop proper
@@ -132,6 +134,15 @@ public:
   }
   /// 0 with real-time priority, else why not (errno); -1 until the thread runs.
   int priority_error() const noexcept { return priority_error_.load(); }
+  /// 0 when what the loop touches cannot be swapped out, else why not (errno).
+  int memory_error() const noexcept { return memory_error_.load(); }
+  /// The loop has let go of its device, which went for good and may be destroyed.
+  bool device_lost() const noexcept { return device_lost_.load(); }
+  /// Only when device_lost(): the loop goes on with this one, silent until armed.
+  void replace_device(spidar::Device *device) noexcept {
+    device_lost_.store(false);
+    replacement_.store(device);
+  }
 
 private:
   struct Submission {
@@ -145,7 +156,9 @@ private:
 
   void run(const std::stop_token &stop) noexcept;
   void take_submissions(std::int64_t now) noexcept;
+  void take_replacement() noexcept;
   void exchange(std::int64_t now) noexcept;
+  void lose_device() noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
@@ -155,9 +168,12 @@ private:
   std::atomic<bool> calibrate_ = false;
   std::atomic<bool> silent_ = true;
   std::atomic<int> priority_error_ = -1;
-  SampleRing<Submission, 256> submissions_; // streaming thread -> loop
-  NewestSlot<LoopSettings> settings_;       // property setters, under the object's lock -> loop
-  NewestSlot<HandPosition> hand_;           // loop -> pointer thread
+  std::atomic<int> memory_error_ = 0;
+  std::atomic<bool> device_lost_ = false;
+  std::atomic<spidar::Device *> replacement_ = nullptr; // pointer thread -> loop
+  SampleRing<Submission, 256> submissions_;             // streaming thread -> loop
+  NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop
+  NewestSlot<HandPosition> hand_;     // loop -> pointer thread
   RunningTime running_time_;
   LoopStatistics statistics_;
 

@@ -55,6 +55,7 @@ struct Device::Implementation {
         period(the_period), pose_solver(geometry), tension_solver(geometry),
         home_lengths(string_lengths(geometry, {})) {
     relax();
+    controller->guard(words);
   }
 
   void set_tensions(const Tensions &tensions) noexcept {
@@ -68,6 +69,7 @@ struct Device::Implementation {
   void relax() noexcept { set_tensions(Tensions::Constant(geometry.tension_min)); }
 
   void update_lengths() noexcept {
+    state.counts = counts;
     for (std::size_t i = 0; i < kStrings; ++i)
       state.lengths[i] = home_lengths[i] + (static_cast<double>(counts[i]) - home_counts[i]) *
                                                geometry.metres_per_count[i];
@@ -111,7 +113,9 @@ struct Device::Implementation {
   }
 
   bool exchange() noexcept {
-    if (!controller->exchange(words, counts)) {
+    const bool answered = controller->exchange(words, counts);
+    state.interrupted = controller->interrupted();
+    if (!answered) {
       reject();
       return false;
     }
@@ -206,6 +210,10 @@ void Device::command(const Wrench &wrench) noexcept {
 
 void Device::calibrate() noexcept {
   implementation_->calibrate();
+}
+
+bool Device::connected() const noexcept {
+  return implementation_->controller->connected();
 }
 
 const DeviceState &Device::state() const noexcept {

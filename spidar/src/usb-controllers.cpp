@@ -1,46 +1,57 @@
 #include "usb-controllers.hpp"
 
+#include "guardian.hpp"
 #include "spidar/error.hpp"
 #include "usb-protocol.hpp"
+
+#include <optional>
 
 namespace spidar {
 
 namespace {
 
 constexpr auto kExchangeTimeout = std::chrono::milliseconds(2);
-constexpr auto kOpenTimeout = std::chrono::milliseconds(200);
+// A controller that answers nothing is given up within 0.1 s, so that a busy machine stays within
+// 0.2 s.
+constexpr auto kOpenTimeout = std::chrono::milliseconds(25);
 constexpr int kOpenAttempts = 3;
 
 class Simple {
 public:
   static constexpr int kCounterBits = simple::kCounterBits;
-  static constexpr const char *kName = "USB2.0 Simple";
+  static constexpr UsbModel kModel = UsbModel::simple;
+
+  static simple::Packet set_motors(const DacWords &words) noexcept {
+    return simple::set_dac(words);
+  }
 
   /// Without touching the motors.
   static std::optional<Reply> identify(UsbLink &link, UsbLink::Deadline deadline) noexcept {
     simple::Packet bytes;
-    if (!link.send(simple::latch_counters(), deadline) || !link.receive(bytes, deadline))
+    if (!link.exchange({}, simple::latch_counters(), bytes, deadline))
       return std::nullopt;
     return simple::parse(bytes);
   }
 
   static bool reset(UsbLink &link, UsbLink::Deadline deadline) noexcept {
-    return link.send(simple::count_direction(), deadline) &&
-           link.send(simple::clear_counters(), deadline);
+    return link.exchange(simple::count_direction(), simple::clear_counters(), {}, deadline);
   }
 
   static std::optional<Reply> exchange(UsbLink &link, const DacWords &words,
                                        UsbLink::Deadline deadline) noexcept {
-    if (!link.send(simple::set_dac(words), deadline))
+    simple::Packet bytes;
+    if (!link.exchange(set_motors(words), simple::latch_counters(), bytes, deadline))
       return std::nullopt;
-    return identify(link, deadline);
+    return simple::parse(bytes);
   }
 };
 
 class Sh4 {
 public:
   static constexpr int kCounterBits = sh4::kCounterBits;
-  static constexpr const char *kName = "USB2.0 SH4";
+  static constexpr UsbModel kModel = UsbModel::sh4;
+
+  static sh4::Packet set_motors(const DacWords &words) noexcept { return sh4::update(words); }
 
   /// The only known packet sets the motors too: to no tension, as after power-on.
   static std::optional<Reply> identify(UsbLink &link, UsbLink::Deadline deadline) noexcept {
@@ -52,7 +63,7 @@ public:
   static std::optional<Reply> exchange(UsbLink &link, const DacWords &words,
                                        UsbLink::Deadline deadline) noexcept {
     sh4::Packet bytes;
-    if (!link.send(sh4::update(words), deadline) || !link.receive(bytes, deadline))
+    if (!link.exchange(set_motors(words), {}, bytes, deadline))
       return std::nullopt;
     return sh4::parse(bytes);
   }
@@ -64,7 +75,7 @@ public:
   explicit ControllerOf(std::unique_ptr<UsbLink> link) : link_(std::move(link)) {
     for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
       link_->drain();
-      if (const auto reply = Protocol::identify(*link_, in(kOpenTimeout))) {
+      if (const auto reply = Protocol::identify(*link_, Clock::now() + kOpenTimeout)) {
         rotary_switch_ = reply->rotary_switch;
         return;
       }
@@ -75,15 +86,28 @@ public:
 
   int rotary_switch() const noexcept override { return rotary_switch_; }
 
-  bool reset() noexcept override { return Protocol::reset(*link_, in(kOpenTimeout)); }
+  bool reset() noexcept override { return Protocol::reset(*link_, Clock::now() + kOpenTimeout); }
+
+  void guard(const DacWords &rest) override {
+    rest_ = rest;
+    guardian_.reset();
+    guardian_.emplace(link_->file_descriptor(), kEndpointOut, Protocol::set_motors(rest));
+  }
 
   bool exchange(const DacWords &words, Counts &counts) noexcept override {
     if (behind_)
       link_->drain();
-    const auto reply = Protocol::exchange(*link_, words, in(kExchangeTimeout));
-    // A reply may still come after its time; it must not be taken for the next one's.
-    behind_ = !reply || reply->rotary_switch != rotary_switch_;
-    if (behind_)
+    const Clock::time_point now = Clock::now();
+    unguarded_ = guardian_ && !guardian_->watch(words != rest_, now);
+    const bool let_go = guardian_ && guardian_->let_go();
+    interrupted_ = interrupted_ || let_go;
+    // Whoever computed these words did not know yet that the motors were put at rest.
+    const DacWords &sent = let_go || unguarded_ ? rest_ : words;
+    const auto reply = Protocol::exchange(*link_, sent, now + kExchangeTimeout);
+    // What comes after its time, or was asked for by another, must not be taken for the next reply.
+    const bool foreign = reply && reply->rotary_switch != rotary_switch_;
+    behind_ = link_->reply_owed() || foreign;
+    if (!reply || foreign || unguarded_)
       return false;
     for (std::size_t i = 0; i < kStrings; ++i)
       counts_[i] = extended(counts_[i], reply->counters[i], Protocol::kCounterBits);
@@ -91,29 +115,38 @@ public:
     return true;
   }
 
+  bool connected() const noexcept override { return !link_->gone() && !unguarded_; }
+
+  bool interrupted() noexcept override { return std::exchange(interrupted_, false); }
+
   std::string description() const override {
-    std::string text = std::string("SPIDAR-G, controller ") + Protocol::kName;
+    std::string text = std::string("SPIDAR-G, controller ") + name_of(Protocol::kModel);
     if (rotary_switch_ >= 0)
       text += ", switch " + std::to_string(rotary_switch_);
-    return text + ", USB " + link_->place();
+    return text + ", USB " + link_->place().text();
   }
 
 private:
-  static UsbLink::Deadline in(std::chrono::milliseconds time) noexcept {
-    return std::chrono::steady_clock::now() + time;
-  }
+  using Clock = Guardian::Clock;
 
   std::unique_ptr<UsbLink> link_;
+  std::optional<Guardian> guardian_; ///< ends before the link lets go of the claim
+  DacWords rest_{};
   int rotary_switch_ = -1;
   Counts counts_{};
-  bool behind_ = false; ///< the last exchange failed, its reply may be on the way
+  bool behind_ = false; ///< replies may be on the way that are not for the next exchange
+  bool unguarded_ = false;
+  bool interrupted_ = false;
 };
 
 } // namespace
 
-std::unique_ptr<UsbController> make_usb_controller(std::uint16_t product,
-                                                   std::unique_ptr<UsbLink> link) {
-  if (product == kSh4Product)
+const char *name_of(UsbModel model) noexcept {
+  return model == UsbModel::sh4 ? "USB2.0 SH4" : "USB2.0 Simple";
+}
+
+std::unique_ptr<UsbController> make_usb_controller(UsbModel model, std::unique_ptr<UsbLink> link) {
+  if (model == UsbModel::sh4)
     return std::make_unique<ControllerOf<Sh4>>(std::move(link));
   return std::make_unique<ControllerOf<Simple>>(std::move(link));
 }

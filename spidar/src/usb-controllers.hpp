@@ -6,6 +6,10 @@
 
 namespace spidar {
 
+enum class UsbModel { simple, sh4 };
+
+const char *name_of(UsbModel model) noexcept;
+
 /// A controller whose rotary switch is known.
 class UsbController : public Controller {
 public:
@@ -14,8 +18,7 @@ public:
   virtual bool reset() noexcept = 0;
 };
 
-/// For kSimpleProduct or kSh4Product. Reads the rotary switch. Throws Error (io).
-std::unique_ptr<UsbController> make_usb_controller(std::uint16_t product,
-                                                   std::unique_ptr<UsbLink> link);
+/// Reads the rotary switch. Throws Error (io).
+std::unique_ptr<UsbController> make_usb_controller(UsbModel model, std::unique_ptr<UsbLink> link);
 
 } // namespace spidar

@@ -1,22 +1,27 @@
 #include "usb-link.hpp"
 
 #include "spidar/error.hpp"
+#include "usb-holder.hpp"
 #include "usb-protocol.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
 
 namespace spidar {
 
 namespace {
 
-constexpr int kInterface = 0;
-constexpr int kLargestPacket = 512;
 constexpr int kMostStaleReplies = 16;
 constexpr auto kStaleReplyTime = std::chrono::milliseconds(1); // what waits is there at once
+constexpr auto kCancelTime = std::chrono::milliseconds(2);     // the kernel does it at once
+constexpr auto kCloseTime = std::chrono::milliseconds(50);
 
-[[noreturn]] void refuse(const std::string &place, int error) {
-  const std::string device = "The SPIDAR-G on USB " + place;
+[[noreturn]] void refuse(const UsbPlace &place, int error) {
+  const std::string device = "The SPIDAR-G on USB " + place.text();
   switch (error) {
   case LIBUSB_ERROR_ACCESS:
     throw Error(Cause::permission,
@@ -26,7 +31,8 @@ constexpr auto kStaleReplyTime = std::chrono::milliseconds(1); // what waits is 
                          "into /etc/udev/rules.d/70-spidar.rules, then run 'sudo udevadm control "
                          "--reload' and plug the device in again.");
   case LIBUSB_ERROR_BUSY:
-    throw Error(Cause::busy, device + " is in use by another program. Close that program first.");
+    throw Error(Cause::busy, device + " is in use by " + holder_of(place.node()) +
+                                 ". Close that program first.");
   case LIBUSB_ERROR_NO_DEVICE:
     throw Error(Cause::not_found, device + " has been unplugged. Plug it in and try again.");
   default:
@@ -35,63 +41,219 @@ constexpr auto kStaleReplyTime = std::chrono::milliseconds(1); // what waits is 
   }
 }
 
+int libusb_error_of(int error_number) {
+  switch (error_number) {
+  case EACCES:
+  case EPERM:
+    return LIBUSB_ERROR_ACCESS;
+  case ENOENT:
+  case ENODEV:
+  case ENXIO:
+    return LIBUSB_ERROR_NO_DEVICE;
+  default:
+    return LIBUSB_ERROR_IO;
+  }
+}
+
 } // namespace
 
-UsbLink::UsbLink(UsbContext context, libusb_device *device)
-    : context_(std::move(context)),
-      place_("bus " + std::to_string(libusb_get_bus_number(device)) + " device " +
-             std::to_string(libusb_get_device_address(device))) {
-  libusb_device_handle *handle = nullptr;
-  if (const int error = libusb_open(device, &handle); error != 0)
+UsbContext make_usb_context() {
+  libusb_context *context = nullptr;
+  if (const int error = libusb_init(&context); error != 0)
+    throw Error(Cause::io, std::string("USB cannot be used (") + libusb_strerror(error) +
+                               "). Is /dev/bus/usb there and readable?");
+  return UsbContext(context);
+}
+
+std::string UsbPlace::node() const {
+  std::array<char, 64> path;
+  std::snprintf(path.data(), path.size(), "/dev/bus/usb/%03d/%03d", bus, address);
+  return path.data();
+}
+
+std::string UsbPlace::text() const {
+  return "bus " + std::to_string(bus) + " device " + std::to_string(address);
+}
+
+void FileDescriptor::reset(int value) noexcept {
+  if (value_ >= 0)
+    close(value_);
+  value_ = value;
+}
+
+UsbLink::UsbLink(UsbPlace place) : place_(std::move(place)), context_(make_usb_context()) {
+  open_handle();
+  const int alternate = find_endpoints();
+  libusb_set_auto_detach_kernel_driver(handle_.get(), 1); // no harm where there is no such thing
+  if (const int error = libusb_claim_interface(handle_.get(), interface_); error != 0)
     refuse(place_, error);
-  handle_.reset(handle);
-  libusb_set_auto_detach_kernel_driver(handle, 1); // where the system has no such thing: no harm
-  if (const int error = libusb_claim_interface(handle, kInterface); error != 0)
-    refuse(place_, error);
+  claimed_ = true;
+  if (alternate != 0)
+    if (const int error = libusb_set_interface_alt_setting(handle_.get(), interface_, alternate);
+        error != 0)
+      refuse(place_, error);
+  prepare(first_, kEndpointOut);
+  prepare(second_, kEndpointOut);
+  prepare(reply_, kEndpointIn);
 }
 
 UsbLink::~UsbLink() {
-  libusb_release_interface(handle_.get(), kInterface);
+  cancel();
+  if (!wait(std::chrono::steady_clock::now() + kCloseTime)) {
+    // libusb still uses them: better lost than used after they are gone.
+    for (Slot *slot : {&first_, &second_, &reply_})
+      if (slot->flying)
+        static_cast<void>(slot->transfer.release());
+  }
+  if (claimed_)
+    libusb_release_interface(handle_.get(), interface_);
 }
 
-bool UsbLink::transfer(unsigned char endpoint, unsigned char *bytes, int size, int &transferred,
+// Not by libusb_open(), which keeps the descriptor to itself: the guardian needs a duplicate.
+void UsbLink::open_handle() {
+  file_.reset(open(place_.node().c_str(), O_RDWR | O_CLOEXEC));
+  if (file_.get() < 0)
+    refuse(place_, libusb_error_of(errno));
+  libusb_device_handle *handle = nullptr;
+  if (const int error = libusb_wrap_sys_device(context_.get(), file_.get(), &handle); error != 0)
+    refuse(place_, error);
+  handle_.reset(handle);
+}
+
+/// By address: nobody knows what else the device has. Returns the alternate setting.
+int UsbLink::find_endpoints() {
+  libusb_config_descriptor *raw = nullptr;
+  if (const int error = libusb_get_active_config_descriptor(libusb_get_device(handle_.get()), &raw);
+      error != 0)
+    refuse(place_, error);
+  const std::unique_ptr<libusb_config_descriptor, LibusbDeleter> configuration(raw);
+  const auto has = [](const libusb_interface_descriptor &setting, unsigned char address) {
+    return std::any_of(setting.endpoint, setting.endpoint + setting.bNumEndpoints,
+                       [address](const libusb_endpoint_descriptor &endpoint) {
+                         return endpoint.bEndpointAddress == address &&
+                                (endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) ==
+                                    LIBUSB_TRANSFER_TYPE_BULK;
+                       });
+  };
+  for (int i = 0; i < configuration->bNumInterfaces; ++i) {
+    const libusb_interface &interface = configuration->interface[i];
+    for (int k = 0; k < interface.num_altsetting; ++k) {
+      const libusb_interface_descriptor &setting = interface.altsetting[k];
+      if (has(setting, kEndpointOut) && has(setting, kEndpointIn)) {
+        interface_ = setting.bInterfaceNumber;
+        return setting.bAlternateSetting;
+      }
+    }
+  }
+  throw Error(Cause::io, "The device on USB " + place_.text() +
+                             " calls itself a SPIDAR-G but has no bulk endpoints 0x02 and 0x86. "
+                             "Switch it off and on, and plug it in again.");
+}
+
+void UsbLink::prepare(Slot &slot, unsigned char endpoint) {
+  slot.transfer.reset(libusb_alloc_transfer(0));
+  if (!slot.transfer)
+    throw Error(Cause::io, "There is no memory left for USB transfers. Close other programs.");
+  const auto landed = [](libusb_transfer *transfer) {
+    static_cast<Slot *>(transfer->user_data)->flying = false;
+  };
+  libusb_fill_bulk_transfer(slot.transfer.get(), handle_.get(), endpoint, slot.buffer.data(), 0,
+                            landed, &slot, 0); // who waits watches the time
+}
+
+bool UsbLink::submit(Slot &slot, int size) noexcept {
+  slot.transfer->length = size;
+  slot.flying = true; // before it can land
+  const int error = libusb_submit_transfer(slot.transfer.get());
+  if (error == 0)
+    return true;
+  slot.flying = false;
+  gone_ = gone_ || error == LIBUSB_ERROR_NO_DEVICE;
+  return false;
+}
+
+bool UsbLink::submit(Slot &slot, Bytes bytes) noexcept {
+  std::copy(bytes.begin(), bytes.end(), slot.buffer.begin());
+  return bytes.empty() || submit(slot, static_cast<int>(bytes.size()));
+}
+
+bool UsbLink::flying() const noexcept {
+  return first_.flying || second_.flying || reply_.flying;
+}
+
+bool UsbLink::wait(Deadline deadline) noexcept {
+  using std::chrono::ceil, std::chrono::microseconds;
+  while (flying()) {
+    const auto left = ceil<microseconds>(deadline - std::chrono::steady_clock::now()).count();
+    if (left <= 0)
+      return false;
+    timeval time{.tv_sec = left / 1'000'000, .tv_usec = left % 1'000'000};
+    if (const int error = libusb_handle_events_timeout_completed(context_.get(), &time, nullptr);
+        error != 0 && error != LIBUSB_ERROR_INTERRUPTED)
+      return false;
+  }
+  return true;
+}
+
+void UsbLink::cancel() noexcept {
+  for (Slot *slot : {&first_, &second_, &reply_})
+    if (slot->flying)
+      libusb_cancel_transfer(slot->transfer.get());
+}
+
+bool UsbLink::succeeded(Slot &slot, std::size_t size) noexcept {
+  switch (slot.transfer->status) {
+  case LIBUSB_TRANSFER_COMPLETED:
+    return static_cast<std::size_t>(slot.transfer->actual_length) == size;
+  case LIBUSB_TRANSFER_STALL:
+    libusb_clear_halt(handle_.get(), slot.transfer->endpoint);
+    return false;
+  case LIBUSB_TRANSFER_NO_DEVICE:
+    gone_ = true;
+    return false;
+  default:
+    return false;
+  }
+}
+
+bool UsbLink::exchange(Bytes first, Bytes second, std::span<std::uint8_t> reply,
                        Deadline deadline) noexcept {
-  using std::chrono::ceil, std::chrono::milliseconds;
-  const auto left = ceil<milliseconds>(deadline - std::chrono::steady_clock::now()).count();
-  if (left <= 0) // to libusb 0 means "wait for ever"
+  reply_owed_ = !reply.empty();
+  // A transfer that could not be cancelled in time blocks its slot until it lands.
+  if (gone_ || (flying() && !wait(deadline)))
     return false;
-  const int error = libusb_bulk_transfer(handle_.get(), endpoint, bytes, size, &transferred,
-                                         static_cast<unsigned>(left));
-  if (error == LIBUSB_ERROR_PIPE)
-    libusb_clear_halt(handle_.get(), endpoint);
-  return error == 0;
-}
-
-bool UsbLink::send(std::span<const std::uint8_t> bytes, Deadline deadline) noexcept {
-  int sent = 0;
-  const int size = static_cast<int>(bytes.size());
-  // libusb takes one kind of pointer for both directions; it does not write through this one.
-  auto *data = const_cast<unsigned char *>(bytes.data());
-  return transfer(kEndpointOut, data, size, sent, deadline) && sent == size;
-}
-
-bool UsbLink::receive(std::span<std::uint8_t> bytes, Deadline deadline) noexcept {
   // With room for a whole packet, a reply that is too long is seen as such and not as an overflow.
-  std::array<unsigned char, kLargestPacket> packet;
-  int received = 0;
-  if (!transfer(kEndpointIn, packet.data(), kLargestPacket, received, deadline) ||
-      static_cast<std::size_t>(received) != bytes.size())
+  const bool under_way = submit(first_, first) && submit(second_, second) &&
+                         (reply.empty() || submit(reply_, kLargestPacket));
+  if (!under_way || !wait(deadline)) {
+    cancel();
+    wait(std::chrono::steady_clock::now() + kCancelTime);
+    if (!under_way)
+      return false;
+  }
+  if (flying())
     return false;
-  std::copy_n(packet.begin(), received, bytes.begin());
+  reply_owed_ = !reply.empty() && reply_.transfer->status == LIBUSB_TRANSFER_CANCELLED;
+  // Each is looked at, so that whatever stalled is made ready.
+  const bool first_sent = first.empty() || succeeded(first_, first.size());
+  const bool second_sent = second.empty() || succeeded(second_, second.size());
+  const bool answered = reply.empty() || succeeded(reply_, reply.size());
+  if (!first_sent || !second_sent || !answered)
+    return false;
+  std::copy_n(reply_.buffer.begin(), reply.size(), reply.begin());
   return true;
 }
 
 void UsbLink::drain() noexcept {
-  std::array<unsigned char, kLargestPacket> packet;
-  for (int i = 0; i < kMostStaleReplies; ++i) {
-    int received = 0;
-    const auto deadline = std::chrono::steady_clock::now() + kStaleReplyTime;
-    if (!transfer(kEndpointIn, packet.data(), kLargestPacket, received, deadline))
+  for (int i = 0; i < kMostStaleReplies && !gone_ && !flying(); ++i) {
+    if (!submit(reply_, kLargestPacket))
+      return;
+    const bool came = wait(std::chrono::steady_clock::now() + kStaleReplyTime);
+    if (!came) {
+      cancel();
+      wait(std::chrono::steady_clock::now() + kCancelTime);
+    }
+    if (flying() || (!succeeded(reply_, 0) && reply_.transfer->actual_length == 0))
       return;
   }
 }

@@ -1,47 +1,88 @@
 // Finds the controllers on USB and opens the wanted one.
-#include "spidar/device.hpp"
-#include "spidar/error.hpp"
+#include "spidar/usb.hpp"
 #include "usb-controllers.hpp"
 #include "usb-protocol.hpp"
 
+#include <array>
 #include <charconv>
-#include <optional>
-#include <vector>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 
 namespace spidar {
 
 namespace {
 
-struct Found {
-  UsbDevice device;
+struct Kind {
+  std::uint16_t vendor;
   std::uint16_t product;
+  UsbModel model;
 };
 
-UsbContext make_context() {
-  libusb_context *context = nullptr;
-  if (const int error = libusb_init(&context); error != 0)
-    throw Error(Cause::io, std::string("USB cannot be used (") + libusb_strerror(error) +
-                               "). Is /dev/bus/usb there and readable?");
-  return UsbContext(context, LibusbDeleter());
+struct Found {
+  UsbPlace place;
+  UsbModel model;
+};
+
+struct Findings {
+  std::vector<Found> units;
+  bool old_controller = false; ///< one whose protocol is not known
+};
+
+std::vector<Kind> known_kinds() {
+  std::vector<Kind> kinds = {{kVendor, kSimpleProduct, UsbModel::simple},
+                             {kVendor, kSh4Product, UsbModel::sh4}};
+  if (const char *told = std::getenv("SPIDAR_USB_ID")) {
+    Kind kind{};
+    std::array<char, 8> model{};
+    int end = 0;
+    const bool parsed = std::sscanf(told, "%4hx:%4hx=%7s%n", &kind.vendor, &kind.product,
+                                    model.data(), &end) == 3 &&
+                        static_cast<std::size_t>(end) == std::strlen(told);
+    const bool simple = std::strcmp(model.data(), "simple") == 0;
+    if (!parsed || (!simple && std::strcmp(model.data(), "sh4") != 0))
+      throw Error(Cause::argument, "SPIDAR_USB_ID is '" + std::string(told) +
+                                       "'. It must be vendor, product and model such as "
+                                       "04b4:8613=simple or 04b4:8613=sh4.");
+    kind.model = simple ? UsbModel::simple : UsbModel::sh4;
+    kinds.push_back(kind);
+  }
+  return kinds;
 }
 
-std::vector<Found> find_controllers(libusb_context *context) {
+UsbPlace place_of(libusb_device *device) {
+  UsbPlace place{libusb_get_bus_number(device), libusb_get_device_address(device), ""};
+  std::array<std::uint8_t, 8> ports{};
+  const int depth = libusb_get_port_numbers(device, ports.data(), ports.size());
+  for (int i = 0; i < depth; ++i)
+    place.port += (i == 0 ? std::to_string(place.bus) + "-" : ".") +
+                  std::to_string(ports[static_cast<std::size_t>(i)]);
+  return place;
+}
+
+Findings find_controllers() {
+  const std::vector<Kind> kinds = known_kinds();
+  const UsbContext context = make_usb_context();
   libusb_device **list = nullptr;
-  const ssize_t count = libusb_get_device_list(context, &list);
-  std::vector<Found> found;
+  const ssize_t count = libusb_get_device_list(context.get(), &list);
+  Findings findings;
   for (ssize_t i = 0; i < count; ++i) {
-    UsbDevice device(list[i]); // takes over the list's reference
+    const UsbDevice device(list[i]); // takes over the list's reference
     libusb_device_descriptor descriptor{};
-    if (libusb_get_device_descriptor(device.get(), &descriptor) == 0 &&
-        descriptor.idVendor == kVendor)
-      found.push_back({std::move(device), descriptor.idProduct});
+    if (libusb_get_device_descriptor(device.get(), &descriptor) != 0)
+      continue;
+    for (const Kind &kind : kinds)
+      if (descriptor.idVendor == kind.vendor && descriptor.idProduct == kind.product)
+        findings.units.push_back({place_of(device.get()), kind.model});
+    if (descriptor.idVendor == kVendor && descriptor.idProduct == kH8Product)
+      findings.old_controller = true;
   }
   libusb_free_device_list(list, 0);
-  return found;
+  return findings;
 }
 
-bool understood(const Found &found) {
-  return found.product == kSimpleProduct || found.product == kSh4Product;
+std::unique_ptr<UsbController> open_unit(const Found &found) {
+  return make_usb_controller(found.model, std::make_unique<UsbLink>(found.place));
 }
 
 /// Any switch for an empty id.
@@ -58,55 +99,96 @@ std::optional<int> parse_switch(const std::string &id) {
   return number;
 }
 
+/// What is there instead of the wanted one.
+struct Others {
+  std::string seen;
+  std::optional<Error> refused; ///< the first reason why one could not be had
+};
+
+std::unique_ptr<UsbController> first_of(const Findings &findings, Others &others) {
+  for (const Found &found : findings.units) {
+    try {
+      return open_unit(found);
+    } catch (const Error &error) {
+      if (!others.refused)
+        others.refused = error;
+    }
+  }
+  return nullptr;
+}
+
+/// All are asked, since two with the same switch would be taken for each other.
+std::unique_ptr<UsbController> only_one_at(int wanted, const Findings &findings, Others &others) {
+  std::unique_ptr<UsbController> result;
+  for (const Found &found : findings.units) {
+    try {
+      auto controller = open_unit(found);
+      if (controller->rotary_switch() != wanted) {
+        others.seen += " Found: " + controller->description() + ".";
+      } else if (result) {
+        throw Error(Cause::argument, "Two SPIDAR-Gs have their rotary switch at " +
+                                         std::to_string(wanted) + ": the " + result->description() +
+                                         ", and the " + controller->description() +
+                                         ". Turn the switch of one of them, and plug it in again.");
+      } else {
+        result = std::move(controller);
+      }
+    } catch (const Error &error) {
+      if (error.cause() == Cause::argument)
+        throw;
+      if (!others.refused)
+        others.refused = error;
+    }
+  }
+  return result;
+}
+
 } // namespace
+
+std::vector<UsbUnit> list_usb() {
+  std::vector<UsbUnit> units;
+  for (const Found &found : find_controllers().units) {
+    UsbUnit unit{name_of(found.model), found.place.bus, found.place.address,
+                 found.place.port,     std::nullopt,    std::nullopt};
+    try {
+      unit.switch_at = open_unit(found)->rotary_switch();
+    } catch (const Error &error) {
+      unit.problem = error;
+    }
+    units.push_back(std::move(unit));
+  }
+  return units;
+}
 
 std::unique_ptr<Controller> open_usb(const std::string &id) {
   const std::optional<int> wanted = parse_switch(id);
-  const UsbContext context = make_context();
-  std::string seen;
-  std::optional<Error> refused; // the first reason why a controller could not be had
-  for (const Found &found : find_controllers(context.get())) {
-    if (!understood(found)) {
-      if (found.product == kH8Product)
-        seen += " There is a USB 1 controller (0cec:0201), which cannot be driven.";
-      continue;
-    }
-    try {
-      auto link = std::make_unique<UsbLink>(context, found.device.get());
-      auto controller = make_usb_controller(found.product, std::move(link));
-      if (wanted && controller->rotary_switch() != *wanted) {
-        seen += " Found: " + controller->description() + ".";
-        continue;
-      }
-      if (!controller->reset())
-        throw Error(Cause::io, "The " + controller->description() +
-                                   " does not take commands. Switch it off and on, and plug it in "
-                                   "again.");
-      return controller;
-    } catch (const Error &error) {
-      if (!refused)
-        refused = error;
-    }
+  const Findings findings = find_controllers();
+  Others others;
+  auto controller = wanted ? only_one_at(*wanted, findings, others) : first_of(findings, others);
+  if (controller) {
+    if (!controller->reset())
+      throw Error(Cause::io, "The " + controller->description() +
+                                 " does not take commands. Switch it off and on, and plug it in "
+                                 "again.");
+    return controller;
   }
-  if (refused)
-    throw *refused;
+  if (others.refused)
+    throw *others.refused;
+  if (findings.old_controller)
+    others.seen += " There is a USB 1 controller (0cec:0201), which cannot be driven.";
   const std::string which = wanted ? " with its rotary switch at " + std::to_string(*wanted) : "";
   throw Error(Cause::not_found, "No SPIDAR-G" + which +
                                     " found on USB. Plug it in and switch it on; 'lsusb' should "
                                     "list 0cec:0203 or 0cec:0205." +
-                                    seen);
+                                    others.seen);
 }
 
 bool usb_present() noexcept {
   try {
-    const UsbContext context = make_context();
-    for (const Found &found : find_controllers(context.get()))
-      if (understood(found))
-        return true;
+    return !find_controllers().units.empty();
   } catch (...) {
-    // Where USB cannot be used there is no controller either.
+    return false; // where USB cannot be used there is no controller either
   }
-  return false;
 }
 
 } // namespace spidar

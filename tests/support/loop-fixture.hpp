@@ -11,6 +11,7 @@
 #include <spidar/simulator.hpp>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace test {
 
@@ -31,7 +32,7 @@ public:
     ++exchanges;
     last_words = words;
     std::this_thread::sleep_for(stall.exchange(0ms));
-    if (cut)
+    if (cut || gone)
       return false;
     if (thrown_speed == 0) {
       const bool answered = simulator_.exchange(words, counts);
@@ -48,9 +49,13 @@ public:
     return true;
   }
   bool home(spidar::Counts &counts) const noexcept override { return simulator_.home(counts); }
+  bool connected() const noexcept override { return !gone; }
+  bool interrupted() noexcept override { return std::exchange(let_go, false); }
   std::string description() const override { return "a wire"; }
 
   bool cut = false;
+  bool gone = false;     // for good
+  bool let_go = false;   // the guardian has put the motors at rest, once
   std::int32_t slip = 0; // counts by which the first string has slipped
   std::atomic<std::chrono::milliseconds> stall = 0ms; // once
   double thrown_speed = 0;                            // m/s to the right, from the centre
@@ -77,11 +82,14 @@ inline MotionSample moving(float vx, float vy) {
 // Drives the ticks by hand, so that a test takes no time and knows every tick.
 class Loop : public ::testing::Test {
 protected:
-  void open(const std::string &hand = "hold:0,0,0") {
+  void make_device(const std::string &hand = "hold:0,0,0") {
     auto wire = std::make_unique<Wire>(hand);
     wire_ = wire.get();
     device_ = std::make_unique<spidar::Device>(std::move(wire),
                                                spidar::load_geometry(spidar::kDefaultGeometry));
+  }
+  void open(const std::string &hand = "hold:0,0,0") {
+    make_device(hand);
     loop_.prepare({.device = device_.get()});
     loop_.unhold(haptic::kHoldClosed);
   }

@@ -2,6 +2,7 @@
 
 #include "device-choice.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -115,6 +116,64 @@ TEST_F(Loop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
   const int before = wire_->exchanges;
   ticks(1000);
   EXPECT_NEAR(wire_->exchanges - before, 10, 1);
+}
+
+TEST_F(Loop, AFaultedDeviceIsSentZeroOnTheNextTickEvenIfItDoesNotAnswer) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  const spidar::DacWords at_force = wire_->last_words;
+  wire_->cut = true;
+  ticks(4);
+  EXPECT_NE(wire_->last_words, at_force);
+  EXPECT_LT(*std::max_element(wire_->last_words.begin(), wire_->last_words.end()), 60);
+}
+
+TEST_F(Loop, AnUnpluggedDeviceIsLetGoOnTheSameTickAndItsSuccessorComesDisarmed) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  EXPECT_FALSE(loop_.device_lost());
+  wire_->gone = true;
+  ticks(1);
+  EXPECT_TRUE(loop_.device_lost());
+  EXPECT_TRUE(is_held(haptic::kHoldFaulted));
+  EXPECT_TRUE(loop_.silent());
+  EXPECT_FALSE(loop_.hand().valid);
+  EXPECT_EQ(loop_.statistics().device_faults, 1U);
+  device_.reset(); // nobody uses it any more
+  play_motion(100, 0, 100);
+
+  loop_.unhold(haptic::kLatches); // too early: there is nothing to arm
+  play_motion(100, 0, 100);
+  EXPECT_TRUE(loop_.silent());
+  make_device();
+  loop_.replace_device(device_.get());
+  EXPECT_FALSE(loop_.device_lost());
+  play_motion(100, 0, 1000);
+  EXPECT_TRUE(loop_.silent());
+  EXPECT_TRUE(loop_.hand().valid);
+  loop_.unhold(haptic::kLatches);
+  play_motion(100, 0, 1000);
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+}
+
+TEST_F(Loop, AForceThatTheGuardianTookAwayComesBackFromZeroAndSlowly) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  wire_->let_go = true;
+  ticks(1);
+  EXPECT_LT(loop_.wrench().force.norm(), 0.021); // one tick of the slew rate
+  double before = 0;
+  for (int ms = 0; ms < 500; ++ms) {
+    play_motion(100, 0, 10);
+    ASSERT_LE(loop_.wrench().force.norm(), before + 0.21);
+    before = loop_.wrench().force.norm();
+  }
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+  EXPECT_EQ(loop_.statistics().interruptions, 1U);
+  EXPECT_EQ(loop_.statistics().device_faults, 0U);
 }
 
 TEST_F(Loop, ASingleFailedExchangeChangesNothingToSpeakOf) {

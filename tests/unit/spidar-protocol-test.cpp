@@ -1,7 +1,7 @@
 #include "usb-protocol.hpp"
 
-#include "spidar/device.hpp"
 #include "spidar/error.hpp"
+#include "spidar/usb.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>

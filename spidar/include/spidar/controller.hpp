@@ -21,6 +21,16 @@ public:
   /// while Device is made. The simulator does, so that its hand may start where its script says.
   virtual bool home(Counts & /*counts*/) const noexcept { return false; }
 
+  /// Has somebody else send `rest` should this process die or stop exchanging while it sends other
+  /// words. Not from the real-time thread. Throws Error (io). A simulator needs nobody.
+  virtual void guard(const DacWords & /*rest*/) {}
+
+  /// False when no further exchange will succeed: only opening the device anew can help.
+  virtual bool connected() const noexcept { return true; }
+
+  /// Whether the motors were put at rest by somebody else since this was last asked.
+  virtual bool interrupted() noexcept { return false; }
+
   /// For people: model, identity, where it is connected.
   virtual std::string description() const = 0;
 };

@@ -14,18 +14,21 @@ namespace spidar {
 struct DeviceState {
   Pose pose;
   Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
+  Counts counts{};
   StringLengths lengths = StringLengths::Zero();
   Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
   Wrench realised;                      ///< what these tensions do at this pose
   bool feasible = true;                 ///< the commanded wrench was within the limits
   bool valid = false;                   ///< the pose can be trusted
+  bool interrupted = false; ///< since the exchange before, the guardian had put the motors at rest
 };
 
 /// Not thread-safe: exchange() and command() belong to one thread; everything else before that
 /// thread starts or after it ended.
 class SPIDAR_API Device {
 public:
-  /// Starts with minimum tension in all strings. The centre is where the controller knows it to be
+  /// Has the motors guarded against the end of this process (Controller::guard()), and starts with
+  /// minimum tension in all strings. The centre is where the controller knows it to be
   /// (Controller::home()), else where the grip is once the strings are taut (calibrate()): within
   /// 1 s, normally 50 ms. `period` is the time between two calls of exchange(), s. Throws Error
   /// (geometry, argument, io).
@@ -35,6 +38,9 @@ public:
   /// One tick: sends what was last commanded, receives the counts, solves the pose. False when the
   /// device did not answer; the state then keeps its last pose with valid = false. Real-time safe.
   bool exchange() noexcept;
+
+  /// False when the device has gone for good (unplugged, its guardian dead): make another Device.
+  bool connected() const noexcept;
 
   /// Tensions for `wrench` at the present pose, sent by the next exchange. A wrench that is not
   /// finite counts as zero. Tensions never leave the geometry's limits. Real-time safe.
@@ -51,12 +57,5 @@ private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// Opens a SPIDAR-G on USB; `id` is its rotary switch, "" for the first one found. Throws Error
-/// (not_found, permission with the udev line, busy, io).
-SPIDAR_API std::unique_ptr<Controller> open_usb(const std::string &id);
-
-/// Whether open_usb("") would find a controller, without opening it.
-SPIDAR_API bool usb_present() noexcept;
 
 } // namespace spidar

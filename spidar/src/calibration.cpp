@@ -1,0 +1,113 @@
+#include "spidar/calibration.hpp"
+
+#include "spidar/error.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace spidar {
+
+namespace {
+
+constexpr double kLeastMove = 0.005; // m; ±1 mm of a hand is then 20 %
+constexpr double kLargestFactor = 5; // beyond it the unit was mistaken, not the scale
+constexpr double kWorstFit = 0.3;    // of the change of length that is not explained
+
+constexpr const char *kAxes[] = {"x", "y", "z"};
+
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::string shortest(const Vector3 &vector) {
+  return shortest(vector.x()) + ";" + shortest(vector.y()) + ";" + shortest(vector.z());
+}
+
+[[noreturn]] void refuse(const std::string &message) {
+  throw Error(Cause::argument, message);
+}
+
+void check_factor(double factor, const std::string &what) {
+  if (!(factor > 1 / kLargestFactor && factor < kLargestFactor))
+    refuse(what + " would be " + shortest(factor) +
+           " times that of the geometry to begin with. Is the unit right, and the geometry that of "
+           "this device?");
+}
+
+} // namespace
+
+Geometry with_measured_counts(Geometry geometry, const Counts &centre, const Counts &there,
+                              int axis, double moved) {
+  const std::string name = kAxes[axis];
+  if (!std::isfinite(moved) || std::abs(moved) < kLeastMove)
+    refuse("Move the grip by at least 5 mm along " + name +
+           ", and say by how many metres: a tenth of the frame is good.");
+  Pose pose;
+  pose.position[axis] = moved;
+  const StringLengths expected = string_lengths(geometry, pose) - string_lengths(geometry, {});
+  StringLengths seen;
+  for (std::size_t i = 0; i < kStrings; ++i)
+    seen[i] = (static_cast<double>(there[i]) - centre[i]) * geometry.metres_per_count[i];
+  if (seen.norm() < kLeastMove / 10)
+    refuse("The counters have not moved. Is the grip in your hand, and the device switched on?");
+  // One factor for all strings: their drums are alike.
+  const double factor = seen.dot(expected) / seen.squaredNorm();
+  const double rest = (expected - factor * seen).norm() / expected.norm();
+  if (!(factor > 0) || rest > kWorstFit)
+    refuse("The strings have not moved as they do when the grip goes along " + name +
+           " without turning. Keep it upright, move it along one axis, and mind its direction; if "
+           "that does not help, this is not the geometry of this device.");
+  check_factor(factor, "The length of a count");
+  for (double &metres : geometry.metres_per_count)
+    metres *= factor;
+  return geometry;
+}
+
+Geometry with_measured_force(Geometry geometry, double commanded, double measured) {
+  if (!(std::isfinite(measured) && measured > 0 && commanded > 0))
+    refuse("The force must be a number of newtons greater than zero.");
+  const double factor = commanded / measured;
+  check_factor(factor, "The voltage for a newton");
+  for (double &volts : geometry.volts_per_newton)
+    volts *= factor;
+  return geometry;
+}
+
+Geometry mirrored(Geometry geometry, int axis) {
+  for (std::size_t i = 0; i < kStrings; ++i) {
+    geometry.motors[i][axis] *= -1;
+    geometry.attachments[i][axis] *= -1;
+  }
+  return geometry;
+}
+
+void save_geometry(const Geometry &geometry, const std::string &path) {
+  check_geometry(geometry);
+  std::ofstream file(path);
+  file << "# Measured by spidar-calibrate. docs/formats/geometry.md explains every key.\n"
+       << "\n[device]"
+       << "\ndigits-per-volt=" << shortest(geometry.digits_per_volt)
+       << "\ndac-limit=" << geometry.dac_limit << "\ntension-min=" << shortest(geometry.tension_min)
+       << "\ntension-max=" << shortest(geometry.tension_max)
+       << "\ngrip-radius=" << shortest(geometry.grip_radius)
+       << "\nworkspace-half=" << shortest(geometry.workspace_half) << "\n";
+  for (std::size_t i = 0; i < kStrings; ++i)
+    file << "\n[string-" << i << "]"
+         << "\nmotor=" << shortest(geometry.motors[i])
+         << "\nattachment=" << shortest(geometry.attachments[i])
+         << "\nmetres-per-count=" << shortest(geometry.metres_per_count[i])
+         << "\nvolts-per-newton=" << shortest(geometry.volts_per_newton[i]) << "\n";
+  file.close();
+  if (!file)
+    throw Error(Cause::not_found, "The geometry file " + path +
+                                      " cannot be written: " + std::strerror(errno) +
+                                      ". Choose another place with --output.");
+}
+
+} // namespace spidar

@@ -1,0 +1,63 @@
+#include "usb-holder.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+namespace spidar {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// How often.
+int has_open(const fs::path &process, const std::string &path) {
+  int times = 0;
+  std::error_code error;
+  for (fs::directory_iterator entry(process / "fd", error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code unreadable;
+    if (fs::read_symlink(entry->path(), unreadable).string().ends_with(path))
+      ++times;
+  }
+  return times;
+}
+
+std::string name_of(const fs::path &process) {
+  std::string name;
+  std::getline(std::ifstream(process / "comm"), name);
+  return name;
+}
+
+} // namespace
+
+std::string holder_of(const std::string &path) {
+  std::string guardian;
+  std::error_code error;
+  for (fs::directory_iterator entry("/proc", error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string number = entry->path().filename().string();
+    if (!std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); }))
+      continue;
+    const int times = has_open(entry->path(), path);
+    if (number == std::to_string(getpid())) {
+      if (times > 1) // once to be told that it is taken
+        return "this program already";
+      continue;
+    }
+    if (times == 0)
+      continue;
+    const std::string name = name_of(entry->path());
+    std::string holder = name + " (process " + number + ")";
+    if (name != "spidar-guardian") // stands behind somebody
+      return holder;
+    guardian = std::move(holder);
+  }
+  if (!guardian.empty())
+    return guardian;
+  return "a program of another user ('sudo fuser " + path + "' names it)";
+}
+
+} // namespace spidar

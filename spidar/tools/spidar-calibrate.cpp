@@ -1,0 +1,193 @@
+// Asks a person to hold, to watch and to measure, and writes what comes out as a geometry file.
+#include "tool.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <mutex>
+#include <optional>
+#include <spidar/calibration.hpp>
+#include <thread>
+
+using namespace spidar_tools;
+using namespace std::chrono_literals;
+using spidar::Vector3;
+
+namespace {
+
+constexpr double kGentle = 0.5;    // N
+constexpr double kMeasured = 1;    // N
+constexpr double kRamp = 2;        // N/s
+constexpr double kGripLetGo = 1.0; // m/s
+constexpr auto kTick = 1ms;
+
+constexpr const char *kDirections[] = {"right", "left", "up", "down", "towards", "away"};
+
+/// Keeps the device going while a person thinks.
+class Session {
+public:
+  explicit Session(std::unique_ptr<spidar::Device> device) : device_(std::move(device)) {
+    thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+  }
+
+  void pull(const Vector3 &force) {
+    const std::lock_guard lock(mutex_);
+    wanted_ = force;
+  }
+  void calibrate() {
+    const std::lock_guard lock(mutex_);
+    device_->calibrate();
+  }
+  /// Throws Error (io) when the device is silent.
+  spidar::Counts counts() {
+    const std::lock_guard lock(mutex_);
+    if (silent_ > 100)
+      throw spidar::Error(spidar::Cause::io,
+                          "The device does not answer any more. Check its cable and power.");
+    return device_->state().counts;
+  }
+
+private:
+  void run(const std::stop_token &stop) {
+    auto next = std::chrono::steady_clock::now();
+    while (!stop.stop_requested()) {
+      next += kTick;
+      std::this_thread::sleep_until(next);
+      const std::lock_guard lock(mutex_);
+      silent_ = device_->exchange() ? 0 : silent_ + 1;
+      if (device_->state().interrupted || device_->state().velocity.norm() > kGripLetGo)
+        force_ = wanted_ = Vector3::Zero();
+      const Vector3 change = wanted_ - force_;
+      force_ += change * std::min(1.0, kRamp * 1e-3 / std::max(change.norm(), 1e-9));
+      device_->command({force_, Vector3::Zero()});
+    }
+  }
+
+  std::mutex mutex_;
+  std::unique_ptr<spidar::Device> device_;
+  Vector3 wanted_ = Vector3::Zero(); ///< N
+  Vector3 force_ = Vector3::Zero();
+  int silent_ = 0;
+  std::jthread thread_;
+};
+
+std::string ask(const std::string &question) {
+  std::cout << question << std::endl;
+  std::string answer;
+  if (!std::getline(std::cin, answer))
+    throw spidar::Error(spidar::Cause::argument, "No answer: nothing has been written.");
+  answer.erase(0, answer.find_first_not_of(" \t"));
+  answer.erase(answer.find_last_not_of(" \t\r") + 1);
+  return answer;
+}
+
+double ask_number(const std::string &question) {
+  for (;;) {
+    const std::string answer = ask(question);
+    char *end = nullptr;
+    const double number = std::strtod(answer.c_str(), &end);
+    if (end != answer.c_str() && *end == '\0' && std::isfinite(number))
+      return number;
+    std::cout << "'" << answer << "' is no number. With a point, such as 20.5." << std::endl;
+  }
+}
+
+/// Index into kDirections; nothing for "none".
+std::optional<std::size_t> ask_direction() {
+  for (;;) {
+    const std::string answer =
+        ask("  Which way does it pull? (right, left, up, down, towards you, away, none)");
+    for (std::size_t i = 0; i < std::size(kDirections); ++i)
+      if (answer == kDirections[i] || answer == std::string(kDirections[i]) + " you")
+        return i;
+    if (answer == "none")
+      return std::nullopt;
+    std::cout << "'" << answer << "' is none of them." << std::endl;
+  }
+}
+
+/// True when the geometry has the axis the right way round.
+bool check_axis(Session &session, int axis) {
+  const auto forwards = static_cast<std::size_t>(2 * axis);
+  Vector3 force = Vector3::Zero();
+  force[axis] = kGentle;
+  session.pull(force);
+  const std::optional<std::size_t> seen = ask_direction();
+  session.pull(Vector3::Zero());
+  if (!seen)
+    throw spidar::Error(spidar::Cause::argument,
+                        "The motors do not pull. Is their power on, and no emergency stop "
+                        "pressed? Nothing has been written.");
+  if (*seen / 2 != forwards / 2)
+    throw spidar::Error(spidar::Cause::argument,
+                        std::string("It should pull ") + kDirections[forwards] + " or " +
+                            kDirections[forwards + 1] +
+                            ". The device stands turned, or --geometry names another "
+                            "one: 'spidar-info --help'. Nothing has been written.");
+  return *seen == forwards;
+}
+
+spidar::Geometry dialogue(Session &session, spidar::Geometry geometry) {
+  ask("Hold the grip upright in the centre of the frame, and press Enter.");
+  session.calibrate();
+  const spidar::Counts centre = session.counts();
+
+  for (int axis = 0; axis < 3; ++axis) {
+    std::cout << "Now it pulls gently along axis " << axis + 1 << " of 3." << std::endl;
+    if (check_axis(session, axis))
+      continue;
+    std::cout << "  The geometry has it the other way round; it is turned over." << std::endl;
+    geometry = spidar::mirrored(std::move(geometry), axis);
+  }
+
+  ask("Move the grip straight to the right, without turning it, hold it there, and press Enter.");
+  const spidar::Counts there = session.counts();
+  const double millimetres = ask_number("  How many millimetres is that from the centre?");
+  geometry = spidar::with_measured_counts(std::move(geometry), centre, there, 0, millimetres / 1e3);
+
+  if (ask("Hold the grip in the centre with a spring balance on its left, and press Enter; or type "
+          "skip.") != "skip") {
+    session.pull({kMeasured, 0, 0});
+    const double newtons =
+        ask_number("  It pulls to the right. How many newtons does the balance show?");
+    session.pull(Vector3::Zero());
+    geometry = spidar::with_measured_force(std::move(geometry), kMeasured, newtons);
+  }
+  return geometry;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  const char *output = nullptr;
+  gboolean overwrite = FALSE;
+  const GOptionEntry own[] = {
+      {"output", 'o', 0, G_OPTION_ARG_FILENAME, &output, "geometry file to write", "FILE.ini"},
+      {"force", 'f', 0, G_OPTION_ARG_NONE, &overwrite, "write it even if there is one", nullptr},
+      {}};
+  Options options("",
+                  "Measures a SPIDAR-G together with the person who holds it, and writes a "
+                  "geometry file.",
+                  own);
+  if (!options.parse(argc, argv))
+    return kUsage;
+  return run([&] {
+    if (!output)
+      throw spidar::Error(spidar::Cause::argument,
+                          "Say where the geometry goes, such as --output my-spidar.ini.");
+    if (!overwrite && std::filesystem::exists(output))
+      throw spidar::Error(spidar::Cause::argument, std::string(output) +
+                                                       " exists already. Choose another name, or "
+                                                       "overwrite it with --force.");
+    const Choice choice = options.choice();
+    const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
+    Session session(open_device(choice));
+    spidar::save_geometry(dialogue(session, geometry), output);
+    std::cout << "Written. Use it with: geometry=" << std::filesystem::absolute(output).string()
+              << std::endl;
+    return kFine;
+  });
+}

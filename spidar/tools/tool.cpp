@@ -1,0 +1,87 @@
+#include "tool.hpp"
+
+#include <clocale>
+#include <spidar/simulator.hpp>
+#include <spidar/usb.hpp>
+
+namespace spidar_tools {
+
+ExitStatus status_of(const spidar::Error &error) {
+  switch (error.cause()) {
+  case spidar::Cause::not_found:
+    return kNotFound;
+  case spidar::Cause::permission:
+    return kPermission;
+  case spidar::Cause::busy:
+    return kBusy;
+  case spidar::Cause::geometry:
+    return kGeometry;
+  case spidar::Cause::argument:
+    return kUsage;
+  case spidar::Cause::io:
+    break;
+  }
+  return kNoAnswer;
+}
+
+std::unique_ptr<spidar::Device> open_device(const Choice &choice) {
+  const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
+  std::unique_ptr<spidar::Controller> controller;
+  if (choice.device == "sim")
+    controller =
+        std::make_unique<spidar::Simulator>(geometry, spidar::parse_hand_script(choice.sim_hand));
+  else if (choice.device == "usb")
+    controller = spidar::open_usb("");
+  else if (choice.device.starts_with("usb:") && choice.device.size() > 4)
+    controller = spidar::open_usb(choice.device.substr(4));
+  else
+    throw spidar::Error(spidar::Cause::argument, "The device '" + choice.device +
+                                                     "' is not known. Use usb, usb:ID (its rotary "
+                                                     "switch) or sim.");
+  return std::make_unique<spidar::Device>(std::move(controller), geometry);
+}
+
+Options::Options(const char *arguments, const char *summary, const GOptionEntry *own)
+    : context_(g_option_context_new(arguments)) {
+  std::setlocale(LC_ALL, "");
+  std::setlocale(LC_NUMERIC, "C"); // numbers look the same everywhere
+  const GOptionEntry common[] = {
+      {"device", 'd', 0, G_OPTION_ARG_STRING, &device_,
+       "usb (the first one found), usb:ID (its rotary switch) or sim", "DEVICE"},
+      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry_, "name or file of its geometry",
+       "GEOMETRY"},
+      {"sim-hand", 0, 0, G_OPTION_ARG_STRING, &sim_hand_,
+       "what holds the simulated grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free",
+       "HAND"},
+      {}};
+  g_option_context_set_summary(context_.get(), summary);
+  g_option_context_set_description(context_.get(), kExitStatuses);
+  g_option_context_add_main_entries(context_.get(), own, nullptr);
+  g_option_context_add_main_entries(context_.get(), common, nullptr);
+}
+
+bool Options::parse(int &argc, char **&argv) {
+  GError *error = nullptr;
+  const bool parsed = g_option_context_parse(context_.get(), &argc, &argv, &error);
+  if (!parsed)
+    std::fprintf(stderr, "%s; --help names the options.\n", error->message);
+  else if (argc > 1)
+    std::fprintf(stderr, "'%s' is not understood; --help names the options.\n", argv[1]);
+  g_clear_error(&error);
+  return parsed && argc == 1;
+}
+
+Choice Options::choice() const {
+  Choice choice;
+  if (device_) {
+    choice.device = device_;
+    choice.device_named = true;
+  }
+  if (geometry_)
+    choice.geometry = geometry_;
+  if (sim_hand_)
+    choice.sim_hand = sim_hand_;
+  return choice;
+}
+
+} // namespace spidar_tools

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# The tools as a person uses them, with the simulated device.
+# Usage: tools-test.sh SPIDAR-INFO SPIDAR-CALIBRATE
+
+info=$1 calibrate=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# `expect STATUS TEXT COMMAND...`: its exit status, and what it must say.
+expect() {
+  local status=0 wanted=$1 text=$2
+  shift 2
+  "$@" >"$work/output" 2>&1 || status=$?
+  if [ "$status" != "$wanted" ] || ! grep -qF -- "$text" "$work/output"; then
+    echo "FAILED: $*"
+    echo "  status $status instead of $wanted, or '$text' is missing in:"
+    sed 's/^/  | /' "$work/output"
+    failed=1
+  fi
+}
+
+# Answers with time to move between them: `answers TEXT...`.
+answers() {
+  local answer
+  for answer; do
+    sleep 0.4
+    echo "$answer"
+  done
+}
+
+dialogue() {
+  rm -f "$work/measured.ini"
+  answers "$@" | "$calibrate" --device sim --sim-hand "file:$work/hand" --output "$work/measured.ini"
+}
+
+# The grip stays in the centre while the forces are shown, then goes 20 mm to the right and stays.
+printf '%s\n' 0,0,0,0 1.7,0,0,0 1.9,0.8,0,0 >"$work/hand"
+
+expect 0 'Usage' "$info" --help
+expect 0 'Exit status' "$calibrate" --help
+expect 1 '--help names' "$info" --colour
+expect 1 "'more' is not understood" "$info" more
+expect 1 'usb, usb:ID' "$info" --device serial
+expect 1 '0 to 15' "$info" --device usb:16
+expect 2 "No geometry 'nothing'" "$info" --device sim --geometry nothing
+expect 0 'position 12.' "$info" --device sim --sim-hand hold:0.5,0,0 --seconds 0.05
+expect 0 'tensions' "$info" --device sim
+expect 0 'Ctrl-C was heeded' bash -c "timeout -s INT --preserve-status 1 '$info' --device sim --watch && echo Ctrl-C was heeded"
+echo '[device]' >"$work/broken.ini"
+expect 6 'broken.ini' "$info" --device sim --geometry "$work/broken.ini"
+if [ ! -d /sys/bus/usb/devices ] || ! grep -qsi 0cec /sys/bus/usb/devices/*/idVendor; then
+  expect 2 'Plug it in' "$info"
+  expect 2 'No SPIDAR-G' "$calibrate" --output "$work/x.ini"
+fi
+
+expect 0 'Written' dialogue '' right up towards '' 20 skip
+expect 0 'position' "$info" --device sim --geometry "$work/measured.ini"
+# Its scale is what it was, but for what a hand under force is off the centre.
+awk -F= '/^metres-per-count/ { d = $2 < 0 ? -$2 : $2; if (d < 1.6e-5 || d > 1.73e-5) exit 1 }' "$work/measured.ini" ||
+  { echo "FAILED: the measured scale is wrong"; failed=1; }
+expect 0 'is turned over' dialogue '' left up towards '' -20 skip
+expect 0 'Written' dialogue '' right up towards '' 20 '' 0.5
+grep -q '^volts-per-newton=0.7305' "$work/measured.ini" ||
+  { echo "FAILED: half the force needs twice the voltage"; failed=1; }
+expect 1 'exists already' "$calibrate" --device sim --output "$work/measured.ini"
+expect 1 'stands turned' dialogue '' up
+expect 1 'do not pull' dialogue '' none
+expect 1 'nothing has been written' dialogue '' right
+expect 1 'mind its direction' dialogue '' right up towards '' -20
+expect 1 'not the geometry of this device' dialogue '' right up towards '' 900
+expect 1 'is no number' dialogue '' right up towards '' twenty 2000
+expect 1 '--output' "$calibrate" --device sim
+[ "$failed" = 0 ]

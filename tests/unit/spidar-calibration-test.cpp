@@ -1,0 +1,125 @@
+#include "spidar/calibration.hpp"
+#include "spidar/error.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <limits>
+
+using namespace spidar;
+
+namespace {
+
+/// What the counters show when the grip goes from the centre to `position`.
+Counts counts_at(const Geometry &truth, const Vector3 &position) {
+  Pose pose;
+  pose.position = position;
+  const StringLengths change = string_lengths(truth, pose) - string_lengths(truth, {});
+  Counts counts{};
+  for (std::size_t i = 0; i < kStrings; ++i)
+    counts[i] = static_cast<std::int32_t>(std::lround(change[i] / truth.metres_per_count[i]));
+  return counts;
+}
+
+Geometry builtin() {
+  return load_geometry(kDefaultGeometry);
+}
+
+Geometry scaled(Geometry geometry, double counts) {
+  for (double &metres : geometry.metres_per_count)
+    metres *= counts;
+  return geometry;
+}
+
+template <class Call>
+std::string refusal(Cause cause, Call call) {
+  try {
+    call();
+  } catch (const Error &error) {
+    EXPECT_EQ(error.cause(), cause) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return "";
+}
+
+} // namespace
+
+TEST(Calibration, FindsTheLengthOfACountFromAMoveAlongAnyAxis) {
+  const Geometry truth = scaled(builtin(), 1.3);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double moved : {-0.02, 0.01, 0.03}) {
+      Vector3 place = Vector3::Zero();
+      place[axis] = moved;
+      const Geometry found =
+          with_measured_counts(builtin(), {}, counts_at(truth, place), axis, moved);
+      for (std::size_t i = 0; i < kStrings; ++i)
+        EXPECT_NEAR(found.metres_per_count[i] / truth.metres_per_count[i], 1, 0.002);
+    }
+  }
+}
+
+TEST(Calibration, RefusesAMoveThatDoesNotFit) {
+  const Geometry truth = builtin();
+  const Counts right = counts_at(truth, {0.02, 0, 0});
+  const auto measured = [&](const Counts &there, int axis, double moved) {
+    return refusal(Cause::argument,
+                   [&] { with_measured_counts(builtin(), {}, there, axis, moved); });
+  };
+  EXPECT_NE(measured(right, 0, -0.02).find("mind its direction"), std::string::npos);
+  EXPECT_NE(measured(right, 1, 0.02).find("along y"), std::string::npos);
+  EXPECT_NE(measured({}, 0, 0.02).find("have not moved"), std::string::npos);
+  EXPECT_NE(measured(right, 0, 0.001).find("at least 5 mm"), std::string::npos);
+  EXPECT_NE(measured(right, 0, std::numeric_limits<double>::quiet_NaN()).find("5 mm"),
+            std::string::npos);
+  // Millimetres taken for centimetres.
+  EXPECT_NE(measured(counts_at(truth, {0.002, 0, 0}), 0, 0.02).find("unit"), std::string::npos);
+}
+
+TEST(Calibration, AMotorThatPullsTooWeaklyGetsMoreVolts) {
+  const Geometry found = with_measured_force(builtin(), 1, 0.8);
+  for (std::size_t i = 0; i < kStrings; ++i)
+    EXPECT_DOUBLE_EQ(found.volts_per_newton[i], builtin().volts_per_newton[i] / 0.8);
+  for (const double nonsense : {0.0, -1.0, 100.0, std::numeric_limits<double>::infinity()})
+    refusal(Cause::argument, [&] { with_measured_force(builtin(), 1, nonsense); });
+}
+
+TEST(Calibration, AMirroredGeometryPullsTheOtherWayAndNoOther) {
+  for (const std::string &name : builtin_geometries()) {
+    const Geometry geometry = load_geometry(name);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Geometry turned = mirrored(geometry, axis);
+      EXPECT_NO_THROW(check_geometry(turned));
+      for (std::size_t i = 0; i < kStrings; ++i)
+        for (int other = 0; other < 3; ++other)
+          EXPECT_EQ(turned.motors[i][other], (other == axis ? -1 : 1) * geometry.motors[i][other]);
+    }
+  }
+}
+
+TEST(Calibration, WhatIsSavedIsWhatIsLoaded) {
+  const std::string path = std::filesystem::temp_directory_path() / "spidar-calibration-test.ini";
+  const Geometry geometry = mirrored(scaled(load_geometry("spidar-g6x5r"), 1.0 / 3), 1);
+  save_geometry(geometry, path);
+  const Geometry loaded = load_geometry(path);
+  EXPECT_EQ(loaded.motors, geometry.motors);
+  EXPECT_EQ(loaded.attachments, geometry.attachments);
+  EXPECT_EQ(loaded.metres_per_count, geometry.metres_per_count);
+  EXPECT_EQ(loaded.volts_per_newton, geometry.volts_per_newton);
+  EXPECT_EQ(loaded.tension_max, geometry.tension_max);
+  EXPECT_EQ(loaded.dac_limit, geometry.dac_limit);
+  EXPECT_EQ(loaded.workspace_half, geometry.workspace_half);
+  std::filesystem::remove(path);
+}
+
+TEST(Calibration, AGeometryThatCannotBeDrivenIsNotWritten) {
+  const std::string path = std::filesystem::temp_directory_path() / "spidar-calibration-none.ini";
+  Geometry geometry = builtin();
+  geometry.attachments.fill(Vector3::Zero());
+  refusal(Cause::geometry, [&] { save_geometry(geometry, path); });
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_NE(refusal(Cause::not_found, [&] { save_geometry(builtin(), "/nowhere/a.ini"); })
+                .find("--output"),
+            std::string::npos);
+}

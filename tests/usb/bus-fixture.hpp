@@ -1,0 +1,71 @@
+// A mocked bus with a unit on it, and the messages that a user would read.
+#pragma once
+
+#include "mock-bus.hpp"
+
+#include <chrono>
+#include <gtest/gtest.h>
+#include <spidar/device.hpp>
+#include <spidar/usb.hpp>
+#include <thread>
+
+namespace test {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+class OnBus : public ::testing::Test {
+protected:
+  void SetUp() override {
+    if (!mocking())
+      GTEST_SKIP() << "needs umockdev: run it by 'meson test', or under umockdev-wrapper";
+    bus_ = std::make_unique<MockBus>();
+  }
+  void TearDown() override { bus_.reset(); }
+
+  int plug(Model model, int rotary_switch) {
+    unit_ = std::make_shared<MockUnit>(model, rotary_switch);
+    return device_number_ = bus_->plug(unit_);
+  }
+
+  static std::unique_ptr<spidar::Device> open_device(const std::string &id = "") {
+    return std::make_unique<spidar::Device>(spidar::open_usb(id),
+                                            spidar::load_geometry(spidar::kDefaultGeometry));
+  }
+
+  /// The refusal of open_usb(), which must come in time.
+  static spidar::Error refusal(const std::string &id) {
+    const auto begin = Clock::now();
+    try {
+      spidar::open_usb(id);
+    } catch (const spidar::Error &error) {
+      EXPECT_LE(Clock::now() - begin, 200ms) << error.what();
+      return error;
+    }
+    ADD_FAILURE() << "opened";
+    return {spidar::Cause::io, ""};
+  }
+
+  static void expect_words(const spidar::Error &error, spidar::Cause cause,
+                           std::initializer_list<const char *> words) {
+    EXPECT_EQ(error.cause(), cause) << error.what();
+    for (const char *word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << "'" << word << "' is missing in: " << error.what();
+  }
+
+  std::unique_ptr<MockBus> bus_;
+  std::shared_ptr<MockUnit> unit_;
+  int device_number_ = 0;
+};
+
+class OnBusOf : public OnBus, public ::testing::WithParamInterface<Model> {
+protected:
+  static std::size_t packet_size() { return GetParam() == Model::sh4 ? 512 : 32; }
+};
+
+inline std::string name_of_model(const ::testing::TestParamInfo<Model> &info) {
+  return info.param == Model::sh4 ? "Sh4" : "Simple";
+}
+
+} // namespace test
