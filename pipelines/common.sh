@@ -109,7 +109,7 @@ build_plugins() {
   if [ ! -f "$build/build.ninja" ]; then
     echo "Building the plugins in $build (a minute or two, once) ..."
     rm -rf "$build/meson-private" "$build/meson-info" # of a setup that was broken off
-    meson setup "$build" "$root" --buildtype=release -Dvision=enabled -Ddevice=enabled \
+    meson setup "$build" "$root" --buildtype=release -Dvision=enabled -Ddevice=enabled -Dtrack=enabled \
       -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
   fi
   meson compile -C "$build" >"$log" 2>&1 || build_failed "$log"
@@ -120,9 +120,11 @@ build_failed() {
   fail "the build failed (log: $1)"
 }
 
-# Makes GStreamer find the elements: those of $build, if there is one, otherwise installed ones.
+# Makes GStreamer find the elements: those of $build, if there is one, otherwise installed ones. Those named,
+# or the three that every other pipeline has, must be there.
 use_elements() {
-  local element
+  local element needed=("$@")
+  [ ${#needed[@]} -gt 0 ] || needed=(roitracker velocityavg hapticsink)
   if [ -d "$build/gst-plugins" ]; then
     export GST_PLUGIN_PATH=$build/gst-plugins${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
     export GST_REGISTRY=${GST_REGISTRY:-$build/registry.bin}
@@ -130,7 +132,7 @@ use_elements() {
   fi
   command -v gst-inspect-1.0 >/dev/null ||
     fail "GStreamer's tools are not installed; ./pipelines/demo.sh installs and builds everything"
-  for element in roitracker velocityavg hapticsink; do
+  for element in "${needed[@]}"; do
     # Without a version gst-inspect asks for GStreamer's own.
     gst-inspect-1.0 --exists --atleast-version=0.1 "$element" ||
       fail "GStreamer does not find the element $element; ./pipelines/demo.sh installs and builds everything"
@@ -147,10 +149,44 @@ show_line() {
   printf '\n'
 }
 
+# Elements of this project that launch() needs; none: the usual three.
+elements=()
+
 # Becomes gst-launch-1.0 with this pipeline, after showing it. -e: Ctrl-C ends the stream properly,
 # so that the force fades out and the log is complete.
 launch() {
-  use_elements
+  use_elements "${elements[@]}"
   show_line gst-launch-1.0 -e "$@"
   exec gst-launch-1.0 -e "$@"
 }
+
+# What comes with the packages gstreamer1.0-plugins-bad and -ugly, which not everybody has.
+need_packaged_elements() {
+  local element
+  for element; do
+    gst-inspect-1.0 --exists "$element" ||
+      fail "GStreamer does not find the element $element; as root run: apt-get install gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly"
+  done
+}
+
+# The program haptic-track, of $build or installed.
+haptic_track() {
+  local program=$build/gst-plugins/track/tools/haptic-track
+  [ -x "$program" ] || program=haptic-track
+  "$program" "$@"
+}
+
+# `pictures_of INPUT`: the beginning of a line, in the array $pictures, for a video file or --test-source. A
+# file is read at its own speed.
+pictures_of() {
+  if [ "$1" = --test-source ]; then
+    pictures=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
+      ! "video/x-raw,width=352,height=288,framerate=30/1")
+  else
+    need_file "$1"
+    pictures=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync)
+  fi
+}
+
+# H.264 without delay: an encoder that looks ahead would hold the haptic branch back.
+h264=(videoconvert ! "video/x-raw,format=I420" ! x264enc tune=zerolatency key-int-max=30)

@@ -116,7 +116,7 @@ run_sanitized_tests() {
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
     GTEST_FILTER="-$(IFS=: && echo "${statistics[*]}")" \
-    run_meson_tests build-sanitized --suite unit --suite elements --suite faults --suite usb \
+    run_meson_tests build-sanitized --suite unit --suite elements --suite faults --suite usb --suite fuzz \
     --timeout-multiplier 4
 }
 
@@ -141,7 +141,7 @@ check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
 if check "Everything builds without a warning" \
   build_in build-tests -Dwerror=true -Dtests=enabled -Dbenchmarks=enabled \
-  -Dvision=enabled -Ddevice=enabled; then
+  -Dvision=enabled -Ddevice=enabled -Dtrack=enabled; then
   step "Unit, element, pipeline and documentation tests"
   run_meson_tests build-tests
   if [ "$quick" = no ]; then
@@ -152,7 +152,7 @@ if [ "$quick" = no ]; then
   if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" \
     build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
     -Doptimization=1 -Ddebug=false -Dcpp_args=-g1 `# half the time to compile` \
-    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled; then
+    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled; then
     step "Unit, element and fault tests with sanitizers"
     run_sanitized_tests
   fi

@@ -53,15 +53,15 @@ bool is_fraction(float value) {
   return value >= 0 && value <= 1;
 } // false for NaN
 
-bool is_sane(const MotionSample &s) {
+} // namespace
+
+bool is_valid(const MotionSample &s) noexcept {
   return std::isfinite(s.velocity_x) && std::isfinite(s.velocity_y) && std::isfinite(s.spin) &&
          std::isfinite(s.divergence) && is_fraction(s.pointer_x) && is_fraction(s.pointer_y) &&
          is_fraction(s.region_width) && is_fraction(s.region_height) && is_fraction(s.confidence) &&
          s.picture_width > 0 && s.picture_height > 0 && s.pixel_aspect_n > 0 &&
          s.pixel_aspect_d > 0 && s.model <= MotionModel::affine;
 }
-
-} // namespace
 
 std::string_view motion_model_name(MotionModel model) noexcept {
   switch (model) {
@@ -118,7 +118,7 @@ std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> b
     *value = in.u32();
   s.points = in.u16();
   s.model = static_cast<MotionModel>(in.u8());
-  if (!is_sane(s))
+  if (!is_valid(s))
     return std::nullopt;
   return s;
 }

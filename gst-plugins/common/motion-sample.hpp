@@ -63,6 +63,9 @@ using MotionSampleBytes = std::array<std::uint8_t, kMotionSampleSize>;
 /// Little-endian on every machine. Cannot fail.
 MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
 
+/// Whether every number is finite and in its range: what a reader takes.
+bool is_valid(const MotionSample &sample) noexcept;
+
 /// Nothing, if the bytes are not a sample of this version, hold a number that is not finite, or one
 /// outside its range. Never reads beyond `bytes`; longer input is accepted (later versions may add
 /// fields at the end).

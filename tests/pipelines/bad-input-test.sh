@@ -48,6 +48,15 @@ for script in play-file.sh play-file-with-display.sh; do
   refuses "no file" "$script" "$work/missing.mp4"
   refuses "one input" "$script" "$work/clip.mkv" device=sim
 done
+refuses "which video" record.sh
+refuses "into which file" record.sh "$work/clip.mkv"
+refuses "end in .ts or .mkv" record.sh "$work/clip.mkv" "$work/out.mp4"
+refuses "no file" record.sh "$work/missing.mp4" "$work/out.ts"
+refuses "no file" play-track.sh "$work/missing.ts"
+refuses "which video" send.sh
+refuses "no file" send.sh "$work/missing.mp4"
+refuses "--port needs a number" receive.sh --port many
+refuses "unknown option" receive.sh --fro
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99
 unset DISPLAY WAYLAND_DISPLAY
@@ -56,7 +65,7 @@ refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"

@@ -1,0 +1,245 @@
+/**
+ * SECTION:element-pointerextract
+ *
+ * Makes a stream of the pointer events that come upstream. See docs/elements/pointerextract.md.
+ */
+#include "gstpointerextract.h"
+
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "klv.hpp"
+#include "pad-pair.hpp"
+#include "pointer-event.hpp"
+#include "track-caps.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+GST_DEBUG_CATEGORY_STATIC(pointer_extract_debug);
+#define GST_CAT_DEFAULT pointer_extract_debug
+
+namespace {
+
+using haptic::BufferPtr;
+using haptic::guarded;
+using haptic::PointerPosition;
+
+struct State {
+  // Pads of the element, set once.
+  GstPad *sink = nullptr;
+  GstPad *src = nullptr;
+  GstPad *pointer = nullptr;
+
+  // mutex. The pointer has a thread of its own, since events come from threads that must not wait
+  // for a network.
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::optional<PointerPosition> newest;
+  bool ended = false;
+  bool stopping = false;
+
+  // The pointer's thread, or while it is stopped.
+  bool begun = false;
+  std::uint32_t sequence = 0;
+};
+
+} // namespace
+
+struct _GstPointerExtract {
+  GstElement parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
+static GstStaticPadTemplate pointer_template = GST_STATIC_PAD_TEMPLATE(
+    "pointer", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_KLV_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstPointerExtract, gst_pointer_extract, GST_TYPE_ELEMENT,
+                        GST_DEBUG_CATEGORY_INIT(pointer_extract_debug, "pointerextract", 0,
+                                                "pointer events as a stream"))
+GST_ELEMENT_REGISTER_DEFINE(pointerextract, "pointerextract", GST_RANK_NONE,
+                            GST_TYPE_POINTER_EXTRACT)
+
+namespace {
+
+State &state_of(gpointer object) {
+  return *GST_POINTER_EXTRACT(object)->state;
+}
+
+void begin_stream(GstPointerExtract *self) {
+  State &state = *self->state;
+  if (std::exchange(state.begun, true))
+    return;
+  const haptic::GCharPtr id(gst_pad_create_stream_id(state.pointer, GST_ELEMENT(self), "pointer"));
+  GstEvent *start = gst_event_new_stream_start(id.get());
+  gst_event_set_stream_flags(start, GST_STREAM_FLAG_SPARSE);
+  gst_pad_push_event(state.pointer, start);
+  const haptic::CapsPtr caps(gst_caps_from_string(HAPTIC_KLV_CAPS));
+  gst_pad_push_event(state.pointer, gst_event_new_caps(caps.get()));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_pad_push_event(state.pointer, gst_event_new_segment(&segment));
+}
+
+GstClockTime running_time(GstPointerExtract *self) {
+  GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
+  if (!clock)
+    return 0;
+  const GstClockTime now = gst_clock_get_time(clock);
+  const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(self));
+  gst_object_unref(clock);
+  return GST_CLOCK_TIME_IS_VALID(base) && now > base ? now - base : 0;
+}
+
+GstFlowReturn push_pointer(GstPointerExtract *self, const PointerPosition &position) {
+  State &state = *self->state;
+  const auto bytes = haptic::write_klv(haptic::TrackPointer{
+      state.sequence++, position.x, position.y, position.z, position.pressed, position.device});
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, bytes.size(), nullptr));
+  gst_buffer_fill(buffer.get(), 0, bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer.get()) = running_time(self);
+  return gst_pad_push(state.pointer, buffer.release());
+}
+
+// One round of the pointer's thread.
+void round(GstPointerExtract *self) {
+  State &state = *self->state;
+  std::optional<PointerPosition> position;
+  {
+    std::unique_lock lock(state.mutex);
+    state.changed.wait(lock, [&] { return state.newest || state.ended || state.stopping; });
+    if (state.stopping) {
+      gst_pad_pause_task(state.pointer);
+      return;
+    }
+    position = std::exchange(state.newest, std::nullopt);
+  }
+  begin_stream(self);
+  if (!position) {
+    gst_pad_push_event(state.pointer, gst_event_new_eos());
+    gst_pad_pause_task(state.pointer);
+    return;
+  }
+  const GstFlowReturn result = push_pointer(self, *position);
+  if (result == GST_FLOW_OK || result == GST_FLOW_NOT_LINKED)
+    return;
+  GST_INFO_OBJECT(self, "the pointer cannot be sent any more: %s", gst_flow_get_name(result));
+  gst_pad_pause_task(state.pointer);
+  if (result < GST_FLOW_EOS)
+    GST_ELEMENT_FLOW_ERROR(self, result);
+}
+
+gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
+  State &state = state_of(parent);
+  {
+    const std::lock_guard lock(state.mutex);
+    state.stopping = !active;
+    if (active) {
+      state.newest.reset();
+      state.ended = false;
+      state.begun = false;
+      state.sequence = 0;
+    }
+  }
+  state.changed.notify_all();
+  if (!active)
+    return gst_pad_stop_task(pad);
+  return gst_pad_start_task(
+      pad,
+      [](gpointer data) {
+        auto *self = GST_POINTER_EXTRACT(data);
+        guarded(self, [&] { round(self); });
+      },
+      parent, nullptr);
+}
+
+gboolean src_event(GstPad *pad, GstObject *parent, GstEvent *event) {
+  State &state = state_of(parent);
+  if (const auto position = haptic::parse_pointer_event(event)) {
+    {
+      const std::lock_guard lock(state.mutex);
+      state.newest = *position;
+    }
+    state.changed.notify_all();
+    gst_event_unref(event);
+    return TRUE;
+  }
+  return gst_pad_event_default(pad, parent, event);
+}
+
+gboolean sink_event(GstPad *pad, GstObject *parent, GstEvent *event) {
+  State &state = state_of(parent);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
+    {
+      const std::lock_guard lock(state.mutex);
+      state.ended = true;
+    }
+    state.changed.notify_all();
+  }
+  return gst_pad_event_default(pad, parent, event);
+}
+
+// Its times are those of now, whatever the latency of the stream beside it.
+gboolean pointer_query(GstPad *pad, GstObject *parent, GstQuery *query) {
+  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY) {
+    gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
+    return TRUE;
+  }
+  return gst_pad_query_default(pad, parent, query);
+}
+
+} // namespace
+
+static void gst_pointer_extract_finalize(GObject *object) {
+  delete GST_POINTER_EXTRACT(object)->state;
+  G_OBJECT_CLASS(gst_pointer_extract_parent_class)->finalize(object);
+}
+
+static void gst_pointer_extract_init(GstPointerExtract *self) {
+  self->state = new State;
+  State &state = *self->state;
+  state.sink = gst_pad_new_from_static_template(&sink_template, "sink");
+  state.src = gst_pad_new_from_static_template(&src_template, "src");
+  state.pointer = gst_pad_new_from_static_template(&pointer_template, "pointer");
+  gst_pad_set_chain_function(state.sink, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
+    return gst_pad_push(state_of(parent).src, buffer);
+  });
+  gst_pad_set_event_function(state.sink, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+    return guarded(parent, FALSE, [&] { return sink_event(pad, parent, event); });
+  });
+  gst_pad_set_event_function(state.src, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+    return guarded(parent, FALSE, [&] { return src_event(pad, parent, event); });
+  });
+  gst_pad_set_query_function(state.pointer, pointer_query);
+  gst_pad_set_event_function(state.pointer, [](GstPad *, GstObject *, GstEvent *event) -> gboolean {
+    gst_event_unref(event); // nobody upstream makes this stream
+    return FALSE;
+  });
+  gst_pad_set_activatemode_function(
+      state.pointer,
+      [](GstPad *pad, GstObject *parent, GstPadMode mode, gboolean active) -> gboolean {
+        return mode == GST_PAD_MODE_PUSH &&
+               guarded(parent, FALSE, [&] { return activate_pointer(pad, parent, active); });
+      });
+  haptic::link_inside(state.sink, state.src);
+  haptic::link_nothing(state.pointer);
+  gst_element_add_pad(GST_ELEMENT(self), state.sink);
+  gst_element_add_pad(GST_ELEMENT(self), state.src);
+  gst_element_add_pad(GST_ELEMENT(self), state.pointer);
+}
+
+static void gst_pointer_extract_class_init(GstPointerExtractClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  G_OBJECT_CLASS(klass)->finalize = gst_pointer_extract_finalize;
+  gst_element_class_set_static_metadata(element_class, "Pointer extractor", "Generic/Haptics",
+                                        "Makes a stream of the pointer events that come upstream",
+                                        "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_add_static_pad_template(element_class, &pointer_template);
+}

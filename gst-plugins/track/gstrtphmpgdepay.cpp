@@ -1,0 +1,124 @@
+/**
+ * SECTION:element-rtphmpgdepay
+ *
+ * Receives MPEG haptics over RTP (RFC 9993). See docs/elements/rtphmpgdepay.md.
+ */
+#include "gstrtphmpgdepay.h"
+
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "hmpg-rtp.hpp"
+#include "track-caps.hpp"
+
+#include <gst/rtp/gstrtpbuffer.h>
+
+GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_depay_debug);
+#define GST_CAT_DEFAULT rtp_hmpg_depay_debug
+
+namespace {
+using haptic::BufferPtr;
+using haptic::guarded;
+
+struct State {
+  haptic::UnitAssembler assembler; // streaming thread, or while it is stopped
+};
+} // namespace
+
+struct _GstRtpHmpgDepay {
+  GstRTPBaseDepayload parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST_TYPE_RTP_BASE_DEPAYLOAD,
+                        GST_DEBUG_CATEGORY_INIT(rtp_hmpg_depay_debug, "rtphmpgdepay", 0,
+                                                "MPEG haptics over RTP"))
+GST_ELEMENT_REGISTER_DEFINE(rtphmpgdepay, "rtphmpgdepay", GST_RANK_SECONDARY,
+                            GST_TYPE_RTP_HMPG_DEPAY)
+
+namespace {
+
+gboolean set_caps(GstRTPBaseDepayload *depayload, GstCaps *caps) {
+  gint rate = 0;
+  if (!gst_structure_get_int(gst_caps_get_structure(caps, 0), "clock-rate", &rate))
+    return FALSE;
+  depayload->clock_rate = static_cast<guint>(rate);
+  const haptic::CapsPtr out(gst_caps_new_simple("haptics/hmpg", "stream-format", G_TYPE_STRING,
+                                                "mihs", "alignment", G_TYPE_STRING, "unit", "rate",
+                                                G_TYPE_INT, rate, nullptr));
+  return gst_pad_set_caps(GST_RTP_BASE_DEPAYLOAD_SRCPAD(depayload), out.get());
+}
+
+GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
+  State &state = *GST_RTP_HMPG_DEPAY(depayload)->state;
+  const auto result = state.assembler.push(
+      gst_rtp_buffer_get_seq(rtp), {static_cast<const guint8 *>(gst_rtp_buffer_get_payload(rtp)),
+                                    gst_rtp_buffer_get_payload_len(rtp)});
+  if (result.problem)
+    GST_INFO_OBJECT(depayload, "dropped %s", result.problem);
+  const auto header = haptic::read_unit_header(result.unit);
+  if (!header)
+    return nullptr;
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, result.unit.size(), nullptr));
+  gst_buffer_fill(buffer.get(), 0, result.unit.data(), result.unit.size());
+  if (header->type == haptic::UnitType::initialization)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
+  if (header->dependent)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
+  if (result.after_loss)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
+  return buffer.release();
+}
+
+gboolean handle_event(GstRTPBaseDepayload *depayload, GstEvent *event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
+    GST_RTP_HMPG_DEPAY(depayload)->state->assembler.reset();
+  return GST_RTP_BASE_DEPAYLOAD_CLASS(gst_rtp_hmpg_depay_parent_class)
+      ->handle_event(depayload, event);
+}
+
+GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
+    GST_RTP_HMPG_DEPAY(element)->state->assembler.reset();
+  return GST_ELEMENT_CLASS(gst_rtp_hmpg_depay_parent_class)->change_state(element, transition);
+}
+
+} // namespace
+
+static void gst_rtp_hmpg_depay_finalize(GObject *object) {
+  delete GST_RTP_HMPG_DEPAY(object)->state;
+  G_OBJECT_CLASS(gst_rtp_hmpg_depay_parent_class)->finalize(object);
+}
+
+static void gst_rtp_hmpg_depay_init(GstRtpHmpgDepay *self) {
+  self->state = new State;
+}
+
+static void gst_rtp_hmpg_depay_class_init(GstRtpHmpgDepayClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *depayload_class = GST_RTP_BASE_DEPAYLOAD_CLASS(klass);
+  G_OBJECT_CLASS(klass)->finalize = gst_rtp_hmpg_depay_finalize;
+  gst_element_class_set_static_metadata(
+      element_class, "RTP MPEG haptics depayloader", "Codec/Depayloader/Network/RTP",
+      "Receives MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  element_class->change_state = [](GstElement *element, GstStateChange transition) {
+    return guarded(element, GST_STATE_CHANGE_FAILURE,
+                   [&] { return change_state(element, transition); });
+  };
+  depayload_class->set_caps = [](GstRTPBaseDepayload *depayload, GstCaps *caps) -> gboolean {
+    return guarded(depayload, FALSE, [&] { return set_caps(depayload, caps); });
+  };
+  depayload_class->handle_event = [](GstRTPBaseDepayload *depayload, GstEvent *event) -> gboolean {
+    return guarded(depayload, FALSE, [&] { return handle_event(depayload, event); });
+  };
+  depayload_class->process_rtp_packet = [](GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
+    return guarded(depayload, static_cast<GstBuffer *>(nullptr),
+                   [&] { return process(depayload, rtp); });
+  };
+}

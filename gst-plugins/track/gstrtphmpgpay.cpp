@@ -1,0 +1,211 @@
+/**
+ * SECTION:element-rtphmpgpay
+ *
+ * Sends MPEG haptics over RTP (RFC 9993). See docs/elements/rtphmpgpay.md.
+ */
+#include "gstrtphmpgpay.h"
+
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "hmpg-rtp.hpp"
+#include "track-caps.hpp"
+
+#include <cstring>
+#include <gst/rtp/gstrtpbuffer.h>
+#include <utility>
+
+GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_pay_debug);
+#define GST_CAT_DEFAULT rtp_hmpg_pay_debug
+
+namespace {
+
+using haptic::BufferPtr;
+using haptic::guarded;
+using haptic::ObjectLock;
+using haptic::UnitType;
+
+enum PropertyId : guint { kConfigInterval = 1 };
+
+constexpr guint kDefaultConfigInterval = 1; // s
+constexpr guint kLongestConfigInterval = 3600;
+
+struct State {
+  // Object lock.
+  guint config_interval = kDefaultConfigInterval; // s, 0: never
+
+  // Streaming thread only, or while it is stopped.
+  std::vector<std::uint8_t> initialization;
+  GstClockTime initialized = GST_CLOCK_TIME_NONE; // when it was sent last
+  bool silent = true;
+};
+
+} // namespace
+
+struct _GstRtpHmpgPay {
+  GstRTPBasePayload parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
+static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST_TYPE_RTP_BASE_PAYLOAD,
+                        GST_DEBUG_CATEGORY_INIT(rtp_hmpg_pay_debug, "rtphmpgpay", 0,
+                                                "MPEG haptics over RTP"))
+GST_ELEMENT_REGISTER_DEFINE(rtphmpgpay, "rtphmpgpay", GST_RANK_SECONDARY, GST_TYPE_RTP_HMPG_PAY)
+
+namespace {
+
+gboolean set_caps(GstRTPBasePayload *payload, GstCaps *caps) {
+  gint rate = 0;
+  if (!gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate))
+    return FALSE;
+  gst_rtp_base_payload_set_options(payload, "haptics", TRUE, "HMPG", static_cast<guint32>(rate));
+  return gst_rtp_base_payload_set_outcaps(payload, nullptr);
+}
+
+GstFlowReturn send(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit, GstClockTime pts,
+                   GstClockTime duration, bool marker) {
+  const std::size_t largest =
+      gst_rtp_buffer_calc_payload_len(GST_RTP_BASE_PAYLOAD_MTU(payload), 0, 0);
+  GstFlowReturn result = GST_FLOW_OK;
+  for (const auto &bytes : haptic::packetize_unit(unit, largest)) {
+    BufferPtr buffer(gst_rtp_base_payload_allocate_output_buffer(
+        payload, static_cast<guint>(bytes.size()), 0, 0));
+    GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
+    if (!gst_rtp_buffer_map(buffer.get(), GST_MAP_READWRITE, &rtp))
+      return GST_FLOW_ERROR;
+    std::memcpy(gst_rtp_buffer_get_payload(&rtp), bytes.data(), bytes.size());
+    gst_rtp_buffer_set_marker(&rtp, std::exchange(marker, false));
+    gst_rtp_buffer_unmap(&rtp);
+    GST_BUFFER_PTS(buffer.get()) = pts;
+    GST_BUFFER_DURATION(buffer.get()) = duration;
+    result = gst_rtp_base_payload_push(payload, buffer.release());
+    if (result != GST_FLOW_OK)
+      break;
+  }
+  return result;
+}
+
+// A receiver that comes late, or lost it, cannot begin without.
+bool initialization_is_due(GstRtpHmpgPay *self, GstClockTime pts) {
+  const State &state = *self->state;
+  const ObjectLock lock(self);
+  return !state.initialization.empty() && state.config_interval > 0 &&
+         GST_CLOCK_TIME_IS_VALID(pts) &&
+         (!GST_CLOCK_TIME_IS_VALID(state.initialized) || pts < state.initialized ||
+          pts - state.initialized >= state.config_interval * GST_SECOND);
+}
+
+GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit,
+                          GstClockTime pts, GstClockTime duration) {
+  GstRtpHmpgPay *self = GST_RTP_HMPG_PAY(payload);
+  State &state = *self->state;
+  const auto header = haptic::read_unit_header(unit);
+  if (!header || unit.size() != haptic::kUnitHeaderSize + header->length) {
+    GST_ELEMENT_ERROR(
+        payload, STREAM, FORMAT,
+        ("A buffer is not one unit of MPEG haptics. Put hmpgparse before rtphmpgpay."),
+        ("%" G_GSIZE_FORMAT " bytes", unit.size()));
+    return GST_FLOW_ERROR;
+  }
+  if (header->type == UnitType::initialization) {
+    state.initialization.assign(unit.begin(), unit.end());
+    state.initialized = pts;
+    return send(payload, unit, pts, duration, false);
+  }
+  if (initialization_is_due(self, pts)) {
+    state.initialized = pts;
+    if (const auto result = send(payload, state.initialization, pts, 0, false);
+        result != GST_FLOW_OK)
+      return result;
+  }
+  const bool silent = header->type == UnitType::silent;
+  const bool marker = std::exchange(state.silent, silent) && !silent;
+  return send(payload, unit, pts, duration, marker);
+}
+
+GstFlowReturn handle_buffer(GstRTPBasePayload *payload, GstBuffer *raw) {
+  const BufferPtr buffer(raw);
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer.get(), &map, GST_MAP_READ))
+    return GST_FLOW_ERROR;
+  const GstFlowReturn result =
+      handle_unit(payload, {map.data, map.size}, GST_BUFFER_PTS(buffer.get()),
+                  GST_BUFFER_DURATION(buffer.get()));
+  gst_buffer_unmap(buffer.get(), &map);
+  return result;
+}
+
+GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
+    State &state = *GST_RTP_HMPG_PAY(element)->state;
+    state.initialization.clear();
+    state.initialized = GST_CLOCK_TIME_NONE;
+    state.silent = true;
+  }
+  return GST_ELEMENT_CLASS(gst_rtp_hmpg_pay_parent_class)->change_state(element, transition);
+}
+
+} // namespace
+
+static void gst_rtp_hmpg_pay_set_property(GObject *object, guint id, const GValue *value,
+                                          GParamSpec *pspec) {
+  const ObjectLock lock(object);
+  if (id == kConfigInterval)
+    GST_RTP_HMPG_PAY(object)->state->config_interval = g_value_get_uint(value);
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+}
+
+static void gst_rtp_hmpg_pay_get_property(GObject *object, guint id, GValue *value,
+                                          GParamSpec *pspec) {
+  const ObjectLock lock(object);
+  if (id == kConfigInterval)
+    g_value_set_uint(value, GST_RTP_HMPG_PAY(object)->state->config_interval);
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+}
+
+static void gst_rtp_hmpg_pay_finalize(GObject *object) {
+  delete GST_RTP_HMPG_PAY(object)->state;
+  G_OBJECT_CLASS(gst_rtp_hmpg_pay_parent_class)->finalize(object);
+}
+
+static void gst_rtp_hmpg_pay_init(GstRtpHmpgPay *self) {
+  self->state = new State;
+}
+
+static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *payload_class = GST_RTP_BASE_PAYLOAD_CLASS(klass);
+  object_class->set_property = gst_rtp_hmpg_pay_set_property;
+  object_class->get_property = gst_rtp_hmpg_pay_get_property;
+  object_class->finalize = gst_rtp_hmpg_pay_finalize;
+  g_object_class_install_property(
+      object_class, kConfigInterval,
+      g_param_spec_uint("config-interval", "Config Interval",
+                        "The initialization unit is sent again after so many seconds, for those "
+                        "who come late; 0: never",
+                        0, kLongestConfigInterval, kDefaultConfigInterval,
+                        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                 GST_PARAM_MUTABLE_PLAYING)));
+  gst_element_class_set_static_metadata(
+      element_class, "RTP MPEG haptics payloader", "Codec/Payloader/Network/RTP",
+      "Sends MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  element_class->change_state = [](GstElement *element, GstStateChange transition) {
+    return guarded(element, GST_STATE_CHANGE_FAILURE,
+                   [&] { return change_state(element, transition); });
+  };
+  payload_class->set_caps = [](GstRTPBasePayload *payload, GstCaps *caps) -> gboolean {
+    return guarded(payload, FALSE, [&] { return set_caps(payload, caps); });
+  };
+  payload_class->handle_buffer = [](GstRTPBasePayload *payload, GstBuffer *buffer) {
+    return guarded(payload, GST_FLOW_ERROR, [&] { return handle_buffer(payload, buffer); });
+  };
+}

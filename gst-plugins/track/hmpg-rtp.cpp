@@ -1,0 +1,117 @@
+#include "hmpg-rtp.hpp"
+
+#include <algorithm>
+
+namespace haptic {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+// Unit types of the payload header: one more than those of the unit, then the other structures.
+constexpr unsigned kAggregationSameTime = 5;
+constexpr unsigned kFragment = 7;
+constexpr unsigned kFragmentStart = 0x80;
+constexpr unsigned kFragmentEnd = 0x40;
+
+unsigned unit_type_code(UnitType type) {
+  return static_cast<unsigned>(type) + 1;
+}
+
+std::uint8_t payload_header(const UnitHeader &header, unsigned type) {
+  return static_cast<std::uint8_t>((header.dependent ? 0x80U : 0U) | type << 4 | header.layer);
+}
+
+} // namespace
+
+std::vector<std::vector<std::uint8_t>> packetize_unit(Bytes unit, std::size_t largest) {
+  const auto header = read_unit_header(unit);
+  if (!header)
+    return {};
+  const unsigned type = unit_type_code(header->type);
+  if (unit.size() + 1 <= largest) {
+    std::vector<std::uint8_t> payload = {payload_header(*header, type)};
+    payload.insert(payload.end(), unit.begin(), unit.end());
+    return {payload};
+  }
+  std::vector<std::vector<std::uint8_t>> payloads;
+  const std::size_t part = std::max<std::size_t>(largest, 8) - 2;
+  for (std::size_t at = 0; at < unit.size(); at += part) {
+    const auto piece = unit.subspan(at, std::min(part, unit.size() - at));
+    const unsigned fragment = (at == 0 ? kFragmentStart : 0U) |
+                              (at + piece.size() == unit.size() ? kFragmentEnd : 0U) | type;
+    std::vector<std::uint8_t> payload = {payload_header(*header, kFragment),
+                                         static_cast<std::uint8_t>(fragment)};
+    payload.insert(payload.end(), piece.begin(), piece.end());
+    payloads.push_back(std::move(payload));
+  }
+  return payloads;
+}
+
+UnitAssembler::Result UnitAssembler::push(std::uint16_t sequence, Bytes payload) {
+  Result result = take(sequence, payload);
+  if (result.problem)
+    lost_ = true; // what depends on it cannot be read either
+  return result;
+}
+
+UnitAssembler::Result UnitAssembler::take(std::uint16_t sequence, Bytes payload) {
+  if (last_ && sequence != static_cast<std::uint16_t>(*last_ + 1)) {
+    lost_ = true;
+    in_fragment_ = false;
+  }
+  last_ = sequence;
+  if (payload.empty())
+    return {{}, "an empty packet", false};
+  const unsigned type = payload[0] >> 4 & 7U;
+  if (type != kFragment) {
+    in_fragment_ = false;
+    if (type == 0 || type >= kAggregationSameTime)
+      return {{}, type == 0 ? "a packet of reserved type" : "an aggregation packet", false};
+    const auto unit = payload.subspan(1);
+    const auto header = read_unit_header(unit);
+    if (!header || unit_type_code(header->type) != type)
+      return {{}, "a packet whose unit is not what it says", false};
+    return deliver({unit.begin(), unit.end()});
+  }
+  if (payload.size() < 3)
+    return {{}, "a fragment without content", false};
+  const unsigned fragment = payload[1];
+  if (fragment & kFragmentStart) {
+    partial_.clear();
+    in_fragment_ = true;
+  }
+  if (!in_fragment_)
+    return {{}, "a fragment whose beginning is missing", false};
+  if (partial_.size() + payload.size() - 2 > kLongestUnit + kUnitHeaderSize) {
+    in_fragment_ = false;
+    return {{}, "a unit that is too long", false};
+  }
+  partial_.insert(partial_.end(), payload.begin() + 2, payload.end());
+  if (!(fragment & kFragmentEnd))
+    return {};
+  in_fragment_ = false;
+  return deliver(std::move(partial_));
+}
+
+UnitAssembler::Result UnitAssembler::deliver(std::vector<std::uint8_t> unit) {
+  const auto header = read_unit_header(unit);
+  if (!header || header->length != unit.size() - kUnitHeaderSize)
+    return {{}, "a damaged unit", false};
+  if (header->type == UnitType::initialization)
+    initialized_ = true;
+  if (!initialized_)
+    return {{}, "a unit before the first initialization unit", false};
+  if (lost_ && header->dependent)
+    return {{}, "a unit that depends on a lost one", false};
+  Result result;
+  result.after_loss = lost_;
+  result.unit = std::move(unit);
+  lost_ = false;
+  return result;
+}
+
+void UnitAssembler::reset() {
+  *this = {};
+}
+
+} // namespace haptic

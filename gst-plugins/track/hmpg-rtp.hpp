@@ -1,0 +1,44 @@
+// The RTP payload of haptics/hmpg (RFC 9993): payload header, single units and fragments.
+#pragma once
+
+#include "hmpg.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace haptic {
+
+/// The payloads that carry one unit, each of at most `largest` bytes (8 or more).
+std::vector<std::vector<std::uint8_t>> packetize_unit(std::span<const std::uint8_t> unit,
+                                                      std::size_t largest);
+
+/// Puts units together again.
+class UnitAssembler {
+public:
+  struct Result {
+    std::vector<std::uint8_t> unit; ///< complete, or empty
+    const char *problem = nullptr;  ///< what was dropped, and why
+    bool after_loss = false;        ///< units before this one are missing
+  };
+
+  /// In the order of sequence numbers, as a jitter buffer gives them. Units are held back until an
+  /// initialization unit has come, and after a loss until an independent one.
+  Result push(std::uint16_t sequence, std::span<const std::uint8_t> payload);
+  /// Another stream begins.
+  void reset();
+
+private:
+  Result take(std::uint16_t sequence, std::span<const std::uint8_t> payload);
+  Result deliver(std::vector<std::uint8_t> unit);
+
+  std::optional<std::uint16_t> last_;
+  std::vector<std::uint8_t> partial_;
+  bool in_fragment_ = false;
+  bool initialized_ = false;
+  bool lost_ = false;
+};
+
+} // namespace haptic

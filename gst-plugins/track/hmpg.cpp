@@ -1,0 +1,542 @@
+#include "hmpg.hpp"
+
+#include "bits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+enum PacketType : std::uint8_t {
+  kTiming,
+  kMetadataHaptics,
+  kMetadataPerception,
+  kMetadataChannel,
+  kMetadataBand,
+  kData,
+  kEffectLibrary,
+  kCrc32,
+  kCrc16,
+  kGlobalCrc16,
+  kGlobalCrc32,
+  kInitializationTiming,
+  kPacketTypes
+};
+
+constexpr std::size_t kPacketHeaderSize = 3;
+constexpr std::uint8_t kNoDevice = 255;
+constexpr std::int8_t kUnitExponent = -3; // the format's default
+constexpr double kWidestGain = 10000;
+constexpr double kCodes32 = 4294967295.0; // 2^32 - 1
+constexpr unsigned kOptionBodyMask = 1;
+constexpr unsigned kOptionResolution = 2;
+constexpr unsigned kOptionDirection = 4;
+constexpr std::uint8_t kHighestCurve = 5;
+constexpr std::uint32_t kHighestFrequency = 10000; // Hz
+constexpr std::uint32_t kForceBandwidth = 1000;    // Hz, what a haptic loop can follow
+constexpr unsigned kBasisEffect = 0;
+constexpr unsigned kEffectTypes = 3;
+constexpr unsigned kCurveKeyframeBits = 24;
+
+// ---- writing ------------------------------------------------------------------------------------
+
+void append_packet(std::vector<std::uint8_t> &payload, PacketType type, const BitWriter &content) {
+  BitWriter header;
+  header.put(type, 6);
+  header.put(content.bytes().size(), 17);
+  header.put(0, 1);
+  payload.insert(payload.end(), header.bytes().begin(), header.bytes().end());
+  payload.insert(payload.end(), content.bytes().begin(), content.bytes().end());
+}
+
+std::vector<std::uint8_t> make_unit(UnitType type, std::uint32_t duration,
+                                    const std::vector<std::uint8_t> &payload) {
+  BitWriter header;
+  header.put(static_cast<std::uint64_t>(type), 6);
+  header.put(0, 2); // independent
+  header.put(0, 4); // layer
+  header.put(duration, 24);
+  header.put(payload.size(), 32);
+  header.put(0, 4);
+  std::vector<std::uint8_t> unit = header.bytes();
+  unit.insert(unit.end(), payload.begin(), payload.end());
+  return unit;
+}
+
+BitWriter timing_packet(const HmpgExperience &e) {
+  BitWriter out;
+  out.put(e.time, 32);
+  out.put(e.timescale, 32);
+  out.put(e.nominal, 24);
+  out.put(e.deviation, 24);
+  out.put(0, 1); // units do not overlap
+  return out;
+}
+
+BitWriter haptics_packet(const HmpgExperience &e) {
+  BitWriter out;
+  out.text(e.version);
+  out.text(e.profile);
+  out.put(e.level, 8);
+  out.text(e.date);
+  out.text(e.description);
+  out.put(e.perceptions.size(), 8);
+  out.put(0, 8); // avatars
+  return out;
+}
+
+BitWriter perception_packet(const HmpgPerception &p, std::size_t channels) {
+  BitWriter out;
+  out.put(p.id, 8);
+  out.put(0, 8); // priority
+  out.text(p.description);
+  out.put(p.modality, 8);
+  out.put(0, 8);  // avatar
+  out.put(0, 16); // library
+  out.put(0, 1);  // no semantic scheme
+  out.put(static_cast<std::uint8_t>(kUnitExponent), 8);
+  out.put(static_cast<std::uint8_t>(p.exponent), 8);
+  out.put(0, 8); // devices
+  out.put(channels, 16);
+  return out;
+}
+
+BitWriter channel_packet(const HmpgChannel &c, std::size_t bands) {
+  BitWriter out;
+  out.put(c.id, 16);
+  out.put(c.perception, 8);
+  out.put(0, 8); // priority
+  out.text(c.description);
+  out.put(kNoDevice, 8);
+  const double gain = std::clamp(c.gain, -kWidestGain, kWidestGain);
+  out.put(static_cast<std::uint64_t>((gain + kWidestGain) / (2 * kWidestGain) * kCodes32), 32);
+  out.put(static_cast<std::uint64_t>(1 / kWidestGain * kCodes32), 32); // mixing coefficient 1
+  out.put(c.direction ? kOptionDirection : 0, 8);
+  out.put(0, 32); // sampling frequency: none
+  if (c.direction)
+    for (const auto part : *c.direction)
+      out.put(static_cast<std::uint8_t>(part), 8);
+  out.put(0, 16); // vertices
+  out.put(bands, 8);
+  return out;
+}
+
+BitWriter band_packet(const HmpgBand &b) {
+  BitWriter out;
+  out.put(b.id, 8);
+  out.put(b.perception, 8);
+  out.put(b.channel, 16);
+  out.put(0, 8); // priority
+  out.put(static_cast<std::uint64_t>(b.type), 3);
+  if (b.type == BandType::curve)
+    out.put(b.curve, 4);
+  out.put(0, 16);
+  out.put(kForceBandwidth, 16);
+  out.put(0, 16); // effects: the units bring them
+  return out;
+}
+
+BitWriter data_packet(const HmpgCurve &curve) {
+  const std::int32_t begin = curve.keyframes.empty() ? 0 : curve.keyframes.front().position;
+  BitWriter out;
+  out.put(0, 1); // random access
+  out.put(curve.perception, 8);
+  out.put(curve.channel, 16);
+  out.put(curve.band, 8);
+  out.put(1, 16); // effects
+  out.put(curve.effect, 16);
+  out.put(kBasisEffect, 2);
+  out.put(static_cast<std::uint32_t>(begin), 25);
+  out.put(0, 1); // no semantics
+  out.put(curve.keyframes.size(), 16);
+  for (const auto &keyframe : curve.keyframes) {
+    out.put(keyframe.amplitude, 8);
+    out.put(static_cast<std::uint32_t>(keyframe.position - begin), 16);
+  }
+  return out;
+}
+
+// ---- reading ------------------------------------------------------------------------------------
+
+// Reads the packets of one unit; the first error ends it.
+class UnitParser {
+public:
+  UnitParser(Bytes unit, const HmpgExperience *experience) : unit_(unit), known_(experience) {}
+
+  HmpgUnit parse() {
+    HmpgUnit result;
+    const auto header = read_unit_header(unit_);
+    if (!header) {
+      result.error = HmpgError{unit_.size() < kUnitHeaderSize ? "the unit's header is cut off"
+                                                              : "the unit's header is impossible",
+                               0};
+      return result;
+    }
+    if (header->length != unit_.size() - kUnitHeaderSize) {
+      result.error =
+          HmpgError{header->length > unit_.size() - kUnitHeaderSize ? "the unit is cut off"
+                                                                    : "there is more than one unit",
+                    kUnitHeaderSize};
+      return result;
+    }
+    header_ = *header;
+    packets();
+    if (!error_ && header_.type == UnitType::initialization)
+      check_initialization();
+    if (error_) {
+      result.error = error_;
+      return result;
+    }
+    result.header = header_;
+    result.curves = std::move(curves_);
+    if (header_.type == UnitType::initialization)
+      result.experience = std::move(fresh_);
+    return result;
+  }
+
+private:
+  void fail(const char *what) {
+    if (!error_)
+      error_ = HmpgError{what, at_ + in_.byte()};
+  }
+  void require(bool condition, const char *what) {
+    if (!condition)
+      fail(what);
+  }
+
+  void packets() {
+    at_ = kUnitHeaderSize;
+    in_ = BitReader({});
+    if (header_.type == UnitType::silent && at_ < unit_.size())
+      fail("a silent unit has content");
+    while (!error_ && at_ < unit_.size()) {
+      in_ = BitReader(unit_.subspan(at_, std::min(kPacketHeaderSize, unit_.size() - at_)));
+      const auto type = in_.get(6);
+      const auto length = in_.get(17);
+      const auto reserved = in_.get(1);
+      if (in_.failed() || length > unit_.size() - at_ - kPacketHeaderSize)
+        return fail("a packet is cut off");
+      if (type >= kPacketTypes || reserved != 0) {
+        in_ = BitReader({});
+        return fail("a packet's header is impossible");
+      }
+      at_ += kPacketHeaderSize;
+      in_ = BitReader(unit_.subspan(at_, length));
+      exact_ = true;
+      packet(static_cast<PacketType>(type));
+      if (!error_ && in_.failed())
+        fail("a packet is too short for what it says");
+      if (!error_ && exact_ && (in_.left() >= 8 || in_.get(static_cast<unsigned>(in_.left())) != 0))
+        fail("a packet is longer than what it says");
+      at_ += length;
+      in_ = BitReader({});
+    }
+  }
+
+  void packet(PacketType type) {
+    const bool initial = header_.type == UnitType::initialization;
+    switch (type) {
+    case kInitializationTiming:
+      return initial ? timing() : fail("a timing packet outside of an initialization unit");
+    case kMetadataHaptics:
+      return initial ? haptics() : fail("metadata outside of an initialization unit");
+    case kMetadataPerception:
+      return initial ? perception() : fail("metadata outside of an initialization unit");
+    case kMetadataChannel:
+      return initial ? channel() : fail("metadata outside of an initialization unit");
+    case kMetadataBand:
+      return initial ? band() : fail("metadata outside of an initialization unit");
+    case kData:
+      if (header_.type == UnitType::temporal)
+        return data();
+      if (initial)
+        return fail("data in an initialization unit");
+      break;
+    default:
+      break;
+    }
+    exact_ = false;
+  }
+
+  void timing() {
+    require(!has_timing_, "a second timing packet");
+    has_timing_ = true;
+    fresh_.time = in_.get(32);
+    fresh_.timescale = in_.get(32);
+    require(in_.failed() || (fresh_.timescale > 0 && fresh_.timescale <= kHighestTimescale),
+            "an impossible timescale");
+    fresh_.nominal = in_.get(24);
+    fresh_.deviation = in_.get(24);
+    in_.get(1);
+  }
+
+  void haptics() {
+    require(!has_haptics_, "a second packet of general metadata");
+    has_haptics_ = true;
+    fresh_.version = in_.text();
+    fresh_.profile = in_.text();
+    fresh_.level = static_cast<std::uint8_t>(in_.get(8));
+    require(in_.failed() || fresh_.level == 1 || fresh_.level == 2, "an impossible level");
+    fresh_.date = in_.text();
+    fresh_.description = in_.text();
+    perceptions_promised_ = in_.get(8);
+    for (auto avatars = in_.get(8); avatars > 0 && !in_.failed(); --avatars) {
+      in_.get(8);
+      in_.get(8);
+      if (in_.get(8) == 0)
+        in_.text(); // mesh
+    }
+  }
+
+  void perception() {
+    HmpgPerception p;
+    p.id = static_cast<std::uint8_t>(in_.get(8));
+    in_.get(8);
+    p.description = in_.text();
+    p.modality = static_cast<std::uint8_t>(in_.get(8));
+    in_.get(8);
+    in_.get(16);
+    if (in_.get(1))
+      in_.text();
+    in_.get(8);
+    p.exponent = static_cast<std::int8_t>(in_.get(8));
+    if (in_.get(8) > 0) // reference devices: told by the length of the packet
+      exact_ = false;
+    else
+      in_.get(16);
+    require(!find(fresh_.perceptions, p.id), "a perception is there twice");
+    fresh_.perceptions.push_back(std::move(p));
+  }
+
+  void channel() {
+    HmpgChannel c;
+    c.id = static_cast<std::uint16_t>(in_.get(16));
+    c.perception = static_cast<std::uint8_t>(in_.get(8));
+    in_.get(8);
+    c.description = in_.text();
+    in_.get(8);
+    c.gain = in_.get(32) / kCodes32 * 2 * kWidestGain - kWidestGain;
+    in_.get(32);
+    const auto options = in_.get(8);
+    if (options & kOptionBodyMask)
+      in_.get(32);
+    if (options & kOptionResolution)
+      in_.get(24);
+    if (in_.get(32) > 0) // sampling frequency
+      in_.get(32);
+    if (options & kOptionDirection) {
+      c.direction.emplace();
+      for (auto &part : *c.direction)
+        part = static_cast<std::int8_t>(in_.get(8));
+    }
+    for (auto vertices = in_.get(16); vertices > 0 && !in_.failed(); --vertices)
+      in_.get(32);
+    in_.get(8);
+    if (in_.failed())
+      return;
+    require(find(fresh_.perceptions, c.perception), "a channel of no perception");
+    require(!find(fresh_.channels, c.id), "a channel is there twice");
+    fresh_.channels.push_back(std::move(c));
+  }
+
+  void band() {
+    HmpgBand b;
+    b.id = static_cast<std::uint8_t>(in_.get(8));
+    b.perception = static_cast<std::uint8_t>(in_.get(8));
+    b.channel = static_cast<std::uint16_t>(in_.get(16));
+    in_.get(8);
+    const auto type = in_.get(3);
+    require(type <= static_cast<std::uint32_t>(BandType::wavelet), "an impossible type of band");
+    b.type = static_cast<BandType>(type);
+    if (b.type == BandType::curve) {
+      b.curve = static_cast<std::uint8_t>(in_.get(4));
+      require(b.curve <= kHighestCurve, "an impossible type of curve");
+    } else if (b.type == BandType::wavelet) {
+      in_.get(8);
+    }
+    const auto lowest = in_.get(16);
+    const auto highest = in_.get(16);
+    in_.get(16);
+    if (in_.failed())
+      return;
+    require(lowest <= highest && highest <= kHighestFrequency, "impossible frequency limits");
+    require(find(fresh_.channels, b.channel), "a band of no channel");
+    require(!find(fresh_.bands, b.id), "a band is there twice");
+    fresh_.bands.push_back(b);
+  }
+
+  void data() {
+    in_.get(1);
+    HmpgCurve curve;
+    curve.perception = static_cast<std::uint8_t>(in_.get(8));
+    curve.channel = static_cast<std::uint16_t>(in_.get(16));
+    curve.band = static_cast<std::uint8_t>(in_.get(8));
+    if (in_.failed())
+      return;
+    const HmpgBand *band = known_ ? find(known_->bands, curve.band) : nullptr;
+    if (!band || band->channel != curve.channel || band->perception != curve.perception)
+      return fail("data of no band");
+    if (band->type != BandType::curve) {
+      exact_ = false;
+      return;
+    }
+    for (auto effects = in_.get(16); effects > 0 && !in_.failed() && !error_; --effects)
+      if (!effect(curve))
+        return;
+  }
+
+  // False when the rest of the packet cannot be told.
+  bool effect(HmpgCurve curve) {
+    curve.effect = static_cast<std::uint16_t>(in_.get(16));
+    const auto type = in_.get(2);
+    const auto raw = in_.get(25);
+    require(type < kEffectTypes, "an impossible type of effect");
+    if (type != kBasisEffect) {
+      exact_ = false;
+      return false;
+    }
+    const auto begin = static_cast<std::int32_t>(raw << 7) >> 7; // 25 bits with a sign
+    if (in_.get(1))
+      in_.get(12);
+    const auto count = in_.get(16);
+    if (in_.failed() || std::size_t{count} * kCurveKeyframeBits > in_.left()) {
+      fail("a packet is too short for its keyframes");
+      return false;
+    }
+    curve.keyframes.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      HmpgKeyframe keyframe;
+      keyframe.amplitude = static_cast<std::uint8_t>(in_.get(8));
+      keyframe.position = begin + static_cast<std::int32_t>(in_.get(16));
+      require(i == 0 || keyframe.position >= curve.keyframes.back().position,
+              "keyframes run backwards");
+      curve.keyframes.push_back(keyframe);
+    }
+    curves_.push_back(std::move(curve));
+    return true;
+  }
+
+  void check_initialization() {
+    at_ = kUnitHeaderSize;
+    require(has_timing_, "an initialization unit without timing");
+    require(has_haptics_, "an initialization unit without general metadata");
+    require(perceptions_promised_ == fresh_.perceptions.size(),
+            "another number of perceptions than promised");
+  }
+
+  template <typename Item, typename Id>
+  static const Item *find(const std::vector<Item> &items, Id id) {
+    const auto found =
+        std::find_if(items.begin(), items.end(), [&](const Item &item) { return item.id == id; });
+    return found == items.end() ? nullptr : &*found;
+  }
+
+  Bytes unit_;
+  const HmpgExperience *known_; // may be none
+  UnitHeader header_;
+  std::size_t at_ = 0; // where what `in_` reads begins
+  BitReader in_{{}};
+  bool exact_ = true; // the packet must end where its content does
+  std::optional<HmpgError> error_;
+
+  HmpgExperience fresh_;
+  bool has_timing_ = false;
+  bool has_haptics_ = false;
+  std::uint32_t perceptions_promised_ = 0;
+  std::vector<HmpgCurve> curves_;
+};
+
+} // namespace
+
+std::uint8_t code_of_amplitude(double amplitude) noexcept {
+  return static_cast<std::uint8_t>(std::lround((std::clamp(amplitude, -1.0, 1.0) + 1) / 2 * 255));
+}
+
+double amplitude_of_code(std::uint8_t code) noexcept {
+  if (code == 127 || code == 128)
+    return 0;
+  return code / 255.0 * 2 - 1;
+}
+
+std::vector<std::uint8_t> write_initialization_unit(const HmpgExperience &e) {
+  std::vector<std::uint8_t> payload;
+  append_packet(payload, kInitializationTiming, timing_packet(e));
+  append_packet(payload, kMetadataHaptics, haptics_packet(e));
+  for (const auto &perception : e.perceptions)
+    append_packet(
+        payload, kMetadataPerception,
+        perception_packet(perception, static_cast<std::size_t>(std::count_if(
+                                          e.channels.begin(), e.channels.end(), [&](const auto &c) {
+                                            return c.perception == perception.id;
+                                          }))));
+  for (const auto &channel : e.channels)
+    append_packet(payload, kMetadataChannel,
+                  channel_packet(channel, static_cast<std::size_t>(std::count_if(
+                                              e.bands.begin(), e.bands.end(), [&](const auto &b) {
+                                                return b.channel == channel.id;
+                                              }))));
+  for (const auto &band : e.bands)
+    append_packet(payload, kMetadataBand, band_packet(band));
+  return make_unit(UnitType::initialization, 0, payload);
+}
+
+std::vector<std::uint8_t> write_temporal_unit(std::uint32_t duration,
+                                              std::span<const HmpgCurve> curves) {
+  std::vector<std::uint8_t> payload;
+  for (const auto &curve : curves)
+    append_packet(payload, kData, data_packet(curve));
+  return make_unit(UnitType::temporal, duration, payload);
+}
+
+std::vector<std::uint8_t> write_silent_unit(std::uint32_t duration) {
+  return make_unit(UnitType::silent, duration, {});
+}
+
+std::optional<UnitHeader> read_unit_header(Bytes bytes) noexcept {
+  if (bytes.size() < kUnitHeaderSize)
+    return std::nullopt;
+  BitReader in(bytes.first(kUnitHeaderSize));
+  const auto type = in.get(6);
+  const auto sync = in.get(2);
+  UnitHeader header;
+  header.layer = static_cast<std::uint8_t>(in.get(4));
+  header.duration = in.get(24);
+  header.length = in.get(32);
+  const auto reserved = in.get(4);
+  if (type > static_cast<std::uint32_t>(UnitType::silent) || sync > 1 || reserved != 0 ||
+      header.length > kLongestUnit)
+    return std::nullopt;
+  header.type = static_cast<UnitType>(type);
+  header.dependent = sync == 1;
+  const bool lasts = header.type == UnitType::temporal || header.type == UnitType::silent;
+  if (lasts ? header.duration == 0 : header.dependent)
+    return std::nullopt;
+  return header;
+}
+
+bool looks_like_unit(Bytes bytes) noexcept {
+  const auto header = read_unit_header(bytes);
+  if (!header || header->type == UnitType::silent || header->length == 0)
+    return header && header->length == 0 && header->type != UnitType::initialization;
+  if (bytes.size() < kUnitHeadSize)
+    return false;
+  BitReader in(bytes.subspan(kUnitHeaderSize, kPacketHeaderSize));
+  const auto type = in.get(6);
+  const auto length = in.get(17);
+  const bool fits = in.get(1) == 0 && length + kPacketHeaderSize <= header->length;
+  switch (header->type) {
+  case UnitType::initialization:
+    return fits && (type == kInitializationTiming || type == kMetadataHaptics);
+  default:
+    return fits && type >= kData && type < kInitializationTiming;
+  }
+}
+
+HmpgUnit read_unit(Bytes bytes, const HmpgExperience *experience) {
+  return UnitParser(bytes, experience).parse();
+}
+
+} // namespace haptic

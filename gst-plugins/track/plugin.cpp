@@ -1,0 +1,23 @@
+#include "gsthapticconvert.h"
+#include "gsthmpgparse.h"
+#include "gstpointerextract.h"
+#include "gstpointerinject.h"
+#include "gstrtphmpgdepay.h"
+#include "gstrtphmpgpay.h"
+#include "track-typefind.hpp"
+
+static gboolean plugin_init(GstPlugin *plugin) {
+  gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(hapticconvert, plugin);
+  any |= GST_ELEMENT_REGISTER(hmpgparse, plugin);
+  any |= GST_ELEMENT_REGISTER(rtphmpgpay, plugin);
+  any |= GST_ELEMENT_REGISTER(rtphmpgdepay, plugin);
+  any |= GST_ELEMENT_REGISTER(pointerextract, plugin);
+  any |= GST_ELEMENT_REGISTER(pointerinject, plugin);
+  any |= haptic::register_track_typefinders(plugin);
+  return any;
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, haptictrack,
+                  "Haptic tracks in files and over networks", plugin_init, VERSION, GST_LICENSE,
+                  GST_PACKAGE_NAME, GST_PACKAGE_ORIGIN)

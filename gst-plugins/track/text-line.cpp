@@ -1,0 +1,231 @@
+#include "text-line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace haptic {
+namespace {
+
+constexpr std::string_view kMagic = "hv1";
+constexpr std::string_view kPoint = "point";
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr std::size_t kLongestLine = 65536;
+
+constexpr std::array<std::string_view, 6> kFlagNames = {"still",         "duplicate", "cut",
+                                                        "discontinuity", "mixture",   "aperture"};
+constexpr std::array<MotionModel, 5> kModels = {MotionModel::none, MotionModel::still,
+                                                MotionModel::translation, MotionModel::similarity,
+                                                MotionModel::affine};
+
+// ---- writing ------------------------------------------------------------------------------------
+
+class LineWriter {
+public:
+  LineWriter() : text_(kMagic) { word(kPoint); }
+  void word(std::string_view word) { text_.append(" ").append(word); }
+  void field(std::string_view name, std::string_view value) {
+    text_.append(" ").append(name).append("=").append(value);
+  }
+  template <typename Number>
+  void number(std::string_view name, Number value) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+    field(name, std::string_view(digits.data(), end.ptr));
+  }
+  void pair(std::string_view name, std::uint32_t a, char between, std::uint32_t b) {
+    field(name, std::to_string(a) + between + std::to_string(b));
+  }
+  // Seconds with all nine decimals.
+  void time(std::string_view name, std::uint64_t nanoseconds) {
+    const std::string decimals = std::to_string(nanoseconds % kSecond);
+    field(name, std::to_string(nanoseconds / kSecond) + '.' +
+                    std::string(9 - decimals.size(), '0') + decimals);
+  }
+  std::string take() { return std::move(text_); }
+
+private:
+  std::string text_;
+};
+
+std::string flag_names(std::uint16_t flags) {
+  std::string names;
+  for (std::size_t i = 0; i < kFlagNames.size(); ++i)
+    if (flags >> i & 1)
+      names.append(names.empty() ? "" : ",").append(kFlagNames[i]);
+  return names;
+}
+
+// ---- reading ------------------------------------------------------------------------------------
+
+template <typename Number>
+bool parse(std::string_view text, Number &value) {
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  return end.ec == std::errc() && end.ptr == text.data() + text.size();
+}
+
+bool parse_pair(std::string_view text, char between, std::uint32_t &a, std::uint32_t &b) {
+  const auto at = text.find(between);
+  return at != std::string_view::npos && parse(text.substr(0, at), a) &&
+         parse(text.substr(at + 1), b);
+}
+
+bool parse_time(std::string_view text, std::uint64_t &nanoseconds) {
+  const auto point = text.find('.');
+  std::uint64_t seconds = 0;
+  if (!parse(text.substr(0, point), seconds) || seconds > kNoTime / kSecond - 1)
+    return false;
+  std::uint64_t fraction = 0;
+  if (point != std::string_view::npos) {
+    const auto decimals = text.substr(point + 1);
+    if (decimals.empty() || decimals.size() > 9 || !parse(decimals, fraction))
+      return false;
+    for (auto digits = decimals.size(); digits < 9; ++digits)
+      fraction *= 10;
+  }
+  nanoseconds = seconds * kSecond + fraction;
+  return true;
+}
+
+bool parse_flags(std::string_view text, std::uint16_t &flags) {
+  while (!text.empty()) {
+    const auto comma = std::min(text.find(','), text.size());
+    const auto found = std::find(kFlagNames.begin(), kFlagNames.end(), text.substr(0, comma));
+    if (found != kFlagNames.end()) // names of later versions say nothing to this one
+      flags = static_cast<std::uint16_t>(flags | 1U << (found - kFlagNames.begin()));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return true;
+}
+
+bool parse_model(std::string_view text, MotionModel &model) {
+  for (const auto candidate : kModels)
+    if (motion_model_name(candidate) == text) {
+      model = candidate;
+      return true;
+    }
+  return false;
+}
+
+constexpr std::array<std::string_view, 17> kNames = {"t",   "d",   "i", "vx",    "vy",   "spin",
+                                                     "div", "x",   "y", "w",     "h",    "conf",
+                                                     "pic", "par", "n", "model", "flags"};
+constexpr unsigned kOptional = 1U << 0 | 1U << 1 | 1U << 16; // t, d, flags
+
+bool parse_field(std::size_t which, std::string_view value, TrackSample &sample) {
+  MotionSample &s = sample.motion;
+  switch (which) {
+  case 0:
+    return parse_time(value, sample.time);
+  case 1:
+    return parse_time(value, sample.duration);
+  case 2:
+    return parse_time(value, s.interval);
+  case 3:
+    return parse(value, s.velocity_x);
+  case 4:
+    return parse(value, s.velocity_y);
+  case 5:
+    return parse(value, s.spin);
+  case 6:
+    return parse(value, s.divergence);
+  case 7:
+    return parse(value, s.pointer_x);
+  case 8:
+    return parse(value, s.pointer_y);
+  case 9:
+    return parse(value, s.region_width);
+  case 10:
+    return parse(value, s.region_height);
+  case 11:
+    return parse(value, s.confidence);
+  case 12:
+    return parse_pair(value, 'x', s.picture_width, s.picture_height);
+  case 13:
+    return parse_pair(value, ':', s.pixel_aspect_n, s.pixel_aspect_d);
+  case 14:
+    return parse(value, s.points);
+  case 15:
+    return parse_model(value, s.model);
+  default:
+    return parse_flags(value, s.flags);
+  }
+}
+
+// The next word, which is taken off the line; empty at the end.
+std::string_view take_word(std::string_view &line) {
+  const auto begin = std::min(line.find_first_not_of(' '), line.size());
+  const auto end = std::min(line.find(' ', begin), line.size());
+  const auto word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+TextLine wrong(std::string error) {
+  return {std::nullopt, std::move(error)};
+}
+
+} // namespace
+
+std::string write_text_line(const TrackSample &sample) {
+  const MotionSample &s = sample.motion;
+  LineWriter out;
+  if (sample.time != kNoTime)
+    out.time("t", sample.time);
+  if (sample.duration != kNoTime)
+    out.time("d", sample.duration);
+  out.time("i", s.interval);
+  out.number("vx", s.velocity_x);
+  out.number("vy", s.velocity_y);
+  out.number("spin", s.spin);
+  out.number("div", s.divergence);
+  out.number("x", s.pointer_x);
+  out.number("y", s.pointer_y);
+  out.number("w", s.region_width);
+  out.number("h", s.region_height);
+  out.number("conf", s.confidence);
+  out.pair("pic", s.picture_width, 'x', s.picture_height);
+  out.pair("par", s.pixel_aspect_n, ':', s.pixel_aspect_d);
+  out.number("n", s.points);
+  out.field("model", motion_model_name(s.model));
+  if (const auto names = flag_names(s.flags); !names.empty())
+    out.field("flags", names);
+  return out.take();
+}
+
+TextLine read_text_line(std::string_view line) {
+  constexpr std::string_view kAround(" \t\r\n\0", 5);
+  const auto begin = std::min(line.find_first_not_of(kAround), line.size());
+  line = line.substr(begin, line.find_last_not_of(kAround) + 1 - begin);
+  if (line.size() > kLongestLine)
+    return wrong("the line is too long");
+  const auto magic = take_word(line);
+  if (magic != kMagic)
+    return wrong(magic.starts_with("hv") ? "another version of the format"
+                                         : "this is not a motion sample");
+  if (take_word(line) != kPoint)
+    return wrong("another kind of sample");
+  TrackSample sample;
+  unsigned seen = 0;
+  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
+    const auto equals = std::min(word.find('='), word.size());
+    const auto name = word.substr(0, equals);
+    const auto found = std::find(kNames.begin(), kNames.end(), name);
+    if (found == kNames.end())
+      continue; // a later version's
+    const auto which = static_cast<std::size_t>(found - kNames.begin());
+    if (seen >> which & 1)
+      return wrong("the value " + std::string(name) + " is there twice");
+    seen |= 1U << which;
+    if (equals == word.size() || !parse_field(which, word.substr(equals + 1), sample))
+      return wrong("the value " + std::string(name) + " cannot be read");
+  }
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (!((seen | kOptional) >> i & 1))
+      return wrong("the value " + std::string(kNames[i]) + " is missing");
+  if (!is_valid(sample.motion))
+    return wrong("a value is out of its range");
+  return {sample, {}};
+}
+
+} // namespace haptic

@@ -1,0 +1,248 @@
+// Looks into haptic tracks, converts, cuts and plots them. docs/haptic-track.md.
+#include "force-curve.hpp"
+#include "track-file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <gst/gst.h>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using haptic::TrackFile;
+using haptic::TrackFileError;
+using haptic::TrackSample;
+
+constexpr char kUsage[] =
+    "Usage: haptic-track info FILE...\n"
+    "       haptic-track convert [--force] FILE OUTPUT\n"
+    "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
+    "       haptic-track plot [--force] FILE OUTPUT.png\n"
+    "Looks into haptic tracks, converts, cuts and plots them. FILE may be a recording (.ts, "
+    ".mkv),\n"
+    "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
+    "written. Only the track is written: a video beside it stays where it is.\n"
+    "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
+    "  --force       write over an output that exists\n";
+
+struct Arguments {
+  std::string command;
+  std::vector<std::string> files;
+  std::optional<double> from;
+  std::optional<double> to;
+  bool force = false;
+};
+
+double seconds(std::uint64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+double parse_seconds(const std::string &option, const std::string &text) {
+  double value = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !(value >= 0) ||
+      !(value <= 1e9))
+    throw TrackFileError(option + " needs seconds, not '" + text + "'");
+  return value;
+}
+
+Arguments parse_arguments(const std::vector<std::string> &words) {
+  Arguments arguments;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string &word = words[i];
+    if (word == "--force") {
+      arguments.force = true;
+    } else if (word == "--from" || word == "--to") {
+      if (++i == words.size())
+        throw TrackFileError(word + " needs seconds");
+      (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
+    } else if (word.starts_with("-")) {
+      throw TrackFileError("unknown option '" + word + "'; see --help");
+    } else if (arguments.command.empty()) {
+      arguments.command = word;
+    } else {
+      arguments.files.push_back(word);
+    }
+  }
+  return arguments;
+}
+
+void tell_remarks(const std::string &path, const TrackFile &track) {
+  for (const auto &remark : track.remarks)
+    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+}
+
+void info(const std::string &path) {
+  const TrackFile track = haptic::read_track_file(path);
+  std::printf("%s: %s\n", path.c_str(), track.form.c_str());
+  for (const auto &stream : track.beside)
+    std::printf("  beside it  %s\n", stream.c_str());
+  std::printf("  samples    %zu\n", track.samples.size());
+  if (!track.samples.empty()) {
+    const auto &first = track.samples.front();
+    const auto &last = track.samples.back();
+    const double length = seconds(last.time) - seconds(first.time);
+    std::size_t measured = 0;
+    double fastest = 0;
+    double strongest = 0;
+    double sum = 0;
+    for (const auto &sample : track.samples) {
+      const auto &s = sample.motion;
+      if (!(s.confidence > 0))
+        continue;
+      ++measured;
+      const double speed = std::hypot(s.velocity_x, s.velocity_y);
+      const auto force = haptic::force_of_motion(s);
+      sum += speed;
+      fastest = std::max(fastest, speed);
+      strongest = std::max(strongest, std::hypot(force.x, force.y));
+    }
+    std::printf("  time       %.3f to %.3f s", seconds(first.time), seconds(last.time));
+    if (length > 0)
+      std::printf(", %.4g samples a second",
+                  static_cast<double>(track.samples.size() - 1) / length);
+    std::printf("\n  measured   %.1f %% of the samples\n",
+                100.0 * static_cast<double>(measured) / static_cast<double>(track.samples.size()));
+    std::printf("  picture    %u x %u px, pixels %u:%u\n", first.motion.picture_width,
+                first.motion.picture_height, first.motion.pixel_aspect_n,
+                first.motion.pixel_aspect_d);
+    if (measured > 0)
+      std::printf("  speed      %.1f px/s on average, %.1f at most\n",
+                  sum / static_cast<double>(measured), fastest);
+    std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
+  }
+  for (const auto &remark : track.remarks)
+    std::printf("  remark     %s\n", remark.c_str());
+}
+
+void check_output(const Arguments &arguments) {
+  if (arguments.files.size() != 2)
+    throw TrackFileError(arguments.command + " needs a file and an output; see --help");
+  if (!arguments.force && std::filesystem::exists(arguments.files[1]))
+    throw TrackFileError("\"" + arguments.files[1] +
+                         "\" exists; --force writes over it, or give another name");
+}
+
+TrackFile read_some(const std::string &path) {
+  TrackFile track = haptic::read_track_file(path);
+  tell_remarks(path, track);
+  if (track.samples.empty())
+    throw TrackFileError("\"" + path + "\": there is not one sample in this track");
+  return track;
+}
+
+void convert(const Arguments &arguments) {
+  check_output(arguments);
+  haptic::write_track_file(arguments.files[1], read_some(arguments.files[0]).samples);
+}
+
+void cut(const Arguments &arguments) {
+  check_output(arguments);
+  TrackFile track = read_some(arguments.files[0]);
+  const auto from = static_cast<std::uint64_t>(std::llround(arguments.from.value_or(0) * 1e9));
+  const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
+  std::erase_if(track.samples,
+                [&](const TrackSample &sample) { return sample.time < from || sample.time >= to; });
+  if (track.samples.empty())
+    throw TrackFileError("\"" + arguments.files[0] + "\": there is no sample between these times");
+  for (auto &sample : track.samples)
+    sample.time -= from;
+  haptic::write_track_file(arguments.files[1], track.samples);
+}
+
+void plot(const Arguments &arguments) {
+  check_output(arguments);
+  const TrackFile track = read_some(arguments.files[0]);
+  if (std::system("command -v gnuplot >/dev/null") != 0)
+    throw TrackFileError("gnuplot is not installed (package gnuplot-nox)");
+  const std::string &output = arguments.files[1];
+  if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
+    throw TrackFileError("\"" + output + "\": gnuplot cannot write to such a name");
+  std::FILE *gnuplot = popen("gnuplot", "w");
+  if (!gnuplot)
+    throw TrackFileError("gnuplot cannot be started");
+  std::fprintf(gnuplot,
+               "set terminal pngcairo size 1200,600\n"
+               "set output '%s'\n"
+               "set multiplot layout 2,1\n"
+               "set grid\n"
+               "set ylabel 'velocity, px/s'\n"
+               "plot '-' using 1:2 with lines title 'to the right', "
+               "'-' using 1:2 with lines title 'down'\n",
+               output.c_str());
+  const auto send = [&](auto &&value) {
+    for (const auto &sample : track.samples) {
+      if (sample.motion.confidence > 0)
+        std::fprintf(gnuplot, "%.6f %.6g\n", seconds(sample.time),
+                     static_cast<double>(value(sample)));
+      else
+        std::fputs("\n", gnuplot); // a hole in the line
+    }
+    std::fputs("e\n", gnuplot);
+  };
+  send([](const TrackSample &s) { return s.motion.velocity_x; });
+  send([](const TrackSample &s) { return s.motion.velocity_y; });
+  std::fputs("set xlabel 'time, s'\n"
+             "set ylabel 'force, share of the full one'\n"
+             "set yrange [0:1.05]\n"
+             "plot '-' using 1:2 with lines title 'force', "
+             "'-' using 1:2 with lines title 'confidence'\n",
+             gnuplot);
+  send([](const TrackSample &s) {
+    const auto force = haptic::force_of_motion(s.motion);
+    return std::hypot(force.x, force.y);
+  });
+  send([](const TrackSample &s) { return s.motion.confidence; });
+  if (pclose(gnuplot) != 0)
+    throw TrackFileError("\"" + output + "\": gnuplot could not draw it");
+}
+
+int run(const Arguments &arguments) {
+  if (arguments.command == "info") {
+    if (arguments.files.empty())
+      throw TrackFileError("info needs a file; see --help");
+    int failures = 0;
+    for (const auto &file : arguments.files)
+      try {
+        info(file);
+      } catch (const TrackFileError &error) {
+        std::fprintf(stderr, "haptic-track: %s\n", error.what());
+        ++failures;
+      }
+    return failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+  }
+  if (arguments.command == "convert")
+    convert(arguments);
+  else if (arguments.command == "cut")
+    cut(arguments);
+  else if (arguments.command == "plot")
+    plot(arguments);
+  else
+    throw TrackFileError(arguments.command.empty()
+                             ? "what is to be done? See --help"
+                             : "unknown command '" + arguments.command + "'; see --help");
+  return EXIT_SUCCESS;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (std::find(words.begin(), words.end(), "--help") != words.end()) {
+    std::fputs(kUsage, stdout);
+    return EXIT_SUCCESS;
+  }
+  try {
+    gst_init(nullptr, nullptr);
+    return run(parse_arguments(words));
+  } catch (const std::exception &error) {
+    std::fprintf(stderr, "haptic-track: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,410 @@
+#include "track-file.hpp"
+
+#include "gst-raii.hpp"
+#include "hjif.hpp"
+#include "hmpg-track.hpp"
+#include "klv.hpp"
+#include "text-line.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <gst/app/gstappsink.h>
+#include <gst/app/gstappsrc.h>
+#include <iterator>
+
+namespace haptic {
+namespace {
+
+constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
+constexpr char kEndings[] = ".ts, .mkv, .klv, .txt, .hmpg or .hjif";
+
+struct ObjectReleaser {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+using ElementPtr = std::unique_ptr<GstElement, ObjectReleaser>;
+using BusPtr = std::unique_ptr<GstBus, ObjectReleaser>;
+
+std::string quoted(const std::string &path) {
+  return "\"" + path + "\"";
+}
+
+[[noreturn]] void fail(const std::string &path, const std::string &what) {
+  throw TrackFileError(quoted(path) + ": " + what);
+}
+
+// ---- reading ------------------------------------------------------------------------------------
+
+std::vector<std::uint8_t> read_bytes(const std::string &path) {
+  if (std::filesystem::file_size(path) > kLargestText)
+    fail(path, "the file is too large to be a track of this form (64 MiB)");
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::uint8_t> first_bytes(const std::string &path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    fail(path, "there is no such file");
+  if (!std::filesystem::is_regular_file(path, error))
+    fail(path, "this is not a file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    fail(path, "the file may not be read by this user");
+  std::vector<std::uint8_t> bytes(4096);
+  file.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+void count_remark(TrackFile &track, std::size_t count, const std::string &what) {
+  if (count > 0)
+    track.remarks.push_back(std::to_string(count) + " " + what);
+}
+
+void read_klv_file(const std::string &path, TrackFile &track) {
+  const auto bytes = read_bytes(path);
+  KlvReader reader(bytes);
+  std::size_t damaged = 0;
+  std::size_t others = 0;
+  while (const auto item = reader.next()) {
+    if (item->kind == KlvKind::motion)
+      track.samples.push_back(item->sample);
+    else if (item->kind == KlvKind::damaged)
+      track.remarks.push_back("damage at byte " + std::to_string(item->offset) + ": " +
+                              item->error),
+          ++damaged;
+    else
+      ++others;
+    if (damaged > 20)
+      fail(path, "there is more damage than track in this file");
+  }
+  count_remark(track, others, "sets of other origin, version or kind were passed over");
+}
+
+void read_text_file(const std::string &path, TrackFile &track) {
+  const auto bytes = read_bytes(path);
+  std::string_view text(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+  std::size_t wrong = 0;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const auto line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos)
+      continue;
+    const auto read = read_text_line(line);
+    if (read.sample)
+      track.samples.push_back(*read.sample);
+    else if (++wrong <= 5)
+      track.remarks.push_back("line " + std::to_string(number) + ": " + read.error);
+  }
+  if (wrong > 5)
+    count_remark(track, wrong - 5, "further lines were left out");
+}
+
+void read_hmpg_file(const std::string &path, TrackFile &track) {
+  const auto bytes = read_bytes(path);
+  HmpgDecoder decoder;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const auto rest = std::span(bytes).subspan(at);
+    const auto header = read_unit_header(rest);
+    const std::size_t size = header ? kUnitHeaderSize + header->length : 0;
+    if (!header || size > rest.size()) {
+      track.remarks.push_back("byte " + std::to_string(at) + ": " +
+                              (header ? "the last unit is cut off" : "this is no unit") +
+                              "; the rest was left out");
+      return;
+    }
+    auto result = decoder.push(rest.first(size), kNoTime);
+    if (!result.problem.empty())
+      track.remarks.push_back("unit at byte " + std::to_string(at) + ": " + result.problem);
+    std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
+    at += size;
+  }
+}
+
+void read_hjif_file(const std::string &path, TrackFile &track) {
+  const auto bytes = read_bytes(path);
+  auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+  if (!read.error.empty())
+    fail(path, "byte " + std::to_string(read.offset) + ": " + read.error);
+  track.samples = std::move(read.samples);
+}
+
+// What is in a container: the track goes to `convert`, the rest is named and thrown away.
+struct Container {
+  GstElement *pipeline = nullptr;
+  GstElement *convert = nullptr;
+  std::atomic<bool> has_track = false;
+  std::atomic<bool> all_known = false; // no more streams will be found
+  TrackFile *track = nullptr;
+};
+
+GstElement *add(GstElement *pipeline, const char *factory) {
+  GstElement *element = gst_element_factory_make(factory, nullptr);
+  if (!element)
+    throw TrackFileError(std::string("GStreamer has no element ") + factory +
+                         "; gstreamer1.0-plugins-good and -bad have all that is needed");
+  gst_bin_add(GST_BIN(pipeline), element);
+  gst_element_sync_state_with_parent(element);
+  return element;
+}
+
+void link_stream(GstElement *, GstPad *pad, gpointer data) {
+  auto &container = *static_cast<Container *>(data);
+  const CapsPtr caps(gst_pad_get_current_caps(pad));
+  if (!caps)
+    return;
+  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
+  const bool is_track = gst_structure_has_name(structure, "meta/x-klv") ||
+                        gst_structure_has_name(structure, "text/x-raw");
+  GstElement *next = nullptr;
+  if (is_track && !container.has_track) {
+    container.has_track = true;
+    next = GST_ELEMENT(gst_object_ref(container.convert));
+  } else {
+    gint width = 0;
+    gint height = 0;
+    std::string text = gst_structure_get_name(structure);
+    if (gst_structure_get_int(structure, "width", &width) &&
+        gst_structure_get_int(structure, "height", &height))
+      text += ", " + std::to_string(width) + " x " + std::to_string(height);
+    container.track->beside.push_back(text);
+    next = gst_element_factory_make("fakesink", nullptr);
+    g_object_set(next, "sync", FALSE, "async", FALSE, nullptr);
+    gst_bin_add(GST_BIN(container.pipeline), GST_ELEMENT(gst_object_ref(next)));
+    gst_element_sync_state_with_parent(next);
+  }
+  GstPad *sink = gst_element_get_static_pad(next, "sink");
+  gst_pad_link(pad, sink);
+  gst_object_unref(sink);
+  gst_object_unref(next);
+}
+
+void take_buffer(GstSample *sample, TrackFile &track) {
+  GstBuffer *buffer = gst_sample_get_buffer(sample);
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return;
+  if (const auto motion = unpack_motion_sample({map.data, map.size})) {
+    TrackSample read;
+    read.motion = *motion;
+    read.time = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
+                                           GST_BUFFER_PTS(buffer));
+    read.duration = GST_BUFFER_DURATION(buffer);
+    track.samples.push_back(read);
+  }
+  gst_buffer_unmap(buffer, &map);
+}
+
+// Takes what is on the bus: warnings become remarks, an error `failure`. True at the end.
+bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
+  bool over = false;
+  while (GstMessage *message = gst_bus_timed_pop(bus, GST_MSECOND)) {
+    GError *error = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+      gst_message_parse_error(message, &error, nullptr);
+      failure = error->message;
+    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
+      gst_message_parse_warning(message, &error, nullptr);
+      track.remarks.emplace_back(error->message);
+    }
+    over = over || GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
+    g_clear_error(&error);
+    gst_message_unref(message);
+  }
+  return over || !failure.empty();
+}
+
+void read_container(const std::string &path, const char *demuxer, TrackFile &track) {
+  const ElementPtr pipeline(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
+  GstElement *source = add(pipeline.get(), "filesrc");
+  GstElement *demux = add(pipeline.get(), demuxer);
+  GstElement *convert = add(pipeline.get(), "hapticconvert");
+  GstElement *sink = add(pipeline.get(), "appsink");
+  g_object_set(source, "location", path.c_str(), nullptr);
+  const CapsPtr caps(gst_caps_from_string(HAPTIC_MOTION_CAPS));
+  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+  gst_element_link(source, demux);
+  gst_element_link(convert, sink);
+  Container container;
+  container.pipeline = pipeline.get();
+  container.convert = convert;
+  container.track = &track;
+  g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
+  g_signal_connect(demux, "no-more-pads", G_CALLBACK(+[](GstElement *, gpointer data) {
+                     static_cast<Container *>(data)->all_known = true;
+                   }),
+                   &container);
+  const BusPtr bus(gst_element_get_bus(pipeline.get()));
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  // Without a track nothing reaches the appsink: the bus tells the end.
+  std::string failure;
+  for (bool over = false; !over;) {
+    while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
+      take_buffer(sample, track);
+      gst_sample_unref(sample);
+    }
+    over = read_messages(bus.get(), track, failure) ||
+           (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink))) ||
+           (container.all_known && !container.has_track);
+  }
+  while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
+    take_buffer(sample, track);
+    gst_sample_unref(sample);
+  }
+  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  if (!failure.empty() && container.has_track && !track.samples.empty())
+    track.remarks.push_back("the file ends early: " + failure);
+  else if (!container.has_track)
+    fail(path, track.beside.empty()
+                   ? "there is nothing in this file"
+                   : "there is no haptic track in this file, only " + track.beside.front());
+  else if (!failure.empty())
+    fail(path, failure);
+}
+
+bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
+  return bytes.size() >= text.size() &&
+         std::equal(text.begin(), text.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+// ---- writing ------------------------------------------------------------------------------------
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm date{};
+  gmtime_r(&now, &date);
+  char text[16];
+  std::strftime(text, sizeof text, "%Y-%m-%d", &date);
+  return text;
+}
+
+std::string bytes_of(std::span<const TrackSample> samples, const std::string &ending) {
+  std::string bytes;
+  const auto append = [&](const std::vector<std::uint8_t> &more) {
+    bytes.append(more.begin(), more.end());
+  };
+  if (ending == ".hjif")
+    return write_hjif(samples, today());
+  if (ending == ".hmpg") {
+    HmpgEncoder encoder(1'000'000'000, today());
+    for (const auto &sample : samples)
+      for (const auto &unit : encoder.push(sample.motion, sample.time, sample.duration))
+        append(unit.bytes);
+    for (const auto &unit : encoder.finish())
+      append(unit.bytes);
+    return bytes;
+  }
+  for (const auto &sample : samples)
+    if (ending == ".klv")
+      append(write_klv(sample));
+    else
+      bytes += write_text_line(sample) + "\n";
+  return bytes;
+}
+
+void write_container(const std::string &path, std::span<const TrackSample> samples,
+                     const std::string &line) {
+  GError *error = nullptr;
+  const std::string whole = "appsrc name=in format=time caps=haptics/x-raw,modality=velocity,"
+                            "layout=point ! hapticconvert ! " +
+                            line + " ! filesink name=out";
+  GstElement *made = gst_parse_launch(whole.c_str(), &error);
+  if (!made || error) {
+    const std::string what = error ? error->message : "unknown";
+    g_clear_error(&error);
+    if (made)
+      gst_object_unref(made);
+    fail(path, what);
+  }
+  const ElementPtr pipeline(made);
+  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
+  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
+  g_object_set(out.get(), "location", path.c_str(), nullptr);
+  gst_element_set_state(made, GST_STATE_PLAYING);
+  for (const auto &sample : samples) {
+    const auto bytes = pack_motion_sample(sample.motion);
+    GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
+    gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
+    GST_BUFFER_PTS(buffer) = sample.time;
+    GST_BUFFER_DURATION(buffer) = sample.duration;
+    gst_app_src_push_buffer(GST_APP_SRC(in.get()), buffer);
+  }
+  gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
+  const BusPtr bus(gst_element_get_bus(made));
+  GstMessage *message =
+      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
+                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  std::string failure;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+    gst_message_parse_error(message, &error, nullptr);
+    failure = error->message;
+    g_error_free(error);
+  }
+  gst_message_unref(message);
+  gst_element_set_state(made, GST_STATE_NULL);
+  if (!failure.empty())
+    fail(path, failure);
+}
+
+} // namespace
+
+TrackFile read_track_file(const std::string &path) {
+  const auto head = first_bytes(path);
+  TrackFile track;
+  const auto text = std::find_if_not(head.begin(), head.end(),
+                                     [](std::uint8_t c) { return c == ' ' || c == '\n'; });
+  if (begins_with(head, "\x06\x0e\x2b\x34")) {
+    track.form = "KLV";
+    read_klv_file(path, track);
+  } else if (begins_with(head, "hv")) {
+    track.form = "text lines";
+    read_text_file(path, track);
+  } else if (looks_like_unit(head)) {
+    track.form = "MPEG haptics, binary";
+    read_hmpg_file(path, track);
+  } else if (text != head.end() && *text == '{') {
+    track.form = "MPEG haptics, JSON";
+    read_hjif_file(path, track);
+  } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
+    track.form = "KLV in MPEG-TS";
+    read_container(path, "tsdemux", track);
+  } else if (begins_with(head, "\x1a\x45\xdf\xa3")) {
+    track.form = "text lines in Matroska";
+    read_container(path, "matroskademux", track);
+  } else {
+    fail(path, std::string("this is no haptic track; known are ") + kEndings);
+  }
+  std::erase_if(track.samples, [](const TrackSample &sample) { return sample.time == kNoTime; });
+  return track;
+}
+
+void write_track_file(const std::string &path, std::span<const TrackSample> samples) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string part = path + ".part";
+  if (ending == ".ts") {
+    write_container(part, samples, "meta/x-klv ! mpegtsmux");
+  } else if (ending == ".mkv") {
+    write_container(part, samples, "text/x-raw ! matroskamux");
+  } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif") {
+    std::ofstream file(part, std::ios::binary);
+    file << bytes_of(samples, ending) << std::flush;
+    if (!file) {
+      std::remove(part.c_str());
+      fail(path, "the file cannot be written");
+    }
+  } else {
+    fail(path, std::string("which form? The name must end in ") + kEndings);
+  }
+  if (std::rename(part.c_str(), path.c_str()) != 0) {
+    std::remove(part.c_str());
+    fail(path, "the file cannot be written");
+  }
+}
+
+} // namespace haptic

@@ -1,0 +1,32 @@
+// Haptic tracks as files, in all forms there are.
+#pragma once
+
+#include "track-sample.hpp"
+
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+/// Tells the user what is wrong with which file.
+class TrackFileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct TrackFile {
+  std::string form;                 ///< for people to read
+  std::vector<std::string> beside;  ///< caps of the other streams in the file
+  std::vector<std::string> remarks; ///< what was left out or guessed, and why
+  std::vector<TrackSample> samples; ///< with times
+};
+
+/// By content, whatever the name. Throws TrackFileError.
+TrackFile read_track_file(const std::string &path);
+
+/// By the ending: .ts, .mkv, .klv, .txt, .hmpg, .hjif. Appears under its name only when it is
+/// whole. Throws TrackFileError.
+void write_track_file(const std::string &path, std::span<const TrackSample> samples);
+
+} // namespace haptic

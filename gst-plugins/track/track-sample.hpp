@@ -1,0 +1,22 @@
+// A motion sample on its way through a file or a network, where buffers lose their time stamps.
+#pragma once
+
+#include "motion-sample.hpp"
+
+#include <cstdint>
+#include <limits>
+
+namespace haptic {
+
+/// The same value as GST_CLOCK_TIME_NONE.
+inline constexpr std::uint64_t kNoTime = std::numeric_limits<std::uint64_t>::max();
+
+struct TrackSample {
+  MotionSample motion;
+  std::uint64_t time = kNoTime;     ///< ns, stream time at the sender
+  std::uint64_t duration = kNoTime; ///< ns
+
+  bool operator==(const TrackSample &) const = default;
+};
+
+} // namespace haptic

@@ -1,0 +1,69 @@
+#include "track-typefind.hpp"
+
+#include "hmpg.hpp"
+#include "track-caps.hpp"
+
+#include <string_view>
+
+namespace haptic {
+namespace {
+
+constexpr guint kLookedAt = 4096; // bytes of text
+
+// The stream begins with an initialization unit, which has to be sound as a whole.
+void find_hmpg(GstTypeFind *find, gpointer) {
+  const guint8 *bytes = gst_type_find_peek(find, 0, kUnitHeaderSize);
+  if (!bytes)
+    return;
+  const auto header = read_unit_header({bytes, kUnitHeaderSize});
+  if (!header || header->type != UnitType::initialization || header->length == 0)
+    return;
+  const auto size = static_cast<guint>(kUnitHeaderSize + header->length);
+  bytes = gst_type_find_peek(find, 0, size);
+  if (bytes && !read_unit({bytes, size}, nullptr).error)
+    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HMPG_FILE_CAPS);
+}
+
+// A JSON object that names what this format demands at its top level.
+void find_hjif(GstTypeFind *find, gpointer) {
+  guint size = kLookedAt;
+  if (const guint64 length = gst_type_find_get_length(find); length > 0 && length < size)
+    size = static_cast<guint>(length);
+  const guint8 *bytes = gst_type_find_peek(find, 0, size);
+  while (!bytes && (size /= 2) > 0) // shorter, and nobody knows how much
+    bytes = gst_type_find_peek(find, 0, size);
+  if (!bytes)
+    return;
+  const std::string_view text(reinterpret_cast<const char *>(bytes), size);
+  const auto begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos || text[begin] != '{')
+    return;
+  const auto has = [&](std::string_view key) { return text.find(key) != std::string_view::npos; };
+  if (has(R"("perceptions")") && has(R"("timescale")") && has(R"("profile")"))
+    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HJIF_CAPS);
+}
+
+template <GstTypeFindFunction kFinder>
+void barrier(GstTypeFind *find, gpointer data) noexcept {
+  try {
+    kFinder(find, data);
+  } catch (...) { // no element here that could post an error; the type stays unknown
+  }
+}
+
+} // namespace
+
+gboolean register_track_typefinders(GstPlugin *plugin) {
+  const auto add = [&](const char *name, GstTypeFindFunction finder, const char *extensions,
+                       const char *caps) {
+    GstCaps *possible = gst_caps_from_string(caps);
+    const gboolean done = gst_type_find_register(plugin, name, GST_RANK_PRIMARY, finder, extensions,
+                                                 possible, nullptr, nullptr);
+    gst_caps_unref(possible);
+    return done;
+  };
+  return add("haptics/hmpg", barrier<find_hmpg>, "hmpg", HAPTIC_HMPG_FILE_CAPS) &&
+         add("haptics/hjif", barrier<find_hjif>, "hjif", HAPTIC_HJIF_CAPS);
+}
+
+} // namespace haptic

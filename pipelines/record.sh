@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Record a video together with its haptic track into one file, while feeling it.
+#
+#   gst-launch-1.0 -e filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \
+#       ! roitracker ! tee name=t \
+#       t. ! queue ! videoconvert ! video/x-raw,format=I420 ! x264enc tune=zerolatency key-int-max=30 \
+#         ! h264parse ! queue ! mux. \
+#       t. ! queue ! velocityavg ! tee name=h \
+#       h. ! queue ! hapticconvert ! meta/x-klv ! mux. \
+#       h. ! queue ! hapticsink \
+#       mpegtsmux name=mux ! filesink location=OUTPUT
+#
+# Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
+#   INPUT   a video file, or --test-source: a live test picture that moves to the left at 60 px/s
+#   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
+#   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
+
+source "$(dirname "$0")/common.sh"
+
+case ${1:-} in
+'') fail "which video? See --help" ;;
+--help | -h) show_help && exit ;;
+esac
+video=$1
+shift
+read_arguments "$@"
+[ -n "$input" ] || fail "into which file? See --help"
+case $input in
+*.ts) track=meta/x-klv mux=mpegtsmux ;;
+*.mkv) track=text/x-raw mux=matroskamux ;;
+*) fail "the name of the recording must end in .ts or .mkv, not '$input'" ;;
+esac
+[ ! -e "$input" ] || fail "'$input' exists; give another name, or remove it"
+pictures_of "$video"
+elements=(roitracker velocityavg hapticconvert hapticsink)
+need_packaged_elements "$mux" x264enc h264parse
+
+launch "${pictures[@]}" ! roitracker ! tee name=t \
+  t. ! queue ! "${h264[@]}" ! h264parse ! queue ! mux. \
+  t. ! queue ! velocityavg ! tee name=h \
+  h. ! queue ! hapticconvert ! "$track" ! mux. \
+  h. ! queue ! hapticsink "${sink_options[@]}" \
+  "$mux" name=mux ! filesink "location=$(quoted "$input")"

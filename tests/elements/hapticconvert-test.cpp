@@ -1,0 +1,326 @@
+// Haptic tracks in files and packets: what goes in comes out.
+#include "force-curve.hpp"
+#include "klv.hpp"
+#include "track-pipeline.hpp"
+#include "track-samples.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <gst/base/gsttypefindhelper.h>
+
+namespace {
+
+using haptic::MotionSample;
+using test::Bytes;
+using test::Packet;
+using test::run;
+using test::sample_of;
+
+constexpr GstClockTime kFrame = 33'333'333;
+constexpr int kCount = 90;
+const std::string kIn =
+    "appsrc name=in format=time caps=haptics/x-raw,modality=velocity,layout=point";
+const std::string kKlvIn = "appsrc name=in format=time caps=meta/x-klv,parsed=true";
+const std::string kOut =
+    " ! hapticconvert name=convert ! haptics/x-raw ! appsink name=out sync=false";
+
+class HapticConvert : public testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  HapticConvert() {
+    test::TrackSamples samples(1);
+    for (int i = 0; i < kCount; ++i) {
+      MotionSample sample = samples.next().motion;
+      if (i % 10 == 9)
+        sample.confidence = 0;
+      track.push_back(test::packet_of(sample, i * kFrame, kFrame));
+    }
+  }
+
+  void expect_exact(const std::vector<Packet> &got) const {
+    ASSERT_EQ(got.size(), track.size());
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      EXPECT_EQ(got[i].bytes, track[i].bytes) << i;
+      EXPECT_EQ(got[i].duration, kFrame) << i;
+      EXPECT_EQ(got[i].flags & GST_BUFFER_FLAG_GAP, track[i].flags & GST_BUFFER_FLAG_GAP) << i;
+    }
+  }
+
+  // The largest difference between the time stamps, ms; a constant does not count.
+  double time_error(const std::vector<Packet> &got) const {
+    double largest = 0;
+    for (std::size_t i = 0; i < got.size(); ++i)
+      largest = std::max(largest, std::abs(static_cast<double>(static_cast<gint64>(
+                                      (got[i].pts - got[0].pts) - (track[i].pts - track[0].pts)))));
+    return largest / 1e6;
+  }
+
+  std::string file(const char *name) const { return folder.file(name); }
+
+  // The track beside a video, which makes the file a usual one.
+  void record_ts(const std::string &path) {
+    if (!test::has_elements({"mpegtsmux", "x264enc", "h264parse", "tsdemux"}))
+      GTEST_SKIP() << "gstreamer1.0-plugins-bad or -ugly is not installed";
+    const auto outcome =
+        run(kIn +
+                " ! hapticconvert ! meta/x-klv ! queue ! mux. videotestsrc num-buffers=90 ! "
+                "video/x-raw,width=64,height=48,framerate=30/1 ! x264enc tune=zerolatency ! "
+                "h264parse ! queue ! mux. mpegtsmux name=mux ! filesink location=" +
+                path,
+            track);
+    ASSERT_EQ(outcome.error, "");
+  }
+
+  test::ScratchFolder folder;
+  std::vector<Packet> track;
+};
+
+TEST_F(HapticConvert, ATransportStreamGivesBackEverySample) {
+  record_ts(file("session.ts"));
+  const auto got = run("filesrc location=" + file("session.ts") + " ! tsdemux ! meta/x-klv" + kOut);
+  EXPECT_EQ(got.error, "");
+  expect_exact(got.packets);
+  const double error = time_error(got.packets);
+  RecordProperty("largest_time_error_ms", std::to_string(error));
+  std::printf("MPEG-TS: largest error of a time stamp %.4f ms\n", error);
+  EXPECT_LE(error, 0.02);
+  const auto video = run("filesrc location=" + file("session.ts") +
+                         " ! tsdemux ! video/x-h264 ! appsink name=out sync=false");
+  ASSERT_FALSE(video.packets.empty());
+  EXPECT_NEAR(static_cast<double>(video.packets[0].pts), static_cast<double>(got.packets[0].pts),
+              0.02e6)
+      << "the first picture and its sample stay together";
+}
+
+TEST_F(HapticConvert, MatroskaTextGivesBackEverySample) {
+  const auto outcome =
+      run(kIn + " ! hapticconvert ! text/x-raw ! matroskamux ! filesink location=" +
+              file("session.mkv"),
+          track);
+  EXPECT_EQ(outcome.error, "");
+  const auto got = run("filesrc location=" + file("session.mkv") + " ! matroskademux" + kOut);
+  EXPECT_EQ(got.error, "");
+  expect_exact(got.packets);
+  std::printf("Matroska: largest error of a time stamp %.4f ms\n", time_error(got.packets));
+  EXPECT_LE(time_error(got.packets), 1);
+}
+
+TEST_F(HapticConvert, ARemuxByFfmpegLosesNoSample) {
+  if (std::system("command -v ffmpeg >/dev/null") != 0)
+    GTEST_SKIP() << "ffmpeg is not installed";
+  record_ts(file("session.ts"));
+  if (IsSkipped())
+    return;
+  const std::string command = "ffmpeg -nostdin -v error -y -i " + file("session.ts") +
+                              " -map 0 -c copy -f mpegts " + file("remuxed.ts");
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const auto got = run("filesrc location=" + file("remuxed.ts") + " ! tsdemux ! meta/x-klv" + kOut);
+  EXPECT_EQ(got.error, "");
+  expect_exact(got.packets);
+  EXPECT_LE(time_error(got.packets), 0.02);
+}
+
+TEST_F(HapticConvert, SamplesWithoutTimeStampsGetThoseInside) {
+  auto klv =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
+  for (std::size_t i = 0; i < klv.size(); ++i)
+    if (i != 3)
+      klv[i].pts = GST_CLOCK_TIME_NONE;
+  const auto got = run(kKlvIn + kOut, klv);
+  expect_exact(got.packets);
+  EXPECT_LE(time_error(got.packets), 1e-6);
+  EXPECT_EQ(got.warnings.size(), 1U) << "once";
+}
+
+TEST_F(HapticConvert, ASenderThatIsStartedAnewGoesOnWhereTheOldOneEnded) {
+  auto klv =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
+  auto both = klv;
+  both.insert(both.end(), klv.begin(), klv.end());
+  for (auto &packet : both)
+    packet.pts = GST_CLOCK_TIME_NONE;
+  const auto got = run(kKlvIn + kOut, both).packets;
+  ASSERT_EQ(got.size(), both.size());
+  for (const auto &packet : got)
+    EXPECT_TRUE(GST_CLOCK_TIME_IS_VALID(packet.pts));
+}
+
+TEST_F(HapticConvert, AFileThatIsCutOffIsPlayedUpToThere) {
+  record_ts(file("session.ts"));
+  if (IsSkipped())
+    return;
+  const Bytes whole = test::read_file(file("session.ts"));
+  for (std::size_t part = 0; part <= 20; ++part) {
+    test::write_file(file("cut.ts"), std::span(whole).first(whole.size() * part / 20));
+    const auto got =
+        run("filesrc location=" + file("cut.ts") + " ! tsdemux ! meta/x-klv" + kOut).packets;
+    ASSERT_LE(got.size(), track.size());
+    for (std::size_t i = 0; i < got.size(); ++i)
+      EXPECT_EQ(got[i].bytes, track[i].bytes);
+  }
+}
+
+TEST_F(HapticConvert, EachTruncationOfAPacketIsLeftOut) {
+  const auto klv =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
+  std::vector<Packet> input;
+  for (std::size_t size = 1; size < klv[0].bytes.size(); ++size)
+    input.push_back(
+        {Bytes(klv[0].bytes.begin(), klv[0].bytes.begin() + static_cast<std::ptrdiff_t>(size)),
+         size * kFrame, kFrame, 0});
+  input.push_back(klv[0]);
+  const auto got = run(kKlvIn + kOut, input);
+  ASSERT_EQ(got.packets.size(), 1U);
+  EXPECT_EQ(got.packets[0].bytes, track[0].bytes);
+  ASSERT_EQ(got.warnings.size(), 1U);
+  EXPECT_NE(got.warnings[0].find("damaged"), std::string::npos);
+}
+
+TEST_F(HapticConvert, KlvOfOtherOriginIsNotFeltAndSaidSo) {
+  const Bytes foreign = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01, 0x0E, 0x01,
+                         0x03, 0x01, 0x01, 0x00, 0x00, 0x00, 3,    2,    1,    7};
+  const auto got = run(kKlvIn + kOut, {{foreign, 0, kFrame, 0}, {foreign, kFrame, kFrame, 0}});
+  EXPECT_EQ(got.packets.size(), 0U);
+  ASSERT_EQ(got.warnings.size(), 1U);
+  EXPECT_NE(got.warnings[0].find("other origin"), std::string::npos);
+}
+
+TEST_F(HapticConvert, MpegHapticsGivesBackTheForce) {
+  std::vector<Packet> motion;
+  for (int i = 0; i < kCount; ++i) {
+    MotionSample sample;
+    sample.velocity_x = static_cast<float>(200 * std::sin(i / 8.0));
+    sample.velocity_y = static_cast<float>(90 * std::cos(i / 5.0));
+    sample.confidence = 1;
+    sample.picture_width = 704;
+    sample.picture_height = 576;
+    motion.push_back(test::packet_of(sample, i * kFrame, kFrame));
+  }
+  const auto made = run(
+      kIn + " ! hapticconvert ! haptics/hmpg ! filesink location=" + file("track.hmpg"), motion);
+  EXPECT_EQ(made.error, "");
+  const auto got = run("filesrc location=" + file("track.hmpg") + " ! hmpgparse" + kOut);
+  ASSERT_EQ(got.packets.size(), motion.size() + 1) << "and silence at the end";
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const auto a = haptic::force_of_motion(sample_of(motion[i]));
+    const auto b = haptic::force_of_motion(sample_of(got.packets[i]));
+    EXPECT_NEAR(a.x, b.x, 0.0079) << i;
+    EXPECT_NEAR(a.y, b.y, 0.0079) << i;
+    EXPECT_NEAR(static_cast<double>(got.packets[i].pts), static_cast<double>(motion[i].pts),
+                0.13e6);
+  }
+  EXPECT_TRUE(got.packets.back().flags & GST_BUFFER_FLAG_GAP);
+}
+
+TEST_F(HapticConvert, TheStandardsFilesAreKnownByTheirContent) {
+  const auto type_of = [&](const char *golden) {
+    const Bytes bytes = test::read_file(std::string(SOURCE_ROOT "/tests/data/") + golden);
+    haptic::CapsPtr caps(
+        gst_type_find_helper_for_data(nullptr, bytes.data(), bytes.size(), nullptr));
+    return caps ? std::string(gst_structure_get_name(gst_caps_get_structure(caps.get(), 0))) : "";
+  };
+  EXPECT_EQ(type_of("golden.hmpg"), "haptics/hmpg");
+  EXPECT_EQ(type_of("golden.hjif"), "haptics/hjif");
+}
+
+TEST_F(HapticConvert, ADamagedHmpgFileIsPlayedAroundTheDamage) {
+  const auto made =
+      run(kIn + " ! hapticconvert ! haptics/hmpg ! filesink location=" + file("track.hmpg"), track);
+  const Bytes whole = test::read_file(file("track.hmpg"));
+  const std::string line = "filesrc location=" + file("bad.hmpg") + " ! hmpgparse" + kOut;
+  test::write_file(file("bad.hmpg"), whole);
+  const std::size_t all = run(line).packets.size();
+  Bytes bad = whole;
+  for (std::size_t i = 0; i < 40; ++i)
+    bad[whole.size() / 2 + i] = 0xFF;
+  test::write_file(file("bad.hmpg"), bad);
+  const auto got = run(line);
+  EXPECT_EQ(got.error, "");
+  EXPECT_LT(got.packets.size(), all);
+  EXPECT_GT(got.packets.size(), all / 2);
+  EXPECT_FALSE(got.warnings.empty());
+  for (std::size_t size = 0; size < whole.size(); size += whole.size() / 37) {
+    test::write_file(file("bad.hmpg"), std::span(whole).first(size));
+    EXPECT_LE(run(line).packets.size(), all) << size;
+  }
+}
+
+TEST_F(HapticConvert, RtpCarriesKlvToTheBit) {
+  if (!test::has_elements({"rtpklvpay", "rtpklvdepay"}))
+    GTEST_SKIP() << "gstreamer1.0-plugins-good is not installed";
+  const auto got =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! rtpklvpay ! rtpklvdepay" + kOut, track);
+  EXPECT_EQ(got.error, "");
+  expect_exact(got.packets);
+}
+
+TEST_F(HapticConvert, RtpCarriesMpegHapticsInPiecesAndWithLoss) {
+  const std::string line = kIn +
+                           " ! hapticconvert unit-duration=33 ! rtphmpgpay mtu=60 name=pay ! "
+                           "rtphmpgdepay" +
+                           kOut;
+  const auto whole = run(line, track).packets;
+  EXPECT_GT(whole.size(), 50U);
+  test::Pipeline pipeline(line);
+  GstElement *pay = gst_bin_get_by_name(GST_BIN(pipeline.get()), "pay");
+  GstPad *pad = gst_element_get_static_pad(pay, "src");
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad *, GstPadProbeInfo *, gpointer) {
+        static int count = 0;
+        return ++count % 20 == 10 ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
+      },
+      nullptr, nullptr);
+  gst_object_unref(pad);
+  gst_object_unref(pay);
+  const auto got = pipeline.run(track);
+  EXPECT_EQ(got.error, "");
+  EXPECT_LT(got.packets.size(), whole.size());
+  EXPECT_GT(got.packets.size(), whole.size() / 2);
+  std::size_t at = 0;
+  for (const auto &packet : got.packets) {
+    while (at < whole.size() && whole[at].pts != packet.pts)
+      ++at;
+    ASSERT_LT(at, whole.size());
+    EXPECT_EQ(haptic::force_of_motion(sample_of(whole[at])).x,
+              haptic::force_of_motion(sample_of(packet)).x);
+  }
+}
+
+TEST_F(HapticConvert, NoTrackExceedsTheLocalMaxForce) {
+  if (!test::has_elements({"hapticsink"}))
+    GTEST_SKIP() << "hapticsink is not built";
+  std::vector<Packet> wild;
+  test::TrackSamples samples(3);
+  for (int i = 0; i < 40; ++i) {
+    haptic::TrackSample sample = samples.next();
+    sample.motion.velocity_x = i % 2 ? 9e5F : -9e5F;
+    sample.motion.velocity_y = 3e38F * static_cast<float>(i % 5 == 0);
+    sample.motion.spin = 3e38F * static_cast<float>(i % 7 == 0);
+    sample.motion.confidence = 1;
+    sample.motion.interval = kFrame;
+    wild.push_back({haptic::write_klv(sample), i * kFrame, kFrame, 0});
+  }
+  const auto outcome = run(kKlvIn +
+                               " ! hapticconvert ! hapticsink device=sim max-force=0.3 "
+                               "max-push=0.3 slew-rate=1000 log-location=" +
+                               file("log.csv"),
+                           wild);
+  EXPECT_EQ(outcome.error, "");
+  std::ifstream log(file("log.csv"));
+  std::string row;
+  std::getline(log, row);
+  double strongest = 0;
+  while (std::getline(log, row)) {
+    double v[10] = {};
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &v[0], &v[1],
+                          &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8], &v[9]),
+              10);
+    strongest = std::max(strongest, std::hypot(v[7], v[8], v[9]));
+  }
+  EXPECT_LE(strongest, 0.3 * 1.000001);
+  EXPECT_GT(strongest, 0.1) << "it was felt";
+}
+
+} // namespace

@@ -1,0 +1,155 @@
+// The pointer on its way over a network: pointerextract at the hand, pointerinject at the tracker.
+#include "klv.hpp"
+#include "pointer-event.hpp"
+
+#include <chrono>
+#include <cstring>
+#include <gst/check/gstharness.h>
+#include <gtest/gtest.h>
+#include <memory>
+#include <thread>
+
+namespace {
+
+using haptic::BufferPtr;
+using haptic::PointerPosition;
+using haptic::TrackPointer;
+
+struct Teardown {
+  void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
+};
+using Harness = std::unique_ptr<GstHarness, Teardown>;
+
+PointerPosition position(double x, double y) {
+  PointerPosition p;
+  p.x = x;
+  p.y = y;
+  p.z = -0.25;
+  p.pressed = true;
+  p.device = "test";
+  return p;
+}
+
+BufferPtr buffer_of(const TrackPointer &pointer) {
+  const auto bytes = write_klv(pointer);
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, bytes.size(), nullptr));
+  gst_buffer_fill(buffer.get(), 0, bytes.data(), bytes.size());
+  return buffer;
+}
+
+class PointerTravel : public testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  PointerTravel()
+      : extract(gst_harness_new_with_padnames("pointerextract", "sink", "src")),
+        extracted(gst_harness_new_with_element(extract->element, nullptr, "pointer")),
+        inject(gst_harness_new_with_padnames("pointerinject", "sink", "src")),
+        injected(gst_harness_new_with_element(inject->element, "pointer", nullptr)) {
+    gst_harness_set_src_caps_str(extract.get(), "haptics/x-raw");
+    gst_harness_set_src_caps_str(inject.get(), "video/x-raw");
+    gst_harness_set_src_caps_str(injected.get(), "meta/x-klv, parsed=true");
+  }
+
+  // The next pointer event that leaves pointerinject towards the tracker.
+  std::optional<PointerPosition> arrived() {
+    while (GstEvent *event = gst_harness_try_pull_upstream_event(inject.get())) {
+      const haptic::EventPtr owned(event);
+      if (const auto p = haptic::parse_pointer_event(event))
+        return p;
+    }
+    return std::nullopt;
+  }
+
+  Harness extract, extracted, inject, injected;
+};
+
+TEST_F(PointerTravel, WhatTheHandDoesArrivesAtTheTracker) {
+  for (int i = 0; i < 50; ++i) {
+    const PointerPosition sent = position(i / 50.0, 1 - i / 60.0);
+    ASSERT_TRUE(gst_harness_push_upstream_event(extract.get(), make_pointer_event(sent).release()));
+    gst_harness_push(injected.get(), gst_harness_pull(extracted.get()));
+    const auto got = arrived();
+    ASSERT_TRUE(got);
+    EXPECT_EQ(got->x, sent.x);
+    EXPECT_EQ(got->y, sent.y);
+    EXPECT_EQ(got->z, sent.z);
+    EXPECT_EQ(got->pressed, sent.pressed);
+    EXPECT_EQ(got->device, sent.device);
+  }
+}
+
+TEST_F(PointerTravel, AnOlderPacketDoesNotUndoANewerOne) {
+  const auto send = [&](std::uint32_t sequence) {
+    gst_harness_push(injected.get(), buffer_of({sequence, 0.5, 0.5, 0, false, ""}).release());
+    return arrived().has_value();
+  };
+  EXPECT_TRUE(send(0xFFFFFFFE));
+  EXPECT_FALSE(send(0xFFFFFFFE));
+  EXPECT_FALSE(send(0xFFFFFFFD));
+  EXPECT_TRUE(send(1)); // the counter went round
+  EXPECT_FALSE(send(0xFFFFFFFF));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_TRUE(send(0)) << "after a second of silence the sender may have been started anew";
+}
+
+TEST_F(PointerTravel, WhatIsNoPointerIsPassedOver) {
+  for (const char *text : {"", "x", "\x06\x0e\x2b\x34 nonsense that begins like KLV"}) {
+    BufferPtr buffer(gst_buffer_new_wrapped(g_strdup(text), std::strlen(text)));
+    EXPECT_EQ(gst_harness_push(injected.get(), buffer.release()), GST_FLOW_OK);
+  }
+  EXPECT_FALSE(arrived());
+}
+
+TEST_F(PointerTravel, TheStreamBesideItPassesUntouched) {
+  for (const auto &harness : {&extract, &inject}) {
+    GstBuffer *sent = gst_buffer_new_allocate(nullptr, 10, nullptr);
+    GST_BUFFER_PTS(sent) = 5;
+    EXPECT_EQ(gst_harness_push(harness->get(), sent), GST_FLOW_OK);
+    const BufferPtr got(gst_harness_pull(harness->get()));
+    EXPECT_EQ(got.get(), sent);
+  }
+  const auto *other = "other";
+  gst_harness_push_upstream_event(
+      extract.get(),
+      gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, gst_structure_new_empty(other)));
+  bool passed = false;
+  while (GstEvent *event = gst_harness_try_pull_upstream_event(extract.get())) {
+    passed = passed || gst_event_has_name(event, other);
+    gst_event_unref(event);
+  }
+  EXPECT_TRUE(passed) << "only pointers are taken";
+}
+
+TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfThePicture) {
+  gst_harness_push_event(injected.get(), gst_event_new_eos());
+  EXPECT_EQ(gst_harness_push(inject.get(), gst_buffer_new()), GST_FLOW_OK);
+}
+
+TEST_F(PointerTravel, TheEndOfTheTrackEndsThePointer) {
+  gst_harness_push_event(extract.get(), gst_event_new_eos());
+  bool ended = false;
+  for (int i = 0; i < 200 && !ended; ++i) {
+    while (GstEvent *event = gst_harness_try_pull_event(extracted.get())) {
+      ended = ended || GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+      gst_event_unref(event);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(ended);
+}
+
+TEST(PointerElements, StartAndStopAtOnceManyTimes) {
+  gst_init(nullptr, nullptr);
+  for (int i = 0; i < 200; ++i) {
+    GstElement *pipeline = gst_parse_launch(
+        "fakesrc num-buffers=3 ! pointerextract name=p ! fakesink p.pointer ! fakesink async=false",
+        nullptr);
+    ASSERT_NE(pipeline, nullptr);
+    gst_element_set_state(pipeline, i % 2 ? GST_STATE_PLAYING : GST_STATE_PAUSED);
+    EXPECT_EQ(gst_element_set_state(pipeline, GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
+    gst_object_unref(pipeline);
+  }
+}
+
+} // namespace

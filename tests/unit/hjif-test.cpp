@@ -1,0 +1,88 @@
+#include "force-curve.hpp"
+#include "hjif.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace {
+
+using haptic::read_hjif;
+using haptic::TrackSample;
+using haptic::write_hjif;
+
+constexpr std::uint64_t kFrame = 33'333'333;
+
+std::vector<TrackSample> track(int count) {
+  std::vector<TrackSample> samples;
+  for (int i = 0; i < count; ++i) {
+    TrackSample sample;
+    sample.motion = haptic::motion_of_force({0.5 * std::sin(i / 9.0), 0.7 * std::cos(i / 5.0)});
+    if (i / 30 % 4 == 3)
+      sample.motion.confidence = 0;
+    sample.time = static_cast<std::uint64_t>(i) * kFrame;
+    sample.duration = kFrame;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+TEST(Hjif, TheForceComesBack) {
+  const auto sent = track(900); // half a minute
+  const auto got = read_hjif(write_hjif(sent, "2026-01-01"));
+  ASSERT_EQ(got.error, "");
+  auto at = got.samples.begin();
+  for (const auto &sample : sent) {
+    if (sample.motion.confidence == 0)
+      continue;
+    while (at != got.samples.end() && at->motion.confidence == 0)
+      ++at;
+    ASSERT_NE(at, got.samples.end());
+    const auto a = haptic::force_of_motion(sample.motion);
+    const auto b = haptic::force_of_motion(at->motion);
+    EXPECT_NEAR(a.x, b.x, 1e-4);
+    EXPECT_NEAR(a.y, b.y, 1e-4);
+    EXPECT_NEAR(static_cast<double>(sample.time), static_cast<double>(at->time), 0.13e6);
+    ++at;
+  }
+  EXPECT_EQ(got.samples.back().motion.confidence, 0) << "it ends in silence";
+}
+
+TEST(Hjif, NoTruncationIsTakenForWhole) {
+  const std::string text = write_hjif(track(10), "2026-01-01");
+  for (std::size_t size = 0; size + 1 < text.size(); ++size)
+    EXPECT_NE(read_hjif(text.substr(0, size)).error, "") << size;
+}
+
+TEST(Hjif, SaysWhatIsWrongAndWhere) {
+  EXPECT_EQ(read_hjif("[]").error, "an object is expected");
+  EXPECT_EQ(read_hjif("{}").error, "there is no version: this is not MPEG haptics");
+  EXPECT_EQ(read_hjif("{\"version\":\"2023\"}").error, "the timescale is missing or impossible");
+  EXPECT_EQ(read_hjif("{\"version\":\"2023\",\"timescale\":1000}").error,
+            "there is no perception of force");
+  EXPECT_EQ(read_hjif("{\"version\":\"2023\",\"timescale\":1e9}").error,
+            "the timescale is missing or impossible");
+  const std::string deep = std::string(100, '[');
+  EXPECT_EQ(read_hjif("{\"x\":" + deep).error, "nested too deeply");
+  EXPECT_EQ(read_hjif("{\"version\":7}").offset, 11U);
+}
+
+TEST(Hjif, OtherModalitiesAndBandsArePassedOver) {
+  const std::string text =
+      "{\"version\":\"2025\",\"timescale\":1000,\"perceptions\":["
+      "{\"perception_modality\":\"Vibrotactile\",\"channels\":[{\"bands\":[{\"effects\":[]}]}]},"
+      "{\"channels\":[{\"bands\":[{\"effects\":[{\"keyframes\":[{\"amplitude_modulation\":0.5,"
+      "\"relative_position\":10},{\"amplitude_modulation\":1,\"relative_position\":20}],"
+      "\"position\":5,\"effect_type\":\"Basis\"}],\"band_type\":\"Curve\"},"
+      "{\"band_type\":\"Transient\",\"effects\":[{\"effect_type\":\"Basis\",\"keyframes\":["
+      "{\"relative_position\":1,\"amplitude_modulation\":1,\"frequency_modulation\":70}]}]}],"
+      "\"direction\":{\"X\":0,\"Y\":127,\"Z\":0},\"gain\":0.5}],"
+      "\"perception_modality\":\"Force\",\"other\":[{\"a\":null,\"b\":true}]}]}";
+  const auto got = read_hjif(text);
+  ASSERT_EQ(got.error, "");
+  ASSERT_EQ(got.samples.size(), 3U);
+  EXPECT_EQ(got.samples[0].time, 15'000'000U);
+  EXPECT_NEAR(haptic::force_of_motion(got.samples[0].motion).y, 0.25, 1e-5);
+  EXPECT_NEAR(haptic::force_of_motion(got.samples[1].motion).y, 0.5, 1e-5);
+}
+
+} // namespace

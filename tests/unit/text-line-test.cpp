@@ -1,0 +1,81 @@
+#include "text-line.hpp"
+#include "track-samples.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using haptic::read_text_line;
+using haptic::TrackSample;
+using haptic::write_text_line;
+
+TEST(TextLine, SamplesComeBackToTheBit) {
+  test::TrackSamples samples(1);
+  for (int i = 0; i < 1000; ++i) {
+    const TrackSample sample = samples.next();
+    const auto line = read_text_line(write_text_line(sample));
+    ASSERT_TRUE(line.sample) << line.error;
+    EXPECT_EQ(*line.sample, sample);
+  }
+}
+
+TEST(TextLine, IsForPeopleToo) {
+  TrackSample sample;
+  sample.time = 1'033'333'333;
+  sample.duration = 33'333'333;
+  auto &s = sample.motion;
+  s.interval = 33'333'333;
+  s.velocity_x = 12.5F;
+  s.velocity_y = -3;
+  s.confidence = 1;
+  s.picture_width = 352;
+  s.picture_height = 288;
+  s.points = 17;
+  s.model = haptic::MotionModel::similarity;
+  s.flags = haptic::kMotionDuplicate | haptic::kMotionAperture;
+  EXPECT_EQ(write_text_line(sample),
+            "hv1 point t=1.033333333 d=0.033333333 i=0.033333333 vx=12.5 vy=-3 spin=0 div=0 x=0.5 "
+            "y=0.5 w=0 h=0 conf=1 pic=352x288 par=1:1 n=17 model=similarity "
+            "flags=duplicate,aperture");
+}
+
+TEST(TextLine, HoldsNothingThatMarkupEscapes) {
+  test::TrackSamples samples(2);
+  for (int i = 0; i < 1000; ++i)
+    EXPECT_EQ(write_text_line(samples.next()).find_first_of("\"'&<>\n"), std::string::npos);
+}
+
+TEST(TextLine, WhatIsAroundItAndUnknownWordsAreIgnored) {
+  const TrackSample sample = test::TrackSamples(3).next();
+  const std::string line = write_text_line(sample);
+  EXPECT_EQ(read_text_line("  " + line + " later=1 word \r\n" + std::string(1, '\0')).sample,
+            sample);
+}
+
+TEST(TextLine, SaysWhatIsWrong) {
+  const std::string line = write_text_line(test::TrackSamples(4).next());
+  const auto error = [](std::string_view text) { return read_text_line(text).error; };
+  EXPECT_EQ(error(""), "this is not a motion sample");
+  EXPECT_EQ(error("Hello"), "this is not a motion sample");
+  EXPECT_EQ(error("hv2 point"), "another version of the format");
+  EXPECT_EQ(error("hv1 field"), "another kind of sample");
+  EXPECT_EQ(error("hv1 point"), "the value i is missing");
+  EXPECT_EQ(error(line + " vx=1"), "the value vx is there twice");
+  EXPECT_EQ(error("hv1 point vx=fast"), "the value vx cannot be read");
+  EXPECT_EQ(error("hv1 point vx=1e999"), "the value vx cannot be read");
+  EXPECT_EQ(error("hv1 point conf"), "the value conf cannot be read");
+  EXPECT_EQ(error("hv1 point i=0 vx=nan vy=0 spin=0 div=0 x=0 y=0 w=0 h=0 conf=1 pic=1x1 par=1:1 "
+                  "n=0 model=none"),
+            "a value is out of its range");
+}
+
+TEST(TextLine, NoTruncationIsTakenForWholeUnlessOnlyTheFlagsAreGone) {
+  TrackSample sample = test::TrackSamples(5).next();
+  sample.motion.flags = 0;
+  sample.motion.model = haptic::MotionModel::translation;
+  const std::string line = write_text_line(sample);
+  for (std::size_t size = 0; size < line.size(); ++size)
+    EXPECT_FALSE(read_text_line(line.substr(0, size)).sample) << size;
+}
+
+} // namespace
