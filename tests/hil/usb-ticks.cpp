@@ -11,6 +11,7 @@
 // Exit status: 1 the device cannot be opened, 2 it has gone for good.
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
+#include "spidar/usb.hpp"
 
 #include <algorithm>
 #include <array>
