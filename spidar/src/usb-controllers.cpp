@@ -4,17 +4,36 @@
 #include "spidar/error.hpp"
 #include "usb-protocol.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
 #include <optional>
 
 namespace spidar {
 
 namespace {
 
-constexpr auto kExchangeTimeout = std::chrono::milliseconds(2);
+constexpr int kExchangeTimeout = 2; // ms
 // A controller that answers nothing is given up within 0.1 s, so that a busy machine stays within
 // 0.2 s.
 constexpr auto kOpenTimeout = std::chrono::milliseconds(25);
 constexpr int kOpenAttempts = 3;
+
+// A bus behind a network or in an emulated machine answers later than a bus on the board.
+std::chrono::milliseconds exchange_timeout() {
+  const char *told = std::getenv("SPIDAR_USB_TIMEOUT");
+  if (!told)
+    return std::chrono::milliseconds(kExchangeTimeout);
+  int time = 0;
+  const char *end = told + std::strlen(told);
+  if (const auto [rest, error] = std::from_chars(told, end, time);
+      error != std::errc() || rest != end || time < 1 || time > 1000)
+    throw Error(Cause::argument, "SPIDAR_USB_TIMEOUT is '" + std::string(told) +
+                                     "'. Give the time that an exchange may take, 1 to 1000 ms.");
+  return std::chrono::milliseconds(time);
+}
 
 class Simple {
 public:
@@ -72,10 +91,12 @@ public:
 template <class Protocol>
 class ControllerOf final : public UsbController {
 public:
-  explicit ControllerOf(std::unique_ptr<UsbLink> link) : link_(std::move(link)) {
+  explicit ControllerOf(std::unique_ptr<UsbLink> link)
+      : link_(std::move(link)), exchange_timeout_(exchange_timeout()),
+        open_timeout_(std::max(kOpenTimeout, exchange_timeout_)) {
     for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
       link_->drain();
-      if (const auto reply = Protocol::identify(*link_, Clock::now() + kOpenTimeout)) {
+      if (const auto reply = Protocol::identify(*link_, Clock::now() + open_timeout_)) {
         rotary_switch_ = reply->rotary_switch;
         return;
       }
@@ -86,7 +107,7 @@ public:
 
   int rotary_switch() const noexcept override { return rotary_switch_; }
 
-  bool reset() noexcept override { return Protocol::reset(*link_, Clock::now() + kOpenTimeout); }
+  bool reset() noexcept override { return Protocol::reset(*link_, Clock::now() + open_timeout_); }
 
   void guard(const DacWords &rest) override {
     rest_ = rest;
@@ -103,7 +124,7 @@ public:
     interrupted_ = interrupted_ || let_go;
     // Whoever computed these words did not know yet that the motors were put at rest.
     const DacWords &sent = let_go || unguarded_ ? rest_ : words;
-    const auto reply = Protocol::exchange(*link_, sent, now + kExchangeTimeout);
+    const auto reply = Protocol::exchange(*link_, sent, now + exchange_timeout_);
     // What comes after its time, or was asked for by another, must not be taken for the next reply.
     const bool foreign = reply && reply->rotary_switch != rotary_switch_;
     behind_ = link_->reply_owed() || foreign;
@@ -130,6 +151,8 @@ private:
   using Clock = Guardian::Clock;
 
   std::unique_ptr<UsbLink> link_;
+  std::chrono::milliseconds exchange_timeout_;
+  std::chrono::milliseconds open_timeout_;
   std::optional<Guardian> guardian_; ///< ends before the link lets go of the claim
   DacWords rest_{};
   int rotary_switch_ = -1;

@@ -143,14 +143,12 @@ std::string status_line(int process, const std::string &key) {
 
 TEST(Guardian, F1_KilledAtFullForceTheMotorsAreAtRestWithin5Milliseconds) {
   const double slowest = slowest_rest(SIGKILL, 1);
-  test::report("kill-to-rest-ms", slowest);
-  EXPECT_LE(slowest, 5);
+  test::expect_in_time("kill-to-rest-ms", slowest, 5);
 }
 
 TEST(Guardian, F2_StoppedAtFullForceTheMotorsAreAtRestWithin15Milliseconds) {
   const double slowest = slowest_rest(SIGSTOP, 2);
-  test::report("stop-to-rest-ms", slowest);
-  EXPECT_LE(slowest, 15);
+  test::expect_in_time("stop-to-rest-ms", slowest, 15);
 }
 
 TEST(Guardian, F2_AProcessThatGoesOnAfterwardsIsToldThatTheMotorsWereAtRest) {
@@ -181,8 +179,7 @@ TEST(Guardian, F3_ADeadGuardianIsNoticedWithin10Milliseconds) {
   while (guardian.watch(true, Clock::now()) && Clock::now() - begin < 1s)
     std::this_thread::sleep_for(1ms);
   const double noticed = milliseconds(Clock::now() - begin);
-  test::report("dead-guardian-noticed-ms", noticed);
-  EXPECT_LE(noticed, 10);
+  test::expect_in_time("dead-guardian-noticed-ms", noticed, 10);
 }
 
 TEST(Guardian, TheMotorsAreAtRestWhenItIsSentAway) {

@@ -8,7 +8,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "${1:-build}" && pwd)
-export FEELING_WIND_FUZZ_REPLIES=${2:-1000000} FEELING_WIND_UNPLUGS=200
+export FEELING_WIND_TIMING=strict FEELING_WIND_FUZZ_REPLIES=${2:-1000000} FEELING_WIND_UNPLUGS=200
 export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry SPIDAR_GUARDIAN=$build/spidar/spidar-guardian
 export GST_PLUGIN_PATH_1_0=$build/gst-plugins GST_REGISTRY=$build/tests/usb/registry.bin GST_REGISTRY_FORK=no
 log=$(mktemp)

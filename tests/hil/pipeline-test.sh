@@ -9,7 +9,7 @@ start_emulator --controller simple
 promise "the kernel sees a USB2.0 Simple" attach 1 0203
 modprobe vivid n_devs=1 vid_cap_types=1
 promise "the kernel has a camera" within 20 test -c /dev/video0
-need_a_quick_machine
+measure_the_bus
 
 # Coloured squares move to the right by 4 px a picture: 120 px/s. The driver calls that movement 6, the
 # squares pattern 4, and no text over them text mode 2.
@@ -24,8 +24,8 @@ felt() {
     NR == 1 { next }
     { rows++; if ($8 > 0.1) right++; if ($8 < -0.1) left++ }
     END { print rows " ticks, force to the right in " right + 0 ", to the left in " left + 0
-          exit !(rows > 1000 && right > rows / 10 && left < right / 10) }' "$work/ticks.csv"
+          exit !(rows > 100 && right > rows / 10 && left < right / 10) }' "$work/ticks.csv"
 }
 promise "the motion is felt in its direction" felt
 promise "and was told to the motors, which are left at minimum tension" \
-  told "rows > 1000 && largest <= least"
+  told "rows > 100 && largest <= least"

@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
 # In the virtual machine: libspidar on a USB bus of the kernel, both controllers, with faults.
 #
-# HIL_SECONDS: how long each controller is driven, 3. With 60 or more the rate must be 1000 ticks in
-# every second and no exchange lost; less is too little to tell from what else a machine does.
+# HIL_SECONDS: how long each controller is driven, 3. With 60 or more on a quick machine the rate must be
+# 1000 ticks in every second and no exchange lost; less is too little to tell from what else a machine does.
 
 source "$(dirname "$0")/vm-support.sh"
 seconds=${HIL_SECONDS:-3}
-least_rate=300 most_lost=$((seconds * 5))
-if [ "$seconds" -ge 60 ]; then
-  least_rate=1000 most_lost=0
-fi
 
 start_emulator --controller simple:10 --controller sh4:3
 promise "the kernel sees a USB2.0 Simple" attach 1 0203
 promise "the kernel sees a USB2.0 SH4" attach 2 0205
-need_a_quick_machine
+measure_the_bus
+least_rate=10 most_lost=$((seconds * 5))
+if [ "$quick" = yes ]; then
+  least_rate=300
+  if [ "$seconds" -ge 60 ]; then
+    least_rate=1000 most_lost=0
+  fi
+fi
 
 driven() {
   local line
@@ -24,7 +27,7 @@ driven() {
 }
 promise "the USB2.0 Simple is driven at $least_rate Hz or more" driven 10
 promise "the USB2.0 SH4 is driven at $least_rate Hz or more" driven 3
-promise "both are left at minimum tension" told "rows > 500 && largest <= least"
+promise "both are left at minimum tension" told "rows > 50 && largest <= least"
 
 survives() {
   chrt -f 50 "$usb_ticks" 5 "$1" >"$work/line" &

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mock-bus.hpp"
+#include "report-line.hpp"
 
 #include <chrono>
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ protected:
     try {
       spidar::open_usb(id);
     } catch (const spidar::Error &error) {
-      EXPECT_LE(Clock::now() - begin, 200ms) << error.what();
+      expect_in_time(std::chrono::duration<double>(Clock::now() - begin).count(), 0.2);
       return error;
     }
     ADD_FAILURE() << "opened";

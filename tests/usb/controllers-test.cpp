@@ -92,7 +92,7 @@ TEST_P(Controllers, AStalledEndpointIsClearedWithin20Milliseconds) {
     const auto begin = Clock::now();
     EXPECT_FALSE(controller->exchange({}, counts));
     EXPECT_TRUE(controller->exchange({}, counts));
-    EXPECT_LE(Clock::now() - begin, 20ms);
+    expect_in_time(std::chrono::duration<double>(Clock::now() - begin).count(), 0.02);
   }
   EXPECT_GE(bus_->halts_cleared, 20);
 }

@@ -28,7 +28,8 @@ SPIDAR_API std::vector<UsbUnit> list_usb();
 /// the udev line, busy with its holder, argument for an id that is none or that two have, io).
 ///
 /// Which devices are SPIDAR-G is told by vendor and product. $SPIDAR_USB_ID adds another one:
-/// "04b4:8613=simple" or "=sh4".
+/// "04b4:8613=simple" or "=sh4". An exchange may take 2 ms; $SPIDAR_USB_TIMEOUT, 1..1000 ms, is for
+/// a bus behind a network or in an emulated machine: what fails is noticed that much later.
 SPIDAR_API std::unique_ptr<Controller> open_usb(const std::string &id);
 
 /// Whether there is a controller, without opening it.
