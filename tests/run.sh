@@ -152,7 +152,7 @@ in_idle_time() {
 }
 
 if check "Everything builds without a warning" \
-  build_in build-tests -Dwerror=true -Dtests=enabled -Dbenchmarks=enabled \
+  build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=enabled \
   -Dvision=enabled -Ddevice=enabled -Dtrack=enabled; then
   if [ "$quick" = no ]; then
     in_idle_time build_sanitized >build-tests/sanitized.log 2>&1 &

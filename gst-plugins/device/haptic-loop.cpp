@@ -57,7 +57,7 @@ void back_to_normal_priority() noexcept {
 // The stack as deep as the loop ever needs it: touched once and kept, so that no tick waits for a
 // page.
 [[gnu::noinline]] int lock_stack() noexcept {
-  constexpr std::size_t kDepth = 64 * 1024;
+  constexpr std::size_t kDepth = 65536;
   volatile char stack[kDepth];
   for (std::size_t i = 0; i < kDepth; i += 1024)
     stack[i] = 0;

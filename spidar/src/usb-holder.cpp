@@ -50,7 +50,8 @@ std::string holder_of(const std::string &path) {
     if (times == 0)
       continue;
     const std::string name = name_of(entry->path());
-    std::string holder = name + " (process " + number + ")";
+    std::string holder = name;
+    holder.append(" (process ").append(number).append(")");
     if (name != "spidar-guardian") // stands behind somebody
       return holder;
     guardian = std::move(holder);

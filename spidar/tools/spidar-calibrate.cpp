@@ -111,7 +111,7 @@ std::optional<std::size_t> ask_direction() {
 
 /// True when the geometry has the axis the right way round.
 bool check_axis(Session &session, int axis) {
-  const auto forwards = static_cast<std::size_t>(2 * axis);
+  const auto forwards = 2 * static_cast<std::size_t>(axis);
   Vector3 force = Vector3::Zero();
   force[axis] = kGentle;
   session.pull(force);
