@@ -3,18 +3,20 @@
 # closes with one line: N passed, N failed, N skipped. The exit status is 0 only when nothing
 # failed. Each check of format, style or scripts counts as one test.
 #
-# Usage: tests/run.sh [--quick]
-#   --quick  without the sanitizers, clang-tidy and the demonstration
+# Usage: tests/run.sh [--quick | --all]
+#   --quick  without the sanitizers and the demonstration
+#   --all    with clang-tidy, which takes long
 #
 # Builds in build-tests/ and build-sanitized/, the demonstration in build/.
 
 source "$(dirname "$0")/../pipelines/common.sh"
 source "$(dirname "$0")/../pipelines/packages.sh"
 
-quick=no
+quick=no all=no
 case ${1:-} in
 '') ;;
 --quick) quick=yes ;;
+--all) all=yes ;;
 --help | -h) show_help && exit ;;
 *) fail "unknown option '$1'; see --help" ;;
 esac
@@ -141,7 +143,7 @@ check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
 build_sanitized() {
   build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
-    -Doptimization=1 -Ddebug=false -Dcpp_args=-g1 `# half the time to compile` \
+    -Doptimization=1 -Ddebug=false `# half the time to compile` \
     -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
 }
 
@@ -160,8 +162,10 @@ if check "Everything builds without a warning" \
   fi
   step "Unit, element, pipeline and documentation tests"
   run_meson_tests build-tests
-  if [ "$quick" = no ]; then
+  if [ "$all" = yes ]; then
     check "clang-tidy finds nothing" check_style || true
+  fi
+  if [ "$quick" = no ]; then
     if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" wait "$sanitized"; then
       step "Unit, element, USB, fault and fuzz tests with sanitizers"
       run_sanitized_tests
