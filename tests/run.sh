@@ -98,9 +98,10 @@ leaks_can_be_found() {
     grep -q 'LeakSanitizer has encountered a fatal error'
 }
 
-# They repeat for statistics or for hours what others do once: nothing more for a sanitizer to see.
+# They repeat for statistics or for hours what others do once, or only measure time: nothing more for a
+# sanitizer to see.
 statistics=(
-  '*.F20_*' '*.F27_*'
+  '*.F20_*' '*.F27_*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
   'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
   'FastTrackerLimits.AfterTheFirstPicturesNothingIsAllocated'
   'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
