@@ -29,11 +29,18 @@ promise "the USB2.0 Simple is driven at $least_rate Hz or more" driven 10
 promise "the USB2.0 SH4 is driven at $least_rate Hz or more" driven 3
 promise "both are left at minimum tension" told "rows > 50 && largest <= least"
 
+# Until the program that was started has told the motors something.
+start_driving() {
+  local before
+  before=$(wc -l <"$words")
+  chrt -f 50 "$usb_ticks" "$@" >"$work/line" &
+  program=$!
+  within 20 more_lines $((before + 20)) "$words"
+}
+
 survives() {
-  chrt -f 50 "$usb_ticks" 5 "$1" >"$work/line" &
-  local program=$!
+  start_driving 5 "$1" || return
   shift
-  sleep 1.5
   for fault; do
     tell "$fault"
     sleep 0.3
@@ -48,9 +55,7 @@ promise "a halted endpoint is survived" survives 10 "stall in @1"
 
 gone() {
   local status=0
-  chrt -f 50 "$usb_ticks" 20 10 >"$work/line" &
-  local program=$!
-  sleep 1.5
+  start_driving 20 10 || return
   tell "unplug @1"
   wait "$program" || status=$?
   cat "$work/line"
@@ -62,9 +67,8 @@ promise "the unit can be attached anew" attach 1 0203
 promise "and driven" "$usb_ticks" 1 10
 
 killed() {
-  chrt -f 50 "$usb_ticks" 20 "$1" &
-  local program=$!
-  sleep 1.5
+  start_driving 20 "$1" || return
+  sleep 0.5
   told "rows > 0 && largest > least" || return
   kill -9 "$program"
   told "largest <= least && after <= 100"
