@@ -73,6 +73,18 @@ build_in() {
   fi
 }
 
+build_sanitized() {
+  build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
+    -Doptimization=1 -Ddebug=false `# half the time to compile` \
+    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
+}
+
+# With what the processors have left beside the tests, most of which wait for real time.
+in_idle_time() {
+  chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
+  "$@"
+}
+
 # `run_meson_tests FOLDER OPTION...` adds up what meson counted.
 run_meson_tests() {
   local folder=$1 report=$1/test-report.txt before=$failed status=0
@@ -142,17 +154,6 @@ check_scripts() {
 set_up
 check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
-build_sanitized() {
-  build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
-    -Doptimization=1 -Ddebug=false `# half the time to compile` \
-    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
-}
-
-# With what the processors have left beside the tests, most of which wait for real time.
-in_idle_time() {
-  chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
-  "$@"
-}
 
 if check "Everything builds without a warning" \
   build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=enabled \

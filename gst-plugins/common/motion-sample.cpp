@@ -1,6 +1,7 @@
 #include "motion-sample.hpp"
 
-#include <bit>
+#include "little-endian.hpp"
+
 #include <cmath>
 
 namespace haptic {
@@ -9,45 +10,6 @@ namespace {
 constexpr std::array<std::uint8_t, 4> kMagic = {'H', 'M', 'S', 'P'};
 constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kKindPoint = 0;
-
-class Writer {
-public:
-  explicit Writer(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
-  void u8(std::uint8_t value) { bytes_[at_++] = value; }
-  void u16(std::uint16_t value) { little_endian(value, 2); }
-  void u32(std::uint32_t value) { little_endian(value, 4); }
-  void u64(std::uint64_t value) { little_endian(value, 8); }
-  void f32(float value) { u32(std::bit_cast<std::uint32_t>(value)); }
-
-private:
-  void little_endian(std::uint64_t value, int count) {
-    for (int i = 0; i < count; ++i)
-      u8(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
-  std::span<std::uint8_t> bytes_;
-  std::size_t at_ = 0;
-};
-
-// The caller has checked that the bytes suffice.
-class Reader {
-public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-  std::uint8_t u8() { return bytes_[at_++]; }
-  std::uint16_t u16() { return static_cast<std::uint16_t>(little_endian(2)); }
-  std::uint32_t u32() { return static_cast<std::uint32_t>(little_endian(4)); }
-  std::uint64_t u64() { return little_endian(8); }
-  float f32() { return std::bit_cast<float>(u32()); }
-
-private:
-  std::uint64_t little_endian(int count) {
-    std::uint64_t value = 0;
-    for (int i = 0; i < count; ++i)
-      value |= std::uint64_t{u8()} << (8 * i);
-    return value;
-  }
-  std::span<const std::uint8_t> bytes_;
-  std::size_t at_ = 0;
-};
 
 bool is_fraction(float value) {
   return value >= 0 && value <= 1;
@@ -81,7 +43,7 @@ std::string_view motion_model_name(MotionModel model) noexcept {
 
 MotionSampleBytes pack_motion_sample(const MotionSample &s) noexcept {
   MotionSampleBytes bytes{};
-  Writer out(bytes);
+  LittleEndianWriter out(bytes);
   for (auto letter : kMagic)
     out.u8(letter);
   out.u8(kVersion);
@@ -102,7 +64,7 @@ MotionSampleBytes pack_motion_sample(const MotionSample &s) noexcept {
 std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> bytes) noexcept {
   if (bytes.size() < kMotionSampleSize)
     return std::nullopt;
-  Reader in(bytes);
+  LittleEndianReader in(bytes);
   for (auto letter : kMagic)
     if (in.u8() != letter)
       return std::nullopt;

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace haptic {
@@ -214,6 +215,8 @@ private:
   float period();
   void add_whole(const Area &area, const Translation &whole, Measurement &measurement);
   void add_grid(const Area &area, const Translation &whole, Measurement &measurement);
+  std::optional<Strain> strain_at(int row, int column, std::span<const Displacement> displacements,
+                                  std::span<const Alignment> aligned) const;
   void follow_strain(std::span<Alignment> aligned);
   void add_patch(const Template &patch, Displacement moved, const Fit &fit,
                  Measurement &measurement);
@@ -230,6 +233,7 @@ private:
   std::array<PatchGrid, kMostLevels> blocks_;
   PatchGrid coarse_grid_;
   PatchGrid grid_;
+  Template strained_;
   std::array<ByteImage, 2> reduced_previous_;
   std::array<ByteImage, 2> reduced_current_;
   Displacement last_;                           // px, of the picture before
@@ -610,52 +614,61 @@ void FastTracker::add_grid(const Area &area, const Translation &whole, Measureme
     add_patch(grid_.patches[i], aligned[i].displacement, aligned[i].fit, measurement);
 }
 
-// A patch that only shifts does not fit what turns or is stretched. Its neighbours tell how.
-void FastTracker::follow_strain(std::span<Alignment> aligned) {
+// What the neighbours of a patch tell of the strain there; nothing where there is none, and beside
+// another motion, where nobody knows.
+std::optional<Strain> FastTracker::strain_at(int row, int column,
+                                             std::span<const Displacement> displacements,
+                                             std::span<const Alignment> aligned) const {
   constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
   constexpr float kLargest = 0.25F;     // neighbours that differ by more move on their own
-  constexpr float kBetter = 0.95F;      // of the residual, else the strain was none
   constexpr float kPrior = 0.5F;        // in neighbours: without them there is no strain
-  const int columns = grid_.columns;
-  const int rows = grid_.rows;
+  const std::size_t at = cell(row, grid_.columns, column);
+  const Template &patch = grid_.patches[at];
+  const float prior = kPrior * static_cast<float>(patch.side * patch.side);
+  Tensor offsets{prior, 0, prior};
+  Displacement x_moved;
+  Displacement y_moved;
+  for (int y = std::max(0, row - 1); y <= std::min(grid_.rows - 1, row + 1); ++y)
+    for (int x = std::max(0, column - 1); x <= std::min(grid_.columns - 1, column + 1); ++x) {
+      const std::size_t other = cell(y, grid_.columns, x);
+      if (other == at || !aligned[other].fit.inside)
+        continue;
+      const Displacement away{grid_.patches[other].x - patch.x, grid_.patches[other].y - patch.y};
+      const Displacement moved = displacements[other] - displacements[at];
+      if (norm2(moved) > kLargest * kLargest * norm2(away))
+        return {};
+      offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
+      x_moved = x_moved + moved.x * away;
+      y_moved = y_moved + moved.y * away;
+    }
+  const Displacement of_x = solve(offsets, x_moved, 0);
+  const Displacement of_y = solve(offsets, y_moved, 0);
+  if (norm2(of_x) + norm2(of_y) < kSignificant * kSignificant)
+    return {};
+  return Strain{of_x.x, of_x.y, of_y.x, of_y.y};
+}
+
+// A patch that only shifts does not fit what turns or is stretched.
+void FastTracker::follow_strain(std::span<Alignment> aligned) {
+  constexpr float kBetter = 0.95F; // of the residual, else the strain was none
   std::array<Displacement, kMaxPatches> before;
   for (std::size_t i = 0; i < grid_.view().size(); ++i)
     before[i] = aligned[i].displacement;
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const std::size_t at = cell(j, columns, i);
-      Template &patch = grid_.patches[at];
-      const float prior = kPrior * static_cast<float>(patch.side * patch.side);
-      Tensor offsets{prior, 0, prior};
-      Displacement x_moved;
-      Displacement y_moved;
-      bool beside_another = false; // which tells the strain then, nobody knows
-      for (int y = std::max(0, j - 1); y <= std::min(rows - 1, j + 1); ++y)
-        for (int x = std::max(0, i - 1); x <= std::min(columns - 1, i + 1); ++x) {
-          const std::size_t other = cell(y, columns, x);
-          if (other == at || !aligned[other].fit.inside)
-            continue;
-          const Displacement away{grid_.patches[other].x - patch.x,
-                                  grid_.patches[other].y - patch.y};
-          const Displacement moved = before[other] - before[at];
-          if (norm2(moved) > kLargest * kLargest * norm2(away)) {
-            beside_another = true;
-            continue;
-          }
-          offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
-          x_moved = x_moved + moved.x * away;
-          y_moved = y_moved + moved.y * away;
-        }
-      const Displacement of_x = solve(offsets, x_moved, 0);
-      const Displacement of_y = solve(offsets, y_moved, 0);
-      if (beside_another || norm2(of_x) + norm2(of_y) < kSignificant * kSignificant)
+  for (int row = 0; row < grid_.rows; ++row)
+    for (int column = 0; column < grid_.columns; ++column) {
+      const auto strain = strain_at(row, column, before, aligned);
+      if (!strain)
         continue;
-      Template strained = patch;
-      prepare_strained_template(previous_.levels[0], {of_x.x, of_x.y, of_y.x, of_y.y}, strained);
+      const std::size_t at = cell(row, grid_.columns, column);
+      Template &patch = grid_.patches[at];
+      strained_.x = patch.x;
+      strained_.y = patch.y;
+      strained_.side = patch.side;
+      prepare_strained_template(previous_.levels[0], *strain, strained_);
       const Alignment better =
-          align_template(current_.levels[0], strained, {&before[at], 1}, options_.iterations);
+          align_template(current_.levels[0], strained_, {&before[at], 1}, options_.iterations);
       if (better.fit.residual < kBetter * aligned[at].fit.residual) {
-        patch = strained;
+        patch = strained_;
         aligned[at] = better;
       }
     }

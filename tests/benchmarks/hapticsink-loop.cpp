@@ -4,13 +4,13 @@
 // Targets: no tick missed (more than 20 ms late) in 60 s, loop body p99 <= 20 us.
 #include "device-choice.hpp"
 #include "haptic-loop.hpp"
+#include "processor.hpp"
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <unistd.h>
@@ -19,14 +19,6 @@ namespace {
 
 constexpr double kDefaultSeconds = 60;
 constexpr auto kFrame = std::chrono::nanoseconds(std::chrono::seconds(1)) / 30;
-
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      return line.substr(line.find(':') + 2);
-  return "unknown processor";
-}
 
 haptic::MotionSample leaf(double t) {
   haptic::MotionSample sample;
@@ -61,7 +53,7 @@ int main(int argc, char **argv) {
   std::remove(path.c_str());
 
   const haptic::LoopStatistics &s = loop.statistics();
-  std::printf("%s, %ld processors, compiler %s, %.0f s with the log on\n", processor().c_str(),
+  std::printf("%s, %ld processors, compiler %s, %.0f s with the log on\n", test::processor().c_str(),
               sysconf(_SC_NPROCESSORS_ONLN), __VERSION__, seconds);
   std::printf("real-time priority: %s\n",
               loop.priority_error() == 0 ? "yes" : std::strerror(loop.priority_error()));

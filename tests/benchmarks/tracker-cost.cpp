@@ -5,6 +5,7 @@
 // twice that, the portable code 50 us; 99.9 % of a million pictures below 40 us; both elements
 // 25 us per picture of 1080p more than an identity.
 #include "patch-tracker.hpp"
+#include "processor.hpp"
 #include "region.hpp"
 #include "velocity-estimate.hpp"
 #include "video-harness.hpp"
@@ -13,7 +14,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <gst/gst.h>
 #include <hwy/targets.h>
 #include <string>
@@ -27,14 +27,6 @@ using Pictures = std::vector<test::Picture>;
 constexpr int kSide = 140;
 constexpr haptic::Rectangle kRegion{55, 55, 30, 30};
 constexpr int kPictures = 16; // shown back and forth
-
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      return line.substr(line.find(':') + 2);
-  return "unknown processor";
-}
 
 double microseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
@@ -164,7 +156,7 @@ void compare_elements() {
 int main(int argc, char **argv) {
   gst_init(nullptr, nullptr);
   const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
-  std::printf("%s, compiler %s\n", processor().c_str(), __VERSION__);
+  std::printf("%s, compiler %s\n", test::processor().c_str(), __VERSION__);
   Pictures still = scene({0, 0}, {0, 0}, 0);
   Pictures moving = scene({1.7, -0.6}, {1.7, -0.6}, 1.5);
   Pictures two = scene({1.7, -0.6}, {-1.2, 0.9}, 1.5);

@@ -3,6 +3,7 @@
 # about what the motors were told. To be sourced.
 
 source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../support/promise.sh"
 
 export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
 work=$(mktemp -d)
@@ -18,23 +19,6 @@ export SPIDAR_GUARDIAN=$build/spidar/spidar-guardian
 
 # µs for an exchange. Above the first the loop runs slower than 1 kHz: skipped, unless HIL_SLOWEST allows more.
 quick_exchange=500 slowest_exchange=${HIL_SLOWEST:-500}
-
-skip() {
-  echo "SKIP: $*"
-  exit 77
-}
-
-# `promise TEXT COMMAND...`: the command must succeed; the text says what that means.
-promise() {
-  local text=$1
-  shift
-  if "$@"; then
-    echo "ok: $text"
-  else
-    echo "NOT OK: $text"
-    exit 1
-  fi
-}
 
 # `within SECONDS COMMAND...`: the command succeeds before the time is over.
 within() {

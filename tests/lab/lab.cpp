@@ -1,5 +1,6 @@
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
 #include "measure.hpp"
+#include "processor.hpp"
 #include "report.hpp"
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -92,14 +92,6 @@ private:
   bool on_terminal_ = isatty(STDERR_FILENO) != 0;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
-
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      return line.substr(line.find(':') + 2);
-  return "unknown";
-}
 
 std::string today() {
   const std::time_t now = std::time(nullptr);
@@ -319,7 +311,7 @@ int run(const Options &options) {
   cv::setNumThreads(1);
   Report report;
   report.circumstances = {
-      {"processor", processor()},
+      {"processor", test::processor()},
       {"threads of the machine", std::to_string(std::thread::hardware_concurrency())},
       {"compiler", "GCC " __VERSION__},
       {"compiler options", LAB_COMPILER_OPTIONS},

@@ -6,27 +6,11 @@
 
 source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
 source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/packages.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../support/promise.sh"
 use_elements
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-
-skip() {
-  echo "SKIP: $*"
-  exit 77
-}
-
-# `promise TEXT COMMAND...`: the command must succeed; the text says what that means.
-promise() {
-  local text=$1
-  shift
-  if "$@"; then
-    echo "ok: $text"
-  else
-    echo "NOT OK: $text"
-    exit 1
-  fi
-}
 
 # `clip FILE WIDTH HEIGHT FRAMES-PER-SECOND SECONDS SCENE` writes a video of known motion; see
 # make-clip.cpp for the scenes. The ending of FILE chooses the container: mkv (Motion JPEG of high

@@ -94,6 +94,20 @@ public:
     larger.paint(picture, {});
   }
 
+  /// The texture turned about the middle of the picture, radians, positive turns x towards y.
+  Picture turned(int width, int height, double angle) const {
+    Texture turned = *this;
+    for (Wave &wave : turned.waves_) {
+      const auto at_middle = [&] { return wave.kx * width / 2 + wave.ky * height / 2; };
+      const double before = at_middle();
+      const double kx = wave.kx;
+      wave.kx = kx * std::cos(angle) - wave.ky * std::sin(angle);
+      wave.ky = kx * std::sin(angle) + wave.ky * std::cos(angle);
+      wave.phase += before - at_middle();
+    }
+    return turned.picture(width, height, {});
+  }
+
   Picture picture(int width, int height, Shift shift) const {
     Picture picture(width, height);
     paint(picture, shift);

@@ -1,0 +1,65 @@
+// The motion field: what motionfield says about one whole picture, as it flows in haptics/x-raw
+// buffers.
+#pragma once
+
+#include "motion-sample.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// One buffer of these caps holds exactly one motion field. What else the caps may carry is as for
+/// HAPTIC_MOTION_CAPS.
+#define HAPTIC_FIELD_CAPS "haptics/x-raw, modality=(string)velocity, layout=(string)field"
+
+namespace haptic {
+
+/// Cells of a field: what readers take, so that what they hold is bounded.
+inline constexpr std::size_t kMostFieldCells = 8192;
+
+/// The motion in one cell, in px of the picture per second, x to the right and y down.
+struct FieldCell {
+  float velocity_x = 0; ///< px/s
+  float velocity_y = 0; ///< px/s
+  float confidence = 0; ///< 0..1; 0 means that nothing was measured, and the velocity is 0
+
+  bool operator==(const FieldCell &) const = default;
+};
+
+/// Cells of equal size, side by side over the whole picture, row by row from its top left.
+struct MotionField {
+  std::uint64_t interval = 0;       ///< ns between the two pictures, 0 when there is none
+  std::uint32_t picture_width = 0;  ///< px
+  std::uint32_t picture_height = 0; ///< px
+  std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
+  std::uint32_t pixel_aspect_d = 1;
+  std::uint16_t flags = 0; ///< of MotionFlags: still, duplicate, cut, discontinuity
+  std::uint16_t columns = 0;
+  std::uint16_t rows = 0;
+  std::vector<FieldCell> cells; ///< columns * rows
+
+  bool operator==(const MotionField &) const = default;
+};
+
+/// Bytes of a packed field before its cells, and of each cell (docs/formats/motion-field.md).
+inline constexpr std::size_t kFieldHeaderSize = 40;
+inline constexpr std::size_t kFieldCellSize = 12;
+
+constexpr std::size_t packed_size(const MotionField &field) noexcept {
+  return kFieldHeaderSize + field.cells.size() * kFieldCellSize;
+}
+
+/// Writes packed_size(field) bytes, little-endian on every machine; there must be as many.
+void pack_motion_field(const MotionField &field, std::span<std::uint8_t> bytes) noexcept;
+
+/// Whether every number is finite and in its range: what a reader takes.
+bool is_valid(const MotionField &field) noexcept;
+
+/// False, and `field` is of no use, if the bytes are not a field of this version, hold a number
+/// that is not finite, or one outside its range. Never reads beyond `bytes`. Allocates only when
+/// the field has more cells than any before in `field`.
+bool unpack_motion_field(std::span<const std::uint8_t> bytes, MotionField &field);
+
+} // namespace haptic

@@ -1,0 +1,19 @@
+# shellcheck shell=bash
+# How a test that is a script tells what it found. To be sourced.
+
+skip() {
+  echo "SKIP: $*"
+  exit 77
+}
+
+# `promise TEXT COMMAND...`: the command must succeed; the text says what that means.
+promise() {
+  local text=$1
+  shift
+  if "$@"; then
+    echo "ok: $text"
+  else
+    echo "NOT OK: $text"
+    exit 1
+  fi
+}
