@@ -6,6 +6,7 @@
 #include "gsthapticconvert.h"
 
 #include "exception-barrier.hpp"
+#include "field-codec.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-track.hpp"
 #include "klv.hpp"
@@ -55,8 +56,20 @@ Form form_of(const GstCaps *caps) {
   return Form::raw;
 }
 
+// What a sample of the track is of.
+enum class Layout { point, field };
+
+constexpr const char *layout_name(Layout layout) {
+  return layout == Layout::field ? "field" : "point";
+}
+
+Layout layout_of(const GstStructure *structure) {
+  const char *name = gst_structure_get_string(structure, "layout");
+  return name && g_str_equal(name, "field") ? Layout::field : Layout::point;
+}
+
 // Things that go wrong in streams; each is told once and then counted.
-enum Trouble { kDamaged, kForeign, kOtherVersion, kOtherKind, kNoTimes, kTroubles };
+enum Trouble { kDamaged, kForeign, kOtherVersion, kOtherKind, kNoTimes, kMissing, kTroubles };
 
 struct Item {
   TrackSample sample;
@@ -74,9 +87,14 @@ struct State {
   // Streaming thread only, or while it is stopped.
   Form in = Form::raw;
   Form out = Form::raw;
+  Layout layout = Layout::point; // of the samples that come
+  bool failed = false;           // an error was posted
   std::deque<BufferPtr> ready;
   std::unique_ptr<haptic::HmpgEncoder> encoder;
   haptic::HmpgDecoder decoder;
+  haptic::FieldEncoder field_encoder;
+  haptic::FieldDecoder field_decoder;
+  haptic::MotionField field; // that came; kept for its memory
   std::array<bool, kTroubles> told{};
   bool discont = true;
   bool begun = false; // a sample has come since the start or the last flush
@@ -93,8 +111,8 @@ struct _GstHapticConvert {
 };
 
 #define ALL_FORMS(text_formats)                                                                    \
-  HAPTIC_MOTION_CAPS "; " HAPTIC_KLV_CAPS "; text/x-raw, format=(string)" text_formats             \
-                     "; " HAPTIC_HMPG_CAPS
+  HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_KLV_CAPS                                   \
+                     "; text/x-raw, format=(string)" text_formats "; " HAPTIC_HMPG_CAPS
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(ALL_FORMS("{ utf8, pango-markup }")));
 static GstStaticPadTemplate src_template =
@@ -117,6 +135,19 @@ GstBaseTransformClass *parent_class() {
 
 // ---- caps ---------------------------------------------------------------------------------------
 
+// A field becomes no point, nor MPEG haptics, which is of one point.
+bool go_together(const GstStructure *one, const GstStructure *other) {
+  const auto is_field = [](const GstStructure *structure) {
+    return layout_of(structure) == Layout::field;
+  };
+  const auto holds_points_only = [&](const GstStructure *structure) {
+    return gst_structure_has_name(structure, "haptics/hmpg") ||
+           (gst_structure_has_name(structure, "haptics/x-raw") && !is_field(structure));
+  };
+  return !(is_field(one) && holds_points_only(other)) &&
+         !(is_field(other) && holds_points_only(one));
+}
+
 // Everything that one structure can become, the plain samples first.
 CapsPtr other_side(GstPadDirection from, const GstCaps *caps) {
   CapsPtr result(gst_caps_new_empty());
@@ -125,8 +156,12 @@ CapsPtr other_side(GstPadDirection from, const GstCaps *caps) {
     CapsPtr all(
         gst_static_pad_template_get_caps(from == GST_PAD_SINK ? &src_template : &sink_template));
     all.reset(gst_caps_make_writable(all.release()));
-    for (guint j = 0; j < gst_caps_get_size(all.get()); ++j) {
+    for (guint j = gst_caps_get_size(all.get()); j-- > 0;) {
       GstStructure *other = gst_caps_get_structure(all.get(), j);
+      if (!go_together(structure, other)) {
+        gst_caps_remove_structure(all.get(), j);
+        continue;
+      }
       const bool same = gst_structure_has_name(structure, gst_structure_get_name(other));
       if (same && gst_structure_has_name(other, "haptics/x-raw"))
         for (const char *field : {"width", "height", "pixel-aspect-ratio", "framerate"})
@@ -150,6 +185,21 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();
+}
+
+// Whether a file holds points or fields is known only from its samples: what came last is expected.
+GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *othercaps) {
+  CapsPtr caps(othercaps);
+  const GstStructure *first = gst_caps_get_structure(caps.get(), 0);
+  if (direction == GST_PAD_SINK && gst_structure_has_name(first, "haptics/x-raw"))
+    for (guint i = 0; i < gst_caps_get_size(caps.get()); ++i)
+      if (const GstStructure *structure = gst_caps_get_structure(caps.get(), i);
+          gst_structure_has_name(structure, "haptics/x-raw") &&
+          layout_of(structure) == self->state->layout) {
+        caps.reset(gst_caps_copy_nth(caps.get(), i));
+        break;
+      }
+  return gst_caps_fixate(caps.release());
 }
 
 // ---- troubles -----------------------------------------------------------------------------------
@@ -204,6 +254,43 @@ void remember_time(State &state, const Item &item) {
                             : std::min<GstClockTime>(item.sample.duration, GST_SECOND);
 }
 
+// ---- layout -------------------------------------------------------------------------------------
+
+void push_what_is_left(GstBaseTransform *trans);
+
+void refuse_layout(GstHapticConvert *self, const char *what_follows) {
+  if (!std::exchange(self->state->failed, true))
+    GST_ELEMENT_ERROR(
+        self, STREAM, WRONG_TYPE,
+        ("The haptic track holds motion %s, but %s.",
+         self->state->layout == Layout::field ? "fields of the whole picture" : "of one point",
+         what_follows),
+        ("layout=%s", layout_name(self->state->layout)));
+}
+
+// Samples of this layout follow. False, with an error posted, if they cannot go on.
+bool take_layout(GstHapticConvert *self, Layout layout) {
+  State &state = *self->state;
+  if (state.layout == layout)
+    return !state.failed;
+  auto *trans = GST_BASE_TRANSFORM(self);
+  push_what_is_left(trans);
+  state.layout = layout;
+  if (state.out == Form::hmpg && layout == Layout::field) {
+    refuse_layout(self,
+                  "MPEG haptics can hold the motion of one point only; convert to KLV or text");
+  } else if (state.out == Form::raw) {
+    CapsPtr caps(gst_pad_get_current_caps(GST_BASE_TRANSFORM_SRC_PAD(trans)));
+    caps.reset(gst_caps_make_writable(caps.release()));
+    gst_caps_set_simple(caps.get(), "layout", G_TYPE_STRING, layout_name(layout), nullptr);
+    const CapsPtr taken(gst_pad_peer_query_caps(GST_BASE_TRANSFORM_SRC_PAD(trans), nullptr));
+    if (!gst_caps_can_intersect(taken.get(), caps.get()) ||
+        !gst_base_transform_update_src_caps(trans, caps.get()))
+      refuse_layout(self, "what follows hapticconvert does not take them");
+  }
+  return !state.failed;
+}
+
 // ---- out ----------------------------------------------------------------------------------------
 
 BufferPtr make_buffer(const void *bytes, std::size_t size, GstClockTime pts,
@@ -246,7 +333,15 @@ void encode_units(GstHapticConvert *self, const Item &item) {
   take_units(state, state.encoder->push(item.sample.motion, item.pts, item.sample.duration));
 }
 
+void send(State &state, BufferPtr buffer) {
+  if (std::exchange(state.discont, false))
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
+  state.ready.push_back(std::move(buffer));
+}
+
 void encode(GstHapticConvert *self, const Item &item) {
+  if (!take_layout(self, Layout::point))
+    return;
   State &state = *self->state;
   state.begun = true;
   ++state.samples;
@@ -273,9 +368,59 @@ void encode(GstHapticConvert *self, const Item &item) {
   case Form::hmpg:
     return encode_units(self, item);
   }
-  if (std::exchange(state.discont, false))
-    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
-  state.ready.push_back(std::move(buffer));
+  send(state, std::move(buffer));
+}
+
+// A field as its code travels.
+void send_coded(State &state, const haptic::CodedField &coded, GstClockTime pts,
+                GstClockTime duration) {
+  BufferPtr buffer;
+  if (state.out == Form::klv) {
+    const auto bytes = haptic::write_klv(coded);
+    buffer = make_buffer(bytes.data(), bytes.size(), pts, duration);
+  } else {
+    const auto text = haptic::write_text_line(coded);
+    buffer = make_buffer(text.data(), text.size(), pts, duration);
+  }
+  if (!haptic::is_key_field(coded.bytes))
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
+  send(state, std::move(buffer));
+}
+
+void send_field(State &state, const haptic::MotionField &field, GstClockTime pts,
+                GstClockTime duration) {
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, haptic::packed_size(field), nullptr));
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer.get(), &map, GST_MAP_WRITE))
+    return;
+  haptic::pack_motion_field(field, {map.data, map.size});
+  gst_buffer_unmap(buffer.get(), &map);
+  GST_BUFFER_PTS(buffer.get()) = pts;
+  GST_BUFFER_DURATION(buffer.get()) = duration;
+  if (std::ranges::none_of(field.cells, [](const auto &cell) { return cell.confidence > 0; }))
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_GAP);
+  send(state, std::move(buffer));
+}
+
+void encode_field(GstHapticConvert *self, GstBuffer *buffer) {
+  State &state = *self->state;
+  state.begun = true;
+  ++state.samples;
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  const GstClockTime duration = GST_BUFFER_DURATION(buffer);
+  auto bytes = state.field_encoder.push(state.field);
+  if (!bytes) { // it rests, and a muxer must not wait for it
+    if (GST_CLOCK_TIME_IS_VALID(pts))
+      gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst_event_new_gap(pts, duration));
+    return;
+  }
+  haptic::CodedField coded{std::move(*bytes)};
+  coded.time = gst_segment_to_stream_time(&GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME, pts);
+  // The interval stands in the code, to the microsecond.
+  const auto apart = static_cast<GstClockTimeDiff>(duration - state.field.interval);
+  if (std::abs(apart) > static_cast<GstClockTimeDiff>(GST_USECOND))
+    coded.duration = duration;
+  send_coded(state, coded, pts, duration);
 }
 
 void finish_units(State &state) {
@@ -285,7 +430,25 @@ void finish_units(State &state) {
 
 // ---- in -----------------------------------------------------------------------------------------
 
+void decode_raw_field(GstHapticConvert *self, GstBuffer *buffer,
+                      std::span<const std::uint8_t> bytes) {
+  State &state = *self->state;
+  const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
+  if (!haptic::unpack_motion_field(bytes, state.field)) {
+    if (!gap)
+      tell_damage(self, "a motion field that does not say what it is");
+    return;
+  }
+  if (gap)
+    std::ranges::fill(state.field.cells, haptic::FieldCell{});
+  if (GST_BUFFER_IS_DISCONT(buffer))
+    state.field_encoder.restart();
+  encode_field(self, buffer);
+}
+
 void decode_raw(GstHapticConvert *self, GstBuffer *buffer, std::span<const std::uint8_t> bytes) {
+  if (self->state->layout == Layout::field)
+    return decode_raw_field(self, buffer, bytes);
   const auto motion = haptic::unpack_motion_sample(bytes);
   const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
   if (!motion) {
@@ -313,7 +476,49 @@ void take_sample(GstHapticConvert *self, const TrackSample &sample, GstClockTime
   encode(self, item);
 }
 
-void decode_klv(GstHapticConvert *self, GstClockTime pts, std::span<const std::uint8_t> bytes) {
+void decode_field(GstHapticConvert *self, const haptic::CodedField &coded, GstClockTime pts) {
+  using Result = haptic::FieldDecoder::Result;
+  State &state = *self->state;
+  haptic::FieldDecoder &decoder = state.field_decoder;
+  const Result result = decoder.push(coded.bytes);
+  if (result == Result::missing)
+    tell(
+        self, kMissing,
+        "A part of the motion fields was lost; they are silent until the next key sample, a second "
+        "at most.",
+        "a sequence number is missing");
+  if (result == Result::damaged)
+    tell_damage(self, "a motion field that contradicts itself");
+  if (!decoder.has_field())
+    return;
+  const GstClockTime interval = decoder.field().interval;
+  if (decoder.rested() && GST_CLOCK_TIME_IS_VALID(pts) && pts >= interval)
+    send_field(state, decoder.rest(), pts - interval, interval);
+  ++state.samples;
+  send_field(state, decoder.field(), pts,
+             coded.duration == haptic::kNoTime && interval > 0 ? interval : coded.duration);
+}
+
+// A field that came with the time stamp of its buffer, or without one.
+void take_field(GstHapticConvert *self, const haptic::CodedField &coded, GstClockTime pts,
+                GstClockTime duration) {
+  if (!take_layout(self, Layout::field))
+    return;
+  State &state = *self->state;
+  state.begun = true;
+  Item item; // for its times
+  item.sample.time = coded.time;
+  item.sample.duration = coded.duration;
+  item.pts = GST_CLOCK_TIME_IS_VALID(pts) ? pts : recovered_time(self, item.sample);
+  remember_time(state, item);
+  if (state.out == Form::raw)
+    return decode_field(self, coded, item.pts);
+  ++state.samples;
+  send_coded(state, coded, item.pts, duration);
+}
+
+void decode_klv(GstHapticConvert *self, GstClockTime pts, GstClockTime duration,
+                std::span<const std::uint8_t> bytes) {
   haptic::KlvReader reader(bytes);
   const auto place = [](const haptic::KlvItem &item) {
     return std::string(item.error) + " (byte " + std::to_string(item.offset) + ")";
@@ -321,7 +526,8 @@ void decode_klv(GstHapticConvert *self, GstClockTime pts, std::span<const std::u
   std::uint64_t first_time = haptic::kNoTime;
   while (const auto item = reader.next()) {
     switch (item->kind) {
-    case haptic::KlvKind::motion: {
+    case haptic::KlvKind::motion:
+    case haptic::KlvKind::field: {
       // Only the first sample of a packet has the packet's time stamp.
       GstClockTime time = pts;
       if (first_time == haptic::kNoTime)
@@ -329,7 +535,13 @@ void decode_klv(GstHapticConvert *self, GstClockTime pts, std::span<const std::u
       else if (GST_CLOCK_TIME_IS_VALID(pts) && item->sample.time != haptic::kNoTime &&
                item->sample.time >= first_time)
         time = pts + std::min<GstClockTime>(item->sample.time - first_time, kLargestStep);
-      take_sample(self, item->sample, time);
+      if (item->kind == haptic::KlvKind::field)
+        take_field(
+            self,
+            {{item->field.begin(), item->field.end()}, item->sample.time, item->sample.duration},
+            time, duration);
+      else
+        take_sample(self, item->sample, time);
       break;
     }
     case haptic::KlvKind::damaged:
@@ -357,7 +569,8 @@ void decode_klv(GstHapticConvert *self, GstClockTime pts, std::span<const std::u
   }
 }
 
-void decode_text(GstHapticConvert *self, GstClockTime pts, std::string_view text) {
+void decode_text(GstHapticConvert *self, GstClockTime pts, GstClockTime duration,
+                 std::string_view text) {
   while (!text.empty()) {
     const auto end = std::min(text.find('\n'), text.size());
     const auto line = text.substr(0, end);
@@ -367,6 +580,8 @@ void decode_text(GstHapticConvert *self, GstClockTime pts, std::string_view text
     const auto read = haptic::read_text_line(line);
     if (read.sample)
       take_sample(self, *read.sample, pts);
+    else if (read.field)
+      take_field(self, *read.field, pts, duration);
     else
       tell(self, kForeign,
            "There is text in this stream that is not a haptic track; it was passed over.",
@@ -404,10 +619,11 @@ void process(GstHapticConvert *self, GstBuffer *buffer) {
     decode_raw(self, buffer, bytes);
     break;
   case Form::klv:
-    decode_klv(self, pts, bytes);
+    decode_klv(self, pts, GST_BUFFER_DURATION(buffer), bytes);
     break;
   case Form::text:
-    decode_text(self, pts, {reinterpret_cast<const char *>(map.data), map.size});
+    decode_text(self, pts, GST_BUFFER_DURATION(buffer),
+                {reinterpret_cast<const char *>(map.data), map.size});
     break;
   case Form::hmpg:
     decode_unit(self, pts, bytes);
@@ -424,6 +640,8 @@ GstFlowReturn generate_output(GstBaseTransform *trans, GstBuffer **out) {
     const BufferPtr buffer(std::exchange(trans->queued_buf, nullptr));
     process(GST_HAPTIC_CONVERT(trans), buffer.get());
   }
+  if (state.failed)
+    return GST_FLOW_NOT_NEGOTIATED;
   *out = nullptr;
   if (!state.ready.empty()) {
     *out = state.ready.front().release();
@@ -449,6 +667,8 @@ void forget_stream(State &state) {
   state.ready.clear();
   state.encoder.reset();
   state.decoder.seek();
+  state.field_encoder.restart();
+  state.field_decoder.forget();
   state.discont = true;
   state.begun = false;
 }
@@ -508,6 +728,10 @@ gboolean set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
   State &state = state_of(trans);
   state.in = form_of(in);
   state.out = form_of(out);
+  if (state.in == Form::raw)
+    state.layout = layout_of(gst_caps_get_structure(in, 0));
+  else if (state.in == Form::hmpg)
+    state.layout = Layout::point;
   forget_stream(state);
   return TRUE;
 }
@@ -517,6 +741,7 @@ gboolean start(GstBaseTransform *trans) {
   forget_stream(state);
   state.decoder.forget();
   state.told = {};
+  state.failed = false;
   state.samples = 0;
   for (auto &count : state.troubles)
     count = 0;
@@ -535,7 +760,8 @@ haptic::StructurePtr make_stats(const State &state) {
                         "foreign", G_TYPE_UINT64, state.troubles[kForeign].load(),            //
                         "other-version", G_TYPE_UINT64, state.troubles[kOtherVersion].load(), //
                         "other-kind", G_TYPE_UINT64, state.troubles[kOtherKind].load(),       //
-                        "without-time", G_TYPE_UINT64, state.troubles[kNoTimes].load(), nullptr));
+                        "without-time", G_TYPE_UINT64, state.troubles[kNoTimes].load(),       //
+                        "missing", G_TYPE_UINT64, state.troubles[kMissing].load(), nullptr));
 }
 
 } // namespace
@@ -597,7 +823,7 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
 
   gst_element_class_set_static_metadata(
       element_class, "Haptic track converter", "Codec/Converter/Haptics",
-      "Converts a haptic track between samples, KLV, text and MPEG haptics",
+      "Converts a haptic track between samples, fields, KLV, text and MPEG haptics",
       "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
@@ -607,6 +833,11 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
                                        GstCaps *caps, GstCaps *filter) {
     return guarded(trans, static_cast<GstCaps *>(nullptr),
                    [&] { return transform_caps(direction, caps, filter); });
+  };
+  transform_class->fixate_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *,
+                                    GstCaps *other) {
+    return guarded(trans, static_cast<GstCaps *>(nullptr),
+                   [&] { return fixate_caps(GST_HAPTIC_CONVERT(trans), direction, other); });
   };
   transform_class->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *out) -> gboolean {
     return guarded(trans, FALSE, [&] { return set_caps(trans, in, out); });

@@ -22,6 +22,7 @@ constexpr std::size_t kDesignator = 4; // bytes that every universal label begin
 
 constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kPointSample = 0;
+constexpr std::uint8_t kFieldSample = 1;
 
 enum MotionTag : std::uint8_t {
   kTagVersion = 1,
@@ -40,6 +41,7 @@ enum MotionTag : std::uint8_t {
   kTagPixelAspect,
   kTagPoints,
   kTagModel,
+  kTagField = 32,
   kMotionTags
 };
 
@@ -85,9 +87,11 @@ public:
         bytes_.push_back(static_cast<std::uint8_t>(bits >> shift));
     }
   }
-  void text(std::uint8_t tag, std::string_view text) {
-    begin(tag, text.size());
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
+  /// Fewer than 64 KiB.
+  template <typename Text>
+  void bytes(std::uint8_t tag, const Text &bytes) {
+    begin(tag, bytes.size());
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
 
   std::vector<std::uint8_t> finish() {
@@ -100,7 +104,11 @@ public:
 private:
   void begin(std::uint8_t tag, std::size_t length) {
     bytes_.push_back(tag);
-    bytes_.push_back(static_cast<std::uint8_t>(length)); // short form: always below 128
+    if (length >= 0x80) {
+      bytes_.push_back(0x82);
+      bytes_.push_back(static_cast<std::uint8_t>(length >> 8));
+    }
+    bytes_.push_back(static_cast<std::uint8_t>(length));
   }
 
   std::vector<std::uint8_t> bytes_;
@@ -185,13 +193,13 @@ Set<kTags> read_set(Bytes bytes) {
   return set;
 }
 
-struct MotionField {
+struct MotionValue {
   std::uint8_t tag;
   std::uint8_t size; // bytes
   bool needed;
 };
 
-constexpr MotionField kMotionFields[] = {
+constexpr MotionValue kMotionValues[] = {
     {kTagTime, 8, false},      {kTagDuration, 8, false}, {kTagFlags, 2, true},
     {kTagInterval, 8, true},   {kTagVelocity, 8, true},  {kTagSpin, 4, true},
     {kTagDivergence, 4, true}, {kTagPointer, 8, true},   {kTagRegion, 8, true},
@@ -219,16 +227,28 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
     item.kind = KlvKind::other_version;
     return item;
   }
-  if (values[kTagKind][0] != kPointSample) {
+  const std::uint8_t kind = values[kTagKind][0];
+  if (kind != kPointSample && kind != kFieldSample) {
     item.kind = KlvKind::other_sample;
     return item;
   }
-  for (const auto &field : kMotionFields) {
+  for (const auto &field : kMotionValues) {
     const bool there = values[field.tag].data() != nullptr;
-    if (!there && field.needed)
+    if (!there && field.needed && kind == kPointSample)
       return damaged("a value is missing", offset);
     if (there && values[field.tag].size() != field.size)
       return damaged("a value has the wrong size", offset + set.offsets[field.tag]);
+  }
+  if (values[kTagTime].data())
+    item.sample.time = read_unsigned(values[kTagTime]);
+  if (values[kTagDuration].data())
+    item.sample.duration = read_unsigned(values[kTagDuration]);
+  if (kind == kFieldSample) {
+    if (values[kTagField].empty())
+      return damaged("a value is missing", offset);
+    item.field = values[kTagField];
+    item.kind = KlvKind::field;
+    return item;
   }
   MotionSample &s = item.sample.motion;
   s.flags = static_cast<std::uint16_t>(read_unsigned(values[kTagFlags]));
@@ -248,10 +268,6 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
   s.pixel_aspect_d = static_cast<std::uint32_t>(read_unsigned(values[kTagPixelAspect].subspan(4)));
   s.points = static_cast<std::uint16_t>(read_unsigned(values[kTagPoints]));
   s.model = static_cast<MotionModel>(values[kTagModel][0]);
-  if (values[kTagTime].data())
-    item.sample.time = read_unsigned(values[kTagTime]);
-  if (values[kTagDuration].data())
-    item.sample.duration = read_unsigned(values[kTagDuration]);
   if (!is_valid(s))
     return damaged("a value is out of its range", offset);
   item.kind = KlvKind::motion;
@@ -312,6 +328,18 @@ std::vector<std::uint8_t> write_klv(const TrackSample &sample) {
   return out.finish();
 }
 
+std::vector<std::uint8_t> write_klv(const CodedField &field) {
+  SetWriter out(kMotionKey);
+  out.unsigned_values(kTagVersion, 1, {kVersion});
+  out.unsigned_values(kTagKind, 1, {kFieldSample});
+  if (field.time != kNoTime)
+    out.unsigned_values(kTagTime, 8, {field.time});
+  if (field.duration != kNoTime)
+    out.unsigned_values(kTagDuration, 8, {field.duration});
+  out.bytes(kTagField, field.bytes);
+  return out.finish();
+}
+
 std::optional<KlvItem> KlvReader::next() noexcept {
   if (at_ >= bytes_.size())
     return std::nullopt;
@@ -340,7 +368,7 @@ std::vector<std::uint8_t> write_klv(const TrackPointer &pointer) {
   out.doubles(kTagPosition, {pointer.x, pointer.y});
   out.doubles(kTagDepth, {pointer.z});
   out.unsigned_values(kTagPressed, 1, {pointer.pressed ? 1U : 0U});
-  out.text(kTagDevice, std::string_view(pointer.device).substr(0, kLongestDeviceName));
+  out.bytes(kTagDevice, std::string_view(pointer.device).substr(0, kLongestDeviceName));
   return out.finish();
 }
 

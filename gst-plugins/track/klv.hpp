@@ -1,4 +1,5 @@
-// KLV (SMPTE ST 336): motion samples and pointers as local sets (docs/formats/klv.md).
+// KLV (SMPTE ST 336): motion samples, motion fields and pointers as local sets
+// (docs/formats/klv.md).
 #pragma once
 
 #include "track-sample.hpp"
@@ -15,9 +16,13 @@ namespace haptic {
 /// One local set, ready to be sent. The sample must be one that unpack_motion_sample() would take.
 std::vector<std::uint8_t> write_klv(const TrackSample &sample);
 
+/// The bytes must be fewer than 64 KiB by the length of the rest.
+std::vector<std::uint8_t> write_klv(const CodedField &field);
+
 /// What one KLV triplet turned out to be.
 enum class KlvKind {
   motion,        ///< a motion sample
+  field,         ///< a coded motion field
   foreign,       ///< a key of other origin: not ours, and not an error
   other_version, ///< ours, of a version this reader does not know
   other_sample,  ///< ours, of a kind of sample this reader does not know
@@ -26,9 +31,10 @@ enum class KlvKind {
 
 struct KlvItem {
   KlvKind kind = KlvKind::damaged;
-  TrackSample sample;     ///< of KlvKind::motion
-  const char *error = ""; ///< of KlvKind::damaged: what is wrong
-  std::size_t offset = 0; ///< where in the bytes the item begins, or the damage is
+  TrackSample sample;                  ///< of KlvKind::motion; its times also of KlvKind::field
+  std::span<const std::uint8_t> field; ///< of KlvKind::field: what FieldDecoder takes
+  const char *error = "";              ///< of KlvKind::damaged: what is wrong
+  std::size_t offset = 0;              ///< where in the bytes the item begins, or the damage is
 };
 
 /// Walks the triplets of a packet or a file. Allocates nothing. After damage it goes on at the next

@@ -1,5 +1,7 @@
 #include "text-line.hpp"
 
+#include "gst-raii.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -9,8 +11,9 @@ namespace {
 
 constexpr std::string_view kMagic = "hv1";
 constexpr std::string_view kPoint = "point";
+constexpr std::string_view kField = "field";
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::size_t kLongestLine = 65536;
+constexpr std::size_t kLongestLine = 131072;
 
 constexpr std::array<std::string_view, 6> kFlagNames = {"still",         "duplicate", "cut",
                                                         "discontinuity", "mixture",   "aperture"};
@@ -22,7 +25,7 @@ constexpr std::array<MotionModel, 5> kModels = {MotionModel::none, MotionModel::
 
 class LineWriter {
 public:
-  LineWriter() : text_(kMagic) { word(kPoint); }
+  explicit LineWriter(std::string_view kind) : text_(kMagic) { word(kind); }
   void word(std::string_view word) { text_.append(" ").append(word); }
   void field(std::string_view name, std::string_view value) {
     text_.append(" ").append(name).append("=").append(value);
@@ -162,14 +165,51 @@ std::string_view take_word(std::string_view &line) {
 }
 
 TextLine wrong(std::string error) {
-  return {std::nullopt, std::move(error)};
+  return {std::nullopt, std::nullopt, std::move(error)};
+}
+
+// Nothing, if it is not base64 from its beginning to its end.
+std::optional<std::vector<std::uint8_t>> decode_base64(std::string_view text) {
+  const auto digits = text.substr(0, text.find('='));
+  const auto is_digit = [](char c) { return g_ascii_isalnum(c) || c == '+' || c == '/'; };
+  if (text.empty() || text.size() % 4 != 0 || text.size() - digits.size() > 2 ||
+      !std::ranges::all_of(digits, is_digit) ||
+      !std::ranges::all_of(text.substr(digits.size()), [](char c) { return c == '='; }))
+    return std::nullopt;
+  gsize size = 0;
+  guchar *bytes = g_base64_decode(std::string(text).c_str(), &size);
+  std::vector<std::uint8_t> decoded(bytes, bytes + size);
+  g_free(bytes);
+  return decoded;
+}
+
+// What follows "field".
+TextLine read_field(std::string_view line) {
+  CodedField field;
+  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
+    const auto equals = std::min(word.find('='), word.size());
+    const auto name = word.substr(0, equals);
+    const auto value = word.substr(std::min(equals + 1, word.size()));
+    if ((name == "t" && !parse_time(value, field.time)) ||
+        (name == "d" && !parse_time(value, field.duration)))
+      return wrong("the value " + std::string(name) + " cannot be read");
+    if (name != "b")
+      continue;
+    auto bytes = decode_base64(value);
+    if (!bytes || !field.bytes.empty())
+      return wrong("the value b cannot be read");
+    field.bytes = std::move(*bytes);
+  }
+  if (field.bytes.empty())
+    return wrong("the value b is missing");
+  return {std::nullopt, std::move(field), {}};
 }
 
 } // namespace
 
 std::string write_text_line(const TrackSample &sample) {
   const MotionSample &s = sample.motion;
-  LineWriter out;
+  LineWriter out(kPoint);
   if (sample.time != kNoTime)
     out.time("t", sample.time);
   if (sample.duration != kNoTime)
@@ -193,6 +233,17 @@ std::string write_text_line(const TrackSample &sample) {
   return out.take();
 }
 
+std::string write_text_line(const CodedField &field) {
+  LineWriter out(kField);
+  if (field.time != kNoTime)
+    out.time("t", field.time);
+  if (field.duration != kNoTime)
+    out.time("d", field.duration);
+  const GCharPtr base64(g_base64_encode(field.bytes.data(), field.bytes.size()));
+  out.field("b", base64.get());
+  return out.take();
+}
+
 TextLine read_text_line(std::string_view line) {
   constexpr std::string_view kAround(" \t\r\n\0", 5);
   const auto begin = std::min(line.find_first_not_of(kAround), line.size());
@@ -203,7 +254,10 @@ TextLine read_text_line(std::string_view line) {
   if (magic != kMagic)
     return wrong(magic.starts_with("hv") ? "another version of the format"
                                          : "this is not a motion sample");
-  if (take_word(line) != kPoint)
+  const auto kind = take_word(line);
+  if (kind == kField)
+    return read_field(line);
+  if (kind != kPoint)
     return wrong("another kind of sample");
   TrackSample sample;
   unsigned seen = 0;
@@ -225,7 +279,7 @@ TextLine read_text_line(std::string_view line) {
       return wrong("the value " + std::string(kNames[i]) + " is missing");
   if (!is_valid(sample.motion))
     return wrong("a value is out of its range");
-  return {sample, {}};
+  return {sample, std::nullopt, {}};
 }
 
 } // namespace haptic

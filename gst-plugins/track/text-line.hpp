@@ -1,4 +1,4 @@
-// A motion sample as one line of text (docs/formats/text-line.md).
+// A motion sample, or a motion field, as one line of text (docs/formats/text-line.md).
 #pragma once
 
 #include "track-sample.hpp"
@@ -12,10 +12,12 @@ namespace haptic {
 /// Without a newline, and without characters that mark-up would escape. Numbers are written so that
 /// reading them gives the same bits.
 std::string write_text_line(const TrackSample &sample);
+std::string write_text_line(const CodedField &field);
 
 struct TextLine {
   std::optional<TrackSample> sample;
-  std::string error; ///< what is wrong, if there is no sample
+  std::optional<CodedField> field;
+  std::string error; ///< what is wrong, if there is neither
 };
 
 /// Blanks, newlines and zeros around the line are ignored.

@@ -1,7 +1,7 @@
 // The caps that a haptic track travels under.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "motion-field.hpp"
 
 #define HAPTIC_KLV_CAPS "meta/x-klv, parsed=(boolean)true"
 #define HAPTIC_HMPG_FILE_CAPS "haptics/hmpg"

@@ -1,10 +1,12 @@
-// A motion sample on its way through a file or a network, where buffers lose their time stamps.
+// A motion sample, or a coded motion field, on its way through a file or a network, where buffers
+// lose their time stamps.
 #pragma once
 
 #include "motion-sample.hpp"
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace haptic {
 
@@ -17,6 +19,14 @@ struct TrackSample {
   std::uint64_t duration = kNoTime; ///< ns
 
   bool operator==(const TrackSample &) const = default;
+};
+
+struct CodedField {
+  std::vector<std::uint8_t> bytes;  ///< of FieldEncoder
+  std::uint64_t time = kNoTime;     ///< ns, stream time at the sender
+  std::uint64_t duration = kNoTime; ///< ns; none: the interval that the bytes hold
+
+  bool operator==(const CodedField &) const = default;
 };
 
 } // namespace haptic

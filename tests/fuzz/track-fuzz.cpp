@@ -1,11 +1,14 @@
 // Feeds damaged tracks to every parser: whole ones with mutations, always the same ones. Built with
 // the sanitizers, any finding ends the program.
 //
-//   track-fuzz [PARSER [INPUTS [SEED]]]     PARSER: klv, pointer, text, hmpg, hjif, rtp or all
+//   track-fuzz [PARSER [INPUTS [SEED]]]     PARSER: klv, pointer, text, field, hmpg,
+//                                           hjif, rtp or all
+#include "field-codec.hpp"
 #include "hjif.hpp"
 #include "hmpg-rtp.hpp"
 #include "hmpg-track.hpp"
 #include "klv.hpp"
+#include "leaf-fields.hpp"
 #include "text-line.hpp"
 #include "track-samples.hpp"
 
@@ -68,6 +71,15 @@ std::vector<haptic::TrackSample> track() {
     samples.back().duration = 33'333'333;
   }
   return samples;
+}
+
+std::vector<Bytes> fields() {
+  test::LeafFields leaves(1);
+  haptic::FieldEncoder encoder;
+  std::vector<Bytes> coded;
+  while (coded.size() < 4)
+    coded.push_back(encoder.push(leaves.next()).value());
+  return coded;
 }
 
 Bytes bytes_of(const std::string &text) {
@@ -148,6 +160,29 @@ struct Parser {
   void (*parse)(const Bytes &bytes);
 };
 
+void decode_field(haptic::FieldDecoder &decoder, std::span<const std::uint8_t> bytes) {
+  if (decoder.push(bytes) == haptic::FieldDecoder::Result::field)
+    require(is_valid(decoder.field()) && (!decoder.rested() || is_valid(decoder.rest())),
+            "a field that is not valid got through");
+  require(!decoder.has_field() || is_valid(decoder.field()), "silence that is not valid");
+}
+
+void decode_field(std::span<const std::uint8_t> bytes) {
+  haptic::FieldDecoder decoder;
+  decode_field(decoder, bytes);
+}
+
+// Coded fields with their length, two bytes, before each, and one decoder all along.
+void parse_fields(const Bytes &bytes) {
+  haptic::FieldDecoder decoder;
+  for (std::size_t at = 0; at + 2 <= bytes.size();) {
+    const std::size_t size =
+        std::min<std::size_t>(bytes[at] | bytes[at + 1] << 8, bytes.size() - at - 2);
+    decode_field(decoder, std::span(bytes).subspan(at + 2, size));
+    at += 2 + size;
+  }
+}
+
 void parse_klv(const Bytes &bytes) {
   haptic::KlvReader reader(bytes);
   std::size_t items = 0;
@@ -156,6 +191,8 @@ void parse_klv(const Bytes &bytes) {
     require(item->offset <= bytes.size(), "an offset beyond the end");
     if (item->kind == haptic::KlvKind::motion)
       require_valid(item->sample.motion);
+    if (item->kind == haptic::KlvKind::field)
+      decode_field(item->field);
   }
 }
 
@@ -172,6 +209,8 @@ void parse_text(const Bytes &bytes) {
       haptic::read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (line.sample)
     require_valid(line.sample->motion);
+  else if (line.field)
+    decode_field(line.field->bytes);
   else
     require(!line.error.empty(), "refused without a reason");
 }
@@ -226,6 +265,16 @@ std::vector<Parser> parsers() {
     klv.seeds.push_back(write_klv(sample));
     text.seeds.push_back(bytes_of(write_text_line(sample)));
   }
+  Parser field{"field", {}, parse_fields};
+  Bytes sequence;
+  for (const auto &bytes : fields()) {
+    klv.seeds.push_back(write_klv(haptic::CodedField{bytes, 1, 2}));
+    text.seeds.push_back(bytes_of(write_text_line(haptic::CodedField{bytes, 1, 2})));
+    sequence.push_back(static_cast<std::uint8_t>(bytes.size()));
+    sequence.push_back(static_cast<std::uint8_t>(bytes.size() >> 8));
+    sequence.insert(sequence.end(), bytes.begin(), bytes.end());
+  }
+  field.seeds.push_back(sequence);
   Bytes stream;
   Bytes packets;
   std::vector<Bytes> hmpg = units();
@@ -242,6 +291,7 @@ std::vector<Parser> parsers() {
            {write_klv(haptic::TrackPointer{7, 0.2, 0.8, -0.5, true, "SPIDAR"})},
            parse_pointer},
           text,
+          field,
           {"hmpg", hmpg, parse_hmpg},
           {"hjif", {bytes_of(haptic::write_hjif(track(), "2026-01-01"))}, parse_hjif},
           {"rtp", {packets}, parse_rtp}};

@@ -113,8 +113,10 @@ TEST(Klv, OtherVersionsAndKindsAreToldFromDamage) {
   bytes[21] = 2;
   EXPECT_EQ(read_one(bytes).kind, KlvKind::other_version);
   bytes[21] = 1;
-  bytes[24] = 1; // the kind
+  bytes[24] = 2; // the kind
   EXPECT_EQ(read_one(bytes).kind, KlvKind::other_sample);
+  bytes[24] = 1; // a field, but of none of its bytes
+  EXPECT_EQ(read_one(bytes).kind, KlvKind::damaged);
 }
 
 TEST(Klv, NumbersThatCannotBeAreRefused) {
@@ -141,6 +143,20 @@ TEST(KlvPointer, OutOfRangeTruncatedOrForeignIsNone) {
   for (const double x : {-0.1, 1.1, std::nan("")})
     EXPECT_FALSE(haptic::read_klv_pointer(write_klv(TrackPointer{.x = x})));
   EXPECT_FALSE(haptic::read_klv_pointer(write_klv(test::TrackSamples(1).next())));
+}
+
+TEST(Klv, AFieldComesBackWithItsTimes) {
+  for (const std::size_t size : {1, 127, 128, 5000}) {
+    const haptic::CodedField field{std::vector<std::uint8_t>(size, 7), 123,
+                                   size % 2 ? 456 : haptic::kNoTime};
+    const auto bytes = write_klv(field);
+    const auto item = KlvReader(bytes).next();
+    ASSERT_EQ(item->kind, KlvKind::field);
+    EXPECT_EQ((haptic::CodedField{{item->field.begin(), item->field.end()},
+                                  item->sample.time,
+                                  item->sample.duration}),
+              field);
+  }
 }
 
 } // namespace

@@ -58,7 +58,11 @@ TEST(TextLine, SaysWhatIsWrong) {
   EXPECT_EQ(error(""), "this is not a motion sample");
   EXPECT_EQ(error("Hello"), "this is not a motion sample");
   EXPECT_EQ(error("hv2 point"), "another version of the format");
-  EXPECT_EQ(error("hv1 field"), "another kind of sample");
+  EXPECT_EQ(error("hv1 sound"), "another kind of sample");
+  EXPECT_EQ(error("hv1 field t=1"), "the value b is missing");
+  for (const char *b : {"b=", "b=AQI", "b=A===", "b=AQ=I", "b=A-_=", "b=AQID b=AQID"})
+    EXPECT_EQ(error(std::string("hv1 field ") + b), "the value b cannot be read") << b;
+  EXPECT_EQ(error("hv1 field t=x b=AQID"), "the value t cannot be read");
   EXPECT_EQ(error("hv1 point"), "the value i is missing");
   EXPECT_EQ(error(line + " vx=1"), "the value vx is there twice");
   EXPECT_EQ(error("hv1 point vx=fast"), "the value vx cannot be read");
@@ -76,6 +80,15 @@ TEST(TextLine, NoTruncationIsTakenForWholeUnlessOnlyTheFlagsAreGone) {
   const std::string line = write_text_line(sample);
   for (std::size_t size = 0; size < line.size(); ++size)
     EXPECT_FALSE(read_text_line(line.substr(0, size)).sample) << size;
+}
+
+TEST(TextLine, AFieldComesBackWithoutCharactersThatMarkUpEscapes) {
+  const haptic::CodedField field{{0, 1, 0xFB, 0xEF, 0xFF}, 1'033'333'333, 5};
+  const std::string line = write_text_line(field);
+  EXPECT_EQ(line, "hv1 field t=1.033333333 d=0.000000005 b=AAH77/8=");
+  EXPECT_EQ(read_text_line(line + "\n").field, field);
+  EXPECT_EQ(read_text_line("hv1 field b=AAH77/8= later=1").field,
+            (haptic::CodedField{field.bytes}));
 }
 
 } // namespace

@@ -1,5 +1,8 @@
-// Looks into haptic tracks, converts, cuts and plots them. docs/haptic-track.md.
+// Looks into haptic tracks, converts, cuts, plots and authors them. docs/haptic-track.md.
+#include "author.hpp"
+#include "field-track.hpp"
 #include "force-curve.hpp"
+#include "klv.hpp"
 #include "track-file.hpp"
 
 #include <algorithm>
@@ -11,10 +14,12 @@
 #include <gst/gst.h>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
 
+using haptic::CodedField;
 using haptic::TrackFile;
 using haptic::TrackFileError;
 using haptic::TrackSample;
@@ -24,12 +29,20 @@ constexpr char kUsage[] =
     "       haptic-track convert [--force] FILE OUTPUT\n"
     "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
     "       haptic-track plot [--force] FILE OUTPUT.png\n"
+    "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
     "Looks into haptic tracks, converts, cuts and plots them. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
     "written. Only the track is written: a video beside it stays where it is.\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
-    "  --force       write over an output that exists\n";
+    "  --force       write over an output that exists\n"
+    "author writes for each video a copy with the motion of its whole picture beside it:\n"
+    "NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it "
+    "goes\n"
+    "on where it was stopped. The exit status is 0 if all copies are there.\n"
+    "  --output      folder of the copies; otherwise that of each video\n"
+    "  --columns     columns of the motion field\n"
+    "  --jobs        videos at a time; otherwise one for each processor core\n";
 
 struct Arguments {
   std::string command;
@@ -37,6 +50,8 @@ struct Arguments {
   std::optional<double> from;
   std::optional<double> to;
   bool force = false;
+  haptic::AuthorOptions author;
+  unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
 double seconds(std::uint64_t ns) {
@@ -52,6 +67,17 @@ double parse_seconds(const std::string &option, const std::string &text) {
   return value;
 }
 
+unsigned parse_count(const std::string &option, const std::string &text, unsigned least,
+                     unsigned most) {
+  unsigned value = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || value < least ||
+      value > most)
+    throw TrackFileError(option + " needs a number from " + std::to_string(least) + " to " +
+                         std::to_string(most) + ", not '" + text + "'");
+  return value;
+}
+
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -62,6 +88,15 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       if (++i == words.size())
         throw TrackFileError(word + " needs seconds");
       (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
+    } else if (word == "--output" || word == "--columns" || word == "--jobs") {
+      if (++i == words.size())
+        throw TrackFileError(word + " needs a value");
+      if (word == "--output")
+        arguments.author.folder = words[i];
+      else if (word == "--columns")
+        arguments.author.columns = parse_count(word, words[i], 4, 96);
+      else
+        arguments.jobs = parse_count(word, words[i], 1, 1024);
     } else if (word.starts_with("-")) {
       throw TrackFileError("unknown option '" + word + "'; see --help");
     } else if (arguments.command.empty()) {
@@ -78,16 +113,69 @@ void tell_remarks(const std::string &path, const TrackFile &track) {
     std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
 }
 
+void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples) {
+  const double length = seconds(last) - seconds(first);
+  std::printf("  time       %.3f to %.3f s", seconds(first), seconds(last));
+  if (length > 0)
+    std::printf(", %.4g samples a second", static_cast<double>(samples - 1) / length);
+  std::printf("\n");
+}
+
+void info_of_fields(const std::vector<CodedField> &fields) {
+  std::size_t keys = 0;
+  std::size_t bytes = 0;
+  for (const auto &coded : fields) {
+    keys += haptic::is_key_field(coded.bytes);
+    bytes += haptic::write_klv(coded).size();
+  }
+  info_of_times(fields.front().time, fields.back().time, fields.size());
+  std::size_t decoded = 0;
+  double measured = 0;
+  double cells = 0;
+  double sum = 0;
+  double fastest = 0;
+  haptic::MotionField first;
+  haptic::for_each_field(fields, [&](const haptic::MotionField &field, std::uint64_t) {
+    if (decoded++ == 0)
+      first = field;
+    cells += static_cast<double>(field.cells.size());
+    for (const auto &cell : field.cells) {
+      if (!(cell.confidence > 0))
+        continue;
+      const double speed = std::hypot(cell.velocity_x, cell.velocity_y);
+      ++measured;
+      sum += speed;
+      fastest = std::max(fastest, speed);
+    }
+  });
+  const double length = seconds(fields.back().time) - seconds(fields.front().time);
+  std::printf("  keys       %zu\n", keys);
+  if (length > 0)
+    std::printf("  size       %.1f kbit/s as KLV\n", 8e-3 * static_cast<double>(bytes) / length);
+  if (decoded == 0)
+    return;
+  std::printf("  grid       %u x %u cells\n", first.columns, first.rows);
+  std::printf("  measured   %.1f %% of the cells\n", 100 * measured / cells);
+  std::printf("  picture    %u x %u px, pixels %u:%u\n", first.picture_width, first.picture_height,
+              first.pixel_aspect_n, first.pixel_aspect_d);
+  if (measured > 0)
+    std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
+}
+
 void info(const std::string &path) {
   const TrackFile track = haptic::read_track_file(path);
   std::printf("%s: %s\n", path.c_str(), track.form.c_str());
   for (const auto &stream : track.beside)
     std::printf("  beside it  %s\n", stream.c_str());
-  std::printf("  samples    %zu\n", track.samples.size());
+  if (!track.fields.empty()) {
+    std::printf("  fields     %zu\n", track.fields.size());
+    info_of_fields(track.fields);
+  } else {
+    std::printf("  samples    %zu\n", track.samples.size());
+  }
   if (!track.samples.empty()) {
     const auto &first = track.samples.front();
     const auto &last = track.samples.back();
-    const double length = seconds(last.time) - seconds(first.time);
     std::size_t measured = 0;
     double fastest = 0;
     double strongest = 0;
@@ -103,11 +191,8 @@ void info(const std::string &path) {
       fastest = std::max(fastest, speed);
       strongest = std::max(strongest, std::hypot(force.x, force.y));
     }
-    std::printf("  time       %.3f to %.3f s", seconds(first.time), seconds(last.time));
-    if (length > 0)
-      std::printf(", %.4g samples a second",
-                  static_cast<double>(track.samples.size() - 1) / length);
-    std::printf("\n  measured   %.1f %% of the samples\n",
+    info_of_times(first.time, last.time, track.samples.size());
+    std::printf("  measured   %.1f %% of the samples\n",
                 100.0 * static_cast<double>(measured) / static_cast<double>(track.samples.size()));
     std::printf("  picture    %u x %u px, pixels %u:%u\n", first.motion.picture_width,
                 first.motion.picture_height, first.motion.pixel_aspect_n,
@@ -132,14 +217,14 @@ void check_output(const Arguments &arguments) {
 TrackFile read_some(const std::string &path) {
   TrackFile track = haptic::read_track_file(path);
   tell_remarks(path, track);
-  if (track.samples.empty())
+  if (track.empty())
     throw TrackFileError("\"" + path + "\": there is not one sample in this track");
   return track;
 }
 
 void convert(const Arguments &arguments) {
   check_output(arguments);
-  haptic::write_track_file(arguments.files[1], read_some(arguments.files[0]).samples);
+  haptic::write_track_file(arguments.files[1], read_some(arguments.files[0]));
 }
 
 void cut(const Arguments &arguments) {
@@ -149,11 +234,12 @@ void cut(const Arguments &arguments) {
   const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
   std::erase_if(track.samples,
                 [&](const TrackSample &sample) { return sample.time < from || sample.time >= to; });
-  if (track.samples.empty())
+  track.fields = haptic::cut_fields(track.fields, from, to);
+  if (track.empty())
     throw TrackFileError("\"" + arguments.files[0] + "\": there is no sample between these times");
   for (auto &sample : track.samples)
     sample.time -= from;
-  haptic::write_track_file(arguments.files[1], track.samples);
+  haptic::write_track_file(arguments.files[1], track);
 }
 
 void plot(const Arguments &arguments) {
@@ -204,6 +290,12 @@ void plot(const Arguments &arguments) {
 }
 
 int run(const Arguments &arguments) {
+  if (arguments.command == "author") {
+    if (arguments.files.empty())
+      throw TrackFileError("author needs a video; see --help");
+    return haptic::author(arguments.files, arguments.author, arguments.jobs);
+  }
+  gst_init(nullptr, nullptr);
   if (arguments.command == "info") {
     if (arguments.files.empty())
       throw TrackFileError("info needs a file; see --help");
@@ -239,7 +331,6 @@ int main(int argc, char **argv) {
     return EXIT_SUCCESS;
   }
   try {
-    gst_init(nullptr, nullptr);
     return run(parse_arguments(words));
   } catch (const std::exception &error) {
     std::fprintf(stderr, "haptic-track: %s\n", error.what());

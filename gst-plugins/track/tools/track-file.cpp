@@ -1,10 +1,13 @@
 #include "track-file.hpp"
 
+#include "field-codec.hpp"
 #include "gst-raii.hpp"
 #include "hjif.hpp"
 #include "hmpg-track.hpp"
 #include "klv.hpp"
+#include "pipeline.hpp"
 #include "text-line.hpp"
+#include "track-caps.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -20,13 +23,8 @@ namespace haptic {
 namespace {
 
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
+constexpr char kTextMagic[] = "hv";
 constexpr char kEndings[] = ".ts, .mkv, .klv, .txt, .hmpg or .hjif";
-
-struct ObjectReleaser {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-using ElementPtr = std::unique_ptr<GstElement, ObjectReleaser>;
-using BusPtr = std::unique_ptr<GstBus, ObjectReleaser>;
 
 std::string quoted(const std::string &path) {
   return "\"" + path + "\"";
@@ -60,9 +58,33 @@ std::vector<std::uint8_t> first_bytes(const std::string &path) {
   return bytes;
 }
 
+bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
+  return bytes.size() >= text.size() &&
+         std::equal(text.begin(), text.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
 void count_remark(TrackFile &track, std::size_t count, const std::string &what) {
   if (count > 0)
     track.remarks.push_back(std::to_string(count) + " " + what);
+}
+
+// Takes one item of KLV, if it is a sample or a field.
+bool take_item(const KlvItem &item, TrackFile &track) {
+  if (item.kind == KlvKind::motion)
+    track.samples.push_back(item.sample);
+  else if (item.kind == KlvKind::field)
+    track.fields.push_back(
+        {{item.field.begin(), item.field.end()}, item.sample.time, item.sample.duration});
+  return item.kind == KlvKind::motion || item.kind == KlvKind::field;
+}
+
+bool take_line(TextLine &&line, TrackFile &track) {
+  if (line.sample)
+    track.samples.push_back(*line.sample);
+  else if (line.field)
+    track.fields.push_back(std::move(*line.field));
+  return line.sample || line.field;
 }
 
 void read_klv_file(const std::string &path, TrackFile &track) {
@@ -71,9 +93,9 @@ void read_klv_file(const std::string &path, TrackFile &track) {
   std::size_t damaged = 0;
   std::size_t others = 0;
   while (const auto item = reader.next()) {
-    if (item->kind == KlvKind::motion)
-      track.samples.push_back(item->sample);
-    else if (item->kind == KlvKind::damaged)
+    if (take_item(*item, track))
+      continue;
+    if (item->kind == KlvKind::damaged)
       track.remarks.push_back("damage at byte " + std::to_string(item->offset) + ": " +
                               item->error),
           ++damaged;
@@ -95,11 +117,10 @@ void read_text_file(const std::string &path, TrackFile &track) {
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.find_first_not_of(" \t\r") == std::string_view::npos)
       continue;
-    const auto read = read_text_line(line);
-    if (read.sample)
-      track.samples.push_back(*read.sample);
-    else if (++wrong <= 5)
-      track.remarks.push_back("line " + std::to_string(number) + ": " + read.error);
+    auto read = read_text_line(line);
+    const std::string error = read.error;
+    if (!take_line(std::move(read), track) && ++wrong <= 5)
+      track.remarks.push_back("line " + std::to_string(number) + ": " + error);
   }
   if (wrong > 5)
     count_remark(track, wrong - 5, "further lines were left out");
@@ -143,16 +164,6 @@ struct Container {
   TrackFile *track = nullptr;
 };
 
-GstElement *add(GstElement *pipeline, const char *factory) {
-  GstElement *element = gst_element_factory_make(factory, nullptr);
-  if (!element)
-    throw TrackFileError(std::string("GStreamer has no element ") + factory +
-                         "; gstreamer1.0-plugins-good and -bad have all that is needed");
-  gst_bin_add(GST_BIN(pipeline), element);
-  gst_element_sync_state_with_parent(element);
-  return element;
-}
-
 void link_stream(GstElement *, GstPad *pad, gpointer data) {
   auto &container = *static_cast<Container *>(data);
   const CapsPtr caps(gst_pad_get_current_caps(pad));
@@ -184,19 +195,23 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   gst_object_unref(next);
 }
 
+// One set or one line, whose time is that of its buffer.
 void take_buffer(GstSample *sample, TrackFile &track) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   GstMapInfo map;
   if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
     return;
-  if (const auto motion = unpack_motion_sample({map.data, map.size})) {
-    TrackSample read;
-    read.motion = *motion;
-    read.time = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                           GST_BUFFER_PTS(buffer));
-    read.duration = GST_BUFFER_DURATION(buffer);
-    track.samples.push_back(read);
-  }
+  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  const std::uint64_t time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
+                                                        GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  const std::size_t fields = track.fields.size();
+  bool taken = false;
+  if (begins_with(bytes, kTextMagic))
+    taken = take_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
+  else if (const auto item = KlvReader(bytes).next())
+    taken = take_item(*item, track);
+  if (taken)
+    (track.fields.size() > fields ? track.fields.back().time : track.samples.back().time) = time;
   gst_buffer_unmap(buffer, &map);
 }
 
@@ -206,8 +221,7 @@ bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
   while (GstMessage *message = gst_bus_timed_pop(bus, GST_MSECOND)) {
     GError *error = nullptr;
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-      gst_message_parse_error(message, &error, nullptr);
-      failure = error->message;
+      failure = error_of(message);
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
       gst_message_parse_warning(message, &error, nullptr);
       track.remarks.emplace_back(error->message);
@@ -219,14 +233,17 @@ bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
   return over || !failure.empty();
 }
 
-void read_container(const std::string &path, const char *demuxer, TrackFile &track) {
-  const ElementPtr pipeline(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
-  GstElement *source = add(pipeline.get(), "filesrc");
-  GstElement *demux = add(pipeline.get(), demuxer);
-  GstElement *convert = add(pipeline.get(), "hapticconvert");
-  GstElement *sink = add(pipeline.get(), "appsink");
+// The track is asked for in the form that the container does not hold: hapticconvert, which gives
+// back lost times and tells what is damaged, lets the other one through as it is.
+void read_container(const std::string &path, const char *demuxer, const char *form,
+                    TrackFile &track) {
+  const ElementPtr pipeline = make_pipeline();
+  GstElement *source = add_element(pipeline.get(), "filesrc");
+  GstElement *demux = add_element(pipeline.get(), demuxer);
+  GstElement *convert = add_element(pipeline.get(), "hapticconvert");
+  GstElement *sink = add_element(pipeline.get(), "appsink");
   g_object_set(source, "location", path.c_str(), nullptr);
-  const CapsPtr caps(gst_caps_from_string(HAPTIC_MOTION_CAPS));
+  const CapsPtr caps(gst_caps_from_string(form));
   g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
   gst_element_link(source, demux);
   gst_element_link(convert, sink);
@@ -257,7 +274,7 @@ void read_container(const std::string &path, const char *demuxer, TrackFile &tra
     gst_sample_unref(sample);
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
-  if (!failure.empty() && container.has_track && !track.samples.empty())
+  if (!failure.empty() && container.has_track && !track.empty())
     track.remarks.push_back("the file ends early: " + failure);
   else if (!container.has_track)
     fail(path, track.beside.empty()
@@ -265,12 +282,6 @@ void read_container(const std::string &path, const char *demuxer, TrackFile &tra
                    : "there is no haptic track in this file, only " + track.beside.front());
   else if (!failure.empty())
     fail(path, failure);
-}
-
-bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
-  return bytes.size() >= text.size() &&
-         std::equal(text.begin(), text.end(), bytes.begin(),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
 // ---- writing ------------------------------------------------------------------------------------
@@ -284,7 +295,8 @@ std::string today() {
   return text;
 }
 
-std::string bytes_of(std::span<const TrackSample> samples, const std::string &ending) {
+std::string bytes_of(const TrackFile &track, const std::string &ending) {
+  const auto &samples = track.samples;
   std::string bytes;
   const auto append = [&](const std::vector<std::uint8_t> &more) {
     bytes.append(more.begin(), more.end());
@@ -305,14 +317,33 @@ std::string bytes_of(std::span<const TrackSample> samples, const std::string &en
       append(write_klv(sample));
     else
       bytes += write_text_line(sample) + "\n";
+  for (const auto &field : track.fields)
+    if (ending == ".klv")
+      append(write_klv(field));
+    else
+      bytes += write_text_line(field) + "\n";
   return bytes;
 }
 
-void write_container(const std::string &path, std::span<const TrackSample> samples,
-                     const std::string &line) {
+struct BufferTimes {
+  std::uint64_t time = 0;
+  std::uint64_t duration = 0;
+};
+
+void push(GstElement *in, std::span<const std::uint8_t> bytes, BufferTimes times, guint flags) {
+  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
+  gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = times.time;
+  GST_BUFFER_DURATION(buffer) = times.duration;
+  GST_BUFFER_FLAG_SET(buffer, flags);
+  gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
+}
+
+void write_container(const std::string &path, const TrackFile &track, const std::string &line) {
   GError *error = nullptr;
-  const std::string whole = "appsrc name=in format=time caps=haptics/x-raw,modality=velocity,"
-                            "layout=point ! hapticconvert ! " +
+  const std::string caps =
+      track.fields.empty() ? "haptics/x-raw,modality=velocity,layout=point" : HAPTIC_KLV_CAPS;
+  const std::string whole = "appsrc name=in format=time caps=\"" + caps + "\" ! hapticconvert ! " +
                             line + " ! filesink name=out";
   GstElement *made = gst_parse_launch(whole.c_str(), &error);
   if (!made || error) {
@@ -327,25 +358,19 @@ void write_container(const std::string &path, std::span<const TrackSample> sampl
   const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
   g_object_set(out.get(), "location", path.c_str(), nullptr);
   gst_element_set_state(made, GST_STATE_PLAYING);
-  for (const auto &sample : samples) {
-    const auto bytes = pack_motion_sample(sample.motion);
-    GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
-    gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
-    GST_BUFFER_PTS(buffer) = sample.time;
-    GST_BUFFER_DURATION(buffer) = sample.duration;
-    gst_app_src_push_buffer(GST_APP_SRC(in.get()), buffer);
-  }
+  for (const auto &sample : track.samples)
+    push(in.get(), pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
+  for (const auto &field : track.fields)
+    push(in.get(), write_klv(field), {field.time, field.duration},
+         is_key_field(field.bytes) ? 0 : GST_BUFFER_FLAG_DELTA_UNIT);
   gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
   const BusPtr bus(gst_element_get_bus(made));
   GstMessage *message =
       gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
                                  static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
   std::string failure;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-    gst_message_parse_error(message, &error, nullptr);
-    failure = error->message;
-    g_error_free(error);
-  }
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+    failure = error_of(message);
   gst_message_unref(message);
   gst_element_set_state(made, GST_STATE_NULL);
   if (!failure.empty())
@@ -362,7 +387,7 @@ TrackFile read_track_file(const std::string &path) {
   if (begins_with(head, "\x06\x0e\x2b\x34")) {
     track.form = "KLV";
     read_klv_file(path, track);
-  } else if (begins_with(head, "hv")) {
+  } else if (begins_with(head, kTextMagic)) {
     track.form = "text lines";
     read_text_file(path, track);
   } else if (looks_like_unit(head)) {
@@ -373,27 +398,36 @@ TrackFile read_track_file(const std::string &path) {
     read_hjif_file(path, track);
   } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
     track.form = "KLV in MPEG-TS";
-    read_container(path, "tsdemux", track);
+    read_container(path, "tsdemux", "text/x-raw", track);
   } else if (begins_with(head, "\x1a\x45\xdf\xa3")) {
     track.form = "text lines in Matroska";
-    read_container(path, "matroskademux", track);
+    read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track);
   } else {
     fail(path, std::string("this is no haptic track; known are ") + kEndings);
   }
   std::erase_if(track.samples, [](const TrackSample &sample) { return sample.time == kNoTime; });
+  std::erase_if(track.fields, [](const CodedField &field) { return field.time == kNoTime; });
+  if (!track.samples.empty() && !track.fields.empty()) {
+    count_remark(track, track.samples.size(),
+                 "samples of one point beside the fields were left out");
+    track.samples.clear();
+  }
   return track;
 }
 
-void write_track_file(const std::string &path, std::span<const TrackSample> samples) {
+void write_track_file(const std::string &path, const TrackFile &track) {
   const std::string ending = std::filesystem::path(path).extension().string();
   const std::string part = path + ".part";
+  if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
+    fail(path, "MPEG haptics can hold the motion of one point only, and this track holds fields of "
+               "the whole picture; write .ts, .mkv, .klv or .txt");
   if (ending == ".ts") {
-    write_container(part, samples, "meta/x-klv ! mpegtsmux");
+    write_container(part, track, "meta/x-klv ! mpegtsmux");
   } else if (ending == ".mkv") {
-    write_container(part, samples, "text/x-raw ! matroskamux");
+    write_container(part, track, "text/x-raw ! matroskamux");
   } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif") {
     std::ofstream file(part, std::ios::binary);
-    file << bytes_of(samples, ending) << std::flush;
+    file << bytes_of(track, ending) << std::flush;
     if (!file) {
       std::remove(part.c_str());
       fail(path, "the file cannot be written");

@@ -3,7 +3,6 @@
 
 #include "track-sample.hpp"
 
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,7 +18,10 @@ struct TrackFile {
   std::string form;                 ///< for people to read
   std::vector<std::string> beside;  ///< caps of the other streams in the file
   std::vector<std::string> remarks; ///< what was left out or guessed, and why
-  std::vector<TrackSample> samples; ///< with times
+  std::vector<TrackSample> samples; ///< with times; or else
+  std::vector<CodedField> fields;   ///< with times
+
+  bool empty() const noexcept { return samples.empty() && fields.empty(); }
 };
 
 /// By content, whatever the name. Throws TrackFileError.
@@ -27,6 +29,6 @@ TrackFile read_track_file(const std::string &path);
 
 /// By the ending: .ts, .mkv, .klv, .txt, .hmpg, .hjif. Appears under its name only when it is
 /// whole. Throws TrackFileError.
-void write_track_file(const std::string &path, std::span<const TrackSample> samples);
+void write_track_file(const std::string &path, const TrackFile &track);
 
 } // namespace haptic

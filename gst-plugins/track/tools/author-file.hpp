@@ -1,0 +1,41 @@
+// One video: a copy of it with the motion of its whole picture beside it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+struct AuthorOptions {
+  std::string folder;   ///< of the copy; empty: that of the video
+  unsigned columns = 0; ///< of the motion field; 0: as motionfield has it
+};
+
+struct AuthorProgress {
+  std::uint64_t pictures = 0;
+  double done = 0; ///< 0..1, 0 also where the length is not known
+};
+
+struct Authored {
+  std::string path; ///< of the copy
+  bool existed = false;
+  std::uint64_t pictures = 0;
+  std::vector<std::string> remarks; ///< what of the video is not in the copy
+};
+
+/// Writes NAME.haptic.ts, or NAME.haptic.mkv where MPEG-TS has no place for the video. The copy
+/// appears under its name only when it is whole and on the disk; one that is there is left as it
+/// is. `tell` is called some times a second. Throws TrackFileError. Initializes GStreamer, and
+/// seeds GLib's random numbers: to be called in a process of its own.
+Authored author_file(const std::string &path, const AuthorOptions &options,
+                     const std::function<void(const AuthorProgress &)> &tell);
+
+/// The name of the copy without its ending: two videos may not have the same one.
+std::string author_stem(const std::string &path, const AuthorOptions &options);
+
+/// What author_file() writes into before it is whole.
+std::string author_part(const std::string &path, const AuthorOptions &options);
+
+} // namespace haptic

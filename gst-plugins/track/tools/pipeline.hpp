@@ -1,0 +1,50 @@
+// Pipelines of the tools: owning pointers, and errors in the user's words.
+#pragma once
+
+#include "track-file.hpp"
+
+#include <cstring>
+#include <gst/gst.h>
+#include <memory>
+#include <string>
+
+namespace haptic {
+
+struct ObjectReleaser {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+using ElementPtr = std::unique_ptr<GstElement, ObjectReleaser>;
+using BusPtr = std::unique_ptr<GstBus, ObjectReleaser>;
+using PadPtr = std::unique_ptr<GstPad, ObjectReleaser>;
+
+inline ElementPtr make_pipeline() {
+  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
+}
+
+/// Throws TrackFileError if there is no such element. The pipeline owns it.
+inline GstElement *add_element(GstElement *pipeline, const char *factory) {
+  GstElement *element = gst_element_factory_make(factory, nullptr);
+  if (!element)
+    throw TrackFileError(
+        std::string("GStreamer has no element ") + factory +
+        "; those of this project come with its plugins (GST_PLUGIN_PATH), all others with "
+        "gstreamer1.0-plugins-base, -good and -bad");
+  gst_bin_add(GST_BIN(pipeline), element);
+  return element;
+}
+
+inline std::string error_of(GstMessage *message) {
+  GError *error = nullptr;
+  gchar *details = nullptr;
+  gst_message_parse_error(message, &error, &details);
+  std::string text = error->message;
+  // "Internal data stream error" alone helps nobody.
+  const char *reason = details ? std::strstr(details, "reason ") : nullptr;
+  if (reason)
+    text += std::string(" (") + reason + ")";
+  g_free(details);
+  g_error_free(error);
+  return text;
+}
+
+} // namespace haptic
