@@ -155,15 +155,19 @@ CapsPtr without_form(GstCaps *caps) {
 
 bool has_place(const char *mux, GstPad *pad) {
   const CapsPtr caps = without_form(caps_of(pad).get());
+  const bool is_known = gst_caps_is_fixed(caps.get());
   GstElementFactory *factory = gst_element_factory_find(mux);
   bool has = false;
   for (const GList *item = factory ? gst_element_factory_get_static_pad_templates(factory)
                                    : nullptr;
        item; item = item->next) {
     auto *pads = static_cast<GstStaticPadTemplate *>(item->data);
-    const CapsPtr taken(gst_static_pad_template_get_caps(pads));
+    const CapsPtr all(gst_static_pad_template_get_caps(pads));
+    const CapsPtr taken = without_form(all.get());
+    // A parser that has not yet seen a picture names all that it may give.
     has = has || (pads->direction == GST_PAD_SINK &&
-                  gst_caps_is_subset(caps.get(), without_form(taken.get()).get()));
+                  (is_known ? gst_caps_is_subset(caps.get(), taken.get())
+                            : gst_caps_can_intersect(caps.get(), taken.get())));
   }
   g_clear_object(&factory);
   return has;

@@ -4,6 +4,7 @@
 #include "force-curve.hpp"
 #include "klv.hpp"
 #include "track-file.hpp"
+#include "track-plot.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -28,7 +29,7 @@ constexpr char kUsage[] =
     "Usage: haptic-track info FILE...\n"
     "       haptic-track convert [--force] FILE OUTPUT\n"
     "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
-    "       haptic-track plot [--force] FILE OUTPUT.png\n"
+    "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
     "Looks into haptic tracks, converts, cuts and plots them. FILE may be a recording (.ts, "
     ".mkv),\n"
@@ -244,49 +245,8 @@ void cut(const Arguments &arguments) {
 
 void plot(const Arguments &arguments) {
   check_output(arguments);
-  const TrackFile track = read_some(arguments.files[0]);
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    throw TrackFileError("gnuplot is not installed (package gnuplot-nox)");
-  const std::string &output = arguments.files[1];
-  if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
-    throw TrackFileError("\"" + output + "\": gnuplot cannot write to such a name");
-  std::FILE *gnuplot = popen("gnuplot", "w");
-  if (!gnuplot)
-    throw TrackFileError("gnuplot cannot be started");
-  std::fprintf(gnuplot,
-               "set terminal pngcairo size 1200,600\n"
-               "set output '%s'\n"
-               "set multiplot layout 2,1\n"
-               "set grid\n"
-               "set ylabel 'velocity, px/s'\n"
-               "plot '-' using 1:2 with lines title 'to the right', "
-               "'-' using 1:2 with lines title 'down'\n",
-               output.c_str());
-  const auto send = [&](auto &&value) {
-    for (const auto &sample : track.samples) {
-      if (sample.motion.confidence > 0)
-        std::fprintf(gnuplot, "%.6f %.6g\n", seconds(sample.time),
-                     static_cast<double>(value(sample)));
-      else
-        std::fputs("\n", gnuplot); // a hole in the line
-    }
-    std::fputs("e\n", gnuplot);
-  };
-  send([](const TrackSample &s) { return s.motion.velocity_x; });
-  send([](const TrackSample &s) { return s.motion.velocity_y; });
-  std::fputs("set xlabel 'time, s'\n"
-             "set ylabel 'force, share of the full one'\n"
-             "set yrange [0:1.05]\n"
-             "plot '-' using 1:2 with lines title 'force', "
-             "'-' using 1:2 with lines title 'confidence'\n",
-             gnuplot);
-  send([](const TrackSample &s) {
-    const auto force = haptic::force_of_motion(s.motion);
-    return std::hypot(force.x, force.y);
-  });
-  send([](const TrackSample &s) { return s.motion.confidence; });
-  if (pclose(gnuplot) != 0)
-    throw TrackFileError("\"" + output + "\": gnuplot could not draw it");
+  const std::string &file = arguments.files[0];
+  haptic::plot_track(file, read_some(file), arguments.files[1]);
 }
 
 int run(const Arguments &arguments) {

@@ -1,0 +1,74 @@
+#include "picture-reader.hpp"
+
+#include "pipeline.hpp"
+
+#include <gst/app/gstappsink.h>
+
+namespace haptic {
+namespace {
+
+// A transport stream cannot be sought to a key picture: what is decoded is wrong until the next
+// one, which encoders put there each 250 pictures.
+constexpr GstClockTime kBeforeAKey = 20 * GST_SECOND;
+constexpr GstClockTime kPatience = 5 * GST_SECOND;
+
+Picture picture_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
+  Picture picture;
+  GstBuffer *buffer = gst_sample_get_buffer(sample);
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return picture;
+  const std::size_t stride = map.size / rows; // rows are padded to four bytes
+  for (std::size_t row = 0; stride >= row_size && row < rows; ++row)
+    picture.rgb.insert(picture.rgb.end(), map.data + row * stride,
+                       map.data + row * stride + row_size);
+  gst_buffer_unmap(buffer, &map);
+  return picture;
+}
+
+} // namespace
+
+std::vector<Picture> read_pictures(const std::string &path, const std::vector<std::uint64_t> &times,
+                                   int width, int height) {
+  std::vector<Picture> pictures(times.size());
+  const std::string line =
+      "filesrc name=in ! decodebin ! videoconvert ! videoscale add-borders=false ! video/x-raw,"
+      "format=RGB,pixel-aspect-ratio=1/1,width=" +
+      std::to_string(width) + ",height=" + std::to_string(height) +
+      " ! appsink name=out sync=false max-buffers=2";
+  GstElement *made = gst_parse_launch(line.c_str(), nullptr);
+  if (!made)
+    return pictures;
+  const ElementPtr pipeline(made);
+  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
+  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
+  g_object_set(in.get(), "location", path.c_str(), nullptr);
+  gst_element_set_state(made, GST_STATE_PAUSED);
+  if (gst_element_get_state(made, nullptr, nullptr, kPatience) == GST_STATE_CHANGE_SUCCESS) {
+    gst_element_set_state(made, GST_STATE_PLAYING);
+    GstClockTime now = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (times[i] > now + 2 * kBeforeAKey)
+        gst_element_seek_simple(made, GST_FORMAT_TIME,
+                                static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH |
+                                                          GST_SEEK_FLAG_KEY_UNIT |
+                                                          GST_SEEK_FLAG_SNAP_BEFORE),
+                                static_cast<gint64>(times[i] - kBeforeAKey));
+      while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), kPatience)) {
+        now = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
+                                         GST_BUFFER_PTS(gst_sample_get_buffer(sample)));
+        const bool is_wanted = now + GST_MSECOND >= times[i];
+        if (is_wanted)
+          pictures[i] = picture_of(sample, 3 * static_cast<std::size_t>(width),
+                                   static_cast<std::size_t>(height));
+        gst_sample_unref(sample);
+        if (is_wanted)
+          break;
+      }
+    }
+  }
+  gst_element_set_state(made, GST_STATE_NULL);
+  return pictures;
+}
+
+} // namespace haptic

@@ -1,0 +1,295 @@
+#include "track-plot.hpp"
+
+#include "field-track.hpp"
+#include "force-curve.hpp"
+#include "picture-reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr int kStillWidth = 480;   // px
+constexpr int kPreviewWidth = 320; // px
+constexpr int kStripHeight = 120;  // px
+constexpr std::size_t kStills = 6;
+constexpr std::size_t kStillsInARow = 3;
+constexpr std::uint64_t kPreview = 4'000'000'000;   // ns
+constexpr std::uint64_t kPreviewStep = 100'000'000; // ns
+constexpr double kLongestArrow = 2;                 // cells, at the speed of nearly all cells
+constexpr double kNearlyAll = 0.98;
+constexpr float kLeastConfidence = 0.25F; // of an arrow
+constexpr double kLeastLength = 0.08;     // cells
+
+double seconds(std::uint64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+class Gnuplot {
+public:
+  explicit Gnuplot(const std::string &output) : output_(output) {
+    if (std::system("command -v gnuplot >/dev/null") != 0)
+      throw TrackFileError("gnuplot is not installed (package gnuplot-nox)");
+    if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
+      throw TrackFileError("\"" + output + "\": gnuplot cannot write to such a name");
+    pipe_ = popen("gnuplot", "w");
+    if (!pipe_)
+      throw TrackFileError("gnuplot cannot be started");
+  }
+  ~Gnuplot() {
+    if (pipe_)
+      pclose(pipe_);
+  }
+  Gnuplot(const Gnuplot &) = delete;
+  Gnuplot &operator=(const Gnuplot &) = delete;
+
+  template <typename... Values>
+  void line(const char *format, Values... values) {
+    std::fprintf(pipe_, format, values...); // NOLINT(cert-err33-c): seen when it is closed
+    std::fputc('\n', pipe_);
+  }
+  void line(const char *text) { std::fprintf(pipe_, "%s\n", text); }
+  void bytes(const std::vector<std::uint8_t> &bytes) {
+    std::fwrite(bytes.data(), 1, bytes.size(), pipe_);
+  }
+  void set_terminal(const char *type, int width, int height) {
+    line("set terminal %s size %d,%d", type, width, height);
+    line("set output '%s'", output_.c_str());
+  }
+  void finish() {
+    if (pclose(std::exchange(pipe_, nullptr)) != 0)
+      throw TrackFileError("\"" + output_ + "\": gnuplot could not draw it");
+  }
+
+private:
+  std::string output_;
+  std::FILE *pipe_ = nullptr;
+};
+
+// ---- points -------------------------------------------------------------------------------------
+
+void plot_points(const TrackFile &track, Gnuplot &out) {
+  out.set_terminal("pngcairo", 1200, 600);
+  out.line("set multiplot layout 2,1");
+  out.line("set grid");
+  out.line("set ylabel 'velocity, px/s'");
+  out.line("plot '-' using 1:2 with lines title 'to the right', "
+           "'-' using 1:2 with lines title 'down'");
+  const auto send = [&](auto &&value) {
+    for (const auto &sample : track.samples) {
+      if (sample.motion.confidence > 0)
+        out.line("%.6f %.6g", seconds(sample.time), static_cast<double>(value(sample)));
+      else
+        out.line(""); // a hole in the line
+    }
+    out.line("e");
+  };
+  send([](const TrackSample &s) { return s.motion.velocity_x; });
+  send([](const TrackSample &s) { return s.motion.velocity_y; });
+  out.line("set xlabel 'time, s'");
+  out.line("set ylabel 'force, share of the full one'");
+  out.line("set yrange [0:1.05]");
+  out.line("plot '-' using 1:2 with lines title 'force', "
+           "'-' using 1:2 with lines title 'confidence'");
+  send([](const TrackSample &s) {
+    const auto force = force_of_motion(s.motion);
+    return std::hypot(force.x, force.y);
+  });
+  send([](const TrackSample &s) { return s.motion.confidence; });
+}
+
+// ---- fields -------------------------------------------------------------------------------------
+
+struct Overview {
+  std::vector<std::uint64_t> times;
+  std::vector<double> energies;
+  double usual_speed = 0; ///< px/s, which nearly no cell exceeds
+  int width = 0;          ///< px, of a picture as it is drawn
+  int height = 0;
+};
+
+Overview look_over(const TrackFile &track, int width) {
+  Overview all;
+  all.width = width;
+  std::vector<float> speeds;
+  for_each_field(track.fields, [&](const MotionField &field, std::uint64_t time) {
+    if (all.times.empty())
+      all.height =
+          std::clamp(static_cast<int>(std::lround(
+                         static_cast<double>(width) * field.picture_height * field.pixel_aspect_d /
+                         (static_cast<double>(field.picture_width) * field.pixel_aspect_n))),
+                     16, 4 * width);
+    all.times.push_back(time);
+    all.energies.push_back(field_energy(field));
+    // The fastest of each picture: a few fast leaves are not lost among all that rests.
+    float fastest = 0;
+    for (const FieldCell &cell : field.cells)
+      if (cell.confidence >= kLeastConfidence)
+        fastest = std::max(fastest, std::hypot(cell.velocity_x, cell.velocity_y));
+    speeds.push_back(fastest);
+  });
+  if (all.times.empty())
+    throw TrackFileError("not one field of this track can be decoded");
+  const auto nearly_last =
+      speeds.begin() +
+      static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(speeds.size() - 1));
+  std::nth_element(speeds.begin(), nearly_last, speeds.end());
+  all.usual_speed = std::max(1.0, static_cast<double>(*nearly_last));
+  return all;
+}
+
+// The fields that are shown at these times: for each the last one before it.
+std::vector<MotionField> fields_at(const TrackFile &track,
+                                   const std::vector<std::uint64_t> &times) {
+  std::vector<MotionField> shown(times.size());
+  std::size_t next = 0;
+  MotionField last;
+  for_each_field(track.fields, [&](const MotionField &field, std::uint64_t time) {
+    while (next < times.size() && times[next] < time)
+      shown[next++] = last;
+    last = field;
+  });
+  while (next < times.size())
+    shown[next++] = last;
+  return shown;
+}
+
+void draw_field(Gnuplot &out, const Picture &picture, const MotionField &field,
+                const Overview &all) {
+  out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
+  out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
+  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#ffd000'";
+  if (picture.rgb.empty()) {
+    out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
+    out.line("plot %s", arrows);
+  } else {
+    out.line("plot '-' binary array=(%d,%d) flip=y format='%%uchar' using 1:2:3 with rgbimage, %s",
+             all.width, all.height, arrows);
+    out.bytes(picture.rgb);
+  }
+  const double cell_width = static_cast<double>(all.width) / std::max<int>(field.columns, 1);
+  const double cell_height = static_cast<double>(all.height) / std::max<int>(field.rows, 1);
+  const double scale = kLongestArrow * cell_width / all.usual_speed;
+  for (std::size_t i = 0; i < field.cells.size(); ++i) {
+    const FieldCell &cell = field.cells[i];
+    const double right = scale * cell.velocity_x;
+    const double down = scale * cell.velocity_y;
+    if (cell.confidence < kLeastConfidence || std::hypot(right, down) < kLeastLength * cell_width)
+      continue;
+    const auto column = static_cast<double>(i % field.columns);
+    const auto row = static_cast<double>(i / field.columns);
+    out.line("%.1f %.1f %.2f %.2f", (column + 0.5) * cell_width,
+             all.height - (row + 0.5) * cell_height, right, -down);
+  }
+  out.line("1e9 1e9 0 0"); // outside: gnuplot wants one
+  out.line("e");
+}
+
+void draw_energy(Gnuplot &out, const Overview &all, const std::vector<std::uint64_t> &marks) {
+  out.line("unset object; unset key; unset arrow");
+  out.line("set xtics; unset ytics; set xlabel 'time, s' offset 0,0.7");
+  out.line("set autoscale; set xrange [%.3f:%.3f]; set yrange [0:*]", seconds(all.times.front()),
+           std::max(seconds(all.times.back()), seconds(all.times.front()) + 0.1));
+  for (const auto mark : marks)
+    out.line("set arrow from %.3f, graph 0 to %.3f, graph 1 nohead lc rgb '#ffb000'", seconds(mark),
+             seconds(mark));
+  out.line("plot '-' using 1:2 with filledcurves x1 lc rgb '#4070b0'");
+  for (std::size_t i = 0; i < all.times.size(); ++i)
+    out.line("%.3f %.6g", seconds(all.times[i]), std::sqrt(all.energies[i]));
+  out.line("e");
+}
+
+// Where a panel stands, as shares of the whole from its lower left corner.
+void place(Gnuplot &out, double left, double bottom, double width, double height) {
+  out.line("set lmargin at screen %.4f; set rmargin at screen %.4f; "
+           "set bmargin at screen %.4f; set tmargin at screen %.4f",
+           left, left + width, bottom, bottom + height);
+}
+
+// The liveliest moment of each part of the track.
+std::vector<std::uint64_t> lively_moments(const Overview &all) {
+  std::vector<std::uint64_t> moments;
+  const std::size_t count = std::min(kStills, all.times.size());
+  for (std::size_t part = 0; part < count; ++part) {
+    const auto begin = static_cast<std::ptrdiff_t>(part * all.times.size() / count);
+    const auto end = static_cast<std::ptrdiff_t>((part + 1) * all.times.size() / count);
+    const auto most = std::max_element(all.energies.begin() + begin, all.energies.begin() + end);
+    moments.push_back(all.times[static_cast<std::size_t>(most - all.energies.begin())]);
+  }
+  return moments;
+}
+
+void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) {
+  const Overview all = look_over(track, kStillWidth);
+  const auto times = lively_moments(all);
+  const auto pictures = read_pictures(path, times, all.width, all.height);
+  const auto fields = fields_at(track, times);
+  const std::size_t columns = std::min(kStillsInARow, times.size());
+  const std::size_t rows = (times.size() + columns - 1) / columns;
+  const int width = all.width * static_cast<int>(columns);
+  const int height = all.height * static_cast<int>(rows) + kStripHeight;
+  out.set_terminal("pngcairo", width, height);
+  out.line("set multiplot");
+  const double wide = 1.0 / static_cast<double>(columns);
+  const double high = static_cast<double>(all.height) / height;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    place(out, wide * static_cast<double>(i % columns),
+          1 - high * static_cast<double>(i / columns + 1), wide, high);
+    draw_field(out, pictures[i], fields[i], all);
+  }
+  place(out, 0.02, 50.0 / height, 0.96, (kStripHeight - 55.0) / height);
+  draw_energy(out, all, times);
+}
+
+void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out) {
+  const Overview all = look_over(track, kPreviewWidth);
+  // Around the liveliest moment, within the track.
+  const auto most = std::ranges::max_element(all.energies) - all.energies.begin();
+  const std::uint64_t middle = all.times[static_cast<std::size_t>(most)];
+  const std::uint64_t begin = std::max(
+      all.times.front(), std::min(middle > kPreview / 2 ? middle - kPreview / 2 : 0,
+                                  all.times.back() > kPreview ? all.times.back() - kPreview : 0));
+  std::vector<std::uint64_t> times;
+  for (std::uint64_t time = begin; time < begin + kPreview && time <= all.times.back();
+       time += kPreviewStep)
+    times.push_back(time);
+  const auto pictures = read_pictures(path, times, all.width, all.height);
+  const auto fields = fields_at(track, times);
+  const int height = all.height + kStripHeight;
+  out.set_terminal("gif animate delay 10 loop 0 optimize", all.width, height);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    out.line("set multiplot");
+    place(out, 0, static_cast<double>(kStripHeight) / height, 1,
+          static_cast<double>(all.height) / height);
+    draw_field(out, pictures[i], fields[i], all);
+    place(out, 0.03, 50.0 / height, 0.94, (kStripHeight - 55.0) / height);
+    draw_energy(out, all, {times[i]});
+    out.line("unset multiplot");
+  }
+}
+
+} // namespace
+
+void plot_track(const std::string &path, const TrackFile &track, const std::string &output) {
+  const std::string ending = std::filesystem::path(output).extension().string();
+  const bool moves = ending == ".gif";
+  if (moves && track.fields.empty())
+    throw TrackFileError("\"" + output + "\": only motion fields are shown as moving pictures");
+  if (!moves && ending != ".png")
+    throw TrackFileError("\"" + output + "\": which picture? The name must end in .png or .gif");
+  Gnuplot out(output);
+  if (track.fields.empty())
+    plot_points(track, out);
+  else if (moves)
+    plot_preview(path, track, out);
+  else
+    plot_stills(path, track, out);
+  out.finish();
+}
+
+} // namespace haptic
