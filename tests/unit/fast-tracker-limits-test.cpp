@@ -98,8 +98,8 @@ TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
   int targets = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const auto scene = static_cast<Scene>(seed % 3);
-    // A patch on the border between two motions may stop a step earlier or later.
-    const float alike = scene == Scene::two_objects ? 5e-3F : 1e-3F;
+    // A patch of a grid may stop a step earlier or later: steps below 0.017 px are the last.
+    const float alike = scene == Scene::translation ? 1e-3F : 5e-3F;
     Picture before = picture_of(scene, seed, 0);
     Picture after = picture_of(scene, seed, 1);
     haptic::VelocityEstimate reference;
