@@ -23,6 +23,14 @@ clip() {
       ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
 }
 
+# At least so many pixels of the picture have the colour (hexadecimal, as od prints it).
+has_colour() {
+  local count
+  count=$(gst-launch-1.0 -q filesrc "location=$1" ! pngdec ! videoconvert ! video/x-raw,format=RGB \
+    ! fdsink | od -An -v -tx1 -w3 | grep -c "$2") || true
+  [ "$count" -ge "$3" ] || { echo "$count pixels"; return 1; }
+}
+
 need_window_system() {
   command -v xvfb-run >/dev/null || skip "xvfb-run is not installed (packages xvfb and xauth)"
 }
