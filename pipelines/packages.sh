@@ -43,6 +43,7 @@ test_packages=(
   xvfb
   xauth # xvfb-run needs it
   xdotool
+  python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording
   libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
   libjson-glib-dev        # the lab
