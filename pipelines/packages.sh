@@ -28,12 +28,14 @@ build_packages=(
   libeigen3-dev
   libhwy-dev
   libusb-1.0-0-dev
+  libevdev-dev # joysticks with force feedback
 )
 
 # To build and run the tests.
 test_packages=(
   libgtest-dev
   libbenchmark-dev
+  gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0
   libumockdev-dev # a USB bus without a bus
   umockdev        # umockdev-wrapper
   libopencv-calib3d-dev # what the benchmark of the motion models compares with
