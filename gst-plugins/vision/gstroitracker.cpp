@@ -4,6 +4,7 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
+#include "mapped-picture.hpp"
 #include "patch-tracker.hpp"
 #include "picture-timeline.hpp"
 #include "pointer-arbiter.hpp"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <gst/video/gstvideometa.h>
 #include <gst/video/navigation.h>
 #include <optional>
 
@@ -23,6 +23,7 @@ GST_DEBUG_CATEGORY_STATIC(roitracker_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::MappedPicture;
 using haptic::ObjectLock;
 using haptic::Pointer;
 using haptic::PointerSource;
@@ -125,38 +126,6 @@ struct State {
     timeline.forget();
     reference.reset();
   }
-};
-
-// Mapping a picture whose own description contradicts the caps would be an error of this program.
-bool fits(const GstVideoInfo &info, GstBuffer *buffer) {
-  const GstVideoMeta *meta = gst_buffer_get_video_meta(buffer);
-  return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
-                   meta->width >= static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) &&
-                   meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
-}
-
-// A picture mapped for reading.
-class MappedPicture {
-public:
-  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer) {
-    // Without a reference of its own: the buffer must stay writable for the metadata.
-    const auto flags = static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ) |
-                                                static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
-    is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
-  }
-  ~MappedPicture() {
-    if (is_mapped_)
-      gst_video_frame_unmap(&frame_);
-  }
-  MappedPicture(const MappedPicture &) = delete;
-  MappedPicture &operator=(const MappedPicture &) = delete;
-
-  explicit operator bool() const { return is_mapped_; }
-  const GstVideoFrame &frame() const { return frame_; }
-
-private:
-  GstVideoFrame frame_{};
-  bool is_mapped_ = false;
 };
 
 } // namespace

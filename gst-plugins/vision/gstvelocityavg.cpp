@@ -5,6 +5,7 @@
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
 #include "motion-sample.hpp"
+#include "picture-caps.hpp"
 #include "velocity-estimate.hpp"
 
 #include <algorithm>
@@ -232,34 +233,12 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-// The fields that describe the picture are the same on both sides.
-void copy_picture_fields(const GstStructure *from, GstStructure *to) {
-  for (const char *field : {"width", "height", "pixel-aspect-ratio", "framerate"})
-    if (const GValue *value = gst_structure_get_value(from, field))
-      gst_structure_set_value(to, field, value);
-}
-
-haptic::CapsPtr other_side(GstPadDirection from, const GstCaps *caps) {
-  const haptic::CapsPtr pattern(
-      gst_static_pad_template_get_caps(from == GST_PAD_SINK ? &src_template : &sink_template));
-  haptic::CapsPtr result(gst_caps_new_empty());
-  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
-    GstStructure *structure = gst_structure_copy(gst_caps_get_structure(pattern.get(), 0));
-    copy_picture_fields(gst_caps_get_structure(caps, i), structure);
-    result.reset(gst_caps_merge_structure(result.release(), structure));
-  }
-  return result;
-}
-
 } // namespace
 
 static GstCaps *gst_velocity_avg_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
                                                 GstCaps *caps, GstCaps *filter) {
   return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    haptic::CapsPtr result = other_side(direction, caps);
-    if (filter)
-      result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
-    return result.release();
+    return haptic::transform_picture_caps(direction, sink_template, src_template, caps, filter);
   });
 }
 
