@@ -1,3 +1,4 @@
+#include "gsthapticoverlay.h"
 #include "gstroitracker.h"
 #include "gstvelocityavg.h"
 
@@ -5,6 +6,7 @@ static gboolean plugin_init(GstPlugin *plugin) {
   gboolean registered = FALSE;
   registered |= GST_ELEMENT_REGISTER(roitracker, plugin);
   registered |= GST_ELEMENT_REGISTER(velocityavg, plugin);
+  registered |= GST_ELEMENT_REGISTER(hapticoverlay, plugin);
   return registered;
 }
 
