@@ -374,9 +374,15 @@ private:
     if (!hand.valid)
       return;
     haptic::PointerPosition position = haptic::map_pointer(hand.position, workspace_half_);
+    const haptic::Impulse impulse = self_->state->loop.impulse();
+    if (const double taken = impulse.time - told_.time; taken > 0) {
+      const spidar::Vector3 mean = (impulse.impulse - told_.impulse) / taken;
+      position.force = {mean.x(), mean.y(), mean.z()};
+    }
     const std::int64_t now = haptic::monotonic_now();
     if (!gate_.pass(position, now))
       return;
+    told_ = impulse;
     position.device = description_;
     if (playing)
       if (const auto reading = read_clocks(self_); reading && reading->running >= 0)
@@ -457,6 +463,7 @@ private:
   spidar::Vector3 workspace_half_ = spidar::Vector3::Ones(); // m
   std::string description_;
   haptic::PointerGate gate_;
+  haptic::Impulse told_; // as of the last event
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point clock_read_;
   std::uint64_t device_faults_ = 0;

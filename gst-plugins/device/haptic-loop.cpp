@@ -120,6 +120,8 @@ void HapticLoop::prepare(Environment environment) {
   deadband_ = {};
   smoother_.forget();
   suspend_ = {};
+  impulse_ = {};
+  impulse_slot_.write(impulse_);
   last_tick_ = 0;
   retry_at_ = 0;
   failed_exchanges_ = 0;
@@ -200,6 +202,9 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
     environment_.device->command(wrench);
   if (environment_.log)
     write_row(now, wrench);
+  impulse_.impulse += wrench.force * dt;
+  impulse_.time += dt;
+  impulse_slot_.write(impulse_);
   silent_.store(chain_.silent());
   raise(statistics_.force_max, wrench.force.norm());
 }

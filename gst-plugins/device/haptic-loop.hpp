@@ -46,6 +46,12 @@ struct HandPosition {
   bool valid = false;
 };
 
+/// What was commanded since start(): a mean force is the difference of two readings.
+struct Impulse {
+  spidar::Vector3 impulse = spidar::Vector3::Zero(); ///< N·s
+  double time = 0;                                   ///< s
+};
+
 /// Written by the loop, read by anybody. Since the last start().
 struct LoopStatistics {
   std::atomic<std::uint64_t> ticks = 0;
@@ -141,6 +147,10 @@ public:
     hand_.refresh();
     return hand_.value();
   }
+  Impulse impulse() noexcept {
+    impulse_slot_.refresh();
+    return impulse_slot_.value();
+  }
   /// 0 with real-time priority, else why not (errno); -1 until the thread runs.
   int priority_error() const noexcept { return priority_error_.load(); }
   /// 0 when what the loop touches cannot be swapped out, else why not (errno).
@@ -184,6 +194,7 @@ private:
   SampleRing<Submission, 256> submissions_;                   // streaming thread -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop
   NewestSlot<HandPosition> hand_;     // loop -> pointer thread
+  NewestSlot<Impulse> impulse_slot_;  // loop -> pointer thread
   RunningTime running_time_;
   LoopStatistics statistics_;
 
@@ -199,6 +210,7 @@ private:
   Deadband deadband_;
   MotionSmoother smoother_;
   SuspendDetector suspend_;
+  Impulse impulse_;
   std::uint32_t current_epoch_ = 0;
   bool flushed_ = false;       // samples were dropped since the last tick
   std::int64_t last_tick_ = 0; // ns, 0: none yet

@@ -12,6 +12,7 @@
 #include "repetition.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <gst/video/navigation.h>
@@ -73,9 +74,12 @@ struct Finding {
   std::optional<std::chrono::nanoseconds> tracker_time;
 };
 
+using Force = std::array<double, 3>; // N, x to the right, y up, z towards the user
+
 // What one picture is looked at with.
 struct Settings {
   Pointer pointer;
+  std::optional<Force> force;
   guint roi_size;
   guint max_points;
   Method method;
@@ -84,6 +88,8 @@ struct Settings {
 struct State {
   // Object lock: written by the application, by event threads and by the streaming thread.
   haptic::PointerArbiter pointers;
+  std::optional<Force> force; // on the device, as it reported last
+  Clock::time_point force_reported;
   guint roi_size = 0;
   guint max_points = kDefaultMaxPoints;
   Method method = kDefaultMethod;
@@ -339,6 +345,11 @@ void attach(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
   meta->n_candidates = static_cast<guint>(state.measurement.candidates);
   meta->n_patches = static_cast<guint>(state.measurement.count);
   std::ranges::copy(state.measurement.view(), meta->patches);
+  if (settings.force) {
+    meta->force_x = static_cast<gfloat>((*settings.force)[0]);
+    meta->force_y = static_cast<gfloat>((*settings.force)[1]);
+    meta->force_z = static_cast<gfloat>((*settings.force)[2]);
+  }
 
   static const GQuark kRoiType = g_quark_from_static_string("haptic-roi");
   remove_metas(buffer, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE, [](GstMeta *other) {
@@ -377,7 +388,10 @@ void notify_pointer(GstRoiTracker *self, const Pointer &pointer) {
 Settings take_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
   const State &state = *self->state;
-  return {state.pointers.in_use(Clock::now()), state.roi_size, state.max_points, state.method};
+  const auto now = Clock::now();
+  const bool fresh = now - state.force_reported <= haptic::PointerArbiter::kHapticTimeout;
+  return {state.pointers.in_use(now), fresh ? state.force : std::nullopt, state.roi_size,
+          state.max_points, state.method};
 }
 
 void follow_controllers(GstRoiTracker *self, GstBuffer *buffer) {
@@ -444,27 +458,10 @@ static GstFlowReturn gst_roi_tracker_transform_ip(GstBaseTransform *trans, GstBu
   return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_ROI_TRACKER(trans), buffer); });
 }
 
-// The metadata needs a buffer of its own, the pixels do not: a picture that others hold too (behind
-// a tee) is shared by reference, never copied.
 static GstFlowReturn gst_roi_tracker_prepare_output_buffer(GstBaseTransform *, GstBuffer *in,
                                                            GstBuffer **out) {
-  if (gst_buffer_is_writable(in)) {
-    *out = in;
-    return GST_FLOW_OK;
-  }
-  *out = gst_buffer_new();
-  if (!gst_buffer_copy_into(
-          *out, in,
-          static_cast<GstBufferCopyFlags>(static_cast<int>(GST_BUFFER_COPY_METADATA) |
-                                          static_cast<int>(GST_BUFFER_COPY_MEMORY)),
-          0, static_cast<gsize>(-1))) {
-    gst_buffer_unref(*out);
-    *out = nullptr;
-    return GST_FLOW_ERROR;
-  }
-  // A buffer of a pool must not go back there while its memory is in use.
-  gst_buffer_add_parent_buffer_meta(*out, in);
-  return GST_FLOW_OK;
+  *out = haptic::with_own_metadata(in);
+  return *out ? GST_FLOW_OK : GST_FLOW_ERROR;
 }
 
 static gboolean gst_roi_tracker_set_info(GstVideoFilter *filter, GstCaps *, GstVideoInfo *in_info,
@@ -507,7 +504,11 @@ static gboolean gst_roi_tracker_src_event(GstBaseTransform *trans, GstEvent *eve
     if (!position)
       return false;
     const ObjectLock lock(self);
-    self->state->pointers.point_haptic({position->x, position->y, position->z}, Clock::now());
+    State &state = *self->state;
+    const auto now = Clock::now();
+    state.pointers.point_haptic({position->x, position->y, position->z}, now);
+    state.force = position->force;
+    state.force_reported = now;
     return true;
   });
   if (is_mine) {
@@ -574,6 +575,7 @@ static gboolean gst_roi_tracker_stop(GstBaseTransform *trans) {
     state.region_size = {};
     const ObjectLock lock(trans);
     state.pointers.forget();
+    state.force.reset();
     state.picture_width = 0;
     state.picture_height = 0;
     return TRUE;

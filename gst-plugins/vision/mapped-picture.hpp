@@ -1,4 +1,4 @@
-// A picture mapped for reading.
+// Buffers that hold pictures: their pixels, and metadata of one's own on pixels that are shared.
 #pragma once
 
 #include <gst/video/gstvideometa.h>
@@ -6,11 +6,12 @@
 
 namespace haptic {
 
+/// A picture mapped for a scope.
 class MappedPicture {
 public:
-  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer) {
-    // Without a reference of its own: the buffer must stay writable for metadata.
-    const auto flags = static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ) |
+  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer, GstMapFlags access = GST_MAP_READ) {
+    // Without a reference of its own: the buffer must stay writable for the metadata.
+    const auto flags = static_cast<GstMapFlags>(static_cast<int>(access) |
                                                 static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
     is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
   }
@@ -21,9 +22,9 @@ public:
   MappedPicture(const MappedPicture &) = delete;
   MappedPicture &operator=(const MappedPicture &) = delete;
 
-  /// False: the memory does not hold what the caps say.
   explicit operator bool() const { return is_mapped_; }
   const GstVideoFrame &frame() const { return frame_; }
+  GstVideoFrame &frame() { return frame_; }
 
 private:
   // Mapping a picture whose own description contradicts the caps would be an error of this program.
@@ -37,5 +38,24 @@ private:
   GstVideoFrame frame_{};
   bool is_mapped_ = false;
 };
+
+/// The buffer itself if nobody else holds it, otherwise a new one that shares its pixels. Null on
+/// failure. The caller goes on owning `in`.
+inline GstBuffer *with_own_metadata(GstBuffer *in) {
+  if (gst_buffer_is_writable(in))
+    return in;
+  GstBuffer *out = gst_buffer_new();
+  if (!gst_buffer_copy_into(
+          out, in,
+          static_cast<GstBufferCopyFlags>(static_cast<int>(GST_BUFFER_COPY_METADATA) |
+                                          static_cast<int>(GST_BUFFER_COPY_MEMORY)),
+          0, static_cast<gsize>(-1))) {
+    gst_buffer_unref(out);
+    return nullptr;
+  }
+  // A buffer of a pool must not go back there while its memory is in use.
+  gst_buffer_add_parent_buffer_meta(out, in);
+  return out;
+}
 
 } // namespace haptic

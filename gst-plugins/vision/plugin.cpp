@@ -1,4 +1,5 @@
 #include "gstmotionfield.h"
+#include "gsthapticoverlay.h"
 #include "gstroitracker.h"
 #include "gstvelocityavg.h"
 
@@ -7,6 +8,7 @@ static gboolean plugin_init(GstPlugin *plugin) {
   registered |= GST_ELEMENT_REGISTER(roitracker, plugin);
   registered |= GST_ELEMENT_REGISTER(velocityavg, plugin);
   registered |= GST_ELEMENT_REGISTER(motionfield, plugin);
+  registered |= GST_ELEMENT_REGISTER(hapticoverlay, plugin);
   return registered;
 }
 

@@ -403,6 +403,24 @@ TEST_F(HapticSinkPointer, AWanderingHandIsFollowed) {
   EXPECT_GT(highest, 0.8);
 }
 
+TEST_F(HapticSinkPointer, TellsTheForceThatItCommands) {
+  harness("device=sim latency-mode=immediate");
+  std::array<double, 3> last{};
+  for (int i = 0; i < 60; ++i) {
+    gst_harness_push(harness_.get(), packed(moving(100, 0), GST_CLOCK_TIME_NONE));
+    std::this_thread::sleep_for(15ms);
+    while (GstEvent *event = gst_harness_try_pull_upstream_event(harness_.get())) {
+      const haptic::EventPtr owned(event);
+      const auto position = haptic::parse_pointer_event(event);
+      if (position && position->force)
+        last = *position->force;
+    }
+  }
+  EXPECT_NEAR(last[0], equation5(100), 0.02);
+  EXPECT_NEAR(last[1], 0, 0.01);
+  EXPECT_NEAR(last[2], 0, 0.01);
+}
+
 TEST_F(HapticSinkPointer, WithoutADeviceThereIsNoPointer) {
   harness("device=none");
   for (int i = 0; i < 30; ++i)

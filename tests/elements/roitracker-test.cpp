@@ -739,4 +739,22 @@ TEST_F(RoiTracker, StartsAndStopsTwoHundredTimes) {
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
 }
 
+// The force
+
+TEST_F(RoiTracker, TheForceThatTheDeviceReportsIsInTheMetadata) {
+  const BufferPtr before = pass_moving(0);
+  EXPECT_TRUE(std::isnan(motion_of(before).force_x)) << "nobody has said";
+  haptic::PointerPosition position;
+  position.force = {0.25, -0.5, 0.125};
+  gst_harness_push_upstream_event(harness.get(), haptic::make_pointer_event(position).release());
+  const BufferPtr told = pass_moving(1);
+  EXPECT_EQ(motion_of(told).force_x, 0.25F);
+  EXPECT_EQ(motion_of(told).force_y, -0.5F);
+  EXPECT_EQ(motion_of(told).force_z, 0.125F);
+  point_haptic(0.5, 0.5);
+  const BufferPtr unknown = pass_moving(2);
+  EXPECT_TRUE(std::isnan(motion_of(unknown).force_x));
+  EXPECT_TRUE(std::isnan(motion_of(unknown).force_y));
+}
+
 } // namespace
