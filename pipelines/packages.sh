@@ -28,6 +28,7 @@ build_packages=(
   libeigen3-dev
   libhwy-dev
   libusb-1.0-0-dev
+  libcairo2-dev
   libevdev-dev # joysticks with force feedback
 )
 
