@@ -38,7 +38,8 @@ need_window_system() {
 # Runs a command with an X server of its own.
 in_window_system() {
   # A display number of its own: the one just given up by the test before may not be free yet.
-  xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24' "$@"
+  # Without -noreset it starts anew when its first client goes, and the next one may come in between.
+  xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24 -noreset' "$@"
 }
 
 # Runs a script as if someone pressed Ctrl-C after so many seconds.
