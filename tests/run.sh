@@ -163,8 +163,7 @@ if check "Everything builds without a warning" \
     sanitized=$!
   fi
   step "Unit, element, pipeline and documentation tests"
-  # Many wait for real time: one more at once than there are processors.
-  run_meson_tests build-tests --num-processes $(($(nproc) + 1))
+  run_meson_tests build-tests
   if [ "$all" = yes ]; then
     check "clang-tidy finds nothing" check_style || true
   fi
