@@ -1,5 +1,5 @@
-#include "gstmotionfield.h"
 #include "gsthapticoverlay.h"
+#include "gstmotionfield.h"
 #include "gstroitracker.h"
 #include "gstvelocityavg.h"
 
