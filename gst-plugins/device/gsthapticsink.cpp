@@ -633,7 +633,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
       return GST_STATE_CHANGE_FAILURE;
     break;
   case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
-    state.loop.hold(haptic::kHoldPaused); // before the parent, which may wait for the preroll
+    state.loop.hold(haptic::kHoldPaused);
     break;
   case GST_STATE_CHANGE_PAUSED_TO_READY:
     state.loop.stop();
@@ -642,8 +642,15 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     break;
   }
 
+  // A sample is taken before its picture is due, so that on a pause the next may be held up behind
+  // another sink that has its picture. There is nothing to show while paused: nothing to wait for.
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  const gboolean async = gst_base_sink_is_async_enabled(sink);
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
+    gst_base_sink_set_async_enabled(sink, FALSE);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);
+  gst_base_sink_set_async_enabled(sink, async);
   const bool failed = result == GST_STATE_CHANGE_FAILURE;
 
   switch (transition) {

@@ -282,13 +282,14 @@ std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rec
                                const Settings &settings) {
   State &state = *self->state;
   state.measurement.clear();
-  if (GST_BUFFER_IS_DISCONT(buffer))
+  // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
+  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
+  if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
     state.forget_pictures();
 
   std::optional<guint64> pts;
   if (GST_BUFFER_PTS_IS_VALID(buffer))
     pts = GST_BUFFER_PTS(buffer);
-  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
   const haptic::TimeStep step = state.timeline.advance(pts, descending);
   if (step.fault)
     tell_once_about_time(self, GST_BUFFER_PTS(buffer), step.fault);

@@ -107,6 +107,18 @@ TEST_F(HapticSink, APauseIsSilentWithin120Milliseconds) {
   EXPECT_NEAR(rows[rows.size() - 130].fx, 0.5, 1e-6);
 }
 
+TEST_F(HapticSink, APauseWaitsForNoSample) { // the next may be held up behind a paused video sink
+  build("device=sim");
+  push_motion(100, 0, 0.5);
+  wait_for(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") + count("gaps") == 15; }));
+  wait_for(GST_STATE_PAUSED);
+  push_motion(100, 0, 0.5);
+  push_end();
+  wait_for(GST_STATE_PLAYING);
+  wait_for_end();
+}
+
 TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
   build_logging();
   push_motion(100, 0, 2);

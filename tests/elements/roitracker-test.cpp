@@ -421,6 +421,15 @@ TEST_F(RoiTracker, ADiscontinuityIsNoMotion) {
 
   EXPECT_TRUE(starts_anew(harness.pass(moving(12), 4 * kFrame + 3 * GST_SECOND))) << "a pause";
   EXPECT_EQ(statistic(tracker.get(), "discontinuities"), 8U);
+
+  segment.rate = -1;
+  segment.stop = 10 * GST_SECOND;
+  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  const auto pass_back = [&](int n) {
+    return harness.pass(moving(n), n * kFrame, GST_BUFFER_FLAG_DISCONT);
+  };
+  EXPECT_TRUE(starts_anew(pass_back(9)));
+  expect_motion(pass_back(8), {-2, 1}); // what is decoded for itself is no cut
 }
 
 TEST_F(RoiTracker, EqualTimeStampsMeasureNothing) {
