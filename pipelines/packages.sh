@@ -32,6 +32,12 @@ build_packages=(
   libevdev-dev # joysticks with force feedback
 )
 
+# The window of view.sh.
+view_packages=(
+  libgtk-3-dev
+  gstreamer1.0-gtk3
+)
+
 # To build and run the tests.
 test_packages=(
   libgtest-dev

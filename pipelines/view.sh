@@ -56,7 +56,7 @@ esac
 use_elements hapticoverlay
 program=$build/pipelines/view/feeling-wind-view
 [ -x "$program" ] || program=$(command -v feeling-wind-view) ||
-  fail "feeling-wind-view is not built; as root run: apt-get install libgtk-3-dev, then build again"
+  fail "feeling-wind-view is not built; as root run: apt-get install ${view_packages[*]}, then build again"
 
 line=("${pictures[@]}" ! roitracker "pointer-source=$pointer" ! tee name=t
   t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay ! gtksink

@@ -10,17 +10,17 @@
 namespace haptic {
 namespace {
 
-constexpr int kNarrowestCell = 8;   // px of the picture
-constexpr float kLargestCell = 32;  // px of the reduced picture; half of it is enough
-constexpr std::size_t kLevels = 3;  // a patch of the coarsest covers two cells or three
-constexpr int kCoarseSpacing = 6;   // px between patches of the coarsest level
-constexpr int kReach = 5;           // px of the coarsest level
-constexpr float kBlockSpacing = 10; // px between the blocks of one translation
-constexpr float kGridSpacing = 7;   // px between the patches of a cell that does not move as one
-constexpr int kIterations = 5;      // most Gauss-Newton steps of a patch
-constexpr int kRefinements = 3;     // of a cell, whose start is good to a fraction of a pixel
-constexpr float kSame2 = 1;         // px squared between starts not worth telling apart
-constexpr float kUseless = 0.6F;    // correlation at which nothing was found again
+constexpr int kNarrowestCell = 8;  // px of the picture
+constexpr float kLargestCell = 32; // px of the reduced picture; half of it is enough
+constexpr std::size_t kLevels = 3; // a patch of the coarsest covers one cell or two
+constexpr int kCoarseSpacing = 6;  // px between patches of the coarsest level
+constexpr int kReach = 5;          // px of the coarsest level
+constexpr float kBlockSpacing = 8; // px between the blocks of one translation
+constexpr float kGridSpacing = 6;  // px between the patches of a cell that does not move as one
+constexpr int kIterations = 5;     // most Gauss-Newton steps of a patch
+constexpr int kRefinements = 3;    // of a cell, whose start is good to a fraction of a pixel
+constexpr float kSame2 = 1;        // px squared between starts not worth telling apart
+constexpr float kUseless = 0.6F;   // correlation at which nothing was found again
 constexpr float kGood = 0.9F;
 
 int blocks_along(float length) {
@@ -308,14 +308,20 @@ Translation FieldTracker::translate(int row, int column) {
     std::array<Fit, kMaxPatches> fits;
     float least = std::numeric_limits<float>::infinity();
     for (const Displacement other : starts_.view()) {
-      fit_templates(later, blocks_.view(), other, std::span(fits).first(blocks_.view().size()));
+      const auto some = std::span(fits).first(blocks_.view().size());
+      fit_templates(later, blocks_.view(), other, some);
       float squares = 0;
-      for (const Fit &fit : std::span(fits).first(blocks_.view().size()))
+      float correlation = 0;
+      for (const Fit &fit : some) {
         squares += fit.residual * fit.residual;
+        correlation += fit.correlation;
+      }
       if (squares < least) {
         least = squares;
         start = other;
       }
+      if (correlation > kGood * static_cast<float>(some.size()))
+        break;
     }
   }
   Translation whole = translate_blocks(later, blocks_.view(), start, kRefinements, noise_, true);
@@ -421,7 +427,7 @@ void FieldTracker::climb(int row, int column, double interval, FieldCell &answer
 
 // From the cells that turned out to stand still, whatever changed in them.
 void FieldTracker::learn_noise() {
-  constexpr float kLearning = 0.3F;
+  constexpr float kLearning = 0.6F;
   constexpr float kMost = 150; // grey levels squared
   constexpr int kFew = 16;     // one cell in so many may be still by mistake
   float energy = 0;
@@ -455,6 +461,7 @@ std::uint32_t FieldTracker::measure(double interval, std::span<FieldCell> cells)
       if (own.change != Change::some)
         continue;
       own.whole = translate(row, column);
+      // What is left after the best fit tells more of the noise than what was learned before.
       own.has_texture = has_texture(eigenvalues(own.whole.structure).most, own.whole.pixels,
                                     std::min(noise_, own.whole.residual2 / kSmoothedNoise));
       own.explained = explains(own.whole, kSmallPatch, noise_);

@@ -53,7 +53,7 @@ public:
   std::uint32_t measure(double interval, std::span<FieldCell> cells);
 
 private:
-  // Where a cell begins, px of the reduced picture.
+  // Of a cell, px of the reduced picture.
   Area area_of(int row, int column) const;
   LumaView part_of(const ByteImage &picture, const Area &area) const;
   bool find_changes(std::span<FieldCell> cells);

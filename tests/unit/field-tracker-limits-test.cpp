@@ -1,9 +1,7 @@
 // What the field promises of memory, of instruction sets, and of the tracker of a region.
 #include "counted-allocations.hpp"
-#include "field-pictures.hpp"
+#include "field-agreement.hpp"
 #include "guarded-picture.hpp"
-#include "region.hpp"
-#include "velocity-estimate.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -87,37 +85,6 @@ TEST(FieldTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
   EXPECT_EQ(test::allocations, before);
 }
 
-// px per picture and confidence of the region tracker, asked about the cell alone.
-haptic::VelocityEstimate region_at_cell(const Field &field, const Picture &before,
-                                        const Picture &after, int row, int column) {
-  const auto edge = [](int index, int length, int parts) { return index * length / parts; };
-  const int left = edge(column, field.width, field.shape.columns);
-  const int top = edge(row, field.height, field.shape.rows);
-  const haptic::Rectangle region{left, top,
-                                 edge(column + 1, field.width, field.shape.columns) - left,
-                                 edge(row + 1, field.height, field.shape.rows) - top};
-  const auto tracker = haptic::make_fast_tracker();
-  const haptic::Rectangle crop =
-      haptic::crop_around(region, tracker->margin(region.width), field.width, field.height);
-  const auto view = [&](const Picture &picture) {
-    return haptic::LumaView{picture.pixels.data() + crop.y * picture.width + crop.x, crop.width,
-                            crop.height, picture.width};
-  };
-  haptic::Measurement found;
-  tracker->measure({view(before), view(after), crop, region}, found);
-  return haptic::estimate_velocity(
-      {.patches = found.view(),
-       .candidates = found.candidates,
-       .pointer_x = static_cast<float>(region.x) + static_cast<float>(region.width) / 2,
-       .pointer_y = static_cast<float>(region.y) + static_cast<float>(region.height) / 2,
-       .interval = 1,
-       .region_x = static_cast<float>(region.x),
-       .region_y = static_cast<float>(region.y),
-       .region_width = static_cast<float>(region.width),
-       .region_height = static_cast<float>(region.height)},
-      haptic::Average::model, haptic::ModelChoice::automatic);
-}
-
 TEST(FieldTrackerLimits, AgreesWithTheTrackerOfARegionAtTheSamePlace) {
   std::mt19937 random(3);
   Picture before = scene(0);
@@ -126,16 +93,8 @@ TEST(FieldTrackerLimits, AgreesWithTheTrackerOfARegionAtTheSamePlace) {
   test::add_noise(after, 1.5, random);
   Field field(kWidth, kHeight);
   field.measure(before, after);
-  std::vector<double> differences; // px per picture
-  for (int row = 0; row < field.shape.rows; ++row)
-    for (int column = 0; column < field.shape.columns; ++column) {
-      const haptic::FieldCell &cell = field.at(row, column);
-      const auto region = region_at_cell(field, before, after, row, column);
-      if (cell.confidence >= 0.5F && region.confidence >= 0.5F)
-        differences.push_back(
-            std::hypot(cell.velocity_x - region.velocity_x, cell.velocity_y - region.velocity_y));
-    }
-  std::ranges::sort(differences);
+  const std::vector<double> differences =
+      test::differences_to_regions(field, view_of(before), view_of(after));
   ASSERT_GT(differences.size(), static_cast<std::size_t>(0.9 * field.shape.cells()));
   EXPECT_LE(differences[differences.size() / 2], 0.1);
   EXPECT_LE(differences[differences.size() * 95 / 100], 0.5);
