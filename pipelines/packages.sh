@@ -28,12 +28,21 @@ build_packages=(
   libeigen3-dev
   libhwy-dev
   libusb-1.0-0-dev
+  libcairo2-dev
+  libevdev-dev # joysticks with force feedback
+)
+
+# The window of view.sh.
+view_packages=(
+  libgtk-3-dev
+  gstreamer1.0-gtk3
 )
 
 # To build and run the tests.
 test_packages=(
   libgtest-dev
   libbenchmark-dev
+  gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0
   libumockdev-dev # a USB bus without a bus
   umockdev        # umockdev-wrapper
   libopencv-calib3d-dev # what the benchmark of the motion models compares with
@@ -43,6 +52,7 @@ test_packages=(
   xvfb
   xauth # xvfb-run needs it
   xdotool
+  python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording
   libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
   libjson-glib-dev        # the lab

@@ -55,7 +55,8 @@ check() {
 
 set_up() {
   step "Packages"
-  install_packages "${run_packages[@]}" "${build_packages[@]}" "${test_packages[@]}" "${vm_packages[@]}"
+  install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" \
+    "${test_packages[@]}" "${vm_packages[@]}"
   echo "tree.avi: $(tree_video)"
 }
 

@@ -7,16 +7,27 @@ namespace haptic {
 
 namespace {
 constexpr const char *kStructureName = "haptic-pointer";
+constexpr const char *kForceFields[] = {"force-x", "force-y", "force-z"};
+
+std::optional<std::array<double, 3>> parse_force(const GstStructure *fields) {
+  std::array<double, 3> force{};
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (!gst_structure_get_double(fields, kForceFields[i], &force[i]) || !std::isfinite(force[i]))
+      return std::nullopt;
+  return force;
 }
+} // namespace
 
 EventPtr make_pointer_event(const PointerPosition &position) {
-  return EventPtr(gst_event_new_custom(
-      GST_EVENT_CUSTOM_UPSTREAM,
-      gst_structure_new(kStructureName, "x", G_TYPE_DOUBLE, position.x, "y", G_TYPE_DOUBLE,
-                        position.y, "z", G_TYPE_DOUBLE, position.z, "pressed", G_TYPE_BOOLEAN,
-                        static_cast<gboolean>(position.pressed), "device", G_TYPE_STRING,
-                        position.device.c_str(), "timestamp", G_TYPE_UINT64, position.timestamp,
-                        nullptr)));
+  GstStructure *fields = gst_structure_new(
+      kStructureName, "x", G_TYPE_DOUBLE, position.x, "y", G_TYPE_DOUBLE, position.y, "z",
+      G_TYPE_DOUBLE, position.z, "pressed", G_TYPE_BOOLEAN, static_cast<gboolean>(position.pressed),
+      "device", G_TYPE_STRING, position.device.c_str(), "timestamp", G_TYPE_UINT64,
+      position.timestamp, nullptr);
+  if (position.force)
+    for (std::size_t i = 0; i < position.force->size(); ++i)
+      gst_structure_set(fields, kForceFields[i], G_TYPE_DOUBLE, (*position.force)[i], nullptr);
+  return EventPtr(gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, fields));
 }
 
 std::optional<PointerPosition> parse_pointer_event(GstEvent *event) {
@@ -39,6 +50,7 @@ std::optional<PointerPosition> parse_pointer_event(GstEvent *event) {
   if (const gchar *device = gst_structure_get_string(fields, "device"))
     position.device = device;
   gst_structure_get_uint64(fields, "timestamp", &position.timestamp);
+  position.force = parse_force(fields);
   return position;
 }
 

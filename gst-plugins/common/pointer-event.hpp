@@ -3,6 +3,7 @@
 
 #include "gst-raii.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -16,13 +17,16 @@ struct PointerPosition {
   bool pressed = false; ///< a button of the grip
   std::string device;   ///< who points, for people to read
   GstClockTime timestamp = GST_CLOCK_TIME_NONE; ///< running time
+  /// N, as commanded, mean since the event before; x to the right, y up, z towards the user.
+  std::optional<std::array<double, 3>> force;
 };
 
 /// A GST_EVENT_CUSTOM_UPSTREAM with the structure `haptic-pointer` (docs/formats/pointer-event.md).
 EventPtr make_pointer_event(const PointerPosition &position);
 
 /// Nothing, if the event is not a pointer event, or x or y is missing or not finite. Values outside
-/// their range are clamped. Does not take the event.
+/// their range are clamped; a force that is not finite in all directions is none. Does not take the
+/// event.
 std::optional<PointerPosition> parse_pointer_event(GstEvent *event);
 
 } // namespace haptic

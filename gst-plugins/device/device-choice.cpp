@@ -1,11 +1,33 @@
 #include "device-choice.hpp"
 
+#if HAVE_EVDEV
+#include "evdev/evdev-device.hpp"
+#endif
+
+#include <optional>
+#include <spidar/device.hpp>
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
 #include <spidar/usb.hpp>
 
 namespace haptic {
 namespace {
+
+// What follows the prefix, if something does.
+std::optional<std::string> after(const std::string &prefix, const std::string &text) {
+  if (text.starts_with(prefix) && text.size() > prefix.size())
+    return text.substr(prefix.size());
+  return std::nullopt;
+}
+
+std::unique_ptr<spidar::HapticDevice> open_joystick(const std::string &path, double period) {
+#if HAVE_EVDEV
+  return open_evdev(path, period);
+#else
+  throw spidar::Error(spidar::Cause::argument,
+                      "This build cannot use joysticks: install libevdev-dev and build it again.");
+#endif
+}
 
 std::unique_ptr<spidar::Controller> open_controller(const DeviceChoice &choice,
                                                     const spidar::Geometry &geometry,
@@ -17,12 +39,12 @@ std::unique_ptr<spidar::Controller> open_controller(const DeviceChoice &choice,
                                                1.0 / choice.rate);
   if (device == "auto" || device == "usb")
     return spidar::open_usb("");
-  const std::string prefix = "usb:";
-  if (device.starts_with(prefix) && device.size() > prefix.size())
-    return spidar::open_usb(device.substr(prefix.size()));
-  throw spidar::Error(spidar::Cause::argument,
-                      "The device \"" + device +
-                          "\" is not known. Use auto, sim, usb, usb:ID or none.");
+  if (const auto id = after("usb:", device))
+    return spidar::open_usb(*id);
+  throw spidar::Error(
+      spidar::Cause::argument,
+      "The device \"" + device +
+          "\" is not known. Use auto, sim, usb, usb:ID, evdev, evdev:PATH or none.");
 }
 
 } // namespace
@@ -31,14 +53,19 @@ OpenedDevice open_device(const DeviceChoice &choice) {
   OpenedDevice opened;
   if (choice.device == "none")
     return opened;
+  const double period = 1.0 / choice.rate;
+  const auto path = after("evdev:", choice.device);
+  if (path || choice.device == "evdev") {
+    opened.device = open_joystick(path.value_or(""), period);
+    return opened;
+  }
   const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
   auto controller = open_controller(choice, geometry, opened.simulated_instead);
-  opened.device =
-      std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
+  opened.device = std::make_unique<spidar::Device>(std::move(controller), geometry, period);
   return opened;
 }
 
-std::unique_ptr<spidar::Device> reopen_device(DeviceChoice choice) {
+std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice) {
   if (choice.device == "auto")
     choice.device = "usb";
   return open_device(choice).device;

@@ -8,17 +8,21 @@
 #include "cadence.hpp"
 #include "device-choice.hpp"
 #include "exception-barrier.hpp"
+#include "field-pool.hpp"
+#include "field-sampler.hpp"
 #include "gst-raii.hpp"
 #include "haptic-loop.hpp"
 #include "motion-sample.hpp"
 #include "playback-rate.hpp"
 #include "pointer-mapping.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <spidar/error.hpp>
 #include <string>
 #include <system_error>
@@ -70,8 +74,12 @@ struct State {
   // The thread that changes the state; the pointer thread while it runs and the loop has lost the
   // device.
   haptic::DeviceChoice opened_as;
-  std::unique_ptr<spidar::Device> device;
+  std::unique_ptr<spidar::HapticDevice> device;
   std::unique_ptr<haptic::TickLog> log;
+
+  // Streaming thread. Made when fields are to come; before the loop, which gives them back.
+  std::unique_ptr<haptic::FieldPool> fields;
+  bool takes_fields = false; // what the caps say
 
   // Its members say who may call them.
   haptic::HapticLoop loop;
@@ -296,7 +304,7 @@ public:
     waiting_ = false;
     state.loop.replace_device(state.device.get());
     GST_ELEMENT_INFO(self_, RESOURCE, OPEN_READ_WRITE,
-                     ("The SPIDAR is back: %s. Hold the grip in the centre, calibrate (signal "
+                     ("The device is back: %s. Hold the grip in the centre, calibrate (signal "
                       "calibrate), and re-arm (signal arm).",
                       state.device->description().c_str()),
                      (nullptr));
@@ -357,7 +365,7 @@ private:
     if (!device)
       return;
     has_hand_ = true;
-    workspace_half_ = device->geometry().workspace_half;
+    workspace_half_ = device->workspace_half();
     description_ = device->description();
   }
 
@@ -366,9 +374,15 @@ private:
     if (!hand.valid)
       return;
     haptic::PointerPosition position = haptic::map_pointer(hand.position, workspace_half_);
+    const haptic::Impulse impulse = self_->state->loop.impulse();
+    if (const double taken = impulse.time - told_.time; taken > 0) {
+      const spidar::Vector3 mean = (impulse.impulse - told_.impulse) / taken;
+      position.force = {mean.x(), mean.y(), mean.z()};
+    }
     const std::int64_t now = haptic::monotonic_now();
     if (!gate_.pass(position, now))
       return;
+    told_ = impulse;
     position.device = description_;
     if (playing)
       if (const auto reading = read_clocks(self_); reading && reading->running >= 0)
@@ -407,7 +421,7 @@ private:
     if (const auto faults = loop.device_faults.load(); faults != device_faults_) {
       device_faults_ = faults;
       GST_ELEMENT_WARNING(self_, RESOURCE, WRITE,
-                          ("The SPIDAR does not answer. The force is off and the video goes on. "
+                          ("The device does not answer. The force is off and the video goes on. "
                            "Check its cable and power, then re-arm (signal arm)."),
                           ("three exchanges in a row failed, or it was unplugged"));
     }
@@ -449,6 +463,7 @@ private:
   spidar::Vector3 workspace_half_ = spidar::Vector3::Ones(); // m
   std::string description_;
   haptic::PointerGate gate_;
+  haptic::Impulse told_; // as of the last event
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point clock_read_;
   std::uint64_t device_faults_ = 0;
@@ -618,7 +633,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
       return GST_STATE_CHANGE_FAILURE;
     break;
   case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
-    state.loop.hold(haptic::kHoldPaused); // before the parent, which may wait for the preroll
+    state.loop.hold(haptic::kHoldPaused);
     break;
   case GST_STATE_CHANGE_PAUSED_TO_READY:
     state.loop.stop();
@@ -627,8 +642,15 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     break;
   }
 
+  // A sample is taken before its picture is due, so that on a pause the next may be held up behind
+  // another sink that has its picture. There is nothing to show while paused: nothing to wait for.
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  const gboolean async = gst_base_sink_is_async_enabled(sink);
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
+    gst_base_sink_set_async_enabled(sink, FALSE);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);
+  gst_base_sink_set_async_enabled(sink, async);
   const bool failed = result == GST_STATE_CHANGE_FAILURE;
 
   switch (transition) {
@@ -704,22 +726,29 @@ void look_ahead(State &state, GstClockTime interval) {
   state.look_ahead = std::clamp(wanted, state.look_ahead, kLongestLookAhead);
 }
 
+// The middle of a picture's interval, when that is to be felt.
+std::int64_t middle_of(GstHapticSink *self, GstClockTime pts, std::uint64_t interval) {
+  const std::int64_t time = presented_at(self, pts);
+  return time == haptic::kAtOnce ? time : time - static_cast<std::int64_t>(interval / 2);
+}
+
 void take_gap(GstHapticSink *self, GstClockTime pts, const haptic::MotionSample &sample = {}) {
   State &state = *self->state;
   ++state.gaps;
   state.cadence.forget();
-  std::int64_t time = presented_at(self, pts);
-  if (time != haptic::kAtOnce)
-    time -= static_cast<std::int64_t>(std::min(sample.interval, kLongestLookAhead) / 2);
-  state.loop.submit_gap(sample, haptic::monotonic_now(), time);
+  state.loop.submit_gap(sample, haptic::monotonic_now(),
+                        middle_of(self, pts, std::min(sample.interval, kLongestLookAhead)));
+}
+
+haptic::Playback playback_of(GstHapticSink *self) {
+  const GstSegment &segment = GST_BASE_SINK(self)->segment;
+  return {segment.rate, segment.applied_rate,
+          (segment.flags & (GST_SEGMENT_FLAG_TRICKMODE | GST_SEGMENT_FLAG_TRICKMODE_KEY_UNITS)) !=
+              0};
 }
 
 void take_sample(GstHapticSink *self, GstClockTime pts, haptic::MotionSample sample) {
   State &state = *self->state;
-  const GstSegment &segment = GST_BASE_SINK(self)->segment;
-  const haptic::Playback playback{
-      segment.rate, segment.applied_rate,
-      (segment.flags & (GST_SEGMENT_FLAG_TRICKMODE | GST_SEGMENT_FLAG_TRICKMODE_KEY_UNITS)) != 0};
   const auto correction = static_cast<float>(state.cadence.correction(sample));
   if (sample.flags & haptic::kMotionDuplicate)
     return; // says nothing new; the motion goes on
@@ -727,43 +756,83 @@ void take_sample(GstHapticSink *self, GstClockTime pts, haptic::MotionSample sam
   sample.velocity_y *= correction;
   sample.spin *= correction;
   sample.divergence *= correction;
-  const auto played = haptic::play(sample, playback, state.rate_law);
+  const auto played = haptic::play(sample, playback_of(self), state.rate_law);
   if (!played)
     return take_gap(self, pts);
   look_ahead(state, played->interval);
-  std::int64_t time = presented_at(self, pts);
-  if (time != haptic::kAtOnce)
-    time -= static_cast<std::int64_t>(played->interval / 2);
-  state.loop.submit(*played, haptic::monotonic_now(), time);
+  state.loop.submit(*played, haptic::monotonic_now(), middle_of(self, pts, played->interval));
 }
 
-GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
-  GstHapticSink *self = GST_HAPTIC_SINK(sink);
+void take_field(GstHapticSink *self, GstClockTime pts, haptic::FieldPool::Field field) {
   State &state = *self->state;
+  const auto correction = static_cast<float>(state.cadence.correction(haptic::picture_of(*field)));
+  if (field->flags & haptic::kMotionDuplicate)
+    return;
+  for (haptic::FieldCell &cell : field->cells) {
+    cell.velocity_x *= correction;
+    cell.velocity_y *= correction;
+  }
+  if (!haptic::play(*field, playback_of(self), state.rate_law))
+    return take_gap(self, pts);
+  const std::uint64_t interval = field->interval;
+  look_ahead(state, interval);
+  state.loop.submit(std::move(field), haptic::monotonic_now(), middle_of(self, pts, interval));
+}
+
+void take_damaged(GstHapticSink *self, GstBuffer *buffer) {
+  State &state = *self->state;
+  ++state.bad_samples;
+  state.loop.submit_gap();
+  if (!std::exchange(state.warned_of_bad_sample, true))
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT,
+                        ("A motion sample is damaged and was felt as nothing. Further ones are "
+                         "only counted (stats)."),
+                        ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
+}
+
+void render_sample(GstHapticSink *self, GstBuffer *buffer, std::span<const std::uint8_t> bytes) {
+  const auto sample = haptic::unpack_motion_sample(bytes);
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
-  refresh_running_time(self);
-  std::optional<haptic::MotionSample> sample;
-  GstMapInfo map;
-  if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
-    sample = haptic::unpack_motion_sample({map.data, map.size});
-    gst_buffer_unmap(buffer, &map);
-  }
   const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
-  if (!gap && (!sample || !haptic::is_plausible(*sample))) {
-    ++state.bad_samples;
-    state.loop.submit_gap();
-    if (!std::exchange(state.warned_of_bad_sample, true))
-      GST_ELEMENT_WARNING(sink, STREAM, FORMAT,
-                          ("A motion sample is damaged and was felt as nothing. Further ones are "
-                           "only counted (stats)."),
-                          ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
-    return GST_FLOW_OK;
-  }
-  state.samples += !gap;
+  if (!gap && (!sample || !haptic::is_plausible(*sample)))
+    return take_damaged(self, buffer);
+  self->state->samples += !gap;
   if (!gap && sample->confidence > 0)
     take_sample(self, pts, *sample);
   else
     take_gap(self, pts, sample.value_or(haptic::MotionSample{}));
+}
+
+void render_field(GstHapticSink *self, GstBuffer *buffer, std::span<const std::uint8_t> bytes) {
+  haptic::FieldPool::Field field = self->state->fields->take();
+  if (!field)
+    return; // the loop stands still; as with samples, the newest is lost
+  const bool readable = haptic::unpack_motion_field(bytes, *field);
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
+  if (!gap && (!readable || !haptic::is_plausible(*field)))
+    return take_damaged(self, buffer);
+  self->state->samples += !gap;
+  const bool measured = std::ranges::any_of(
+      field->cells, [](const haptic::FieldCell &cell) { return cell.confidence > 0; });
+  if (!gap && measured)
+    take_field(self, pts, std::move(field));
+  else
+    take_gap(self, pts, readable ? haptic::picture_of(*field) : haptic::MotionSample{});
+}
+
+GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
+  GstHapticSink *self = GST_HAPTIC_SINK(sink);
+  refresh_running_time(self);
+  GstMapInfo map{};
+  const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
+  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  if (self->state->takes_fields)
+    render_field(self, buffer, bytes);
+  else
+    render_sample(self, buffer, bytes);
+  if (mapped)
+    gst_buffer_unmap(buffer, &map);
   return GST_FLOW_OK;
 }
 
@@ -788,9 +857,12 @@ gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
   GST_DEBUG_OBJECT(sink, "%" GST_PTR_FORMAT, static_cast<void *>(caps));
   gint n = 0;
   gint d = 0;
+  State &state = state_of(sink);
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  state.takes_fields = g_strcmp0(gst_structure_get_string(structure, "layout"), "field") == 0;
+  if (state.takes_fields && !state.fields)
+    state.fields = std::make_unique<haptic::FieldPool>();
   if (gst_structure_get_fraction(structure, "framerate", &n, &d) && n > 0 && d > 0) {
-    State &state = state_of(sink);
     state.last_interval =
         gst_util_uint64_scale(GST_SECOND, static_cast<guint64>(d), static_cast<guint64>(n));
     look_ahead(state, state.last_interval);
@@ -1037,8 +1109,8 @@ void install_properties(GObjectClass *klass) {
 
   properties[kPropDevice] = g_param_spec_string(
       "device", "Device",
-      "auto, sim, usb, usb:ID (its rotary switch) or none; auto takes the first SPIDAR-G found, "
-      "else the simulated one",
+      "auto, sim, usb, usb:ID (its rotary switch), evdev, evdev:PATH (a joystick or wheel with "
+      "force feedback) or none; auto takes the first SPIDAR-G found, else the simulated one",
       choice.device.c_str(), ready);
   properties[kPropForceLaw] =
       g_param_spec_enum("force-law", "Force Law", "How motion becomes force",
@@ -1127,8 +1199,9 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
   GstBaseSinkClass *sink_class = GST_BASE_SINK_CLASS(klass);
 
-  static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-      "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_MOTION_CAPS));
+  static GstStaticPadTemplate sink_template =
+      GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                              GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS));
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
                                         "Motion in pictures as force on the hand",

@@ -1,5 +1,7 @@
 #include "haptic-loop.hpp"
 
+#include "pointer-mapping.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -113,10 +115,13 @@ void HapticLoop::prepare(Environment environment) {
   drop_samples();
   chain_ = {};
   interpolator_.clear();
+  place_ = {};
   motion_ = {};
   deadband_ = {};
   smoother_.forget();
   suspend_ = {};
+  impulse_ = {};
+  impulse_slot_.write(impulse_);
   last_tick_ = 0;
   retry_at_ = 0;
   failed_exchanges_ = 0;
@@ -191,11 +196,15 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   take_submissions(now);
   take_replacement();
   exchange(now);
+  feel(now);
   const spidar::Wrench wrench = next_wrench(dt, too_late);
   if (environment_.device)
     environment_.device->command(wrench);
   if (environment_.log)
     write_row(now, wrench);
+  impulse_.impulse += wrench.force * dt;
+  impulse_.time += dt;
+  impulse_slot_.write(impulse_);
   silent_.store(chain_.silent());
   raise(statistics_.force_max, wrench.force.norm());
 }
@@ -215,21 +224,19 @@ void HapticLoop::take_submissions(std::int64_t now) noexcept {
       broken_ = true;
       continue;
     }
-    interpolator_.add(submission.motion, running);
-    if (!submission.motion.measured)
+    const bool measured = submission.motion.measured;
+    interpolator_.add(std::move(submission.motion), running);
+    if (!measured)
       continue;
     const std::int64_t age = now - submission.arrival;
     add<std::uint64_t>(statistics_.samples_used);
     add(statistics_.sample_age_sum, age);
     raise(statistics_.sample_age_max, age);
   }
-  // While the pipeline is paused its time stands still.
-  if (flushed_ || !(holds_.load() & kHoldPaused))
-    motion_ = interpolator_.at(running);
 }
 
 void HapticLoop::take_replacement() noexcept {
-  spidar::Device *device = replacement_.exchange(nullptr);
+  spidar::HapticDevice *device = replacement_.exchange(nullptr);
   if (!device)
     return;
   environment_.device = device;
@@ -247,7 +254,7 @@ void HapticLoop::lose_device() noexcept {
 }
 
 void HapticLoop::exchange(std::int64_t now) noexcept {
-  spidar::Device *device = environment_.device;
+  spidar::HapticDevice *device = environment_.device;
   if (!device)
     return;
   if (calibrate_.exchange(false))
@@ -277,6 +284,15 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   hand_.write({device->state().pose.position, device->state().valid});
 }
 
+void HapticLoop::feel(std::int64_t now) noexcept {
+  if (environment_.device && environment_.device->state().valid)
+    place_ = map_pointer(environment_.device->state().pose.position,
+                         environment_.device->workspace_half());
+  // While the pipeline is paused its time stands still.
+  if (flushed_ || !(holds_.load() & kHoldPaused))
+    motion_ = interpolator_.at(running_time_.at(now), place_);
+}
+
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const LoopSettings &settings = settings_.value();
   std::uint32_t holds = holds_.load();
@@ -291,12 +307,13 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   if (environment_.device) {
     const auto &state = environment_.device->state();
     input.hand_velocity = state.velocity;
-    hand = scale_hand(state.velocity, environment_.device->geometry().workspace_half,
-                      motion_.sample, settings.reference_width);
+    hand = scale_hand(state.velocity, environment_.device->workspace_half(), motion_.sample,
+                      settings.reference_width);
     if (!state.valid)
       holds |= kHoldNoPose;
     // A grip that nobody pushes may move as it likes.
-    else if (state.velocity.norm() > kGripLetGo && !chain_.silent() && !(holds & kHoldOverspeed)) {
+    else if (environment_.device->grip_is_free() && state.velocity.norm() > kGripLetGo &&
+             !chain_.silent() && !(holds & kHoldOverspeed)) {
       hold(kHoldOverspeed);
       holds |= kHoldOverspeed;
       add<std::uint64_t>(statistics_.overspeeds);

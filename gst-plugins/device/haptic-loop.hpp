@@ -4,6 +4,8 @@
 
 #include "deadband.hpp"
 #include "duration-histogram.hpp"
+#include "field-pool.hpp"
+#include "field-sampler.hpp"
 #include "force-law.hpp"
 #include "motion-interpolator.hpp"
 #include "motion-smoother.hpp"
@@ -17,9 +19,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <spidar/device.hpp>
+#include <spidar/haptic-device.hpp>
 #include <stop_token>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace haptic {
@@ -41,6 +44,12 @@ struct LoopSettings {
 struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
   bool valid = false;
+};
+
+/// What was commanded since start(): a mean force is the difference of two readings.
+struct Impulse {
+  spidar::Vector3 impulse = spidar::Vector3::Zero(); ///< N·s
+  double time = 0;                                   ///< s
 };
 
 /// Written by the loop, read by anybody. Since the last start().
@@ -70,12 +79,12 @@ public:
   HapticLoop &operator=(const HapticLoop &) = delete;
 
   struct Environment {
-    spidar::Device *device = nullptr; ///< null: no hand; outlives stop() or device_lost()
-    bool lost = false;                ///< it is null only until replace_device()
-    TickLog *log = nullptr;           ///< null: no log; outlives stop()
-    double rate = 1000;               ///< Hz
-    std::function<void()> entered;    ///< called in the thread before the loop proper
-    std::function<void()> left;       ///< and after it
+    spidar::HapticDevice *device = nullptr; ///< null: no hand; outlives stop() or device_lost()
+    bool lost = false;                      ///< it is null only until replace_device()
+    TickLog *log = nullptr;                 ///< null: no log; outlives stop()
+    double rate = 1000;                     ///< Hz
+    std::function<void()> entered;          ///< called in the thread before the loop proper
+    std::function<void()> left;             ///< and after it
   };
 
   // Life cycle: one thread at a time.
@@ -118,6 +127,12 @@ public:
               std::int64_t middle = kAtOnce) noexcept {
     submit({{sample, true, middle}, arrival, epoch_.load()});
   }
+  /// The same of a field, which is felt where the hand is. It goes back to its pool by itself.
+  void submit(FieldPool::Field field, std::int64_t arrival = monotonic_now(),
+              std::int64_t middle = kAtOnce) noexcept {
+    const MotionSample picture = picture_of(*field);
+    submit({{picture, true, middle, std::move(field)}, arrival, epoch_.load()});
+  }
   /// Nothing was measured; the sample's flags say why.
   void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),
                   std::int64_t middle = kAtOnce) noexcept {
@@ -132,6 +147,10 @@ public:
     hand_.refresh();
     return hand_.value();
   }
+  Impulse impulse() noexcept {
+    impulse_slot_.refresh();
+    return impulse_slot_.value();
+  }
   /// 0 with real-time priority, else why not (errno); -1 until the thread runs.
   int priority_error() const noexcept { return priority_error_.load(); }
   /// 0 when what the loop touches cannot be swapped out, else why not (errno).
@@ -139,7 +158,7 @@ public:
   /// The loop has let go of its device, which went for good and may be destroyed.
   bool device_lost() const noexcept { return device_lost_.load(); }
   /// Only when device_lost(): the loop goes on with this one, silent until armed.
-  void replace_device(spidar::Device *device) noexcept {
+  void replace_device(spidar::HapticDevice *device) noexcept {
     device_lost_.store(false);
     replacement_.store(device);
   }
@@ -152,13 +171,14 @@ private:
   };
 
   // A loop that is so far behind has stood still for seconds: what is lost then is stale anyway.
-  void submit(const Submission &submission) noexcept { submissions_.push(submission); }
+  void submit(Submission submission) noexcept { submissions_.push(std::move(submission)); }
 
   void run(const std::stop_token &stop) noexcept;
   void take_submissions(std::int64_t now) noexcept;
   void take_replacement() noexcept;
   void exchange(std::int64_t now) noexcept;
   void lose_device() noexcept;
+  void feel(std::int64_t now) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
@@ -170,10 +190,11 @@ private:
   std::atomic<int> priority_error_ = -1;
   std::atomic<int> memory_error_ = 0;
   std::atomic<bool> device_lost_ = false;
-  std::atomic<spidar::Device *> replacement_ = nullptr; // pointer thread -> loop
-  SampleRing<Submission, 256> submissions_;             // streaming thread -> loop
+  std::atomic<spidar::HapticDevice *> replacement_ = nullptr; // pointer thread -> loop
+  SampleRing<Submission, 256> submissions_;                   // streaming thread -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop
   NewestSlot<HandPosition> hand_;     // loop -> pointer thread
+  NewestSlot<Impulse> impulse_slot_;  // loop -> pointer thread
   RunningTime running_time_;
   LoopStatistics statistics_;
 
@@ -183,11 +204,13 @@ private:
   std::vector<std::unique_ptr<ForceLaw>> laws_;
   SafetyChain chain_;
   MotionInterpolator interpolator_;
-  MotionAt motion_;     // felt now
-  bool broken_ = false; // a sample held a number that is not finite
+  PointerPosition place_; // of the hand, as last known
+  MotionAt motion_;       // felt now
+  bool broken_ = false;   // a sample held a number that is not finite
   Deadband deadband_;
   MotionSmoother smoother_;
   SuspendDetector suspend_;
+  Impulse impulse_;
   std::uint32_t current_epoch_ = 0;
   bool flushed_ = false;       // samples were dropped since the last tick
   std::int64_t last_tick_ = 0; // ns, 0: none yet

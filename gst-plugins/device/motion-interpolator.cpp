@@ -1,7 +1,10 @@
 #include "motion-interpolator.hpp"
 
+#include "field-sampler.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -32,6 +35,20 @@ void rescale(MotionSample &sample, const MotionSample &picture) noexcept {
   sample.pixel_aspect_d = picture.pixel_aspect_d;
 }
 
+// In the pixels of the motion's sample, which are those of the newest picture. A field has no
+// motion where its cells are silent: with a confidence of 0 it was not measured.
+MotionSample motion_at(const TimedMotion &motion, const PointerPosition &place) noexcept {
+  if (!motion.field)
+    return motion.sample;
+  MotionSample sample = sample_field(*motion.field, place);
+  rescale(sample, motion.sample);
+  return sample;
+}
+
+bool is_measured(const TimedMotion &motion, const MotionSample &there) noexcept {
+  return motion.measured && (!motion.field || there.confidence > 0);
+}
+
 float between(float from, float to, double share) noexcept {
   return from + static_cast<float>((to - from) * share);
 }
@@ -39,7 +56,9 @@ float between(float from, float to, double share) noexcept {
 } // namespace
 
 void MotionInterpolator::clear() noexcept {
-  first_ = count_ = 0;
+  for (; count_ > 0; --count_)
+    pending(count_ - 1) = {};
+  first_ = 0;
   from_ = {};
   now_.measured = now_.cut = false;
   now_.sample.confidence = 0;
@@ -47,7 +66,7 @@ void MotionInterpolator::clear() noexcept {
 }
 
 void MotionInterpolator::pop_front() noexcept {
-  from_ = pending_[first_];
+  from_ = std::move(pending_[first_]);
   first_ = (first_ + 1) % kCapacity;
   --count_;
 }
@@ -61,13 +80,12 @@ void MotionInterpolator::take_picture_of(const MotionSample &sample) noexcept {
     rescale(pending(i).sample, sample);
 }
 
-void MotionInterpolator::add(const TimedMotion &motion, std::int64_t now) noexcept {
-  const std::int64_t interval = interval_of(motion.sample);
-  TimedMotion knot = motion;
-  const bool timed = motion.time != kAtOnce && motion.time <= now + kFarthest;
+void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
+  const std::int64_t interval = interval_of(knot.sample);
+  const bool timed = knot.time != kAtOnce && knot.time <= now + kFarthest;
+  known_until_ = std::max(timed ? knot.time + interval / 2 : now, now);
   if (!timed)
     knot.time = now;
-  known_until_ = std::max(timed ? motion.time + interval / 2 : now, now);
 
   const bool leads_on =
       knot.measured && (count_ > 0 ? pending(count_ - 1).measured : from_.measured);
@@ -78,19 +96,20 @@ void MotionInterpolator::add(const TimedMotion &motion, std::int64_t now) noexce
   }
   const std::int64_t closest = knot.measured ? interval / kClosestInIntervals : 0;
   bool replaces = false;
-  for (; count_ > 0 && pending(count_ - 1).time > knot.time - closest; --count_)
+  for (; count_ > 0 && pending(count_ - 1).time > knot.time - closest; --count_) {
+    pending(count_ - 1) = {};
     replaces = true;
+  }
   if (replaces && now_.measured) { // the line to what is replaced ends where it has come to
-    from_.sample = now_.sample;
-    from_.time = now;
+    from_ = {.sample = now_.sample, .measured = true, .time = now};
   }
   if (count_ == kCapacity)
     pop_front();
-  pending(count_++) = knot;
+  pending(count_++) = std::move(knot);
   begun_ = true;
 }
 
-const MotionAt &MotionInterpolator::at(std::int64_t now) noexcept {
+const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &place) noexcept {
   now_.cut = false;
   while (count_ > 0 && (pending(0).time <= now || pending(0).time > now + kFarthest)) {
     pop_front();
@@ -99,25 +118,32 @@ const MotionAt &MotionInterpolator::at(std::int64_t now) noexcept {
   if (count_ == 0 || from_.time > now)
     from_.time = now; // a line to what comes next will begin where this one has come to
 
-  now_.measured = from_.measured;
-  if (from_.measured) {
-    now_.sample = from_.sample;
-    if (count_ > 0 && pending(0).measured) {
-      const TimedMotion &to = pending(0);
-      const double share = static_cast<double>(now - from_.time) /
-                           static_cast<double>(std::max<std::int64_t>(to.time - from_.time, 1));
-      MotionSample &s = now_.sample;
-      s.velocity_x = between(s.velocity_x, to.sample.velocity_x, share);
-      s.velocity_y = between(s.velocity_y, to.sample.velocity_y, share);
-      s.spin = between(s.spin, to.sample.spin, share);
-      s.divergence = between(s.divergence, to.sample.divergence, share);
-      s.confidence = between(s.confidence, to.sample.confidence, share);
-    }
+  const MotionSample from = motion_at(from_, place);
+  now_.measured = is_measured(from_, from);
+  if (now_.measured) {
+    now_.sample = from;
+    if (count_ > 0)
+      lead_on(now, place);
   } else {
     now_.sample.confidence = 0;
   }
   now_.age = begun_ ? static_cast<double>(std::max<std::int64_t>(now - known_until_, 0)) * 1e-9 : 0;
   return now_;
+}
+
+void MotionInterpolator::lead_on(std::int64_t now, const PointerPosition &place) noexcept {
+  const TimedMotion &next = pending(0);
+  const MotionSample to = motion_at(next, place);
+  if (!is_measured(next, to))
+    return;
+  const double share = static_cast<double>(now - from_.time) /
+                       static_cast<double>(std::max<std::int64_t>(next.time - from_.time, 1));
+  MotionSample &s = now_.sample;
+  s.velocity_x = between(s.velocity_x, to.velocity_x, share);
+  s.velocity_y = between(s.velocity_y, to.velocity_y, share);
+  s.spin = between(s.spin, to.spin, share);
+  s.divergence = between(s.divergence, to.divergence, share);
+  s.confidence = between(s.confidence, to.confidence, share);
 }
 
 } // namespace haptic

@@ -2,7 +2,9 @@
 // intervals that the velocities were measured over.
 #pragma once
 
+#include "field-pool.hpp"
 #include "motion-sample.hpp"
+#include "pointer-event.hpp"
 
 #include <array>
 #include <cstddef>
@@ -16,9 +18,10 @@ inline constexpr std::int64_t kAtOnce = std::numeric_limits<std::int64_t>::min()
 
 /// What is known of one picture.
 struct TimedMotion {
-  MotionSample sample;
+  MotionSample sample;         ///< of a field only what picture_of() says
   bool measured = false;       ///< else the picture says only that nothing could be measured
   std::int64_t time = kAtOnce; ///< ns, the middle of the sample's interval
+  FieldPool::Field field = {}; ///< null: the same motion everywhere
 };
 
 /// What the hand is to feel at one time.
@@ -37,8 +40,9 @@ struct MotionAt {
 /// in ns of one steady clock, which may jump.
 class MotionInterpolator {
 public:
-  void add(const TimedMotion &motion, std::int64_t now) noexcept;
-  const MotionAt &at(std::int64_t now) noexcept;
+  void add(TimedMotion motion, std::int64_t now) noexcept;
+  /// At `place` of the picture, which matters in fields only.
+  const MotionAt &at(std::int64_t now, const PointerPosition &place = {}) noexcept;
   /// As if nothing had ever come.
   void clear() noexcept;
 
@@ -47,6 +51,7 @@ private:
 
   TimedMotion &pending(std::size_t i) noexcept { return pending_[(first_ + i) % kCapacity]; }
   void pop_front() noexcept;
+  void lead_on(std::int64_t now, const PointerPosition &place) noexcept;
   void take_picture_of(const MotionSample &sample) noexcept;
 
   std::array<TimedMotion, kCapacity> pending_; // ring, in order of time

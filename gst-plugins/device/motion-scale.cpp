@@ -1,5 +1,6 @@
 #include "motion-scale.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptic {
@@ -33,6 +34,12 @@ bool is_plausible(const MotionSample &sample) noexcept {
   // Written so that NaN fails.
   return std::hypot(sample.velocity_x, sample.velocity_y) <= kFastest &&
          std::abs(sample.spin) <= kFastestTurn && std::abs(sample.divergence) <= kFastestTurn;
+}
+
+bool is_plausible(const MotionField &field) noexcept {
+  return std::ranges::all_of(field.cells, [](const FieldCell &cell) {
+    return std::hypot(cell.velocity_x, cell.velocity_y) <= kFastest;
+  });
 }
 
 } // namespace haptic

@@ -1,7 +1,7 @@
 // From the pixels of a sample's own picture to those of the reference width.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "motion-field.hpp"
 
 #include <spidar/types.hpp>
 
@@ -37,5 +37,6 @@ PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3
 /// False for motions that no tracker can measure: faster than 1e6 px/s, an 8K picture's width in a
 /// hundredth of a second; or 1e4 turns or doublings a second. Such a sample is damaged.
 bool is_plausible(const MotionSample &sample) noexcept;
+bool is_plausible(const MotionField &field) noexcept;
 
 } // namespace haptic

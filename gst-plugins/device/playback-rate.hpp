@@ -1,7 +1,7 @@
 // Time deformation: what a film played slower, faster or backwards feels like.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "motion-field.hpp"
 
 #include <optional>
 
@@ -25,5 +25,8 @@ struct Playback {
 /// to mean something: beyond twice the film's pace, or when pictures are left out.
 std::optional<MotionSample> play(MotionSample sample, const Playback &playback,
                                  RateLaw law) noexcept;
+
+/// The same for a field, in place; false where that gives nothing for a sample.
+bool play(MotionField &field, const Playback &playback, RateLaw law) noexcept;
 
 } // namespace haptic

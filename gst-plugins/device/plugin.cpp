@@ -1,7 +1,11 @@
+#include "gsthapticdeviceprovider.h"
 #include "gsthapticsink.h"
 
 static gboolean plugin_init(GstPlugin *plugin) {
-  return GST_ELEMENT_REGISTER(hapticsink, plugin);
+  gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(hapticsink, plugin);
+  any |= GST_DEVICE_PROVIDER_REGISTER(hapticdeviceprovider, plugin);
+  return any;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, hapticdevice,

@@ -6,7 +6,18 @@
 namespace haptic {
 namespace {
 constexpr double kChange = 0.001;
+constexpr double kForceChange = 0.01;            // N
 constexpr std::int64_t kKeepAlive = 200'000'000; // ns
+
+bool differs(const PointerPosition &a, const PointerPosition &b) noexcept {
+  if (std::abs(a.x - b.x) > kChange || std::abs(a.y - b.y) > kChange ||
+      std::abs(a.z - b.z) > kChange || a.force.has_value() != b.force.has_value())
+    return true;
+  for (std::size_t i = 0; a.force && i < a.force->size(); ++i)
+    if (std::abs((*a.force)[i] - (*b.force)[i]) > kForceChange)
+      return true;
+  return false;
+}
 } // namespace
 
 PointerPosition map_pointer(const spidar::Vector3 &hand,
@@ -19,8 +30,7 @@ PointerPosition map_pointer(const spidar::Vector3 &hand,
 }
 
 bool PointerGate::pass(const PointerPosition &position, std::int64_t now) noexcept {
-  if (last_ && now - last_time_ < kKeepAlive && std::abs(position.x - last_->x) <= kChange &&
-      std::abs(position.y - last_->y) <= kChange && std::abs(position.z - last_->z) <= kChange)
+  if (last_ && now - last_time_ < kKeepAlive && !differs(position, *last_))
     return false;
   last_ = position;
   last_time_ = now;

@@ -15,8 +15,8 @@ namespace haptic {
 PointerPosition map_pointer(const spidar::Vector3 &hand,
                             const spidar::Vector3 &workspace_half) noexcept;
 
-/// Lets a position through when it differs by more than 0.001 from the last one let through, or
-/// when that was 200 ms ago.
+/// Lets a position through when it differs by more than 0.001, or its force by more than 0.01 N,
+/// from the last one let through, or when that was 200 ms ago.
 class PointerGate {
 public:
   /// `now` in ns of any steady clock.

@@ -4,19 +4,20 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <utility>
 
 namespace haptic {
 
-/// One writer at a time, one reader. Real-time safe on both sides if copying T is.
+/// One writer at a time, one reader. Real-time safe on both sides if moving T is.
 template <typename T, std::size_t kSize>
 class SampleRing {
 public:
   /// The writer's side: false, and the value is lost, when the reader is kSize values behind.
-  bool push(const T &value) noexcept {
+  bool push(T value) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) >= kSize)
       return false;
-    values_[written % kSize] = value;
+    values_[written % kSize] = std::move(value);
     written_.store(written + 1, std::memory_order_release);
     return true;
   }
@@ -26,7 +27,7 @@ public:
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == written_.load(std::memory_order_acquire))
       return false;
-    value = values_[read % kSize];
+    value = std::move(values_[read % kSize]);
     read_.store(read + 1, std::memory_order_release);
     return true;
   }

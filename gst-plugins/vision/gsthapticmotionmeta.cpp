@@ -1,9 +1,9 @@
 #include "gsthapticmotionmeta.h"
 
 #include <algorithm>
-#include <cstring>
 #include <gst/video/gstvideometa.h>
 #include <gst/video/video.h>
+#include <limits>
 
 namespace {
 
@@ -54,7 +54,8 @@ void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
 }
 
 gboolean init(GstMeta *meta, gpointer, GstBuffer *) {
-  copy_fields(GstHapticMotionMeta{}, *cast(meta));
+  constexpr auto kUnknown = std::numeric_limits<gfloat>::quiet_NaN();
+  copy_fields({.force_x = kUnknown, .force_y = kUnknown, .force_z = kUnknown}, *cast(meta));
   return TRUE;
 }
 

@@ -37,6 +37,8 @@ typedef enum {
  * @n_candidates: patches that were looked at; those that could not be trusted are left out of
  * @patches
  * @n_patches: used entries of @patches
+ * @force_x, @force_y, @force_z: force that the device was commanded to exert when the picture came,
+ * N, x to the right, y up, z towards the user; NaN: unknown
  */
 typedef struct _GstHapticMotionMeta {
   GstMeta meta;
@@ -49,6 +51,7 @@ typedef struct _GstHapticMotionMeta {
   guint n_candidates;
   guint n_patches;
   GstHapticPatch patches[GST_HAPTIC_MOTION_META_MAX_PATCHES];
+  gfloat force_x, force_y, force_z;
 } GstHapticMotionMeta;
 
 /* By name, so that readers do not link to the plugin. NULL if the buffer has none. */
@@ -58,7 +61,7 @@ static inline GstHapticMotionMeta *gst_buffer_get_haptic_motion_meta(GstBuffer *
 }
 
 /* Inside the plugin that registers the metadata. The buffer must be writable. All fields but the
- * header start at zero. */
+ * header start at zero, and the force is unknown. */
 GstHapticMotionMeta *gst_buffer_add_haptic_motion_meta(GstBuffer *buffer);
 
 G_END_DECLS

@@ -4,6 +4,7 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
+#include "mapped-picture.hpp"
 #include "patch-tracker.hpp"
 #include "picture-timeline.hpp"
 #include "pointer-arbiter.hpp"
@@ -11,9 +12,9 @@
 #include "repetition.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <gst/video/gstvideometa.h>
 #include <gst/video/navigation.h>
 #include <optional>
 
@@ -23,6 +24,7 @@ GST_DEBUG_CATEGORY_STATIC(roitracker_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::MappedPicture;
 using haptic::ObjectLock;
 using haptic::Pointer;
 using haptic::PointerSource;
@@ -72,9 +74,12 @@ struct Finding {
   std::optional<std::chrono::nanoseconds> tracker_time;
 };
 
+using Force = std::array<double, 3>; // N, x to the right, y up, z towards the user
+
 // What one picture is looked at with.
 struct Settings {
   Pointer pointer;
+  std::optional<Force> force;
   guint roi_size;
   guint max_points;
   Method method;
@@ -83,6 +88,8 @@ struct Settings {
 struct State {
   // Object lock: written by the application, by event threads and by the streaming thread.
   haptic::PointerArbiter pointers;
+  std::optional<Force> force; // on the device, as it reported last
+  Clock::time_point force_reported;
   guint roi_size = 0;
   guint max_points = kDefaultMaxPoints;
   Method method = kDefaultMethod;
@@ -125,38 +132,6 @@ struct State {
     timeline.forget();
     reference.reset();
   }
-};
-
-// Mapping a picture whose own description contradicts the caps would be an error of this program.
-bool fits(const GstVideoInfo &info, GstBuffer *buffer) {
-  const GstVideoMeta *meta = gst_buffer_get_video_meta(buffer);
-  return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
-                   meta->width >= static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) &&
-                   meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
-}
-
-// A picture mapped for reading.
-class MappedPicture {
-public:
-  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer) {
-    // Without a reference of its own: the buffer must stay writable for the metadata.
-    const auto flags = static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ) |
-                                                static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
-    is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
-  }
-  ~MappedPicture() {
-    if (is_mapped_)
-      gst_video_frame_unmap(&frame_);
-  }
-  MappedPicture(const MappedPicture &) = delete;
-  MappedPicture &operator=(const MappedPicture &) = delete;
-
-  explicit operator bool() const { return is_mapped_; }
-  const GstVideoFrame &frame() const { return frame_; }
-
-private:
-  GstVideoFrame frame_{};
-  bool is_mapped_ = false;
 };
 
 } // namespace
@@ -307,13 +282,14 @@ std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rec
                                const Settings &settings) {
   State &state = *self->state;
   state.measurement.clear();
-  if (GST_BUFFER_IS_DISCONT(buffer))
+  // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
+  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
+  if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
     state.forget_pictures();
 
   std::optional<guint64> pts;
   if (GST_BUFFER_PTS_IS_VALID(buffer))
     pts = GST_BUFFER_PTS(buffer);
-  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
   const haptic::TimeStep step = state.timeline.advance(pts, descending);
   if (step.fault)
     tell_once_about_time(self, GST_BUFFER_PTS(buffer), step.fault);
@@ -370,6 +346,11 @@ void attach(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
   meta->n_candidates = static_cast<guint>(state.measurement.candidates);
   meta->n_patches = static_cast<guint>(state.measurement.count);
   std::ranges::copy(state.measurement.view(), meta->patches);
+  if (settings.force) {
+    meta->force_x = static_cast<gfloat>((*settings.force)[0]);
+    meta->force_y = static_cast<gfloat>((*settings.force)[1]);
+    meta->force_z = static_cast<gfloat>((*settings.force)[2]);
+  }
 
   static const GQuark kRoiType = g_quark_from_static_string("haptic-roi");
   remove_metas(buffer, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE, [](GstMeta *other) {
@@ -408,7 +389,10 @@ void notify_pointer(GstRoiTracker *self, const Pointer &pointer) {
 Settings take_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
   const State &state = *self->state;
-  return {state.pointers.in_use(Clock::now()), state.roi_size, state.max_points, state.method};
+  const auto now = Clock::now();
+  const bool fresh = now - state.force_reported <= haptic::PointerArbiter::kHapticTimeout;
+  return {state.pointers.in_use(now), fresh ? state.force : std::nullopt, state.roi_size,
+          state.max_points, state.method};
 }
 
 void follow_controllers(GstRoiTracker *self, GstBuffer *buffer) {
@@ -475,27 +459,10 @@ static GstFlowReturn gst_roi_tracker_transform_ip(GstBaseTransform *trans, GstBu
   return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_ROI_TRACKER(trans), buffer); });
 }
 
-// The metadata needs a buffer of its own, the pixels do not: a picture that others hold too (behind
-// a tee) is shared by reference, never copied.
 static GstFlowReturn gst_roi_tracker_prepare_output_buffer(GstBaseTransform *, GstBuffer *in,
                                                            GstBuffer **out) {
-  if (gst_buffer_is_writable(in)) {
-    *out = in;
-    return GST_FLOW_OK;
-  }
-  *out = gst_buffer_new();
-  if (!gst_buffer_copy_into(
-          *out, in,
-          static_cast<GstBufferCopyFlags>(static_cast<int>(GST_BUFFER_COPY_METADATA) |
-                                          static_cast<int>(GST_BUFFER_COPY_MEMORY)),
-          0, static_cast<gsize>(-1))) {
-    gst_buffer_unref(*out);
-    *out = nullptr;
-    return GST_FLOW_ERROR;
-  }
-  // A buffer of a pool must not go back there while its memory is in use.
-  gst_buffer_add_parent_buffer_meta(*out, in);
-  return GST_FLOW_OK;
+  *out = haptic::with_own_metadata(in);
+  return *out ? GST_FLOW_OK : GST_FLOW_ERROR;
 }
 
 static gboolean gst_roi_tracker_set_info(GstVideoFilter *filter, GstCaps *, GstVideoInfo *in_info,
@@ -538,7 +505,11 @@ static gboolean gst_roi_tracker_src_event(GstBaseTransform *trans, GstEvent *eve
     if (!position)
       return false;
     const ObjectLock lock(self);
-    self->state->pointers.point_haptic({position->x, position->y, position->z}, Clock::now());
+    State &state = *self->state;
+    const auto now = Clock::now();
+    state.pointers.point_haptic({position->x, position->y, position->z}, now);
+    state.force = position->force;
+    state.force_reported = now;
     return true;
   });
   if (is_mine) {
@@ -605,6 +576,7 @@ static gboolean gst_roi_tracker_stop(GstBaseTransform *trans) {
     state.region_size = {};
     const ObjectLock lock(trans);
     state.pointers.forget();
+    state.force.reset();
     state.picture_width = 0;
     state.picture_height = 0;
     return TRUE;

@@ -4,13 +4,10 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
-#include "motion-sample.hpp"
-#include "velocity-estimate.hpp"
+#include "motion-reader.hpp"
+#include "picture-caps.hpp"
 
-#include <algorithm>
 #include <gst/video/gstvideometa.h>
-#include <gst/video/video.h>
-#include <limits>
 #include <string>
 
 GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
@@ -21,7 +18,6 @@ namespace {
 using haptic::Average;
 using haptic::guarded;
 using haptic::ModelChoice;
-using haptic::MotionModel;
 using haptic::MotionSample;
 using haptic::ObjectLock;
 
@@ -39,8 +35,7 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   GstVideoInfo picture; // of the caps
-  MotionSample last;    // a duplicate picture repeats it
-  haptic::ModelHistory history;
+  haptic::MotionReader reader;
   bool told_about_metadata = false;
 };
 
@@ -88,101 +83,6 @@ GType motion_model_type() {
   return type;
 }
 
-std::uint16_t sample_flags(guint meta_flags) {
-  std::uint16_t flags = 0;
-  for (const auto &[from, to] :
-       {std::pair(GST_HAPTIC_MOTION_STILL, haptic::kMotionStill),
-        std::pair(GST_HAPTIC_MOTION_DUPLICATE, haptic::kMotionDuplicate),
-        std::pair(GST_HAPTIC_MOTION_CUT, haptic::kMotionCut),
-        std::pair(GST_HAPTIC_MOTION_DISCONTINUITY, haptic::kMotionDiscontinuity)})
-    if (meta_flags & static_cast<guint>(from))
-      flags = static_cast<std::uint16_t>(flags | to);
-  return flags;
-}
-
-void set_motion(MotionSample &sample, const haptic::VelocityEstimate &estimate) {
-  sample.velocity_x = estimate.velocity_x;
-  sample.velocity_y = estimate.velocity_y;
-  sample.spin = estimate.spin;
-  sample.divergence = estimate.divergence;
-  sample.confidence = estimate.confidence;
-  sample.points = static_cast<std::uint16_t>(estimate.points);
-  sample.model = estimate.model;
-  if (estimate.mixture)
-    sample.flags |= haptic::kMotionMixture;
-  if (estimate.aperture)
-    sample.flags |= haptic::kMotionAperture;
-}
-
-void repeat_motion(MotionSample &sample, const MotionSample &before) {
-  sample.velocity_x = before.velocity_x;
-  sample.velocity_y = before.velocity_y;
-  sample.spin = before.spin;
-  sample.divergence = before.divergence;
-  sample.confidence = before.confidence;
-  sample.points = before.points;
-  sample.model = before.model;
-  constexpr auto kOfTheMotion = haptic::kMotionMixture | haptic::kMotionAperture;
-  sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & kOfTheMotion));
-}
-
-// What every sample says, whether or not anything was measured.
-MotionSample sample_for(const GstVideoInfo &picture) {
-  MotionSample sample;
-  sample.picture_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&picture));
-  sample.picture_height = static_cast<std::uint32_t>(GST_VIDEO_INFO_HEIGHT(&picture));
-  sample.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&picture));
-  sample.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&picture));
-  return sample;
-}
-
-void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
-  const auto fraction = [](float part, guint whole) {
-    return whole > 0 ? std::clamp(part / static_cast<float>(whole), 0.0F, 1.0F) : 0.0F;
-  };
-  sample.pointer_x = fraction(meta.pointer_x, meta.picture_width);
-  sample.pointer_y = fraction(meta.pointer_y, meta.picture_height);
-  sample.region_width = fraction(meta.region_width, meta.picture_width);
-  sample.region_height = fraction(meta.region_height, meta.picture_height);
-}
-
-MotionSample interpret(const GstHapticMotionMeta &meta, State &state, const Settings &settings) {
-  MotionSample sample = sample_for(state.picture);
-  set_place(sample, meta);
-  sample.interval = meta.interval;
-  sample.flags = sample_flags(meta.flags);
-  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT)) {
-    state.history = {};
-    return sample;
-  }
-  if (meta.flags & GST_HAPTIC_MOTION_STILL) {
-    sample.confidence = 1;
-    sample.model = MotionModel::still;
-    state.history = {.current = MotionModel::still};
-  } else if (meta.flags & GST_HAPTIC_MOTION_DUPLICATE) {
-    repeat_motion(sample, state.last);
-  } else if (meta.interval > 0) {
-    const auto patches = std::span(meta.patches)
-                             .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
-    const haptic::PatchSet set{
-        .patches = patches,
-        .candidates = static_cast<int>(meta.n_candidates),
-        .pointer_x = meta.pointer_x,
-        .pointer_y = meta.pointer_y,
-        .interval = static_cast<double>(meta.interval) / GST_SECOND,
-        .region_x = meta.region_x,
-        .region_y = meta.region_y,
-        .region_width = meta.region_width,
-        .region_height = meta.region_height,
-    };
-    const haptic::VelocityEstimate estimate =
-        haptic::estimate_velocity(set, settings.average, settings.motion_model, state.history);
-    state.history = estimate.history;
-    set_motion(sample, estimate);
-  }
-  return sample;
-}
-
 void tell_once_about_metadata(GstVelocityAvg *self) {
   if (std::exchange(self->state->told_about_metadata, true))
     return;
@@ -214,12 +114,11 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
   }
   MotionSample sample;
   if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(picture)) {
-    sample = interpret(*meta, state, settings);
+    sample = state.reader.read(*meta, state.picture, settings.average, settings.motion_model);
   } else {
     tell_once_about_metadata(self);
-    sample = sample_for(state.picture);
+    sample = state.reader.read_nothing(state.picture);
   }
-  state.last = sample;
 
   const haptic::MotionSampleBytes bytes = haptic::pack_motion_sample(sample);
   gst_buffer_fill(out, 0, bytes.data(), bytes.size());
@@ -232,34 +131,12 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-// The fields that describe the picture are the same on both sides.
-void copy_picture_fields(const GstStructure *from, GstStructure *to) {
-  for (const char *field : {"width", "height", "pixel-aspect-ratio", "framerate"})
-    if (const GValue *value = gst_structure_get_value(from, field))
-      gst_structure_set_value(to, field, value);
-}
-
-haptic::CapsPtr other_side(GstPadDirection from, const GstCaps *caps) {
-  const haptic::CapsPtr pattern(
-      gst_static_pad_template_get_caps(from == GST_PAD_SINK ? &src_template : &sink_template));
-  haptic::CapsPtr result(gst_caps_new_empty());
-  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
-    GstStructure *structure = gst_structure_copy(gst_caps_get_structure(pattern.get(), 0));
-    copy_picture_fields(gst_caps_get_structure(caps, i), structure);
-    result.reset(gst_caps_merge_structure(result.release(), structure));
-  }
-  return result;
-}
-
 } // namespace
 
 static GstCaps *gst_velocity_avg_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
                                                 GstCaps *caps, GstCaps *filter) {
   return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    haptic::CapsPtr result = other_side(direction, caps);
-    if (filter)
-      result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
-    return result.release();
+    return haptic::transform_picture_caps(direction, sink_template, src_template, caps, filter);
   });
 }
 
@@ -291,8 +168,7 @@ static gboolean gst_velocity_avg_propose_allocation(GstBaseTransform *, GstQuery
 
 static gboolean gst_velocity_avg_start(GstBaseTransform *trans) {
   State &state = *GST_VELOCITY_AVG(trans)->state;
-  state.last = {};
-  state.history = {};
+  state.reader = {};
   state.told_about_metadata = false;
   return TRUE;
 }

@@ -1,3 +1,5 @@
+#include "gsthapticoverlay.h"
+#include "gstmotionfield.h"
 #include "gstroitracker.h"
 #include "gstvelocityavg.h"
 
@@ -5,9 +7,11 @@ static gboolean plugin_init(GstPlugin *plugin) {
   gboolean registered = FALSE;
   registered |= GST_ELEMENT_REGISTER(roitracker, plugin);
   registered |= GST_ELEMENT_REGISTER(velocityavg, plugin);
+  registered |= GST_ELEMENT_REGISTER(motionfield, plugin);
+  registered |= GST_ELEMENT_REGISTER(hapticoverlay, plugin);
   return registered;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, hapticvision,
-                  "Motion of what a pointer rests on in a video", plugin_init, VERSION, GST_LICENSE,
-                  GST_PACKAGE_NAME, GST_PACKAGE_ORIGIN)
+                  "Motion of what a pointer rests on in a video, and of the whole picture",
+                  plugin_init, VERSION, GST_LICENSE, GST_PACKAGE_NAME, GST_PACKAGE_ORIGIN)

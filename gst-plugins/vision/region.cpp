@@ -19,21 +19,11 @@ Interval interval_at(double centre, int side, int limit) {
 
 } // namespace
 
-int default_region_side(int picture_width) {
-  constexpr double kSide = 30;
-  constexpr double kPictureWidth = 352;
-  return std::max(1, static_cast<int>(std::lround(picture_width * kSide / kPictureWidth)));
-}
-
 int RegionSize::side(double z, int base, int picture_width, int picture_height) {
-  constexpr double kDoubling = 0.5; // a quarter of the workspace, in z
   constexpr double kHysteresis = 0.1;
-  const double smallest =
-      std::max<double>(kSmallestRegion, std::round(picture_width * kSmallestRegion / 352.0));
-  const double largest = std::max(smallest, std::min(picture_width, picture_height) / 2.0);
-  const double wanted = std::clamp(base * std::exp2(z / kDoubling), smallest, largest);
+  const double wanted = region_side(z, base, picture_width, picture_height);
   // A hand about the centre, and a pointer without a third dimension, mean the size as it is set.
-  if (std::abs(std::exp2(z / kDoubling) - 1) <= kHysteresis)
+  if (std::abs(region_growth(z) - 1) <= kHysteresis)
     side_ = base;
   else if (side_ == 0 || std::abs(wanted - side_) > kHysteresis * side_)
     side_ = 2 * static_cast<int>(std::lround(wanted / 2));

@@ -1,6 +1,8 @@
 // Where to look: from the pointer and a side length to the region and the crop around it.
 #pragma once
 
+#include "region-size.hpp"
+
 namespace haptic {
 
 /// Pixels of a picture, origin at its top left corner.
@@ -12,20 +14,11 @@ struct Rectangle {
   bool operator==(const Rectangle &) const = default;
 };
 
-/// Less of a region than this on either side is too little to say how it moves, px.
-inline constexpr int kSmallestRegion = 12;
-
-/// Side of the region at a picture width, both px: 30 px in a picture 352 px wide (paper, 3.2.1).
-int default_region_side(int picture_width);
-
-/// The hand's third dimension: how far it is pulled towards the user chooses how much of the
-/// picture it feels, the fruit or the tree. Not thread-safe.
+/// region_side() for a hand that trembles. Not thread-safe.
 class RegionSize {
 public:
-  /// Side in px, even. `z` is that of the pointer event, -1..1 of the half workspace: `base` at 0,
-  /// doubled for each quarter of the workspace towards the user, halved away from him. Bounded by
-  /// what can be measured and by half of the picture. Follows only a change of more than a tenth,
-  /// so that a hand that trembles leaves the size alone.
+  /// Side in px, even. Follows only a change of more than a tenth; `base` itself for a hand about
+  /// the centre.
   int side(double z, int base, int picture_width, int picture_height);
 
 private:

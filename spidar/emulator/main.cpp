@@ -5,6 +5,7 @@
 #include "spidar/geometry.hpp"
 
 #include <charconv>
+#include <clocale>
 #include <cstdio>
 #include <glib.h>
 
@@ -148,6 +149,7 @@ void run(int argc, char **argv) {
 } // namespace
 
 int main(int argc, char **argv) {
+  std::setlocale(LC_CTYPE, ""); // of what --help prints
   try {
     run(argc, argv);
     return 0;

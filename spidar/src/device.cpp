@@ -224,6 +224,10 @@ const Geometry &Device::geometry() const noexcept {
   return implementation_->geometry;
 }
 
+const Vector3 &Device::workspace_half() const noexcept {
+  return implementation_->geometry.workspace_half;
+}
+
 std::string Device::description() const {
   return implementation_->controller->description();
 }

@@ -1,9 +1,11 @@
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
-//   BUILD/tests/benchmarks/tracker-cost [PICTURES]
+//   BUILD/tests/benchmarks/tracker-cost [PICTURES|field]
 // With GST_PLUGIN_PATH set to BUILD/gst-plugins, as `meson devenv` does. Region of 30 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
 // twice that, the portable code 50 us; 99.9 % of a million pictures below 40 us; both elements
-// 25 us per picture of 1080p more than an identity.
+// 25 us per picture of 1080p more than an identity; the field of 1080p, 32 columns, 240 pictures a
+// second on one core; hapticoverlay 1 ms with the copy of the picture.
+#include "field-pictures.hpp"
 #include "patch-tracker.hpp"
 #include "processor.hpp"
 #include "region.hpp"
@@ -16,6 +18,8 @@
 #include <cstdlib>
 #include <gst/gst.h>
 #include <hwy/targets.h>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
 #include <string>
 #include <vector>
 
@@ -125,7 +129,8 @@ void compare_elements() {
   std::vector<haptic::BufferPtr> buffers;
   for (int i = 0; i < 4; ++i)
     buffers.push_back(test::to_buffer(texture.picture(1920, 1080, {1.3 * i, 0.4 * i}), info));
-  const char *const lines[] = {"identity", "roitracker roi-size=30 ! velocityavg"};
+  const char *const lines[] = {"identity", "roitracker roi-size=30 ! velocityavg", "roitracker",
+                               "roitracker ! hapticoverlay"};
   std::vector<GstHarness *> harnesses;
   for (const char *line : lines) {
     GstHarness *harness = gst_harness_new_parse(line);
@@ -134,7 +139,7 @@ void compare_elements() {
     gst_harness_set_drop_buffers(harness, TRUE);
     harnesses.push_back(harness);
   }
-  std::vector<double> times[2];
+  std::vector<double> times[std::size(lines)];
   for (int i = 0; i < kCount; ++i)
     for (std::size_t line = 0; line < harnesses.size(); ++line) {
       GstBuffer *buffer = gst_buffer_copy(buffers[static_cast<std::size_t>(i % 4)].get());
@@ -147,21 +152,119 @@ void compare_elements() {
   const double elements = percentile(times[1], 0.5);
   std::printf("\n1080p: identity %.1f us, roitracker ! velocityavg %.1f us: %.1f us more\n",
               identity, elements, elements - identity);
+  std::vector<double> copies;
+  const haptic::BufferPtr copy(
+      gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
+  GstMapInfo from;
+  GstMapInfo to;
+  gst_buffer_map(buffers[0].get(), &from, GST_MAP_READ);
+  gst_buffer_map(copy.get(), &to, GST_MAP_WRITE);
+  for (int i = 0; i < kCount; ++i) {
+    const auto begin = Clock::now();
+    std::copy_n(from.data, from.size, to.data);
+    copies.push_back(microseconds_since(begin));
+  }
+  gst_buffer_unmap(copy.get(), &to);
+  gst_buffer_unmap(buffers[0].get(), &from);
+  std::printf("1080p, region of 164 px: hapticoverlay %.0f us, of which the copy of the picture "
+              "takes %.0f us\n",
+              percentile(times[3], 0.5) - percentile(times[2], 0.5), percentile(copies, 0.5));
   for (GstHarness *harness : harnesses)
     gst_harness_teardown(harness);
+}
+
+// Median ms of what is done with each picture after the first, back and forth.
+template <typename Follow>
+double median_ms(const Pictures &pictures, Follow &&follow) {
+  constexpr int kRounds = 4;
+  std::vector<double> times;
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const auto begin = Clock::now();
+      follow(pictures[round % 2 == 0 ? i : pictures.size() - 1 - i]);
+      times.push_back(microseconds_since(begin) / 1000);
+    }
+  return percentile(times, 0.5);
+}
+
+// The field of 1080p from luma to cells, beside dense flow of the same pictures reduced as it
+// reduces them (the time for that not counted).
+void compare_fields() {
+  constexpr int kWidth = 1920;
+  constexpr int kHeight = 1080;
+  constexpr int kReduced = 2; // as FieldTracker does it for cells of 60 px
+  cv::setNumThreads(1);
+  std::mt19937 random(5);
+  Pictures moving;
+  const test::Texture left(6, 10);
+  const test::Texture right(7, 10);
+  for (int i = 0; i < 6; ++i) {
+    test::Picture &picture = moving.emplace_back(kWidth, kHeight);
+    left.paint(picture, {4.3 * i, -1.2 * i});
+    right.paint(picture, {-2.8 * i, 0.9 * i}, kWidth / 2);
+    test::add_noise(picture, 1.5, random);
+  }
+  const Pictures still(6, moving.front());
+  const auto field_ms = [&](const Pictures &pictures) {
+    test::Field field(kWidth, kHeight);
+    return median_ms(pictures, [&](const test::Picture &picture) { field.follow(picture); });
+  };
+  const double own = field_ms(moving);
+  const auto line = [&](const char *name, double ms) {
+    std::printf("%-22s %8.2f ms  %6.0f per second  %5.1f times the field's\n", name, ms, 1000 / ms,
+                ms / own);
+  };
+  std::printf("\n1080p, 32 columns, one core\n");
+  line("field, moving", own);
+  line("field, still", field_ms(still));
+
+  Pictures reduced;
+  for (test::Picture &picture : moving) {
+    test::Picture &small = reduced.emplace_back(kWidth / kReduced, kHeight / kReduced);
+    cv::Mat target(small.height, small.width, CV_8U, small.pixels.data());
+    cv::resize(cv::Mat(kHeight, kWidth, CV_8U, picture.pixels.data()), target, target.size(), 0, 0,
+               cv::INTER_AREA);
+  }
+  const auto peer_ms = [&](auto &&calculate) {
+    cv::Mat previous;
+    cv::Mat flow;
+    return median_ms(reduced, [&](const test::Picture &picture) {
+      const cv::Mat current(picture.height, picture.width, CV_8U,
+                            const_cast<std::uint8_t *>(picture.pixels.data()));
+      if (!previous.empty())
+        calculate(previous, current, flow);
+      previous = current;
+    });
+  };
+  for (const auto &[name, preset] :
+       {std::pair("DIS ultrafast", cv::DISOpticalFlow::PRESET_ULTRAFAST),
+        std::pair("DIS fast", cv::DISOpticalFlow::PRESET_FAST)}) {
+    const auto dis = cv::DISOpticalFlow::create(preset);
+    line(name, peer_ms([&](const cv::Mat &previous, const cv::Mat &current, cv::Mat &flow) {
+           dis->calc(previous, current, flow);
+         }));
+  }
+  line("Farneback", peer_ms([](const cv::Mat &previous, const cv::Mat &current, cv::Mat &flow) {
+         cv::calcOpticalFlowFarneback(previous, current, flow, 0.5, 5, 13, 1, 5, 1.1, 0);
+       }));
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
   gst_init(nullptr, nullptr);
-  const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
   std::printf("%s, compiler %s\n", test::processor().c_str(), __VERSION__);
+  if (argc > 1 && std::string(argv[1]) == "field") {
+    compare_fields();
+    return EXIT_SUCCESS;
+  }
+  const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
   Pictures still = scene({0, 0}, {0, 0}, 0);
   Pictures moving = scene({1.7, -0.6}, {1.7, -0.6}, 1.5);
   Pictures two = scene({1.7, -0.6}, {-1.2, 0.9}, 1.5);
   compare_instruction_sets(still, moving, two);
   compare_elements();
+  compare_fields();
   run_long(two, count);
   return EXIT_SUCCESS;
 }

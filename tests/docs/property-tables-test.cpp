@@ -118,8 +118,8 @@ TEST_P(PropertyTable, ListsEveryPropertyOfTheElementWithItsDefaultAndNoOther) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,
-                         testing::Values("roitracker", "velocityavg", "hapticsink", "hapticconvert",
-                                         "rtphmpgpay"),
+                         testing::Values("roitracker", "velocityavg", "motionfield", "hapticsink",
+                                         "hapticconvert", "rtphmpgpay"),
                          [](const auto &element) { return std::string(element.param); });
 
 } // namespace

@@ -107,6 +107,18 @@ TEST_F(HapticSink, APauseIsSilentWithin120Milliseconds) {
   EXPECT_NEAR(rows[rows.size() - 130].fx, 0.5, 1e-6);
 }
 
+TEST_F(HapticSink, APauseWaitsForNoSample) { // the next may be held up behind a paused video sink
+  build("device=sim");
+  push_motion(100, 0, 0.5);
+  wait_for(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") + count("gaps") == 15; }));
+  wait_for(GST_STATE_PAUSED);
+  push_motion(100, 0, 0.5);
+  push_end();
+  wait_for(GST_STATE_PLAYING);
+  wait_for_end();
+}
+
 TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
   build_logging();
   push_motion(100, 0, 2);
@@ -401,6 +413,24 @@ TEST_F(HapticSinkPointer, AWanderingHandIsFollowed) {
   }
   EXPECT_LT(lowest, 0.2);
   EXPECT_GT(highest, 0.8);
+}
+
+TEST_F(HapticSinkPointer, TellsTheForceThatItCommands) {
+  harness("device=sim latency-mode=immediate");
+  std::array<double, 3> last{};
+  for (int i = 0; i < 60; ++i) {
+    gst_harness_push(harness_.get(), packed(moving(100, 0), GST_CLOCK_TIME_NONE));
+    std::this_thread::sleep_for(15ms);
+    while (GstEvent *event = gst_harness_try_pull_upstream_event(harness_.get())) {
+      const haptic::EventPtr owned(event);
+      const auto position = haptic::parse_pointer_event(event);
+      if (position && position->force)
+        last = *position->force;
+    }
+  }
+  EXPECT_NEAR(last[0], equation5(100), 0.02);
+  EXPECT_NEAR(last[1], 0, 0.01);
+  EXPECT_NEAR(last[2], 0, 0.01);
 }
 
 TEST_F(HapticSinkPointer, WithoutADeviceThereIsNoPointer) {

@@ -421,6 +421,15 @@ TEST_F(RoiTracker, ADiscontinuityIsNoMotion) {
 
   EXPECT_TRUE(starts_anew(harness.pass(moving(12), 4 * kFrame + 3 * GST_SECOND))) << "a pause";
   EXPECT_EQ(statistic(tracker.get(), "discontinuities"), 8U);
+
+  segment.rate = -1;
+  segment.stop = 10 * GST_SECOND;
+  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  const auto pass_back = [&](int n) {
+    return harness.pass(moving(n), n * kFrame, GST_BUFFER_FLAG_DISCONT);
+  };
+  EXPECT_TRUE(starts_anew(pass_back(9)));
+  expect_motion(pass_back(8), {-2, 1}); // what is decoded for itself is no cut
 }
 
 TEST_F(RoiTracker, EqualTimeStampsMeasureNothing) {
@@ -737,6 +746,24 @@ TEST_F(RoiTracker, StartsAndStopsTwoHundredTimes) {
               GST_STATE_CHANGE_SUCCESS);
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+}
+
+// The force
+
+TEST_F(RoiTracker, TheForceThatTheDeviceReportsIsInTheMetadata) {
+  const BufferPtr before = pass_moving(0);
+  EXPECT_TRUE(std::isnan(motion_of(before).force_x)) << "nobody has said";
+  haptic::PointerPosition position;
+  position.force = {0.25, -0.5, 0.125};
+  gst_harness_push_upstream_event(harness.get(), haptic::make_pointer_event(position).release());
+  const BufferPtr told = pass_moving(1);
+  EXPECT_EQ(motion_of(told).force_x, 0.25F);
+  EXPECT_EQ(motion_of(told).force_y, -0.5F);
+  EXPECT_EQ(motion_of(told).force_z, 0.125F);
+  point_haptic(0.5, 0.5);
+  const BufferPtr unknown = pass_moving(2);
+  EXPECT_TRUE(std::isnan(motion_of(unknown).force_x));
+  EXPECT_TRUE(std::isnan(motion_of(unknown).force_y));
 }
 
 } // namespace

@@ -10,7 +10,7 @@ here=$(dirname "$0")
 status=0
 "$here/run.sh" --quick --output "$work/out" || status=$?
 [ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
-for file in {pareto,series,confidence}.{svg,png} {sweep,series,streams,reliability,roc,scenes,clips}.csv \
+for file in {pareto,series,confidence}.{svg,png} {sweep,series,streams,reliability,roc,scenes,clips,fields}.csv \
   lab.json results.md; do
   [ -s "$work/out/$file" ] || { echo "NOT OK: there is no $file"; exit 1; }
 done

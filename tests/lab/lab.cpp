@@ -1,4 +1,5 @@
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
+#include "fields.hpp"
 #include "measure.hpp"
 #include "processor.hpp"
 #include "report.hpp"
@@ -335,6 +336,7 @@ int run(const Options &options) {
   run_streams(options.quick, report);
   run_confidence(defaults, sets, report);
   run_scenes(defaults, sets.back(), report);
+  report.fields = measure_fields(pairs);
   if (options.clips)
     run_clips(defaults, read_clips(*options.clips, options.quick ? 1 : 6, options.quick ? 2 : 5),
               report);

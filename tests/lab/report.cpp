@@ -92,6 +92,14 @@ void write_tables(const Report &report, const fs::path &folder) {
     for (const ClipRow &r : report.clips)
       file.row(r.clip, r.method, r.cases, r.answered, r.shift_error, r.shift_95, r.reversal_error);
   }
+  {
+    File file(folder / "fields.csv");
+    file.row("pair", "method", "cells", "error", "answered", "error_answered", "error_answered_p95",
+             "ms");
+    for (const FieldRow &r : report.fields)
+      file.row(r.pair, r.method, r.cells, r.error, r.answered, r.error_answered, r.p95_answered,
+               r.time);
+  }
 }
 
 // JSON
@@ -345,6 +353,20 @@ void write_clips(const Report &report, std::ostream &out) {
         << rounded(r.shift_95) << " | " << rounded(r.reversal_error) << " |\n";
 }
 
+void write_fields(const Report &report, std::ostream &out) {
+  out << "32 columns, one thread, from the luma of both pictures to the cells. Dense flow is "
+         "averaged "
+         "over the same cells. The field is sure where its confidence is 0.5 or more; elsewhere "
+         "what "
+         "it says counts in the first column, silence as no motion.\n\n"
+         "| pair | method | cells | mean error (px) | cells that the field is sure of | mean error "
+         "there (px) | p95 there (px) | time (ms) |\n|---|---|---|---|---|---|---|---|\n";
+  for (const FieldRow &r : report.fields)
+    out << "| " << r.pair << " | " << r.method << " | " << r.cells << " | " << rounded(r.error)
+        << " | " << rounded(100 * r.answered) << " % | " << rounded(r.error_answered) << " | "
+        << rounded(r.p95_answered) << " | " << rounded(r.time) << " |\n";
+}
+
 void write_page(const Report &report, const fs::path &path) {
   File file(path);
   std::ostream &out = file.text();
@@ -369,6 +391,10 @@ void write_page(const Report &report, const fs::path &path) {
   out << "\n## Confidence\n\n| method | area under the curve, errors > 0.3 px |\n|---|---|\n";
   for (const auto &[method, area] : report.area)
     out << "| " << method << " | " << rounded(area) << " |\n";
+  if (!report.fields.empty()) {
+    out << "\n## The field of a whole picture\n\n";
+    write_fields(report, out);
+  }
   if (!report.clips.empty()) {
     out << "\n## Real clips\n\n";
     write_clips(report, out);

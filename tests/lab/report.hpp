@@ -76,6 +76,18 @@ struct ClipRow {
   double reversal_error = 0; ///< px, median
 };
 
+/// The motion of a whole picture on a grid, by one method.
+struct FieldRow {
+  std::string pair;
+  std::string method;
+  std::size_t cells = 0;     ///< whose true motion is known
+  double error = 0;          ///< px, mean over all of them; no answer counts as no motion
+  double answered = 0;       ///< share of the cells that the field is sure of
+  double error_answered = 0; ///< px, mean over these
+  double p95_answered = 0;   ///< px
+  double time = 0;           ///< ms, the least of some passes
+};
+
 struct Report {
   std::map<std::string, std::string> circumstances; ///< machine, compiler, commit, ...
   std::vector<SweepRow> sweep;
@@ -86,6 +98,7 @@ struct Report {
   std::map<std::string, double> area; ///< under the curve, by method
   std::vector<SceneRow> scenes;
   std::vector<ClipRow> clips;
+  std::vector<FieldRow> fields;
 };
 
 /// Marks the fronts, one per stratum, of what ran in one thread.
@@ -94,8 +107,8 @@ void mark_fronts(std::vector<SweepRow> &sweep);
 /// Peers that are at least as fast and at least as accurate as the default on some stratum.
 std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep);
 
-/// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv, lab.json
-/// and results.md. Throws std::runtime_error where a file cannot be written.
+/// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv, fields.csv,
+/// lab.json and results.md. Throws std::runtime_error where a file cannot be written.
 void write(Report report, const std::filesystem::path &folder);
 
 } // namespace lab

@@ -3,14 +3,6 @@
 
 source "$(dirname "$0")/support.sh"
 
-# At least so many pixels of the picture have the colour (hexadecimal, as od prints it).
-has_colour() {
-  local count
-  count=$(gst-launch-1.0 -q filesrc "location=$1" ! pngdec ! videoconvert ! video/x-raw,format=RGB \
-    ! fdsink | od -An -v -tx1 -w3 | grep -c "$2") || true
-  [ "$count" -ge "$3" ] || { echo "$count pixels"; return 1; }
-}
-
 results() {
   promise "the log is sound" sound_log "$1/trace.csv" 1 3
   promise "the picture of the trace shows both components" has_colour "$1/trace.png" '00 72 b2' 500

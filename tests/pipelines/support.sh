@@ -23,6 +23,14 @@ clip() {
       ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
 }
 
+# At least so many pixels of the picture have the colour (hexadecimal, as od prints it).
+has_colour() {
+  local count
+  count=$(gst-launch-1.0 -q filesrc "location=$1" ! pngdec ! videoconvert ! video/x-raw,format=RGB \
+    ! fdsink | od -An -v -tx1 -w3 | grep -c "$2") || true
+  [ "$count" -ge "$3" ] || { echo "$count pixels"; return 1; }
+}
+
 need_window_system() {
   command -v xvfb-run >/dev/null || skip "xvfb-run is not installed (packages xvfb and xauth)"
 }
@@ -30,7 +38,8 @@ need_window_system() {
 # Runs a command with an X server of its own.
 in_window_system() {
   # A display number of its own: the one just given up by the test before may not be free yet.
-  xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24' "$@"
+  # Without -noreset it starts anew when its first client goes, and the next one may come in between.
+  xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24 -noreset' "$@"
 }
 
 # Runs a script as if someone pressed Ctrl-C after so many seconds.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
+#include <spidar/device.hpp>
 #include <spidar/simulator.hpp>
 #include <string>
 #include <thread>

@@ -108,6 +108,17 @@ public:
     return turned.picture(width, height, {});
   }
 
+  /// The texture `factor` times larger, about the middle of the picture.
+  Picture zoomed(int width, int height, double factor) const {
+    Texture zoomed = *this;
+    for (Wave &wave : zoomed.waves_) {
+      wave.phase += (1 - 1 / factor) * (wave.kx * width + wave.ky * height) / 2;
+      wave.kx /= factor;
+      wave.ky /= factor;
+    }
+    return zoomed.picture(width, height, {});
+  }
+
   Picture picture(int width, int height, Shift shift) const {
     Picture picture(width, height);
     paint(picture, shift);

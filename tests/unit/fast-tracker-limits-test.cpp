@@ -1,38 +1,14 @@
 // What the fast tracker promises of memory and of instruction sets.
+#include "counted-allocations.hpp"
+#include "guarded-picture.hpp"
 #include "moving-texture.hpp"
 #include "patch-tracker.hpp"
 #include "velocity-estimate.hpp"
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
-#include <new>
 #include <random>
-#include <sys/mman.h>
-#include <unistd.h>
-
-namespace {
-
-std::atomic<long> allocations = 0;
-
-} // namespace
-
-// NOLINTBEGIN(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
-void *operator new(std::size_t size) {
-  ++allocations;
-  if (void *memory = std::malloc(size))
-    return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void *memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void *memory, std::size_t /*size*/) noexcept {
-  std::free(memory);
-}
-// NOLINTEND(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
 
 namespace {
 
@@ -98,8 +74,8 @@ TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
   int targets = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const auto scene = static_cast<Scene>(seed % 3);
-    // A patch on the border between two motions may stop a step earlier or later.
-    const float alike = scene == Scene::two_objects ? 5e-3F : 1e-3F;
+    // A patch of a grid may stop a step earlier or later: steps below 0.017 px are the last.
+    const float alike = scene == Scene::translation ? 1e-3F : 5e-3F;
     Picture before = picture_of(scene, seed, 0);
     Picture after = picture_of(scene, seed, 1);
     haptic::VelocityEstimate reference;
@@ -124,45 +100,6 @@ TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
   RecordProperty("targets", targets);
 }
 
-// The crop in the middle of memory that may not be touched.
-class Guarded {
-public:
-  Guarded(int width, int height) : width_(width), height_(height) {
-    page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    rows_ = (static_cast<std::size_t>(width) + page_ - 1) / page_ * page_ + page_;
-    size_ = rows_ * static_cast<std::size_t>(height) + page_;
-    memory_ = static_cast<std::uint8_t *>(
-        mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
-  }
-  ~Guarded() { munmap(memory_, size_); }
-  Guarded(const Guarded &) = delete;
-  Guarded &operator=(const Guarded &) = delete;
-
-  // Each row ends (or begins) at a page that is protected.
-  LumaView filled(const LumaView &from, bool ends) {
-    const std::size_t inner = rows_ - page_;
-    for (int y = 0; y < height_; ++y) {
-      std::uint8_t *row = memory_ + page_ + static_cast<std::size_t>(y) * rows_;
-      std::uint8_t *first = ends ? row + inner - width_ : row;
-      std::copy_n(from.pixels + y * from.stride, width_, first);
-      if (y == 0)
-        first_ = first;
-    }
-    for (int y = 0; y <= height_; ++y)
-      mprotect(memory_ + static_cast<std::size_t>(y) * rows_, page_, PROT_NONE);
-    return {first_, width_, height_, static_cast<std::ptrdiff_t>(rows_)};
-  }
-
-private:
-  int width_;
-  int height_;
-  std::size_t page_ = 0;
-  std::size_t rows_ = 0;
-  std::size_t size_ = 0;
-  std::uint8_t *memory_ = nullptr;
-  std::uint8_t *first_ = nullptr;
-};
-
 TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
   for (const Scene scene : {Scene::translation, Scene::two_objects, Scene::turning})
     for (const bool ends : {false, true}) {
@@ -170,8 +107,8 @@ TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
       Picture after = picture_of(scene, 3, 1);
       const auto tracker = haptic::make_fast_tracker();
       CropPair pair = pair_of(before, after, *tracker);
-      Guarded previous(pair.crop.width, pair.crop.height);
-      Guarded current(pair.crop.width, pair.crop.height);
+      test::GuardedPicture previous(pair.crop.width, pair.crop.height);
+      test::GuardedPicture current(pair.crop.width, pair.crop.height);
       pair.previous = previous.filled(pair.previous, ends);
       pair.current = current.filled(pair.current, ends);
       Measurement found;
@@ -201,9 +138,9 @@ TEST(FastTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
     }
   };
   run(12);
-  const long before = allocations;
+  const long before = test::allocations;
   run(20000);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 } // namespace

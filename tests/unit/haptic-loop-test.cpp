@@ -15,6 +15,8 @@
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -264,6 +266,94 @@ TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
   play_motion(100, 0, 500);
   EXPECT_NEAR(force_max(), 0.5, 1e-6);
   EXPECT_FALSE(loop_.hand().valid);
+}
+
+// ---- fields -------------------------------------------------------------------------------------
+
+// The left half of the picture moves to the left, the right one to the right.
+class LoopFields : public Loop {
+protected:
+  // The loop outlives the pool here, and must have given everything back.
+  void TearDown() override {
+    loop_.prepare({});
+    ticks(1);
+  }
+  void play_halves(float left, float right, int ms) {
+    for (int i = 0; i < ms; i += 10) {
+      auto field = pool_->take();
+      ASSERT_TRUE(field);
+      const auto picture = moving(0, 0);
+      field->interval = picture.interval;
+      field->picture_width = picture.picture_width;
+      field->picture_height = picture.picture_height;
+      field->columns = 32;
+      field->rows = 24;
+      field->cells.assign(std::size_t{32} * 24, {left, 0, 1});
+      for (std::size_t cell = 0; cell < field->cells.size(); ++cell)
+        if (cell % 32 >= 16)
+          field->cells[cell].velocity_x = right;
+      loop_.submit(std::move(field), now_);
+      ticks(10);
+    }
+  }
+
+  std::unique_ptr<haptic::FieldPool> pool_ = std::make_unique<haptic::FieldPool>();
+};
+
+TEST_F(LoopFields, TheHandFeelsTheHalfThatItPointsAt) {
+  for (const double side : {-1.0, 1.0}) {
+    open(side < 0 ? "hold:-0.5,0,0" : "hold:0.5,0,0");
+    play();
+    play_halves(-100, 100, 1000);
+    EXPECT_NEAR(realised().x(), 0.5 * side, 0.02);
+  }
+}
+
+TEST_F(LoopFields, TheForceIsThatOfASampleWithTheSameMotion) {
+  open("hold:0.5,0.3,0");
+  play();
+  play_halves(0, 100, 1000);
+  const spidar::Vector3 of_field = loop_.wrench().force;
+  play_motion(100, 0, 500);
+  EXPECT_LT((loop_.wrench().force - of_field).norm(), 1e-6);
+}
+
+TEST_F(LoopFields, AWanderingHandFeelsNothingOfAStillFieldAndBothHalvesOfAMovingOne) {
+  open("circle:0.8,1");
+  play();
+  play_halves(0, 0, 1500);
+  EXPECT_EQ(force_max(), 0);
+  double least = 0;
+  double most = 0;
+  for (int i = 0; i < 150; ++i) {
+    play_halves(-100, 100, 10);
+    least = std::min(least, loop_.wrench().force.x());
+    most = std::max(most, loop_.wrench().force.x());
+  }
+  EXPECT_LT(least, -0.45);
+  EXPECT_GT(most, 0.45);
+}
+
+TEST_F(LoopFields, WithoutADeviceTheCentreIsFelt) {
+  loop_.prepare({});
+  loop_.unhold(haptic::kHoldClosed);
+  play();
+  play_halves(100, 100, 500);
+  EXPECT_NEAR(force_max(), 0.5, 1e-6);
+}
+
+TEST_F(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
+  open();
+  play();
+  for (int i = 0; i < 20; ++i) {
+    play_halves(100, 100, 100);
+    loop_.drop_samples();
+    ticks(1);
+  }
+  std::vector<haptic::FieldPool::Field> all;
+  while (auto field = pool_->take())
+    all.push_back(std::move(field));
+  EXPECT_EQ(all.size(), haptic::FieldPool::kSlots);
 }
 
 TEST_F(Loop, ItsThreadTicksAndLeavesMinimumTensionBehind) {

@@ -1,8 +1,13 @@
 #include "motion-interpolator.hpp"
 
+#include "field-sampler.hpp"
+
 #include <cmath>
 #include <gtest/gtest.h>
+#include <memory>
+#include <optional>
 #include <random>
+#include <utility>
 
 namespace {
 
@@ -29,6 +34,32 @@ TimedMotion at(std::int64_t time, double vx) {
 TimedMotion gap(std::int64_t time) {
   return {{}, false, time};
 }
+
+// The left half moves with the one velocity, the right one with the other; confidence 0 where it is
+// said to be silent.
+class Fields {
+public:
+  TimedMotion halves(std::int64_t time, double left, std::optional<double> right,
+                     std::uint32_t width = 352) {
+    auto field = pool_->take();
+    const MotionSample picture = moving(0, width);
+    field->interval = picture.interval;
+    field->picture_width = picture.picture_width;
+    field->picture_height = picture.picture_height;
+    field->columns = 8;
+    field->rows = 1;
+    field->cells.assign(8, {});
+    for (std::size_t i = 0; i < 8; ++i)
+      if (i < 4 || right)
+        field->cells[i] = {static_cast<float>(i < 4 ? left : *right), 0, 1};
+    return {haptic::picture_of(*field), true, time, std::move(field)};
+  }
+
+private:
+  std::unique_ptr<haptic::FieldPool> pool_ = std::make_unique<haptic::FieldPool>();
+};
+const haptic::PointerPosition kLeft{.x = 0.25};
+const haptic::PointerPosition kRight{.x = 0.75};
 
 TEST(MotionInterpolator, KnowsNothingAtFirst) {
   MotionInterpolator motion;
@@ -93,7 +124,7 @@ TEST(MotionInterpolator, ACutIsToldOnceWhenItIsPassed) {
   motion.add(at(100 * kMs, 50), 20 * kMs);
   auto cut = gap(140 * kMs);
   cut.sample.flags = haptic::kMotionCut;
-  motion.add(cut, 60 * kMs);
+  motion.add(std::move(cut), 60 * kMs);
   EXPECT_FALSE(motion.at(139 * kMs).cut);
   EXPECT_TRUE(motion.at(140 * kMs).cut);
   EXPECT_FALSE(motion.at(141 * kMs).cut);
@@ -164,6 +195,83 @@ TEST(MotionInterpolator, MoreThanItCanKeepPushesOutTheOldest) {
   for (int i = 0; i < 1000; ++i)
     motion.add(at((1000 + 15 * i) * kMs, i), (1000 + 15 * i - 2500) * kMs);
   EXPECT_NEAR(motion.at((1000 + 15 * 999) * kMs).sample.velocity_x, 999, 1e-2);
+}
+
+// ---- fields -------------------------------------------------------------------------------------
+
+TEST(MotionInterpolator, OfAFieldItIsTheMotionUnderTheHand) {
+  Fields fields;
+  MotionInterpolator motion;
+  motion.add(fields.halves(100 * kMs, 0, 100), 20 * kMs);
+  motion.add(fields.halves(140 * kMs, -80, 300), 60 * kMs);
+  EXPECT_NEAR(motion.at(110 * kMs, kLeft).sample.velocity_x, -20, 1e-3);
+  EXPECT_NEAR(motion.at(110 * kMs, kRight).sample.velocity_x, 150, 1e-3);
+  EXPECT_NEAR(motion.at(140 * kMs, kLeft).sample.velocity_x, -80, 1e-3);
+}
+
+TEST(MotionInterpolator, AHandThatWandersOverFieldsThatStandStillFeelsExactlyNothing) {
+  Fields fields;
+  MotionInterpolator motion;
+  for (int ms = 0; ms < 400; ++ms) {
+    if (ms % 40 == 0)
+      motion.add(fields.halves(ms * kMs, 0, 0), ms * kMs);
+    const auto &felt = motion.at(ms * kMs, {.x = 0.5 + 0.5 * std::sin(0.05 * ms)});
+    ASSERT_TRUE(felt.measured);
+    ASSERT_EQ(felt.sample.velocity_x, 0);
+  }
+}
+
+TEST(MotionInterpolator, WhereAFieldIsSilentNothingIsMeasuredThere) {
+  Fields fields;
+  MotionInterpolator motion;
+  motion.add(fields.halves(100 * kMs, 60, std::nullopt), 20 * kMs);
+  motion.add(fields.halves(140 * kMs, 60, 90), 60 * kMs);
+  motion.add(fields.halves(180 * kMs, 60, std::nullopt), 100 * kMs);
+  EXPECT_TRUE(motion.at(120 * kMs, kLeft).measured);
+  EXPECT_FALSE(motion.at(120 * kMs, kRight).measured);
+  EXPECT_EQ(motion.at(120 * kMs, kRight).sample.confidence, 0);
+  EXPECT_TRUE(motion.at(150 * kMs, kRight).measured); // held, as before any gap
+  EXPECT_EQ(motion.at(150 * kMs, kRight).sample.velocity_x, 90);
+  EXPECT_FALSE(motion.at(180 * kMs, kRight).measured);
+}
+
+TEST(MotionInterpolator, FieldsAndPointsMayFollowOneAnother) {
+  Fields fields;
+  MotionInterpolator motion;
+  motion.add(fields.halves(100 * kMs, -100, 100), 20 * kMs);
+  motion.add(at(140 * kMs, 0), 60 * kMs);
+  motion.add(fields.halves(180 * kMs, 80, -80), 100 * kMs);
+  EXPECT_NEAR(motion.at(120 * kMs, kLeft).sample.velocity_x, -50, 1e-3);
+  EXPECT_NEAR(motion.at(120 * kMs, kRight).sample.velocity_x, 50, 1e-3);
+  EXPECT_NEAR(motion.at(160 * kMs, kLeft).sample.velocity_x, 40, 1e-3);
+  EXPECT_NEAR(motion.at(160 * kMs, kRight).sample.velocity_x, -40, 1e-3);
+}
+
+TEST(MotionInterpolator, FieldsOfTwoSizesMeetInThePixelsOfTheNewer) {
+  Fields fields;
+  MotionInterpolator motion;
+  motion.add(fields.halves(100 * kMs, 100, 50, 352), 20 * kMs);
+  motion.add(fields.halves(140 * kMs, 200, 100, 704), 60 * kMs);
+  for (std::int64_t t = 100; t <= 140; t += 10) {
+    EXPECT_NEAR(motion.at(t * kMs, kLeft).sample.velocity_x, 200, 1e-3);
+    EXPECT_NEAR(motion.at(t * kMs, kRight).sample.velocity_x, 100, 1e-3);
+  }
+}
+
+// Fields that stay with the interpolator could not be taken a thousand times.
+TEST(MotionInterpolator, EveryFieldGoesBackToItsPool) {
+  Fields fields;
+  MotionInterpolator motion;
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> offset(-300, 2500);
+  for (int ms = 0; ms < 40'000; ++ms) {
+    const std::int64_t now = ms * kMs;
+    if (ms % 15 == 0)
+      motion.add(fields.halves(now + offset(random) * kMs, 10, 20), now);
+    ASSERT_LE(std::abs(motion.at(now, kRight).sample.velocity_x), 20 + 1e-3);
+    if (ms % 1777 == 0)
+      motion.clear();
+  }
 }
 
 } // namespace

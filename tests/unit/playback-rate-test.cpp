@@ -67,6 +67,27 @@ TEST(PlaybackRate, IsMuteBeyondTwiceThePaceAndWherePicturesAreLeftOut) {
     EXPECT_FALSE(haptic::play(filmed(), playback, RateLaw::as_seen)) << playback.rate;
 }
 
+TEST(PlaybackRate, AFieldIsFeltAsASampleIsInEachOfItsCells) {
+  for (const auto law : {RateLaw::as_seen, RateLaw::as_filmed})
+    for (const Playback &playback :
+         {Playback{}, Playback{.rate = 0.5}, Playback{.rate = -2}, Playback{.applied_rate = 2}}) {
+      haptic::MotionField field{.interval = filmed().interval,
+                                .cells = {{}, {filmed().velocity_x, filmed().velocity_y, 0.5F}}};
+      const auto felt = haptic::play(filmed(), playback, law);
+      ASSERT_TRUE(felt);
+      ASSERT_TRUE(haptic::play(field, playback, law));
+      EXPECT_EQ(field.interval, felt->interval);
+      EXPECT_EQ(field.cells[1], (haptic::FieldCell{felt->velocity_x, felt->velocity_y, 0.5F}));
+      EXPECT_EQ(field.cells[0], haptic::FieldCell{});
+    }
+  haptic::MotionField field;
+  EXPECT_FALSE(haptic::play(field, {.rate = 3}, RateLaw::as_seen));
+}
+
+TEST(PlaybackRate, FilmedInTheSlowestMotionNothingOverflows) {
+  EXPECT_FALSE(haptic::play(filmed(), {.applied_rate = 1e-300}, RateLaw::as_filmed));
+}
+
 TEST(PlaybackRate, AtHardlyAnyPaceNothingOverflows) {
   const auto felt = haptic::play(filmed(), {.rate = 1e-300}, RateLaw::as_seen);
   ASSERT_TRUE(felt);

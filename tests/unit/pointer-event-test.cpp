@@ -36,6 +36,28 @@ TEST_F(PointerEvent, CarriesThePositionUpstream) {
   EXPECT_EQ(received->timestamp, 1'234'567U);
 }
 
+TEST_F(PointerEvent, CarriesTheForceIfThereIsOne) {
+  PointerPosition sent;
+  EXPECT_FALSE(haptic::parse_pointer_event(haptic::make_pointer_event(sent).get())->force);
+  sent.force = {0.25, -0.5, 1};
+  const EventPtr event = haptic::make_pointer_event(sent);
+  EXPECT_EQ(haptic::parse_pointer_event(event.get())->force, sent.force);
+  EXPECT_TRUE(gst_structure_has_field_typed(gst_event_get_structure(event.get()), "force-y",
+                                            G_TYPE_DOUBLE));
+}
+
+TEST_F(PointerEvent, AForceThatIsNotWholeAndFiniteIsNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto event = custom(gst_structure_new(
+      "haptic-pointer", "x", G_TYPE_DOUBLE, 0.1, "y", G_TYPE_DOUBLE, 0.9, "force-x", G_TYPE_DOUBLE,
+      1.0, "force-y", G_TYPE_DOUBLE, nan, "force-z", G_TYPE_DOUBLE, 0.0, nullptr));
+  EXPECT_FALSE(haptic::parse_pointer_event(event.get())->force);
+  const auto partly =
+      custom(gst_structure_new("haptic-pointer", "x", G_TYPE_DOUBLE, 0.1, "y", G_TYPE_DOUBLE, 0.9,
+                               "force-x", G_TYPE_DOUBLE, 1.0, nullptr));
+  EXPECT_FALSE(haptic::parse_pointer_event(partly.get())->force);
+}
+
 TEST_F(PointerEvent, XAndYSuffice) {
   const auto event = custom(gst_structure_new("haptic-pointer", "x", G_TYPE_DOUBLE, 0.1, "y",
                                               G_TYPE_DOUBLE, 0.9, nullptr));

@@ -54,6 +54,14 @@ TEST(PointerGateTest, AMovingHandIsToldAtOnce) {
   EXPECT_TRUE(gate.pass({.x = 0.502, .y = 0.51, .z = 0.1}, 3 * kMs));
 }
 
+TEST(PointerGateTest, AForceThatChangesIsToldAtOnce) {
+  PointerGate gate;
+  gate.pass({.force = {{0.1, 0, 0}}}, 0);
+  EXPECT_FALSE(gate.pass({.force = {{0.105, 0, 0}}}, kMs));
+  EXPECT_TRUE(gate.pass({.force = {{0.1, 0.02, 0}}}, 2 * kMs));
+  EXPECT_TRUE(gate.pass({}, 3 * kMs));
+}
+
 TEST(PointerGateTest, ASlowDriftIsToldOnceItIsLargeEnough) {
   PointerGate gate;
   gate.pass({.x = 0.5}, 0);

@@ -1,0 +1,318 @@
+#include "evdev-device.hpp"
+
+#include "evdev-list.hpp"
+#include "force-effect.hpp"
+#include "newest-slot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <libevdev/libevdev.h>
+#include <numbers>
+#include <poll.h>
+#include <spidar/error.hpp>
+#include <sys/ioctl.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+using spidar::Cause;
+using spidar::Error;
+
+constexpr auto kRound = 8ms;           // 125 Hz: more is too much for old drivers
+constexpr auto kReplay = 40ms;         // well before an effect of 100 ms is over
+constexpr auto kLoopStands = 100ms;    // then the force is taken off
+constexpr auto kDriverStands = 300ms;  // then the device does not answer; its effect is over
+constexpr double kStickHalf = 0.04;    // m, what the top of a stick travels to either side
+constexpr double kVelocityCutoff = 10; // Hz; the stick tells where it is some 100 times a second
+
+struct CloseFile {
+  int file = -1;
+  ~CloseFile() {
+    if (file >= 0)
+      close(file);
+  }
+};
+
+struct FreeEvdev {
+  void operator()(libevdev *device) const noexcept { libevdev_free(device); }
+};
+
+std::string called(const EvdevUnit &unit) {
+  return "\"" + unit.name + "\" (" + unit.path + ")";
+}
+
+std::string wanted_path(const std::string &path) {
+  if (!path.empty())
+    return path;
+  const EvdevUnits units = list_evdev();
+  if (!units.with_force.empty())
+    return units.with_force.front().path;
+  std::string others;
+  for (const EvdevUnit &unit : units.without)
+    others += " " + called(unit) + " has none.";
+  throw Error(Cause::not_found, "No joystick or wheel with force feedback found. Plug one in and "
+                                "switch it on." +
+                                    others);
+}
+
+int open_node(const std::string &path) {
+  const int file = open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (file >= 0)
+    return file;
+  switch (errno) {
+  case EACCES:
+  case EPERM:
+    throw Error(Cause::permission,
+                "The input device " + path +
+                    " may not be opened by this user. As root run 'usermod -aG input USER', and "
+                    "log in again; or put the line\nKERNEL==\"event*\", SUBSYSTEM==\"input\", "
+                    "ENV{ID_INPUT_JOYSTICK}==\"1\", TAG+=\"uaccess\"\ninto "
+                    "/etc/udev/rules.d/70-joystick.rules, and plug it in again.");
+  case ENOENT:
+  case ENODEV:
+  case ENXIO:
+  case ENOTDIR:
+    throw Error(Cause::not_found,
+                "There is no input device " + path +
+                    ". Plug it in, or say device=evdev to take the first one there is.");
+  default:
+    throw Error(Cause::io, "The input device " + path +
+                               " cannot be opened: " + std::string(std::strerror(errno)) + ".");
+  }
+}
+
+// An axis of the stick: -1..1, 0 in the middle.
+class Axis {
+public:
+  Axis() = default;
+  Axis(const libevdev *device, unsigned code) : code_(code) {
+    if (const input_absinfo *info = libevdev_get_abs_info(device, code)) {
+      middle_ = (static_cast<double>(info->minimum) + info->maximum) / 2;
+      half_ = std::max((static_cast<double>(info->maximum) - info->minimum) / 2, 0.5);
+      exists_ = true;
+    }
+  }
+  bool exists() const noexcept { return exists_; }
+  double value(const libevdev *device) const noexcept {
+    if (!exists_)
+      return 0;
+    const double there = libevdev_get_event_value(device, EV_ABS, code_);
+    return std::clamp((there - middle_) / half_, -1.0, 1.0);
+  }
+
+private:
+  unsigned code_ = 0;
+  double middle_ = 0;
+  double half_ = 1;
+  bool exists_ = false;
+};
+
+std::int64_t now_ns() noexcept {
+  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+}
+
+class EvdevDevice final : public spidar::HapticDevice {
+public:
+  EvdevDevice(const std::string &path, double period) : file_{open_node(path)} {
+    libevdev *device = nullptr;
+    if (libevdev_new_from_fd(file_.file, &device) != 0)
+      throw Error(Cause::argument, path + " is no input device. Those are /dev/input/event0 and "
+                                          "so on, and the links in /dev/input/by-id.");
+    evdev_.reset(device);
+    unit_ = {path, libevdev_get_name(device)};
+    x_ = Axis(device, libevdev_has_event_code(device, EV_ABS, ABS_X) ? ABS_X : ABS_WHEEL);
+    y_ = Axis(device, ABS_Y);
+    if (libevdev_has_event_code(device, EV_FF, FF_CONSTANT))
+      kind_ = ForceKind::constant;
+    else if (libevdev_has_event_code(device, EV_FF, FF_RUMBLE))
+      kind_ = ForceKind::rumble;
+    else
+      throw Error(Cause::argument, called(unit_) + " has no force feedback. Choose another device; "
+                                                   "gst-device-monitor-1.0 Sink/Haptics lists "
+                                                   "those that have.");
+    if (!x_.exists())
+      throw Error(Cause::argument, called(unit_) + " has no stick or wheel to point with.");
+    if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
+      throw Error(Cause::busy,
+                  called(unit_) + " is held by another program. End that program first.");
+    decay_ = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * period);
+    period_ = period;
+    upload(spidar::Vector3::Zero()); // a driver that refuses says so now
+    tell_position();
+    round_at_ = tick_at_ = now_ns();
+    exchange();
+    state_.velocity.setZero();
+    driver_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+  }
+
+  ~EvdevDevice() override {
+    driver_ = {};
+    if (!gone_)
+      ioctl(file_.file, EVIOCRMFF, effect_.id); // which stops it
+  }
+
+  // ---- the loop's thread ------------------------------------------------------------------------
+
+  bool exchange() noexcept override {
+    const std::int64_t now = now_ns();
+    tick_at_.store(now);
+    const bool answered =
+        connected() && now - round_at_.load() < std::chrono::nanoseconds(kDriverStands).count();
+    state_.valid = answered;
+    if (!answered)
+      return false;
+    stick_.refresh();
+    const spidar::Vector3 position = kStickHalf * (stick_.value() - centre_);
+    state_.velocity += decay_ * ((position - state_.pose.position) / period_ - state_.velocity);
+    state_.pose.position = position;
+    return true;
+  }
+  bool connected() const noexcept override { return !gone_.load(); }
+  void command(const spidar::Wrench &wrench) noexcept override { force_.write(wrench.force); }
+  void calibrate() noexcept override {
+    centre_ = stick_.value();
+    state_.pose.position.setZero();
+    state_.velocity.setZero();
+  }
+  const spidar::DeviceState &state() const noexcept override { return state_; }
+  const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
+  bool grip_is_free() const noexcept override { return false; }
+  std::string description() const override { return called(unit_); }
+
+private:
+  // ---- the driver's thread ----------------------------------------------------------------------
+
+  void run(const std::stop_token &stop) noexcept {
+    while (!stop.stop_requested() && !gone_) {
+      read_events();
+      tell_position();
+      force_.refresh();
+      const bool loop_stands =
+          now_ns() - tick_at_.load() > std::chrono::nanoseconds(kLoopStands).count();
+      const spidar::Vector3 none = spidar::Vector3::Zero();
+      if (play(loop_stands ? none : force_.value()))
+        round_at_.store(now_ns());
+      std::this_thread::sleep_for(kRound);
+    }
+    if (!gone_)
+      play(spidar::Vector3::Zero());
+  }
+
+  void read_events() noexcept {
+    pollfd there{.fd = file_.file, .events = POLLIN, .revents = 0};
+    if (poll(&there, 1, 0) > 0 && (there.revents & (POLLERR | POLLHUP | POLLNVAL)))
+      gone_ = true;
+    input_event event{};
+    unsigned mode = LIBEVDEV_READ_FLAG_NORMAL;
+    // libevdev keeps where the axes are; after too many events at once it asks for them anew.
+    for (;;) {
+      const int result = libevdev_next_event(evdev_.get(), mode, &event);
+      if (result == LIBEVDEV_READ_STATUS_SYNC) {
+        mode = LIBEVDEV_READ_FLAG_SYNC;
+      } else if (result == -EAGAIN && mode == LIBEVDEV_READ_FLAG_SYNC) {
+        mode = LIBEVDEV_READ_FLAG_NORMAL;
+      } else if (result < 0) {
+        gone_ = gone_ || result == -ENODEV;
+        return;
+      }
+    }
+  }
+
+  void tell_position() noexcept {
+    stick_.write({x_.value(evdev_.get()), -y_.value(evdev_.get()), 0});
+  }
+
+  // False when the driver refuses: what it plays is then over before long.
+  bool play(const spidar::Vector3 &force) noexcept {
+    const ff_effect wanted = force_effect(force, kind_, y_.exists(), effect_.id);
+    if (!feels_alike(wanted, effect_) && !send(wanted))
+      return false;
+    if (is_silent(effect_))
+      return !playing_ || set_playing(false);
+    return (playing_ && Clock::now() - played_ < kReplay) || set_playing(true);
+  }
+
+  bool send(ff_effect effect) noexcept {
+    if (ioctl(file_.file, EVIOCSFF, &effect) != 0) {
+      gone_ = gone_ || errno == ENODEV;
+      return false;
+    }
+    effect_ = effect;
+    return true;
+  }
+
+  bool set_playing(bool on) noexcept {
+    input_event event{};
+    event.type = EV_FF;
+    event.code = static_cast<std::uint16_t>(effect_.id);
+    event.value = on ? 1 : 0;
+    if (write(file_.file, &event, sizeof event) != sizeof event) {
+      gone_ = gone_ || errno == ENODEV;
+      return false;
+    }
+    playing_ = on;
+    played_ = Clock::now();
+    return true;
+  }
+
+  // ---- opening ----------------------------------------------------------------------------------
+
+  void upload(const spidar::Vector3 &force) {
+    if (send(force_effect(force, kind_, y_.exists(), -1)))
+      return;
+    const int error = errno;
+    if (error == ENOSPC)
+      throw Error(Cause::busy, called(unit_) + " has no room for another effect: another program "
+                                               "plays effects on it. End that program first.");
+    throw Error(Cause::io, called(unit_) + " does not take a force: " + std::strerror(error) +
+                               ". Plug it in again.");
+  }
+
+  // Before the driver's thread starts, and then read by both.
+  CloseFile file_;
+  EvdevUnit unit_;
+  ForceKind kind_ = ForceKind::constant;
+  double decay_ = 1;
+  double period_ = 0.001; // s
+  const spidar::Vector3 workspace_half_ = spidar::Vector3::Constant(kStickHalf);
+
+  // Between the two threads.
+  NewestSlot<spidar::Vector3> stick_; // -1..1, y up: driver's thread -> loop
+  NewestSlot<spidar::Vector3> force_; // N: loop -> driver's thread
+  std::atomic<std::int64_t> round_at_ = 0;
+  std::atomic<std::int64_t> tick_at_ = 0;
+  std::atomic<bool> gone_ = false;
+
+  // The loop's thread.
+  spidar::DeviceState state_;
+  spidar::Vector3 centre_ = spidar::Vector3::Zero();
+
+  // The driver's thread.
+  std::unique_ptr<libevdev, FreeEvdev> evdev_;
+  Axis x_;
+  Axis y_;
+  ff_effect effect_{};
+  bool playing_ = false;
+  Clock::time_point played_;
+
+  std::jthread driver_; // last: ends before what it uses
+};
+
+} // namespace
+
+std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, double period) {
+  return std::make_unique<EvdevDevice>(wanted_path(path), period);
+}
+
+} // namespace haptic

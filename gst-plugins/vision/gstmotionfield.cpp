@@ -1,0 +1,346 @@
+#include "gstmotionfield.h"
+
+#include "exception-barrier.hpp"
+#include "field-tracker.hpp"
+#include "gst-raii.hpp"
+#include "luma-crop.hpp"
+#include "mapped-picture.hpp"
+#include "motion-field.hpp"
+#include "picture-caps.hpp"
+#include "picture-timeline.hpp"
+#include "repetition.hpp"
+
+#include <algorithm>
+#include <utility>
+
+GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
+#define GST_CAT_DEFAULT motionfield_debug
+
+namespace {
+
+using haptic::guarded;
+using haptic::MotionField;
+using haptic::ObjectLock;
+
+enum PropertyId : guint { kFieldColumns = 1 };
+
+constexpr guint kFewestColumns = 4;
+constexpr guint kMostColumns = 96;
+constexpr guint kDefaultColumns = 32;
+
+struct State {
+  // Object lock: written by the application, read by the streaming thread.
+  guint columns = kDefaultColumns;
+
+  // Streaming thread only, or while it is stopped.
+  GstVideoInfo picture; // of the caps
+  haptic::FieldShape shape;
+  haptic::FieldTracker tracker;
+  haptic::PictureTimeline timeline;
+  haptic::RepetitionJudge repetition;
+  MotionField field; // a duplicate picture repeats its cells
+  std::vector<std::uint8_t> scratch;
+  bool told_about_time = false;
+
+  void forget_pictures() {
+    repetition.forget();
+    timeline.forget();
+    tracker.forget();
+  }
+};
+
+} // namespace
+
+struct _GstMotionField {
+  GstBaseTransform parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_FIELD_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstMotionField, gst_motion_field, GST_TYPE_BASE_TRANSFORM,
+                        GST_DEBUG_CATEGORY_INIT(motionfield_debug, "motionfield", 0,
+                                                "motion of the whole picture"))
+GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, GST_TYPE_MOTION_FIELD)
+
+namespace {
+
+// What every field says, whether or not anything was measured. A change of the shape starts anew.
+void describe(GstMotionField *self) {
+  State &state = *self->state;
+  const GstVideoInfo &info = state.picture;
+  guint columns = 0;
+  {
+    const ObjectLock lock(self);
+    columns = state.columns;
+  }
+  const int width = GST_VIDEO_INFO_WIDTH(&info);
+  const int height = GST_VIDEO_INFO_HEIGHT(&info);
+  const haptic::FieldShape shape = haptic::field_shape(
+      width, height, static_cast<double>(GST_VIDEO_INFO_PAR_N(&info)) / GST_VIDEO_INFO_PAR_D(&info),
+      static_cast<int>(columns));
+  MotionField &field = state.field;
+  if (shape == state.shape && field.picture_width == static_cast<std::uint32_t>(width) &&
+      field.picture_height == static_cast<std::uint32_t>(height))
+    return;
+  state.shape = shape;
+  state.forget_pictures();
+  state.tracker.set_picture(width, height, shape);
+  field.picture_width = static_cast<std::uint32_t>(width);
+  field.picture_height = static_cast<std::uint32_t>(height);
+  field.columns = static_cast<std::uint16_t>(shape.columns);
+  field.rows = static_cast<std::uint16_t>(shape.rows);
+  field.cells.assign(static_cast<std::size_t>(shape.cells()), {});
+}
+
+// False: the picture cannot be read.
+bool read(State &state, GstBuffer *buffer) {
+  const haptic::MappedPicture picture(state.picture, buffer);
+  if (!picture)
+    return false;
+  const int width = GST_VIDEO_INFO_WIDTH(&state.picture);
+  const int height = GST_VIDEO_INFO_HEIGHT(&state.picture);
+  const int strip = state.tracker.strip_rows();
+  for (int y = 0; y < height; y += strip)
+    state.tracker.read(haptic::luma_crop(
+        picture.frame(), {0, y, width, std::min(strip, height - y)}, state.scratch));
+  return true;
+}
+
+void tell_once_about_time(GstMotionField *self, GstClockTime pts, const char *fault) {
+  if (std::exchange(self->state->told_about_time, true))
+    return;
+  GST_WARNING_OBJECT(self,
+                     "%s (at %" GST_TIME_FORMAT "): no motion is measured across it. Further ones "
+                     "are not reported",
+                     fault, GST_TIME_ARGS(pts));
+}
+
+// From the reference to the picture that was just read. False: that is the reference once more and
+// does not take its place, so that the next interval spans both, as its motion does.
+bool compare(State &state) {
+  MotionField &field = state.field;
+  switch (state.repetition.judge(state.tracker.repeats(), [] { return true; })) {
+  case haptic::Repetition::duplicate:
+    field.flags = haptic::kMotionDuplicate;
+    return false;
+  case haptic::Repetition::still:
+    field.flags = haptic::kMotionStill;
+    std::ranges::fill(field.cells, haptic::FieldCell{.confidence = 1});
+    return true;
+  case haptic::Repetition::none:
+    break;
+  }
+  const std::uint32_t found =
+      state.tracker.measure(static_cast<double>(field.interval) / GST_SECOND, field.cells);
+  field.flags = static_cast<std::uint16_t>((found & haptic::kStill ? haptic::kMotionStill : 0) |
+                                           (found & haptic::kCut ? haptic::kMotionCut : 0));
+  return true;
+}
+
+// Leaves what is known about the picture in state.field. False: it cannot be read.
+bool examine(GstMotionField *self, GstBuffer *buffer) {
+  State &state = *self->state;
+  MotionField &field = state.field;
+  field.interval = 0;
+  field.flags = 0;
+  // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
+  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
+  if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
+    state.forget_pictures();
+
+  std::optional<guint64> pts;
+  if (GST_BUFFER_PTS_IS_VALID(buffer))
+    pts = GST_BUFFER_PTS(buffer);
+  const haptic::TimeStep step = state.timeline.advance(pts, descending);
+  if (step.fault)
+    tell_once_about_time(self, GST_BUFFER_PTS(buffer), step.fault);
+  if (step.kind == haptic::TimeStep::Kind::repeats) {
+    std::ranges::fill(field.cells, haptic::FieldCell{});
+    return true;
+  }
+  if (!read(state, buffer))
+    return false;
+  bool becomes_reference = true;
+  if (step.kind == haptic::TimeStep::Kind::follows) {
+    field.interval = step.interval;
+    becomes_reference = compare(state);
+  } else {
+    state.repetition.forget();
+    state.tracker.forget();
+    field.flags = haptic::kMotionDiscontinuity;
+    std::ranges::fill(field.cells, haptic::FieldCell{});
+  }
+  if (becomes_reference) {
+    state.tracker.keep();
+    state.timeline.adopt();
+  }
+  return true;
+}
+
+GstFlowReturn process(GstMotionField *self, GstBuffer *picture, GstBuffer *out) {
+  State &state = *self->state;
+  if (!examine(self, picture)) {
+    GST_ELEMENT_ERROR(self, STREAM, FORMAT,
+                      ("A picture cannot be read: its memory does not hold what its format says."),
+                      ("%" GST_PTR_FORMAT, static_cast<void *>(picture)));
+    return GST_FLOW_ERROR;
+  }
+  const MotionField &field = state.field;
+  GstMapInfo map;
+  if (!gst_buffer_map(out, &map, GST_MAP_WRITE))
+    return GST_FLOW_ERROR;
+  haptic::pack_motion_field(field, {map.data, map.size});
+  gst_buffer_unmap(out, &map);
+  const auto known =
+      std::ranges::count_if(field.cells, [](const auto &cell) { return cell.confidence > 0; });
+  if (known == 0)
+    GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
+  GST_LOG_OBJECT(self, "%u x %u cells, %d of them known, flags %x", field.columns, field.rows,
+                 static_cast<int>(known), field.flags);
+  return GST_FLOW_OK;
+}
+
+} // namespace
+
+static GstCaps *gst_motion_field_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
+                                                GstCaps *caps, GstCaps *filter) {
+  return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
+    return haptic::transform_picture_caps(direction, sink_template, src_template, caps, filter);
+  });
+}
+
+static gboolean gst_motion_field_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
+  return guarded(trans, false, [&] {
+    State &state = *GST_MOTION_FIELD(trans)->state;
+    state.forget_pictures();
+    if (!gst_video_info_from_caps(&state.picture, in))
+      return false;
+    state.field.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&state.picture));
+    state.field.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&state.picture));
+    return true;
+  });
+}
+
+static GstFlowReturn gst_motion_field_prepare_output_buffer(GstBaseTransform *trans, GstBuffer *in,
+                                                            GstBuffer **out) {
+  return guarded(trans, GST_FLOW_ERROR, [&] {
+    auto *self = GST_MOTION_FIELD(trans);
+    describe(self);
+    *out = gst_buffer_new_allocate(nullptr, haptic::packed_size(self->state->field), nullptr);
+    GST_BUFFER_PTS(*out) = GST_BUFFER_PTS(in);
+    GST_BUFFER_DURATION(*out) = GST_BUFFER_DURATION(in);
+    if (GST_BUFFER_IS_DISCONT(in))
+      GST_BUFFER_FLAG_SET(*out, GST_BUFFER_FLAG_DISCONT);
+    return GST_FLOW_OK;
+  });
+}
+
+static GstFlowReturn gst_motion_field_transform(GstBaseTransform *trans, GstBuffer *in,
+                                                GstBuffer *out) {
+  return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_MOTION_FIELD(trans), in, out); });
+}
+
+static gboolean gst_motion_field_sink_event(GstBaseTransform *trans, GstEvent *event) {
+  guarded(trans, [&] {
+    if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
+      GST_MOTION_FIELD(trans)->state->forget_pictures();
+  });
+  return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
+}
+
+// Rows are read one by one, so any strides will do.
+static gboolean gst_motion_field_propose_allocation(GstBaseTransform *, GstQuery *,
+                                                    GstQuery *query) {
+  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  return TRUE;
+}
+
+static gboolean gst_motion_field_start(GstBaseTransform *trans) {
+  GST_MOTION_FIELD(trans)->state->told_about_time = false;
+  return TRUE;
+}
+
+static gboolean gst_motion_field_stop(GstBaseTransform *trans) {
+  return guarded(trans, FALSE, [&] {
+    GST_MOTION_FIELD(trans)->state->forget_pictures();
+    return TRUE;
+  });
+}
+
+static void gst_motion_field_set_property(GObject *object, guint id, const GValue *value,
+                                          GParamSpec *pspec) {
+  const ObjectLock lock(object);
+  switch (id) {
+  case kFieldColumns:
+    GST_MOTION_FIELD(object)->state->columns = g_value_get_uint(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  }
+}
+
+static void gst_motion_field_get_property(GObject *object, guint id, GValue *value,
+                                          GParamSpec *pspec) {
+  const ObjectLock lock(object);
+  switch (id) {
+  case kFieldColumns:
+    g_value_set_uint(value, GST_MOTION_FIELD(object)->state->columns);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  }
+}
+
+static void gst_motion_field_finalize(GObject *object) {
+  delete GST_MOTION_FIELD(object)->state;
+  G_OBJECT_CLASS(gst_motion_field_parent_class)->finalize(object);
+}
+
+static void gst_motion_field_init(GstMotionField *self) {
+  self->state = new State;
+  gst_video_info_init(&self->state->picture);
+  auto *trans = GST_BASE_TRANSFORM(self);
+  // A late sink must not make the tracker skip pictures.
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+  // Otherwise the base class clears the flag that says that nothing was measured.
+  gst_base_transform_set_gap_aware(trans, TRUE);
+}
+
+static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+
+  object_class->set_property = gst_motion_field_set_property;
+  object_class->get_property = gst_motion_field_get_property;
+  object_class->finalize = gst_motion_field_finalize;
+  g_object_class_install_property(
+      object_class, kFieldColumns,
+      g_param_spec_uint(
+          "field-columns", "Field Columns",
+          "Cells side by side; rows follow from the picture's shape. None is narrower than 8 "
+          "pixels",
+          kFewestColumns, kMostColumns, kDefaultColumns,
+          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                   GST_PARAM_MUTABLE_PLAYING)));
+
+  gst_element_class_set_static_metadata(
+      element_class, "Motion field", "Filter/Analyzer/Video",
+      "Measures the motion of the whole picture on a grid of cells", "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+
+  transform_class->transform_caps = gst_motion_field_transform_caps;
+  transform_class->set_caps = gst_motion_field_set_caps;
+  transform_class->prepare_output_buffer = gst_motion_field_prepare_output_buffer;
+  transform_class->transform = gst_motion_field_transform;
+  transform_class->sink_event = gst_motion_field_sink_event;
+  transform_class->propose_allocation = gst_motion_field_propose_allocation;
+  transform_class->start = gst_motion_field_start;
+  transform_class->stop = gst_motion_field_stop;
+}

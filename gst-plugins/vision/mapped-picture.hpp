@@ -1,0 +1,61 @@
+// Buffers that hold pictures: their pixels, and metadata of one's own on pixels that are shared.
+#pragma once
+
+#include <gst/video/gstvideometa.h>
+#include <gst/video/video.h>
+
+namespace haptic {
+
+/// A picture mapped for a scope.
+class MappedPicture {
+public:
+  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer, GstMapFlags access = GST_MAP_READ) {
+    // Without a reference of its own: the buffer must stay writable for the metadata.
+    const auto flags = static_cast<GstMapFlags>(static_cast<int>(access) |
+                                                static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
+    is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
+  }
+  ~MappedPicture() {
+    if (is_mapped_)
+      gst_video_frame_unmap(&frame_);
+  }
+  MappedPicture(const MappedPicture &) = delete;
+  MappedPicture &operator=(const MappedPicture &) = delete;
+
+  explicit operator bool() const { return is_mapped_; }
+  const GstVideoFrame &frame() const { return frame_; }
+  GstVideoFrame &frame() { return frame_; }
+
+private:
+  // Mapping a picture whose own description contradicts the caps would be an error of this program.
+  static bool fits(const GstVideoInfo &info, GstBuffer *buffer) {
+    const GstVideoMeta *meta = gst_buffer_get_video_meta(buffer);
+    return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
+                     meta->width >= static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) &&
+                     meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
+  }
+
+  GstVideoFrame frame_{};
+  bool is_mapped_ = false;
+};
+
+/// The buffer itself if nobody else holds it, otherwise a new one that shares its pixels. Null on
+/// failure. The caller goes on owning `in`.
+inline GstBuffer *with_own_metadata(GstBuffer *in) {
+  if (gst_buffer_is_writable(in))
+    return in;
+  GstBuffer *out = gst_buffer_new();
+  if (!gst_buffer_copy_into(
+          out, in,
+          static_cast<GstBufferCopyFlags>(static_cast<int>(GST_BUFFER_COPY_METADATA) |
+                                          static_cast<int>(GST_BUFFER_COPY_MEMORY)),
+          0, static_cast<gsize>(-1))) {
+    gst_buffer_unref(out);
+    return nullptr;
+  }
+  // A buffer of a pool must not go back there while its memory is in use.
+  gst_buffer_add_parent_buffer_meta(out, in);
+  return out;
+}
+
+} // namespace haptic

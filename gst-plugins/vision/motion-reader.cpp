@@ -1,0 +1,111 @@
+#include "motion-reader.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+std::uint16_t sample_flags(guint meta_flags) {
+  std::uint16_t flags = 0;
+  for (const auto &[from, to] : {std::pair(GST_HAPTIC_MOTION_STILL, kMotionStill),
+                                 std::pair(GST_HAPTIC_MOTION_DUPLICATE, kMotionDuplicate),
+                                 std::pair(GST_HAPTIC_MOTION_CUT, kMotionCut),
+                                 std::pair(GST_HAPTIC_MOTION_DISCONTINUITY, kMotionDiscontinuity)})
+    if (meta_flags & static_cast<guint>(from))
+      flags = static_cast<std::uint16_t>(flags | to);
+  return flags;
+}
+
+void set_motion(MotionSample &sample, const VelocityEstimate &estimate) {
+  sample.velocity_x = estimate.velocity_x;
+  sample.velocity_y = estimate.velocity_y;
+  sample.spin = estimate.spin;
+  sample.divergence = estimate.divergence;
+  sample.confidence = estimate.confidence;
+  sample.points = static_cast<std::uint16_t>(estimate.points);
+  sample.model = estimate.model;
+  if (estimate.mixture)
+    sample.flags |= kMotionMixture;
+  if (estimate.aperture)
+    sample.flags |= kMotionAperture;
+}
+
+void repeat_motion(MotionSample &sample, const MotionSample &before) {
+  sample.velocity_x = before.velocity_x;
+  sample.velocity_y = before.velocity_y;
+  sample.spin = before.spin;
+  sample.divergence = before.divergence;
+  sample.confidence = before.confidence;
+  sample.points = before.points;
+  sample.model = before.model;
+  constexpr auto kOfTheMotion = kMotionMixture | kMotionAperture;
+  sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & kOfTheMotion));
+}
+
+// What every sample says, whether or not anything was measured.
+MotionSample sample_for(const GstVideoInfo &picture) {
+  MotionSample sample;
+  sample.picture_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&picture));
+  sample.picture_height = static_cast<std::uint32_t>(GST_VIDEO_INFO_HEIGHT(&picture));
+  sample.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&picture));
+  sample.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&picture));
+  return sample;
+}
+
+void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
+  const auto fraction = [](float part, guint whole) {
+    return whole > 0 ? std::clamp(part / static_cast<float>(whole), 0.0F, 1.0F) : 0.0F;
+  };
+  sample.pointer_x = fraction(meta.pointer_x, meta.picture_width);
+  sample.pointer_y = fraction(meta.pointer_y, meta.picture_height);
+  sample.region_width = fraction(meta.region_width, meta.picture_width);
+  sample.region_height = fraction(meta.region_height, meta.picture_height);
+}
+
+} // namespace
+
+MotionSample MotionReader::read_nothing(const GstVideoInfo &picture) {
+  return last_ = sample_for(picture);
+}
+
+MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoInfo &picture,
+                                Average average, ModelChoice choice) {
+  MotionSample sample = sample_for(picture);
+  set_place(sample, meta);
+  sample.interval = meta.interval;
+  sample.flags = sample_flags(meta.flags);
+  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT)) {
+    history_ = {};
+    return last_ = sample;
+  }
+  if (meta.flags & GST_HAPTIC_MOTION_STILL) {
+    sample.confidence = 1;
+    sample.model = MotionModel::still;
+    history_ = {.current = MotionModel::still};
+  } else if (meta.flags & GST_HAPTIC_MOTION_DUPLICATE) {
+    repeat_motion(sample, last_);
+  } else if (meta.interval > 0) {
+    const auto patches = std::span(meta.patches)
+                             .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
+    const PatchSet set{
+        .patches = patches,
+        .candidates = static_cast<int>(meta.n_candidates),
+        .pointer_x = meta.pointer_x,
+        .pointer_y = meta.pointer_y,
+        .interval = static_cast<double>(meta.interval) / GST_SECOND,
+        .region_x = meta.region_x,
+        .region_y = meta.region_y,
+        .region_width = meta.region_width,
+        .region_height = meta.region_height,
+    };
+    const VelocityEstimate estimate = estimate_velocity(set, average, choice, history_);
+    history_ = estimate.history;
+    set_motion(sample, estimate);
+  }
+  return last_ = sample;
+}
+
+} // namespace haptic

@@ -1,0 +1,254 @@
+#include "overlay-drawing.hpp"
+
+#include <algorithm>
+#include <cairo.h>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+// Of the picture's height.
+constexpr double kLine = 1.0 / 360;
+constexpr double kText = 1.0 / 40;
+constexpr double kNewton = 1.0 / 4;
+constexpr double kLongestArrow = 1.0 / 2;
+
+constexpr double kThinnestLine = 1;  // px
+constexpr double kSmallestText = 10; // px
+constexpr double kShortestArrow = 1; // px
+
+// Of the line.
+constexpr double kOutline = 1;
+constexpr double kArrowLine = 2;
+constexpr double kForceAside = kArrowLine + 2 * kOutline; // of the velocity, whose direction it has
+constexpr double kHead = 3.5;                             // of an arrow's own line
+constexpr double kDot = 2;
+
+constexpr double kPatchScale = 0.25; // so that the arrows of neighbours do not cross
+
+constexpr double kFaintest = 0.35; // opacity at the lowest confidence
+
+struct CairoDeleter {
+  void operator()(cairo_t *cairo) const { cairo_destroy(cairo); }
+  void operator()(cairo_surface_t *surface) const { cairo_surface_destroy(surface); }
+  void operator()(cairo_scaled_font_t *font) const { cairo_scaled_font_destroy(font); }
+  void operator()(cairo_font_face_t *face) const { cairo_font_face_destroy(face); }
+  void operator()(cairo_font_options_t *options) const { cairo_font_options_destroy(options); }
+};
+template <typename T>
+using Owned = std::unique_ptr<T, CairoDeleter>;
+
+Owned<cairo_scaled_font_t> make_font(double size) {
+  const Owned<cairo_font_face_t> face(
+      cairo_toy_font_face_create("sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL));
+  const Owned<cairo_font_options_t> options(cairo_font_options_create());
+  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  cairo_matrix_t scale;
+  cairo_matrix_t identity;
+  cairo_matrix_init_scale(&scale, size, size);
+  cairo_matrix_init_identity(&identity);
+  return Owned<cairo_scaled_font_t>(
+      cairo_scaled_font_create(face.get(), &scale, &identity, options.get()));
+}
+
+void set_color(cairo_t *cairo, std::uint32_t argb, double opacity) {
+  const auto part = [&](int shift) { return ((argb >> shift) & 0xff) / 255.0; };
+  cairo_set_source_rgba(cairo, part(16), part(8), part(0), part(24) * opacity);
+}
+
+void add_arrow(cairo_t *cairo, double x0, double y0, double x1, double y1, double line) {
+  const double length = std::hypot(x1 - x0, y1 - y0);
+  cairo_move_to(cairo, x0, y0);
+  cairo_line_to(cairo, x1, y1);
+  const double head = std::min(kHead * line, length / 2) / length;
+  const double bx = (x0 - x1) * head;
+  const double by = (y0 - y1) * head;
+  cairo_move_to(cairo, x1 + bx - by * 0.6, y1 + by + bx * 0.6);
+  cairo_line_to(cairo, x1, y1);
+  cairo_line_to(cairo, x1 + bx + by * 0.6, y1 + by - bx * 0.6);
+}
+
+// The path in its colour with a white outline.
+void stroke_outlined(cairo_t *cairo, double line, double outline, std::uint32_t argb,
+                     double opacity) {
+  cairo_set_source_rgba(cairo, 1, 1, 1, opacity);
+  cairo_set_line_width(cairo, line + 2 * outline);
+  cairo_stroke_preserve(cairo);
+  set_color(cairo, argb, opacity);
+  cairo_set_line_width(cairo, line);
+  cairo_stroke(cairo);
+}
+
+} // namespace
+
+OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &look)
+    : aspect_(scene.pixel_aspect), width_(scene.picture_width * aspect_),
+      height_(scene.picture_height), line_(std::max(kThinnestLine, height_ * kLine)),
+      text_(std::max(kSmallestText, height_ * kText)),
+      opacity_(kFaintest + (1 - kFaintest) * scene.confidence), look_(look) {
+  if (look.style == OverlayStyle::none)
+    return;
+  const Point corner = square(scene.region_x, scene.region_y);
+  region_ = {corner.x, corner.y, scene.region_width * aspect_, scene.region_height};
+  const Point pointer = square(scene.pointer_x, scene.pointer_y);
+  velocity_ =
+      arrow(pointer, scene.velocity_x * aspect_ * look.scale, scene.velocity_y * look.scale);
+  if (scene.force) {
+    const double newton = height_ * kNewton;
+    force_ = arrow(pointer, (*scene.force)[0] * newton, -(*scene.force)[1] * newton);
+    if (force_)
+      force_ = aside(*force_, kForceAside * line_);
+  }
+  if (look.style == OverlayStyle::full) {
+    const double times = scene.interval > 0 ? kPatchScale * look.scale / scene.interval : 0;
+    for (const GstHapticPatch &patch : scene.patches) {
+      const double dx = static_cast<double>(patch.dx);
+      const double dy = static_cast<double>(patch.dy);
+      const Point now =
+          square(static_cast<double>(patch.x) + dx, static_cast<double>(patch.y) + dy);
+      patches_.push_back(arrow(now, dx * aspect_ * times, dy * times).value_or(Arrow{now, now}));
+    }
+    text_of_label_ = scene.label;
+    place_label();
+  }
+  find_extent();
+}
+
+std::optional<OverlayDrawing::Arrow> OverlayDrawing::arrow(Point from, double dx, double dy) const {
+  const double length = std::hypot(dx, dy);
+  if (!(length >= kShortestArrow) || !std::isfinite(length))
+    return std::nullopt;
+  const double shorter = std::min(1.0, height_ * kLongestArrow / length);
+  return Arrow{from, {from.x + dx * shorter, from.y + dy * shorter}};
+}
+
+// Moved to its right.
+OverlayDrawing::Arrow OverlayDrawing::aside(const Arrow &arrow, double distance) {
+  const double length = std::hypot(arrow.to.x - arrow.from.x, arrow.to.y - arrow.from.y);
+  const double dx = -(arrow.to.y - arrow.from.y) / length * distance;
+  const double dy = (arrow.to.x - arrow.from.x) / length * distance;
+  return {{arrow.from.x + dx, arrow.from.y + dy}, {arrow.to.x + dx, arrow.to.y + dy}};
+}
+
+// Below the region, or above it where there is no room; nowhere in a picture that is too small.
+void OverlayDrawing::place_label() {
+  if (text_of_label_.empty())
+    return;
+  cairo_text_extents_t extents;
+  cairo_scaled_font_text_extents(make_font(text_).get(), text_of_label_.c_str(), &extents);
+  const double margin = text_ * 0.3;
+  const double gap = 3 * line_;
+  const double width = extents.x_advance + 2 * margin;
+  const double height = text_ + 2 * margin;
+  if (width > width_ || height > height_)
+    return;
+  double y = region_.y + region_.height + gap;
+  if (y + height > height_)
+    y = std::max(0.0, region_.y - gap - height);
+  const double x = std::clamp(region_.x + region_.width / 2 - width / 2, 0.0, width_ - width);
+  label_ = Label{{x, y, width, height}, {x + margin, y + margin + text_ * 0.8}};
+}
+
+void OverlayDrawing::find_extent() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double left = kInfinity;
+  double top = kInfinity;
+  double right = -kInfinity;
+  double bottom = -kInfinity;
+  const auto cover = [&](Point point, double margin) {
+    left = std::min(left, point.x - margin);
+    top = std::min(top, point.y - margin);
+    right = std::max(right, point.x + margin);
+    bottom = std::max(bottom, point.y + margin);
+  };
+  const auto cover_box = [&](const Box &box, double margin) {
+    cover({box.x, box.y}, margin);
+    cover({box.x + box.width, box.y + box.height}, margin);
+  };
+  const auto cover_arrow = [&](const Arrow &arrow, double line) {
+    // The head's barbs lie within its length about the tip.
+    const double margin = (kHead + 1) * line + kOutline * line_;
+    cover(arrow.from, margin);
+    cover(arrow.to, margin);
+  };
+  cover_box(region_, 2 * line_);
+  if (label_)
+    cover_box(label_->box, 1);
+  for (const Arrow &patch : patches_)
+    cover_arrow(patch, line_);
+  for (const auto &arrow : {force_, velocity_})
+    if (arrow)
+      cover_arrow(*arrow, kArrowLine * line_);
+
+  const auto pixel = [](double x, double most) {
+    return static_cast<int>(std::clamp(x, 0.0, most));
+  };
+  const double columns = width_ / aspect_;
+  const int x = pixel(std::floor(left / aspect_), columns);
+  const int y = pixel(std::floor(top), height_);
+  extent_ = {x, y, pixel(std::ceil(right / aspect_), columns) - x,
+             pixel(std::ceil(bottom), height_) - y};
+  if (extent_.width <= 0 || extent_.height <= 0)
+    extent_ = {};
+}
+
+void OverlayDrawing::paint(std::uint8_t *pixels, int stride) const {
+  const Owned<cairo_surface_t> surface(cairo_image_surface_create_for_data(
+      pixels, CAIRO_FORMAT_ARGB32, extent_.width, extent_.height, stride));
+  const Owned<cairo_t> owned(cairo_create(surface.get()));
+  cairo_t *cairo = owned.get();
+  cairo_translate(cairo, -extent_.x, -extent_.y);
+  cairo_scale(cairo, 1 / aspect_, 1);
+  cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
+
+  // Inside its border, on whole pixels.
+  cairo_rectangle(cairo, region_.x + line_ / 2, region_.y + line_ / 2, region_.width - line_,
+                  region_.height - line_);
+  cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
+  cairo_set_line_width(cairo, 3 * line_);
+  cairo_stroke_preserve(cairo);
+  cairo_set_source_rgba(cairo, 1, 1, 1, 1);
+  cairo_set_line_width(cairo, line_);
+  cairo_stroke(cairo);
+
+  // Needles: there may be thirty in as many pixels, and no room for heads and outlines.
+  set_color(cairo, look_.velocity_color, opacity_);
+  cairo_set_line_width(cairo, line_);
+  for (const Arrow &patch : patches_) {
+    cairo_move_to(cairo, patch.from.x, patch.from.y);
+    cairo_line_to(cairo, patch.to.x, patch.to.y);
+  }
+  cairo_stroke(cairo);
+  cairo_set_line_width(cairo, kDot * line_);
+  for (const Arrow &patch : patches_) {
+    cairo_move_to(cairo, patch.from.x, patch.from.y);
+    cairo_line_to(cairo, patch.from.x, patch.from.y);
+  }
+  cairo_stroke(cairo);
+
+  for (const auto &[arrow, color] :
+       {std::pair(force_, look_.force_color), std::pair(velocity_, look_.velocity_color)})
+    if (arrow) {
+      add_arrow(cairo, arrow->from.x, arrow->from.y, arrow->to.x, arrow->to.y, kArrowLine * line_);
+      stroke_outlined(cairo, kArrowLine * line_, kOutline * line_, color, opacity_);
+    }
+  if (label_) {
+    const Box &box = label_->box;
+    cairo_rectangle(cairo, box.x, box.y, box.width, box.height);
+    cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
+    cairo_fill(cairo);
+    cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, text_);
+    cairo_set_source_rgba(cairo, 1, 1, 1, 1);
+    cairo_move_to(cairo, label_->baseline.x, label_->baseline.y);
+    cairo_show_text(cairo, text_of_label_.c_str());
+  }
+  cairo_surface_flush(surface.get());
+}
+
+} // namespace haptic

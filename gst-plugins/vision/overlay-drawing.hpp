@@ -1,0 +1,92 @@
+// Draws what was measured over a picture: region, patches, velocity and force.
+#pragma once
+
+#include "haptic-patch.h"
+#include "region.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+enum class OverlayStyle {
+  none,
+  arrows, ///< region, velocity and force
+  full,   ///< these, the patches, and a label
+};
+
+struct OverlayLook {
+  OverlayStyle style = OverlayStyle::full;
+  std::uint32_t velocity_color = 0xffe69f00; ///< ARGB; orange and blue, which the colour-blind tell
+  std::uint32_t force_color = 0xff0072b2;    ///< apart (Okabe and Ito)
+  double scale = 0.5;                        ///< s of motion that an arrow is long
+};
+
+/// Coordinates are px of the picture, y down.
+struct OverlayScene {
+  int picture_width = 0;
+  int picture_height = 0;
+  double pixel_aspect = 1; ///< width of a pixel over its height
+  double region_x = 0, region_y = 0, region_width = 0, region_height = 0;
+  double pointer_x = 0, pointer_y = 0;
+  double velocity_x = 0, velocity_y = 0; ///< px/s
+  double confidence = 0;                 ///< 0..1
+  std::string label;
+  std::span<const GstHapticPatch> patches;
+  double interval = 0;                        ///< s that the patches moved for; 0: they did not
+  std::optional<std::array<double, 2>> force; ///< N, x to the right, y up
+};
+
+class OverlayDrawing {
+public:
+  /// Takes what it needs of the scene.
+  OverlayDrawing(const OverlayScene &scene, const OverlayLook &look);
+
+  /// The part of the picture that is drawn on; empty (width 0): none.
+  const Rectangle &extent() const { return extent_; }
+
+  /// Into pixels of the extent, all zero before: 32 bits each, ARGB in the byte order of the
+  /// machine, premultiplied.
+  void paint(std::uint8_t *pixels, int stride) const;
+
+private:
+  // Square units: px of the picture's height, so that what is round is shown round.
+  struct Point {
+    double x, y;
+  };
+  struct Box {
+    double x, y, width, height;
+  };
+  struct Arrow {
+    Point from, to;
+  };
+  struct Label {
+    Box box;
+    Point baseline;
+  };
+
+  Point square(double x, double y) const { return {x * aspect_, y}; }
+  std::optional<Arrow> arrow(Point from, double dx, double dy) const;
+  static Arrow aside(const Arrow &arrow, double distance);
+  void place_label();
+  void find_extent();
+
+  double aspect_;
+  double width_, height_; // of the picture
+  double line_;           // width of the lines
+  double text_;           // size of the text
+  double opacity_;
+  OverlayLook look_;
+  Box region_;
+  std::vector<Arrow> patches_;
+  std::optional<Arrow> velocity_, force_;
+  std::string text_of_label_;
+  std::optional<Label> label_;
+  Rectangle extent_;
+};
+
+} // namespace haptic

@@ -1,0 +1,34 @@
+// Caps of elements that turn pictures into haptic samples.
+#pragma once
+
+#include "gst-raii.hpp"
+
+namespace haptic {
+
+/// What the other side's template allows, with the fields that describe the picture, which are the
+/// same on both sides.
+inline CapsPtr with_picture_fields(GstStaticPadTemplate &other_side, const GstCaps *caps) {
+  const CapsPtr pattern(gst_static_pad_template_get_caps(&other_side));
+  CapsPtr result(gst_caps_new_empty());
+  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+    const GstStructure *from = gst_caps_get_structure(caps, i);
+    GstStructure *to = gst_structure_copy(gst_caps_get_structure(pattern.get(), 0));
+    for (const char *field : {"width", "height", "pixel-aspect-ratio", "framerate"})
+      if (const GValue *value = gst_structure_get_value(from, field))
+        gst_structure_set_value(to, field, value);
+    result.reset(gst_caps_merge_structure(result.release(), to));
+  }
+  return result;
+}
+
+/// For GstBaseTransform::transform_caps.
+inline GstCaps *transform_picture_caps(GstPadDirection from, GstStaticPadTemplate &sink,
+                                       GstStaticPadTemplate &src, const GstCaps *caps,
+                                       GstCaps *filter) {
+  CapsPtr result = with_picture_fields(from == GST_PAD_SINK ? src : sink, caps);
+  if (filter)
+    result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
+  return result.release();
+}
+
+} // namespace haptic

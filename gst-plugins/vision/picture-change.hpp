@@ -1,0 +1,23 @@
+// Whether anything moved between two pictures, from their differences alone.
+#pragma once
+
+#include "patch-tracker.hpp"
+
+namespace haptic {
+
+enum class Change {
+  none,   ///< a motion would have been seen
+  unseen, ///< no more than noise, but so little texture that it could hide a motion
+  some,
+};
+
+struct ChangeFinding {
+  Change change = Change::none;
+  float energy = 0; ///< mean squared difference about its mean, grey levels squared
+};
+
+/// Nothing, if the differences are no larger than noise (variance of a pixel) and do not line up
+/// with the gradients: a translation would make them do so. The views have one size, at least 3x3.
+ChangeFinding find_change(const LumaView &previous, const LumaView &current, float noise);
+
+} // namespace haptic

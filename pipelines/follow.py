@@ -1,0 +1,75 @@
+#!/usr/bin/python3
+"""Moves the pointer over a video from left to right and back, and prints what moves beneath it.
+
+Shows how the elements, their properties and their messages are used from Python (package python3-gi).
+
+Usage: pipelines/follow.py VIDEO
+"""
+
+import math
+import pathlib
+import signal
+import sys
+
+import gi
+
+gi.require_version("Gst", "1.0")
+from gi.repository import GLib, Gst  # noqa: E402
+
+PERIOD = 4  # s, there and back
+
+
+def main(arguments):
+    if len(arguments) != 2 or arguments[1].startswith("-"):
+        return __doc__
+    video = pathlib.Path(arguments[1])
+    if not video.is_file():
+        return f"there is no file '{video}'"
+
+    Gst.init(None)
+    try:
+        pipeline = Gst.parse_launch(
+            "filesrc name=file ! decodebin ! videoconvert ! clocksync ! roitracker name=tracker pointer-source=property"
+            " ! velocityavg post-messages=true ! hapticsink name=sink device=sim"
+        )
+    except GLib.Error as error:
+        return f"{error.message}; see docs/quickstart.md for GST_PLUGIN_PATH"
+    pipeline.get_by_name("file").set_property("location", str(video))
+    tracker = pipeline.get_by_name("tracker")
+    loop = GLib.MainLoop()
+    wrong = []
+
+    def on_message(_bus, message):
+        if message.type == Gst.MessageType.ERROR:
+            wrong.append(message.parse_error().gerror.message)
+            loop.quit()
+        elif message.type == Gst.MessageType.EOS:
+            loop.quit()
+        elif message.type == Gst.MessageType.ELEMENT and message.get_structure().has_name("haptic-motion"):
+            motion = message.get_structure()
+            if motion.get_value("confidence") > 0:
+                time, x = motion.get_value("pts") / Gst.SECOND, tracker.get_property("pointer-x")
+                vx, vy, model = (motion.get_value(name) for name in ("vx", "vy", "model"))
+                print(f"{time:7.3f} s  at {x:.2f}: {vx:7.1f} {vy:7.1f} px/s  {model}")
+
+    def move_pointer():
+        known, position = pipeline.query_position(Gst.Format.TIME)
+        if known:
+            tracker.set_property("pointer-x", 0.5 + 0.4 * math.sin(2 * math.pi * position / Gst.SECOND / PERIOD))
+        return GLib.SOURCE_CONTINUE
+
+    bus = pipeline.get_bus()
+    bus.add_signal_watch()
+    bus.connect("message", on_message)
+    GLib.timeout_add(20, move_pointer)
+    GLib.unix_signal_add(GLib.PRIORITY_DEFAULT, signal.SIGINT, lambda: pipeline.send_event(Gst.Event.new_eos()))
+
+    pipeline.set_state(Gst.State.PLAYING)
+    loop.run()
+    print(f"The sink says: {pipeline.get_by_name('sink').get_property('stats').to_string()}")
+    pipeline.set_state(Gst.State.NULL)
+    return wrong[0] if wrong else None
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv))

@@ -1,0 +1,181 @@
+#!/usr/bin/env bash
+# Repeats the paper's experiment (section 4): a person watches a video with and without force, in random order,
+# points where they like, and rates three aspects each time on the paper's scale of five steps.
+#
+#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! roitracker ! tee name=t \
+#       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
+#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
+#
+# Usage: pipelines/haptic-study.sh run [OPTION...] VIDEO... [-- OPTION=VALUE...]
+#        pipelines/haptic-study.sh report ANSWERS.csv [PICTURE.png]
+#   run      one session with one of the videos, chosen by chance. Answers are appended as soon as they are given.
+#     --participant NAME  letters, digits, _ and - (anonymous)
+#     --answers FILE      where the answers go (answers.csv)
+#     --seconds N         play at most so long each time
+#     --no-window         the video is shown elsewhere
+#     --seed N            the same choices again, to rehearse
+#     What follows -- goes to hapticsink, both times.
+#   report   prints the counts and the weighted average value (equation 6) of each aspect with and without force,
+#            and draws them as the paper's figure 12
+
+source "$(dirname "$0")/common.sh"
+
+header=session,time,participant,video,round,force,interactivity,sensitivity,reality
+scale=(Bad Poor Average Good 'Very good')
+
+# What the paper means by each aspect.
+questions=(
+  'Interactivity: could you interact with the things in the video as you wished?'
+  'Sensitivity: did you get a real feeling of the scene?'
+  'Reality: did you feel involved in the scene, rather than imagining it?'
+)
+
+read_run_options() {
+  participant=anonymous answers=answers.csv seconds='' window=yes videos=() sink_options=()
+  while [ $# -gt 0 ]; do
+    case $1 in
+    --no-window) window=no ;;
+    --participant | --answers | --seconds | --seed)
+      [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
+      case $1 in
+      --participant) participant=$2 ;;
+      --answers) answers=$2 ;;
+      --seconds) seconds=$2 ;;
+      --seed)
+        [[ $2 =~ ^[0-9]{1,9}$ ]] || fail "--seed needs a whole number, not '$2'"
+        RANDOM=$2
+        ;;
+      esac
+      shift
+      ;;
+    --)
+      shift
+      sink_options=("$@")
+      break
+      ;;
+    -*) fail "unknown option '$1'; see --help" ;;
+    *) videos+=("$1") ;;
+    esac
+    shift
+  done
+  [ ${#videos[@]} -gt 0 ] || fail "which videos? See --help"
+  for video in "${videos[@]}"; do
+    need_file "$video"
+    [[ ${video##*/} != *[,\"]* ]] || fail "the name of '$video' has a comma or a quote, which the answers cannot hold; rename it"
+  done
+  [[ $participant =~ ^[[:alnum:]_-]+$ ]] || fail "--participant takes letters, digits, _ and -, not '$participant'"
+  [[ $seconds =~ ^([1-9][0-9]{0,5})?$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
+  [ "$window" = no ] || need_display
+}
+
+prepare_answers() {
+  if [ -s "$answers" ]; then
+    [ "$(head -n 1 "$answers")" = "$header" ] || fail "'$answers' is not a file of answers; give another with --answers"
+    [ -w "$answers" ] || fail "'$answers' may not be written to; give another with --answers"
+  else
+    echo "$header" 2>/dev/null >"$answers" || fail "'$answers' cannot be written; give another with --answers"
+  fi
+}
+
+# `play VIDEO MAX-FORCE`; without force, the grip still points.
+play() {
+  local line=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync ! roitracker !) status=0
+  [ "$window" = no ] || line+=("${file_window_branch[@]}")
+  line+=(velocityavg ! hapticsink "${sink_options[@]}" "max-force=$2")
+  # Ctrl-C ends the video and not the session.
+  trap : INT
+  timeout --foreground --preserve-status -k 20 -s INT "${seconds:-0}" gst-launch-1.0 -q -e "${line[@]}" ||
+    status=$?
+  trap - INT
+  [ "$status" = 0 ] || [ "$status" = 130 ] || fail "'$1' could not be played to its end; nothing was asked about it"
+}
+
+# `ask QUESTION` sets $rating.
+ask() {
+  local i
+  echo
+  echo "$1"
+  for i in "${!scale[@]}"; do
+    printf '  %d %s' $((i + 1)) "${scale[i]}"
+  done
+  echo
+  while true; do
+    read -r -p '1 to 5: ' rating || fail "the session was broken off; what was answered before is in '$answers'"
+    [[ ! $rating =~ ^[1-5]$ ]] || return 0
+    echo "Please type a number from 1 (${scale[0]}) to 5 (${scale[4]})."
+  done
+}
+
+run_session() {
+  local video first session order round ratings question
+  use_elements
+  prepare_answers
+  video=${videos[RANDOM % ${#videos[@]}]}
+  session=$(date -u +%Y%m%dT%H%M%S)-$$
+  first=$((RANDOM % 2))
+  [ "$first" = 1 ] && order=(yes no) || order=(no yes)
+  for round in 0 1; do
+    echo
+    echo "The video is shown for the $([ "$round" = 0 ] && echo first || echo second) time. Point at what you like."
+    play "$video" "$([ "${order[round]}" = yes ] && echo 1 || echo 0)"
+    ratings=()
+    for question in "${questions[@]}"; do
+      ask "$question"
+      ratings+=("$rating")
+    done
+    (
+      IFS=,
+      echo "$session,$(date -u +%FT%TZ),$participant,${video##*/},$((round + 1)),${order[round]},${ratings[*]}"
+    ) >>"$answers" || fail "'$answers' cannot be written"
+  done
+  echo
+  echo "Thank you. The answers are in $answers; see '$0 report $answers'."
+}
+
+# `weigh ANSWERS TABLE` says how many there are, and writes the counts of each answer and the weighted average
+# value as CSV.
+weigh() {
+  awk -F, -v header="$header" -v table="$2" '
+    NR == 1 { if ($0 != header) { print "the first line is not \"" header "\"" >"/dev/stderr"; exit bad = 1 }; split($0, aspect); next }
+    /^$/ { next }
+    {
+      good = NF == 9 && $6 ~ /^(yes|no)$/
+      for (i = 7; i <= 9; i++) good = good && $i ~ /^[1-5]$/
+      if (!good) { print "line " NR " is not an answer: " $0 >"/dev/stderr"; exit bad = 1 }
+      for (i = 7; i <= 9; i++) { count[i, $6, $i]++; sum[i, $6] += $i; n[i, $6]++ }
+      if (!seen[$1]++) sessions++
+      if (!known[$3]++) participants++
+      rounds++
+    }
+    END {
+      if (bad) exit 1
+      if (!rounds) { print "there are no answers in it" >"/dev/stderr"; exit 1 }
+      printf "%d sessions, %d of them broken off, %d participants\n", sessions, 2 * sessions - rounds, participants
+      print "aspect,force,n,Bad,Poor,Average,Good,Very good,WAV" >table
+      for (i = 7; i <= 9; i++)
+        for (k = 1; k <= 2; k++) {
+          force = k == 1 ? "yes" : "no"
+          if (!n[i, force]) continue
+          printf "%s,%s,%d", aspect[i], k == 1 ? "with" : "without", n[i, force] >table
+          for (step = 1; step <= 5; step++) printf ",%d", count[i, force, step] >table
+          printf ",%.2f\n", sum[i, force] / n[i, force] >table
+        }
+    }' "$1"
+}
+
+report() {
+  [ $# -gt 0 ] || fail "which answers? See --help"
+  [ -f "$1" ] || fail "there is no file '$1'"
+  table=$(mktemp)
+  trap 'rm -f "$table"' EXIT
+  weigh "$1" "$table" || fail "'$1' cannot be used"
+  awk -F, '{ printf "%-14s %-8s", $1, $2; for (i = 3; i <= NF; i++) printf " %9s", $i; print "" }' "$table"
+  [ $# = 1 ] || gnuplot -c "$root/pipelines/haptic-study.gp" "$table" "$2" || fail "gnuplot could not draw '$2'"
+}
+
+case ${1:-} in
+run) shift && case ${1:-} in --help | -h) show_help && exit ;; esac && read_run_options "$@" && run_session ;;
+report) shift && report "$@" ;;
+--help | -h) show_help ;;
+*) fail "either run or report; see --help" ;;
+esac

@@ -1,0 +1,193 @@
+// Runs a pipeline and writes down what the element called `tracker`, a roitracker, measures in it
+// and where it is pointed at, for the paper's figures.
+//
+// Usage: motion-log FOLDER LAUNCH-LINE
+//   FOLDER/patches.csv   one row per patch: picture, time (s), region and patch in px, displacement
+//   in px FOLDER/pointers.csv  one row per pointer event from downstream: time (s), x and y (0..1)
+//   FOLDER/earlier.grey, FOLDER/later.grey, FOLDER/pair.csv
+//                        the pair of pictures that moved most: luma, row by row; their number and
+//                        size
+// Pictures must be GRAY8 at the tracker.
+#include "gst-raii.hpp"
+#include "gsthapticmotionmeta.h"
+#include "pointer-event.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <gst/video/video.h>
+#include <iostream>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> grey;
+};
+
+struct Log {
+  explicit Log(const std::string &into)
+      : folder(into), patches(into + "/patches.csv"), pointers(into + "/pointers.csv") {
+    patches << "picture,time,region_x,region_y,region_width,region_height,x,y,dx,dy\n";
+    pointers << "time,x,y\n";
+  }
+  bool complete() { return patches.flush() && pointers.flush(); }
+
+  const std::string folder;
+  std::ofstream patches; // streaming thread
+  std::mutex mutex;      // for what is below: hapticsink's pointer thread writes
+  std::ofstream pointers;
+
+  // Streaming thread.
+  GstSegment segment{};
+  long number = 0;
+  Picture before;
+  double most_moved = 0; // px, the mean of the pair that was kept
+  bool kept = true;      // false: a pair could not be written
+};
+
+double seconds(GstClockTime time) {
+  return static_cast<double>(time) / GST_SECOND;
+}
+
+std::optional<Picture> luma(GstPad *pad, GstBuffer *buffer) {
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
+  GstVideoInfo info;
+  if (!caps || !gst_video_info_from_caps(&info, caps.get()) ||
+      GST_VIDEO_INFO_FORMAT(&info) != GST_VIDEO_FORMAT_GRAY8)
+    return {};
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ))
+    return {};
+  Picture picture{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), {}};
+  const auto *pixels = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
+  for (int y = 0; y < picture.height; ++y) {
+    const auto *row = pixels + std::ptrdiff_t{y} * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
+    picture.grey.insert(picture.grey.end(), row, row + picture.width);
+  }
+  gst_video_frame_unmap(&frame);
+  return picture;
+}
+
+bool write_grey(const std::string &path, const Picture &picture) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char *>(picture.grey.data()),
+             static_cast<std::streamsize>(picture.grey.size()));
+  return static_cast<bool>(file.flush());
+}
+
+void take_picture(Log &log, GstPad *pad, GstBuffer *buffer) {
+  ++log.number;
+  auto picture = luma(pad, buffer);
+  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
+  double moved = 0;
+  if (meta) {
+    const double time =
+        seconds(gst_segment_to_running_time(&log.segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer)));
+    for (guint i = 0; i < meta->n_patches; ++i) {
+      const GstHapticPatch &p = meta->patches[i];
+      log.patches << log.number << ',' << time << ',' << meta->region_x << ',' << meta->region_y
+                  << ',' << meta->region_width << ',' << meta->region_height << ',' << p.x << ','
+                  << p.y << ',' << p.dx << ',' << p.dy << '\n';
+      moved += std::hypot(double{p.dx}, double{p.dy}) / meta->n_patches;
+    }
+  }
+  constexpr guint kEnough = 5; // patches for a picture of the flow
+  if (picture && !log.before.grey.empty() && meta && meta->n_patches >= kEnough &&
+      moved > log.most_moved) {
+    log.most_moved = moved;
+    std::ofstream pair(log.folder + "/pair.csv");
+    pair << "picture,width,height\n"
+         << log.number << ',' << picture->width << ',' << picture->height << '\n';
+    log.kept = pair.flush() && write_grey(log.folder + "/earlier.grey", log.before) &&
+               write_grey(log.folder + "/later.grey", *picture);
+  }
+  if (picture)
+    log.before = std::move(*picture);
+}
+
+GstPadProbeReturn on_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  take_picture(*static_cast<Log *>(data), pad, GST_PAD_PROBE_INFO_BUFFER(info));
+  return GST_PAD_PROBE_OK;
+}
+
+GstPadProbeReturn on_event(GstPad * /*pad*/, GstPadProbeInfo *info, gpointer data) {
+  if (GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info); GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT)
+    gst_event_copy_segment(event, &static_cast<Log *>(data)->segment);
+  return GST_PAD_PROBE_OK;
+}
+
+GstPadProbeReturn on_upstream(GstPad * /*pad*/, GstPadProbeInfo *info, gpointer data) {
+  auto &log = *static_cast<Log *>(data);
+  if (const auto position = haptic::parse_pointer_event(GST_PAD_PROBE_INFO_EVENT(info));
+      position && GST_CLOCK_TIME_IS_VALID(position->timestamp)) {
+    const std::lock_guard lock(log.mutex);
+    log.pointers << seconds(position->timestamp) << ',' << position->x << ',' << position->y
+                 << '\n';
+  }
+  return GST_PAD_PROBE_OK;
+}
+
+int fail(const std::string &text) {
+  std::cerr << "motion-log: " << text << "\n";
+  return 1;
+}
+
+struct ObjectReleaser {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+
+int run(const std::string &folder, const char *line) {
+  GError *error = nullptr;
+  const std::unique_ptr<GstElement, ObjectReleaser> pipeline(gst_parse_launch(line, &error));
+  const std::unique_ptr<GError, decltype(&g_error_free)> owned(error, g_error_free);
+  if (error)
+    return fail(error->message);
+  if (!pipeline || !GST_IS_BIN(pipeline.get()))
+    return fail("the line is not a pipeline");
+  const std::unique_ptr<GstElement, ObjectReleaser> tracker(
+      gst_bin_get_by_name(GST_BIN(pipeline.get()), "tracker"));
+  if (!tracker)
+    return fail("no element of the line is called tracker");
+  Log log(folder);
+  const std::unique_ptr<GstPad, ObjectReleaser> pad(
+      gst_element_get_static_pad(tracker.get(), "src"));
+  gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, on_buffer, &log, nullptr);
+  gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, on_event, &log, nullptr);
+  gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, on_upstream, &log, nullptr);
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const std::unique_ptr<GstBus, ObjectReleaser> bus(gst_element_get_bus(pipeline.get()));
+  GstMessage *message =
+      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
+                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  std::string reason;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+    GError *wrong = nullptr;
+    gst_message_parse_error(message, &wrong, nullptr);
+    reason = wrong->message;
+    g_error_free(wrong);
+  }
+  gst_message_unref(message);
+  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  if (!reason.empty())
+    return fail(reason);
+  if (!log.complete() || !log.kept)
+    return fail("'" + folder + "' cannot be written to");
+  if (log.most_moved <= 0)
+    return fail("nothing moved under the pointer");
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  gst_init(&argc, &argv);
+  if (argc != 3)
+    return fail("usage: motion-log FOLDER LAUNCH-LINE");
+  return run(argv[1], argv[2]);
+}

@@ -1,0 +1,352 @@
+#include "luma-crop.hpp"
+#include "pointer-event.hpp"
+#include "video-harness.hpp"
+
+#include <cmath>
+#include <gst/video/gstvideometa.h>
+#include <gst/video/video-overlay-composition.h>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+
+namespace {
+
+using haptic::BufferPtr;
+using test::ElementPtr;
+using test::Picture;
+using test::Shift;
+using test::Texture;
+using test::VideoHarness;
+
+constexpr GstClockTime kFrame = GST_SECOND / 30;
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+
+std::vector<std::uint8_t> bytes_of(const BufferPtr &buffer) {
+  GstMapInfo map;
+  gst_buffer_map(buffer.get(), &map, GST_MAP_READ);
+  std::vector<std::uint8_t> bytes(map.data, map.data + map.size);
+  gst_buffer_unmap(buffer.get(), &map);
+  return bytes;
+}
+
+struct Color {
+  int r, g, b;
+};
+bool is_orange(Color c) {
+  return c.r > c.g + 40 && c.g > c.b + 40;
+}
+bool is_blue(Color c) {
+  return c.b > c.g + 30 && c.g > c.r + 30;
+}
+bool is_white(Color c) {
+  return c.r > 250 && c.g > 250 && c.b > 250;
+}
+
+// Where the pixels of a colour lie, px from the middle of the picture.
+struct Spot {
+  int count = 0;
+  Shift centre;
+  double reach = 0; // of the farthest
+  double direction() const { return std::atan2(centre.y, centre.x); }
+};
+
+template <typename Wanted>
+Spot spot(const BufferPtr &rgb, Wanted &&wanted, int width = kWidth, int height = kHeight) {
+  const auto bytes = bytes_of(rgb);
+  const auto stride = static_cast<std::size_t>((3 * width + 3) / 4 * 4);
+  Spot spot;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::uint8_t *p =
+          &bytes[static_cast<std::size_t>(y) * stride + 3 * static_cast<std::size_t>(x)];
+      if (!wanted(Color{p[0], p[1], p[2]}))
+        continue;
+      ++spot.count;
+      const Shift place{x + 0.5 - width / 2.0, y + 0.5 - height / 2.0};
+      spot.centre.x += place.x;
+      spot.centre.y += place.y;
+      spot.reach = std::max(spot.reach, std::hypot(place.x, place.y));
+    }
+  if (spot.count > 0)
+    spot.centre = {spot.centre.x / spot.count, spot.centre.y / spot.count};
+  return spot;
+}
+
+double angle_between(double a, double b) {
+  return std::abs(std::remainder(a - b, 2 * std::numbers::pi));
+}
+
+class HapticOverlay : public ::testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  void SetUp() override {
+    harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
+    gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "arrows");
+  }
+
+  // Of a scene that moves uniformly, px per picture.
+  BufferPtr pass(int i, Shift step) {
+    const Picture picture = texture.picture(kWidth, kHeight, {step.x * i, step.y * i});
+    return harness.pass(picture, static_cast<GstClockTime>(i) * kFrame);
+  }
+
+  void push_force(double x, double y) {
+    haptic::PointerPosition position;
+    position.force = {x, y, 0.0};
+    gst_harness_push_upstream_event(harness.get(), haptic::make_pointer_event(position).release());
+  }
+
+  Texture texture{1, 5, 15};
+  VideoHarness harness{"roitracker roi-size=40 ! hapticoverlay"};
+  ElementPtr overlay = harness.element("hapticoverlay");
+};
+
+TEST_F(HapticOverlay, NothingIsDrawnWhereNothingWasMeasured) {
+  const Picture wall(kWidth, kHeight, 120);
+  const BufferPtr first = pass(0, {}); // nothing to compare it with
+  EXPECT_EQ(bytes_of(first),
+            bytes_of(test::to_buffer(texture.picture(kWidth, kHeight, {}), harness.info)));
+  std::mt19937 random(1);
+  for (int i = 1; i < 5; ++i) {
+    Picture noise = wall;
+    add_noise(noise, 1.5, random);
+    BufferPtr buffer = test::to_buffer(noise, harness.info);
+    GST_BUFFER_PTS(buffer.get()) = static_cast<GstClockTime>(i) * kFrame;
+    const GstMemory *pixels = gst_buffer_peek_memory(buffer.get(), 0);
+    harness.push(std::move(buffer));
+    const BufferPtr out = harness.pull();
+    EXPECT_EQ(gst_buffer_peek_memory(out.get(), 0), pixels) << "not even copied";
+    EXPECT_EQ(bytes_of(out), bytes_of(test::to_buffer(noise, harness.info)));
+  }
+}
+
+TEST_F(HapticOverlay, PicturesWithoutMetadataAreLeftAlone) {
+  VideoHarness alone("hapticoverlay");
+  alone.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
+  const Picture picture = texture.picture(kWidth, kHeight, {});
+  EXPECT_EQ(bytes_of(alone.pass(picture, 0)), bytes_of(test::to_buffer(picture, alone.info)));
+}
+
+TEST_F(HapticOverlay, TheArrowPointsWhereThePictureMoves) {
+  int i = 0;
+  for (const double degrees : {0.0, 37.0, 90.0, 160.0, 270.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Shift step{2 * std::cos(angle), 2 * std::sin(angle)};
+    harness.pass(texture.picture(kWidth, kHeight, {step.x * i, step.y * i}),
+                 static_cast<GstClockTime>(i) * kFrame, GST_BUFFER_FLAG_DISCONT);
+    const BufferPtr out = pass(i + 1, step);
+    const Spot arrow = spot(out, is_orange);
+    EXPECT_GT(arrow.count, 30) << degrees;
+    EXPECT_LT(angle_between(arrow.direction(), angle), 0.15) << degrees;
+    EXPECT_NEAR(arrow.reach, 30, 2) << degrees << ": half a second of 60 px/s";
+    EXPECT_EQ(spot(out, is_blue).count, 0) << "no force is known";
+    i += 2;
+  }
+}
+
+TEST_F(HapticOverlay, ScaleIsTheSecondsThatAnArrowIsLong) {
+  g_object_set(overlay.get(), "scale", 1.0, nullptr);
+  pass(0, {1, 0});
+  EXPECT_NEAR(spot(pass(1, {1, 0}), is_orange).reach, 30, 2);
+  g_object_set(overlay.get(), "scale", 10.0, nullptr);
+  EXPECT_NEAR(spot(pass(2, {1, 0}), is_orange).reach, kHeight / 2.0, 2)
+      << "no longer than half of the height";
+}
+
+TEST_F(HapticOverlay, AStillVideoHasARegionAndNoArrow) {
+  BufferPtr out;
+  for (int i = 0; i < 6; ++i)
+    out = pass(i, {});
+  EXPECT_EQ(spot(out, is_orange).count, 0);
+  const Spot region = spot(out, is_white);
+  EXPECT_GT(region.count, 4 * 38 - 8);
+  EXPECT_NEAR(region.centre.x, 0, 0.5);
+  EXPECT_NEAR(region.centre.y, 0, 0.5);
+}
+
+TEST_F(HapticOverlay, TheForceArrowPointsWhereTheForceDoes) {
+  push_force(0.0, 0.4); // up
+  pass(0, {2, 0});
+  const BufferPtr out = pass(1, {2, 0});
+  const Spot force = spot(out, is_blue);
+  EXPECT_GT(force.count, 20);
+  // A newton is a quarter of the height.
+  EXPECT_NEAR(force.centre.y, -0.4 * kHeight / 4 / 2, 4);
+  EXPECT_NEAR(force.centre.x, 0, 6);
+  EXPECT_GT(spot(out, is_orange).centre.x, 10);
+}
+
+TEST_F(HapticOverlay, OnPixelsThatAreNotSquareDirectionsAreThoseOnTheScreen) {
+  gst_harness_set_src_caps_str(harness.get(),
+                               "video/x-raw,format=RGB,width=320,height=240,framerate=30/1,"
+                               "pixel-aspect-ratio=2/1,interlace-mode=progressive");
+  push_force(0.5, 0.5);
+  pass(0, {0, 2});
+  const Spot force = spot(pass(1, {0, 2}), is_blue);
+  EXPECT_GT(force.count, 20);
+  // Half as many of the wide pixels to the right as up; the arrow is drawn a little aside.
+  EXPECT_NEAR(force.centre.x, 0.5 * kHeight / 4 / 2 / 2, 3);
+  EXPECT_NEAR(force.centre.y, -0.5 * kHeight / 4 / 2, 4);
+}
+
+TEST_F(HapticOverlay, ColoursAreThoseThatWereSet) {
+  g_object_set(overlay.get(), "velocity-color", 0xff00ff00U, "force-color", 0xffff00ffU, nullptr);
+  push_force(0.4, 0.4);
+  pass(0, {2, 0});
+  const BufferPtr out = pass(1, {2, 0});
+  EXPECT_GT(spot(out, [](Color c) { return c.g > 200 && c.r < 60 && c.b < 60; }).count, 15);
+  EXPECT_GT(spot(out, [](Color c) { return c.g < 60 && c.r > 200 && c.b > 200; }).count, 15);
+}
+
+TEST_F(HapticOverlay, StyleFullAddsALabelAndThePatches) {
+  const Texture other(2, 5, 15);
+  const auto two_motions = [&](int i) {
+    Picture picture(kWidth, kHeight);
+    texture.paint(picture, {2.0 * i, 0}, 0, kWidth / 2);
+    other.paint(picture, {-2.0 * i, 0}, kWidth / 2, kWidth);
+    return harness.pass(picture, static_cast<GstClockTime>(i) * kFrame);
+  };
+  two_motions(0);
+  const BufferPtr arrows = two_motions(1);
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "full");
+  const BufferPtr full = two_motions(2);
+  EXPECT_GT(spot(full, is_orange).count, spot(arrows, is_orange).count + 60);
+  const auto is_dark = [](Color c) { return c.r < 80 && c.g < 80 && c.b < 80; };
+  EXPECT_GT(spot(full, is_dark).count, spot(arrows, is_dark).count + 500);
+  EXPECT_GT(spot(full, is_dark).centre.y, 20) << "the label is below the region";
+}
+
+TEST_F(HapticOverlay, StyleNoneDrawsNothing) {
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "none");
+  pass(0, {2, 0});
+  EXPECT_EQ(bytes_of(pass(1, {2, 0})),
+            bytes_of(test::to_buffer(texture.picture(kWidth, kHeight, {2, 0}), harness.info)));
+}
+
+TEST_F(HapticOverlay, DrawsNeverIntoThePictureThatIsTracked) {
+  pass(0, {2, 0});
+  const Picture picture = texture.picture(kWidth, kHeight, {2, 0});
+  const BufferPtr before = test::to_buffer(picture, harness.info);
+  GST_BUFFER_PTS(before.get()) = kFrame;
+  harness.push(BufferPtr(gst_buffer_ref(before.get())));
+  EXPECT_NE(bytes_of(harness.pull()), bytes_of(before));
+  EXPECT_EQ(bytes_of(before), bytes_of(test::to_buffer(picture, harness.info)));
+}
+
+TEST_F(HapticOverlay, TimeFlagsAndMetadataArePassedOn) {
+  pass(0, {2, 0});
+  const BufferPtr out = pass(1, {2, 0});
+  EXPECT_EQ(GST_BUFFER_PTS(out.get()), kFrame);
+  ASSERT_NE(gst_buffer_get_haptic_motion_meta(out.get()), nullptr);
+  EXPECT_EQ(gst_buffer_get_haptic_motion_meta(out.get())->n_patches, 1U);
+}
+
+TEST_F(HapticOverlay, EveryFormatIsDrawnOnAboutTheRegionAlone) {
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "full");
+  const haptic::CapsPtr caps(gst_caps_from_string(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+  const GValue *formats = gst_structure_get_value(gst_caps_get_structure(caps.get(), 0), "format");
+  ASSERT_GE(gst_value_list_get_size(formats), 19U);
+  for (guint n = 0; n < gst_value_list_get_size(formats); ++n) {
+    const char *name = g_value_get_string(gst_value_list_get_value(formats, n));
+    for (const int width : {kWidth, kWidth + 1}) {
+      harness.set_format(gst_video_format_from_string(name), width, kHeight - 1);
+      harness.pass(texture.picture(width, kHeight - 1, {}), 0, GST_BUFFER_FLAG_DISCONT);
+      const Picture picture = texture.picture(width, kHeight - 1, {2, 1});
+      const BufferPtr out = harness.pass(picture, kFrame);
+      ASSERT_NE(out, nullptr) << name;
+      const BufferPtr in = test::to_buffer(picture, harness.info);
+      GstVideoFrame drawn;
+      GstVideoFrame plain;
+      gst_video_frame_map(&drawn, &harness.info, out.get(), GST_MAP_READ);
+      gst_video_frame_map(&plain, &harness.info, in.get(), GST_MAP_READ);
+      int changed = 0;
+      int astray = 0;
+      for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&plain); ++c)
+        for (int y = 0; y < GST_VIDEO_FRAME_COMP_HEIGHT(&plain, c); ++y)
+          for (int x = 0; x < GST_VIDEO_FRAME_COMP_WIDTH(&plain, c); ++x) {
+            const auto sample = [&](GstVideoFrame &frame) {
+              return static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(
+                  &frame, c))[y * GST_VIDEO_FRAME_COMP_STRIDE(&frame, c) +
+                              x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, c)];
+            };
+            if (sample(drawn) == sample(plain))
+              continue;
+            ++changed;
+            const double fx = (x + 0.5) / GST_VIDEO_FRAME_COMP_WIDTH(&plain, c);
+            const double fy = (y + 0.5) / GST_VIDEO_FRAME_COMP_HEIGHT(&plain, c);
+            astray += std::abs(fx - 0.5) > 0.25 || std::abs(fy - 0.5) > 0.25;
+          }
+      gst_video_frame_unmap(&plain);
+      gst_video_frame_unmap(&drawn);
+      EXPECT_GT(changed, 200) << name << ' ' << width;
+      EXPECT_EQ(astray, 0) << name << ' ' << width;
+    }
+  }
+}
+
+TEST_F(HapticOverlay, PicturesMayBeTiny) {
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "full");
+  for (const auto format : {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2, GST_VIDEO_FORMAT_BGRx})
+    for (const auto &[width, height] : {std::pair(16, 16), {17, 13}, {1, 1}, {400, 12}}) {
+      harness.set_format(format, width, height);
+      for (int i = 0; i < 3; ++i) {
+        push_force(-1, 1);
+        EXPECT_NE(harness.pass(texture.picture(width, height, {1.0 * i, 0}),
+                               static_cast<GstClockTime>(i) * kFrame),
+                  nullptr);
+      }
+    }
+}
+
+TEST_F(HapticOverlay, NumbersWithoutSenseDoNoHarm) {
+  VideoHarness alone("hapticoverlay");
+  alone.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
+  const Picture picture = texture.picture(kWidth, kHeight, {});
+  for (const float number : {std::numeric_limits<float>::quiet_NaN(),
+                             std::numeric_limits<float>::infinity(), 1e30F, -1e30F}) {
+    BufferPtr buffer = test::to_buffer(picture, alone.info);
+    auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
+        gst_buffer_add_meta(buffer.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
+    motion->flags = GST_HAPTIC_MOTION_STILL;
+    motion->region_x = motion->region_width = motion->pointer_x = motion->force_x = number;
+    motion->force_y = 1;
+    motion->n_patches = 1000;
+    motion->patches[0].x = motion->patches[1].dx = number;
+    EXPECT_EQ(alone.push(std::move(buffer)), GST_FLOW_OK);
+    EXPECT_NE(alone.pull(), nullptr);
+  }
+}
+
+TEST_F(HapticOverlay, WhereDownstreamDrawsNothingIsCopied) {
+  gst_harness_set_sink_caps_str(harness.get(),
+                                "video/x-raw(memory:SystemMemory,meta:GstVideoOverlayComposition)");
+  gst_harness_add_propose_allocation_meta(harness.get(),
+                                          GST_VIDEO_OVERLAY_COMPOSITION_META_API_TYPE, nullptr);
+  harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
+  pass(0, {2, 0});
+  const Picture picture = texture.picture(kWidth, kHeight, {2, 0});
+  const BufferPtr in = test::to_buffer(picture, harness.info);
+  GST_BUFFER_PTS(in.get()) = kFrame;
+  harness.push(BufferPtr(gst_buffer_ref(in.get())));
+  const BufferPtr out = harness.pull();
+  EXPECT_EQ(gst_buffer_peek_memory(out.get(), 0), gst_buffer_peek_memory(in.get(), 0));
+  const auto *meta = gst_buffer_get_video_overlay_composition_meta(out.get());
+  ASSERT_NE(meta, nullptr);
+  EXPECT_EQ(gst_video_overlay_composition_n_rectangles(meta->overlay), 1U);
+  EXPECT_EQ(gst_buffer_get_video_overlay_composition_meta(in.get()), nullptr);
+}
+
+TEST_F(HapticOverlay, EveryPropertyMayBeSetWhileRunning) {
+  const ElementPtr pipeline(gst_parse_launch(
+      "videotestsrc num-buffers=200 horizontal-speed=2 ! video/x-raw,width=320,height=240 "
+      "! roitracker ! hapticoverlay name=overlay ! fakesink",
+      nullptr));
+  const ElementPtr running(gst_bin_get_by_name(GST_BIN(pipeline.get()), "overlay"));
+  EXPECT_EQ(
+      test::run_to_end(pipeline.get(), [&] { test::flip_every_property(running.get(), 200); }),
+      std::nullopt);
+}
+
+} // namespace

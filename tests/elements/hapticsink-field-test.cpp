@@ -1,0 +1,206 @@
+// hapticsink plays motion fields; what the hand felt is read from its log.
+#include "hapticsink-fixture.hpp"
+
+#include "motion-field.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace {
+
+using namespace test;
+
+constexpr const char *kFieldCaps = HAPTIC_FIELD_CAPS ", width=352, height=288, framerate=30/1";
+
+// The left half moves to the left and the right half to the right, with 100 px/s.
+haptic::MotionField apart(float speed = 100) {
+  haptic::MotionField field;
+  field.interval = kFrame;
+  field.picture_width = 352;
+  field.picture_height = 288;
+  field.columns = 32;
+  field.rows = 24;
+  for (int cell = 0; cell < 32 * 24; ++cell)
+    field.cells.push_back({cell % 32 < 16 ? -speed : speed, 0, 1});
+  return field;
+}
+
+GstBuffer *packed(const haptic::MotionField &field, GstClockTime pts) {
+  std::vector<std::uint8_t> bytes(haptic::packed_size(field));
+  haptic::pack_motion_field(field, bytes);
+  GstBuffer *buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = pts;
+  GST_BUFFER_DURATION(buffer) = kFrame;
+  return buffer;
+}
+
+class HapticSinkField : public HapticSink {
+protected:
+  void build_for_fields(const std::string &properties) {
+    build_logging(properties);
+    set_caps(kFieldCaps);
+  }
+  void set_caps(const char *text) {
+    const haptic::CapsPtr caps(gst_caps_from_string(text));
+    gst_app_src_set_caps(GST_APP_SRC(source_.get()), caps.get());
+  }
+  void push_fields(const haptic::MotionField &field, double seconds) {
+    for (int n = static_cast<int>(seconds * 30); n > 0; --n, pts_ += kFrame)
+      push(packed(field, pts_));
+  }
+  std::vector<Row> felt() {
+    push_end();
+    set(GST_STATE_PLAYING);
+    wait_for_end();
+    return stop_and_read_log();
+  }
+  static Row at(const std::vector<Row> &rows, double time) {
+    for (const Row &row : rows)
+      if (row.time >= time)
+        return row;
+    ADD_FAILURE() << "no row at " << time << " s";
+    return {};
+  }
+};
+
+TEST_F(HapticSinkField, AHandOverEitherHalfFeelsThatHalf) {
+  for (const auto &[hand, sign] : {std::pair{"hold:-0.5,0,0", -1}, {"hold:0.5,0,0", 1}}) {
+    build_for_fields("sim-hand=" + std::string(hand));
+    pts_ = 0;
+    push_fields(apart(), 0.5);
+    const Row row = at(felt(), 0.4);
+    EXPECT_NEAR(row.vx, 100 * sign, 1e-3);
+    EXPECT_NEAR(row.fx, equation5(100) * sign, 1e-6);
+    EXPECT_EQ(row.fy, 0);
+    EXPECT_EQ(row.spin, 0);
+    EXPECT_NEAR(row.confidence, 1, 1e-6);
+  }
+}
+
+TEST_F(HapticSinkField, AMovingHandFeelsWhatItComesOver) {
+  build_for_fields("sim-hand=circle:0.8,1");
+  push_fields(apart(), 2);
+  const auto rows = felt();
+  double right = 0;
+  double left = 0;
+  for (const Row &row : rows) {
+    if (row.time < 0.3 || row.time > 1.9)
+      continue;
+    // Where the grip is well within a half for longer than the slew takes, the force is of that
+    // half.
+    if (row.x > 0.015) {
+      EXPECT_GE(row.fx, 0) << row.time;
+      right = std::max(right, row.fx);
+    }
+    if (row.x < -0.015) {
+      EXPECT_LE(row.fx, 0) << row.time;
+      left = std::min(left, row.fx);
+    }
+  }
+  EXPECT_GT(right, 0.4);
+  EXPECT_LT(left, -0.4);
+}
+
+TEST_F(HapticSinkField, AMovingHandOverAStillFieldFeelsExactlyNothing) {
+  build_for_fields("sim-hand=circle:0.8,0.5");
+  push_fields(apart(0), 1);
+  for (const Row &row : felt()) {
+    ASSERT_EQ(row.vx, 0);
+    ASSERT_EQ(row.force(), 0);
+  }
+}
+
+TEST_F(HapticSinkField, FieldsMayFollowOnSamplesAndSamplesOnFieldsWithoutInterruption) {
+  build_logging("sim-hand=hold:0.5,0,0");
+  push_motion(100, 0, 0.4);
+  set_caps(kFieldCaps);
+  push_fields(apart(), 0.4);
+  set_caps(kCaps);
+  push_motion(100, 0, 0.4);
+  for (const Row &row : felt())
+    if (row.time > 0.2 && row.time < 1.2) {
+      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
+    }
+}
+
+TEST_F(HapticSinkField, ASilentFieldAGapAndADuplicateAreFeltAsTheyAreWithSamples) {
+  build_for_fields("sim-hand=hold:0.5,0,0");
+  push_fields(apart(), 0.3);
+  haptic::MotionField duplicate = apart(-100);
+  duplicate.flags = haptic::kMotionDuplicate;
+  push(packed(duplicate, pts_));
+  pts_ += kFrame;
+  push_fields(apart(), 0.2);
+  GstBuffer *gap = packed(apart(), pts_);
+  GST_BUFFER_FLAG_SET(gap, GST_BUFFER_FLAG_GAP);
+  push(gap);
+  pts_ += kFrame;
+  haptic::MotionField silent = apart();
+  silent.cells.assign(silent.cells.size(), {});
+  push_fields(silent, 0.3);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  EXPECT_EQ(count("gaps"), 10U);
+  for (const Row &row : stop_and_read_log()) {
+    if (row.time > 0.2 && row.time < 0.5) {
+      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
+    }
+    if (row.time > 0.55 + 0.12) {
+      ASSERT_EQ(row.force(), 0) << row.time;
+    }
+  }
+}
+
+TEST_F(HapticSinkField, WhereTheHandIsTheFieldMayBeSilentAndItFadesAndComesBack) {
+  build_for_fields("sim-hand=hold:0.5,0,0");
+  haptic::MotionField half = apart();
+  for (std::size_t cell = 0; cell < half.cells.size(); ++cell)
+    if (cell % 32 >= 16)
+      half.cells[cell] = {};
+  push_fields(apart(), 0.4);
+  push_fields(half, 0.4);
+  push_fields(apart(), 0.4);
+  const auto rows = felt();
+  EXPECT_NEAR(at(rows, 0.3).fx, 0.5, 1e-6);
+  EXPECT_EQ(at(rows, 0.7).force(), 0);
+  EXPECT_NEAR(at(rows, 1.1).fx, 0.5, 1e-6);
+}
+
+TEST_F(HapticSinkField, DamagedFieldsAreNeverAForceAndAreWarnedOfOnce) {
+  build_for_fields("sim-hand=hold:0.5,0,0");
+  haptic::MotionField nan = apart();
+  nan.cells[700].velocity_x = std::numeric_limits<float>::quiet_NaN();
+  const haptic::MotionField huge = apart(1e30F);
+  for (int i = 0; i < 10; ++i, pts_ += kFrame)
+    push(packed(i % 2 ? nan : huge, pts_));
+  GstBuffer *cut = packed(apart(), pts_);
+  gst_buffer_set_size(cut, static_cast<gssize>(gst_buffer_get_size(cut)) - 1);
+  push(cut);
+  push(test::packed(moving(100, 0), pts_ + kFrame)); // a sample is no field
+  push_end();
+  set(GST_STATE_PLAYING);
+  EXPECT_TRUE(message(GST_MESSAGE_WARNING));
+  wait_for_end();
+  EXPECT_FALSE(message(GST_MESSAGE_WARNING, 0));
+  EXPECT_EQ(count("bad-samples"), 12U);
+  for (const Row &row : stop_and_read_log())
+    ASSERT_EQ(row.force(), 0);
+}
+
+TEST_F(HapticSinkField, AFlushIsSilentAndThenItGoesOn) {
+  build_for_fields("sim-hand=hold:0.5,0,0");
+  push_fields(apart(), 3);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
+  GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
+  gst_pad_send_event(pad, gst_event_new_flush_start());
+  std::this_thread::sleep_for(150ms);
+  gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
+  gst_object_unref(pad);
+  const auto rows = stop_and_read_log();
+  EXPECT_EQ(rows.back().force(), 0);
+  EXPECT_GT(std::ranges::max_element(rows, {}, &Row::fx)->fx, 0.45);
+}
+
+} // namespace

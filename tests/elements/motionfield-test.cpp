@@ -1,0 +1,338 @@
+#include "motion-field.hpp"
+#include "video-harness.hpp"
+
+#include <cmath>
+#include <gst/video/gstvideometa.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+using haptic::BufferPtr;
+using haptic::MotionField;
+using test::Picture;
+using test::Shift;
+using test::Texture;
+using test::VideoHarness;
+
+constexpr GstClockTime kFrame = GST_SECOND / 30;
+constexpr int kWidth = 320;
+constexpr int kHeight = 180;
+
+MotionField field_of(const BufferPtr &buffer) {
+  MotionField field;
+  EXPECT_TRUE(buffer);
+  if (!buffer)
+    return field;
+  GstMapInfo map;
+  gst_buffer_map(buffer.get(), &map, GST_MAP_READ);
+  EXPECT_TRUE(haptic::unpack_motion_field({map.data, map.size}, field));
+  EXPECT_EQ(map.size, haptic::packed_size(field));
+  gst_buffer_unmap(buffer.get(), &map);
+  return field;
+}
+
+bool is_gap(const BufferPtr &buffer) {
+  return GST_BUFFER_FLAG_IS_SET(buffer.get(), GST_BUFFER_FLAG_GAP);
+}
+
+bool is_silent(const MotionField &field) {
+  return std::ranges::all_of(field.cells,
+                             [](const auto &cell) { return cell == haptic::FieldCell{}; });
+}
+
+class MotionFieldElement : public ::testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight); }
+
+  // The picture that a scene of uniform motion (px/s) shows at a time.
+  Picture at(GstClockTime time, Shift velocity, int width = kWidth, int height = kHeight) const {
+    const double seconds = static_cast<double>(time) / GST_SECOND;
+    return texture.picture(width, height, {velocity.x * seconds, velocity.y * seconds});
+  }
+
+  BufferPtr pass(GstClockTime time, Shift velocity, guint flags = 0) {
+    return harness.pass(at(time, velocity), time, flags);
+  }
+
+  // Of the cells whose picture stays inside, 19 of 20 say it within a tenth of a pixel.
+  static void expect_velocity(const BufferPtr &buffer, Shift velocity) {
+    const MotionField field = field_of(buffer);
+    EXPECT_FALSE(is_gap(buffer));
+    const double interval = static_cast<double>(field.interval) / GST_SECOND;
+    const double tolerance = 0.1 / interval;
+    const auto stays = [&](int index, int count, std::uint32_t length, double speed) {
+      const double moved = speed * interval * count / length;
+      return index + moved >= 0 && index + 1 + moved <= count;
+    };
+    int inside = 0;
+    int right = 0;
+    for (int row = 0; row < field.rows; ++row)
+      for (int column = 0; column < field.columns; ++column) {
+        if (!stays(column, field.columns, field.picture_width, velocity.x) ||
+            !stays(row, field.rows, field.picture_height, velocity.y))
+          continue;
+        ++inside;
+        const haptic::FieldCell &cell =
+            field.cells[static_cast<std::size_t>(row * field.columns + column)];
+        right += cell.confidence >= 0.5F &&
+                 std::hypot(cell.velocity_x - velocity.x, cell.velocity_y - velocity.y) < tolerance;
+      }
+    EXPECT_GT(inside, field.columns * field.rows / 2);
+    EXPECT_GE(right, 0.95 * inside);
+  }
+
+  Texture texture{1};
+  VideoHarness harness{"motionfield"};
+  test::ElementPtr element = harness.element("motionfield");
+};
+
+TEST_F(MotionFieldElement, SaysTheVelocityOfEveryCellInPixelsPerSecond) {
+  for (const Shift velocity : {Shift{30, 0}, {0, 100}, {-240, 180}}) {
+    pass(0, velocity, GST_BUFFER_FLAG_DISCONT);
+    for (GstClockTime i = 1; i < 4; ++i) {
+      const BufferPtr buffer = pass(i * kFrame, velocity);
+      expect_velocity(buffer, velocity);
+      const MotionField field = field_of(buffer);
+      EXPECT_EQ(field.interval, kFrame);
+      EXPECT_EQ(field.flags, 0);
+      EXPECT_EQ(GST_BUFFER_PTS(buffer.get()), i * kFrame);
+    }
+  }
+}
+
+TEST_F(MotionFieldElement, TheFieldDescribesThePicture) {
+  const MotionField field = field_of(pass(0, {}));
+  EXPECT_EQ(field.picture_width, kWidth);
+  EXPECT_EQ(field.picture_height, kHeight);
+  EXPECT_EQ(field.pixel_aspect_n, 1U);
+  EXPECT_EQ(field.columns, 32);
+  EXPECT_EQ(field.rows, 18);
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(harness.get()->sinkpad));
+  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
+  EXPECT_STREQ(gst_structure_get_string(structure, "layout"), "field");
+  gint width = 0;
+  EXPECT_TRUE(gst_structure_get_int(structure, "width", &width));
+  EXPECT_EQ(width, kWidth);
+}
+
+TEST_F(MotionFieldElement, MoreColumnsWhileRunningStartAnew) {
+  pass(0, {60, 0});
+  g_object_set(element.get(), "field-columns", 16, nullptr);
+  const BufferPtr changed = pass(kFrame, {60, 0});
+  EXPECT_TRUE(is_gap(changed));
+  const MotionField field = field_of(changed);
+  EXPECT_EQ(field.columns, 16);
+  EXPECT_EQ(field.rows, 9);
+  EXPECT_EQ(field.flags, haptic::kMotionDiscontinuity);
+  expect_velocity(pass(2 * kFrame, {60, 0}), {60, 0});
+}
+
+TEST_F(MotionFieldElement, IrregularTimeStampsDoNotChangeTheVelocity) {
+  const Shift velocity{60, -45};
+  GstClockTime time = 0;
+  pass(time, velocity);
+  for (const GstClockTime ms : {50U, 100U, 20U, 33U, 70U, 90U})
+    expect_velocity(pass(time += ms * GST_MSECOND, velocity), velocity);
+}
+
+TEST_F(MotionFieldElement, ARepeatedPictureIsADuplicateAndTheNextIntervalSpansBoth) {
+  const Shift velocity{70, 30};
+  pass(0, velocity);
+  const MotionField before = field_of(pass(kFrame, velocity));
+  const BufferPtr again = harness.pass(at(kFrame, velocity), 2 * kFrame);
+  MotionField repeated = field_of(again);
+  EXPECT_EQ(repeated.flags, haptic::kMotionDuplicate);
+  EXPECT_EQ(repeated.cells, before.cells);
+  EXPECT_FALSE(is_gap(again));
+  const BufferPtr next = pass(3 * kFrame, velocity);
+  EXPECT_EQ(field_of(next).interval, 2 * kFrame);
+  expect_velocity(next, velocity);
+}
+
+TEST_F(MotionFieldElement, WhatRepeatsThriceStandsStillExactly) {
+  harness.pass(at(0, {}), 0);
+  for (GstClockTime i = 1; i < 6; ++i) {
+    const MotionField field = field_of(harness.pass(at(0, {}), i * kFrame));
+    if (i < 3)
+      continue;
+    EXPECT_EQ(field.flags, haptic::kMotionStill);
+    for (const haptic::FieldCell &cell : field.cells)
+      ASSERT_EQ(cell, haptic::FieldCell{.confidence = 1});
+  }
+  expect_velocity(pass(6 * kFrame, {10, 0}), {10 * 6, 0});
+}
+
+TEST_F(MotionFieldElement, NothingMeasuredIsAGap) {
+  const BufferPtr first = pass(0, {60, 0});
+  EXPECT_TRUE(is_gap(first));
+  EXPECT_TRUE(is_silent(field_of(first)));
+  EXPECT_EQ(field_of(first).flags, haptic::kMotionDiscontinuity);
+  EXPECT_EQ(field_of(first).interval, 0U);
+  std::mt19937 random(1);
+  for (GstClockTime i = 1; i < 4; ++i) {
+    Picture wall(kWidth, kHeight, 120);
+    add_noise(wall, 1.5, random);
+    const BufferPtr blank = harness.pass(wall, i * kFrame);
+    EXPECT_EQ(is_gap(blank), is_silent(field_of(blank)));
+    if (i > 1) {
+      EXPECT_TRUE(is_gap(blank)) << i;
+    }
+  }
+}
+
+TEST_F(MotionFieldElement, AnotherSceneIsACutAndNoMotion) {
+  pass(0, {60, 0});
+  pass(kFrame, {60, 0});
+  const BufferPtr cut = harness.pass(Texture(77).picture(kWidth, kHeight, {}), 2 * kFrame);
+  EXPECT_TRUE(is_gap(cut));
+  EXPECT_EQ(field_of(cut).flags, haptic::kMotionCut);
+  EXPECT_TRUE(is_silent(field_of(cut)));
+}
+
+TEST_F(MotionFieldElement, ADiscontinuityIsNoMotion) {
+  const Shift velocity{60, 20};
+  pass(0, velocity);
+  for (const char *what : {"flag", "segment", "flush", "pause", "no time"}) {
+    GstClockTime time = kFrame;
+    guint flags = 0;
+    const std::string_view name = what;
+    if (name == "flag")
+      flags = GST_BUFFER_FLAG_DISCONT;
+    if (name == "segment" || name == "flush") {
+      GstSegment segment;
+      gst_segment_init(&segment, GST_FORMAT_TIME);
+      if (name == "flush") {
+        gst_harness_push_event(harness.get(), gst_event_new_flush_start());
+        gst_harness_push_event(harness.get(), gst_event_new_flush_stop(TRUE));
+      }
+      gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+    }
+    if (name == "pause")
+      time = 60 * GST_SECOND;
+    if (name == "no time")
+      time = GST_CLOCK_TIME_NONE;
+    const BufferPtr buffer = harness.pass(at(kFrame, velocity), time, flags);
+    EXPECT_TRUE(is_gap(buffer)) << what;
+    EXPECT_EQ(field_of(buffer).flags, haptic::kMotionDiscontinuity) << what;
+    harness.pass(at(0, velocity), 0, GST_BUFFER_FLAG_DISCONT);
+  }
+  expect_velocity(pass(kFrame, velocity), velocity);
+}
+
+TEST_F(MotionFieldElement, EqualTimeStampsMeasureNothing) {
+  pass(0, {60, 0});
+  pass(kFrame, {60, 0});
+  const BufferPtr buffer = harness.pass(at(2 * kFrame, {60, 0}), kFrame);
+  EXPECT_TRUE(is_gap(buffer));
+  EXPECT_EQ(field_of(buffer).interval, 0U);
+  expect_velocity(pass(2 * kFrame, {60, 0}), {60, 0});
+}
+
+TEST_F(MotionFieldElement, PlayedBackwardsMotionIsAsSeen) {
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.rate = -1;
+  segment.stop = 10 * GST_SECOND;
+  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  const Shift velocity{60, 0};
+  for (GstClockTime i = 10; i > 5; --i) {
+    const BufferPtr buffer = pass(i * kFrame, velocity);
+    if (i < 10)
+      expect_velocity(buffer, {-velocity.x, -velocity.y});
+  }
+}
+
+TEST_F(MotionFieldElement, NewCapsInMidStreamStartAnew) {
+  pass(0, {60, 0});
+  pass(kFrame, {60, 0});
+  harness.set_format(GST_VIDEO_FORMAT_I420, 240, 180);
+  const auto pass_new = [&](GstClockTime time) {
+    return harness.pass(at(time, {60, 0}, 240, 180), time);
+  };
+  const BufferPtr first = pass_new(2 * kFrame);
+  EXPECT_TRUE(is_gap(first));
+  EXPECT_EQ(field_of(first).picture_width, 240U);
+  EXPECT_EQ(field_of(first).columns, 30);
+  expect_velocity(pass_new(3 * kFrame), {60, 0});
+}
+
+// Without the luma of the whole picture in one piece, too.
+class MotionFieldFormats : public ::testing::TestWithParam<GstVideoFormat> {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  static std::vector<haptic::FieldCell> cells(GstVideoFormat format) {
+    constexpr int kOddWidth = 355;
+    constexpr int kOddHeight = 203;
+    VideoHarness harness("motionfield");
+    harness.set_format(format, kOddWidth, kOddHeight);
+    const Texture texture(5);
+    harness.pass(texture.picture(kOddWidth, kOddHeight, {}), 0);
+    return field_of(harness.pass(texture.picture(kOddWidth, kOddHeight, {1.7, -2.2}), kFrame))
+        .cells;
+  }
+};
+
+TEST_P(MotionFieldFormats, GiveTheSameField) {
+  const auto grey = cells(GST_VIDEO_FORMAT_GRAY8);
+  EXPECT_GT(std::ranges::count_if(grey, [](const auto &cell) { return cell.confidence > 0.5F; }),
+            static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(grey.size())));
+  EXPECT_EQ(cells(GetParam()), grey);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, MotionFieldFormats,
+    ::testing::Values(GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YV12, GST_VIDEO_FORMAT_NV12,
+                      GST_VIDEO_FORMAT_NV21, GST_VIDEO_FORMAT_Y42B, GST_VIDEO_FORMAT_Y444,
+                      GST_VIDEO_FORMAT_YUY2, GST_VIDEO_FORMAT_UYVY, GST_VIDEO_FORMAT_RGB,
+                      GST_VIDEO_FORMAT_BGR, GST_VIDEO_FORMAT_RGBx, GST_VIDEO_FORMAT_BGRx,
+                      GST_VIDEO_FORMAT_xRGB, GST_VIDEO_FORMAT_xBGR, GST_VIDEO_FORMAT_RGBA,
+                      GST_VIDEO_FORMAT_BGRA, GST_VIDEO_FORMAT_ARGB, GST_VIDEO_FORMAT_ABGR),
+    [](const auto &format) { return std::string(gst_video_format_to_string(format.param)); });
+
+TEST_F(MotionFieldElement, WorksAtAnySizeAndMeasuresNothingWhereThereIsTooLittle) {
+  for (const auto &[width, height] :
+       {std::pair(1, 1), {2, 300}, {300, 2}, {15, 15}, {16, 16}, {17, 33}, {331, 77}}) {
+    VideoHarness small("motionfield");
+    small.set_format(GST_VIDEO_FORMAT_I420, width, height);
+    for (GstClockTime i = 0; i < 3; ++i) {
+      const BufferPtr buffer = small.pass(at(i * kFrame, {30, 0}, width, height), i * kFrame);
+      const MotionField field = field_of(buffer);
+      EXPECT_EQ(is_gap(buffer), is_silent(field)) << width << 'x' << height;
+      if (i > 0 && std::min(width, height) > 64) {
+        EXPECT_FALSE(is_gap(buffer)) << width << 'x' << height;
+      }
+    }
+  }
+}
+
+TEST_F(MotionFieldElement, APictureShorterThanItsFormatIsAnErrorThatSaysSo) {
+  haptic::BufferPtr buffer(gst_buffer_new_allocate(nullptr, 100, nullptr));
+  GST_BUFFER_PTS(buffer.get()) = 0;
+  EXPECT_EQ(harness.push(std::move(buffer)), GST_FLOW_ERROR);
+  const test::MessagePtr message = harness.message(GST_MESSAGE_ERROR);
+  ASSERT_TRUE(message);
+  GError *error = nullptr;
+  gst_message_parse_error(message.get(), &error, nullptr);
+  EXPECT_NE(std::string(error->message).find("cannot be read"), std::string::npos);
+  g_error_free(error);
+}
+
+TEST_F(MotionFieldElement, EveryPropertyMayBeSetWhileRunning) {
+  for (GstClockTime i = 0; i < 60; ++i) {
+    test::flip_every_property(element.get(), 1);
+    EXPECT_TRUE(pass(i * kFrame, {40, 0}));
+  }
+}
+
+TEST_F(MotionFieldElement, StartsAndStopsTwoHundredTimes) {
+  const test::ElementPtr pipeline(gst_parse_launch(
+      "videotestsrc num-buffers=2 ! video/x-raw,width=64,height=48 ! motionfield ! fakesink",
+      nullptr));
+  for (int i = 0; i < 200; ++i)
+    ASSERT_EQ(test::run_to_end(pipeline.get()), std::nullopt) << i;
+}
+
+} // namespace

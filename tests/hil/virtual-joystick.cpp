@@ -1,0 +1,50 @@
+// A joystick with force feedback that only the kernel sees. Prints what its driver is told, one
+// line each, until its input ends; a line "X Y" (-1..1, y down) there moves the stick.
+//
+//   virtual-joystick
+#include "virtual-joystick.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+namespace {
+
+void print(const test::VirtualJoystick::Told &told) {
+  using Told = test::VirtualJoystick::Told;
+  switch (told.what) {
+  case Told::upload:
+    std::printf("upload level %d direction %u length %u\n", told.effect.u.constant.level,
+                told.effect.direction, told.effect.replay.length);
+    break;
+  case Told::play:
+    std::printf("play\n");
+    break;
+  case Told::stop:
+    std::printf("stop\n");
+    break;
+  case Told::erase:
+    std::printf("erase\n");
+    break;
+  }
+}
+
+} // namespace
+
+int main() {
+  test::VirtualJoystick stick;
+  std::printf("%s\n", stick.path().c_str());
+  std::fflush(stdout);
+  std::jthread printer([&](const std::stop_token &stop) {
+    for (bool last = false; !last;) {
+      last = stop.stop_requested();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::ranges::for_each(stick.take_told(), print);
+      std::fflush(stdout);
+    }
+  });
+  double x = 0;
+  double y = 0;
+  while (std::cin >> x >> y)
+    stick.move(std::clamp(x, -1.0, 1.0), std::clamp(y, -1.0, 1.0));
+}

@@ -1,0 +1,51 @@
+// A picture whose surroundings may not be read.
+#pragma once
+
+#include "patch-tracker.hpp"
+
+#include <algorithm>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace test {
+
+/// A picture in the middle of memory that may not be touched.
+class GuardedPicture {
+public:
+  GuardedPicture(int width, int height) : width_(width), height_(height) {
+    page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    rows_ = (static_cast<std::size_t>(width) + page_ - 1) / page_ * page_ + page_;
+    size_ = rows_ * static_cast<std::size_t>(height) + page_;
+    memory_ = static_cast<std::uint8_t *>(
+        mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  }
+  ~GuardedPicture() { munmap(memory_, size_); }
+  GuardedPicture(const GuardedPicture &) = delete;
+  GuardedPicture &operator=(const GuardedPicture &) = delete;
+
+  /// Each row ends (or begins) at a page that is protected.
+  haptic::LumaView filled(const haptic::LumaView &from, bool ends) {
+    const std::size_t inner = rows_ - page_;
+    for (int y = 0; y < height_; ++y) {
+      std::uint8_t *row = memory_ + page_ + static_cast<std::size_t>(y) * rows_;
+      std::uint8_t *first = ends ? row + inner - width_ : row;
+      std::copy_n(from.pixels + y * from.stride, width_, first);
+      if (y == 0)
+        first_ = first;
+    }
+    for (int y = 0; y <= height_; ++y)
+      mprotect(memory_ + static_cast<std::size_t>(y) * rows_, page_, PROT_NONE);
+    return {first_, width_, height_, static_cast<std::ptrdiff_t>(rows_)};
+  }
+
+private:
+  int width_;
+  int height_;
+  std::size_t page_ = 0;
+  std::size_t rows_ = 0;
+  std::size_t size_ = 0;
+  std::uint8_t *memory_ = nullptr;
+  std::uint8_t *first_ = nullptr;
+};
+
+} // namespace test

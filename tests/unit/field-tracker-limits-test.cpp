@@ -1,0 +1,103 @@
+// What the field promises of memory, of instruction sets, and of the tracker of a region.
+#include "counted-allocations.hpp"
+#include "field-agreement.hpp"
+#include "guarded-picture.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <random>
+
+namespace {
+
+using test::Field;
+using test::Picture;
+using test::Texture;
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 360;
+
+// Two objects, one of them turning: every rung of the ladder.
+Picture scene(double time) {
+  Picture picture = Texture(1).picture(kWidth, kHeight, {2.3 * time, -1.1 * time});
+  const Picture other = Texture(2).turned(kWidth, kHeight, 0.02 * time);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = kWidth / 2; x < kWidth; ++x)
+      picture.at(x, y) = other.pixels[static_cast<std::size_t>(y * kWidth + x)];
+  return picture;
+}
+
+TEST(FieldTrackerLimits, EveryInstructionSetGivesTheSameField) {
+  const Picture before = scene(0);
+  const Picture after = scene(1);
+  std::vector<haptic::FieldCell> reference;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    Field field(kWidth, kHeight);
+    field.measure(before, after);
+    if (reference.empty())
+      reference = field.cells;
+    // Without fused multiplication a patch may stop a step earlier or later, which is a few
+    // hundredths of a pixel.
+    int different = 0;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+      const float difference = std::hypot(field.cells[i].velocity_x - reference[i].velocity_x,
+                                          field.cells[i].velocity_y - reference[i].velocity_y);
+      EXPECT_LT(difference, 0.05F) << hwy::TargetName(target) << ", cell " << i;
+      different += difference > 5e-3F;
+    }
+    EXPECT_LE(different, field.shape.cells() / 20) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
+}
+
+TEST(FieldTrackerLimits, NothingOutsideThePictureIsRead) {
+  const Picture before = scene(0);
+  const Picture after = scene(1);
+  for (const int columns : {4, 16, 32, 96})
+    for (const bool ends : {false, true}) {
+      test::GuardedPicture previous(kWidth, kHeight);
+      test::GuardedPicture current(kWidth, kHeight);
+      Field field(kWidth, kHeight, columns);
+      field.follow(previous.filled(view_of(before), ends));
+      field.follow(current.filled(view_of(after), ends));
+      EXPECT_GT(field.cells[0].confidence, 0);
+    }
+}
+
+TEST(FieldTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
+  std::mt19937 random(5);
+  std::vector<Picture> movie;
+  for (int i = 0; i < 6; ++i) {
+    movie.push_back(i < 5 ? scene(i) : Texture(9).picture(kWidth, kHeight, {}));
+    add_noise(movie.back(), 1.5, random);
+  }
+  Field field(kWidth, kHeight);
+  const auto run = [&](std::size_t pictures) {
+    for (std::size_t i = 0; i < pictures; ++i)
+      field.follow(movie[i % movie.size()]);
+  };
+  run(6);
+  const long before = test::allocations;
+  run(30);
+  EXPECT_EQ(test::allocations, before);
+}
+
+TEST(FieldTrackerLimits, AgreesWithTheTrackerOfARegionAtTheSamePlace) {
+  std::mt19937 random(3);
+  Picture before = scene(0);
+  Picture after = scene(1);
+  test::add_noise(before, 1.5, random);
+  test::add_noise(after, 1.5, random);
+  Field field(kWidth, kHeight);
+  field.measure(before, after);
+  const std::vector<double> differences =
+      test::differences_to_regions(field, view_of(before), view_of(after));
+  ASSERT_GT(differences.size(), static_cast<std::size_t>(0.9 * field.shape.cells()));
+  EXPECT_LE(differences[differences.size() / 2], 0.1);
+  EXPECT_LE(differences[differences.size() * 95 / 100], 0.5);
+}
+
+} // namespace

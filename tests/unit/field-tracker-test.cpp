@@ -1,0 +1,407 @@
+#include "field-pictures.hpp"
+#include "field-tracker.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <random>
+
+namespace {
+
+using haptic::FieldCell;
+using haptic::FieldShape;
+using test::Field;
+using test::Picture;
+using test::Shift;
+using test::Texture;
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 360;
+
+// How far the cells that are sure (confidence 0.5) are from the truth.
+struct Errors {
+  std::vector<double> sorted; // px
+  double answered = 0;        // share of the cells asked
+
+  double percentile(double share) const {
+    const double last = static_cast<double>(sorted.size()) - 1;
+    return sorted.empty() ? std::numeric_limits<double>::infinity()
+                          : sorted[static_cast<std::size_t>(share * last)];
+  }
+};
+
+// Cells are asked where `truth_at`, given the middle of a cell, has an answer.
+Errors errors(const Field &field, const auto &truth_at) {
+  Errors errors;
+  int asked = 0;
+  for (int row = 0; row < field.shape.rows; ++row)
+    for (int column = 0; column < field.shape.columns; ++column) {
+      const std::optional<Shift> truth =
+          truth_at((column + 0.5) * field.width / field.shape.columns,
+                   (row + 0.5) * field.height / field.shape.rows);
+      if (!truth)
+        continue;
+      ++asked;
+      const FieldCell &cell = field.at(row, column);
+      if (cell.confidence >= 0.5F)
+        errors.sorted.push_back(std::hypot(cell.velocity_x - truth->x, cell.velocity_y - truth->y));
+    }
+  std::ranges::sort(errors.sorted);
+  errors.answered = static_cast<double>(errors.sorted.size()) / asked;
+  return errors;
+}
+
+// Whether a cell's picture stays inside when it moves so far.
+bool stays(const Field &field, double x, double y, Shift moved) {
+  const double half_width = field.width / 2.0 / field.shape.columns;
+  const double half_height = field.height / 2.0 / field.shape.rows;
+  return x + moved.x >= half_width && x + moved.x <= field.width - half_width &&
+         y + moved.y >= half_height && y + moved.y <= field.height - half_height;
+}
+
+double known_share(const Field &field) {
+  return static_cast<double>(std::ranges::count_if(
+             field.cells, [](const FieldCell &cell) { return cell.confidence > 0; })) /
+         field.shape.cells();
+}
+
+TEST(FieldShape, CellsAreAsSquareAsTheyCanBe) {
+  const auto shape = [](int width, int height, double aspect, int columns) {
+    return haptic::field_shape(width, height, aspect, columns);
+  };
+  EXPECT_EQ(shape(1920, 1080, 1, 32), (FieldShape{32, 18}));
+  EXPECT_EQ(shape(3840, 2160, 1, 32), (FieldShape{32, 18}));
+  EXPECT_EQ(shape(352, 288, 1, 32), (FieldShape{32, 26}));
+  EXPECT_EQ(shape(720, 576, 64.0 / 45, 32), (FieldShape{32, 18}));
+  EXPECT_EQ(shape(1920, 8, 1, 32), (FieldShape{32, 1}));
+}
+
+TEST(FieldShape, HasNoMoreCellsThanReadersTakeAndNoneTooSmallToMeasure) {
+  for (const auto &[width, height] :
+       {std::pair(1, 1), {16, 16}, {64, 100'000}, {1080, 1920}, {100'000, 8}, {8192, 8192}})
+    for (const int columns : {4, 32, 96}) {
+      const FieldShape shape = haptic::field_shape(width, height, 1, columns);
+      EXPECT_GE(shape.cells(), 1);
+      EXPECT_LE(shape.cells(), static_cast<int>(haptic::kMostFieldCells));
+      EXPECT_LE(shape.columns, std::max(1, width / 8));
+      EXPECT_LE(shape.rows, std::max(1, height / 8));
+    }
+}
+
+TEST(FieldTracker, OneTranslationIsThatOfEveryCell) {
+  for (const double length : {0.3, 1.0, 3.0, 7.0, 12.0})
+    for (const double direction : {0.4, 2.9, 4.4}) {
+      const Shift truth{length * std::cos(direction), length * std::sin(direction)};
+      const Texture texture(static_cast<unsigned>(10 * length + direction));
+      std::mt19937 random(1);
+      Picture before = texture.picture(kWidth, kHeight, {});
+      Picture after = texture.picture(kWidth, kHeight, truth);
+      test::add_noise(before, 1.5, random);
+      test::add_noise(after, 1.5, random);
+      Field field(kWidth, kHeight);
+      EXPECT_EQ(field.measure(before, after), 0U);
+      const Errors found = errors(field, [&](double x, double y) {
+        return stays(field, x, y, truth) ? std::optional(truth) : std::nullopt;
+      });
+      EXPECT_GT(found.answered, 0.98) << length;
+      EXPECT_LT(found.percentile(0.5), 0.05) << length;
+      EXPECT_LT(found.percentile(0.95), 0.1) << length;
+      EXPECT_LT(found.percentile(0.99), 0.2) << length;
+    }
+}
+
+TEST(FieldTracker, ReducedPicturesAreMeasuredInPixelsOfTheWholePicture) {
+  for (const Shift truth : {Shift{0.5, -0.3}, {5.3, 2.2}, {-23, 11}}) {
+    const Texture texture(3, 10);
+    const Picture before = texture.picture(1280, 720, {});
+    const Picture after = texture.picture(1280, 720, truth);
+    Field field(1280, 720);
+    field.measure(before, after);
+    const Errors found = errors(field, [&](double x, double y) {
+      return stays(field, x, y, truth) ? std::optional(truth) : std::nullopt;
+    });
+    EXPECT_GT(found.answered, 0.98) << truth.x;
+    EXPECT_LT(found.percentile(0.5), 0.05) << truth.x;
+    EXPECT_LT(found.percentile(0.95), 0.15) << truth.x;
+  }
+}
+
+TEST(FieldTracker, TwoObjectsMoveEachInItsOwnWay) {
+  const Shift left{2.3, -1.1};
+  const Shift right{-3.2, 0.8};
+  const Texture left_texture(1);
+  const Texture right_texture(2);
+  const auto picture = [&](double time) {
+    Picture both = left_texture.picture(kWidth, kHeight, {time * left.x, time * left.y});
+    right_texture.paint(both, {time * right.x, time * right.y}, kWidth / 2);
+    return both;
+  };
+  Field field(kWidth, kHeight);
+  field.measure(picture(0), picture(1));
+  const double cell = static_cast<double>(kWidth) / field.shape.columns;
+  const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
+    // The cell on either side of the border sees something come or go.
+    if (std::abs(x - kWidth / 2.0) < cell || !stays(field, x, y, left) ||
+        !stays(field, x, y, right))
+      return std::nullopt;
+    return x < kWidth / 2.0 ? left : right;
+  });
+  EXPECT_GT(found.answered, 0.98);
+  EXPECT_LT(found.percentile(0.5), 0.05);
+  EXPECT_LT(found.percentile(1), 0.5);
+}
+
+TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {
+  const Texture ground(1);
+  const Texture object(2);
+  const auto picture = [&](int time) {
+    Picture both = ground.picture(kWidth, kHeight, {});
+    const Picture moving = object.picture(60, 60, {});
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 60; ++x)
+        both.pixels[static_cast<std::size_t>((y + 160) * kWidth + x + 300 + 6 * time)] =
+            moving.pixels[static_cast<std::size_t>(y * 60 + x)];
+    return both;
+  };
+  Field field(kWidth, kHeight);
+  field.measure(picture(0), picture(1));
+  const FieldCell &inside = field.at(9, 16); // 320..340 x 180..200
+  EXPECT_NEAR(inside.velocity_x, 6, 0.1);
+  EXPECT_NEAR(inside.velocity_y, 0, 0.1);
+  EXPECT_GT(inside.confidence, 0.5F);
+  EXPECT_EQ(field.at(2, 3), (FieldCell{.confidence = 1}));
+  EXPECT_EQ(field.at(15, 28), (FieldCell{.confidence = 1}));
+}
+
+TEST(FieldTracker, RotationAndZoomAreTheMotionOfEachPlace) {
+  constexpr double kAngle = 0.02; // rad: 7 px at the corners
+  constexpr double kZoom = 1.02;
+  const Texture texture(4);
+  Field field(kWidth, kHeight);
+  const Picture before = texture.picture(kWidth, kHeight, {});
+  const auto check = [&](double spin, double growth) {
+    const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
+      const double rx = x - kWidth / 2.0;
+      const double ry = y - kHeight / 2.0;
+      const Shift moved{growth * rx - spin * ry, growth * ry + spin * rx};
+      return stays(field, x, y, moved) ? std::optional(moved) : std::nullopt;
+    });
+    EXPECT_GT(found.answered, 0.95);
+    EXPECT_LT(found.percentile(0.5), 0.06);
+    EXPECT_LT(found.percentile(0.95), 0.15);
+  };
+  field.measure(before, texture.turned(kWidth, kHeight, kAngle));
+  check(kAngle, 0);
+  field.measure(before, texture.zoomed(kWidth, kHeight, kZoom));
+  check(0, kZoom - 1);
+}
+
+TEST(FieldTracker, ABlankWallSaysNothing) {
+  std::mt19937 random(1);
+  for (const auto &[width, height] : {std::pair(352, 288), {640, 360}, {1280, 720}})
+    for (const double noise : {0.7, 1.5, 3.0}) {
+      Field field(width, height);
+      for (int i = 0; i < 4; ++i) {
+        Picture wall(width, height, 120);
+        test::add_noise(wall, noise, random);
+        field.follow(wall);
+        EXPECT_EQ(known_share(field), 0) << width << ", noise " << noise;
+      }
+    }
+}
+
+TEST(FieldTracker, AStillSceneIsExactlyZeroWhateverItsNoise) {
+  std::mt19937 random(1);
+  const Texture texture(6);
+  for (const double noise : {0.0, 1.5, 5.0}) {
+    Field field(kWidth, kHeight);
+    int moving = 0;
+    for (int i = 0; i < 8; ++i) {
+      Picture picture = texture.picture(kWidth, kHeight, {});
+      test::add_noise(picture, noise, random);
+      const std::uint32_t flags = field.follow(picture);
+      // The noise is learned from the first pictures.
+      if (i < 4)
+        continue;
+      moving += static_cast<int>(std::ranges::count_if(field.cells, [](const FieldCell &cell) {
+        return cell.velocity_x != 0 || cell.velocity_y != 0;
+      }));
+      EXPECT_GT(known_share(field), 0.98) << noise;
+      if (noise == 0) {
+        EXPECT_EQ(flags, haptic::kStill);
+      }
+    }
+    EXPECT_LE(moving, 0.002 * 4 * field.shape.cells()) << noise;
+  }
+}
+
+TEST(FieldTracker, NoiseDoesNotMisleadIt) {
+  std::mt19937 random(1);
+  const Shift truth{2.4, -1.7};
+  Picture before = Texture(7).picture(kWidth, kHeight, {});
+  Picture after = Texture(7).picture(kWidth, kHeight, truth);
+  test::add_noise(before, 6, random);
+  test::add_noise(after, 6, random);
+  Field field(kWidth, kHeight);
+  field.measure(before, after);
+  const Errors found = errors(field, [&](double x, double y) {
+    return stays(field, x, y, truth) ? std::optional(truth) : std::nullopt;
+  });
+  EXPECT_GT(found.answered, 0.9);
+  EXPECT_LT(found.percentile(0.5), 0.1);
+  EXPECT_LT(found.percentile(0.95), 0.25);
+}
+
+TEST(FieldTracker, ChangedLightIsNoMotion) {
+  const Texture texture(8, 5, 25);
+  const Picture before = texture.picture(kWidth, kHeight, {});
+  Picture after = before;
+  for (auto &pixel : after.pixels)
+    pixel = static_cast<std::uint8_t>(std::clamp(1.15 * pixel - 5, 0.0, 255.0));
+  Field field(kWidth, kHeight);
+  field.measure(before, after);
+  const Errors found = errors(field, [](double, double) { return std::optional(Shift{}); });
+  EXPECT_GT(found.answered, 0.98);
+  EXPECT_LT(found.percentile(0.99), 0.05);
+}
+
+TEST(FieldTracker, AnotherSceneIsACutAndSaysNothing) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Field field(kWidth, kHeight);
+    const Texture first(seed);
+    const Texture second(seed + 50);
+    EXPECT_EQ(
+        field.measure(first.picture(kWidth, kHeight, {}), second.picture(kWidth, kHeight, {})),
+        haptic::kCut);
+    EXPECT_EQ(known_share(field), 0);
+    EXPECT_EQ(field.follow(second.picture(kWidth, kHeight, {3, 1})), 0U);
+    EXPECT_GT(known_share(field), 0.9);
+  }
+}
+
+// A grating of so many px along x.
+Picture grating(double period, double shift) {
+  Picture picture(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      picture.at(x, y) = static_cast<std::uint8_t>(
+          std::lround(128 + 60 * std::sin(2 * std::numbers::pi * (x + 0.5 - shift) / period)));
+  return picture;
+}
+
+TEST(FieldTracker, EdgesOfOneDirectionGiveThePartAcrossThemWithLessConfidence) {
+  // Two periods together: where the one repeats, the other does not.
+  const auto picture = [](double shift) {
+    Picture sum = grating(37, shift);
+    const Picture other = grating(23, shift);
+    for (std::size_t i = 0; i < sum.pixels.size(); ++i)
+      sum.pixels[i] = static_cast<std::uint8_t>((sum.pixels[i] + other.pixels[i]) / 2);
+    return sum;
+  };
+  Field field(kWidth, kHeight);
+  field.measure(picture(0), picture(1.6));
+  int known = 0;
+  for (int row = 0; row < field.shape.rows; ++row)
+    for (int column = 1; column + 1 < field.shape.columns; ++column) {
+      const FieldCell &cell = field.at(row, column);
+      if (!(cell.confidence > 0))
+        continue;
+      ++known;
+      EXPECT_NEAR(cell.velocity_x, 1.6, 0.15);
+      EXPECT_NEAR(cell.velocity_y, 0, 0.05);
+      EXPECT_LT(cell.confidence, 0.5F);
+    }
+  EXPECT_GT(known, field.shape.cells() / 2);
+}
+
+TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
+  // In both directions, so that there are no edges; moved by more than half a period.
+  const auto picture = [](double shift) {
+    Picture sum = grating(9, shift);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        sum.at(x, y) = static_cast<std::uint8_t>(
+            (sum.at(x, y) +
+             std::lround(128 + 60 * std::sin(2 * std::numbers::pi * (y + 0.5) / 9))) /
+            2);
+    return sum;
+  };
+  Field field(kWidth, kHeight);
+  field.follow(picture(0));
+  // From a start that is slow enough it follows on.
+  for (int i = 1; i <= 5; ++i) {
+    field.follow(picture(1.0 * i));
+    const Errors found = errors(field, [&](double x, double y) {
+      return stays(field, x, y, {1, 0}) ? std::optional(Shift{1, 0}) : std::nullopt;
+    });
+    EXPECT_GT(found.answered, 0.9);
+    EXPECT_LT(found.percentile(0.99), 0.2);
+  }
+  // What could as well be slower the other way is not believed.
+  field.measure(picture(0), picture(4));
+  EXPECT_LT(errors(field, [](double, double) { return std::optional(Shift{}); }).answered, 0.05);
+}
+
+TEST(FieldTracker, PicturesOfAnySizeAreMeasuredOrSaidNothingOf) {
+  for (const auto &[width, height] : {std::pair(1, 1),
+                                      {3, 300},
+                                      {13, 13},
+                                      {16, 16},
+                                      {17, 33},
+                                      {355, 203},
+                                      {333, 71},
+                                      {2000, 14}}) {
+    const Shift truth{1.3, -0.7};
+    const Texture texture(9);
+    Field field(width, height);
+    field.measure(texture.picture(width, height, {}), texture.picture(width, height, truth));
+    const Errors found = errors(field, [&](double x, double y) {
+      return stays(field, x, y, truth) ? std::optional(truth) : std::nullopt;
+    });
+    if (std::min(width, height) > 64) {
+      EXPECT_GT(found.answered, 0.95) << width << 'x' << height;
+    }
+    if (!found.sorted.empty()) {
+      EXPECT_LT(found.percentile(0.9), 0.2) << width << 'x' << height;
+    }
+  }
+}
+
+TEST(FieldTracker, FollowsAPictureOfFourThousandPixels) {
+  // The same picture side by side in both directions, moved by whole pixels.
+  constexpr int kTile = 256;
+  const Picture tile = Texture(10, 24).picture(kTile, kTile, {});
+  const auto picture = [&](int shift) {
+    Picture large(3840, 2160);
+    for (int y = 0; y < large.height; ++y)
+      for (int x = 0; x < large.width; ++x)
+        large.at(x, y) = tile.pixels[static_cast<std::size_t>((y + kTile) % kTile * kTile +
+                                                              (x + 4 * kTile - shift) % kTile)];
+    return large;
+  };
+  Field field(3840, 2160);
+  EXPECT_EQ(field.shape, (FieldShape{32, 18}));
+  field.measure(picture(0), picture(30));
+  const Errors found = errors(field, [&](double x, double y) {
+    return stays(field, x, y, {30, 0}) ? std::optional(Shift{30, 0}) : std::nullopt;
+  });
+  EXPECT_GT(found.answered, 0.95);
+  EXPECT_LT(found.percentile(0.5), 0.1);
+  EXPECT_LT(found.percentile(0.95), 0.5);
+}
+
+TEST(FieldTracker, APictureTakenOnceMoreRepeats) {
+  Field field(kWidth, kHeight);
+  const Picture picture = Texture(11).picture(kWidth, kHeight, {});
+  test::read(field.tracker, view_of(picture));
+  EXPECT_FALSE(field.tracker.repeats());
+  field.tracker.keep();
+  test::read(field.tracker, view_of(picture));
+  EXPECT_TRUE(field.tracker.repeats());
+  Picture other = picture;
+  other.at(kWidth - 1, kHeight - 1) ^= 0x80;
+  test::read(field.tracker, view_of(other));
+  EXPECT_FALSE(field.tracker.repeats());
+}
+
+} // namespace
