@@ -32,14 +32,15 @@ constexpr std::size_t kCheckSize = 2; // bytes
 
 // Speeds in px per picture. Up to kEven steps of the same size; beyond they grow with the speed,
 // as does what the hand can tell apart.
-constexpr float kStep = 1.F / 8;
+constexpr float kStep = 1.F / 4;
 constexpr float kEven = 4;
-constexpr int kEvenSteps = 32;
-constexpr int kLargestNumber = 255; // 4250 px per picture
-constexpr float kFastest = 5000;
-// What a value may differ from the one held before it is sent.
-constexpr float kTolerance = 0.095F;
-constexpr float kRelativeTolerance = 0.025F;
+constexpr int kEvenSteps = 16;
+constexpr int kLargestNumber = 127; // 4100 px per picture
+constexpr float kFastest = 4000;
+// What a velocity may differ from the one held: 0.2 px per picture are 3 % of the full force at 30
+// pictures a second, and of a force a hand hardly tells 7 % apart.
+constexpr float kTolerance = 0.2F;
+constexpr float kRelativeTolerance = 0.07F;
 constexpr float kUsualInterval = 1.F / 30; // s, for a field that says none
 
 std::int16_t number_of(float speed) {
@@ -68,7 +69,7 @@ float speed_of(int number) {
   return number < 0 ? -speed : speed;
 }
 
-constexpr int kLargestConfidence = 7;
+constexpr int kLargestConfidence = 4;
 // A level stays until the next one is nearly reached, or it would flicker.
 constexpr float kConfidenceTolerance = 0.9F / kLargestConfidence;
 // Of a cell that rests: it makes no force, whatever its confidence.
@@ -100,6 +101,42 @@ bool is_at_rest(const CodedCell &cell) {
   return cell.x == 0 && cell.y == 0;
 }
 
+struct Steps {
+  int x = 0;
+  int y = 0;
+};
+
+// What a cell will hold, by the neighbours that come before it.
+Steps expected(const std::vector<CodedCell> &cells, std::size_t i, std::size_t columns) {
+  int count = 0;
+  Steps sum;
+  const auto add = [&](bool exists, std::size_t neighbour) {
+    if (!exists || cells[neighbour].confidence == 0)
+      return;
+    ++count;
+    sum.x += cells[neighbour].x;
+    sum.y += cells[neighbour].y;
+  };
+  const std::size_t column = i % columns;
+  add(column > 0, i - 1);
+  add(i >= columns, i - columns);
+  add(i >= columns && column + 1 < columns, i + 1 - columns);
+  const auto mean = [&](int total) { // rounded, half away from zero
+    return (2 * total + (total < 0 ? -count : count)) / (2 * count);
+  };
+  return count > 0 ? Steps{mean(sum.x), mean(sum.y)} : Steps{};
+}
+
+// The numbers of a velocity in px per picture: those expected if they are near enough, which cost
+// least, or else the nearest ones.
+Steps steps_of(float x, float y, float tolerance, Steps expected) {
+  const Steps nearest{number_of(x), number_of(y)};
+  for (const Steps &cheap : {expected, Steps{expected.x, nearest.y}, Steps{nearest.x, expected.y}})
+    if (std::hypot(x - speed_of(cheap.x), y - speed_of(cheap.y)) <= tolerance)
+      return cheap;
+  return nearest;
+}
+
 // What is to be held of the cells: where one has left its tolerance the new numbers, else the old.
 // A cell that rests makes no force: how sure that is, and whether it was measured at all, is told
 // with key fields only.
@@ -116,22 +153,23 @@ std::vector<CodedCell> updated(const CodedState &held, const MotionField &field,
     }
     const float x = std::clamp(cell.velocity_x / held.unit, -kFastest, kFastest);
     const float y = std::clamp(cell.velocity_y / held.unit, -kFastest, kFastest);
-    if (std::hypot(x - speed_of(next[i].x), y - speed_of(next[i].y)) >
-        std::max(kTolerance, kRelativeTolerance * std::hypot(x, y))) {
-      next[i].x = number_of(x);
-      next[i].y = number_of(y);
+    const float tolerance = std::max(kTolerance, kRelativeTolerance * std::hypot(x, y));
+    if (std::hypot(x - speed_of(next[i].x), y - speed_of(next[i].y)) > tolerance) {
+      const Steps steps = steps_of(x, y, tolerance, expected(next, i, field.columns));
+      next[i].x = static_cast<std::int16_t>(steps.x);
+      next[i].y = static_cast<std::int16_t>(steps.y);
     }
     const bool rests = is_at_rest(next[i]);
     if (!key && rested && rests)
       continue;
-    const float tolerance = rests ? kRestingConfidenceTolerance : kConfidenceTolerance;
-    if (is_near(cell.confidence, next[i].confidence, tolerance))
+    const float margin = rests ? kRestingConfidenceTolerance : kConfidenceTolerance;
+    if (is_near(cell.confidence, next[i].confidence, margin))
       continue;
     // A neighbour's level will do where it is near enough, and costs nothing.
     const int left = i % field.columns > 0 ? next[i - 1].confidence : 0;
     const int up = i >= field.columns ? next[i - field.columns].confidence : 0;
-    next[i].confidence = static_cast<std::uint8_t>(is_near(cell.confidence, left, tolerance) ? left
-                                                   : is_near(cell.confidence, up, tolerance)
+    next[i].confidence = static_cast<std::uint8_t>(is_near(cell.confidence, left, margin) ? left
+                                                   : is_near(cell.confidence, up, margin)
                                                        ? up
                                                        : confidence_number(cell.confidence));
   }
@@ -224,9 +262,7 @@ void code_cells(Code &code, std::vector<CodedCell> &held, std::size_t columns,
   struct Difference { // of the neighbours, in the row above and this one
     bool moved = false;
     bool turned = false;
-    int x = 0;
-    int y = 0;
-    int off_x = 0; // what was expected, from what came
+    int off_x = 0; // what came from what was expected
     int off_y = 0;
     int confidence = 0;
   };
@@ -258,19 +294,15 @@ void code_cells(Code &code, std::vector<CodedCell> &held, std::size_t columns,
         static_cast<std::size_t>(left.turned) + up.turned + (here.moved && cell.confidence == 0);
     here.turned = code.bit(models.turned[turns], wanted.confidence != cell.confidence);
     if (here.moved) {
-      const int n = std::max(left.moved + up.moved, 1);
-      const int guess_x = (left.x + up.x) / n;
-      const int guess_y = (left.y + up.y) / n;
-      here.off_x = code_number(code, models.x[size_class(left.off_x, up.off_x)],
-                               wanted.x - cell.x - guess_x);
+      const Steps guess = expected(held, i, columns);
+      here.off_x =
+          code_number(code, models.x[size_class(left.off_x, up.off_x)], wanted.x - guess.x);
       here.off_y = code_number(code, models.y[size_class(left.off_y + here.off_x, up.off_y)],
-                               wanted.y - cell.y - guess_y);
-      here.x = here.off_x + guess_x;
-      here.y = here.off_y + guess_y;
-      cell.x =
-          static_cast<std::int16_t>(std::clamp(cell.x + here.x, -kLargestNumber, kLargestNumber));
-      cell.y =
-          static_cast<std::int16_t>(std::clamp(cell.y + here.y, -kLargestNumber, kLargestNumber));
+                               wanted.y - guess.y);
+      cell.x = static_cast<std::int16_t>(
+          std::clamp(guess.x + here.off_x, -kLargestNumber, kLargestNumber));
+      cell.y = static_cast<std::int16_t>(
+          std::clamp(guess.y + here.off_y, -kLargestNumber, kLargestNumber));
     }
     if (here.turned) {
       const int guess = !up.turned ? left.confidence

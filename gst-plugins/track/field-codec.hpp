@@ -21,7 +21,7 @@ bool is_key_field(std::span<const std::uint8_t> bytes) noexcept;
 struct CodedCell {
   std::int16_t x = 0; ///< velocity as its number on the scale of the code
   std::int16_t y = 0;
-  std::uint8_t confidence = 0; ///< 0..7
+  std::uint8_t confidence = 0; ///< 0..4
   bool changed = false;        ///< with the last field
 
   bool operator==(const CodedCell &) const = default;

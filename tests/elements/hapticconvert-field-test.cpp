@@ -68,7 +68,7 @@ protected:
         EXPECT_LE(std::hypot(back.cells[c].velocity_x - sent.cells[c].velocity_x,
                              back.cells[c].velocity_y - sent.cells[c].velocity_y) *
                       1e-9 * kFrame,
-                  0.1)
+                  0.201)
             << i << " " << c;
     }
   }
