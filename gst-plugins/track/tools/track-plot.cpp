@@ -24,7 +24,7 @@ constexpr std::uint64_t kPreviewStep = 100'000'000; // ns
 constexpr double kLongestArrow = 2;                 // cells, at the speed of nearly all cells
 constexpr double kNearlyAll = 0.98;
 constexpr float kLeastConfidence = 0.25F; // of an arrow
-constexpr double kLeastLength = 0.08;     // cells
+constexpr double kLeastLength = 0.2;      // cells
 
 double seconds(std::uint64_t ns) {
   return static_cast<double>(ns) * 1e-9;
