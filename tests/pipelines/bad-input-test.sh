@@ -59,13 +59,19 @@ refuses "--port needs a number" receive.sh --port many
 refuses "unknown option" receive.sh --fro
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99
+refuses "which video" field-multicast.sh
+refuses "no file" field-multicast.sh "$work/missing.mp4"
+refuses "no camera" field-multicast.sh /dev/video99
+refuses "239.0.0.0" field-multicast.sh --group 10.0.0.1 --test-source
+refuses "no network interface 'wire'" field-multicast.sh --interface wire --receive
+refuses "not for --receive" field-multicast.sh --receive "$work/clip.mkv"
 unset DISPLAY WAYLAND_DISPLAY
 refuses "no display" play-file-with-display.sh "$work/clip.mkv"
 refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive field-multicast; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"

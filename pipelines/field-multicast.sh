@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# Send the motion of a whole picture to any number of receivers at once; each hand chooses what it feels.
+#
+#   gst-launch-1.0 -e v4l2src device=/dev/video0 ! videoconvert ! motionfield ! hapticconvert ! meta/x-klv \
+#       ! rtpklvpay ! udpsink host=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true sync=false async=false
+#
+#   gst-launch-1.0 -e udpsrc address=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true \
+#         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
+#       ! rtpjitterbuffer latency=30 ! rtpklvdepay ! hapticconvert ! hapticsink
+#
+# No pointer goes back, so that one more receiver costs the sender nothing. Nothing of this is encrypted or
+# signed: use it in a network that you trust. No track from the network exceeds hapticsink's max-force.
+#
+# Usage: pipelines/field-multicast.sh [--group ADDRESS] [--port PORT] [--interface NAME] INPUT
+#        pipelines/field-multicast.sh --receive [--group ADDRESS] [--port PORT] [--interface NAME]
+#            [--latency MS] [-- OPTION=VALUE...]
+#   INPUT        a video file, a camera such as /dev/video0, or --test-source: a live test picture that moves to
+#                the left at 60 px/s
+#   --receive    feel what is sent; as many at once as there are hands
+#   --group      multicast address (239.255.43.1)
+#   --port       (5010)
+#   --interface  of the network (lo: this machine only)
+#   --latency    how long packets that come late or in another order are waited for (30)
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+
+source "$(dirname "$0")/common.sh"
+
+group=239.255.43.1 port=5010 interface=lo latency=30 receives='' video=''
+while [ $# -gt 0 ] && [ "$1" != -- ]; do
+  case $1 in
+  --help | -h) show_help && exit ;;
+  --group | --port | --interface | --latency)
+    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
+    case $1 in
+    --group) group=$2 ;;
+    --port) port=$2 ;;
+    --interface) interface=$2 ;;
+    --latency) latency=$2 ;;
+    esac
+    shift
+    ;;
+  --receive) receives=yes ;;
+  --test-source | [!-]*)
+    [ -z "$video" ] || fail "one input only; see --help"
+    video=$1
+    ;;
+  *) fail "unknown option '$1'; see --help" ;;
+  esac
+  shift
+done
+# Of 224.0.0.0/4, what is left to everybody's own use.
+[[ $group =~ ^239(\.[0-9]{1,3}){3}$ ]] || fail "--group needs an address from 239.0.0.0 to 239.255.255.255, not '$group'"
+[[ $port =~ ^[1-9][0-9]{0,4}$ ]] || fail "--port needs a number, not '$port'"
+[[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
+[ -e "/sys/class/net/$interface" ] ||
+  fail "there is no network interface '$interface' (here: $(cd /sys/class/net && echo *))"
+
+if [ -n "$receives" ]; then
+  [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
+  read_arguments "$@"
+  elements=(hapticconvert hapticsink)
+  need_packaged_elements rtpklvdepay
+  launch udpsrc "address=$group" "port=$port" "multicast-iface=$interface" auto-multicast=true \
+    caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
+    ! rtpjitterbuffer "latency=$latency" ! rtpklvdepay ! hapticconvert ! hapticsink "${sink_options[@]}"
+fi
+
+[ $# -eq 0 ] || fail "options of hapticsink are for --receive; see --help"
+[ -n "$video" ] || fail "which video? See --help"
+if [[ $video = /dev/* ]]; then
+  need_camera "$video"
+  pictures=(v4l2src "device=$(quoted "$video")" ! "${camera_pictures[@]}")
+else
+  pictures_of "$video"
+fi
+elements=(motionfield hapticconvert)
+need_packaged_elements rtpklvpay
+launch "${pictures[@]}" ! motionfield ! hapticconvert ! meta/x-klv ! rtpklvpay \
+  ! udpsink "host=$group" "port=$port" "multicast-iface=$interface" auto-multicast=true sync=false async=false

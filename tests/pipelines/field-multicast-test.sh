@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# The motion of a whole picture is sent once, and every receiver feels what its own hand points at.
+
+source "$(dirname "$0")/support.sh"
+
+for element in motionfield rtpklvpay; do
+  gst-inspect-1.0 --exists "$element" || skip "there is no element $element"
+done
+gst-inspect-1.0 hapticconvert | grep 'layout: field' >/dev/null || skip "hapticconvert does not take fields"
+
+# The left half moves up, the right one down.
+clip "$work/apart.mkv" 352 288 30 5 halves:0,-100,0,100
+
+port=$((20000 + RANDOM % 20000))
+hands=('left:-0.5,0,0' 'right:0.5,0,0' 'top-left:-0.5,0.5,0')
+
+# One sender, all receivers at once; their logs are in $work/NAME.csv.
+multicast() {
+  local hand receivers=() status=0 receiver
+  for hand in "${hands[@]}"; do
+    "$root/pipelines/field-multicast.sh" --receive --port "$port" -- device=sim "sim-hand=hold:${hand#*:}" \
+      "log-location=$work/${hand%%:*}.csv" >"$work/${hand%%:*}.out" 2>&1 &
+    receivers+=($!)
+  done
+  for hand in "${hands[@]}"; do
+    until grep -q PLAYING "$work/${hand%%:*}.out"; do sleep 0.2; done
+  done
+  timeout -k 10 60 "$root/pipelines/field-multicast.sh" --port "$port" "$work/apart.mkv" >"$work/sender" 2>&1 ||
+    status=1
+  sleep 0.5
+  for receiver in "${receivers[@]}"; do
+    kill -INT "$receiver"
+    wait "$receiver" || status=1
+  done
+  ! grep -E '^(WARNING|ERROR)' "$work"/*.out "$work/sender" || status=1
+  return "$status"
+}
+
+# `felt NAME SIGN`: for two seconds at least in that direction, and never for long in the other.
+felt() {
+  awk -F, -v "sign=$2" 'NR > 1 && $9 * sign > 0.4 { right++ } NR > 1 && $9 * sign < -0.1 { wrong++ }
+    END { print right + 0 " ms in the right direction, " wrong + 0 " in the other"
+          exit !(right > 2000 && wrong == 0) }' "$work/$1.csv"
+}
+
+promise "one sender and three receivers run" multicast
+promise "the hand on the left feels the motion up" felt left 1
+promise "the hand on the right feels the motion down" felt right -1
+promise "the third feels its own place too" felt top-left 1
+for hand in "${hands[@]}"; do
+  promise "the log of ${hand%%:*} is sound" sound_log "$work/${hand%%:*}.csv" 1 4
+done
