@@ -13,10 +13,8 @@ constexpr int kSide = 30;
 Case make_case(const Movie &movie, Random &random, cv::Size size = kCif, int side = kSide) {
   Case result;
   result.bound = cramer_rao_bound(movie.light(0), side, movie.noise);
-  result.task = {embed(expose(movie, 0, random), size),
-                 embed(expose(movie, 1, random), size),
-                 {0.5, 0.5},
-                 side};
+  const auto [previous, current] = expose_pair(movie, random);
+  result.task = {embed(previous, size), embed(current, size), {0.5, 0.5}, side};
   result.truth = movie.velocity;
   result.is_unseen = movie.is_unseen;
   return result;
@@ -166,6 +164,12 @@ std::vector<Series> all_series(bool quick) {
           cv::Size(640, 480), side));
   all.push_back(std::move(region));
   return all;
+}
+
+CaseSet points_set(bool quick) {
+  constexpr int kLarge = 60; // px
+  return set_of("points", 0, quick ? 6 : 30, scene_named(hard_scenes(kLarge), "rotation").make,
+                kCif, kLarge);
 }
 
 std::vector<Stream> streams(bool quick) {

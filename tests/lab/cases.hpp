@@ -41,6 +41,9 @@ struct Series {
 /// "region" (px).
 std::vector<Series> all_series(bool quick);
 
+/// For the cost of points: a turn, which one patch does not explain, in a region that holds 64.
+CaseSet points_set(bool quick);
+
 /// Pictures of a stream, for the cost of what an element does all day.
 struct Stream {
   std::string name;

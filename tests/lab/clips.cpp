@@ -1,39 +1,15 @@
 // Reads videos with GStreamer: nothing more is needed than what the elements need themselves.
 #include "pairs.hpp"
+#include "picture-sample.hpp"
 
 #include <algorithm>
 #include <gst/app/gstappsink.h>
-#include <gst/video/video.h>
-#include <memory>
 #include <stdexcept>
 
 namespace lab {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <auto unref>
-struct Unref {
-  template <typename T>
-  void operator()(T *object) const {
-    unref(object);
-  }
-};
-using Sample = std::unique_ptr<GstSample, Unref<gst_sample_unref>>;
-
-cv::Mat luma_of(GstSample *sample) {
-  GstVideoInfo info;
-  GstVideoFrame frame;
-  if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
-      !gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
-    throw std::runtime_error("a picture of a clip cannot be read");
-  const cv::Mat mapped(GST_VIDEO_FRAME_HEIGHT(&frame), GST_VIDEO_FRAME_WIDTH(&frame), CV_8UC1,
-                       GST_VIDEO_FRAME_PLANE_DATA(&frame, 0),
-                       static_cast<std::size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)));
-  cv::Mat picture = mapped.clone();
-  gst_video_frame_unmap(&frame);
-  return picture;
-}
 
 // Empty where the file is no video.
 std::vector<cv::Mat> pictures_of(const fs::path &file) {

@@ -17,6 +17,9 @@ done
 for row in '"translation","fast","default"' '"hard","DIS fast"' '"wide","PyrLK crop"'; do
   grep -q "^$row" "$work/out/sweep.csv" || { echo "NOT OK: sweep.csv lacks $row"; exit 1; }
 done
+for row in '"points","fast",4' '"points","PyrLK crop",64'; do
+  grep -q "^$row," "$work/out/series.csv" || { echo "NOT OK: series.csv lacks $row"; exit 1; }
+done
 if "$here/run.sh" --quick --pairs "$work/nowhere" 2>"$work/error" || ! grep -q "no folder" "$work/error"; then
   echo "NOT OK: a folder that is not there gives no clear error"
   exit 1

@@ -40,6 +40,19 @@ void add_fast(std::vector<Configuration> &list, std::string parameters, const Kn
       {"fast", std::move(parameters), false, false, [knobs] { return make_fast(knobs); }});
 }
 
+std::string text_of_points(int points) {
+  return "points=" + std::to_string(points);
+}
+
+void add_opencv(std::vector<Configuration> &list, int points) {
+  list.push_back(
+      {"method=opencv", text_of_points(points), false, points == kDefaultPoints, [points] {
+         auto tracker = haptic::make_opencv_tracker();
+         tracker->set_max_points(points);
+         return std::make_unique<TrackerMethod>(std::move(tracker));
+       }});
+}
+
 } // namespace
 
 TrackerMethod::TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker, haptic::Average average,
@@ -111,7 +124,7 @@ std::vector<Configuration> configurations(bool quick) {
     for (const int levels : {1, 2, 4, 5})
       add_fast(list, "levels=" + std::to_string(levels), {.options = {.levels = levels}});
     for (const int points : {4, 8, 16, 32, 64})
-      add_fast(list, "points=" + std::to_string(points), {.points = points});
+      add_fast(list, text_of_points(points), {.points = points});
     add_fast(list, "average=mean", {.average = haptic::Average::mean});
     add_fast(list, "average=median", {.average = haptic::Average::median});
     add_fast(list, "model=translation", {.choice = haptic::ModelChoice::translation});
@@ -119,13 +132,16 @@ std::vector<Configuration> configurations(bool quick) {
     add_fast(list, "model=affine", {.choice = haptic::ModelChoice::affine});
   }
   for (const int points : quick ? std::vector{kDefaultPoints} : std::vector{8, 20, 32})
-    list.push_back({"method=opencv", "points=" + std::to_string(points), false,
-                    points == kDefaultPoints, [points] {
-                      auto tracker = haptic::make_opencv_tracker();
-                      tracker->set_max_points(points);
-                      return std::make_unique<TrackerMethod>(std::move(tracker));
-                    }});
+    add_opencv(list, points);
   std::ranges::move(peer_configurations(quick), std::back_inserter(list));
+  return list;
+}
+
+std::vector<Configuration> configurations_of(int points) {
+  std::vector<Configuration> list;
+  add_fast(list, text_of_points(points), {.points = points});
+  add_opencv(list, points);
+  list.push_back(lucas_kanade_of(points));
   return list;
 }
 

@@ -77,4 +77,10 @@ std::vector<Configuration> configurations(bool quick);
 /// The peers among them.
 std::vector<Configuration> peer_configurations(bool quick);
 
+/// As shipped, but for the number of points: those that can be told.
+std::vector<Configuration> configurations_of(int points);
+
+/// PyrLK on the crop among them.
+Configuration lucas_kanade_of(int points);
+
 } // namespace lab

@@ -113,6 +113,10 @@ struct LucasKanade {
   bool back_check;
 };
 
+// As OpenCV ships it.
+constexpr LucasKanade kShipped{
+    .full_frame = false, .window = 21, .levels = 4, .corners = kDefaultPoints, .back_check = false};
+
 class PyrLk final : public Method {
 public:
   explicit PyrLk(const LucasKanade &knobs) : knobs_(knobs) {}
@@ -334,11 +338,11 @@ void add_lucas_kanade(List &list, bool full_frame) {
       for (const int corners : all_corners)
         for (const bool back_check : {false, true}) {
           const std::string where = corners == kGrid ? "grid" : knob("corners", corners);
-          list.add<PyrLk>(std::string(full_frame ? "PyrLK frame" : "PyrLK crop") +
-                              (back_check ? " back" : ""),
-                          knob("window", window) + " " + knob("levels", levels) + " " + where,
-                          window == 21 && levels == 4 && corners == 20,
-                          LucasKanade{full_frame, window, levels, corners, back_check});
+          list.add<PyrLk>(
+              std::string(full_frame ? "PyrLK frame" : "PyrLK crop") + (back_check ? " back" : ""),
+              knob("window", window) + " " + knob("levels", levels) + " " + where,
+              window == kShipped.window && levels == kShipped.levels && corners == kShipped.corners,
+              LucasKanade{full_frame, window, levels, corners, back_check});
         }
 }
 
@@ -367,6 +371,13 @@ void add_dense(List &list) {
 }
 
 } // namespace
+
+Configuration lucas_kanade_of(int points) {
+  LucasKanade knobs = kShipped;
+  knobs.corners = points;
+  return {"PyrLK crop", knob("corners", points), true, false,
+          [knobs] { return std::make_unique<PyrLk>(knobs); }};
+}
 
 std::vector<Configuration> peer_configurations(bool quick) {
   List list(quick);

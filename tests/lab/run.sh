@@ -41,7 +41,7 @@ data=$root/../shared/data
 [ -n "$clips" ] || [ ! -d "$data/video" ] || clips=$(folder "$data/video")
 
 if [ -z "${FEELING_WIND_BUILD:-}" ]; then
-  install_packages "${build_packages[@]}" "${test_packages[@]}" "${lab_packages[@]}" gnuplot-nox
+  install_packages "${run_packages[@]}" "${build_packages[@]}" "${test_packages[@]}" "${lab_packages[@]}"
   build=$root/build-lab
   echo "Building in $build ..."
   mkdir -p "$build"

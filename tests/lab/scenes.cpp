@@ -1,5 +1,7 @@
 #include "scenes.hpp"
 
+#include "h264.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -298,6 +300,40 @@ Movie saved_as_jpeg(Movie movie) {
   return movie;
 }
 
+Movie saved_as_h264(Movie movie) {
+  movie.h264_crf = 40;
+  return movie;
+}
+
+// The picture shifts and turns as a whole; the leaves in and around the region are in the wind too.
+Movie camera_shake(Random &random, int side) {
+  auto ground = leaves(random);
+  auto front = leaves(random);
+  const Vector shake = random_velocity(random, 2);
+  const double angle = random.uniform(-0.3, 0.3) * kDegree;
+  const Vector wind = on_circle(random, random.uniform(0.5, 2));
+  const double half = 0.75 * side;
+  const auto place = [=](Vector p, double time) { // where it was before the shake
+    const double c = std::cos(angle * time);
+    const double s = std::sin(angle * time);
+    return Vector(c * p.x + s * p.y, c * p.y - s * p.x);
+  };
+  return {.light =
+              [=](double time) {
+                const auto at = [=](Vector p) { return place(p, time); };
+                const auto blown = [=](Vector p) { return place(p, time) - wind * time; };
+                return compose(ground->render({shake * time, at}),
+                               front->render({shake * time, blown}), [=](double x, double y) {
+                                 const Vector p = blown(Vector(x, y) - shake * time);
+                                 return soft_step(half - std::abs(p.x), 1) *
+                                        soft_step(half - std::abs(p.y), 1);
+                               });
+              },
+          .velocity = shake + Vector(std::cos(angle) * wind.x - std::sin(angle) * wind.y,
+                                     std::sin(angle) * wind.x + std::cos(angle) * wind.y),
+          .spin = angle};
+}
+
 } // namespace
 
 DeadLeaves::DeadLeaves(Random &random, int window) : window_(window) {
@@ -441,7 +477,7 @@ std::vector<Scene> hard_scenes(int side) {
       return translation(r, velocity);
     };
   };
-  return {
+  std::vector<Scene> scenes = {
       {"still noise 1.5", still(1.5)},
       {"still noise 5", still(5)},
       {"still noise 10", still(10)},
@@ -499,7 +535,14 @@ std::vector<Scene> hard_scenes(int side) {
        }},
       {"interlaced", interlaced},
       {"rolling shutter", rolling_shutter},
+      {"camera shake", [=](Random &r) { return camera_shake(r, side); }},
   };
+  if (has_h264()) {
+    scenes.push_back(
+        {kRoundedMotion, [](Random &r) { return saved_as_h264(uniform_translation(r, 3)); }});
+    scenes.push_back({"h264 still", [](Random &r) { return saved_as_h264(translation(r, {})); }});
+  }
+  return scenes;
 }
 
 const Scene &scene_named(const std::vector<Scene> &scenes, const std::string &name) {
@@ -521,6 +564,17 @@ cv::Mat expose(const Movie &movie, double time, Random &random) {
     picture = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   }
   return picture;
+}
+
+std::array<cv::Mat, 2> expose_pair(const Movie &movie, Random &random) {
+  // The key picture is so many pictures before the pair.
+  const int before = movie.h264_crf > 0 ? 3 : 0;
+  std::vector<cv::Mat> clip;
+  for (int time = -before; time <= 1; ++time)
+    clip.push_back(expose(movie, time, random));
+  if (movie.h264_crf > 0)
+    clip = through_h264(clip, movie.h264_crf);
+  return {clip[clip.size() - 2], clip.back()};
 }
 
 cv::Mat embed(const cv::Mat &window, cv::Size size) {

@@ -3,6 +3,7 @@
 
 #include "random.hpp"
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -51,6 +52,7 @@ struct Movie {
   double divergence = 0;                       ///< per picture, mean relative rate of expansion
   double noise = kNoise;                       ///< grey levels
   int jpeg_quality = 0;                        ///< 0: not compressed
+  int h264_crf = 0;                            ///< 0: not compressed; only of a pair
   bool is_unseen = false; ///< the pictures do not show the motion: only silence is right
 };
 
@@ -59,8 +61,13 @@ struct Scene {
   std::function<Movie(Random &)> make;
 };
 
-/// Every failure mode that two pictures can show. The region is `side` px wide.
+/// Every failure mode that two pictures can show, those of H.264 where it is installed. The region
+/// is `side` px wide.
 std::vector<Scene> hard_scenes(int side);
+
+/// The scene whose pictures do not show quite the true motion but look as if they did, since an
+/// encoder moved them by quarters of a pixel: that no confidence can know.
+inline constexpr const char *kRoundedMotion = "h264 moving";
 
 /// By name; throws std::out_of_range where there is none.
 const Scene &scene_named(const std::vector<Scene> &scenes, const std::string &name);
@@ -73,8 +80,11 @@ Movie translation(Random &random, Vector velocity, double contrast = 1, int wind
 
 Vector on_circle(Random &random, double radius);
 
-/// What the camera stores: light, noise, 8-bit rounding, compression.
+/// What the camera stores: light, noise, 8-bit rounding, compression of each picture on its own.
 cv::Mat expose(const Movie &movie, double time, Random &random);
+
+/// The same at the times 0 and 1, after compression that predicts a picture from those before.
+std::array<cv::Mat, 2> expose_pair(const Movie &movie, Random &random);
 
 /// The window in the middle of a larger picture, mirrored to fill it.
 cv::Mat embed(const cv::Mat &window, cv::Size size);

@@ -1,11 +1,12 @@
-# What grows with what: cost with the sizes, error with displacement, phase, noise and contrast.
+# What grows with what: cost with the sizes and the points, error with points, displacement, phase,
+# noise and contrast.
 #
 #   gnuplot -c series.gp FOLDER PICTURE    (FOLDER holds series.csv; PICTURE ends with .svg or .png)
 if (ARGC != 2) { print "usage: gnuplot -c series.gp FOLDER PICTURE"; exit status 1 }
 load system("dirname '" . ARG0 . "'") . "/style.gp"
 table = ARG1 . "/series.csv"
 
-eval(terminal(ARG2, 1400, 1500))
+eval(terminal(ARG2, 1400, 1950))
 unset key
 set datafile missing NaN
 
@@ -13,30 +14,38 @@ of(series, method, value) = strcol("series") eq series && strcol("method") eq me
 # One line per method as shipped; the presets of DIS but the fastest are left out.
 methods = "'fast' 'method=opencv' 'PyrLK crop' 'PyrLK frame' 'RLOF' 'DIS fast' 'Farneback' 'phase correlation' 'ECC' 'block search'"
 
-set multiplot layout 3, 2 margins 0.08, 0.98, 0.10, 0.97 spacing 0.10, 0.08
+curves = 'for [g = told:1:-1] table using (of(series, word(methods, g), column("x"))):(column(what)) ' . \
+  'pointtype symbol[g] pointsize 0.8 linecolor rgb colour[g] linewidth (g == 1 ? 2.5 : 1.2) notitle'
+# Not drawn where it is no bound: even a loop from 1 to 0 would stretch the axis down to it.
+bound = 'table using (of(series, "bound", column("x"))):(column("error")) ' . \
+  'with lines dashtype 2 linecolor rgb "#444444" linewidth 1.5 notitle'
+
+set multiplot layout 4, 2 margins 0.08, 0.98, 0.08, 0.975 spacing 0.10, 0.062
 set style data linespoints
-do for [panel in "frame region displacement phase noise contrast"] {
+do for [panel in "frame region points accuracy displacement phase noise contrast"] {
   unset logscale
   set autoscale
   set format "%g"
-  what = panel eq "frame" || panel eq "region" ? "us_p50" : panel eq "phase" ? "bias" : "error"
+  series = panel eq "accuracy" ? "points" : panel
+  what = panel eq "frame" || panel eq "region" || panel eq "points" ? "us_p50" : panel eq "phase" ? "bias" : "error"
   set logscale y
   if (panel eq "frame" || panel eq "region" || panel eq "contrast") { set logscale x }
   set ylabel what eq "us_p50" ? "median time (µs)" : what eq "bias" ? "length of the mean error (px)" : "mean error (px)"
   if (panel eq "frame") { set title "Cost against the size of the picture, region 30 px"; set xlabel "million pixels" }
   if (panel eq "region") { set title "Cost against the side of the region"; set xlabel "px" }
+  if (series eq "points") { set logscale x 2; set xlabel "most points" }
+  if (panel eq "points") { set title "Cost against the number of points, region 60 px that turns by 5°" }
+  if (panel eq "accuracy") { set title "Error against the number of points, the same" }
   if (panel eq "displacement") { set title "Error against displacement"; set xlabel "px per picture" }
   if (panel eq "phase") { set title "Bias against the fraction of a pixel"; set xlabel "px" }
   if (panel eq "noise") { set title "Error against noise"; set xlabel "standard deviation (grey levels)" }
   if (panel eq "contrast") { set title "Error against contrast, noise 1.5"; set xlabel "of full contrast" }
-  bounds = what eq "error" ? 1 : 0
-  plot for [g = 10:1:-1] table using (of(panel, word(methods, g), column("x"))):(column(what)) \
-      pointtype symbol[g] pointsize 0.8 linecolor rgb colour[g] linewidth (g == 1 ? 2.5 : 1.2) notitle, \
-    for [k = 1:bounds] table using (of(panel, "bound", column("x"))):(column("error")) with lines dashtype 2 linecolor rgb "#444444" linewidth 1.5 notitle
+  told = series eq "points" ? 3 : 10 # the first three can be told how many
+  eval("plot " . curves . (what eq "error" && series ne "points" ? ", " . bound : ""))
 }
 
 unset logscale; unset xlabel; unset ylabel; unset title; unset border; unset tics; unset grid
-set lmargin at screen 0.05; set rmargin at screen 0.95; set bmargin at screen 0.005; set tmargin at screen 0.06
+set lmargin at screen 0.05; set rmargin at screen 0.95; set bmargin at screen 0.005; set tmargin at screen 0.045
 set key center center horizontal maxrows 2 samplen 2 width 1
 set xrange [0:1]; set yrange [0:1]
 plot for [g = 1:10] NaN with linespoints pointtype symbol[g] linecolor rgb colour[g] linewidth (g == 1 ? 2.5 : 1.2) title word(methods, g), \

@@ -1,6 +1,7 @@
 // Every way in which trackers fail, as far as it concerns the tracker and the average over its
 // patches, with the bound that the default must keep. Errors are end-point errors of the velocity
 // of the region in pixels per picture, means over random scenes unless said otherwise.
+#include "h264.hpp"
 #include "methods.hpp"
 #include "region.hpp"
 #include "scenes.hpp"
@@ -25,6 +26,8 @@ constexpr int kSide = 30;
 constexpr int kCases = 120;
 const cv::Size kPicture(352, 288);
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr const char *kNoH264 =
+    "gstreamer1.0-plugins-ugly (x264enc) or gstreamer1.0-libav (avdec_h264) is not installed";
 
 // The force in mN that a velocity gives by the paper's law: 1 N at most, half of it at 100 px/s, 30
 // pictures a second.
@@ -56,10 +59,10 @@ std::vector<Shot> pairs_of(const Make &make, std::uint64_t seed, int cases = kCa
   std::vector<Shot> shots;
   for (int i = 0; i < cases; ++i) {
     const Movie movie = make(random);
-    const cv::Mat previous = embed(expose(movie, 0, random), kPicture);
-    const cv::Mat current = embed(expose(movie, 1, random), kPicture);
-    shots.push_back({look(*make_default(), previous, current, false, side), movie.velocity,
-                     cramer_rao_bound(movie.light(0), side, movie.noise), movie.is_unseen});
+    const auto [previous, current] = expose_pair(movie, random);
+    shots.push_back(
+        {look(*make_default(), embed(previous, kPicture), embed(current, kPicture), false, side),
+         movie.velocity, cramer_rao_bound(movie.light(0), side, movie.noise), movie.is_unseen});
   }
   return shots;
 }
@@ -179,6 +182,13 @@ TEST(Stability, AJpegOfAStillSceneIsStill) {
   EXPECT_GE(share(shots, [](const Shot &s) { return cv::norm(s.reading.velocity) == 0; }), 0.99);
 }
 
+TEST(Stability, AnH264VideoOfAStillSceneIsStill) {
+  if (!has_h264())
+    GTEST_SKIP() << kNoH264;
+  const auto shots = pairs("h264 still");
+  EXPECT_GE(share(shots, [](const Shot &s) { return cv::norm(s.reading.velocity) == 0; }), 0.99);
+}
+
 TEST(Stability, APointerThatMovesOverAPictureThatDoesNotFeelsNothing) {
   Random random(3);
   for (int scene = 0; scene < 10; ++scene) {
@@ -291,6 +301,38 @@ TEST(Stability, AJpegThatMoves) {
   expect_accurate(pairs("jpeg moving"), Unreached{.target = 0.02, .reached = 0.023});
 }
 
+TEST(Stability, AnH264VideoThatMoves) {
+  if (!has_h264())
+    GTEST_SKIP() << kNoH264;
+  expect_accurate(pairs(kRoundedMotion, 1, 40), Unreached{.target = 0.02, .reached = 0.15});
+}
+
+TEST(Stability, WhatH264RoundsInOnePictureItMakesGoodInTheNext) {
+  if (!has_h264())
+    GTEST_SKIP() << kNoH264;
+  constexpr int kPictures = 14;
+  constexpr int kSettling = 4; // pictures after the key picture
+  Random random(22);
+  std::vector<double> drifts;
+  for (int scene = 0; scene < 16; ++scene) {
+    const Movie movie = uniform_translation(random, 2);
+    std::vector<cv::Mat> clip;
+    for (int time = 0; time < kPictures; ++time)
+      clip.push_back(expose(movie, time, random));
+    clip = through_h264(clip, 40);
+    const auto method = make_default();
+    Vector sum;
+    for (std::size_t i = kSettling + 1; i < clip.size(); ++i)
+      sum +=
+          look(*method, embed(clip[i - 1], kPicture), embed(clip[i], kPicture), i > kSettling + 1)
+              .velocity -
+          movie.velocity;
+    drifts.push_back(cv::norm(sum) / (kPictures - kSettling - 1));
+  }
+  std::cout << "error of the mean over nine pictures " << mean(drifts) << " px\n";
+  EXPECT_LE(mean(drifts), 0.025);
+}
+
 TEST(Stability, CombedLinesOfAnInterlacedPicture) {
   expect_accurate(pairs("interlaced"), Unreached{.target = 0.05, .reached = 0.062});
 }
@@ -391,12 +433,23 @@ TEST(Stability, ATurnAboutThePointerIsNoTranslation) {
 }
 
 TEST(Stability, AZoomAboutThePointerIsNoTranslation) {
-  expect_accurate(pairs("zoom"), 0.03);
+  std::vector<double> off;
+  const auto shots = pairs("zoom");
+  for (const Shot &shot : shots)
+    if (shot.is_measured())
+      off.push_back(std::abs(shot.reading.divergence - 0.05));
+  expect_accurate(shots, 0.03);
+  EXPECT_LE(mean(off), 0.2 * kDegree); // as much as a turn may be off, in radians
 }
 
 TEST(Stability, ALeafThatIsSqueezedOrBends) {
   expect_accurate(pairs("affine"), 0.05);
   expect_accurate(pairs("curl"), Unreached{.target = 0.05, .reached = 0.061});
+}
+
+TEST(Stability, TheShakeOfTheCameraIsFeltWithTheWind) {
+  // The region alone cannot tell one from the other.
+  expect_accurate(pairs("camera shake", 1, 40), 0.03);
 }
 
 TEST(Stability, OfTwoMotionsTheMeanByAreaIsFelt) {
@@ -612,12 +665,15 @@ struct Answers {
 Answers answers_to_all_scenes() {
   Answers answers;
   std::uint64_t seed = 20;
-  for (const Scene &scene : hard_scenes(kSide))
+  for (const Scene &scene : hard_scenes(kSide)) {
+    if (scene.name == kRoundedMotion)
+      continue;
     for (const Shot &shot : pairs_of(scene.make, seed++, 40)) {
       answers.confidences.push_back(shot.reading.confidence);
       answers.errors.push_back(shot.is_unseen ? std::numeric_limits<double>::infinity()
                                               : shot.error());
     }
+  }
   return answers;
 }
 

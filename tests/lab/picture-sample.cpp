@@ -1,0 +1,22 @@
+#include "picture-sample.hpp"
+
+#include <gst/video/video.h>
+#include <stdexcept>
+
+namespace lab {
+
+cv::Mat luma_of(GstSample *sample) {
+  GstVideoInfo info;
+  GstVideoFrame frame;
+  if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
+      !gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
+    throw std::runtime_error("a picture of a clip cannot be read");
+  const cv::Mat mapped(GST_VIDEO_FRAME_HEIGHT(&frame), GST_VIDEO_FRAME_WIDTH(&frame), CV_8UC1,
+                       GST_VIDEO_FRAME_PLANE_DATA(&frame, 0),
+                       static_cast<std::size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)));
+  cv::Mat picture = mapped.clone();
+  gst_video_frame_unmap(&frame);
+  return picture;
+}
+
+} // namespace lab
