@@ -63,7 +63,7 @@ private:
   void follow_strain(std::span<Alignment> aligned);
 
   const FastTrackerOptions options_;
-  int max_points_ = kMaxPatches;
+  int max_points_ = kUsualPatches;
   bool have_previous_ = false; // current_ holds the picture that comes next as the earlier one
   Rectangle last_crop_;
   Pyramid previous_;

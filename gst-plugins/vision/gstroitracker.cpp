@@ -51,7 +51,6 @@ enum PropertyId : guint {
 };
 
 constexpr guint kLargestRoi = 8192; // px
-constexpr guint kDefaultMaxPoints = 32;
 
 GParamSpec *properties[kPropertyCount];
 
@@ -91,7 +90,7 @@ struct State {
   std::optional<Force> force; // on the device, as it reported last
   Clock::time_point force_reported;
   guint roi_size = 0;
-  guint max_points = kDefaultMaxPoints;
+  guint max_points = haptic::kUsualPatches;
   Method method = kDefaultMethod;
   int picture_width = 0; // 0: no caps yet
   int picture_height = 0;
@@ -685,7 +684,7 @@ static void install_properties(GObjectClass *object_class) {
                                           method_type(), static_cast<gint>(kDefaultMethod), usual);
   properties[kMaxPoints] = g_param_spec_uint("max-points", "Maximum Points",
                                              "Most points that are tracked in the region", 1,
-                                             haptic::kMaxPatches, kDefaultMaxPoints, usual);
+                                             haptic::kMaxPatches, haptic::kUsualPatches, usual);
   properties[kStats] = g_param_spec_boxed(
       "stats", "Statistics",
       "Pictures so far, how many of them were measured, still or duplicates, mean number of points "

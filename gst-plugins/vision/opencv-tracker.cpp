@@ -194,7 +194,7 @@ private:
     measurement.add(patch);
   }
 
-  int max_points_ = 20;
+  int max_points_ = kUsualPatches;
 
   // Kept from picture to picture for their memory alone.
   std::vector<cv::Mat> previous_pyramid_;

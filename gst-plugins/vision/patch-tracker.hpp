@@ -15,6 +15,7 @@ namespace haptic {
 using Patch = GstHapticPatch;
 
 inline constexpr int kMaxPatches = 64;
+inline constexpr int kUsualPatches = 20; ///< as the lab measures it
 
 /// Standard deviation of the noise that a camera's picture is assumed to have, 8-bit grey levels.
 inline constexpr float kAssumedNoise = 1.5F;

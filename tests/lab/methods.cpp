@@ -15,7 +15,7 @@ haptic::LumaView view(const cv::Mat &picture, const haptic::Rectangle &crop) {
 
 struct Knobs {
   haptic::FastTrackerOptions options{};
-  int points = kDefaultPoints;
+  int points = haptic::kUsualPatches;
   haptic::Average average = haptic::Average::model;
   haptic::ModelChoice choice = haptic::ModelChoice::automatic;
 };
@@ -46,7 +46,7 @@ std::string text_of_points(int points) {
 
 void add_opencv(std::vector<Configuration> &list, int points) {
   list.push_back(
-      {"method=opencv", text_of_points(points), false, points == kDefaultPoints, [points] {
+      {"method=opencv", text_of_points(points), false, points == haptic::kUsualPatches, [points] {
          auto tracker = haptic::make_opencv_tracker();
          tracker->set_max_points(points);
          return std::make_unique<TrackerMethod>(std::move(tracker));
@@ -131,7 +131,7 @@ std::vector<Configuration> configurations(bool quick) {
     add_fast(list, "model=similarity", {.choice = haptic::ModelChoice::similarity});
     add_fast(list, "model=affine", {.choice = haptic::ModelChoice::affine});
   }
-  for (const int points : quick ? std::vector{kDefaultPoints} : std::vector{8, 20, 32})
+  for (const int points : quick ? std::vector{haptic::kUsualPatches} : std::vector{8, 20, 32})
     add_opencv(list, points);
   std::ranges::move(peer_configurations(quick), std::back_inserter(list));
   return list;

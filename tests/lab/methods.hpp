@@ -66,9 +66,6 @@ private:
   haptic::Measurement measurement_;
 };
 
-/// The element's number of points.
-inline constexpr int kDefaultPoints = 20;
-
 std::unique_ptr<Method> make_default();
 
 /// Every configuration of the sweep; `quick`: the defaults and a few more.

@@ -114,8 +114,11 @@ struct LucasKanade {
 };
 
 // As OpenCV ships it.
-constexpr LucasKanade kShipped{
-    .full_frame = false, .window = 21, .levels = 4, .corners = kDefaultPoints, .back_check = false};
+constexpr LucasKanade kShipped{.full_frame = false,
+                               .window = 21,
+                               .levels = 4,
+                               .corners = haptic::kUsualPatches,
+                               .back_check = false};
 
 class PyrLk final : public Method {
 public:
@@ -155,7 +158,7 @@ public:
   }
   Reading measure(const Task &task) override {
     return follow(
-        crop(task), kDefaultPoints, false,
+        crop(task), haptic::kUsualPatches, false,
         [&](const cv::Mat &from, const cv::Mat &to, const auto &start, auto &end, auto &found) {
           cv::optflow::calcOpticalFlowSparseRLOF(from, to, start, end, found, cv::noArray(),
                                                  parameters_);
