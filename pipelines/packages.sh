@@ -54,6 +54,7 @@ test_packages=(
   xdotool
   python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording
+  parallel # runs author-cluster.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
   libjson-glib-dev        # the lab
 )

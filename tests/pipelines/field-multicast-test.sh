@@ -3,10 +3,8 @@
 
 source "$(dirname "$0")/support.sh"
 
-for element in motionfield rtpklvpay; do
-  gst-inspect-1.0 --exists "$element" || skip "there is no element $element"
-done
-gst-inspect-1.0 hapticconvert | grep 'layout: field' >/dev/null || skip "hapticconvert does not take fields"
+use_elements motionfield hapticconvert
+gst-inspect-1.0 --exists rtpklvpay || skip "there is no element rtpklvpay"
 
 # The left half moves up, the right one down.
 clip "$work/apart.mkv" 352 288 30 5 halves:0,-100,0,100

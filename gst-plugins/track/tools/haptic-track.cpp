@@ -81,9 +81,14 @@ unsigned parse_count(const std::string &option, const std::string &text, unsigne
 
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
+  bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string &word = words[i];
-    if (word == "--force") {
+    if (options_end) {
+      arguments.files.push_back(word);
+    } else if (word == "--") {
+      options_end = true;
+    } else if (word == "--force") {
       arguments.force = true;
     } else if (word == "--from" || word == "--to") {
       if (++i == words.size())
