@@ -7,7 +7,7 @@ run_packages=(
   gstreamer1.0-tools        # gst-launch-1.0, gst-inspect-1.0
   gstreamer1.0-plugins-base # decodebin, videoconvert, videotestsrc
   gstreamer1.0-plugins-good # avidemux, jpegdec, v4l2src, autovideosink, progressreport
-  gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse
+  gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse, y4mdec
   gstreamer1.0-plugins-ugly # x264enc
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
   gstreamer1.0-x            # video windows
@@ -53,7 +53,7 @@ test_packages=(
   xauth # xvfb-run needs it
   xdotool
   python3-gi gir1.2-gstreamer-1.0 # the example in Python
-  ffmpeg # remuxes a recording
+  ffmpeg # remuxes a recording; moving-picture.sh
   parallel # runs author-cluster.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
   libjson-glib-dev        # the lab

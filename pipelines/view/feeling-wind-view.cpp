@@ -51,6 +51,13 @@ void complain(const std::string &text) {
   std::fprintf(stderr, "feeling-wind-view: %s\n", text.c_str());
 }
 
+// Why nothing is seen, with what helps where GStreamer's words do not say it.
+std::string no_picture(const GError &error) {
+  const bool of_stream = error.domain == GST_STREAM_ERROR;
+  return std::string("no picture can be shown: ") + error.message +
+         (of_stream ? " Is it a video, and is its decoder installed (gstreamer1.0-libav)?" : "");
+}
+
 ElementPtr find(GstElement *pipeline, const char *factory) {
   GstIterator *elements = gst_bin_iterate_recurse(GST_BIN(pipeline));
   GValue item = G_VALUE_INIT;
@@ -224,13 +231,15 @@ void View::take(GstMessage *message) {
   case GST_MESSAGE_ERROR: {
     gst_message_parse_error(message, &error, nullptr);
     const ErrorPtr owned(error);
-    fail(shown_ ? std::string(error->message)
-                : std::string("no picture can be shown: ") + error->message);
+    fail(shown_ ? error->message : no_picture(*error));
     break;
   }
   case GST_MESSAGE_WARNING: {
     gst_message_parse_warning(message, &error, nullptr);
     const ErrorPtr owned(error);
+    // An error follows, which is told.
+    if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
+      break;
     complain(error->message);
     note(error->message);
     break;

@@ -71,7 +71,7 @@ refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive field-multicast; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive field-multicast author-cluster view moving-picture paper; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"

@@ -79,6 +79,8 @@ fails_with() {
 }
 promise "without a display it says so" fails_with "there is no display for the window" \
   env -u DISPLAY -u WAYLAND_DISPLAY "$root/pipelines/view.sh" "$0"
+promise "nor does one help that does not answer" fails_with "there is no display for the window" \
+  env -u WAYLAND_DISPLAY DISPLAY=:4321 "$root/pipelines/view.sh" --test-source
 promise "a missing file is named" fails_with "there is no file 'missing.mp4'" \
   env DISPLAY=:0 "$root/pipelines/view.sh" missing.mp4
 
@@ -87,8 +89,14 @@ command -v xdotool >/dev/null || skip "xdotool is not installed"
 gst-inspect-1.0 --exists gtksink || skip "gtksink is not installed (package gstreamer1.0-gtk3)"
 
 gst-launch-1.0 -q audiotestsrc num-buffers=20 ! wavenc ! filesink "location=$work/sound.wav"
-promise "a file without pictures is refused" fails_with "no picture can be shown" \
+promise "a file without pictures is refused" fails_with "no picture can be shown.*Is it a video" \
   in_window_system timeout 20 "$root/pipelines/view.sh" "$work/sound.wav"
+promise "by one sentence" test "$(grep -c '^feeling-wind-view: ' "$work/output")" = 1
+promise "so is a video of no pictures" fails_with "the video holds no pictures" \
+  in_window_system timeout 20 "$build/pipelines/view/feeling-wind-view" videotestsrc num-buffers=0 ! roitracker \
+  ! tee name=t t. ! queue ! videoconvert ! hapticoverlay ! gtksink t. ! queue ! velocityavg ! hapticsink device=sim
+promise "so is a joystick that is none" fails_with "is no input device" \
+  in_window_system timeout 20 "$root/pipelines/view.sh" --test-source -- device=evdev:/dev/null
 promise "100 wide pictures a second are shown until Ctrl-C" \
   in_window_system timeout --foreground --preserve-status -k 10 -s INT 2.5 \
   "$build/pipelines/view/feeling-wind-view" --verbose videotestsrc is-live=true ! \
