@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# A hand feels the same from the coded field of the whole picture as from the tracker under it: rms of the difference
+# of both forces, of a full force of 1 N, on the real videos in the folder $FIELD_CLIPS.
+
+source "$(dirname "$0")/support.sh"
+use_elements roitracker velocityavg motionfield hapticconvert hapticsink
+
+# `force CLIP HAND LOG ELEMENTS`: what a hand resting there feels.
+force() {
+  local clip=$1 hand=$2 log=$3
+  shift 3
+  gst-launch-1.0 -q filesrc "location=$clip" ! decodebin ! videoconvert ! "$@" \
+    ! hapticsink device=sim "sim-hand=hold:$hand,0" "log-location=$log"
+}
+
+# Both at once, which share the video's time.
+compare() {
+  local clip=$1 hand=$2
+  force "$clip" "$hand" "$work/direct.csv" roitracker ! velocityavg &
+  force "$clip" "$hand" "$work/field.csv" motionfield ! hapticconvert ! meta/x-klv ! hapticconvert || return 1
+  wait $! || return 1
+  awk -F, '
+    FNR == 1 { next }
+    NR == FNR { x[int($1 * 1000 + 0.5)] = $8; y[int($1 * 1000 + 0.5)] = $9; next }
+    { t = int($1 * 1000 + 0.5) }
+    t in x { n++; off += ($8 - x[t]) ^ 2 + ($9 - y[t]) ^ 2; felt += x[t] ^ 2 + y[t] ^ 2 }
+    END {
+      off = sqrt(off / n); felt = sqrt(felt / n)
+      printf "%.1f %% of the full force apart, where %.1f %% are felt\n", 100 * off, 100 * felt
+      exit !(n > 2000 && felt > 0 && off <= 0.05)
+    }' "$work/direct.csv" "$work/field.csv"
+}
+
+clips=("${FIELD_CLIPS:-}"/*.mp4)
+[ -f "${clips[0]}" ] || skip "there are no videos in the folder '${FIELD_CLIPS:-}'"
+for clip in "${clips[@]}"; do
+  for hand in ${FIELD_HANDS:-0.2,0.3}; do
+    promise "${clip##*/} at $hand" compare "$clip" "$hand"
+  done
+done
