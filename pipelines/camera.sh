@@ -3,7 +3,7 @@
 #
 #   gst-launch-1.0 v4l2src device=/dev/video0 ! video/x-raw,framerate=30/1 \
 #       ! queue leaky=downstream max-size-buffers=1 ! videoconvert ! roitracker ! tee name=t \
-#       t. ! queue ! videoconvert ! autovideosink \
+#       t. ! queue ! videoconvert ! hapticoverlay ! autovideosink \
 #       t. ! queue ! velocityavg ! hapticsink
 #
 # The source is live, so hapticsink gives each sample to the hand at once instead of waiting for the

@@ -91,9 +91,10 @@ camera_pictures=(
   ! queue leaky=downstream max-size-buffers=1 ! decodebin ! videoconvert
 )
 
-# Parts of a gst-launch line between roitracker and velocityavg that show the picture in a window.
+# Parts of a gst-launch line between roitracker and velocityavg that show the picture in a window, the first
+# with what is measured and felt.
 # Each branch of the tee needs a queue of its own, otherwise the pipeline never starts.
-window_branch=(tee name=t t. ! queue ! videoconvert ! autovideosink t. ! queue !)
+window_branch=(tee name=t t. ! queue ! videoconvert ! hapticoverlay ! autovideosink t. ! queue !)
 
 # Of a file, which is read as fast as the window takes it: longer queues would let the tracker run ahead
 # of what is seen, and what the hand points at would be felt a second later.

@@ -12,7 +12,7 @@
 #   --seconds N           end after N seconds (a camera: 30; a file: at its end)
 #   --device DEVICE       sim (default): a simulated SPIDAR-G whose hand wanders about
 #                         usb or usb:ID: a real one; auto: a real one if there is one
-#   --show                show the picture in a window, where there is a display
+#   --show                show the picture in a window, with what is measured and felt, where there is a display
 #   --output DIR          where the results go (demo-output)
 #   --help
 

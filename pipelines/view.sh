@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A window with the video, what is measured and felt drawn over it, and a strip of velocity and force below.
-# The mouse over the video points; the simulated device computes the force.
+# The mouse over the video points; the simulated device computes the force. Installs Debian packages and builds the
+# plugins the first time.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
 #       ! roitracker pointer-source=navigation ! tee name=t \
@@ -53,10 +54,20 @@ case " ${sink_options[*]}" in
 *' device='*) pointer=auto ;;
 esac
 
-use_elements hapticoverlay
+# Packages and build, unless the caller brought a finished build.
+set_up() {
+  [ -z "${FEELING_WIND_BUILD:-}" ] ||
+    fail "feeling-wind-view is not in the build '$build'; as root run: apt-get install ${view_packages[*]}, then build again"
+  install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}"
+  if [ -f "$build/build.ninja" ]; then # of a time without the packages
+    meson setup --reconfigure "$build" >"$build/build.log" 2>&1 || build_failed "$build/build.log"
+  fi
+  build_plugins
+}
+
 program=$build/pipelines/view/feeling-wind-view
-[ -x "$program" ] || program=$(command -v feeling-wind-view) ||
-  fail "feeling-wind-view is not built; as root run: apt-get install ${view_packages[*]}, then build again"
+[ -x "$program" ] || program=$(command -v feeling-wind-view) || { set_up && program=$build/pipelines/view/feeling-wind-view; }
+use_elements hapticoverlay
 
 line=("${pictures[@]}" ! roitracker "pointer-source=$pointer" ! tee name=t
   t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay ! gtksink

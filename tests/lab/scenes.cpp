@@ -358,8 +358,11 @@ DeadLeaves::DeadLeaves(Random &random, int window) : window_(window) {
     const int bottom = std::min(side - 1, static_cast<int>(std::floor(centre_y + r)));
     for (int y = top; y <= bottom; ++y) {
       const double half = std::sqrt(std::max(0.0, r * r - (y - centre_y) * (y - centre_y)));
-      const int left = std::max(0, static_cast<int>(std::ceil(centre_x - half)));
-      const int right = std::min(side - 1, static_cast<int>(std::floor(centre_x + half)));
+      // Rounded by cutting off, which is several times faster: most of the time goes here.
+      const double from = std::max(0.0, centre_x - half);
+      const double to = std::min(side - 1.0, centre_x + half);
+      const int left = static_cast<int>(from) + (from > static_cast<int>(from));
+      const int right = to < 0 ? -1 : static_cast<int>(to);
       if (left <= right)
         std::fill_n(fine_.ptr(y) + left, right - left + 1, grey);
     }
