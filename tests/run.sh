@@ -130,7 +130,8 @@ leaks_can_be_found() {
 statistics=(
   '*.F20_*' '*.F27_*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
   'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
-  'FastTrackerLimits.AfterTheFirstPicturesNothingIsAllocated'
+  '*TrackerLimits.AfterTheFirstPicturesNothingIsAllocated' 'FastTracker.ChangesOfGainAndOffsetDoNotMoveAnything'
+  'PoseSolver.TheOrientationStaysARotation*' 'TensionSolver.AgreesWithBruteForce*'
   'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
   '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
 )
