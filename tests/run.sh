@@ -87,7 +87,8 @@ in_idle_time() {
 }
 
 # `run_meson_tests FOLDER OPTION...` adds up what meson counted. What failed among the tests that play in real time runs
-# once more, alone: another machine on the same processor may have held this one up. A wrong force is wrong again.
+# once more, alone, without a build beside it: on a shared processor a picture may come too late to be felt in full.
+# A wrong force is wrong again.
 run_meson_tests() {
   local folder=$1 report=$1/test-report.txt before=$failed status=0 again
   shift
@@ -96,6 +97,7 @@ run_meson_tests() {
   mapfile -t again < <(sed -nE \
     's|^ *[0-9]+/[0-9]+ feeling-wind:(elements\|faults\|usb\|pipelines\|docs) / ([^ ]+) +(FAIL\|TIMEOUT).*|\2|p' "$report" | sort -u)
   if [ ${#again[@]} -gt 0 ]; then
+    while [ -n "${sanitized:-}" ] && kill -0 "$sanitized" 2>/dev/null; do sleep 1; done # what builds meanwhile
     step "Once more, alone: ${again[*]}"
     meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes 1 "$@" "${again[@]}" 2>&1 | tee "$report" ||
       true
