@@ -11,17 +11,27 @@ namespace haptic {
 struct Releaser {
   void operator()(GstBuffer *buffer) const noexcept { gst_buffer_unref(buffer); }
   void operator()(GstCaps *caps) const noexcept { gst_caps_unref(caps); }
+  void operator()(GstElement *element) const noexcept { gst_object_unref(element); }
+  void operator()(GstPad *pad) const noexcept { gst_object_unref(pad); }
+  void operator()(GstBus *bus) const noexcept { gst_object_unref(bus); }
   void operator()(GstEvent *event) const noexcept { gst_event_unref(event); }
+  void operator()(GstMessage *message) const noexcept { gst_message_unref(message); }
   void operator()(GstQuery *query) const noexcept { gst_query_unref(query); }
   void operator()(GstStructure *structure) const noexcept { gst_structure_free(structure); }
+  void operator()(GError *error) const noexcept { g_error_free(error); }
   void operator()(gchar *text) const noexcept { g_free(text); }
 };
 
 using BufferPtr = std::unique_ptr<GstBuffer, Releaser>;
 using CapsPtr = std::unique_ptr<GstCaps, Releaser>;
+using ElementPtr = std::unique_ptr<GstElement, Releaser>;
+using PadPtr = std::unique_ptr<GstPad, Releaser>;
+using BusPtr = std::unique_ptr<GstBus, Releaser>;
 using EventPtr = std::unique_ptr<GstEvent, Releaser>;
+using MessagePtr = std::unique_ptr<GstMessage, Releaser>;
 using QueryPtr = std::unique_ptr<GstQuery, Releaser>;
 using StructurePtr = std::unique_ptr<GstStructure, Releaser>;
+using ErrorPtr = std::unique_ptr<GError, Releaser>;
 using GCharPtr = std::unique_ptr<gchar, Releaser>;
 
 /// Holds a GstObject's lock for a scope. Never call into another element while it is held.

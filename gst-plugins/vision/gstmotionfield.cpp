@@ -1,5 +1,6 @@
 #include "gstmotionfield.h"
 
+#include "buffer-timeline.hpp"
 #include "exception-barrier.hpp"
 #include "field-tracker.hpp"
 #include "gst-raii.hpp"
@@ -7,7 +8,6 @@
 #include "mapped-picture.hpp"
 #include "motion-field.hpp"
 #include "picture-caps.hpp"
-#include "picture-timeline.hpp"
 #include "repetition.hpp"
 
 #include <algorithm>
@@ -36,11 +36,10 @@ struct State {
   GstVideoInfo picture; // of the caps
   haptic::FieldShape shape;
   haptic::FieldTracker tracker;
-  haptic::PictureTimeline timeline;
+  haptic::BufferTimeline timeline;
   haptic::RepetitionJudge repetition;
   MotionField field; // a duplicate picture repeats its cells
   std::vector<std::uint8_t> scratch;
-  bool told_about_time = false;
 
   void forget_pictures() {
     repetition.forget();
@@ -111,15 +110,6 @@ bool read(State &state, GstBuffer *buffer) {
   return true;
 }
 
-void tell_once_about_time(GstMotionField *self, GstClockTime pts, const char *fault) {
-  if (std::exchange(self->state->told_about_time, true))
-    return;
-  GST_WARNING_OBJECT(self,
-                     "%s (at %" GST_TIME_FORMAT "): no motion is measured across it. Further ones "
-                     "are not reported",
-                     fault, GST_TIME_ARGS(pts));
-}
-
 // From the reference to the picture that was just read. False: that is the reference once more and
 // does not take its place, so that the next interval spans both, as its motion does.
 bool compare(State &state) {
@@ -148,17 +138,8 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
   MotionField &field = state.field;
   field.interval = 0;
   field.flags = 0;
-  // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
-  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
-  if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
-    state.forget_pictures();
-
-  std::optional<guint64> pts;
-  if (GST_BUFFER_PTS_IS_VALID(buffer))
-    pts = GST_BUFFER_PTS(buffer);
-  const haptic::TimeStep step = state.timeline.advance(pts, descending);
-  if (step.fault)
-    tell_once_about_time(self, GST_BUFFER_PTS(buffer), step.fault);
+  const haptic::TimeStep step =
+      state.timeline.advance(GST_BASE_TRANSFORM(self), GST_CAT_DEFAULT, buffer);
   if (step.kind == haptic::TimeStep::Kind::repeats) {
     std::ranges::fill(field.cells, haptic::FieldCell{});
     return true;
@@ -261,7 +242,7 @@ static gboolean gst_motion_field_propose_allocation(GstBaseTransform *, GstQuery
 }
 
 static gboolean gst_motion_field_start(GstBaseTransform *trans) {
-  GST_MOTION_FIELD(trans)->state->told_about_time = false;
+  GST_MOTION_FIELD(trans)->state->timeline.tell_again();
   return TRUE;
 }
 

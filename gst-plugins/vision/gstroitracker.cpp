@@ -1,12 +1,12 @@
 #include "gstroitracker.h"
 
+#include "buffer-timeline.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
 #include "mapped-picture.hpp"
 #include "patch-tracker.hpp"
-#include "picture-timeline.hpp"
 #include "pointer-arbiter.hpp"
 #include "pointer-event.hpp"
 #include "repetition.hpp"
@@ -99,7 +99,7 @@ struct State {
   // Streaming thread only, or while it is stopped.
   Method tracker_method = kDefaultMethod;
   std::unique_ptr<haptic::PatchTracker> tracker = make_tracker(kDefaultMethod);
-  haptic::PictureTimeline timeline;
+  haptic::BufferTimeline timeline;
   haptic::RepetitionJudge repetition;
   haptic::RegionSize region_size;
   haptic::BufferPtr reference; // the earlier picture
@@ -109,7 +109,6 @@ struct State {
   std::vector<std::uint8_t> previous_scratch;
   std::vector<std::uint8_t> current_scratch;
   Pointer notified_pointer;
-  bool told_about_time = false;
   bool told_about_tracker = false;
 
   void forget_motion() {
@@ -201,15 +200,6 @@ GstStructure *make_stats(GstRoiTracker *self) {
 
 // Reading the picture
 
-void tell_once_about_time(GstRoiTracker *self, GstClockTime pts, const char *fault) {
-  if (std::exchange(self->state->told_about_time, true))
-    return;
-  GST_WARNING_OBJECT(self,
-                     "%s (at %" GST_TIME_FORMAT "): no motion is measured across it. Further ones "
-                     "are not reported",
-                     fault, GST_TIME_ARGS(pts));
-}
-
 // One picture that the tracker cannot digest is a gap, not the end of the stream.
 void run_tracker(GstRoiTracker *self, const haptic::CropPair &pair, GstBuffer *buffer) {
   State &state = *self->state;
@@ -281,17 +271,8 @@ std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rec
                                const Settings &settings) {
   State &state = *self->state;
   state.measurement.clear();
-  // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
-  const bool descending = GST_BASE_TRANSFORM(self)->segment.rate < 0;
-  if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
-    state.forget_pictures();
-
-  std::optional<guint64> pts;
-  if (GST_BUFFER_PTS_IS_VALID(buffer))
-    pts = GST_BUFFER_PTS(buffer);
-  const haptic::TimeStep step = state.timeline.advance(pts, descending);
-  if (step.fault)
-    tell_once_about_time(self, GST_BUFFER_PTS(buffer), step.fault);
+  const haptic::TimeStep step =
+      state.timeline.advance(GST_BASE_TRANSFORM(self), GST_CAT_DEFAULT, buffer);
 
   switch (step.kind) {
   case haptic::TimeStep::Kind::repeats:
@@ -560,7 +541,7 @@ static gboolean gst_roi_tracker_propose_allocation(GstBaseTransform *trans, GstQ
 static gboolean gst_roi_tracker_start(GstBaseTransform *trans) {
   return guarded(trans, FALSE, [&] {
     State &state = *GST_ROI_TRACKER(trans)->state;
-    state.told_about_time = false;
+    state.timeline.tell_again();
     state.told_about_tracker = false;
     const ObjectLock lock(trans);
     state.statistics = {};

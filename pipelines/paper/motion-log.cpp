@@ -138,30 +138,24 @@ int fail(const std::string &text) {
   return 1;
 }
 
-struct ObjectReleaser {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-
 int run(const std::string &folder, const char *line) {
   GError *error = nullptr;
-  const std::unique_ptr<GstElement, ObjectReleaser> pipeline(gst_parse_launch(line, &error));
-  const std::unique_ptr<GError, decltype(&g_error_free)> owned(error, g_error_free);
+  const haptic::ElementPtr pipeline(gst_parse_launch(line, &error));
+  const haptic::ErrorPtr owned(error);
   if (error)
     return fail(error->message);
   if (!pipeline || !GST_IS_BIN(pipeline.get()))
     return fail("the line is not a pipeline");
-  const std::unique_ptr<GstElement, ObjectReleaser> tracker(
-      gst_bin_get_by_name(GST_BIN(pipeline.get()), "tracker"));
+  const haptic::ElementPtr tracker(gst_bin_get_by_name(GST_BIN(pipeline.get()), "tracker"));
   if (!tracker)
     return fail("no element of the line is called tracker");
   Log log(folder);
-  const std::unique_ptr<GstPad, ObjectReleaser> pad(
-      gst_element_get_static_pad(tracker.get(), "src"));
+  const haptic::PadPtr pad(gst_element_get_static_pad(tracker.get(), "src"));
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, on_buffer, &log, nullptr);
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, on_event, &log, nullptr);
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, on_upstream, &log, nullptr);
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-  const std::unique_ptr<GstBus, ObjectReleaser> bus(gst_element_get_bus(pipeline.get()));
+  const haptic::BusPtr bus(gst_element_get_bus(pipeline.get()));
   GstMessage *message =
       gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
                                  static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));

@@ -8,6 +8,7 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "playback.hpp"
+#include "region-size.hpp"
 #include "strip-chart.hpp"
 
 #include <algorithm>
@@ -25,6 +26,8 @@
 
 namespace {
 
+using haptic::ElementPtr;
+using haptic::ErrorPtr;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char *kKeys =
@@ -34,18 +37,7 @@ constexpr int kWindowWidth = 800;
 constexpr int kVideoHeight = 500;
 constexpr int kStripHeight = 150;
 constexpr double kRegionStep = 1.25;
-constexpr guint kSmallestRegion = 12; // px, what roitracker needs
 constexpr double kLongestPause = 0.5; // s on the strip, however long the pause
-
-struct ObjectUnref {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-using ElementPtr = std::unique_ptr<GstElement, ObjectUnref>;
-
-struct ErrorFree {
-  void operator()(GError *error) const { g_error_free(error); }
-};
-using ErrorPtr = std::unique_ptr<GError, ErrorFree>;
 
 void complain(const std::string &text) {
   std::fprintf(stderr, "feeling-wind-view: %s\n", text.c_str());
@@ -98,7 +90,7 @@ private:
   void note(const std::string &text);
   void fail(const std::string &text);
 
-  guint picture_width() const;
+  int picture_width() const;
   void scale_region(double factor);
   void next_law();
   void toggle_force();
@@ -331,24 +323,25 @@ gboolean View::press(guint key) {
   return TRUE;
 }
 
-guint View::picture_width() const {
+int View::picture_width() const {
   GstPad *pad = gst_element_get_static_pad(tracker_.get(), "sink");
   const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
   gst_object_unref(pad);
   int width = 0;
   if (caps)
     gst_structure_get_int(gst_caps_get_structure(caps.get(), 0), "width", &width);
-  return static_cast<guint>(width);
+  return width;
 }
 
 void View::scale_region(double factor) {
-  const guint width = picture_width();
+  const int width = picture_width();
   guint size = 0;
   g_object_get(tracker_.get(), "roi-size", &size, nullptr);
   if (size == 0)
-    size = width * 30 / 352; // roitracker's own choice
+    size = static_cast<guint>(haptic::default_region_side(width));
+  constexpr auto kSmallest = static_cast<guint>(haptic::kSmallestRegion);
   size = static_cast<guint>(std::lround(size * factor));
-  size = std::clamp(size, kSmallestRegion, std::max(kSmallestRegion, width / 2));
+  size = std::clamp(size, kSmallest, std::max(kSmallest, static_cast<guint>(width) / 2));
   g_object_set(tracker_.get(), "roi-size", size, nullptr);
   note("region of " + std::to_string(size) + " px");
 }

@@ -38,6 +38,8 @@ video "$work/in/sea.mkv" 352 2 matroskamux
 
 promise "two videos get their copies" says 0 "2 written, 0 there already, 0 failed" \
   author --jobs 2 --output "$work/out" "$work/in/wind.mp4" "$work/in/sea.mkv"
+small() { local mb; mb=$(sed -n 's/.* at most \([0-9]*\) MB a process/\1/p' "$work/output") && [ "$mb" -gt 0 ] && [ "$mb" -le 200 ]; }
+promise "in no more than 200 MB each" small
 promise "the picture of an MP4 is untouched" same_essence "$work/in/wind.mp4" "$work/out/wind.haptic.ts"
 promise "and that of Matroska" same_essence "$work/in/sea.mkv" "$work/out/sea.haptic.mkv"
 promise "the sound is there" says 0 "audio/mpeg" "$haptic_track" info "$work/out/wind.haptic.ts"

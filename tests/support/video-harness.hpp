@@ -17,14 +17,8 @@ namespace test {
 struct HarnessTeardown {
   void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
 };
-struct ObjectUnref {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-struct MessageUnref {
-  void operator()(GstMessage *message) const { gst_message_unref(message); }
-};
-using ElementPtr = std::unique_ptr<GstElement, ObjectUnref>;
-using MessagePtr = std::unique_ptr<GstMessage, MessageUnref>;
+using haptic::ElementPtr;
+using haptic::MessagePtr;
 
 inline GstVideoInfo video_info(GstVideoFormat format, int width, int height) {
   GstVideoInfo info;
@@ -104,7 +98,7 @@ public:
 
 private:
   std::unique_ptr<GstHarness, HarnessTeardown> harness_;
-  std::unique_ptr<GstBus, ObjectUnref> bus_;
+  haptic::BusPtr bus_;
 };
 
 /// Mean displacement of the patches, px; nothing without patches.
@@ -126,7 +120,7 @@ inline std::optional<std::string> run_to_end(GstElement *pipeline,
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   if (meanwhile)
     meanwhile();
-  const std::unique_ptr<GstBus, ObjectUnref> bus(gst_element_get_bus(pipeline));
+  const haptic::BusPtr bus(gst_element_get_bus(pipeline));
   const MessagePtr message(
       gst_bus_timed_pop_filtered(bus.get(), 60 * GST_SECOND,
                                  static_cast<GstMessageType>(static_cast<int>(GST_MESSAGE_EOS) |

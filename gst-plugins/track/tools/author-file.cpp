@@ -402,11 +402,6 @@ void limit_threads(GstBin *, GstBin *, GstElement *element, gpointer) {
     g_object_set(element, "max-threads", 2, nullptr);
 }
 
-struct MessageReleaser {
-  void operator()(GstMessage *message) const { gst_message_unref(message); }
-};
-using MessagePtr = std::unique_ptr<GstMessage, MessageReleaser>;
-
 // The first message of this type. Throws what went wrong instead.
 MessagePtr wait_for(Work &work, GstMessageType wanted,
                     const std::function<void(const AuthorProgress &)> &tell) {

@@ -1,21 +1,14 @@
-// Pipelines of the tools: owning pointers, and errors in the user's words.
+// Pipelines of the tools, and their errors in the user's words.
 #pragma once
 
+#include "gst-raii.hpp"
 #include "track-file.hpp"
 
 #include <cstring>
 #include <gst/gst.h>
-#include <memory>
 #include <string>
 
 namespace haptic {
-
-struct ObjectReleaser {
-  void operator()(gpointer object) const { gst_object_unref(object); }
-};
-using ElementPtr = std::unique_ptr<GstElement, ObjectReleaser>;
-using BusPtr = std::unique_ptr<GstBus, ObjectReleaser>;
-using PadPtr = std::unique_ptr<GstPad, ObjectReleaser>;
 
 inline ElementPtr make_pipeline() {
   return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));

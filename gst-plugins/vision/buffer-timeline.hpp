@@ -1,0 +1,45 @@
+// Pictures of a stream on their time line, from what their buffers say.
+#pragma once
+
+#include "picture-timeline.hpp"
+
+#include <gst/base/gstbasetransform.h>
+#include <optional>
+#include <utility>
+
+namespace haptic {
+
+/// Streaming thread only.
+class BufferTimeline {
+public:
+  /// How the picture in the buffer follows on the reference. The first fault of its time stamps is
+  /// logged.
+  TimeStep advance(GstBaseTransform *element, GstDebugCategory *category, const GstBuffer *buffer) {
+    // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
+    const bool descending = element->segment.rate < 0;
+    if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
+      timeline_.forget();
+    std::optional<std::uint64_t> pts;
+    if (GST_BUFFER_PTS_IS_VALID(buffer))
+      pts = GST_BUFFER_PTS(buffer);
+    const TimeStep step = timeline_.advance(pts, descending);
+    if (step.fault && !std::exchange(told_, true))
+      GST_CAT_WARNING_OBJECT(category, element,
+                             "%s (at %" GST_TIME_FORMAT "): no motion is measured across it. "
+                             "Further ones are not reported",
+                             step.fault, GST_TIME_ARGS(GST_BUFFER_PTS(buffer)));
+    return step;
+  }
+  /// The picture given last becomes the reference.
+  void adopt() { timeline_.adopt(); }
+  /// The next picture restarts.
+  void forget() { timeline_.forget(); }
+  /// The next fault is logged again.
+  void tell_again() { told_ = false; }
+
+private:
+  PictureTimeline timeline_;
+  bool told_ = false;
+};
+
+} // namespace haptic
