@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Motion fields for many videos, on several machines at once. The videos lie in folders that all machines see
 # under the same names; the copies come beside them, as haptic-track author makes them.
 #

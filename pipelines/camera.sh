@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel what a camera sees, with a window beside it where there is a display.
 #
 #   gst-launch-1.0 v4l2src device=/dev/video0 ! video/x-raw,framerate=30/1 \

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034 # its variables are read by the scripts that source it
 # What the scripts of this folder share. To be sourced, not run.
 set -euo pipefail
@@ -18,7 +19,7 @@ fail() {
 
 # The comment at the top of the running script is its help.
 show_help() {
-  sed -n '2,/^[^#]/ s/^# \{0,1\}//p' "$0"
+  sed -n '3,/^[^#]/ s/^# \{0,1\}//p' "$0"
 }
 
 # Reads `[--help] [INPUT] [-- OPTION=VALUE...]` into $input and $sink_options.

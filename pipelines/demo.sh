@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Sets everything up on a Debian 12 and runs the paper's system: a hand wanders over a video of a
 # tree in the wind and feels it move. Leaves in demo-output/
 #   trace.csv  one row per millisecond: hand, velocity, force, string tensions

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Moves the pointer over a video from left to right and back, and prints what moves beneath it.
 
 Shows how the elements, their properties and their messages are used from Python (package python3-gi).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws the weighted average values of haptic-study.sh as the paper's figure 12.
 #
 #   gnuplot -c haptic-study.gp TABLE.csv PICTURE.png

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Repeats the paper's experiment (section 4): a person watches a video with and without force, in random order,
 # points where they like, and rates three aspects each time on the paper's scale of five steps.
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The mouse instead of the device: it points over the video window, and hapticsink computes the force
 # that a hand there would feel. Without further options the force goes nowhere but into the log.
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes the moving picture of the README (WebP, 320 px wide, some 3 s): a video with what is measured and felt drawn
 # over it.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
 # What this project takes from Debian 12: the one list of packages, and the film of the demonstration. To be
 # sourced after common.sh.

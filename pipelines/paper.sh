@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws the paper's figures 6 and 8 to 11 from a real video, a tree in the wind, as this project measures them;
 # docs/paper.md shows them beside what the paper reports. (Figure 12 needs people: haptic-study.sh.)
 #

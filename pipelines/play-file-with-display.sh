@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file and see it in a window beside it.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! roitracker ! tee name=t \

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file: the three elements in a row, without a window.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \

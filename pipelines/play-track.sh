@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Play a recording with its haptic track: nothing is measured, and OpenCV is not needed.
 #
 #   gst-launch-1.0 filesrc location=FILE ! tsdemux name=d \

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file at half its speed, at its own, and at twice its speed: slow motion feels softer and
 # fast motion stronger.
 #

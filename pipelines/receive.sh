@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Show and feel what another machine sends, and choose with the hand what is felt.
 #
 #   gst-launch-1.0 -e udpsrc port=5000 caps=application/x-rtp,media=video,clock-rate=90000,encoding-name=H264 \

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Record a video together with its haptic track into one file, while feeling it.
 #
 #   gst-launch-1.0 -e filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Send a video and its haptic track to another machine, and let the hand over there choose what is felt.
 #
 #   gst-launch-1.0 filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \

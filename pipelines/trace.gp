@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws the trace of hapticsink: velocity under the hand and force on it, over time, as the paper's
 # figure 11. In both panels up and right are positive (the log counts vy downwards).
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A window with the video, what is measured and felt drawn over it, and a strip of velocity and force below.
 # The mouse over the video points; the simulated device computes the force. Installs Debian packages and builds the
 # plugins the first time.

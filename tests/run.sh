@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what is missing on a Debian 12 (it says what), builds, runs every test and check, and
 # closes with one line: N passed, N failed, N skipped. The exit status is 0 only when nothing
 # failed. Each check of format, style or scripts counts as one test.

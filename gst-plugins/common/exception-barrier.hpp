@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Keeps C++ exceptions out of GLib's and GStreamer's C frames.
 #pragma once
 

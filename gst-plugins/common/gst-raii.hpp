@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Owning pointers and scoped locks for GStreamer's C types.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Numbers to bytes and back, the same on every machine. The caller has checked that the bytes
 // suffice.
 #pragma once

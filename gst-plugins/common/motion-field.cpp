@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-field.hpp"
 
 #include "little-endian.hpp"
@@ -22,7 +23,7 @@ bool is_valid(const FieldCell &cell) {
 
 bool is_valid(const MotionField &field) noexcept {
   const std::size_t cells = std::size_t{field.columns} * field.rows;
-  return field.picture_width > 0 && field.picture_height > 0 && field.pixel_aspect_n > 0 &&
+  return field.frame_width > 0 && field.frame_height > 0 && field.pixel_aspect_n > 0 &&
          field.pixel_aspect_d > 0 && cells > 0 && cells <= kMostFieldCells &&
          field.cells.size() == cells &&
          std::ranges::all_of(field.cells, [](const FieldCell &cell) { return is_valid(cell); });
@@ -37,7 +38,7 @@ void pack_motion_field(const MotionField &field, std::span<std::uint8_t> bytes) 
   out.u16(field.flags);
   out.u64(field.interval);
   for (auto value :
-       {field.picture_width, field.picture_height, field.pixel_aspect_n, field.pixel_aspect_d})
+       {field.frame_width, field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
     out.u32(value);
   out.u16(field.columns);
   out.u16(field.rows);
@@ -59,7 +60,7 @@ bool unpack_motion_field(std::span<const std::uint8_t> bytes, MotionField &field
   field.flags = in.u16();
   field.interval = in.u64();
   for (auto *value :
-       {&field.picture_width, &field.picture_height, &field.pixel_aspect_n, &field.pixel_aspect_d})
+       {&field.frame_width, &field.frame_height, &field.pixel_aspect_n, &field.pixel_aspect_d})
     *value = in.u32();
   field.columns = in.u16();
   field.rows = in.u16();

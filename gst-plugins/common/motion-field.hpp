@@ -1,4 +1,5 @@
-// The motion field: what motionfield says about one whole picture, as it flows in haptics/x-raw
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The motion field: what motionfield says about one whole frame, as it flows in haptics/x-raw
 // buffers.
 #pragma once
 
@@ -19,7 +20,7 @@ namespace haptic {
 /// Cells of a field: what readers take, so that what they hold is bounded.
 inline constexpr std::size_t kMostFieldCells = 8192;
 
-/// The motion in one cell, in px of the picture per second, x to the right and y down.
+/// The motion in one cell, in px of the frame per second, x to the right and y down.
 struct FieldCell {
   float velocity_x = 0; ///< px/s
   float velocity_y = 0; ///< px/s
@@ -28,11 +29,11 @@ struct FieldCell {
   bool operator==(const FieldCell &) const = default;
 };
 
-/// Cells of equal size, side by side over the whole picture, row by row from its top left.
+/// Cells of equal size, side by side over the whole frame, row by row from its top left.
 struct MotionField {
-  std::uint64_t interval = 0;       ///< ns between the two pictures, 0 when there is none
-  std::uint32_t picture_width = 0;  ///< px
-  std::uint32_t picture_height = 0; ///< px
+  std::uint64_t interval = 0;       ///< ns between the two frames, 0 when there is none
+  std::uint32_t frame_width = 0;    ///< px
+  std::uint32_t frame_height = 0;   ///< px
   std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
   std::uint32_t pixel_aspect_d = 1;
   std::uint16_t flags = 0; ///< of MotionFlags: still, duplicate, cut, discontinuity

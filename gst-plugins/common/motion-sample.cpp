@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-sample.hpp"
 
 #include "little-endian.hpp"
@@ -21,8 +22,8 @@ bool is_valid(const MotionSample &s) noexcept {
   return std::isfinite(s.velocity_x) && std::isfinite(s.velocity_y) && std::isfinite(s.spin) &&
          std::isfinite(s.divergence) && is_fraction(s.pointer_x) && is_fraction(s.pointer_y) &&
          is_fraction(s.region_width) && is_fraction(s.region_height) && is_fraction(s.confidence) &&
-         s.picture_width > 0 && s.picture_height > 0 && s.pixel_aspect_n > 0 &&
-         s.pixel_aspect_d > 0 && s.model <= MotionModel::affine;
+         s.frame_width > 0 && s.frame_height > 0 && s.pixel_aspect_n > 0 && s.pixel_aspect_d > 0 &&
+         s.model <= MotionModel::affine;
 }
 
 std::string_view motion_model_name(MotionModel model) noexcept {
@@ -53,7 +54,7 @@ MotionSampleBytes pack_motion_sample(const MotionSample &s) noexcept {
   for (auto value : {s.velocity_x, s.velocity_y, s.spin, s.divergence, s.pointer_x, s.pointer_y,
                      s.region_width, s.region_height, s.confidence})
     out.f32(value);
-  for (auto value : {s.picture_width, s.picture_height, s.pixel_aspect_n, s.pixel_aspect_d})
+  for (auto value : {s.frame_width, s.frame_height, s.pixel_aspect_n, s.pixel_aspect_d})
     out.u32(value);
   out.u16(s.points);
   out.u8(static_cast<std::uint8_t>(s.model));
@@ -76,7 +77,7 @@ std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> b
   for (auto *value : {&s.velocity_x, &s.velocity_y, &s.spin, &s.divergence, &s.pointer_x,
                       &s.pointer_y, &s.region_width, &s.region_height, &s.confidence})
     *value = in.f32();
-  for (auto *value : {&s.picture_width, &s.picture_height, &s.pixel_aspect_n, &s.pixel_aspect_d})
+  for (auto *value : {&s.frame_width, &s.frame_height, &s.pixel_aspect_n, &s.pixel_aspect_d})
     *value = in.u32();
   s.points = in.u16();
   s.model = static_cast<MotionModel>(in.u8());

@@ -1,4 +1,5 @@
-// The motion sample: what velocityavg says about one picture, as it flows in haptics/x-raw buffers.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The motion sample: what velocityavg says about one frame, as it flows in haptics/x-raw buffers.
 #pragma once
 
 #include <array>
@@ -9,13 +10,13 @@
 #include <string_view>
 
 /// One buffer of these caps holds exactly one motion sample. The caps may also carry width, height,
-/// pixel-aspect-ratio and framerate of the picture; the sample repeats what is needed to
+/// pixel-aspect-ratio and framerate of the frame; the sample repeats what is needed to
 /// understand it alone, because caps do not survive a file or a network.
 #define HAPTIC_MOTION_CAPS "haptics/x-raw, modality=(string)velocity, layout=(string)point"
 
 namespace haptic {
 
-/// The smallest motion model that explains the picture.
+/// The smallest motion model that explains the frame.
 enum class MotionModel : std::uint8_t { none, still, translation, similarity, affine };
 
 /// "none", "static", "translation", "similarity" or "affine".
@@ -24,15 +25,15 @@ std::string_view motion_model_name(MotionModel model) noexcept;
 /// Bits of MotionSample::flags.
 enum MotionFlags : std::uint16_t {
   kMotionStill = 1 << 0,         ///< the pixels did not change
-  kMotionDuplicate = 1 << 1,     ///< the picture repeats the one before; the velocity is held
+  kMotionDuplicate = 1 << 1,     ///< the frame repeats the one before; the velocity is held
   kMotionCut = 1 << 2,           ///< another scene began
-  kMotionDiscontinuity = 1 << 3, ///< there is no earlier picture to compare with
+  kMotionDiscontinuity = 1 << 3, ///< there is no earlier frame to compare with
   kMotionMixture = 1 << 4,       ///< two motions in the region; the velocity is their mean by area
   kMotionAperture = 1 << 5, ///< only edges of one direction: the velocity is the part across them
 };
 
-/// Velocities are in pixels of the picture per second of its time stamps, x to the right and y
-/// down. Positions and sizes are fractions of the picture, origin at its top left corner.
+/// Velocities are in pixels of the frame per second of its time stamps, x to the right and y
+/// down. Positions and sizes are fractions of the frame, origin at its top left corner.
 struct MotionSample {
   float velocity_x = 0;             ///< px/s
   float velocity_y = 0;             ///< px/s
@@ -43,9 +44,9 @@ struct MotionSample {
   float region_width = 0;           ///< 0..1
   float region_height = 0;          ///< 0..1
   float confidence = 0;             ///< 0..1; 0 means that nothing was measured
-  std::uint64_t interval = 0;       ///< ns between the two pictures, 0 when there is none
-  std::uint32_t picture_width = 0;  ///< px
-  std::uint32_t picture_height = 0; ///< px
+  std::uint64_t interval = 0;       ///< ns between the two frames, 0 when there is none
+  std::uint32_t frame_width = 0;    ///< px
+  std::uint32_t frame_height = 0;   ///< px
   std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
   std::uint32_t pixel_aspect_d = 1;
   std::uint16_t points = 0; ///< patches that the velocity rests on

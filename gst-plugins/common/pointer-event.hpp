@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The pointer event: where the hand is, travelling upstream from hapticsink to roitracker.
 #pragma once
 
@@ -9,7 +10,7 @@
 
 namespace haptic {
 
-/// x and y are fractions of the picture, origin at its top left corner (paper, equation 1).
+/// x and y are fractions of the frame, origin at its top left corner (paper, equation 1).
 struct PointerPosition {
   double x = 0.5;       ///< 0..1, to the right
   double y = 0.5;       ///< 0..1, down

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The paper's nonlinear gain controller, equation 5: F = (2 F_max / pi) atan(alpha v).
 #include "force-law.hpp"
 

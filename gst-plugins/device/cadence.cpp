@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cadence.hpp"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ void Cadence::forget() noexcept {
   repeated_ = false;
 }
 
-// s; 0, if the intervals have no such period, or no picture was repeated (uneven time stamps are
+// s; 0, if the intervals have no such period, or no frame was repeated (uneven time stamps are
 // true then).
 double Cadence::mean_of_pattern(std::size_t period) const noexcept {
   double sum = 0;

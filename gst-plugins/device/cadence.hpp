@@ -1,4 +1,5 @@
-// Film in video: 24 pictures a second carried in 30 repeat every fourth one, and what moves evenly
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Film in video: 24 frames a second carried in 30 repeat every fourth one, and what moves evenly
 // then seems to move by fits and starts, six times a second.
 #pragma once
 
@@ -9,22 +10,22 @@
 
 namespace haptic {
 
-/// Finds the pattern in which pictures are repeated, and tells how much too fast a motion was
-/// measured because its picture was shown too soon. Not thread-safe.
+/// Finds the pattern in which frames are repeated, and tells how much too fast a motion was
+/// measured because its frame was shown too soon. Not thread-safe.
 class Cadence {
 public:
   /// For every sample in order: the interval it was measured over divided by the one that its
-  /// picture stands for. Multiply the velocity with it. 1 while no pattern is known.
+  /// frame stands for. Multiply the velocity with it. 1 while no pattern is known.
   double correction(const MotionSample &sample) noexcept;
   void forget() noexcept;
 
 private:
   struct Interval {
     double seconds = 0;
-    bool repeated = false; ///< a picture was shown again within it
+    bool repeated = false; ///< a frame was shown again within it
   };
 
-  // 24 pictures in 25; and each pattern is to be seen twice.
+  // 24 frames in 25; and each pattern is to be seen twice.
   static constexpr std::size_t kLongest = 24;
   static constexpr std::size_t kMemory = 2 * kLongest;
 

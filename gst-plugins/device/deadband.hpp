@@ -1,4 +1,5 @@
-// Keeps the noise of a standing picture from being felt.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Keeps the noise of a standing frame from being felt.
 #pragma once
 
 #include "motion-scale.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Opens what the properties `device`, `geometry` and `sim-hand` ask for.
 #pragma once
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The drag of a wind: equation 5 of the motion relative to the hand. A hand that stays still feels
-// what `arctan` gives; one that moves with the picture feels nothing, and one that overtakes it is
-// braked, so that this law takes energy out of a hand that is faster than the picture.
+// what `arctan` gives; one that moves with the frame feels nothing, and one that overtakes it is
+// braked, so that this law takes energy out of a hand that is faster than the frame.
 #include "force-law.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Counts durations so that percentiles can be asked for while counting goes on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Fields on their way from the streaming thread to the loop, which may not allocate or free one.
 #pragma once
 

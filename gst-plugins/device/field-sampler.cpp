@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-sampler.hpp"
 
 #include "region-size.hpp"
@@ -72,11 +73,11 @@ void add_row(std::span<const FieldCell> cells, std::span<const double> weights, 
 
 } // namespace
 
-MotionSample picture_of(const MotionField &field) noexcept {
+MotionSample frame_of(const MotionField &field) noexcept {
   MotionSample sample;
   sample.interval = field.interval;
-  sample.picture_width = field.picture_width;
-  sample.picture_height = field.picture_height;
+  sample.frame_width = field.frame_width;
+  sample.frame_height = field.frame_height;
   sample.pixel_aspect_n = field.pixel_aspect_n;
   sample.pixel_aspect_d = field.pixel_aspect_d;
   sample.flags = field.flags;
@@ -84,10 +85,10 @@ MotionSample picture_of(const MotionField &field) noexcept {
 }
 
 MotionSample sample_field(const MotionField &field, const PointerPosition &place) noexcept {
-  const double width = field.picture_width;
-  const double height = field.picture_height;
-  const double side = region_side(
-      place.z, default_region_side(static_cast<int>(field.picture_width)), width, height);
+  const double width = field.frame_width;
+  const double height = field.frame_height;
+  const double side =
+      region_side(place.z, default_region_side(static_cast<int>(field.frame_width)), width, height);
   const Axis columns(place.x, side / width, field.columns);
   const Axis rows(place.y, side / height, field.rows);
 
@@ -102,7 +103,7 @@ MotionSample sample_field(const MotionField &field, const PointerPosition &place
               std::span(weights).first(count), rows.weight(row), sums);
   }
 
-  MotionSample sample = picture_of(field);
+  MotionSample sample = frame_of(field);
   if (!(sums.confidence > 0))
     return sample;
   sample.velocity_x = static_cast<float>(sums.x / sums.confidence);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "force-law.hpp"
 
 #include <array>
@@ -29,15 +30,6 @@ std::span<const ForceLawInfo> force_laws() noexcept {
   return laws;
 }
 
-double arctan_gain(double v, double alpha, double maximum) noexcept {
-  const double scale = 2 * maximum / std::numbers::pi;
-  const double x = alpha * v;
-  // Below 1e-4 the next term of the series is less than 1e-17.
-  if (std::abs(x) < 1e-4)
-    return scale * alpha * (1 - x * x / 3);
-  return scale * std::atan(x) / v;
-}
-
 spidar::Wrench ForceLaw::wrench(const Motion &motion, const PlanarVelocity &hand,
                                 const LawSettings &settings, double dt) noexcept {
   const PlanarForce planar = force(motion, hand, settings, dt);
@@ -45,7 +37,7 @@ spidar::Wrench ForceLaw::wrench(const Motion &motion, const PlanarVelocity &hand
       arctan_gain(motion.divergence, 1 / kDivergenceHalf, settings.max_push) * motion.divergence;
   const double turn =
       arctan_gain(motion.spin, 1 / settings.spin_half, settings.max_torque) * motion.spin;
-  // Picture y points down: what turns clockwise on the screen turns negatively about z.
+  // Frame y points down: what turns clockwise on the screen turns negatively about z.
   return {.force = {planar.x, -planar.y, push}, .torque = {0, 0, -turn}};
 }
 

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Force laws: what a seen motion feels like. Everything about limits, smoothing and silence comes
 // after them (safety-chain.hpp), so that no law can be unsafe.
 #pragma once
 
+#include "force-defaults.hpp"
 #include "motion-scale.hpp"
 
 #include <memory>
@@ -12,12 +14,12 @@ namespace haptic {
 
 /// Properties of the element that shape the laws.
 struct LawSettings {
-  double max_force = 1.0;   ///< N
-  double alpha = 0.01;      ///< s/px, the paper's
-  double gain_window = 10;  ///< s, of the linear law
-  double max_torque = 0.02; ///< N·m
-  double spin_half = 1;     ///< rad/s that give half of max_torque
-  double max_push = 0;      ///< N along z
+  double max_force = 1.0;       ///< N
+  double alpha = kDefaultAlpha; ///< s/px
+  double gain_window = 10;      ///< s, of the linear law
+  double max_torque = 0.02;     ///< N·m
+  double spin_half = 1;         ///< rad/s that give half of max_torque
+  double max_push = 0;          ///< N along z
 };
 
 /// No device and no clock but the time since the call before. Used by one thread; real-time safe.
@@ -31,7 +33,7 @@ public:
                         const LawSettings &settings, double dt) noexcept;
 
 private:
-  /// N, in the direction of the picture: y down. `hand` as Motion::velocity.
+  /// N, in the direction of the frame: y down. `hand` as Motion::velocity.
   virtual PlanarForce force(const Motion &motion, const PlanarVelocity &hand,
                             const LawSettings &settings, double dt) noexcept = 0;
 };
@@ -44,9 +46,5 @@ struct ForceLawInfo {
 
 /// All laws there are; the first is the default.
 std::span<const ForceLawInfo> force_laws() noexcept;
-
-/// The paper's equation 5 divided by v: (2 maximum / pi) atan(alpha v) / v, finite and smooth also
-/// at v = 0.
-double arctan_gain(double v, double alpha, double maximum) noexcept;
 
 } // namespace haptic

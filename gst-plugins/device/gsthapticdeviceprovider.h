@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
 /* Lists the haptic devices of this machine for gst-device-monitor-1.0 and its like. */
 #pragma once
 

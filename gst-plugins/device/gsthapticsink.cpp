@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /**
  * SECTION:element-hapticsink
  *
@@ -49,7 +50,7 @@ constexpr auto kEndFade = 150ms; // the fade's 100 ms and some ticks
 
 constexpr double kHighestForce = 5;  // N, what a SPIDAR-G's motors are good for
 constexpr double kHighestAlpha = 10; // s/px
-constexpr unsigned kWidestPicture = 65536;
+constexpr unsigned kWidestFrame = 65536;
 constexpr double kLowestSlewRate = 0.1; // N/s
 constexpr double kHighestSlewRate = 1000;
 constexpr unsigned kLowestRate = 100; // Hz
@@ -642,8 +643,8 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     break;
   }
 
-  // A sample is taken before its picture is due, so that on a pause the next may be held up behind
-  // another sink that has its picture. There is nothing to show while paused: nothing to wait for.
+  // A sample is taken before its frame is due, so that on a pause the next may be held up behind
+  // another sink that has its frame. There is nothing to show while paused: nothing to wait for.
   GstBaseSink *sink = GST_BASE_SINK(self);
   const gboolean async = gst_base_sink_is_async_enabled(sink);
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
@@ -719,14 +720,14 @@ std::int64_t presented_at(GstHapticSink *self, GstClockTime pts) {
 }
 
 // Samples are wanted so long before they are due. It grows to what the stream needs; a single late
-// picture is no measure.
+// frame is no measure.
 void look_ahead(State &state, GstClockTime interval) {
   const GstClockTime usual = std::min(interval, std::exchange(state.last_interval, interval));
   const auto wanted = static_cast<GstClockTime>(kLookAheadIntervals * static_cast<double>(usual));
   state.look_ahead = std::clamp(wanted, state.look_ahead, kLongestLookAhead);
 }
 
-// The middle of a picture's interval, when that is to be felt.
+// The middle of a frame's interval, when that is to be felt.
 std::int64_t middle_of(GstHapticSink *self, GstClockTime pts, std::uint64_t interval) {
   const std::int64_t time = presented_at(self, pts);
   return time == haptic::kAtOnce ? time : time - static_cast<std::int64_t>(interval / 2);
@@ -765,7 +766,7 @@ void take_sample(GstHapticSink *self, GstClockTime pts, haptic::MotionSample sam
 
 void take_field(GstHapticSink *self, GstClockTime pts, haptic::FieldPool::Field field) {
   State &state = *self->state;
-  const auto correction = static_cast<float>(state.cadence.correction(haptic::picture_of(*field)));
+  const auto correction = static_cast<float>(state.cadence.correction(haptic::frame_of(*field)));
   if (field->flags & haptic::kMotionDuplicate)
     return;
   for (haptic::FieldCell &cell : field->cells) {
@@ -818,7 +819,7 @@ void render_field(GstHapticSink *self, GstBuffer *buffer, std::span<const std::u
   if (!gap && measured)
     take_field(self, pts, std::move(field));
   else
-    take_gap(self, pts, readable ? haptic::picture_of(*field) : haptic::MotionSample{});
+    take_gap(self, pts, readable ? haptic::frame_of(*field) : haptic::MotionSample{});
 }
 
 GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
@@ -1120,13 +1121,13 @@ void install_properties(GObjectClass *klass) {
                           kHighestForce, settings.law_settings.max_force, playing);
   properties[kPropAlpha] = g_param_spec_double(
       "alpha", "Alpha",
-      "Steepness of the force law, s/px, at a picture reference-width wide: 1/alpha px/s give half "
+      "Steepness of the force law, s/px, at a frame reference-width wide: 1/alpha px/s give half "
       "of max-force",
       0, kHighestAlpha, settings.law_settings.alpha, playing);
   properties[kPropReferenceWidth] = g_param_spec_uint(
       "reference-width", "Reference Width",
-      "Picture width, px, that alpha is meant at; velocities are scaled to it (0 = native pixels)",
-      0, kWidestPicture, static_cast<guint>(settings.reference_width), playing);
+      "Frame width, px, that alpha is meant at; velocities are scaled to it (0 = native pixels)", 0,
+      kWidestFrame, static_cast<guint>(settings.reference_width), playing);
   properties[kPropLatencyMode] = g_param_spec_enum(
       "latency-mode", "Latency Mode", "When a sample is felt", GST_TYPE_HAPTIC_SINK_LATENCY_MODE,
       static_cast<gint>(LatencyMode::automatic), playing);
@@ -1155,7 +1156,7 @@ void install_properties(GObjectClass *klass) {
       kHighestDamping, settings.damping, playing);
   properties[kPropSmoothHz] = g_param_spec_double(
       "smooth-hz", "Smooth Hz",
-      "Cut-off of an additional low-pass on the motion, Hz; 12 for noisy pictures, 0: none", 0,
+      "Cut-off of an additional low-pass on the motion, Hz; 12 for noisy frames, 0: none", 0,
       kHighestSmoothHz, settings.smooth_hz, playing);
   properties[kPropRateLaw] = g_param_spec_enum(
       "rate-law", "Rate Law", "What a film played slower or faster feels like",
@@ -1204,7 +1205,7 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
                               GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS));
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
-                                        "Motion in pictures as force on the hand",
+                                        "Motion in frames as force on the hand",
                                         "Feeling Wind project");
 
   object_class->finalize = gst_haptic_sink_finalize;
@@ -1282,7 +1283,7 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
 static void gst_haptic_sink_init(GstHapticSink *self) {
   self->state = new State;
   // The pipeline's latency is the largest of its sinks': this one must not add to it. Nor may a
-  // slow device make the tracker skip pictures.
+  // slow device make the tracker skip frames.
   gst_base_sink_set_processing_deadline(GST_BASE_SINK(self), 0);
   gst_base_sink_set_qos_enabled(GST_BASE_SINK(self), FALSE);
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
 /* The element hapticsink: motion samples in, force on the hand out. */
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The real-time loop: device exchange, interpolation, law, safety chain, command. No GStreamer in
 // it.
 #pragma once
@@ -34,10 +35,10 @@ std::int64_t monotonic_now() noexcept;
 struct LoopSettings {
   std::size_t law = 0; ///< index into force_laws()
   LawSettings law_settings;
-  double reference_width = 352; ///< px, 0: native
-  double slew_rate = 20;        ///< N/s
-  double damping = 1;           ///< N·s/m
-  double smooth_hz = 0;         ///< Hz, 0: off
+  double reference_width = kReferenceWidth; ///< px, 0: native
+  double slew_rate = 20;                    ///< N/s
+  double damping = 1;                       ///< N·s/m
+  double smooth_hz = 0;                     ///< Hz, 0: off
 };
 
 /// Where the hand is, for the pointer.
@@ -130,8 +131,8 @@ public:
   /// The same of a field, which is felt where the hand is. It goes back to its pool by itself.
   void submit(FieldPool::Field field, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
-    const MotionSample picture = picture_of(*field);
-    submit({{picture, true, middle, std::move(field)}, arrival, epoch_.load()});
+    const MotionSample frame = frame_of(*field);
+    submit({{frame, true, middle, std::move(field)}, arrival, epoch_.load()});
   }
   /// Nothing was measured; the sample's flags say why.
   void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),

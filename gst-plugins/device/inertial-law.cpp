@@ -1,6 +1,7 @@
-// Newton's second law on the acceleration of the picture relative to the hand (Dindar, Tekalp and
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Newton's second law on the acceleration of the frame relative to the hand (Dindar, Tekalp and
 // Basdogan's dynamic force), the acceleration taken over 0.1 s: a raw second difference of 0.1 px
-// of tracking noise at 30 pictures/s is 220 px/s². What remains is equation 5 of the velocity that
+// of tracking noise at 30 frames/s is 220 px/s². What remains is equation 5 of the velocity that
 // came within that time.
 #include "force-law.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The paper's predecessor: a gain such that the fastest motion of the last seconds gives max_force.
 #include "force-law.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-interpolator.hpp"
 
 #include "field-sampler.hpp"
@@ -18,24 +19,24 @@ std::int64_t interval_of(const MotionSample &sample) noexcept {
   return static_cast<std::int64_t>(std::min<std::uint64_t>(sample.interval, kLongestRamp));
 }
 
-void rescale(MotionSample &sample, const MotionSample &picture) noexcept {
-  const bool same = sample.picture_width == picture.picture_width &&
-                    sample.pixel_aspect_n == picture.pixel_aspect_n &&
-                    sample.pixel_aspect_d == picture.pixel_aspect_d;
-  if (same || sample.picture_width == 0)
+void rescale(MotionSample &sample, const MotionSample &frame) noexcept {
+  const bool same = sample.frame_width == frame.frame_width &&
+                    sample.pixel_aspect_n == frame.pixel_aspect_n &&
+                    sample.pixel_aspect_d == frame.pixel_aspect_d;
+  if (same || sample.frame_width == 0)
     return;
-  const double x = static_cast<double>(picture.picture_width) / sample.picture_width;
-  const double y = x * sample.pixel_aspect_d / sample.pixel_aspect_n * picture.pixel_aspect_n /
-                   picture.pixel_aspect_d;
+  const double x = static_cast<double>(frame.frame_width) / sample.frame_width;
+  const double y = x * sample.pixel_aspect_d / sample.pixel_aspect_n * frame.pixel_aspect_n /
+                   frame.pixel_aspect_d;
   sample.velocity_x = static_cast<float>(x * sample.velocity_x);
   sample.velocity_y = static_cast<float>(y * sample.velocity_y);
-  sample.picture_width = picture.picture_width;
-  sample.picture_height = picture.picture_height;
-  sample.pixel_aspect_n = picture.pixel_aspect_n;
-  sample.pixel_aspect_d = picture.pixel_aspect_d;
+  sample.frame_width = frame.frame_width;
+  sample.frame_height = frame.frame_height;
+  sample.pixel_aspect_n = frame.pixel_aspect_n;
+  sample.pixel_aspect_d = frame.pixel_aspect_d;
 }
 
-// In the pixels of the motion's sample, which are those of the newest picture. A field has no
+// In the pixels of the motion's sample, which are those of the newest frame. A field has no
 // motion where its cells are silent: with a confidence of 0 it was not measured.
 MotionSample motion_at(const TimedMotion &motion, const PointerPosition &place) noexcept {
   if (!motion.field)
@@ -71,9 +72,9 @@ void MotionInterpolator::pop_front() noexcept {
   --count_;
 }
 
-// Everything is kept in the pixels of the newest picture, so that lines between pictures of
+// Everything is kept in the pixels of the newest frame, so that lines between frames of
 // different sizes are meaningful.
-void MotionInterpolator::take_picture_of(const MotionSample &sample) noexcept {
+void MotionInterpolator::take_frame_of(const MotionSample &sample) noexcept {
   rescale(from_.sample, sample);
   rescale(now_.sample, sample);
   for (std::size_t i = 0; i < count_; ++i)
@@ -91,7 +92,7 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
       knot.measured && (count_ > 0 ? pending(count_ - 1).measured : from_.measured);
   knot.time = std::max(knot.time, leads_on ? now + interval : now);
   if (knot.measured) {
-    take_picture_of(knot.sample);
+    take_frame_of(knot.sample);
     now_.interval = static_cast<double>(interval) / static_cast<double>(kSecond);
   }
   const std::int64_t closest = knot.measured ? interval / kClosestInIntervals : 0;

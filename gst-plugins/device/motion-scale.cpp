@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-scale.hpp"
 
 #include <algorithm>
@@ -12,8 +13,8 @@ constexpr double kFastestTurn = 1e4; // rad/s, and 1/s
 } // namespace
 
 Motion scale_motion(const MotionSample &sample, double reference_width) noexcept {
-  const bool known = reference_width > 0 && sample.picture_width > 0;
-  const double scale = known ? reference_width / sample.picture_width : 1;
+  const bool known = reference_width > 0 && sample.frame_width > 0;
+  const double scale = known ? reference_width / sample.frame_width : 1;
   const double x = scale * sample.velocity_x;
   const double y = scale * sample.velocity_y * sample.pixel_aspect_d / sample.pixel_aspect_n;
   return {{x, y}, sample.spin, sample.divergence};
@@ -21,11 +22,11 @@ Motion scale_motion(const MotionSample &sample, double reference_width) noexcept
 
 PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3 &workspace_half,
                           const MotionSample &sample, double reference_width) noexcept {
-  if (sample.picture_width == 0)
+  if (sample.frame_width == 0)
     return {};
-  const double width = reference_width > 0 ? reference_width : sample.picture_width;
-  const double height = width * sample.picture_height / sample.picture_width *
-                        sample.pixel_aspect_d / sample.pixel_aspect_n;
+  const double width = reference_width > 0 ? reference_width : sample.frame_width;
+  const double height = width * sample.frame_height / sample.frame_width * sample.pixel_aspect_d /
+                        sample.pixel_aspect_n;
   return {velocity.x() / (2 * workspace_half.x()) * width,
           -velocity.y() / (2 * workspace_half.y()) * height};
 }

@@ -1,4 +1,5 @@
-// From the pixels of a sample's own picture to those of the reference width.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From the pixels of a sample's own frame to those of the reference width.
 #pragma once
 
 #include "motion-field.hpp"
@@ -7,7 +8,7 @@
 
 namespace haptic {
 
-/// In the plane of the picture: x to the right, y down.
+/// In the plane of the frame: x to the right, y down.
 struct PlanarVelocity {
   double x = 0; ///< px/s
   double y = 0; ///< px/s
@@ -18,7 +19,7 @@ struct PlanarForce {
   double y = 0; ///< N
 };
 
-/// Motion as the force laws see it: in pixels of a picture of the reference width, both axes in
+/// Motion as the force laws see it: in pixels of a frame of the reference width, both axes in
 /// units of its pixel width.
 struct Motion {
   PlanarVelocity velocity;
@@ -26,15 +27,15 @@ struct Motion {
   double divergence = 0; ///< 1/s
 };
 
-/// `reference_width` in px; 0 keeps the pixels of the picture itself. Real-time safe.
+/// `reference_width` in px; 0 keeps the pixels of the frame itself. Real-time safe.
 Motion scale_motion(const MotionSample &sample, double reference_width) noexcept;
 
-/// The hand's velocity (m/s, y up) as that of its point in the picture, in the same unit: the
-/// workspace is the picture (paper, equation 1). Real-time safe.
+/// The hand's velocity (m/s, y up) as that of its point in the frame, in the same unit: the
+/// workspace is the frame (paper, equation 1). Real-time safe.
 PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3 &workspace_half,
                           const MotionSample &sample, double reference_width) noexcept;
 
-/// False for motions that no tracker can measure: faster than 1e6 px/s, an 8K picture's width in a
+/// False for motions that no tracker can measure: faster than 1e6 px/s, an 8K frame's width in a
 /// hundredth of a second; or 1e4 turns or doublings a second. Such a sample is damaged.
 bool is_plausible(const MotionSample &sample) noexcept;
 bool is_plausible(const MotionField &field) noexcept;

@@ -1,4 +1,5 @@
-// An optional low-pass for noisy pictures, after the interpolation.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// An optional low-pass for noisy frames, after the interpolation.
 #pragma once
 
 #include "motion-scale.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Hands the newest value from one thread to another; older ones are forgotten. Neither side waits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time deformation: what a film played slower, faster or backwards feels like.
 #pragma once
 
@@ -16,13 +17,13 @@ enum class RateLaw {
 struct Playback {
   double rate = 1;         ///< that remains to be applied to its time stamps (GstSegment::rate)
   double applied_rate = 1; ///< that its time stamps already hold (GstSegment::applied_rate)
-  bool skips = false;      ///< pictures are left out (trick modes)
+  bool skips = false;      ///< frames are left out (trick modes)
 };
 
 /// The sample in the time of its presentation: interval and motion as they are lived through, or
 /// the motion as filmed. Samples come in the order of presentation, so that a film played backwards
-/// brings its motions turned round already. Nothing where pictures are too far apart for a motion
-/// to mean something: beyond twice the film's pace, or when pictures are left out.
+/// brings its motions turned round already. Nothing where frames are too far apart for a motion
+/// to mean something: beyond twice the film's pace, or when frames are left out.
 std::optional<MotionSample> play(MotionSample sample, const Playback &playback,
                                  RateLaw law) noexcept;
 

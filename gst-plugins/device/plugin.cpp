@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gsthapticdeviceprovider.h"
 #include "gsthapticsink.h"
 
@@ -9,5 +10,5 @@ static gboolean plugin_init(GstPlugin *plugin) {
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, hapticdevice,
-                  "Motion in pictures as force on the hand", plugin_init, VERSION, GST_LICENSE,
+                  "Motion in frames as force on the hand", plugin_init, VERSION, GST_LICENSE,
                   GST_PACKAGE_NAME, GST_PACKAGE_ORIGIN)

@@ -1,4 +1,5 @@
-// From the hand to the point in the picture (paper, equation 1), and when that is worth telling.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From the hand to the point in the frame (paper, equation 1), and when that is worth telling.
 #pragma once
 
 #include "pointer-event.hpp"
@@ -9,7 +10,7 @@
 
 namespace haptic {
 
-/// Equation 1 without the picture's size, which only its reader knows: x, y and z of the result are
+/// Equation 1 without the frame's size, which only its reader knows: x, y and z of the result are
 /// those of the pointer event. `hand` and `workspace_half` in m. Positions outside the workspace
 /// are taken to its border.
 PointerPosition map_pointer(const spidar::Vector3 &hand,

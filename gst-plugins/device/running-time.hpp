@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The pipeline's running time, told by the monotonic clock.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "safety-chain.hpp"
 
 #include <algorithm>
@@ -72,10 +73,6 @@ Vector3 damped(const Vector3 &force, const SafetyChain::Input &input) {
 
 double stale_after(double interval) noexcept {
   return std::clamp(kStaleIntervals * interval, kStaleShortest, kStaleLongest);
-}
-
-double confidence_gate(double confidence) noexcept {
-  return std::clamp((confidence - 0.2) / 0.3, 0.0, 1.0);
 }
 
 Wrench SafetyChain::step(const Input &input) noexcept {

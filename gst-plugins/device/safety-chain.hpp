@@ -1,5 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The last stage before the device. Every force goes through it, whatever law it comes from.
 #pragma once
+
+#include "force-defaults.hpp"
 
 #include <cstdint>
 #include <spidar/types.hpp>
@@ -36,7 +39,7 @@ public:
   /// 2.4 J in any 5 s, and with what the slew rate lets pass less than 0.5 W.
   static constexpr double kWorkAtOnce = 0.9; // J
   static constexpr double kWorkRate = 0.3;   // W
-  /// Hand speeds up to this one are not damped: pointing is to feel the picture and nothing else.
+  /// Hand speeds up to this one are not damped: pointing is to feel the frame and nothing else.
   static constexpr double kUndamped = 0.1; // m/s
   /// About the grip's radius: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
@@ -46,7 +49,7 @@ public:
     bool measured = false;   ///< the newest sample holds a measurement
     double confidence = 0;   ///< 0..1, of the newest sample
     double age = 0;          ///< s since the newest sample came
-    double interval = 0;     ///< s between the pictures it was measured from
+    double interval = 0;     ///< s between the frames it was measured from
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
     double max_force = 0;                                    ///< N
@@ -90,8 +93,5 @@ private:
 /// s without a new sample after which the force fades: three of the sample's own intervals, at
 /// least 0.1 s, and never more than 2 s whatever the sample claims.
 double stale_after(double interval) noexcept;
-
-/// How far a confidence lets a force through: 0 up to 0.2, 1 from 0.5 on, linear between.
-double confidence_gate(double confidence) noexcept;
 
 } // namespace haptic

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Hands every value from one thread to another, in order. Neither side waits.
 #pragma once
 

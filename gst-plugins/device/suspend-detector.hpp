@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Tells that the machine slept: the clock that counts sleep has got ahead of the one that does not.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The CSV log: rows come from the real-time thread, a normal thread writes them.
 #pragma once
 
@@ -17,7 +18,7 @@ namespace haptic {
 struct TickRow {
   double time = 0;                  ///< s, running time
   std::array<double, 3> position{}; ///< m, grip
-  std::array<double, 2> velocity{}; ///< px/s of the picture, y down
+  std::array<double, 2> velocity{}; ///< px/s of the frame, y down
   double spin = 0;                  ///< rad/s
   std::array<double, 3> force{};    ///< N, commanded
   std::array<double, 3> torque{};   ///< N·m, commanded

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Big-endian bit fields, most significant bit first.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-codec.hpp"
 
 #include "range-coder.hpp"
@@ -20,7 +21,7 @@ constexpr std::uint64_t kLongestInterval = std::uint64_t{1} << 53; // us
 
 // Bits of the first byte; the upper four are flags of the field.
 constexpr std::uint8_t kKey = 1 << 0;
-constexpr std::uint8_t kRested = 1 << 1;   // the picture rested until the one before, and moves now
+constexpr std::uint8_t kRested = 1 << 1;   // the frame rested until the one before, and moves now
 constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; else it is as before
 constexpr unsigned kFlagShift = 4;
 constexpr std::uint16_t kFlags =
@@ -30,15 +31,15 @@ constexpr std::size_t kCheckSize = 2; // bytes
 
 // ---- scale --------------------------------------------------------------------------------------
 
-// Speeds in px per picture. Up to kEven steps of the same size; beyond they grow with the speed,
+// Speeds in px per frame. Up to kEven steps of the same size; beyond they grow with the speed,
 // as does what the hand can tell apart.
 constexpr float kStep = 1.F / 4;
 constexpr float kEven = 4;
 constexpr int kEvenSteps = 16;
-constexpr int kLargestNumber = 127; // 4100 px per picture
+constexpr int kLargestNumber = 127; // 4100 px per frame
 constexpr float kFastest = 4000;
-// What a velocity may differ from the one held: 0.2 px per picture are 3 % of the full force at 30
-// pictures a second, and of a force a hand hardly tells 7 % apart.
+// What a velocity may differ from the one held: 0.2 px per frame are 3 % of the full force at 30
+// frames a second, and of a force a hand hardly tells 7 % apart.
 constexpr float kTolerance = 0.2F;
 constexpr float kRelativeTolerance = 0.07F;
 constexpr float kUsualInterval = 1.F / 30; // s, for a field that says none
@@ -127,7 +128,7 @@ Steps expected(const std::vector<CodedCell> &cells, std::size_t i, std::size_t c
   return count > 0 ? Steps{mean(sum.x), mean(sum.y)} : Steps{};
 }
 
-// The numbers of a velocity in px per picture: those expected if they are near enough, which cost
+// The numbers of a velocity in px per frame: those expected if they are near enough, which cost
 // least, or else the nearest ones.
 Steps steps_of(float x, float y, float tolerance, Steps expected) {
   const Steps nearest{number_of(x), number_of(y)};
@@ -380,8 +381,8 @@ std::uint16_t check_of(std::uint8_t head, const CodedState &state) {
 }
 
 bool same_grid(const MotionField &a, const MotionField &b) {
-  return a.columns == b.columns && a.rows == b.rows && a.picture_width == b.picture_width &&
-         a.picture_height == b.picture_height && a.pixel_aspect_n == b.pixel_aspect_n &&
+  return a.columns == b.columns && a.rows == b.rows && a.frame_width == b.frame_width &&
+         a.frame_height == b.frame_height && a.pixel_aspect_n == b.pixel_aspect_n &&
          a.pixel_aspect_d == b.pixel_aspect_d;
 }
 
@@ -449,8 +450,8 @@ std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &f
     put_number(bytes, interval / kMicrosecond);
   if (key)
     for (std::uint32_t number :
-         {std::uint32_t{field.columns}, std::uint32_t{field.rows}, field.picture_width,
-          field.picture_height, field.pixel_aspect_n, field.pixel_aspect_d})
+         {std::uint32_t{field.columns}, std::uint32_t{field.rows}, field.frame_width,
+          field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
       put_number(bytes, number);
   const std::size_t check_at = bytes.size();
   bytes.resize(check_at + kCheckSize);
@@ -501,11 +502,11 @@ FieldDecoder::Result FieldDecoder::push(std::span<const std::uint8_t> bytes) {
     grid.columns = static_cast<std::uint16_t>(in.number(kMostFieldCells));
     grid.rows = static_cast<std::uint16_t>(in.number(kMostFieldCells));
     for (auto *number :
-         {&grid.picture_width, &grid.picture_height, &grid.pixel_aspect_n, &grid.pixel_aspect_d})
+         {&grid.frame_width, &grid.frame_height, &grid.pixel_aspect_n, &grid.pixel_aspect_d})
       *number = static_cast<std::uint32_t>(in.number(kMost32));
     const std::size_t cells = std::size_t{grid.columns} * grid.rows;
-    if (in.failed() || cells == 0 || cells > kMostFieldCells || grid.picture_width == 0 ||
-        grid.picture_height == 0 || grid.pixel_aspect_n == 0 || grid.pixel_aspect_d == 0)
+    if (in.failed() || cells == 0 || cells > kMostFieldCells || grid.frame_width == 0 ||
+        grid.frame_height == 0 || grid.pixel_aspect_n == 0 || grid.pixel_aspect_d == 0)
       return break_off(Result::damaged);
     grid.interval = state_.field.interval;
     grid.cells.resize(cells);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion fields in few bytes: a step between what can be felt apart, and only the cells that
 // changed (docs/formats/field-code.md).
 #pragma once
@@ -31,14 +32,14 @@ struct CodedCell {
 struct CodedState {
   MotionField field; ///< all but its cells as of the last field; its cells as they are decoded
   std::vector<CodedCell> cells;
-  float unit = 0; ///< px/s that are one px per picture, since the last key field
+  float unit = 0; ///< px/s that are one px per frame, since the last key field
   std::uint8_t sequence = 0;
 };
 
 class FieldEncoder {
 public:
-  /// Nothing, if the whole picture rests as it did before: this need not be sent. A key field comes
-  /// first, after a second, after a cut, and when the picture or its grid changes. The field must
+  /// Nothing, if the whole frame rests as it did before: this need not be sent. A key field comes
+  /// first, after a second, after a cut, and when the frame or its grid changes. The field must
   /// be one that unpack_motion_field() would take.
   std::optional<std::vector<std::uint8_t>> push(const MotionField &field);
 
@@ -71,7 +72,7 @@ public:
   bool has_field() const noexcept { return !state_.cells.empty(); }
   /// What the last push() gave.
   const MotionField &field() const noexcept { return state_.field; }
-  /// Whether fields were left out before this one because the picture rested: rest() is what they
+  /// Whether fields were left out before this one because the frame rested: rest() is what they
   /// said.
   bool rested() const noexcept { return rested_; }
   const MotionField &rest() const noexcept { return rest_; }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "force-curve.hpp"
+
+#include "force-defaults.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,16 +10,8 @@
 namespace haptic {
 namespace {
 
-constexpr double kAlpha = 0.01;         // s/px
-constexpr double kReferenceWidth = 352; // px
-constexpr double kReferenceHeight = 288;
 constexpr std::size_t kMostWork = 10'000'000; // evaluations, a second or so
 constexpr double kStrongest = 0.98; // beyond, a step of the amplitude is thousands of px/s
-
-// What the safety chain lets through of a motion of this confidence.
-double share(double confidence) {
-  return std::clamp((confidence - 0.2) / 0.3, 0.0, 1.0);
-}
 
 double value_at(const ChannelCurve &curve, std::int64_t tick) {
   const auto &points = curve.points;
@@ -38,32 +33,32 @@ double value_at(const ChannelCurve &curve, std::int64_t tick) {
 } // namespace
 
 bool is_felt(const MotionSample &sample) noexcept {
-  return share(sample.confidence) > 0;
+  return confidence_gate(sample.confidence) > 0;
 }
 
 CurveForce force_of_motion(const MotionSample &s) noexcept {
-  const double scale = kReferenceWidth / s.picture_width;
+  const double scale = kReferenceWidth / s.frame_width;
   const double x = scale * s.velocity_x;
   const double y = scale * s.velocity_y * s.pixel_aspect_d / s.pixel_aspect_n;
   const double speed = std::hypot(x, y);
   if (!(speed > 0) || !std::isfinite(speed))
     return {};
-  const double force =
-      2 / std::numbers::pi * std::atan(kAlpha * speed) * share(s.confidence) / speed;
-  return {force * x, -force * y};
+  const double gain = arctan_gain(speed, kDefaultAlpha, 1) * confidence_gate(s.confidence);
+  return {gain * x, -gain * y};
 }
 
 MotionSample motion_of_force(CurveForce force) noexcept {
   MotionSample s;
-  s.picture_width = static_cast<std::uint32_t>(kReferenceWidth);
-  s.picture_height = static_cast<std::uint32_t>(kReferenceHeight);
+  s.frame_width = kReferenceWidth;
+  s.frame_height = kReferenceHeight;
   s.confidence = 1;
   s.points = 1;
   s.model = MotionModel::still;
   const double length = std::hypot(force.x, force.y);
   if (!(length > 0) || !std::isfinite(length))
     return s;
-  const double speed = std::tan(std::numbers::pi / 2 * std::min(length, kStrongest)) / kAlpha;
+  const double speed =
+      std::tan(std::numbers::pi / 2 * std::min(length, kStrongest)) / kDefaultAlpha;
   s.velocity_x = static_cast<float>(speed * force.x / length);
   s.velocity_y = static_cast<float>(-speed * force.y / length);
   s.model = MotionModel::translation;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Between motion samples and what MPEG haptics knows: two curves of force, to the right and up.
 #pragma once
 
@@ -15,7 +16,7 @@ struct CurveForce {
   double y = 0; ///< up
 };
 
-/// The force of a motion under the paper's law at its defaults: 2/pi atan(0.01 s/px v) of a picture
+/// The force of a motion under the paper's law at its defaults: 2/pi atan(0.01 s/px v) of a frame
 /// 352 px wide, times the share that its confidence lets through.
 CurveForce force_of_motion(const MotionSample &sample) noexcept;
 

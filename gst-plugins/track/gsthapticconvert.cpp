@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /**
  * SECTION:element-hapticconvert
  *
@@ -263,7 +264,7 @@ void refuse_layout(GstHapticConvert *self, const char *what_follows) {
     GST_ELEMENT_ERROR(
         self, STREAM, WRONG_TYPE,
         ("The haptic track holds motion %s, but %s.",
-         self->state->layout == Layout::field ? "fields of the whole picture" : "of one point",
+         self->state->layout == Layout::field ? "fields of the whole frame" : "of one point",
          what_follows),
         ("layout=%s", layout_name(self->state->layout)));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A motion track as MPEG haptics in JSON (.hjif; media type haptics/hjif of RFC 9695).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The RTP payload of haptics/hmpg (RFC 9993): payload header, single units and fragments.
 #pragma once
 

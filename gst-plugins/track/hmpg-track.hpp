@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A motion track as MPEG haptics: samples to units and back (docs/formats/hmpg.md).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The binary stream of MPEG haptics (ISO/IEC 23090-31, "MIHS"; media type haptics/hmpg of RFC
 // 9695): units and packets as bytes. What they mean for a motion track: hmpg-track.hpp.
 #pragma once

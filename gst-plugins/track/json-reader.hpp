@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads JSON from front to back, without building a tree of it: input from outside may be large.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "klv.hpp"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ enum MotionTag : std::uint8_t {
   kTagPointer,
   kTagRegion,
   kTagConfidence,
-  kTagPicture,
+  kTagFrame,
   kTagPixelAspect,
   kTagPoints,
   kTagModel,
@@ -203,7 +204,7 @@ constexpr MotionValue kMotionValues[] = {
     {kTagTime, 8, false},      {kTagDuration, 8, false}, {kTagFlags, 2, true},
     {kTagInterval, 8, true},   {kTagVelocity, 8, true},  {kTagSpin, 4, true},
     {kTagDivergence, 4, true}, {kTagPointer, 8, true},   {kTagRegion, 8, true},
-    {kTagConfidence, 4, true}, {kTagPicture, 8, true},   {kTagPixelAspect, 8, true},
+    {kTagConfidence, 4, true}, {kTagFrame, 8, true},     {kTagPixelAspect, 8, true},
     {kTagPoints, 2, true},     {kTagModel, 1, true},
 };
 
@@ -262,8 +263,8 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
   s.region_width = read_float(values[kTagRegion]);
   s.region_height = read_float(values[kTagRegion].subspan(4));
   s.confidence = read_float(values[kTagConfidence]);
-  s.picture_width = static_cast<std::uint32_t>(read_unsigned(values[kTagPicture].first(4)));
-  s.picture_height = static_cast<std::uint32_t>(read_unsigned(values[kTagPicture].subspan(4)));
+  s.frame_width = static_cast<std::uint32_t>(read_unsigned(values[kTagFrame].first(4)));
+  s.frame_height = static_cast<std::uint32_t>(read_unsigned(values[kTagFrame].subspan(4)));
   s.pixel_aspect_n = static_cast<std::uint32_t>(read_unsigned(values[kTagPixelAspect].first(4)));
   s.pixel_aspect_d = static_cast<std::uint32_t>(read_unsigned(values[kTagPixelAspect].subspan(4)));
   s.points = static_cast<std::uint16_t>(read_unsigned(values[kTagPoints]));
@@ -321,7 +322,7 @@ std::vector<std::uint8_t> write_klv(const TrackSample &sample) {
   out.floats(kTagPointer, {s.pointer_x, s.pointer_y});
   out.floats(kTagRegion, {s.region_width, s.region_height});
   out.floats(kTagConfidence, {s.confidence});
-  out.unsigned_values(kTagPicture, 4, {s.picture_width, s.picture_height});
+  out.unsigned_values(kTagFrame, 4, {s.frame_width, s.frame_height});
   out.unsigned_values(kTagPixelAspect, 4, {s.pixel_aspect_n, s.pixel_aspect_d});
   out.unsigned_values(kTagPoints, 2, {s.points});
   out.unsigned_values(kTagModel, 1, {static_cast<std::uint64_t>(s.model)});

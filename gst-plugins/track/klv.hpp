@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // KLV (SMPTE ST 336): motion samples, motion fields and pointers as local sets
 // (docs/formats/klv.md).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Pads of an element that lets a stream through and has a third pad beside it.
 #pragma once
 

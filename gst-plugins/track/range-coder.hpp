@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A binary adaptive range coder: bits of which one value is likelier than the other, in few bytes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "text-line.hpp"
 
 #include "gst-raii.hpp"
@@ -143,7 +144,7 @@ bool parse_field(std::size_t which, std::string_view value, TrackSample &sample)
   case 11:
     return parse(value, s.confidence);
   case 12:
-    return parse_pair(value, 'x', s.picture_width, s.picture_height);
+    return parse_pair(value, 'x', s.frame_width, s.frame_height);
   case 13:
     return parse_pair(value, ':', s.pixel_aspect_n, s.pixel_aspect_d);
   case 14:
@@ -224,7 +225,7 @@ std::string write_text_line(const TrackSample &sample) {
   out.number("w", s.region_width);
   out.number("h", s.region_height);
   out.number("conf", s.confidence);
-  out.pair("pic", s.picture_width, 'x', s.picture_height);
+  out.pair("pic", s.frame_width, 'x', s.frame_height);
   out.pair("par", s.pixel_aspect_n, ':', s.pixel_aspect_d);
   out.number("n", s.points);
   out.field("model", motion_model_name(s.model));

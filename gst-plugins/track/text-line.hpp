@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A motion sample, or a motion field, as one line of text (docs/formats/text-line.md).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The caps that a haptic track travels under.
 #pragma once
 

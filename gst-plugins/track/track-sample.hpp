@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A motion sample, or a coded motion field, on its way through a file or a network, where buffers
 // lose their time stamps.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Recognises .hmpg and .hjif by their content.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "block-translation.hpp"
 
 #include <numbers>
@@ -41,7 +42,7 @@ Translation translate_blocks(const Plane &later, std::span<const Template> block
   };
   std::array<Fit, kMaxPatches> fits;
 
-  // Blocks that leave the picture have no say.
+  // Blocks that leave the frame have no say.
   const auto fit_all = [&] {
     Displacement gradient;
     float energy = 0;
@@ -63,7 +64,7 @@ Translation translate_blocks(const Plane &later, std::span<const Template> block
       curvature += blocks[i].curvature;
     }
     // Half way between pixels bilinear interpolation is off by an eighth of the second derivative,
-    // in both pictures.
+    // in both frames.
     result.interpolation2 = 2.0F / 64 * curvature / std::max(result.pixels, block_pixels);
     // What is seen of less than half of the region stands for the rest with less right.
     const float seen = std::min(1.0F, 2 * result.pixels / all_pixels);
@@ -90,7 +91,7 @@ Translation translate_blocks(const Plane &later, std::span<const Template> block
 
   // Where the weak direction may be noise, only the strong one is followed, else the estimate would
   // run along an edge. The residual then tells how much noise there really is (that of both
-  // pictures, smoothed, and whatever else does not fit).
+  // frames, smoothed, and whatever else does not fit).
   result.one_direction = !has_texture(least, all_pixels, noise);
   if (result.one_direction)
     result.displacement = along_strong(start);

@@ -1,5 +1,6 @@
-// One translation of several blocks, how much of the pictures it explains, and what a patch of it
-// is worth: what the trackers of a region and of the whole picture share.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One translation of several blocks, how much of the frames it explains, and what a patch of it
+// is worth: what the trackers of a region and of the whole frame share.
 #pragma once
 
 #include "patch-grid.hpp"
@@ -38,7 +39,7 @@ bool explains(const Translation &whole, int side, float noise);
 bool is_still(const Translation &whole);
 bool is_precise(const Translation &whole);
 
-/// A texture of one spatial frequency looks the same one period further, so that two pictures
+/// A texture of one spatial frequency looks the same one period further, so that two frames
 /// cannot tell which way it went. 0: no such texture, else the period in px, at most `longest`.
 float period(const Plane &earlier, std::span<const Template> blocks, float longest);
 

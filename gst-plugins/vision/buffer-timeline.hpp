@@ -1,7 +1,8 @@
-// Pictures of a stream on their time line, from what their buffers say.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames of a stream on their time line, from what their buffers say.
 #pragma once
 
-#include "picture-timeline.hpp"
+#include "frame-timeline.hpp"
 
 #include <gst/base/gstbasetransform.h>
 #include <optional>
@@ -12,10 +13,10 @@ namespace haptic {
 /// Streaming thread only.
 class BufferTimeline {
 public:
-  /// How the picture in the buffer follows on the reference. The first fault of its time stamps is
+  /// How the frame in the buffer follows on the reference. The first fault of its time stamps is
   /// logged.
   TimeStep advance(GstBaseTransform *element, GstDebugCategory *category, const GstBuffer *buffer) {
-    // Backwards, each group of pictures is decoded for itself and begins with a discontinuity.
+    // Backwards, each group of frames is decoded for itself and begins with a discontinuity.
     const bool descending = element->segment.rate < 0;
     if (GST_BUFFER_IS_DISCONT(buffer) && !descending)
       timeline_.forget();
@@ -30,15 +31,15 @@ public:
                              step.fault, GST_TIME_ARGS(GST_BUFFER_PTS(buffer)));
     return step;
   }
-  /// The picture given last becomes the reference.
+  /// The frame given last becomes the reference.
   void adopt() { timeline_.adopt(); }
-  /// The next picture restarts.
+  /// The next frame restarts.
   void forget() { timeline_.forget(); }
   /// The next fault is logged again.
   void tell_again() { told_ = false; }
 
 private:
-  PictureTimeline timeline_;
+  FrameTimeline timeline_;
   bool told_ = false;
 };
 

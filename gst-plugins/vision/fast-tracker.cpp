@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A ladder: each rung is climbed only when the one below does not explain the pixels.
 //   1. nothing changed but noise
 //   2. one translation of the whole region
 //   3. a grid of patches, evenly spread so that their mean is the mean over the region
 #include "block-translation.hpp"
+#include "frame-change.hpp"
 #include "patch-tracker.hpp"
-#include "picture-change.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -18,7 +19,7 @@ namespace {
 constexpr int kIterations = 5; // most Gauss-Newton steps of the whole region at a level
 constexpr int kSmallSide = 30; // px, the region of the paper
 constexpr int kReach =
-    20; // px per picture that the search covers there; what is larger moves further
+    20; // px per frame that the search covers there; what is larger moves further
 constexpr int kLargestSide =
     128; // px; larger regions are averaged down first, so that the cost stays bounded
 
@@ -52,7 +53,7 @@ private:
 
   void measure_reduced(const CropPair &pair, Measurement &measurement);
   ChangeFinding change(const CropPair &pair) const;
-  void take_pictures(const CropPair &pair);
+  void take_frames(const CropPair &pair);
   void cover_with_blocks(const Area &area);
   Translation translate(Displacement start);
   Translation translate_level(std::size_t level, Displacement start, int iterations);
@@ -64,7 +65,7 @@ private:
 
   const FastTrackerOptions options_;
   int max_points_ = kUsualPatches;
-  bool have_previous_ = false; // current_ holds the picture that comes next as the earlier one
+  bool have_previous_ = false; // current_ holds the frame that comes next as the earlier one
   Rectangle last_crop_;
   Pyramid previous_;
   Pyramid current_;
@@ -77,8 +78,8 @@ private:
   Template strained_;
   std::array<ByteImage, 2> reduced_previous_;
   std::array<ByteImage, 2> reduced_current_;
-  Displacement last_;                           // px, of the picture before
-  float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still pictures
+  Displacement last_;                           // px, of the frame before
+  float noise_ = kAssumedNoise * kAssumedNoise; // variance of a pixel, learned from still frames
   float expected_residual2_ = 2 * kSmoothedNoise * noise_; // grey levels squared, of what fits
   float trust_ = 0; // sum over the grid's patches that have texture, 0..1 each
 };
@@ -93,7 +94,7 @@ ChangeFinding FastTracker::change(const CropPair &pair) const {
   return find_change(inside(pair.previous), inside(pair.current), noise_);
 }
 
-void FastTracker::take_pictures(const CropPair &pair) {
+void FastTracker::take_frames(const CropPair &pair) {
   // A level more for each doubling of the region: its largest displacement doubles too.
   side_ = std::max(pair.region.width, pair.region.height);
   const int doublings = std::bit_width(static_cast<unsigned>(std::max(side_ / kSmallSide, 1))) - 1;
@@ -151,7 +152,7 @@ Translation FastTracker::find_translation() {
 }
 
 void FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
-  constexpr float kCoarseSpacing = 5; // px of the half-size picture
+  constexpr float kCoarseSpacing = 5; // px of the half-size frame
   constexpr float kSame2 = 1.0F;      // px squared between starts that are not worth telling apart
 
   const std::size_t coarse_level = levels_ > 1 ? 1 : 0;
@@ -309,7 +310,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   case Change::some:
     break;
   }
-  take_pictures(pair);
+  take_frames(pair);
   const Area area{static_cast<float>(pair.region.x - pair.crop.x - kSmoothingRadius),
                   static_cast<float>(pair.region.y - pair.crop.y - kSmoothingRadius),
                   static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)};
@@ -369,7 +370,7 @@ void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
                       pair.crop.y + (pair.region.y - pair.crop.y) / scale,
                       pair.region.width / scale, pair.region.height / scale};
   }
-  // A strip along a picture's border may have become too narrow for patches.
+  // A strip along a frame's border may have become too narrow for patches.
   const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
   if (least(reduced.region) < kSmallestRegion / 2 ||
       least(reduced.crop) < kSmallPatch + kRim + 2 * kSmoothingRadius)

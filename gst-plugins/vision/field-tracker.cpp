@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-tracker.hpp"
 
 #include "velocity-estimate.hpp"
@@ -10,8 +11,8 @@
 namespace haptic {
 namespace {
 
-constexpr int kNarrowestCell = 8;  // px of the picture
-constexpr float kLargestCell = 32; // px of the reduced picture; half of it is enough
+constexpr int kNarrowestCell = 8;  // px of the frame
+constexpr float kLargestCell = 32; // px of the reduced frame; half of it is enough
 constexpr std::size_t kLevels = 3; // a patch of the coarsest covers one cell or two
 constexpr int kCoarseSpacing = 6;  // px between patches of the coarsest level
 constexpr int kReach = 5;          // px of the coarsest level
@@ -58,7 +59,7 @@ void FieldTracker::Starts::offer(Displacement start) {
     starts_[count_++] = start;
 }
 
-void FieldTracker::set_picture(int width, int height, const FieldShape &shape) {
+void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
   width_ = width;
   height_ = height;
   shape_ = shape;
@@ -67,11 +68,11 @@ void FieldTracker::set_picture(int width, int height, const FieldShape &shape) {
                                    static_cast<float>(height) / static_cast<float>(shape.rows));
   while (cell_side / static_cast<float>(1 << reductions_) >= kLargestCell)
     ++reductions_;
-  for (ByteImage *picture : {&previous_, &current_}) {
-    picture->width = width >> reductions_;
-    picture->height = height >> reductions_;
-    picture->pixels.resize(static_cast<std::size_t>(picture->width) *
-                           static_cast<std::size_t>(picture->height));
+  for (ByteImage *frame : {&previous_, &current_}) {
+    frame->width = width >> reductions_;
+    frame->height = height >> reductions_;
+    frame->pixels.resize(static_cast<std::size_t>(frame->width) *
+                         static_cast<std::size_t>(frame->height));
   }
   const int least = std::min(current_.width, current_.height) - 2 * kSmoothingRadius;
   levels_ = 0;
@@ -145,16 +146,16 @@ Area FieldTracker::area_of(int row, int column) const {
   return {static_cast<float>(column) * width, static_cast<float>(row) * height, width, height};
 }
 
-LumaView FieldTracker::part_of(const ByteImage &picture, const Area &area) const {
+LumaView FieldTracker::part_of(const ByteImage &frame, const Area &area) const {
   constexpr int kLeast = 3;
   const auto clip = [](float from, float length, int limit) {
     const int begin = std::clamp(static_cast<int>(from), 0, std::max(0, limit - kLeast));
     const int end = std::clamp(static_cast<int>(std::ceil(from + length)), begin + kLeast, limit);
     return std::pair(begin, end - begin);
   };
-  const auto [x, width] = clip(area.x, area.width, picture.width);
-  const auto [y, height] = clip(area.y, area.height, picture.height);
-  return {picture.pixels.data() + cell(y, picture.width, x), width, height, picture.width};
+  const auto [x, width] = clip(area.x, area.width, frame.width);
+  const auto [y, height] = clip(area.y, area.height, frame.height);
+  return {frame.pixels.data() + cell(y, frame.width, x), width, height, frame.width};
 }
 
 // Answers for the cells that did not change. False: there are no others.
@@ -191,12 +192,12 @@ void for_neighbours(const FieldShape &shape, int row, int column, Body &&body) {
       body(y, x);
 }
 
-// The place of another grid over the same picture that is nearest.
+// The place of another grid over the same frame that is nearest.
 int parent(int index, int parts, int parent_parts) {
   return (2 * index + 1) * parent_parts / (2 * parts);
 }
 
-// Puts the patch into the middle of the area of a level of the earlier picture.
+// Puts the patch into the middle of the area of a level of the earlier frame.
 void place(const Plane &plane, const Area &area, Template &patch) {
   const auto first = [&](float from, float length, int available) {
     const float wanted =

@@ -1,9 +1,10 @@
-// The motion of a whole picture on a grid of cells, from one reading of its luma.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The motion of a whole frame on a grid of cells, from one reading of its luma.
 #pragma once
 
 #include "block-translation.hpp"
+#include "frame-change.hpp"
 #include "motion-field.hpp"
-#include "picture-change.hpp"
 
 #include <cstdint>
 #include <span>
@@ -11,7 +12,7 @@
 
 namespace haptic {
 
-/// Cells of equal size, side by side over the whole picture.
+/// Cells of equal size, side by side over the whole frame.
 struct FieldShape {
   int columns = 0;
   int rows = 0;
@@ -25,37 +26,37 @@ struct FieldShape {
 /// of a pixel over its height.
 FieldShape field_shape(int width, int height, double pixel_aspect, int columns);
 
-/// Coarse to fine over the whole picture, then for each cell the ladder of the fast tracker:
-/// unchanged, one translation, a grid of patches. Keeps of a picture no more than it needs to
+/// Coarse to fine over the whole frame, then for each cell the ladder of the fast tracker:
+/// unchanged, one translation, a grid of patches. Keeps of a frame no more than it needs to
 /// compare the next one with it. One instance serves one stream, from one thread at a time.
 class FieldTracker {
 public:
-  /// What the pictures that follow are like. Forgets.
-  void set_picture(int width, int height, const FieldShape &shape);
+  /// What the frames that follow are like. Forgets.
+  void set_frame(int width, int height, const FieldShape &shape);
 
-  /// Rows that read() takes at a time; at the bottom of the picture there may be fewer.
+  /// Rows that read() takes at a time; at the bottom of the frame there may be fewer.
   int strip_rows() const;
 
-  /// The rows of the picture that comes next, strip by strip from its top.
+  /// The rows of the frame that comes next, strip by strip from its top.
   void read(const LumaView &strip);
 
-  /// The picture read last becomes the earlier one.
+  /// The frame read last becomes the earlier one.
   void keep();
 
-  /// There is no earlier picture, and nothing is known of the scene.
+  /// There is no earlier frame, and nothing is known of the scene.
   void forget();
 
-  /// Whether the picture read last is the earlier one once more.
+  /// Whether the frame read last is the earlier one once more.
   bool repeats() const;
 
-  /// From the earlier picture to the one read last, `interval` seconds later. Fills all cells of
+  /// From the earlier frame to the one read last, `interval` seconds later. Fills all cells of
   /// the shape and returns MeasurementFlags.
   std::uint32_t measure(double interval, std::span<FieldCell> cells);
 
 private:
-  // Of a cell, px of the reduced picture.
+  // Of a cell, px of the reduced frame.
   Area area_of(int row, int column) const;
-  LumaView part_of(const ByteImage &picture, const Area &area) const;
+  LumaView part_of(const ByteImage &frame, const Area &area) const;
   bool find_changes(std::span<FieldCell> cells);
   void build_pyramids();
   void follow_coarsely();
@@ -84,23 +85,23 @@ private:
   struct Cell {
     Change change = Change::none;
     float energy = 0;    // of the change
-    Displacement last;   // of the picture before, finest level
+    Displacement last;   // of the frame before, finest level
     Displacement coarse; // level 1
     Translation whole;   // finest level
     bool explained = false;
     bool has_texture = false;
   };
 
-  int width_ = 0;  // px, of the picture
+  int width_ = 0;  // px, of the frame
   int height_ = 0; // px
   FieldShape shape_;
-  int reductions_ = 0; // times that the picture was halved
-  int rows_read_ = 0;  // of the reduced picture
+  int reductions_ = 0; // times that the frame was halved
+  int rows_read_ = 0;  // of the reduced frame
   bool have_previous_ = false;
   bool previous_is_built_ = false;
   bool current_is_built_ = false;
-  float noise_ = 0;        // variance of a pixel of the reduced picture
-  std::size_t levels_ = 0; // that are large enough to be of use; 0: the picture is too small
+  float noise_ = 0;        // variance of a pixel of the reduced frame
+  std::size_t levels_ = 0; // that are large enough to be of use; 0: the frame is too small
   std::array<ByteImage, 2> strips_;
   ByteImage previous_;
   ByteImage current_;

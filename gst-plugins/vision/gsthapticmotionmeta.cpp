@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gsthapticmotionmeta.h"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 
 namespace {
 
-// Elements that do not keep the picture's geometry (crop, composite) drop metadata tagged so,
+// Elements that do not keep the frame's geometry (crop, composite) drop metadata tagged so,
 // rather than carry wrong coordinates.
 GType api_type() {
   static const GType type = [] {
@@ -41,10 +42,10 @@ void scale_patch(GstHapticPatch &patch, gfloat sx, gfloat sy) {
 }
 
 void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
-  const auto sx = static_cast<gfloat>(width) / static_cast<gfloat>(meta.picture_width);
-  const auto sy = static_cast<gfloat>(height) / static_cast<gfloat>(meta.picture_height);
-  meta.picture_width = width;
-  meta.picture_height = height;
+  const auto sx = static_cast<gfloat>(width) / static_cast<gfloat>(meta.frame_width);
+  const auto sy = static_cast<gfloat>(height) / static_cast<gfloat>(meta.frame_height);
+  meta.frame_width = width;
+  meta.frame_height = height;
   for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x})
     *x *= sx;
   for (gfloat *y : {&meta.region_y, &meta.region_height, &meta.pointer_y})
@@ -65,7 +66,7 @@ gboolean transform(GstBuffer *to, GstMeta *meta, GstBuffer *, GQuark type, gpoin
     return FALSE;
   GstHapticMotionMeta *copy = gst_buffer_add_haptic_motion_meta(to);
   copy_fields(*cast(meta), *copy);
-  if (!is_copy && copy->picture_width > 0 && copy->picture_height > 0) {
+  if (!is_copy && copy->frame_width > 0 && copy->frame_height > 0) {
     const GstVideoInfo *out = static_cast<const GstVideoMetaTransform *>(data)->out_info;
     scale_fields(*copy, static_cast<guint>(GST_VIDEO_INFO_WIDTH(out)),
                  static_cast<guint>(GST_VIDEO_INFO_HEIGHT(out)));

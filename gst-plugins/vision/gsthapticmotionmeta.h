@@ -1,4 +1,5 @@
-/* Metadata that roitracker attaches to each picture: what was measured between it and an earlier
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
+/* Metadata that roitracker attaches to each frame: what was measured between it and an earlier
  * one. This header is all that a reader needs. */
 #pragma once
 
@@ -14,10 +15,10 @@ G_BEGIN_DECLS
 /**
  * GstHapticMotionFlags:
  * @GST_HAPTIC_MOTION_STILL: the pixels of the region did not change
- * @GST_HAPTIC_MOTION_DUPLICATE: the picture repeats the one before (as in 3:2 pulldown); nothing
+ * @GST_HAPTIC_MOTION_DUPLICATE: the frame repeats the one before (as in 3:2 pulldown); nothing
  * was measured and the velocity of before goes on
  * @GST_HAPTIC_MOTION_CUT: another scene began
- * @GST_HAPTIC_MOTION_DISCONTINUITY: there was no earlier picture to compare with
+ * @GST_HAPTIC_MOTION_DISCONTINUITY: there was no earlier frame to compare with
  */
 typedef enum {
   GST_HAPTIC_MOTION_STILL = 1 << 0,
@@ -29,22 +30,22 @@ typedef enum {
 /**
  * GstHapticMotionMeta:
  * @flags: #GstHapticMotionFlags
- * @picture_width, @picture_height: px, the picture that the coordinates refer to
+ * @frame_width, @frame_height: px, the frame that the coordinates refer to
  * @region_x, @region_y, @region_width, @region_height: region of interest, px, clipped at the
- * picture
+ * frame
  * @pointer_x, @pointer_y: pointer in use, px
- * @interval: ns between the two pictures from their time stamps, 0 when there is none
+ * @interval: ns between the two frames from their time stamps, 0 when there is none
  * @n_candidates: patches that were looked at; those that could not be trusted are left out of
  * @patches
  * @n_patches: used entries of @patches
- * @force_x, @force_y, @force_z: force that the device was commanded to exert when the picture came,
+ * @force_x, @force_y, @force_z: force that the device was commanded to exert when the frame came,
  * N, x to the right, y up, z towards the user; NaN: unknown
  */
 typedef struct _GstHapticMotionMeta {
   GstMeta meta;
 
   guint flags;
-  guint picture_width, picture_height;
+  guint frame_width, frame_height;
   gfloat region_x, region_y, region_width, region_height;
   gfloat pointer_x, pointer_y;
   GstClockTime interval;

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gsthapticoverlay.h"
 
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
-#include "mapped-picture.hpp"
+#include "mapped-frame.hpp"
 #include "motion-reader.hpp"
 #include "overlay-drawing.hpp"
 
@@ -40,7 +41,7 @@ struct CompositionUnref {
 using CompositionPtr = std::unique_ptr<GstVideoOverlayComposition, CompositionUnref>;
 using RectanglePtr = std::unique_ptr<GstVideoOverlayRectangle, CompositionUnref>;
 
-// What lies over a picture.
+// What lies over a frame.
 struct Drawn {
   haptic::BufferPtr pixels; // with its GstVideoMeta
   haptic::Rectangle extent;
@@ -53,7 +54,7 @@ struct State {
   // Streaming thread only, or while it is stopped.
   haptic::MotionReader reader;
   bool attaches = false;      // downstream draws it
-  std::optional<Drawn> drawn; // over the picture under way
+  std::optional<Drawn> drawn; // over the frame under way
 };
 
 } // namespace
@@ -75,7 +76,7 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
 
 G_DEFINE_TYPE_WITH_CODE(GstHapticOverlay, gst_haptic_overlay, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(haptic_overlay_debug, "hapticoverlay", 0,
-                                                "what is felt, drawn over the picture"))
+                                                "what is felt, drawn over the frame"))
 GST_ELEMENT_REGISTER_DEFINE(hapticoverlay, "hapticoverlay", GST_RANK_NONE, GST_TYPE_HAPTIC_OVERLAY)
 
 namespace {
@@ -100,8 +101,8 @@ std::string label_of(const haptic::MotionSample &sample) {
 
 haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::MotionSample &sample) {
   haptic::OverlayScene scene{
-      .picture_width = static_cast<int>(sample.picture_width),
-      .picture_height = static_cast<int>(sample.picture_height),
+      .frame_width = static_cast<int>(sample.frame_width),
+      .frame_height = static_cast<int>(sample.frame_height),
       .pixel_aspect = static_cast<double>(sample.pixel_aspect_n) / sample.pixel_aspect_d,
       .region_x = static_cast<double>(meta.region_x),
       .region_y = static_cast<double>(meta.region_y),
@@ -138,11 +139,11 @@ Drawn paint(const haptic::OverlayDrawing &drawing) {
   return {std::move(pixels), extent};
 }
 
-// What lies over the picture; nothing, where nothing was measured.
-std::optional<Drawn> look_at(GstHapticOverlay *self, GstBuffer *picture) {
+// What lies over the frame; nothing, where nothing was measured.
+std::optional<Drawn> look_at(GstHapticOverlay *self, GstBuffer *frame) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(picture);
+  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame);
   if (!meta) {
     state.reader.read_nothing(info);
     return std::nullopt;
@@ -172,7 +173,7 @@ GstFlowReturn prepare(GstHapticOverlay *self, GstBuffer *in, GstBuffer **out) {
     *out = haptic::with_own_metadata(in);
     return *out ? GST_FLOW_OK : GST_FLOW_ERROR;
   }
-  // The tracker and others behind the tee go on reading this picture: draw on a copy.
+  // The tracker and others behind the tee go on reading this frame: draw on a copy.
   return GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)
       ->prepare_output_buffer(GST_BASE_TRANSFORM(self), in, out);
 }
@@ -185,7 +186,7 @@ CompositionPtr compose(const Drawn &drawn, int x, int y) {
   return CompositionPtr(gst_video_overlay_composition_new(rectangle.get()));
 }
 
-// A view of the part of a picture that holds a rectangle, whose place in it is left in `x` and `y`.
+// A view of the part of a frame that holds a rectangle, whose place in it is left in `x` and `y`.
 // Blending converts whole rows, so they had better be short.
 GstVideoFrame part_of(const GstVideoFrame &frame, const haptic::Rectangle &rectangle, int &x,
                       int &y) {
@@ -229,17 +230,17 @@ bool copy(const GstVideoFrame &from, GstVideoFrame &to) {
 }
 
 bool blend(const GstVideoInfo &info, const Drawn &drawn, GstBuffer *in, GstBuffer *out) {
-  haptic::MappedPicture picture(info, out, GST_MAP_READWRITE);
-  if (!picture)
+  haptic::MappedFrame frame(info, out, GST_MAP_READWRITE);
+  if (!frame)
     return false;
   if (in != out) {
-    const haptic::MappedPicture original(info, in);
-    if (!original || !copy(original.frame(), picture.frame()))
+    const haptic::MappedFrame original(info, in);
+    if (!original || !copy(original.frame(), frame.frame()))
       return false;
   }
   int x = 0;
   int y = 0;
-  GstVideoFrame part = part_of(picture.frame(), drawn.extent, x, y);
+  GstVideoFrame part = part_of(frame.frame(), drawn.extent, x, y);
   return gst_video_overlay_composition_blend(compose(drawn, x, y).get(), &part);
 }
 
@@ -255,7 +256,7 @@ GstFlowReturn draw(GstHapticOverlay *self, GstBuffer *in, GstBuffer *out) {
   }
   if (!blend(GST_VIDEO_FILTER(self)->out_info, *drawn, in, out)) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT,
-                      ("A picture cannot be drawn on: its memory does not hold what its format "
+                      ("A frame cannot be drawn on: its memory does not hold what its format "
                        "says."),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(in)));
     return GST_FLOW_ERROR;
@@ -393,7 +394,7 @@ static void gst_haptic_overlay_finalize(GObject *object) {
 static void gst_haptic_overlay_init(GstHapticOverlay *self) {
   self->state = new State;
   auto *trans = GST_BASE_TRANSFORM(self);
-  // A picture skipped here would be missing from the history that a duplicate repeats.
+  // A frame skipped here would be missing from the history that a duplicate repeats.
   gst_base_transform_set_qos_enabled(trans, FALSE);
   gst_base_transform_set_gap_aware(trans, TRUE);
 }
@@ -424,12 +425,12 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
       object_class, kScale,
       g_param_spec_double("scale", "Scale",
                           "Seconds of motion that an arrow is long; none is longer than half of "
-                          "the picture's height",
+                          "the frame's height",
                           0, kLongestScale, look.scale, flags));
 
   gst_element_class_set_static_metadata(
       element_class, "Haptic overlay", "Filter/Effect/Video",
-      "Draws over a picture the motion that was measured in it and the force that it gives",
+      "Draws over a frame the motion that was measured in it and the force that it gives",
       "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);

@@ -1,13 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gstmotionfield.h"
 
 #include "buffer-timeline.hpp"
 #include "exception-barrier.hpp"
 #include "field-tracker.hpp"
+#include "frame-caps.hpp"
 #include "gst-raii.hpp"
 #include "luma-crop.hpp"
-#include "mapped-picture.hpp"
+#include "mapped-frame.hpp"
 #include "motion-field.hpp"
-#include "picture-caps.hpp"
 #include "repetition.hpp"
 
 #include <algorithm>
@@ -33,15 +34,15 @@ struct State {
   guint columns = kDefaultColumns;
 
   // Streaming thread only, or while it is stopped.
-  GstVideoInfo picture; // of the caps
+  GstVideoInfo frame; // of the caps
   haptic::FieldShape shape;
   haptic::FieldTracker tracker;
   haptic::BufferTimeline timeline;
   haptic::RepetitionJudge repetition;
-  MotionField field; // a duplicate picture repeats its cells
+  MotionField field; // a duplicate frame repeats its cells
   std::vector<std::uint8_t> scratch;
 
-  void forget_pictures() {
+  void forget_frames() {
     repetition.forget();
     timeline.forget();
     tracker.forget();
@@ -63,7 +64,7 @@ static GstStaticPadTemplate src_template =
 
 G_DEFINE_TYPE_WITH_CODE(GstMotionField, gst_motion_field, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(motionfield_debug, "motionfield", 0,
-                                                "motion of the whole picture"))
+                                                "motion of the whole frame"))
 GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, GST_TYPE_MOTION_FIELD)
 
 namespace {
@@ -71,7 +72,7 @@ namespace {
 // What every field says, whether or not anything was measured. A change of the shape starts anew.
 void describe(GstMotionField *self) {
   State &state = *self->state;
-  const GstVideoInfo &info = state.picture;
+  const GstVideoInfo &info = state.frame;
   guint columns = 0;
   {
     const ObjectLock lock(self);
@@ -83,34 +84,34 @@ void describe(GstMotionField *self) {
       width, height, static_cast<double>(GST_VIDEO_INFO_PAR_N(&info)) / GST_VIDEO_INFO_PAR_D(&info),
       static_cast<int>(columns));
   MotionField &field = state.field;
-  if (shape == state.shape && field.picture_width == static_cast<std::uint32_t>(width) &&
-      field.picture_height == static_cast<std::uint32_t>(height))
+  if (shape == state.shape && field.frame_width == static_cast<std::uint32_t>(width) &&
+      field.frame_height == static_cast<std::uint32_t>(height))
     return;
   state.shape = shape;
-  state.forget_pictures();
-  state.tracker.set_picture(width, height, shape);
-  field.picture_width = static_cast<std::uint32_t>(width);
-  field.picture_height = static_cast<std::uint32_t>(height);
+  state.forget_frames();
+  state.tracker.set_frame(width, height, shape);
+  field.frame_width = static_cast<std::uint32_t>(width);
+  field.frame_height = static_cast<std::uint32_t>(height);
   field.columns = static_cast<std::uint16_t>(shape.columns);
   field.rows = static_cast<std::uint16_t>(shape.rows);
   field.cells.assign(static_cast<std::size_t>(shape.cells()), {});
 }
 
-// False: the picture cannot be read.
+// False: the frame cannot be read.
 bool read(State &state, GstBuffer *buffer) {
-  const haptic::MappedPicture picture(state.picture, buffer);
-  if (!picture)
+  const haptic::MappedFrame frame(state.frame, buffer);
+  if (!frame)
     return false;
-  const int width = GST_VIDEO_INFO_WIDTH(&state.picture);
-  const int height = GST_VIDEO_INFO_HEIGHT(&state.picture);
+  const int width = GST_VIDEO_INFO_WIDTH(&state.frame);
+  const int height = GST_VIDEO_INFO_HEIGHT(&state.frame);
   const int strip = state.tracker.strip_rows();
   for (int y = 0; y < height; y += strip)
-    state.tracker.read(haptic::luma_crop(
-        picture.frame(), {0, y, width, std::min(strip, height - y)}, state.scratch));
+    state.tracker.read(haptic::luma_crop(frame.frame(), {0, y, width, std::min(strip, height - y)},
+                                         state.scratch));
   return true;
 }
 
-// From the reference to the picture that was just read. False: that is the reference once more and
+// From the reference to the frame that was just read. False: that is the reference once more and
 // does not take its place, so that the next interval spans both, as its motion does.
 bool compare(State &state) {
   MotionField &field = state.field;
@@ -132,7 +133,7 @@ bool compare(State &state) {
   return true;
 }
 
-// Leaves what is known about the picture in state.field. False: it cannot be read.
+// Leaves what is known about the frame in state.field. False: it cannot be read.
 bool examine(GstMotionField *self, GstBuffer *buffer) {
   State &state = *self->state;
   MotionField &field = state.field;
@@ -163,12 +164,12 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
   return true;
 }
 
-GstFlowReturn process(GstMotionField *self, GstBuffer *picture, GstBuffer *out) {
+GstFlowReturn process(GstMotionField *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
-  if (!examine(self, picture)) {
+  if (!examine(self, frame)) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT,
-                      ("A picture cannot be read: its memory does not hold what its format says."),
-                      ("%" GST_PTR_FORMAT, static_cast<void *>(picture)));
+                      ("A frame cannot be read: its memory does not hold what its format says."),
+                      ("%" GST_PTR_FORMAT, static_cast<void *>(frame)));
     return GST_FLOW_ERROR;
   }
   const MotionField &field = state.field;
@@ -191,18 +192,18 @@ GstFlowReturn process(GstMotionField *self, GstBuffer *picture, GstBuffer *out) 
 static GstCaps *gst_motion_field_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
                                                 GstCaps *caps, GstCaps *filter) {
   return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    return haptic::transform_picture_caps(direction, sink_template, src_template, caps, filter);
+    return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
   });
 }
 
 static gboolean gst_motion_field_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
   return guarded(trans, false, [&] {
     State &state = *GST_MOTION_FIELD(trans)->state;
-    state.forget_pictures();
-    if (!gst_video_info_from_caps(&state.picture, in))
+    state.forget_frames();
+    if (!gst_video_info_from_caps(&state.frame, in))
       return false;
-    state.field.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&state.picture));
-    state.field.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&state.picture));
+    state.field.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&state.frame));
+    state.field.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&state.frame));
     return true;
   });
 }
@@ -229,7 +230,7 @@ static GstFlowReturn gst_motion_field_transform(GstBaseTransform *trans, GstBuff
 static gboolean gst_motion_field_sink_event(GstBaseTransform *trans, GstEvent *event) {
   guarded(trans, [&] {
     if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
-      GST_MOTION_FIELD(trans)->state->forget_pictures();
+      GST_MOTION_FIELD(trans)->state->forget_frames();
   });
   return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
 }
@@ -248,7 +249,7 @@ static gboolean gst_motion_field_start(GstBaseTransform *trans) {
 
 static gboolean gst_motion_field_stop(GstBaseTransform *trans) {
   return guarded(trans, FALSE, [&] {
-    GST_MOTION_FIELD(trans)->state->forget_pictures();
+    GST_MOTION_FIELD(trans)->state->forget_frames();
     return TRUE;
   });
 }
@@ -284,9 +285,9 @@ static void gst_motion_field_finalize(GObject *object) {
 
 static void gst_motion_field_init(GstMotionField *self) {
   self->state = new State;
-  gst_video_info_init(&self->state->picture);
+  gst_video_info_init(&self->state->frame);
   auto *trans = GST_BASE_TRANSFORM(self);
-  // A late sink must not make the tracker skip pictures.
+  // A late sink must not make the tracker skip frames.
   gst_base_transform_set_qos_enabled(trans, FALSE);
   // Otherwise the base class clears the flag that says that nothing was measured.
   gst_base_transform_set_gap_aware(trans, TRUE);
@@ -304,15 +305,15 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
       object_class, kFieldColumns,
       g_param_spec_uint(
           "field-columns", "Field Columns",
-          "Cells side by side; rows follow from the picture's shape. None is narrower than 8 "
+          "Cells side by side; rows follow from the frame's shape. None is narrower than 8 "
           "pixels",
           kFewestColumns, kMostColumns, kDefaultColumns,
           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                    GST_PARAM_MUTABLE_PLAYING)));
 
-  gst_element_class_set_static_metadata(
-      element_class, "Motion field", "Filter/Analyzer/Video",
-      "Measures the motion of the whole picture on a grid of cells", "Feeling Wind project");
+  gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
+                                        "Measures the motion of the whole frame on a grid of cells",
+                                        "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

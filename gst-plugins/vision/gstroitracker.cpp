@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gstroitracker.h"
 
 #include "buffer-timeline.hpp"
@@ -5,7 +6,7 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
-#include "mapped-picture.hpp"
+#include "mapped-frame.hpp"
 #include "patch-tracker.hpp"
 #include "pointer-arbiter.hpp"
 #include "pointer-event.hpp"
@@ -24,7 +25,7 @@ GST_DEBUG_CATEGORY_STATIC(roitracker_debug);
 namespace {
 
 using haptic::guarded;
-using haptic::MappedPicture;
+using haptic::MappedFrame;
 using haptic::ObjectLock;
 using haptic::Pointer;
 using haptic::PointerSource;
@@ -65,7 +66,7 @@ struct Statistics {
   std::chrono::nanoseconds tracker_time{0};
 };
 
-// What is known about one picture.
+// What is known about one frame.
 struct Finding {
   guint flags = 0;
   GstClockTime interval = 0;
@@ -75,7 +76,7 @@ struct Finding {
 
 using Force = std::array<double, 3>; // N, x to the right, y up, z towards the user
 
-// What one picture is looked at with.
+// What one frame is looked at with.
 struct Settings {
   Pointer pointer;
   std::optional<Force> force;
@@ -92,8 +93,8 @@ struct State {
   guint roi_size = 0;
   guint max_points = haptic::kUsualPatches;
   Method method = kDefaultMethod;
-  int picture_width = 0; // 0: no caps yet
-  int picture_height = 0;
+  int frame_width = 0; // 0: no caps yet
+  int frame_height = 0;
   Statistics statistics;
 
   // Streaming thread only, or while it is stopped.
@@ -102,7 +103,7 @@ struct State {
   haptic::BufferTimeline timeline;
   haptic::RepetitionJudge repetition;
   haptic::RegionSize region_size;
-  haptic::BufferPtr reference; // the earlier picture
+  haptic::BufferPtr reference; // the earlier frame
   Rectangle moving_crop;       // where motion was last seen; empty: nowhere yet
   bool reference_was_measured = false;
   haptic::Measurement measurement;
@@ -125,7 +126,7 @@ struct State {
     reference_was_measured = false;
   }
 
-  void forget_pictures() {
+  void forget_frames() {
     forget_motion();
     timeline.forget();
     reference.reset();
@@ -171,7 +172,7 @@ GType method_type() {
   static const GEnumValue values[] = {
       {static_cast<int>(Method::fast),
        "Still, one translation or a grid of patches, whatever is the least that explains the "
-       "picture",
+       "frame",
        "fast"},
       {static_cast<int>(Method::opencv),
        "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
@@ -198,9 +199,9 @@ GstStructure *make_stats(GstRoiTracker *self) {
                            G_TYPE_DOUBLE, mean(microseconds, s.tracker_runs), nullptr);
 }
 
-// Reading the picture
+// Reading the frame
 
-// One picture that the tracker cannot digest is a gap, not the end of the stream.
+// One frame that the tracker cannot digest is a gap, not the end of the stream.
 void run_tracker(GstRoiTracker *self, const haptic::CropPair &pair, GstBuffer *buffer) {
   State &state = *self->state;
   try {
@@ -211,21 +212,21 @@ void run_tracker(GstRoiTracker *self, const haptic::CropPair &pair, GstBuffer *b
     if (std::exchange(state.told_about_tracker, true))
       return;
     GST_ELEMENT_WARNING(self, STREAM, FAILED,
-                        ("The motion of a picture could not be measured; such pictures are felt "
+                        ("The motion of a frame could not be measured; such frames are felt "
                          "as nothing."),
-                        ("%s, picture at %" GST_TIME_FORMAT ", region %dx%d+%d+%d", error.what(),
+                        ("%s, frame at %" GST_TIME_FORMAT ", region %dx%d+%d+%d", error.what(),
                          GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), pair.region.width,
                          pair.region.height, pair.region.x, pair.region.y));
   }
 }
 
-// Compares the picture with the reference. Nothing, if either cannot be read.
+// Compares the frame with the reference. Nothing, if either cannot be read.
 std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
                                const Rectangle &crop, GstClockTime interval) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  const MappedPicture previous(info, state.reference.get());
-  const MappedPicture current(info, buffer);
+  const MappedFrame previous(info, state.reference.get());
+  const MappedFrame current(info, buffer);
   if (!previous || !current)
     return std::nullopt;
 
@@ -266,7 +267,7 @@ std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rec
   return finding;
 }
 
-// Nothing, if a picture cannot be read. Leaves the patches in state.measurement.
+// Nothing, if a frame cannot be read. Leaves the patches in state.measurement.
 std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
                                const Settings &settings) {
   State &state = *self->state;
@@ -289,8 +290,7 @@ std::optional<Finding> examine(GstRoiTracker *self, GstBuffer *buffer, const Rec
   state.use(settings.method);
   state.tracker->set_max_points(static_cast<int>(settings.max_points));
   const int margin = state.tracker->margin(std::max(region.width, region.height));
-  const Rectangle crop =
-      haptic::crop_around(region, margin, state.picture_width, state.picture_height);
+  const Rectangle crop = haptic::crop_around(region, margin, state.frame_width, state.frame_height);
   return compare(self, buffer, region, crop, step.interval);
 }
 
@@ -314,14 +314,14 @@ void attach(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
     gst_buffer_remove_meta(buffer, &meta->meta);
   meta = gst_buffer_add_haptic_motion_meta(buffer);
   meta->flags = finding.flags;
-  meta->picture_width = static_cast<guint>(state.picture_width);
-  meta->picture_height = static_cast<guint>(state.picture_height);
+  meta->frame_width = static_cast<guint>(state.frame_width);
+  meta->frame_height = static_cast<guint>(state.frame_height);
   meta->region_x = static_cast<gfloat>(region.x);
   meta->region_y = static_cast<gfloat>(region.y);
   meta->region_width = static_cast<gfloat>(region.width);
   meta->region_height = static_cast<gfloat>(region.height);
-  meta->pointer_x = static_cast<gfloat>(settings.pointer.x * state.picture_width);
-  meta->pointer_y = static_cast<gfloat>(settings.pointer.y * state.picture_height);
+  meta->pointer_x = static_cast<gfloat>(settings.pointer.x * state.frame_width);
+  meta->pointer_y = static_cast<gfloat>(settings.pointer.y * state.frame_height);
   meta->interval = finding.interval;
   meta->n_candidates = static_cast<guint>(state.measurement.candidates);
   meta->n_patches = static_cast<guint>(state.measurement.count);
@@ -390,16 +390,16 @@ GstFlowReturn process(GstRoiTracker *self, GstBuffer *buffer) {
   follow_controllers(self, buffer);
   const Settings settings = take_settings(self);
   const int base = settings.roi_size > 0 ? static_cast<int>(settings.roi_size)
-                                         : haptic::default_region_side(state.picture_width);
+                                         : haptic::default_region_side(state.frame_width);
   const int side =
-      state.region_size.side(settings.pointer.z, base, state.picture_width, state.picture_height);
+      state.region_size.side(settings.pointer.z, base, state.frame_width, state.frame_height);
   const Rectangle region = haptic::region_at(settings.pointer.x, settings.pointer.y, side,
-                                             state.picture_width, state.picture_height);
+                                             state.frame_width, state.frame_height);
 
   const std::optional<Finding> finding = examine(self, buffer, region, settings);
   if (!finding) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT,
-                      ("A picture cannot be read: its memory does not hold what its format says."),
+                      ("A frame cannot be read: its memory does not hold what its format says."),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
     return GST_FLOW_ERROR;
   }
@@ -428,9 +428,9 @@ void see_navigation(GstRoiTracker *self, GstEvent *event) {
     return;
   const ObjectLock lock(self);
   State &state = *self->state;
-  if (state.picture_width > 0)
-    state.pointers.point_navigation({std::clamp(x / state.picture_width, 0.0, 1.0),
-                                     std::clamp(y / state.picture_height, 0.0, 1.0)});
+  if (state.frame_width > 0)
+    state.pointers.point_navigation({std::clamp(x / state.frame_width, 0.0, 1.0),
+                                     std::clamp(y / state.frame_height, 0.0, 1.0)});
 }
 
 } // namespace
@@ -449,10 +449,10 @@ static gboolean gst_roi_tracker_set_info(GstVideoFilter *filter, GstCaps *, GstV
                                          GstCaps *, GstVideoInfo *) {
   return guarded(filter, FALSE, [&] {
     State &state = *GST_ROI_TRACKER(filter)->state;
-    state.forget_pictures();
+    state.forget_frames();
     const ObjectLock lock(filter);
-    state.picture_width = GST_VIDEO_INFO_WIDTH(in_info);
-    state.picture_height = GST_VIDEO_INFO_HEIGHT(in_info);
+    state.frame_width = GST_VIDEO_INFO_WIDTH(in_info);
+    state.frame_height = GST_VIDEO_INFO_HEIGHT(in_info);
     return TRUE;
   });
 }
@@ -463,7 +463,7 @@ static gboolean gst_roi_tracker_sink_event(GstBaseTransform *trans, GstEvent *ev
     switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_SEGMENT:
     case GST_EVENT_FLUSH_STOP:
-      self->state->forget_pictures();
+      self->state->forget_frames();
       break;
     case GST_EVENT_EOS:
       gst_element_post_message(GST_ELEMENT(self),
@@ -501,13 +501,13 @@ static gboolean gst_roi_tracker_src_event(GstBaseTransform *trans, GstEvent *eve
 
 static gboolean gst_roi_tracker_query(GstBaseTransform *trans, GstPadDirection direction,
                                       GstQuery *query) {
-  // Whoever drains wants every buffer back, the reference too. Serialised with the pictures.
+  // Whoever drains wants every buffer back, the reference too. Serialised with the frames.
   if (GST_QUERY_TYPE(query) == GST_QUERY_DRAIN && direction == GST_PAD_SINK)
-    guarded(trans, [&] { GST_ROI_TRACKER(trans)->state->forget_pictures(); });
+    guarded(trans, [&] { GST_ROI_TRACKER(trans)->state->forget_frames(); });
   return GST_BASE_TRANSFORM_CLASS(gst_roi_tracker_parent_class)->query(trans, direction, query);
 }
 
-// Pictures pass through, so downstream's answer counts (strides of its own, too, only if downstream
+// Frames pass through, so downstream's answer counts (strides of its own, too, only if downstream
 // reads them); the reference takes one buffer more.
 static gboolean gst_roi_tracker_propose_allocation(GstBaseTransform *trans, GstQuery *,
                                                    GstQuery *query) {
@@ -552,13 +552,13 @@ static gboolean gst_roi_tracker_start(GstBaseTransform *trans) {
 static gboolean gst_roi_tracker_stop(GstBaseTransform *trans) {
   return guarded(trans, FALSE, [&] {
     State &state = *GST_ROI_TRACKER(trans)->state;
-    state.forget_pictures();
+    state.forget_frames();
     state.region_size = {};
     const ObjectLock lock(trans);
     state.pointers.forget();
     state.force.reset();
-    state.picture_width = 0;
-    state.picture_height = 0;
+    state.frame_width = 0;
+    state.frame_height = 0;
     return TRUE;
   });
 }
@@ -631,7 +631,7 @@ static void gst_roi_tracker_finalize(GObject *object) {
 
 static void gst_roi_tracker_init(GstRoiTracker *self) {
   self->state = new State;
-  // A late video sink must not make the tracker skip pictures.
+  // A late video sink must not make the tracker skip frames.
   gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(self), FALSE);
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(self), TRUE);
 }
@@ -640,22 +640,22 @@ static void install_properties(GObjectClass *object_class) {
   const auto usual = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                               GST_PARAM_MUTABLE_PLAYING);
   const auto controllable = static_cast<GParamFlags>(usual | GST_PARAM_CONTROLLABLE);
-  // The pointer in use changes with the pictures, and is announced with them.
+  // The pointer in use changes with the frames, and is announced with them.
   const auto pointer = static_cast<GParamFlags>(controllable | G_PARAM_EXPLICIT_NOTIFY);
 
   properties[kRoiSize] = g_param_spec_uint(
       "roi-size", "Region Size",
       "Side of the square region of interest about the pointer in pixels; 0: 30 pixels in a "
-      "picture 352 pixels wide, and in proportion",
+      "frame 352 pixels wide, and in proportion",
       0, kLargestRoi, 0, controllable);
   properties[kPointerX] = g_param_spec_double(
       "pointer-x", "Pointer X",
-      "Pointer as a fraction of the picture's width, from the left. Setting it takes effect while "
+      "Pointer as a fraction of the frame's width, from the left. Setting it takes effect while "
       "neither a haptic device nor a mouse points; reading it gives the pointer in use",
       0, 1, 0.5, pointer);
   properties[kPointerY] = g_param_spec_double(
       "pointer-y", "Pointer Y",
-      "Pointer as a fraction of the picture's height, from the top. Setting it takes effect while "
+      "Pointer as a fraction of the frame's height, from the top. Setting it takes effect while "
       "neither a haptic device nor a mouse points; reading it gives the pointer in use",
       0, 1, 0.5, pointer);
   properties[kPointerSource] =
@@ -668,7 +668,7 @@ static void install_properties(GObjectClass *object_class) {
                                              haptic::kMaxPatches, haptic::kUsualPatches, usual);
   properties[kStats] = g_param_spec_boxed(
       "stats", "Statistics",
-      "Pictures so far, how many of them were measured, still or duplicates, mean number of points "
+      "Frames so far, how many of them were measured, still or duplicates, mean number of points "
       "and mean time in the tracker",
       GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS));
   g_object_class_install_properties(object_class, kPropertyCount, properties);
@@ -686,7 +686,7 @@ static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
 
   gst_element_class_set_static_metadata(
       element_class, "Region of interest tracker", "Filter/Analyzer/Video",
-      "Measures the motion of what a pointer rests on and attaches it to the untouched picture",
+      "Measures the motion of what a pointer rests on and attaches it to the untouched frame",
       "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);

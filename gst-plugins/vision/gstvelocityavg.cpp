@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gstvelocityavg.h"
 
 #include "exception-barrier.hpp"
+#include "frame-caps.hpp"
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
 #include "motion-reader.hpp"
-#include "picture-caps.hpp"
 
 #include <gst/video/gstvideometa.h>
 #include <string>
@@ -34,7 +35,7 @@ struct State {
   Settings settings;
 
   // Streaming thread only, or while it is stopped.
-  GstVideoInfo picture; // of the caps
+  GstVideoInfo frame; // of the caps
   haptic::MotionReader reader;
   bool told_about_metadata = false;
 };
@@ -54,7 +55,7 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
 
 G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(velocityavg_debug, "velocityavg", 0,
-                                                "one velocity per picture"))
+                                                "one velocity per frame"))
 GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, GST_TYPE_VELOCITY_AVG)
 
 namespace {
@@ -87,7 +88,7 @@ void tell_once_about_metadata(GstVelocityAvg *self) {
   if (std::exchange(self->state->told_about_metadata, true))
     return;
   GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE,
-                      ("The pictures carry no motion. Put roitracker directly before velocityavg."),
+                      ("The frames carry no motion. Put roitracker directly before velocityavg."),
                       ("no GstHapticMotionMeta: there is no roitracker, or an element after it "
                        "dropped the metadata (cropping, composing and encoding do)"));
 }
@@ -105,7 +106,7 @@ void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), fields));
 }
 
-GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) {
+GstFlowReturn process(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
   Settings settings;
   {
@@ -113,11 +114,11 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
     settings = state.settings;
   }
   MotionSample sample;
-  if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(picture)) {
-    sample = state.reader.read(*meta, state.picture, settings.average, settings.motion_model);
+  if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame)) {
+    sample = state.reader.read(*meta, state.frame, settings.average, settings.motion_model);
   } else {
     tell_once_about_metadata(self);
-    sample = state.reader.read_nothing(state.picture);
+    sample = state.reader.read_nothing(state.frame);
   }
 
   const haptic::MotionSampleBytes bytes = haptic::pack_motion_sample(sample);
@@ -127,7 +128,7 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
   GST_LOG_OBJECT(self, "%.2f, %.2f px/s, confidence %.2f, %u points", sample.velocity_x,
                  sample.velocity_y, sample.confidence, sample.points);
   if (settings.post_messages)
-    post(self, GST_BUFFER_PTS(picture), sample);
+    post(self, GST_BUFFER_PTS(frame), sample);
   return GST_FLOW_OK;
 }
 
@@ -136,12 +137,12 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *picture, GstBuffer *out) 
 static GstCaps *gst_velocity_avg_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
                                                 GstCaps *caps, GstCaps *filter) {
   return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    return haptic::transform_picture_caps(direction, sink_template, src_template, caps, filter);
+    return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
   });
 }
 
 static gboolean gst_velocity_avg_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-  return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->picture, in);
+  return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->frame, in);
 }
 
 static GstFlowReturn gst_velocity_avg_prepare_output_buffer(GstBaseTransform *, GstBuffer *in,
@@ -218,7 +219,7 @@ static void gst_velocity_avg_finalize(GObject *object) {
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {
   self->state = new State;
-  gst_video_info_init(&self->state->picture);
+  gst_video_info_init(&self->state->frame);
   auto *trans = GST_BASE_TRANSFORM(self);
   gst_base_transform_set_qos_enabled(trans, FALSE);
   // Otherwise the base class clears the flag that says that nothing was measured.
@@ -247,11 +248,11 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   g_object_class_install_property(
       object_class, kPostMessages,
       g_param_spec_boolean("post-messages", "Post Messages",
-                           "Post an element message haptic-motion for each picture", FALSE, flags));
+                           "Post an element message haptic-motion for each frame", FALSE, flags));
 
   gst_element_class_set_static_metadata(
       element_class, "Velocity averager", "Filter/Analyzer/Video",
-      "Turns the motion that roitracker found in a picture into one haptic motion sample",
+      "Turns the motion that roitracker found in a frame into one haptic motion sample",
       "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);

@@ -1,11 +1,12 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
 /* One measured patch: plain C, so that readers of the metadata need neither C++ nor the tracker. */
 #pragma once
 
 /**
  * GstHapticPatch:
- * @x, @y: centre in the earlier picture, px from its top left corner (pixel i covers i..i+1)
+ * @x, @y: centre in the earlier frame, px from its top left corner (pixel i covers i..i+1)
  * @width, @height: size, px
- * @dx, @dy: displacement from the earlier to the later picture, px, y down
+ * @dx, @dy: displacement from the earlier to the later frame, px, y down
  * @precision_xx, @precision_xy, @precision_yy: inverse covariance of (dx, dy), 1/px². One
  *   direction without precision is the aperture problem; 0 in all means unknown.
  * @residual: rms grey-level difference that the displacement leaves, 8-bit steps

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "lk-kernels.hpp"
 
 #include <algorithm>
@@ -235,7 +236,7 @@ HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displaceme
           std::abs(x - wanted_x) <= kTolerance && std::abs(y - wanted_y) <= kTolerance};
 }
 
-// body(at, grey levels of the later picture at the displaced pixels from patch index `at`)
+// body(at, grey levels of the later frame at the displaced pixels from patch index `at`)
 template <int kSide, class Body>
 HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
   const RowTag<kSide> d;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The pixel work of the fast tracker, one source for every instruction set (Google Highway,
 // dispatched at run time).
 #pragma once
@@ -55,9 +56,9 @@ struct Displacement {
   float y = 0;
 };
 
-/// A square piece of the earlier picture, ready for inverse-compositional Lucas-Kanade. Its
+/// A square piece of the earlier frame, ready for inverse-compositional Lucas-Kanade. Its
 /// gradients are made orthogonal to a constant and to the grey levels themselves, so that a change
-/// of offset or gain between the pictures does not move the estimate.
+/// of offset or gain between the frames does not move the estimate.
 struct Template {
   static constexpr std::size_t kMostPixels = 256;
 
@@ -83,19 +84,19 @@ struct Strain {
 
 /// How well a template fits at a displacement.
 struct Fit {
-  Displacement gradient;                                   ///< sum of gradient * later picture
+  Displacement gradient;                                   ///< sum of gradient * later frame
   float correlation = -1;                                  ///< zero-mean normalised, -1..1
   float residual = std::numeric_limits<float>::infinity(); ///< rms grey levels left after the best
                                                            ///< gain and offset
   bool inside = false; ///< false: the displaced template leaves the plane, nothing is known
 };
 
-/// Sums over the region that tell a still picture from a moving one.
+/// Sums over the region that tell a still frame from a moving one.
 struct ChangeSums {
   float sum = 0;       ///< of the differences later - earlier
   float squares = 0;   ///< of the squared differences
   Displacement moment; ///< of gradient * difference
-  Tensor structure;    ///< of the gradients of the earlier picture
+  Tensor structure;    ///< of the gradients of the earlier frame
 };
 
 /// Differences inside the view; both views have the same size, at least 3x3. The outermost pixels
@@ -116,7 +117,7 @@ void halve(const Plane &fine, Plane &coarse);
 /// another to the right and below where the position is fractional.
 void prepare_templates(const Plane &plane, std::span<Template> patches);
 
-/// Fills in a template with what the picture will look like there after it was strained about the
+/// Fills in a template with what the frame will look like there after it was strained about the
 /// template's middle, which then is what a displacement moves.
 void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch);
 

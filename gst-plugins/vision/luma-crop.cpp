@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 
 #include <cstring>
@@ -5,7 +6,7 @@
 namespace haptic {
 namespace {
 
-// One component of the picture: its first byte in the area, and the steps to the next ones.
+// One component of the frame: its first byte in the area, and the steps to the next ones.
 struct Component {
   const std::uint8_t *first;
   std::ptrdiff_t pixel_step;

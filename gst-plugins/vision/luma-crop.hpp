@@ -1,4 +1,5 @@
-// Reads the luma of a part of a mapped picture, whatever its format, and touches nothing else.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Reads the luma of a part of a mapped frame, whatever its format, and touches nothing else.
 #pragma once
 
 #include "patch-tracker.hpp"
@@ -13,7 +14,7 @@
 
 namespace haptic {
 
-/// `area` lies inside the picture. The view points into the frame where the luma stands alone in
+/// `area` lies inside the frame. The view points into the frame where the luma stands alone in
 /// memory; else the area alone is converted (ITU-R BT.601 weights for RGB) into `scratch`, which
 /// must live as long as the view. The frame must stay mapped.
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,

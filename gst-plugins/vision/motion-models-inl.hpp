@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion models fitted to points: robust weighted least squares, and the choice among them.
 #include "motion-points-inl.hpp"
 
@@ -277,7 +278,7 @@ struct Selection {
   ModelHistory history;
 };
 
-// One picture is not enough to change a model that explains nearly as much as the best.
+// One frame is not enough to change a model that explains nearly as much as the best.
 Selection settled(const Fit &best, const std::optional<Fit> &current, ModelHistory history) {
   constexpr float kClear = 2;
   if (!current || current->model == best.model || current->cost - best.cost > kClear ||

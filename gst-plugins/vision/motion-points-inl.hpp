@@ -1,5 +1,6 @@
-// What the patches of one picture say, in vectors of the machine's width: this runs for every
-// picture, and most of it is sums over points.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the patches of one frame say, in vectors of the machine's width: this runs for every
+// frame, and most of it is sums over points.
 #include "gsthapticmotionmeta.h"
 
 #include <algorithm>
@@ -66,13 +67,13 @@ struct Precision {
 struct Points {
   using Row = std::array<float, kCapacity>;
   std::size_t count = 0;
-  float centre_x = 0, centre_y = 0; // px in the picture
+  float centre_x = 0, centre_y = 0; // px in the frame
   float step = 0;                   // what two parameters more cost
   float area = 0;                   // px²
   alignas(64) Row x, y;             // px from the centre
   alignas(64) Row dx, dy;           // px
   alignas(64) Row xx, xy, yy;       // precision of (dx, dy), 1/px²
-  alignas(64) Row weight;           // px², less where the pictures do not match
+  alignas(64) Row weight;           // px², less where the frames do not match
 
   static constexpr std::array kRows = {&Points::x,  &Points::y,  &Points::dx, &Points::dy,
                                        &Points::xx, &Points::xy, &Points::yy, &Points::weight};

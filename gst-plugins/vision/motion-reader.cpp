@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-reader.hpp"
 
 #include <algorithm>
@@ -46,12 +47,12 @@ void repeat_motion(MotionSample &sample, const MotionSample &before) {
 }
 
 // What every sample says, whether or not anything was measured.
-MotionSample sample_for(const GstVideoInfo &picture) {
+MotionSample sample_for(const GstVideoInfo &frame) {
   MotionSample sample;
-  sample.picture_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&picture));
-  sample.picture_height = static_cast<std::uint32_t>(GST_VIDEO_INFO_HEIGHT(&picture));
-  sample.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&picture));
-  sample.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&picture));
+  sample.frame_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&frame));
+  sample.frame_height = static_cast<std::uint32_t>(GST_VIDEO_INFO_HEIGHT(&frame));
+  sample.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&frame));
+  sample.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&frame));
   return sample;
 }
 
@@ -59,21 +60,21 @@ void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
   const auto fraction = [](float part, guint whole) {
     return whole > 0 ? std::clamp(part / static_cast<float>(whole), 0.0F, 1.0F) : 0.0F;
   };
-  sample.pointer_x = fraction(meta.pointer_x, meta.picture_width);
-  sample.pointer_y = fraction(meta.pointer_y, meta.picture_height);
-  sample.region_width = fraction(meta.region_width, meta.picture_width);
-  sample.region_height = fraction(meta.region_height, meta.picture_height);
+  sample.pointer_x = fraction(meta.pointer_x, meta.frame_width);
+  sample.pointer_y = fraction(meta.pointer_y, meta.frame_height);
+  sample.region_width = fraction(meta.region_width, meta.frame_width);
+  sample.region_height = fraction(meta.region_height, meta.frame_height);
 }
 
 } // namespace
 
-MotionSample MotionReader::read_nothing(const GstVideoInfo &picture) {
-  return last_ = sample_for(picture);
+MotionSample MotionReader::read_nothing(const GstVideoInfo &frame) {
+  return last_ = sample_for(frame);
 }
 
-MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoInfo &picture,
+MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoInfo &frame,
                                 Average average, ModelChoice choice) {
-  MotionSample sample = sample_for(picture);
+  MotionSample sample = sample_for(frame);
   set_place(sample, meta);
   sample.interval = meta.interval;
   sample.flags = sample_flags(meta.flags);

@@ -1,4 +1,5 @@
-// From the metadata of picture after picture to the motion of each.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From the metadata of frame after frame to the motion of each.
 #pragma once
 
 #include "gsthapticmotionmeta.h"
@@ -9,15 +10,15 @@
 
 namespace haptic {
 
-/// Remembers the picture before: a duplicate repeats its motion. Not thread-safe.
+/// Remembers the frame before: a duplicate repeats its motion. Not thread-safe.
 class MotionReader {
 public:
-  /// Confidence 0: nothing was measured. `picture` gives size and pixel aspect.
-  MotionSample read(const GstHapticMotionMeta &meta, const GstVideoInfo &picture,
+  /// Confidence 0: nothing was measured. `frame` gives size and pixel aspect.
+  MotionSample read(const GstHapticMotionMeta &meta, const GstVideoInfo &frame,
                     Average average = Average::model, ModelChoice choice = ModelChoice::automatic);
 
-  /// Of a picture without metadata.
-  MotionSample read_nothing(const GstVideoInfo &picture);
+  /// Of a frame without metadata.
+  MotionSample read_nothing(const GstVideoInfo &frame);
 
 private:
   MotionSample last_;

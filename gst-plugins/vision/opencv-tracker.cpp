@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The paper's method on the crop (3.2.1): corners after Shi and Tomasi, displacements after Lucas
 // and Kanade on image pyramids, in OpenCV's implementation.
 #include "patch-tracker.hpp"
@@ -14,7 +15,7 @@ namespace haptic {
 namespace {
 
 // Window, levels and margin were chosen together: a small window keeps to one object and costs
-// little, a fourth level reaches 16 px and more per picture, and the margin lets the windows of the
+// little, a fourth level reaches 16 px and more per frame, and the margin lets the windows of the
 // coarse levels see where a region that moved so far has gone.
 constexpr int kWindow = 11;        // px
 constexpr int kSmallRegion = 30;   // px, the paper's
@@ -172,7 +173,7 @@ private:
     if (compared == 0)
       return;
     const float residual = std::sqrt(squares / static_cast<float>(compared));
-    // The residual holds the noise of both pictures.
+    // The residual holds the noise of both frames.
     const float noise = std::max(kAssumedNoise * kAssumedNoise, residual * residual / 2);
     const float least = (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy);
     if (least < kTextureOverNoise * kScharrNoise * noise * static_cast<float>(window.area()))
@@ -196,7 +197,7 @@ private:
 
   int max_points_ = kUsualPatches;
 
-  // Kept from picture to picture for their memory alone.
+  // Kept from frame to frame for their memory alone.
   std::vector<cv::Mat> previous_pyramid_;
   std::vector<cv::Mat> current_pyramid_;
   std::vector<cv::Point2f> corners_;

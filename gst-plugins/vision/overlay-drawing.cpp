@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "overlay-drawing.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace haptic {
 namespace {
 
-// Of the picture's height.
+// Of the frame's height.
 constexpr double kLine = 1.0 / 360;
 constexpr double kText = 1.0 / 40;
 constexpr double kNewton = 1.0 / 4;
@@ -86,8 +87,8 @@ void stroke_outlined(cairo_t *cairo, double line, double outline, std::uint32_t 
 } // namespace
 
 OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &look)
-    : aspect_(scene.pixel_aspect), width_(scene.picture_width * aspect_),
-      height_(scene.picture_height), line_(std::max(kThinnestLine, height_ * kLine)),
+    : aspect_(scene.pixel_aspect), width_(scene.frame_width * aspect_), height_(scene.frame_height),
+      line_(std::max(kThinnestLine, height_ * kLine)),
       text_(std::max(kSmallestText, height_ * kText)),
       opacity_(kFaintest + (1 - kFaintest) * scene.confidence), look_(look) {
   if (look.style == OverlayStyle::none)
@@ -134,7 +135,7 @@ OverlayDrawing::Arrow OverlayDrawing::aside(const Arrow &arrow, double distance)
   return {{arrow.from.x + dx, arrow.from.y + dy}, {arrow.to.x + dx, arrow.to.y + dy}};
 }
 
-// Below the region, or above it where there is no room; nowhere in a picture that is too small.
+// Below the region, or above it where there is no room; nowhere in a frame that is too small.
 void OverlayDrawing::place_label() {
   if (text_of_label_.empty())
     return;

@@ -1,4 +1,5 @@
-// Draws what was measured over a picture: region, patches, velocity and force.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Draws what was measured over a frame: region, patches, velocity and force.
 #pragma once
 
 #include "haptic-patch.h"
@@ -26,10 +27,10 @@ struct OverlayLook {
   double scale = 0.5;                        ///< s of motion that an arrow is long
 };
 
-/// Coordinates are px of the picture, y down.
+/// Coordinates are px of the frame, y down.
 struct OverlayScene {
-  int picture_width = 0;
-  int picture_height = 0;
+  int frame_width = 0;
+  int frame_height = 0;
   double pixel_aspect = 1; ///< width of a pixel over its height
   double region_x = 0, region_y = 0, region_width = 0, region_height = 0;
   double pointer_x = 0, pointer_y = 0;
@@ -46,7 +47,7 @@ public:
   /// Takes what it needs of the scene.
   OverlayDrawing(const OverlayScene &scene, const OverlayLook &look);
 
-  /// The part of the picture that is drawn on; empty (width 0): none.
+  /// The part of the frame that is drawn on; empty (width 0): none.
   const Rectangle &extent() const { return extent_; }
 
   /// Into pixels of the extent, all zero before: 32 bits each, ARGB in the byte order of the
@@ -54,7 +55,7 @@ public:
   void paint(std::uint8_t *pixels, int stride) const;
 
 private:
-  // Square units: px of the picture's height, so that what is round is shown round.
+  // Square units: px of the frame's height, so that what is round is shown round.
   struct Point {
     double x, y;
   };
@@ -76,7 +77,7 @@ private:
   void find_extent();
 
   double aspect_;
-  double width_, height_; // of the picture
+  double width_, height_; // of the frame
   double line_;           // width of the lines
   double text_;           // size of the text
   double opacity_;

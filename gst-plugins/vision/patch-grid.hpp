@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Patches side by side over an area of a pyramid.
 #pragma once
 
@@ -16,7 +17,7 @@ inline constexpr int kSmallPatch = 8;  // px
 inline constexpr int kLargePatch = 16; // px
 inline constexpr int kRim = 4;         // px around a patch, for gradients and interpolation
 inline constexpr int kSmoothingRadius =
-    1; // px by which planes are smaller than the picture on every side
+    1; // px by which planes are smaller than the frame on every side
 
 /// A rectangle in pixels of some level; pixel i covers i..i+1.
 struct Area {
@@ -31,7 +32,7 @@ struct Area {
   }
 };
 
-/// One picture, from fine to coarse.
+/// One frame, from fine to coarse.
 struct Pyramid {
   std::array<Plane, kMostLevels> levels;
 

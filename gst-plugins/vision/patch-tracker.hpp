@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The interface of a tracker: two crops of luma in, patches with their displacement out.
 #pragma once
 
@@ -17,7 +18,7 @@ using Patch = GstHapticPatch;
 inline constexpr int kMaxPatches = 64;
 inline constexpr int kUsualPatches = 20; ///< as the lab measures it
 
-/// Standard deviation of the noise that a camera's picture is assumed to have, 8-bit grey levels.
+/// Standard deviation of the noise that a camera's frame is assumed to have, 8-bit grey levels.
 inline constexpr float kAssumedNoise = 1.5F;
 
 /// Rows of 8-bit luma somewhere in memory; not owned.
@@ -28,22 +29,22 @@ struct LumaView {
   std::ptrdiff_t stride = 0; ///< bytes from row to row, may exceed the width
 };
 
-/// Two pictures cropped at the same place, so that a moving pointer is not taken for motion.
+/// Two frames cropped at the same place, so that a moving pointer is not taken for motion.
 struct CropPair {
   LumaView previous;
   LumaView current;
-  Rectangle crop;         ///< where both views lie in the picture
-  Rectangle region;       ///< the region of interest in the picture, inside crop
-  bool continues = false; ///< previous is the picture that was `current` in the call before
+  Rectangle crop;         ///< where both views lie in the frame
+  Rectangle region;       ///< the region of interest in the frame, inside crop
+  bool continues = false; ///< previous is the frame that was `current` in the call before
 };
 
 /// Why there are no patches, or what to think of them.
 enum MeasurementFlags : std::uint32_t {
   kStill = 1 << 0, ///< the region did not change: the displacement is exactly zero
-  kCut = 1 << 1,   ///< the two pictures do not show the same scene
+  kCut = 1 << 1,   ///< the two frames do not show the same scene
 };
 
-/// What was measured. Patch centres are in picture coordinates.
+/// What was measured. Patch centres are in frame coordinates.
 struct Measurement {
   std::uint32_t flags = 0;
   int candidates = 0; ///< patches looked at; those that could not be trusted are not in the list
@@ -64,7 +65,7 @@ class PatchTracker {
 public:
   virtual ~PatchTracker() = default;
 
-  /// Pixels wanted around a region of this side length; the caller clips the crop at the picture.
+  /// Pixels wanted around a region of this side length; the caller clips the crop at the frame.
   virtual int margin(int region_side) const = 0;
 
   /// At most max_points patches (1..kMaxPatches).
@@ -73,7 +74,7 @@ public:
   /// Fills `measurement` anew. An empty one means that nothing could be tracked.
   virtual void measure(const CropPair &pair, Measurement &measurement) = 0;
 
-  /// Forgets earlier pictures (discontinuity, flush, new caps).
+  /// Forgets earlier frames (discontinuity, flush, new caps).
   virtual void reset() = 0;
 };
 

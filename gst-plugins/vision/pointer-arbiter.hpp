@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Who points: the haptic device, the mouse or touch screen, or the application.
 #pragma once
 
@@ -6,7 +7,7 @@
 
 namespace haptic {
 
-/// Fractions of the picture, 0..1, origin at its top left.
+/// Fractions of the frame, 0..1, origin at its top left.
 struct Pointer {
   double x = 0.5;
   double y = 0.5;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "region.hpp"
 
 #include <algorithm>
@@ -19,9 +20,9 @@ Interval interval_at(double centre, int side, int limit) {
 
 } // namespace
 
-int RegionSize::side(double z, int base, int picture_width, int picture_height) {
+int RegionSize::side(double z, int base, int frame_width, int frame_height) {
   constexpr double kHysteresis = 0.1;
-  const double wanted = region_side(z, base, picture_width, picture_height);
+  const double wanted = region_side(z, base, frame_width, frame_height);
   // A hand about the centre, and a pointer without a third dimension, mean the size as it is set.
   if (std::abs(region_growth(z) - 1) <= kHysteresis)
     side_ = base;
@@ -30,18 +31,18 @@ int RegionSize::side(double z, int base, int picture_width, int picture_height) 
   return side_;
 }
 
-Rectangle region_at(double pointer_x, double pointer_y, int side, int picture_width,
-                    int picture_height) {
-  const Interval x = interval_at(pointer_x * picture_width, side, picture_width);
-  const Interval y = interval_at(pointer_y * picture_height, side, picture_height);
+Rectangle region_at(double pointer_x, double pointer_y, int side, int frame_width,
+                    int frame_height) {
+  const Interval x = interval_at(pointer_x * frame_width, side, frame_width);
+  const Interval y = interval_at(pointer_y * frame_height, side, frame_height);
   return {x.begin, y.begin, x.end - x.begin, y.end - y.begin};
 }
 
-Rectangle crop_around(const Rectangle &region, int margin, int picture_width, int picture_height) {
+Rectangle crop_around(const Rectangle &region, int margin, int frame_width, int frame_height) {
   const int left = std::max(region.x - margin, 0);
   const int top = std::max(region.y - margin, 0);
-  const int right = std::min(region.x + region.width + margin, picture_width);
-  const int bottom = std::min(region.y + region.height + margin, picture_height);
+  const int right = std::min(region.x + region.width + margin, frame_width);
+  const int bottom = std::min(region.y + region.height + margin, frame_height);
   return {left, top, right - left, bottom - top};
 }
 

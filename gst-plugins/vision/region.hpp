@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Where to look: from the pointer and a side length to the region and the crop around it.
 #pragma once
 
@@ -5,7 +6,7 @@
 
 namespace haptic {
 
-/// Pixels of a picture, origin at its top left corner.
+/// Pixels of a frame, origin at its top left corner.
 struct Rectangle {
   int x = 0;
   int y = 0;
@@ -19,20 +20,20 @@ class RegionSize {
 public:
   /// Side in px, even. Follows only a change of more than a tenth; `base` itself for a hand about
   /// the centre.
-  int side(double z, int base, int picture_width, int picture_height);
+  int side(double z, int base, int frame_width, int frame_height);
 
 private:
   int side_ = 0;
 };
 
-/// The square of `side` px about the pointer, clipped at the picture. `pointer_x` and `pointer_y`
-/// are fractions of the picture, 0..1, origin at its top left (paper, equation 1). The centre stays
+/// The square of `side` px about the pointer, clipped at the frame. `pointer_x` and `pointer_y`
+/// are fractions of the frame, 0..1, origin at its top left (paper, equation 1). The centre stays
 /// under the pointer: at a border the region gets smaller, it does not move inwards. At least 1x1.
-Rectangle region_at(double pointer_x, double pointer_y, int side, int picture_width,
-                    int picture_height);
+Rectangle region_at(double pointer_x, double pointer_y, int side, int frame_width,
+                    int frame_height);
 
-/// The rectangle grown by `margin` px on each side and clipped at the picture.
-Rectangle crop_around(const Rectangle &region, int margin, int picture_width, int picture_height);
+/// The rectangle grown by `margin` px on each side and clipped at the frame.
+Rectangle crop_around(const Rectangle &region, int margin, int frame_width, int frame_height);
 
 bool is_measurable(const Rectangle &region);
 

@@ -1,15 +1,16 @@
-// Tells a picture that was merely shown twice from a scene that stands still.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Tells a frame that was merely shown twice from a scene that stands still.
 #pragma once
 
 namespace haptic {
 
 enum class Repetition {
   none,      ///< the pixels changed
-  duplicate, ///< the picture is the one before once more, its motion goes on (3:2 pulldown)
+  duplicate, ///< the frame is the one before once more, its motion goes on (3:2 pulldown)
   still,     ///< nothing moves
 };
 
-/// One answer per picture. Not thread-safe.
+/// One answer per frame. Not thread-safe.
 class RepetitionJudge {
 public:
   /// `same_here`: the pixels under the pointer did not change. `same_there()`: nor did those where
@@ -33,7 +34,7 @@ public:
   void forget() { repeats_ = 0; }
 
 private:
-  // Film at 24 pictures a second shown at 60: three times, twice, three times.
+  // Film at 24 frames a second shown at 60: three times, twice, three times.
   static constexpr int kMostRepeats = 2;
   int repeats_ = 0;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "velocity-estimate.hpp"
 
 #include "gsthapticmotionmeta.h"
@@ -421,7 +422,7 @@ float known_part(const Precision &p, VelocityEstimate &estimate) {
   return 1 / std::sqrt(most);
 }
 
-// Time stamps a hair apart make any displacement a speed that no picture shows. False for a number
+// Time stamps a hair apart make any displacement a speed that no frame shows. False for a number
 // that is not finite.
 bool is_plausible(const VelocityEstimate &e) {
   constexpr float kFastest = 1e6F; // px/s

@@ -1,4 +1,5 @@
-// From the patches of one picture to one velocity (paper, equations 2 and 3).
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From the patches of one frame to one velocity (paper, equations 2 and 3).
 #pragma once
 
 #include "haptic-patch.h"
@@ -24,18 +25,18 @@ struct PatchSet {
   int candidates = 0;                      ///< how many were looked at
   float pointer_x = 0;                     ///< px
   float pointer_y = 0;                     ///< px
-  double interval = 0;                     ///< s between the two pictures, > 0
+  double interval = 0;                     ///< s between the two frames, > 0
   float region_x = 0, region_y = 0;        ///< px, top left of the region of interest
   /// px; 0: the region is the box about the centres of the patches.
   float region_width = 0, region_height = 0;
 };
 
-/// What `automatic` remembers from picture to picture, so that two models that explain a scene
+/// What `automatic` remembers from frame to frame, so that two models that explain a scene
 /// about equally well do not alternate. Starts anew (`{}`) at a cut.
 struct ModelHistory {
-  MotionModel current = MotionModel::none;    ///< of the picture before
-  MotionModel challenger = MotionModel::none; ///< explained that picture better, but not by much
-  bool mixture = false;                       ///< of the picture before: two motions
+  MotionModel current = MotionModel::none;    ///< of the frame before
+  MotionModel challenger = MotionModel::none; ///< explained that frame better, but not by much
+  bool mixture = false;                       ///< of the frame before: two motions
 };
 
 struct VelocityEstimate {
@@ -51,7 +52,7 @@ struct VelocityEstimate {
   /// The patches see motion only across edges of one direction: the velocity is the part along
   /// which they do, and the confidence that of this part.
   bool aperture = false;
-  ModelHistory history; ///< for the next picture
+  ModelHistory history; ///< for the next frame
 };
 
 /// `automatic` minimises a robust information criterion after Torr (GRIC, IJCV 50(1), 2002) over

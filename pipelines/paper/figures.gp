@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws one of the paper's figures to standard output; paper.sh sets figure, work, width and height.
 set terminal pngcairo size 1100,620 font "DejaVu Sans,14" background "white"
 set datafile separator ","

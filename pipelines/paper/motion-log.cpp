@@ -1,13 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Runs a pipeline and writes down what the element called `tracker`, a roitracker, measures in it
 // and where it is pointed at, for the paper's figures.
 //
 // Usage: motion-log FOLDER LAUNCH-LINE
-//   FOLDER/patches.csv   one row per patch: picture, time (s), region and patch in px, displacement
+//   FOLDER/patches.csv   one row per patch: frame, time (s), region and patch in px, displacement
 //   in px FOLDER/pointers.csv  one row per pointer event from downstream: time (s), x and y (0..1)
 //   FOLDER/earlier.grey, FOLDER/later.grey, FOLDER/pair.csv
-//                        the pair of pictures that moved most: luma, row by row; their number and
+//                        the pair of frames that moved most: luma, row by row; their number and
 //                        size
-// Pictures must be GRAY8 at the tracker.
+// Frames must be GRAY8 at the tracker.
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "pointer-event.hpp"
@@ -24,7 +25,7 @@
 
 namespace {
 
-struct Picture {
+struct Frame {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> grey;
@@ -33,7 +34,7 @@ struct Picture {
 struct Log {
   explicit Log(const std::string &into)
       : folder(into), patches(into + "/patches.csv"), pointers(into + "/pointers.csv") {
-    patches << "picture,time,region_x,region_y,region_width,region_height,x,y,dx,dy\n";
+    patches << "frame,time,region_x,region_y,region_width,region_height,x,y,dx,dy\n";
     pointers << "time,x,y\n";
   }
   bool complete() { return patches.flush() && pointers.flush(); }
@@ -46,7 +47,7 @@ struct Log {
   // Streaming thread.
   GstSegment segment{};
   long number = 0;
-  Picture before;
+  Frame before;
   double most_moved = 0; // px, the mean of the pair that was kept
   bool kept = true;      // false: a pair could not be written
 };
@@ -55,7 +56,7 @@ double seconds(GstClockTime time) {
   return static_cast<double>(time) / GST_SECOND;
 }
 
-std::optional<Picture> luma(GstPad *pad, GstBuffer *buffer) {
+std::optional<Frame> luma(GstPad *pad, GstBuffer *buffer) {
   const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
   GstVideoInfo info;
   if (!caps || !gst_video_info_from_caps(&info, caps.get()) ||
@@ -64,26 +65,26 @@ std::optional<Picture> luma(GstPad *pad, GstBuffer *buffer) {
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ))
     return {};
-  Picture picture{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), {}};
+  Frame frame{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), {}};
   const auto *pixels = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
-  for (int y = 0; y < picture.height; ++y) {
+  for (int y = 0; y < frame.height; ++y) {
     const auto *row = pixels + std::ptrdiff_t{y} * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
-    picture.grey.insert(picture.grey.end(), row, row + picture.width);
+    frame.grey.insert(frame.grey.end(), row, row + frame.width);
   }
   gst_video_frame_unmap(&frame);
-  return picture;
+  return frame;
 }
 
-bool write_grey(const std::string &path, const Picture &picture) {
+bool write_grey(const std::string &path, const Frame &frame) {
   std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char *>(picture.grey.data()),
-             static_cast<std::streamsize>(picture.grey.size()));
+  file.write(reinterpret_cast<const char *>(frame.grey.data()),
+             static_cast<std::streamsize>(frame.grey.size()));
   return static_cast<bool>(file.flush());
 }
 
-void take_picture(Log &log, GstPad *pad, GstBuffer *buffer) {
+void take_frame(Log &log, GstPad *pad, GstBuffer *buffer) {
   ++log.number;
-  auto picture = luma(pad, buffer);
+  auto frame = luma(pad, buffer);
   const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
   double moved = 0;
   if (meta) {
@@ -97,22 +98,22 @@ void take_picture(Log &log, GstPad *pad, GstBuffer *buffer) {
       moved += std::hypot(double{p.dx}, double{p.dy}) / meta->n_patches;
     }
   }
-  constexpr guint kEnough = 5; // patches for a picture of the flow
-  if (picture && !log.before.grey.empty() && meta && meta->n_patches >= kEnough &&
+  constexpr guint kEnough = 5; // patches for a frame of the flow
+  if (frame && !log.before.grey.empty() && meta && meta->n_patches >= kEnough &&
       moved > log.most_moved) {
     log.most_moved = moved;
     std::ofstream pair(log.folder + "/pair.csv");
-    pair << "picture,width,height\n"
-         << log.number << ',' << picture->width << ',' << picture->height << '\n';
+    pair << "frame,width,height\n"
+         << log.number << ',' << frame->width << ',' << frame->height << '\n';
     log.kept = pair.flush() && write_grey(log.folder + "/earlier.grey", log.before) &&
-               write_grey(log.folder + "/later.grey", *picture);
+               write_grey(log.folder + "/later.grey", *frame);
   }
-  if (picture)
-    log.before = std::move(*picture);
+  if (frame)
+    log.before = std::move(*frame);
 }
 
 GstPadProbeReturn on_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  take_picture(*static_cast<Log *>(data), pad, GST_PAD_PROBE_INFO_BUFFER(info));
+  take_frame(*static_cast<Log *>(data), pad, GST_PAD_PROBE_INFO_BUFFER(info));
   return GST_PAD_PROBE_OK;
 }
 

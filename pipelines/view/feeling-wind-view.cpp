@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Runs a pipeline in a window of its own, with a strip of velocity and force below the video and
 // keys that steer it. pipelines/view.sh makes the line.
 //
@@ -44,9 +45,9 @@ void complain(const std::string &text) {
 }
 
 // Why nothing is seen, with what helps where GStreamer's words do not say it.
-std::string no_picture(const GError &error) {
+std::string no_frame(const GError &error) {
   const bool of_stream = error.domain == GST_STREAM_ERROR;
-  return std::string("no picture can be shown: ") + error.message +
+  return std::string("no frame can be shown: ") + error.message +
          (of_stream ? " Is it a video, and is its decoder installed (gstreamer1.0-libav)?" : "");
 }
 
@@ -86,11 +87,11 @@ private:
   gboolean press(guint key);
   void take(GstMessage *message);
   void take_motion(const GstStructure *fields);
-  void show_first_picture();
+  void show_first_frame();
   void note(const std::string &text);
   void fail(const std::string &text);
 
-  int picture_width() const;
+  int frame_width() const;
   void scale_region(double factor);
   void next_law();
   void toggle_force();
@@ -106,7 +107,7 @@ private:
   const bool verbose_;
   const Clock::time_point began_;
   Clock::time_point last_reading_{};
-  bool shown_ = false; // a picture
+  bool shown_ = false; // a frame
   view::Reading newest_;
   std::string note_ = kKeys;
   int status_ = EXIT_SUCCESS;
@@ -149,7 +150,7 @@ void View::make_window() {
                    this);
   g_signal_connect_after(video, "draw",
                          G_CALLBACK(+[](GtkWidget *, cairo_t *, gpointer self) noexcept {
-                           static_cast<View *>(self)->show_first_picture();
+                           static_cast<View *>(self)->show_first_frame();
                            return gboolean{FALSE};
                          }),
                          this);
@@ -201,7 +202,7 @@ void View::note(const std::string &text) {
   gtk_widget_queue_draw(strip_);
 }
 
-void View::show_first_picture() {
+void View::show_first_frame() {
   GstSample *sample = nullptr;
   if (shown_)
     return;
@@ -211,7 +212,7 @@ void View::show_first_picture() {
   gst_sample_unref(sample);
   shown_ = true;
   if (verbose_) {
-    std::printf("first picture after %.2f s\n",
+    std::printf("first frame after %.2f s\n",
                 std::chrono::duration<double>(Clock::now() - began_).count());
     std::fflush(stdout);
   }
@@ -223,7 +224,7 @@ void View::take(GstMessage *message) {
   case GST_MESSAGE_ERROR: {
     gst_message_parse_error(message, &error, nullptr);
     const ErrorPtr owned(error);
-    fail(shown_ ? error->message : no_picture(*error));
+    fail(shown_ ? error->message : no_frame(*error));
     break;
   }
   case GST_MESSAGE_WARNING: {
@@ -238,7 +239,7 @@ void View::take(GstMessage *message) {
   }
   case GST_MESSAGE_EOS:
     if (!shown_)
-      fail("the video holds no pictures");
+      fail("the video holds no frames");
     else if (!playback_.again())
       gtk_main_quit();
     break;
@@ -323,7 +324,7 @@ gboolean View::press(guint key) {
   return TRUE;
 }
 
-int View::picture_width() const {
+int View::frame_width() const {
   GstPad *pad = gst_element_get_static_pad(tracker_.get(), "sink");
   const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
   gst_object_unref(pad);
@@ -334,7 +335,7 @@ int View::picture_width() const {
 }
 
 void View::scale_region(double factor) {
-  const int width = picture_width();
+  const int width = frame_width();
   guint size = 0;
   g_object_get(tracker_.get(), "roi-size", &size, nullptr);
   if (size == 0)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How a pipeline is played: paused, slower, faster, backwards, from its end back to its beginning.
 #pragma once
 

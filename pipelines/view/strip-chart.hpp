@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A scrolling strip of velocity and force.
 #pragma once
 
@@ -7,7 +8,7 @@
 
 namespace view {
 
-/// Of one picture. What is not finite was not measured.
+/// Of one frame. What is not finite was not measured.
 struct Reading {
   double duration = 0; ///< s since the reading before
   double vx = 0;       ///< px/s, to the right

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The controller as its firmware behaves: packets in, packets out, with faults on command.
 //
 // What is not known of the real ones is assumed here so that a host cannot rely on it: bytes

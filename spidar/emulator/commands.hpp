@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Faults as lines of text: `COMMAND [VALUE...] [@UNIT]`.
 #pragma once
 

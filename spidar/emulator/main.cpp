@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-emulator: a SPIDAR-G on the network, for the kernel's USB/IP client to attach.
 #include "commands.hpp"
 #include "server.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The simulator's grip, strings and hand on the clock of the host's questions. They stand still
 // while nobody asks for more than 20 ms, so that a slow machine is a slow hand and not a late
 // reply.

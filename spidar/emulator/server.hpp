@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The sockets: USB/IP clients over TCP, commands from standard input and a local socket. One
 // thread, GLib's main loop.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // One connection of a USB/IP client: bytes in, bytes out. Knows nothing of sockets.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // One USB device on the virtual bus: descriptors, control requests, two bulk endpoints with the
 // board behind them. Knows nothing of the network.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The messages of USB/IP, version 1.1.1, as pure functions of bytes:
 // Documentation/usb/usbip_protocol of the Linux kernel. All numbers are big-endian.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the motors were told and what happened to the units, one line of CSV each.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lets go of the motors when the process that drives them dies, hangs, or is killed: the helper
 // behind guardian.hpp. It depends on nothing but the kernel, allocates nothing while it watches,
 // and has no right but to write to the one device that it was given.

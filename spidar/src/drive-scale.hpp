@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Tension of one string and the D/A word that makes it.
 #pragma once
 

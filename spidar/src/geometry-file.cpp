@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a Geometry from a GKeyFile and finds the file for a name.
 #include "builtin-geometries.hpp"
 #include "spidar/error.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What a process and its guardian say to each other, in messages of a SOCK_SEQPACKET socket.
 //
 // First the endpoint (one byte) and the packet for it; the guardian answers kWatching and its

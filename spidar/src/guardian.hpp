@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The helper process that lets go of the motors when this one dies or hangs.
 //
 // It has a duplicate of the device's file descriptor, so that the claim outlives this process, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the eight strings are at one pose: their lengths, and the wrench each exerts per newton.
 #pragma once
 

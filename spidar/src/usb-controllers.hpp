@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The two controllers with a known protocol, behind the Controller interface.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Who has a file open, as far as this user may know.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // One opened USB device: claimed interface, and asynchronous bulk transfers that end in time.
 //
 // The transfers and their buffers are made when the device is opened, so that an exchange allocates

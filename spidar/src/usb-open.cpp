@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Finds the controllers on USB and opens the wanted one.
 #include "spidar/usb.hpp"
 #include "usb-controllers.hpp"

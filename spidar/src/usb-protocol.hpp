@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The packets of the USB controllers, as pure functions of bytes.
 //
 // "USB2.0 Simple" (0cec:0203): 32-byte packets; 24-bit counters that count as the geometry says.

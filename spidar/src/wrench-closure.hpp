@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Whether strings can pull in every direction, decided exactly by non-negative least squares.
 #pragma once
 

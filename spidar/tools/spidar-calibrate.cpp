@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Asks a person to hold, to watch and to measure, and writes what comes out as a geometry file.
 #include "tool.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lists the controllers found, or shows what one of them measures.
 #include "tool.hpp"
 

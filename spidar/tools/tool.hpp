@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the tools share: options, the device that they name, and exit statuses.
 #pragma once
 

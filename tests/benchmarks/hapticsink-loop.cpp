@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Timing of the 1 kHz loop with the simulated device, as hapticsink runs it. Run by hand on an idle
 // machine:
 //   BUILD/tests/benchmarks/hapticsink-loop [SECONDS]
@@ -27,8 +28,8 @@ haptic::MotionSample leaf(double t) {
   sample.velocity_y = static_cast<float>(80 * std::sin(14 * t));
   sample.confidence = 1;
   sample.interval = static_cast<std::uint64_t>(kFrame.count());
-  sample.picture_width = 352;
-  sample.picture_height = 288;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
   return sample;
 }
 
@@ -36,8 +37,8 @@ haptic::MotionSample leaf(double t) {
 double field_cost(std::uint16_t columns, std::uint16_t rows, double z) {
   constexpr int kTicks = 20'000;
   haptic::MotionField field;
-  field.picture_width = 1920;
-  field.picture_height = 1080;
+  field.frame_width = 1920;
+  field.frame_height = 1080;
   field.columns = columns;
   field.rows = rows;
   field.cells.assign(std::size_t{columns} * rows, {100, 50, 0.9F});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Times of the pose solver, the tension solver and one whole tick. Run by hand on an idle machine:
 //   BUILD/tests/benchmarks/spidar-benchmark
 // Each call is timed alone; the counters p50_us, p99_us and max_us are over all calls and contain

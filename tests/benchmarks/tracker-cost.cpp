@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
 //   BUILD/tests/benchmarks/tracker-cost [PICTURES|field]
 // With GST_PLUGIN_PATH set to BUILD/gst-plugins, as `meson devenv` does. Region of 30 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
-// twice that, the portable code 50 us; 99.9 % of a million pictures below 40 us; both elements
-// 25 us per picture of 1080p more than an identity; the field of 1080p, 32 columns, 240 pictures a
-// second on one core; hapticoverlay 1 ms with the copy of the picture.
-#include "field-pictures.hpp"
+// twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements
+// 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240 frames a
+// second on one core; hapticoverlay 1 ms with the copy of the frame.
+#include "field-frames.hpp"
 #include "patch-tracker.hpp"
 #include "processor.hpp"
 #include "region.hpp"
@@ -26,11 +27,11 @@
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Pictures = std::vector<test::Picture>;
+using Frames = std::vector<test::Frame>;
 
 constexpr int kSide = 140;
 constexpr haptic::Rectangle kRegion{55, 55, 30, 30};
-constexpr int kPictures = 16; // shown back and forth
+constexpr int kFrames = 16; // shown back and forth
 
 double microseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
@@ -41,24 +42,24 @@ double percentile(std::vector<double> &times, double share) {
   return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
 }
 
-// The left half moves by `left` px per picture and the right half by `right`.
-Pictures scene(test::Shift left, test::Shift right, double noise) {
+// The left half moves by `left` px per frame and the right half by `right`.
+Frames scene(test::Shift left, test::Shift right, double noise) {
   const test::Texture left_texture(1);
   const test::Texture right_texture(2);
   std::mt19937 random(3);
-  Pictures pictures;
-  for (int i = 0; i < kPictures; ++i) {
-    test::Picture &picture = pictures.emplace_back(kSide, kSide);
-    left_texture.paint(picture, {left.x * i, left.y * i});
+  Frames frames;
+  for (int i = 0; i < kFrames; ++i) {
+    test::Frame &frame = frames.emplace_back(kSide, kSide);
+    left_texture.paint(frame, {left.x * i, left.y * i});
     if (left.x != right.x || left.y != right.y)
-      right_texture.paint(picture, {right.x * i, right.y * i}, kSide / 2);
-    test::add_noise(picture, noise, random);
+      right_texture.paint(frame, {right.x * i, right.y * i}, kSide / 2);
+    test::add_noise(frame, noise, random);
   }
-  return pictures;
+  return frames;
 }
 
-// Each picture against the one before, as the elements do it: tracker and estimate.
-std::vector<double> times_of(Pictures &pictures, int count) {
+// Each frame against the one before, as the elements do it: tracker and estimate.
+std::vector<double> times_of(Frames &frames, int count) {
   const auto tracker = haptic::make_fast_tracker();
   const haptic::Rectangle crop =
       haptic::crop_around(kRegion, tracker->margin(kRegion.width), kSide, kSide);
@@ -69,10 +70,10 @@ std::vector<double> times_of(Pictures &pictures, int count) {
   int at = 0;
   int step = 1;
   for (int i = 0; i < count; ++i) {
-    if (at + step < 0 || at + step >= kPictures)
+    if (at + step < 0 || at + step >= kFrames)
       step = -step;
     const auto view = [&](int index) {
-      return haptic::LumaView{&pictures[static_cast<std::size_t>(index)].at(crop.x, crop.y),
+      return haptic::LumaView{&frames[static_cast<std::size_t>(index)].at(crop.x, crop.y),
                               crop.width, crop.height, kSide};
     };
     const auto begin = Clock::now();
@@ -96,15 +97,15 @@ std::vector<double> times_of(Pictures &pictures, int count) {
   return times;
 }
 
-void compare_instruction_sets(Pictures &still, Pictures &moving, Pictures &two) {
+void compare_instruction_sets(Frames &still, Frames &moving, Frames &two) {
   constexpr int kCount = 4000;
-  std::printf("\n%-14s %10s %14s %10s   median us per picture\n", "", "unchanged", "translation",
+  std::printf("\n%-14s %10s %14s %10s   median us per frame\n", "", "unchanged", "translation",
               "full");
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     std::printf("%-14s", hwy::TargetName(target));
-    for (Pictures *pictures : {&still, &moving, &two}) {
-      std::vector<double> times = times_of(*pictures, kCount);
+    for (Frames *frames : {&still, &moving, &two}) {
+      std::vector<double> times = times_of(*frames, kCount);
       std::printf(" %10.2f   ", percentile(times, 0.5));
     }
     std::printf("\n");
@@ -112,15 +113,15 @@ void compare_instruction_sets(Pictures &still, Pictures &moving, Pictures &two) 
   hwy::SetSupportedTargetsForTest(0);
 }
 
-void run_long(Pictures &two, int count) {
+void run_long(Frames &two, int count) {
   std::vector<double> times = times_of(two, count);
-  std::printf("\n%d pictures, full:", count);
+  std::printf("\n%d frames, full:", count);
   for (const double share : {0.5, 0.99, 0.999, 1.0})
     std::printf(" %g %% below %.1f us,", 100 * share, percentile(times, share));
   std::printf("\n");
 }
 
-// Pushes pictures of 1080p through each line by turns, so that what else the machine does hits
+// Pushes frames of 1080p through each line by turns, so that what else the machine does hits
 // both alike.
 void compare_elements() {
   constexpr int kCount = 2000;
@@ -128,7 +129,7 @@ void compare_elements() {
   const test::Texture texture(4);
   std::vector<haptic::BufferPtr> buffers;
   for (int i = 0; i < 4; ++i)
-    buffers.push_back(test::to_buffer(texture.picture(1920, 1080, {1.3 * i, 0.4 * i}), info));
+    buffers.push_back(test::to_buffer(texture.frame(1920, 1080, {1.3 * i, 0.4 * i}), info));
   const char *const lines[] = {"identity", "roitracker roi-size=30 ! velocityavg", "roitracker",
                                "roitracker ! hapticoverlay"};
   std::vector<GstHarness *> harnesses;
@@ -166,28 +167,28 @@ void compare_elements() {
   }
   gst_buffer_unmap(copy.get(), &to);
   gst_buffer_unmap(buffers[0].get(), &from);
-  std::printf("1080p, region of 164 px: hapticoverlay %.0f us, of which the copy of the picture "
+  std::printf("1080p, region of 164 px: hapticoverlay %.0f us, of which the copy of the frame "
               "takes %.0f us\n",
               percentile(times[3], 0.5) - percentile(times[2], 0.5), percentile(copies, 0.5));
   for (GstHarness *harness : harnesses)
     gst_harness_teardown(harness);
 }
 
-// Median ms of what is done with each picture after the first, back and forth.
+// Median ms of what is done with each frame after the first, back and forth.
 template <typename Follow>
-double median_ms(const Pictures &pictures, Follow &&follow) {
+double median_ms(const Frames &frames, Follow &&follow) {
   constexpr int kRounds = 4;
   std::vector<double> times;
   for (int round = 0; round < kRounds; ++round)
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
       const auto begin = Clock::now();
-      follow(pictures[round % 2 == 0 ? i : pictures.size() - 1 - i]);
+      follow(frames[round % 2 == 0 ? i : frames.size() - 1 - i]);
       times.push_back(microseconds_since(begin) / 1000);
     }
   return percentile(times, 0.5);
 }
 
-// The field of 1080p from luma to cells, beside dense flow of the same pictures reduced as it
+// The field of 1080p from luma to cells, beside dense flow of the same frames reduced as it
 // reduces them (the time for that not counted).
 void compare_fields() {
   constexpr int kWidth = 1920;
@@ -195,19 +196,19 @@ void compare_fields() {
   constexpr int kReduced = 2; // as FieldTracker does it for cells of 60 px
   cv::setNumThreads(1);
   std::mt19937 random(5);
-  Pictures moving;
+  Frames moving;
   const test::Texture left(6, 10);
   const test::Texture right(7, 10);
   for (int i = 0; i < 6; ++i) {
-    test::Picture &picture = moving.emplace_back(kWidth, kHeight);
-    left.paint(picture, {4.3 * i, -1.2 * i});
-    right.paint(picture, {-2.8 * i, 0.9 * i}, kWidth / 2);
-    test::add_noise(picture, 1.5, random);
+    test::Frame &frame = moving.emplace_back(kWidth, kHeight);
+    left.paint(frame, {4.3 * i, -1.2 * i});
+    right.paint(frame, {-2.8 * i, 0.9 * i}, kWidth / 2);
+    test::add_noise(frame, 1.5, random);
   }
-  const Pictures still(6, moving.front());
-  const auto field_ms = [&](const Pictures &pictures) {
+  const Frames still(6, moving.front());
+  const auto field_ms = [&](const Frames &frames) {
     test::Field field(kWidth, kHeight);
-    return median_ms(pictures, [&](const test::Picture &picture) { field.follow(picture); });
+    return median_ms(frames, [&](const test::Frame &frame) { field.follow(frame); });
   };
   const double own = field_ms(moving);
   const auto line = [&](const char *name, double ms) {
@@ -218,19 +219,19 @@ void compare_fields() {
   line("field, moving", own);
   line("field, still", field_ms(still));
 
-  Pictures reduced;
-  for (test::Picture &picture : moving) {
-    test::Picture &small = reduced.emplace_back(kWidth / kReduced, kHeight / kReduced);
+  Frames reduced;
+  for (test::Frame &frame : moving) {
+    test::Frame &small = reduced.emplace_back(kWidth / kReduced, kHeight / kReduced);
     cv::Mat target(small.height, small.width, CV_8U, small.pixels.data());
-    cv::resize(cv::Mat(kHeight, kWidth, CV_8U, picture.pixels.data()), target, target.size(), 0, 0,
+    cv::resize(cv::Mat(kHeight, kWidth, CV_8U, frame.pixels.data()), target, target.size(), 0, 0,
                cv::INTER_AREA);
   }
   const auto peer_ms = [&](auto &&calculate) {
     cv::Mat previous;
     cv::Mat flow;
-    return median_ms(reduced, [&](const test::Picture &picture) {
-      const cv::Mat current(picture.height, picture.width, CV_8U,
-                            const_cast<std::uint8_t *>(picture.pixels.data()));
+    return median_ms(reduced, [&](const test::Frame &frame) {
+      const cv::Mat current(frame.height, frame.width, CV_8U,
+                            const_cast<std::uint8_t *>(frame.pixels.data()));
       if (!previous.empty())
         calculate(previous, current, flow);
       previous = current;
@@ -259,9 +260,9 @@ int main(int argc, char **argv) {
     return EXIT_SUCCESS;
   }
   const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
-  Pictures still = scene({0, 0}, {0, 0}, 0);
-  Pictures moving = scene({1.7, -0.6}, {1.7, -0.6}, 1.5);
-  Pictures two = scene({1.7, -0.6}, {-1.2, 0.9}, 1.5);
+  Frames still = scene({0, 0}, {0, 0}, 0);
+  Frames moving = scene({1.7, -0.6}, {1.7, -0.6}, 1.5);
+  Frames two = scene({1.7, -0.6}, {-1.2, 0.9}, 1.5);
   compare_instruction_sets(still, moving, two);
   compare_elements();
   compare_fields();

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What one estimate costs by what the patches show, beside OpenCV's similarity fit of the same
-// patches: ns per picture.
+// patches: ns per frame.
 #include "velocity-estimate.hpp"
 
 #include <benchmark/benchmark.h>
@@ -50,22 +51,22 @@ std::vector<GstHapticPatch> patches_of(std::int64_t scene, std::int64_t count, u
   return patches;
 }
 
-constexpr unsigned kPictures = 64;
+constexpr unsigned kFrames = 64;
 
-std::vector<std::vector<GstHapticPatch>> pictures_of(const benchmark::State &state) {
-  std::vector<std::vector<GstHapticPatch>> pictures;
-  for (unsigned i = 0; i < kPictures; ++i)
-    pictures.push_back(patches_of(state.range(0), state.range(1), i));
-  return pictures;
+std::vector<std::vector<GstHapticPatch>> frames_of(const benchmark::State &state) {
+  std::vector<std::vector<GstHapticPatch>> frames;
+  for (unsigned i = 0; i < kFrames; ++i)
+    frames.push_back(patches_of(state.range(0), state.range(1), i));
+  return frames;
 }
 
 void estimate(benchmark::State &state) {
-  const auto pictures = pictures_of(state);
+  const auto frames = frames_of(state);
   haptic::ModelHistory history;
   std::size_t i = 0;
   for (auto _ : state) {
     const auto found = haptic::estimate_velocity(
-        {pictures[i++ % kPictures], static_cast<int>(state.range(1)), 0, 0, 0.04, -15, -15, 30, 30},
+        {frames[i++ % kFrames], static_cast<int>(state.range(1)), 0, 0, 0.04, -15, -15, 30, 30},
         haptic::Average::model, haptic::ModelChoice::automatic, history);
     history = found.history;
     benchmark::DoNotOptimize(found);
@@ -73,18 +74,18 @@ void estimate(benchmark::State &state) {
 }
 
 void opencv(benchmark::State &state) {
-  std::vector<std::vector<cv::Point2f>> from(kPictures);
-  std::vector<std::vector<cv::Point2f>> to(kPictures);
-  const auto pictures = pictures_of(state);
-  for (std::size_t i = 0; i < kPictures; ++i)
-    for (const GstHapticPatch &patch : pictures[i]) {
+  std::vector<std::vector<cv::Point2f>> from(kFrames);
+  std::vector<std::vector<cv::Point2f>> to(kFrames);
+  const auto frames = frames_of(state);
+  for (std::size_t i = 0; i < kFrames; ++i)
+    for (const GstHapticPatch &patch : frames[i]) {
       from[i].emplace_back(patch.x, patch.y);
       to[i].emplace_back(patch.x + patch.dx, patch.y + patch.dy);
     }
   cv::setNumThreads(1);
   std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(cv::estimateAffinePartial2D(from[i % kPictures], to[i % kPictures],
+    benchmark::DoNotOptimize(cv::estimateAffinePartial2D(from[i % kFrames], to[i % kFrames],
                                                          cv::noArray(), cv::RANSAC, 0.2));
     ++i;
   }

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs what the pages tell the reader to type: every line that begins with "$ " in a ```console
 # block, with its continuation lines. Each must succeed; one that does not end by itself is
 # interrupted after some seconds, as a reader would with Ctrl-C, and must then end well.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Every link between the pages leads to a file, and to a heading in it where it names one.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

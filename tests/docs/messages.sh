@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # docs/troubleshooting.md knows every error and warning: of each message in the sources a part (of two
 # words at least) stands there in the first column as `code`.
 # shellcheck disable=SC2016 # the backticks and dollars are those of the page and of the sources

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // docs/elements/NAME.md tells the truth about the properties of each element.
 #include <algorithm>
 #include <cctype>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion fields in files and packets: what goes in comes out, but for what cannot be felt.
 #include "field-codec.hpp"
 #include "leaf-fields.hpp"
@@ -215,7 +216,7 @@ TEST_F(HapticConvertField, WhoTakesPointsOnlyIsToldWhy) {
   for (const char *caps : {"haptics/x-raw,layout=point", "haptics/hmpg"}) {
     const auto got =
         run(kKlvIn + " ! hapticconvert ! " + caps + " ! appsink name=out sync=false", klv);
-    EXPECT_NE(got.error.find("fields of the whole picture"), std::string::npos) << got.error;
+    EXPECT_NE(got.error.find("fields of the whole frame"), std::string::npos) << got.error;
   }
   const auto direct =
       run(kFieldIn + " ! hapticconvert ! haptics/hmpg ! appsink name=out sync=false", track);

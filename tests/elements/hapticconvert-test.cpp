@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Haptic tracks in files and packets: what goes in comes out.
 #include "force-curve.hpp"
 #include "klv.hpp"
@@ -90,7 +91,7 @@ TEST_F(HapticConvert, ATransportStreamGivesBackEverySample) {
   ASSERT_FALSE(video.packets.empty());
   EXPECT_NEAR(static_cast<double>(video.packets[0].pts), static_cast<double>(got.packets[0].pts),
               0.02e6)
-      << "the first picture and its sample stay together";
+      << "the first frame and its sample stay together";
 }
 
 TEST_F(HapticConvert, MatroskaTextGivesBackEverySample) {
@@ -193,8 +194,8 @@ TEST_F(HapticConvert, MpegHapticsGivesBackTheForce) {
     sample.velocity_x = static_cast<float>(200 * std::sin(i / 8.0));
     sample.velocity_y = static_cast<float>(90 * std::cos(i / 5.0));
     sample.confidence = 1;
-    sample.picture_width = 704;
-    sample.picture_height = 576;
+    sample.frame_width = 704;
+    sample.frame_height = 576;
     motion.push_back(test::packet_of(sample, i * kFrame, kFrame));
   }
   const auto made = run(

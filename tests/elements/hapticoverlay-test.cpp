@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 #include "pointer-event.hpp"
 #include "video-harness.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 using haptic::BufferPtr;
 using test::ElementPtr;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 using test::VideoHarness;
@@ -43,7 +44,7 @@ bool is_white(Color c) {
   return c.r > 250 && c.g > 250 && c.b > 250;
 }
 
-// Where the pixels of a colour lie, px from the middle of the picture.
+// Where the pixels of a colour lie, px from the middle of the frame.
 struct Spot {
   int count = 0;
   Shift centre;
@@ -86,10 +87,10 @@ protected:
     gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "arrows");
   }
 
-  // Of a scene that moves uniformly, px per picture.
+  // Of a scene that moves uniformly, px per frame.
   BufferPtr pass(int i, Shift step) {
-    const Picture picture = texture.picture(kWidth, kHeight, {step.x * i, step.y * i});
-    return harness.pass(picture, static_cast<GstClockTime>(i) * kFrame);
+    const Frame frame = texture.frame(kWidth, kHeight, {step.x * i, step.y * i});
+    return harness.pass(frame, static_cast<GstClockTime>(i) * kFrame);
   }
 
   void push_force(double x, double y) {
@@ -104,13 +105,13 @@ protected:
 };
 
 TEST_F(HapticOverlay, NothingIsDrawnWhereNothingWasMeasured) {
-  const Picture wall(kWidth, kHeight, 120);
+  const Frame wall(kWidth, kHeight, 120);
   const BufferPtr first = pass(0, {}); // nothing to compare it with
   EXPECT_EQ(bytes_of(first),
-            bytes_of(test::to_buffer(texture.picture(kWidth, kHeight, {}), harness.info)));
+            bytes_of(test::to_buffer(texture.frame(kWidth, kHeight, {}), harness.info)));
   std::mt19937 random(1);
   for (int i = 1; i < 5; ++i) {
-    Picture noise = wall;
+    Frame noise = wall;
     add_noise(noise, 1.5, random);
     BufferPtr buffer = test::to_buffer(noise, harness.info);
     GST_BUFFER_PTS(buffer.get()) = static_cast<GstClockTime>(i) * kFrame;
@@ -122,19 +123,19 @@ TEST_F(HapticOverlay, NothingIsDrawnWhereNothingWasMeasured) {
   }
 }
 
-TEST_F(HapticOverlay, PicturesWithoutMetadataAreLeftAlone) {
+TEST_F(HapticOverlay, FramesWithoutMetadataAreLeftAlone) {
   VideoHarness alone("hapticoverlay");
   alone.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
-  const Picture picture = texture.picture(kWidth, kHeight, {});
-  EXPECT_EQ(bytes_of(alone.pass(picture, 0)), bytes_of(test::to_buffer(picture, alone.info)));
+  const Frame frame = texture.frame(kWidth, kHeight, {});
+  EXPECT_EQ(bytes_of(alone.pass(frame, 0)), bytes_of(test::to_buffer(frame, alone.info)));
 }
 
-TEST_F(HapticOverlay, TheArrowPointsWhereThePictureMoves) {
+TEST_F(HapticOverlay, TheArrowPointsWhereTheFrameMoves) {
   int i = 0;
   for (const double degrees : {0.0, 37.0, 90.0, 160.0, 270.0}) {
     const double angle = degrees * std::numbers::pi / 180;
     const Shift step{2 * std::cos(angle), 2 * std::sin(angle)};
-    harness.pass(texture.picture(kWidth, kHeight, {step.x * i, step.y * i}),
+    harness.pass(texture.frame(kWidth, kHeight, {step.x * i, step.y * i}),
                  static_cast<GstClockTime>(i) * kFrame, GST_BUFFER_FLAG_DISCONT);
     const BufferPtr out = pass(i + 1, step);
     const Spot arrow = spot(out, is_orange);
@@ -203,10 +204,10 @@ TEST_F(HapticOverlay, ColoursAreThoseThatWereSet) {
 TEST_F(HapticOverlay, StyleFullAddsALabelAndThePatches) {
   const Texture other(2, 5, 15);
   const auto two_motions = [&](int i) {
-    Picture picture(kWidth, kHeight);
-    texture.paint(picture, {2.0 * i, 0}, 0, kWidth / 2);
-    other.paint(picture, {-2.0 * i, 0}, kWidth / 2, kWidth);
-    return harness.pass(picture, static_cast<GstClockTime>(i) * kFrame);
+    Frame frame(kWidth, kHeight);
+    texture.paint(frame, {2.0 * i, 0}, 0, kWidth / 2);
+    other.paint(frame, {-2.0 * i, 0}, kWidth / 2, kWidth);
+    return harness.pass(frame, static_cast<GstClockTime>(i) * kFrame);
   };
   two_motions(0);
   const BufferPtr arrows = two_motions(1);
@@ -222,17 +223,17 @@ TEST_F(HapticOverlay, StyleNoneDrawsNothing) {
   gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "none");
   pass(0, {2, 0});
   EXPECT_EQ(bytes_of(pass(1, {2, 0})),
-            bytes_of(test::to_buffer(texture.picture(kWidth, kHeight, {2, 0}), harness.info)));
+            bytes_of(test::to_buffer(texture.frame(kWidth, kHeight, {2, 0}), harness.info)));
 }
 
-TEST_F(HapticOverlay, DrawsNeverIntoThePictureThatIsTracked) {
+TEST_F(HapticOverlay, DrawsNeverIntoTheFrameThatIsTracked) {
   pass(0, {2, 0});
-  const Picture picture = texture.picture(kWidth, kHeight, {2, 0});
-  const BufferPtr before = test::to_buffer(picture, harness.info);
+  const Frame frame = texture.frame(kWidth, kHeight, {2, 0});
+  const BufferPtr before = test::to_buffer(frame, harness.info);
   GST_BUFFER_PTS(before.get()) = kFrame;
   harness.push(BufferPtr(gst_buffer_ref(before.get())));
   EXPECT_NE(bytes_of(harness.pull()), bytes_of(before));
-  EXPECT_EQ(bytes_of(before), bytes_of(test::to_buffer(picture, harness.info)));
+  EXPECT_EQ(bytes_of(before), bytes_of(test::to_buffer(frame, harness.info)));
 }
 
 TEST_F(HapticOverlay, TimeFlagsAndMetadataArePassedOn) {
@@ -252,11 +253,11 @@ TEST_F(HapticOverlay, EveryFormatIsDrawnOnAboutTheRegionAlone) {
     const char *name = g_value_get_string(gst_value_list_get_value(formats, n));
     for (const int width : {kWidth, kWidth + 1}) {
       harness.set_format(gst_video_format_from_string(name), width, kHeight - 1);
-      harness.pass(texture.picture(width, kHeight - 1, {}), 0, GST_BUFFER_FLAG_DISCONT);
-      const Picture picture = texture.picture(width, kHeight - 1, {2, 1});
-      const BufferPtr out = harness.pass(picture, kFrame);
+      harness.pass(texture.frame(width, kHeight - 1, {}), 0, GST_BUFFER_FLAG_DISCONT);
+      const Frame frame = texture.frame(width, kHeight - 1, {2, 1});
+      const BufferPtr out = harness.pass(frame, kFrame);
       ASSERT_NE(out, nullptr) << name;
-      const BufferPtr in = test::to_buffer(picture, harness.info);
+      const BufferPtr in = test::to_buffer(frame, harness.info);
       GstVideoFrame drawn;
       GstVideoFrame plain;
       gst_video_frame_map(&drawn, &harness.info, out.get(), GST_MAP_READ);
@@ -286,14 +287,14 @@ TEST_F(HapticOverlay, EveryFormatIsDrawnOnAboutTheRegionAlone) {
   }
 }
 
-TEST_F(HapticOverlay, PicturesMayBeTiny) {
+TEST_F(HapticOverlay, FramesMayBeTiny) {
   gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "full");
   for (const auto format : {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2, GST_VIDEO_FORMAT_BGRx})
     for (const auto &[width, height] : {std::pair(16, 16), {17, 13}, {1, 1}, {400, 12}}) {
       harness.set_format(format, width, height);
       for (int i = 0; i < 3; ++i) {
         push_force(-1, 1);
-        EXPECT_NE(harness.pass(texture.picture(width, height, {1.0 * i, 0}),
+        EXPECT_NE(harness.pass(texture.frame(width, height, {1.0 * i, 0}),
                                static_cast<GstClockTime>(i) * kFrame),
                   nullptr);
       }
@@ -303,10 +304,10 @@ TEST_F(HapticOverlay, PicturesMayBeTiny) {
 TEST_F(HapticOverlay, NumbersWithoutSenseDoNoHarm) {
   VideoHarness alone("hapticoverlay");
   alone.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
-  const Picture picture = texture.picture(kWidth, kHeight, {});
+  const Frame frame = texture.frame(kWidth, kHeight, {});
   for (const float number : {std::numeric_limits<float>::quiet_NaN(),
                              std::numeric_limits<float>::infinity(), 1e30F, -1e30F}) {
-    BufferPtr buffer = test::to_buffer(picture, alone.info);
+    BufferPtr buffer = test::to_buffer(frame, alone.info);
     auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
         gst_buffer_add_meta(buffer.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
     motion->flags = GST_HAPTIC_MOTION_STILL;
@@ -326,8 +327,8 @@ TEST_F(HapticOverlay, WhereDownstreamDrawsNothingIsCopied) {
                                           GST_VIDEO_OVERLAY_COMPOSITION_META_API_TYPE, nullptr);
   harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
   pass(0, {2, 0});
-  const Picture picture = texture.picture(kWidth, kHeight, {2, 0});
-  const BufferPtr in = test::to_buffer(picture, harness.info);
+  const Frame frame = texture.frame(kWidth, kHeight, {2, 0});
+  const BufferPtr in = test::to_buffer(frame, harness.info);
   GST_BUFFER_PTS(in.get()) = kFrame;
   harness.push(BufferPtr(gst_buffer_ref(in.get())));
   const BufferPtr out = harness.pull();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink plays motion fields; what the hand felt is read from its log.
 #include "hapticsink-fixture.hpp"
 
@@ -16,8 +17,8 @@ constexpr const char *kFieldCaps = HAPTIC_FIELD_CAPS ", width=352, height=288, f
 haptic::MotionField apart(float speed = 100) {
   haptic::MotionField field;
   field.interval = kFrame;
-  field.picture_width = 352;
-  field.picture_height = 288;
+  field.frame_width = 352;
+  field.frame_height = 288;
   field.columns = 32;
   field.rows = 24;
   for (int cell = 0; cell < 32 * 24; ++cell)

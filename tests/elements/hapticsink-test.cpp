@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink in small pipelines, with the simulated device; what it did is read from its log.
 #include "hapticsink-fixture.hpp"
 
@@ -478,7 +479,7 @@ TEST_F(HapticSinkLatency, ALiveSampleIsFeltAtOnce) {
   EXPECT_LT(median_push("latency-mode=immediate", false), 2);
 }
 
-TEST_F(HapticSinkLatency, OtherwiseASampleWaitsUntilOneAndAHalfPicturesBeforeItsTime) {
+TEST_F(HapticSinkLatency, OtherwiseASampleWaitsUntilOneAndAHalfFramesBeforeItsTime) {
   EXPECT_NEAR(median_push("latency-mode=synchronized", true), 50, 10);
   EXPECT_NEAR(median_push("", false), 50, 10);
 }
@@ -564,8 +565,8 @@ TEST_F(HapticSink, AChangeOfCapsIsNoInterruption) {
       gst_caps_from_string(HAPTIC_MOTION_CAPS ", width=704, height=576, framerate=30/1"));
   gst_app_src_set_caps(GST_APP_SRC(source_.get()), caps.get());
   for (int i = 0; i < 12; ++i, pts_ += kFrame) {
-    MotionSample sample = moving(200, 0); // the same motion in a picture twice as wide
-    sample.picture_width = 704;
+    MotionSample sample = moving(200, 0); // the same motion in a frame twice as wide
+    sample.frame_width = 704;
     push(packed(sample, pts_));
   }
   push_end();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-field.hpp"
 #include "video-harness.hpp"
 
@@ -9,7 +10,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::MotionField;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 using test::VideoHarness;
@@ -46,17 +47,17 @@ protected:
 
   void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight); }
 
-  // The picture that a scene of uniform motion (px/s) shows at a time.
-  Picture at(GstClockTime time, Shift velocity, int width = kWidth, int height = kHeight) const {
+  // The frame that a scene of uniform motion (px/s) shows at a time.
+  Frame at(GstClockTime time, Shift velocity, int width = kWidth, int height = kHeight) const {
     const double seconds = static_cast<double>(time) / GST_SECOND;
-    return texture.picture(width, height, {velocity.x * seconds, velocity.y * seconds});
+    return texture.frame(width, height, {velocity.x * seconds, velocity.y * seconds});
   }
 
   BufferPtr pass(GstClockTime time, Shift velocity, guint flags = 0) {
     return harness.pass(at(time, velocity), time, flags);
   }
 
-  // Of the cells whose picture stays inside, 19 of 20 say it within a tenth of a pixel.
+  // Of the cells whose frame stays inside, 19 of 20 say it within a tenth of a pixel.
   static void expect_velocity(const BufferPtr &buffer, Shift velocity) {
     const MotionField field = field_of(buffer);
     EXPECT_FALSE(is_gap(buffer));
@@ -70,8 +71,8 @@ protected:
     int right = 0;
     for (int row = 0; row < field.rows; ++row)
       for (int column = 0; column < field.columns; ++column) {
-        if (!stays(column, field.columns, field.picture_width, velocity.x) ||
-            !stays(row, field.rows, field.picture_height, velocity.y))
+        if (!stays(column, field.columns, field.frame_width, velocity.x) ||
+            !stays(row, field.rows, field.frame_height, velocity.y))
           continue;
         ++inside;
         const haptic::FieldCell &cell =
@@ -102,10 +103,10 @@ TEST_F(MotionFieldElement, SaysTheVelocityOfEveryCellInPixelsPerSecond) {
   }
 }
 
-TEST_F(MotionFieldElement, TheFieldDescribesThePicture) {
+TEST_F(MotionFieldElement, TheFieldDescribesTheFrame) {
   const MotionField field = field_of(pass(0, {}));
-  EXPECT_EQ(field.picture_width, kWidth);
-  EXPECT_EQ(field.picture_height, kHeight);
+  EXPECT_EQ(field.frame_width, kWidth);
+  EXPECT_EQ(field.frame_height, kHeight);
   EXPECT_EQ(field.pixel_aspect_n, 1U);
   EXPECT_EQ(field.columns, 32);
   EXPECT_EQ(field.rows, 18);
@@ -137,7 +138,7 @@ TEST_F(MotionFieldElement, IrregularTimeStampsDoNotChangeTheVelocity) {
     expect_velocity(pass(time += ms * GST_MSECOND, velocity), velocity);
 }
 
-TEST_F(MotionFieldElement, ARepeatedPictureIsADuplicateAndTheNextIntervalSpansBoth) {
+TEST_F(MotionFieldElement, ARepeatedFrameIsADuplicateAndTheNextIntervalSpansBoth) {
   const Shift velocity{70, 30};
   pass(0, velocity);
   const MotionField before = field_of(pass(kFrame, velocity));
@@ -172,7 +173,7 @@ TEST_F(MotionFieldElement, NothingMeasuredIsAGap) {
   EXPECT_EQ(field_of(first).interval, 0U);
   std::mt19937 random(1);
   for (GstClockTime i = 1; i < 4; ++i) {
-    Picture wall(kWidth, kHeight, 120);
+    Frame wall(kWidth, kHeight, 120);
     add_noise(wall, 1.5, random);
     const BufferPtr blank = harness.pass(wall, i * kFrame);
     EXPECT_EQ(is_gap(blank), is_silent(field_of(blank)));
@@ -185,7 +186,7 @@ TEST_F(MotionFieldElement, NothingMeasuredIsAGap) {
 TEST_F(MotionFieldElement, AnotherSceneIsACutAndNoMotion) {
   pass(0, {60, 0});
   pass(kFrame, {60, 0});
-  const BufferPtr cut = harness.pass(Texture(77).picture(kWidth, kHeight, {}), 2 * kFrame);
+  const BufferPtr cut = harness.pass(Texture(77).frame(kWidth, kHeight, {}), 2 * kFrame);
   EXPECT_TRUE(is_gap(cut));
   EXPECT_EQ(field_of(cut).flags, haptic::kMotionCut);
   EXPECT_TRUE(is_silent(field_of(cut)));
@@ -253,12 +254,12 @@ TEST_F(MotionFieldElement, NewCapsInMidStreamStartAnew) {
   };
   const BufferPtr first = pass_new(2 * kFrame);
   EXPECT_TRUE(is_gap(first));
-  EXPECT_EQ(field_of(first).picture_width, 240U);
+  EXPECT_EQ(field_of(first).frame_width, 240U);
   EXPECT_EQ(field_of(first).columns, 30);
   expect_velocity(pass_new(3 * kFrame), {60, 0});
 }
 
-// Without the luma of the whole picture in one piece, too.
+// Without the luma of the whole frame in one piece, too.
 class MotionFieldFormats : public ::testing::TestWithParam<GstVideoFormat> {
 protected:
   static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
@@ -269,9 +270,8 @@ protected:
     VideoHarness harness("motionfield");
     harness.set_format(format, kOddWidth, kOddHeight);
     const Texture texture(5);
-    harness.pass(texture.picture(kOddWidth, kOddHeight, {}), 0);
-    return field_of(harness.pass(texture.picture(kOddWidth, kOddHeight, {1.7, -2.2}), kFrame))
-        .cells;
+    harness.pass(texture.frame(kOddWidth, kOddHeight, {}), 0);
+    return field_of(harness.pass(texture.frame(kOddWidth, kOddHeight, {1.7, -2.2}), kFrame)).cells;
   }
 };
 
@@ -308,7 +308,7 @@ TEST_F(MotionFieldElement, WorksAtAnySizeAndMeasuresNothingWhereThereIsTooLittle
   }
 }
 
-TEST_F(MotionFieldElement, APictureShorterThanItsFormatIsAnErrorThatSaysSo) {
+TEST_F(MotionFieldElement, AFrameShorterThanItsFormatIsAnErrorThatSaysSo) {
   haptic::BufferPtr buffer(gst_buffer_new_allocate(nullptr, 100, nullptr));
   GST_BUFFER_PTS(buffer.get()) = 0;
   EXPECT_EQ(harness.push(std::move(buffer)), GST_FLOW_ERROR);

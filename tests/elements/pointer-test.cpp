@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The pointer on its way over a network: pointerextract at the hand, pointerinject at the tracker.
 #include "klv.hpp"
 #include "pointer-event.hpp"
@@ -121,7 +122,7 @@ TEST_F(PointerTravel, TheStreamBesideItPassesUntouched) {
   EXPECT_TRUE(passed) << "only pointers are taken";
 }
 
-TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfThePicture) {
+TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfTheFrame) {
   gst_harness_push_event(injected.get(), gst_event_new_eos());
   EXPECT_EQ(gst_harness_push(inject.get(), gst_buffer_new()), GST_FLOW_OK);
 }

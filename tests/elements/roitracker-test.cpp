@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pointer-event.hpp"
 #include "video-harness.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 using haptic::BufferPtr;
 using haptic::EventPtr;
 using test::ElementPtr;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 using test::VideoHarness;
@@ -52,10 +53,10 @@ protected:
     harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
   }
 
-  Picture moved(Shift shift) const { return texture.picture(kWidth, kHeight, shift); }
+  Frame moved(Shift shift) const { return texture.frame(kWidth, kHeight, shift); }
 
-  // Picture number i of uniform motion, 2 px to the right and 1 up each.
-  Picture moving(int i) const { return moved({2.0 * i, -1.0 * i}); }
+  // Frame number i of uniform motion, 2 px to the right and 1 up each.
+  Frame moving(int i) const { return moved({2.0 * i, -1.0 * i}); }
 
   BufferPtr pass_moving(int i) {
     return harness.pass(moving(i), static_cast<GstClockTime>(i) * kFrame);
@@ -90,21 +91,21 @@ protected:
   ElementPtr tracker = harness.element("roitracker");
 };
 
-// What a picture carries
+// What a frame carries
 
-TEST_F(RoiTracker, EachPictureCarriesWhatWasMeasuredSinceTheOneBefore) {
+TEST_F(RoiTracker, EachFrameCarriesWhatWasMeasuredSinceTheOneBefore) {
   const BufferPtr first = pass_moving(0);
   EXPECT_EQ(motion_of(first).flags, static_cast<guint>(GST_HAPTIC_MOTION_DISCONTINUITY));
   EXPECT_EQ(motion_of(first).n_patches, 0U);
   EXPECT_EQ(motion_of(first).interval, 0U);
   for (int i = 1; i < 4; ++i) {
-    const BufferPtr picture = pass_moving(i);
-    expect_motion(picture, {2, -1});
-    const GstHapticMotionMeta &motion = motion_of(picture);
+    const BufferPtr frame = pass_moving(i);
+    expect_motion(frame, {2, -1});
+    const GstHapticMotionMeta &motion = motion_of(frame);
     EXPECT_EQ(motion.flags, 0U);
     EXPECT_EQ(motion.interval, kFrame);
-    EXPECT_EQ(motion.picture_width, static_cast<guint>(kWidth));
-    EXPECT_EQ(motion.picture_height, static_cast<guint>(kHeight));
+    EXPECT_EQ(motion.frame_width, static_cast<guint>(kWidth));
+    EXPECT_EQ(motion.frame_height, static_cast<guint>(kHeight));
     EXPECT_EQ(motion.pointer_x, kWidth / 2.0F);
     EXPECT_EQ(motion.pointer_y, kHeight / 2.0F);
     EXPECT_EQ(motion.region_x, 73);
@@ -116,11 +117,11 @@ TEST_F(RoiTracker, EachPictureCarriesWhatWasMeasuredSinceTheOneBefore) {
 }
 
 TEST_F(RoiTracker, TheRegionIsMarkedInTheWayOtherToolsUnderstand) {
-  const BufferPtr picture = pass_moving(0);
+  const BufferPtr frame = pass_moving(0);
   gpointer cursor = nullptr;
   const auto *roi =
       reinterpret_cast<GstVideoRegionOfInterestMeta *>(gst_buffer_iterate_meta_filtered(
-          picture.get(), &cursor, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE));
+          frame.get(), &cursor, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE));
   ASSERT_NE(roi, nullptr);
   EXPECT_STREQ(g_quark_to_string(roi->roi_type), "haptic-roi");
   EXPECT_EQ(roi->x, 73U);
@@ -129,41 +130,40 @@ TEST_F(RoiTracker, TheRegionIsMarkedInTheWayOtherToolsUnderstand) {
   EXPECT_EQ(roi->h, 30U);
 }
 
-TEST_F(RoiTracker, TheRegionGrowsWithThePictureUnlessItsSizeIsSet) {
+TEST_F(RoiTracker, TheRegionGrowsWithTheFrameUnlessItsSizeIsSet) {
   g_object_set(tracker.get(), "roi-size", 0, nullptr);
   harness.set_format(GST_VIDEO_FORMAT_GRAY8, 352, 288);
-  EXPECT_EQ(motion_of(harness.pass(Picture(352, 288), 0)).region_width, 30);
+  EXPECT_EQ(motion_of(harness.pass(Frame(352, 288), 0)).region_width, 30);
   harness.set_format(GST_VIDEO_FORMAT_GRAY8, 704, 576);
-  EXPECT_EQ(motion_of(harness.pass(Picture(704, 576), 0)).region_width, 60);
+  EXPECT_EQ(motion_of(harness.pass(Frame(704, 576), 0)).region_width, 60);
   g_object_set(tracker.get(), "roi-size", 44, nullptr);
-  EXPECT_EQ(motion_of(harness.pass(Picture(704, 576), kFrame)).region_width, 44);
+  EXPECT_EQ(motion_of(harness.pass(Frame(704, 576), kFrame)).region_width, 44);
 }
 
-TEST_F(RoiTracker, AMarkedPictureIsMarkedAnew) {
+TEST_F(RoiTracker, AMarkedFrameIsMarkedAnew) {
   VideoHarness two("roitracker pointer-x=0.1 ! roitracker pointer-x=0.75");
   two.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
-  const BufferPtr picture = two.pass(moving(0), 0);
-  EXPECT_EQ(gst_buffer_get_n_meta(picture.get(), GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE), 1U);
-  EXPECT_EQ(motion_of(picture).pointer_x, 132);
-  EXPECT_EQ(
-      gst_buffer_get_n_meta(picture.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME)->api),
-      1U);
+  const BufferPtr frame = two.pass(moving(0), 0);
+  EXPECT_EQ(gst_buffer_get_n_meta(frame.get(), GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE), 1U);
+  EXPECT_EQ(motion_of(frame).pointer_x, 132);
+  EXPECT_EQ(gst_buffer_get_n_meta(frame.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME)->api),
+            1U);
 }
 
-TEST_F(RoiTracker, ScalingThePictureScalesItsMotion) {
+TEST_F(RoiTracker, ScalingTheFrameScalesItsMotion) {
   VideoHarness scaling(
       "roitracker roi-size=30 ! videoscale ! capsfilter caps=video/x-raw,width=352,height=216");
   scaling.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
   scaling.pass(moving(0), 0);
-  const BufferPtr picture = scaling.pass(moving(1), kFrame);
-  expect_motion(picture, {2 * 2, -1 * 1.5});
-  EXPECT_EQ(motion_of(picture).picture_width, 352U);
-  EXPECT_EQ(motion_of(picture).picture_height, 216U);
-  EXPECT_EQ(motion_of(picture).region_width, 60);
-  EXPECT_EQ(motion_of(picture).pointer_x, 176);
+  const BufferPtr frame = scaling.pass(moving(1), kFrame);
+  expect_motion(frame, {2 * 2, -1 * 1.5});
+  EXPECT_EQ(motion_of(frame).frame_width, 352U);
+  EXPECT_EQ(motion_of(frame).frame_height, 216U);
+  EXPECT_EQ(motion_of(frame).region_width, 60);
+  EXPECT_EQ(motion_of(frame).pointer_x, 176);
 }
 
-TEST_F(RoiTracker, CroppingThePictureDropsWhatWouldBeWrong) {
+TEST_F(RoiTracker, CroppingTheFrameDropsWhatWouldBeWrong) {
   VideoHarness cropping("roitracker ! videocrop left=8 ! identity");
   cropping.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
   EXPECT_EQ(gst_buffer_get_haptic_motion_meta(cropping.pass(moving(0), 0).get()), nullptr);
@@ -171,7 +171,7 @@ TEST_F(RoiTracker, CroppingThePictureDropsWhatWouldBeWrong) {
 
 // Pixels and memory
 
-TEST_F(RoiTracker, APictureThatNobodyElseHoldsGoesThroughAsItIs) {
+TEST_F(RoiTracker, AFrameThatNobodyElseHoldsGoesThroughAsItIs) {
   BufferPtr in = test::to_buffer(moving(0), harness.info);
   GST_BUFFER_PTS(in.get()) = 0;
   GstBuffer *const address = in.get();
@@ -179,7 +179,7 @@ TEST_F(RoiTracker, APictureThatNobodyElseHoldsGoesThroughAsItIs) {
   EXPECT_EQ(harness.pull().get(), address);
 }
 
-TEST_F(RoiTracker, APictureThatOthersHoldIsSharedByReferenceAndStaysUntouched) {
+TEST_F(RoiTracker, AFrameThatOthersHoldIsSharedByReferenceAndStaysUntouched) {
   for (int i = 0; i < 3; ++i) {
     const BufferPtr held = test::to_buffer(moving(i), harness.info);
     GST_BUFFER_PTS(held.get()) = static_cast<GstClockTime>(i) * kFrame;
@@ -239,7 +239,7 @@ TEST_F(RoiTracker, ABufferReturnsToItsPoolOnlyWhenNobodyReadsItsMemory) {
   EXPECT_NE(gst_buffer_pool_acquire_buffer(pool, &buffer, &at_once), GST_FLOW_OK);
   out.reset();
   EXPECT_NE(gst_buffer_pool_acquire_buffer(pool, &buffer, &at_once), GST_FLOW_OK)
-      << "it is the picture to compare the next one with";
+      << "it is the frame to compare the next one with";
   const haptic::QueryPtr drain(gst_query_new_drain());
   gst_pad_query(GST_PAD_PEER(harness.get()->srcpad), drain.get());
   ASSERT_EQ(gst_buffer_pool_acquire_buffer(pool, &buffer, &at_once), GST_FLOW_OK)
@@ -285,8 +285,8 @@ TEST_P(RoiTrackerFormats, AgreeAtOddWidths) {
   const GstVideoFormat format = gst_video_format_from_string(GetParam());
   for (const int width : {321, 322, 323}) {
     harness.set_format(format, width, 101);
-    harness.pass(texture.picture(width, 101, {}), 0);
-    expect_motion(harness.pass(texture.picture(width, 101, {3.25, -1.5}), kFrame), {3.25, -1.5});
+    harness.pass(texture.frame(width, 101, {}), 0);
+    expect_motion(harness.pass(texture.frame(width, 101, {3.25, -1.5}), kFrame), {3.25, -1.5});
   }
 }
 
@@ -296,15 +296,15 @@ INSTANTIATE_TEST_SUITE_P(All, RoiTrackerFormats,
                                            "xBGR", "RGBA", "BGRA", "ARGB", "ABGR"),
                          [](const auto &format) { return std::string(format.param); });
 
-TEST_F(RoiTracker, RowsMayBeFurtherApartThanThePictureIsWide) {
+TEST_F(RoiTracker, RowsMayBeFurtherApartThanTheFrameIsWide) {
   constexpr gsize kStride = 400;
   constexpr gsize kOffset = 48;
-  const auto strided = [&](const Picture &picture, GstClockTime pts) {
+  const auto strided = [&](const Frame &frame, GstClockTime pts) {
     BufferPtr buffer(gst_buffer_new_allocate(nullptr, kOffset + kStride * kHeight, nullptr));
     gst_buffer_memset(buffer.get(), 0, 255, kOffset + kStride * kHeight);
     for (int y = 0; y < kHeight; ++y)
       gst_buffer_fill(buffer.get(), kOffset + static_cast<gsize>(y) * kStride,
-                      &picture.pixels[static_cast<std::size_t>(y) * kWidth], kWidth);
+                      &frame.pixels[static_cast<std::size_t>(y) * kWidth], kWidth);
     gsize offset[GST_VIDEO_MAX_PLANES] = {kOffset};
     gint stride[GST_VIDEO_MAX_PLANES] = {static_cast<gint>(kStride)};
     gst_buffer_add_video_meta_full(buffer.get(), GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_GRAY8,
@@ -322,11 +322,11 @@ TEST_F(RoiTracker, WorksAtAnySizeAndMeasuresNothingWhereThereIsTooLittle) {
   for (const char *format : {"GRAY8", "I420", "YUY2", "RGB"})
     for (int size = 1; size <= 40; ++size) {
       harness.set_format(gst_video_format_from_string(format), size, size);
-      harness.pass(texture.picture(size, size, {}), 0);
-      const BufferPtr picture = harness.pass(texture.picture(size, size, {0.5, 0.5}), kFrame);
-      ASSERT_NE(picture, nullptr) << format << size;
+      harness.pass(texture.frame(size, size, {}), 0);
+      const BufferPtr frame = harness.pass(texture.frame(size, size, {0.5, 0.5}), kFrame);
+      ASSERT_NE(frame, nullptr) << format << size;
       if (size < 12) {
-        EXPECT_EQ(motion_of(picture).n_patches, 0U) << format << size;
+        EXPECT_EQ(motion_of(frame).n_patches, 0U) << format << size;
       }
     }
 }
@@ -337,9 +337,9 @@ TEST_F(RoiTracker, NearTheBorderTheRegionIsClippedAndStillRight) {
   for (const auto &[x, y] :
        {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}, {0.5, 0.03}}) {
     g_object_set(tracker.get(), "pointer-x", x, "pointer-y", y, nullptr);
-    const BufferPtr picture = pass_moving(i++);
-    EXPECT_LT(motion_of(picture).region_width * motion_of(picture).region_height, 30 * 30);
-    const auto found = test::displacement(picture.get());
+    const BufferPtr frame = pass_moving(i++);
+    EXPECT_LT(motion_of(frame).region_width * motion_of(frame).region_height, 30 * 30);
+    const auto found = test::displacement(frame.get());
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR(found->x, 2, 0.2);
     EXPECT_NEAR(found->y, -1, 0.2);
@@ -349,13 +349,13 @@ TEST_F(RoiTracker, NearTheBorderTheRegionIsClippedAndStillRight) {
 TEST_F(RoiTracker, BelowTwelvePixelsOfRegionNothingIsMeasured) {
   g_object_set(tracker.get(), "roi-size", 20, "pointer-x", 0.0, nullptr);
   pass_moving(0);
-  const BufferPtr picture = pass_moving(1);
-  EXPECT_EQ(motion_of(picture).n_patches, 0U);
-  EXPECT_EQ(motion_of(picture).flags, 0U);
-  EXPECT_EQ(motion_of(picture).region_width, 10);
+  const BufferPtr frame = pass_moving(1);
+  EXPECT_EQ(motion_of(frame).n_patches, 0U);
+  EXPECT_EQ(motion_of(frame).flags, 0U);
+  EXPECT_EQ(motion_of(frame).region_width, 10);
 }
 
-TEST_F(RoiTracker, APictureShorterThanItsFormatIsAnErrorThatSaysSo) {
+TEST_F(RoiTracker, AFrameShorterThanItsFormatIsAnErrorThatSaysSo) {
   pass_moving(0);
   BufferPtr stub(gst_buffer_new_allocate(nullptr, 100, nullptr));
   GST_BUFFER_PTS(stub.get()) = kFrame;
@@ -368,10 +368,9 @@ TEST_F(RoiTracker, APictureShorterThanItsFormatIsAnErrorThatSaysSo) {
   g_error_free(error);
 }
 
-TEST_F(RoiTracker, APictureThatContradictsItsFormatIsAnError) {
+TEST_F(RoiTracker, AFrameThatContradictsItsFormatIsAnError) {
   pass_moving(0);
-  BufferPtr liar =
-      test::to_buffer(Picture(20, 20), test::video_info(GST_VIDEO_FORMAT_GRAY8, 20, 20));
+  BufferPtr liar = test::to_buffer(Frame(20, 20), test::video_info(GST_VIDEO_FORMAT_GRAY8, 20, 20));
   gst_buffer_add_video_meta(liar.get(), GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_GRAY8, 20, 20);
   GST_BUFFER_PTS(liar.get()) = kFrame;
   EXPECT_EQ(harness.push(std::move(liar)), GST_FLOW_ERROR);
@@ -385,16 +384,16 @@ TEST_F(RoiTracker, TheIntervalComesFromTimeStampsAndNotFromTheFrameRate) {
   harness.pass(moving(0), time);
   int i = 1;
   for (const GstClockTime interval : {5U, 100U, 330U, 730U, 17U}) {
-    const BufferPtr picture = harness.pass(moving(i++), time += interval * GST_MSECOND);
-    EXPECT_EQ(motion_of(picture).interval, interval * GST_MSECOND);
-    expect_motion(picture, {2, -1});
+    const BufferPtr frame = harness.pass(moving(i++), time += interval * GST_MSECOND);
+    EXPECT_EQ(motion_of(frame).interval, interval * GST_MSECOND);
+    expect_motion(frame, {2, -1});
   }
 }
 
 TEST_F(RoiTracker, ADiscontinuityIsNoMotion) {
-  const auto starts_anew = [&](const BufferPtr &picture) {
-    return motion_of(picture).flags == GST_HAPTIC_MOTION_DISCONTINUITY &&
-           motion_of(picture).n_patches == 0 && motion_of(picture).interval == 0;
+  const auto starts_anew = [&](const BufferPtr &frame) {
+    return motion_of(frame).flags == GST_HAPTIC_MOTION_DISCONTINUITY &&
+           motion_of(frame).n_patches == 0 && motion_of(frame).interval == 0;
   };
   pass_moving(0);
   pass_moving(1);
@@ -447,54 +446,54 @@ TEST_F(RoiTracker, PlayedBackwardsMotionIsAsSeen) {
   segment.stop = GST_SECOND;
   gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
   harness.pass(moving(5), 5 * kFrame);
-  const BufferPtr picture = harness.pass(moving(4), 4 * kFrame);
-  EXPECT_EQ(motion_of(picture).interval, kFrame);
-  expect_motion(picture, {-2, 1});
+  const BufferPtr frame = harness.pass(moving(4), 4 * kFrame);
+  EXPECT_EQ(motion_of(frame).interval, kFrame);
+  expect_motion(frame, {-2, 1});
 }
 
 TEST_F(RoiTracker, NewCapsInMidStreamStartAnew) {
   pass_moving(0);
   pass_moving(1);
   harness.set_format(GST_VIDEO_FORMAT_RGB, 321, 243);
-  const BufferPtr first = harness.pass(texture.picture(321, 243, {}), 2 * kFrame);
+  const BufferPtr first = harness.pass(texture.frame(321, 243, {}), 2 * kFrame);
   EXPECT_EQ(motion_of(first).flags, static_cast<guint>(GST_HAPTIC_MOTION_DISCONTINUITY));
-  EXPECT_EQ(motion_of(first).picture_width, 321U);
-  expect_motion(harness.pass(texture.picture(321, 243, {1, 1}), 3 * kFrame), {1, 1});
+  EXPECT_EQ(motion_of(first).frame_width, 321U);
+  expect_motion(harness.pass(texture.frame(321, 243, {1, 1}), 3 * kFrame), {1, 1});
 }
 
 // The third dimension of the hand
 
-TEST_F(RoiTracker, AHandPulledTowardsTheUserFeelsMoreOfThePicture) {
-  // The last would be 120 px, but half of the picture is enough.
+TEST_F(RoiTracker, AHandPulledTowardsTheUserFeelsMoreOfTheFrame) {
+  // The last would be 120 px, but half of the frame is enough.
   const std::pair<double, float> kSides[] = {{0.2, 40.0F}, {0.5, 60.0F}, {-0.4, 18.0F}, {1, 72.0F}};
   int i = 0;
   for (const auto &[z, side] : kSides) {
     point_haptic(0.5, 0.5, z);
-    const BufferPtr picture = pass_moving(i++);
-    EXPECT_EQ(motion_of(picture).region_width, side) << z;
+    const BufferPtr frame = pass_moving(i++);
+    EXPECT_EQ(motion_of(frame).region_width, side) << z;
     if (i > 1)
-      expect_motion(picture, {2, -1}); // the size does not change the motion
+      expect_motion(frame, {2, -1}); // the size does not change the motion
   }
 }
 
 TEST_F(RoiTracker, AChangeOfTheSizeAloneIsExactlyNothing) {
-  const Picture still = moving(0);
+  const Frame still = moving(0);
   for (int i = 0; i < 40; ++i) {
     point_haptic(0.5, 0.5, i % 2 ? 0.8 : -0.3);
-    const BufferPtr picture = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
-    EXPECT_EQ(motion_of(picture).n_patches, 0U);
+    const BufferPtr frame = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
+    EXPECT_EQ(motion_of(frame).n_patches, 0U);
     if (i > 2) {
-      EXPECT_EQ(motion_of(picture).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL));
+      EXPECT_EQ(motion_of(frame).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL));
     }
   }
 }
 
-// Pictures that do not change
+// Frames that do not change
 
 TEST_F(RoiTracker, OverAStillVideoAMovingPointerFindsExactlyNothing) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
-  const Picture still = moving(0);
+  const Frame still = moving(0);
   double x = 0.5;
   harness.pass(still, 0);
   for (int i = 1; i < 3; ++i)
@@ -508,14 +507,14 @@ TEST_F(RoiTracker, OverAStillVideoAMovingPointerFindsExactlyNothing) {
       x = std::clamp(x + 0.1 * (unit(random) - 0.5), 0.2, 0.8);
     g_object_set(tracker.get(), "pointer-x", x, "pointer-y", 0.2 + 0.6 * unit(random), "roi-size",
                  12 + static_cast<guint>(random() % 60), nullptr);
-    const BufferPtr picture = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
-    ASSERT_EQ(motion_of(picture).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL)) << i;
-    ASSERT_EQ(motion_of(picture).n_patches, 0U) << i;
+    const BufferPtr frame = harness.pass(still, static_cast<GstClockTime>(i) * kFrame);
+    ASSERT_EQ(motion_of(frame).flags, static_cast<guint>(GST_HAPTIC_MOTION_STILL)) << i;
+    ASSERT_EQ(motion_of(frame).n_patches, 0U) << i;
   }
   EXPECT_EQ(statistic(tracker.get(), "still"), 197U);
 }
 
-TEST_F(RoiTracker, ARepeatedPictureIsADuplicateAndTheNextIntervalSpansBoth) {
+TEST_F(RoiTracker, ARepeatedFrameIsADuplicateAndTheNextIntervalSpansBoth) {
   pass_moving(0);
   pass_moving(1);
   const BufferPtr again = harness.pass(moving(1), 2 * kFrame);
@@ -542,10 +541,10 @@ TEST_F(RoiTracker, WhatRepeatsThriceStandsStillAndMovesOnFromThere) {
 TEST_F(RoiTracker, ThePointerThatLeavesAMovingObjectFindsStillnessAtOnce) {
   const Texture ground(20);
   const auto scene = [&](int i) {
-    Picture picture(400, kHeight);
-    texture.paint(picture, {2.0 * i, 0}, 0, 200);
-    ground.paint(picture, {}, 200, 400);
-    return picture;
+    Frame frame(400, kHeight);
+    texture.paint(frame, {2.0 * i, 0}, 0, 200);
+    ground.paint(frame, {}, 200, 400);
+    return frame;
   };
   harness.set_format(GST_VIDEO_FORMAT_GRAY8, 400, kHeight);
   g_object_set(tracker.get(), "pointer-x", 0.25, nullptr);
@@ -559,10 +558,10 @@ TEST_F(RoiTracker, ThePointerThatLeavesAMovingObjectFindsStillnessAtOnce) {
 TEST_F(RoiTracker, FollowsTheObjectUnderThePointerAndNotTheOther) {
   const Texture other(20);
   const auto scene = [&](int i) {
-    Picture picture(400, kHeight);
-    texture.paint(picture, {-3.0 * i, 0}, 0, 200);
-    other.paint(picture, {3.0 * i, 0}, 200, 400);
-    return picture;
+    Frame frame(400, kHeight);
+    texture.paint(frame, {-3.0 * i, 0}, 0, 200);
+    other.paint(frame, {3.0 * i, 0}, 200, 400);
+    return frame;
   };
   harness.set_format(GST_VIDEO_FORMAT_GRAY8, 400, kHeight);
   int i = 0;
@@ -588,9 +587,9 @@ TEST_F(RoiTracker, APointerEventMovesTheRegionAndGoesNoFurther) {
   pass_moving(0);
   point_haptic(0.75, 0.25);
   EXPECT_EQ(harness.upstream_event(GST_EVENT_CUSTOM_UPSTREAM), nullptr);
-  const BufferPtr picture = pass_moving(1);
-  EXPECT_EQ(motion_of(picture).pointer_x, 0.75F * kWidth);
-  EXPECT_EQ(motion_of(picture).pointer_y, 0.25F * kHeight);
+  const BufferPtr frame = pass_moving(1);
+  EXPECT_EQ(motion_of(frame).pointer_x, 0.75F * kWidth);
+  EXPECT_EQ(motion_of(frame).pointer_y, 0.25F * kHeight);
   EXPECT_EQ(get_double(tracker.get(), "pointer-x"), 0.75);
   EXPECT_EQ(get_double(tracker.get(), "pointer-y"), 0.25);
 }
@@ -606,9 +605,9 @@ TEST_F(RoiTracker, TheMouseMovesTheRegionAndTravelsOn) {
   pass_moving(0);
   move_mouse(44, 108);
   EXPECT_NE(harness.upstream_event(GST_EVENT_NAVIGATION), nullptr);
-  const BufferPtr picture = pass_moving(1);
-  EXPECT_EQ(motion_of(picture).pointer_x, 44);
-  EXPECT_EQ(motion_of(picture).pointer_y, 108);
+  const BufferPtr frame = pass_moving(1);
+  EXPECT_EQ(motion_of(frame).pointer_x, 44);
+  EXPECT_EQ(motion_of(frame).pointer_y, 108);
   move_mouse(-20, 1000);
   EXPECT_EQ(get_double(tracker.get(), "pointer-x"), 0);
   EXPECT_EQ(get_double(tracker.get(), "pointer-y"), 1);
@@ -661,7 +660,7 @@ TEST_F(RoiTracker, AControllerMovesThePointerAlongTheStream) {
     EXPECT_NEAR(motion_of(pass_moving(i)).pointer_x, (0.2 + 0.05 * i) * kWidth, 1e-3);
 }
 
-TEST_F(RoiTracker, TheApplicationHearsOfAMovedPointerOncePerPicture) {
+TEST_F(RoiTracker, TheApplicationHearsOfAMovedPointerOncePerFrame) {
   int calls = 0;
   g_signal_connect(tracker.get(), "notify::pointer-x",
                    G_CALLBACK(+[](GObject *object, GParamSpec *, int *count) {
@@ -706,13 +705,13 @@ TEST_F(RoiTracker, AtTheEndItPostsItsStatistics) {
   EXPECT_GT(time, 0);
 }
 
-TEST_F(RoiTracker, TheEndMayComeBeforeTheFirstPicture) {
+TEST_F(RoiTracker, TheEndMayComeBeforeTheFirstFrame) {
   EXPECT_TRUE(gst_harness_push_event(harness.get(), gst_event_new_eos()));
   EXPECT_NE(harness.message(GST_MESSAGE_ELEMENT), nullptr);
   EXPECT_EQ(harness.message(GST_MESSAGE_ERROR), nullptr);
 }
 
-TEST_F(RoiTracker, ALateDisplayDoesNotMakeItSkipPictures) {
+TEST_F(RoiTracker, ALateDisplayDoesNotMakeItSkipFrames) {
   pass_moving(0);
   for (int i = 1; i < 10; ++i) {
     gst_harness_push_upstream_event(harness.get(),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-sample.hpp"
 #include "video-harness.hpp"
 
@@ -11,7 +12,7 @@ using haptic::BufferPtr;
 using haptic::MotionModel;
 using haptic::MotionSample;
 using test::ElementPtr;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 using test::VideoHarness;
@@ -39,10 +40,10 @@ protected:
 
   void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight); }
 
-  // The picture that a scene of uniform motion (px/s) shows at a time.
-  Picture at(GstClockTime time, Shift velocity) const {
+  // The frame that a scene of uniform motion (px/s) shows at a time.
+  Frame at(GstClockTime time, Shift velocity) const {
     const double seconds = static_cast<double>(time) / GST_SECOND;
-    return texture.picture(kWidth, kHeight, {velocity.x * seconds, velocity.y * seconds});
+    return texture.frame(kWidth, kHeight, {velocity.x * seconds, velocity.y * seconds});
   }
 
   BufferPtr pass(GstClockTime time, Shift velocity) {
@@ -89,9 +90,9 @@ TEST_F(VelocityAvg, IrregularTimeStampsDoNotChangeIt) {
     expect_velocity(pass(time += ms * GST_MSECOND, velocity), velocity, 0.02);
 }
 
-TEST_F(VelocityAvg, PicturesRepeatedInPlaceOfMissedOnesLeaveTheVelocityConstant) {
+TEST_F(VelocityAvg, FramesRepeatedInPlaceOfMissedOnesLeaveTheVelocityConstant) {
   const Shift velocity{70, 30};
-  // Of five pictures three are new, as in 3:2 pulldown.
+  // Of five frames three are new, as in 3:2 pulldown.
   constexpr GstClockTime kShown[] = {0, 0, 2, 3, 3};
   for (GstClockTime i = 0; i < 40; ++i) {
     const GstClockTime taken = i / 5 * 5 + kShown[i % 5];
@@ -103,7 +104,7 @@ TEST_F(VelocityAvg, PicturesRepeatedInPlaceOfMissedOnesLeaveTheVelocityConstant)
   }
 }
 
-TEST_F(VelocityAvg, EveryPictureShownTwiceHasAConstantVelocity) {
+TEST_F(VelocityAvg, EveryFrameShownTwiceHasAConstantVelocity) {
   const Shift velocity{70, 30};
   for (GstClockTime i = 0; i < 40; ++i) {
     const BufferPtr buffer = harness.pass(at(i / 2 * 2 * kFrame, velocity), i * kFrame);
@@ -126,7 +127,7 @@ TEST_F(VelocityAvg, NothingMeasuredIsAGap) {
 
   std::mt19937 random(1);
   for (GstClockTime i = 2; i < 5; ++i) {
-    Picture wall(kWidth, kHeight, 120);
+    Frame wall(kWidth, kHeight, 120);
     add_noise(wall, 1.5, random);
     const BufferPtr blank = harness.pass(wall, i * kFrame);
     EXPECT_TRUE(is_gap(blank));
@@ -137,7 +138,7 @@ TEST_F(VelocityAvg, NothingMeasuredIsAGap) {
 TEST_F(VelocityAvg, ADuplicateOfNothingIsAGap) {
   pass(0, {60, 0});
   std::mt19937 random(1);
-  Picture wall(kWidth, kHeight, 120);
+  Frame wall(kWidth, kHeight, 120);
   add_noise(wall, 1.5, random);
   harness.pass(wall, kFrame);
   const BufferPtr again = harness.pass(wall, 2 * kFrame);
@@ -146,7 +147,7 @@ TEST_F(VelocityAvg, ADuplicateOfNothingIsAGap) {
 }
 
 TEST_F(VelocityAvg, StandstillIsExactlyZeroWithFullConfidence) {
-  const Picture still = at(0, {});
+  const Frame still = at(0, {});
   harness.pass(still, 0);
   for (GstClockTime i = 1; i < 3; ++i)
     EXPECT_TRUE(is_gap(harness.pass(still, i * kFrame))) << "as yet it might move";
@@ -172,18 +173,18 @@ TEST_F(VelocityAvg, TheSampleSaysWhereItWasMeasured) {
   EXPECT_EQ(sample.pointer_y, 0.75F);
   EXPECT_FLOAT_EQ(sample.region_width, 30.0F / kWidth);
   EXPECT_FLOAT_EQ(sample.region_height, 30.0F / kHeight);
-  EXPECT_EQ(sample.picture_width, static_cast<std::uint32_t>(kWidth));
-  EXPECT_EQ(sample.picture_height, static_cast<std::uint32_t>(kHeight));
+  EXPECT_EQ(sample.frame_width, static_cast<std::uint32_t>(kWidth));
+  EXPECT_EQ(sample.frame_height, static_cast<std::uint32_t>(kHeight));
 }
 
 TEST_F(VelocityAvg, FollowsTheObjectUnderThePointer) {
   const Texture other(2);
   const auto scene = [&](GstClockTime i) {
-    Picture picture(kWidth, kHeight);
+    Frame frame(kWidth, kHeight);
     const double moved = 90.0 / 30 * static_cast<double>(i);
-    texture.paint(picture, {-moved, 0}, 0, kWidth / 2);
-    other.paint(picture, {moved, 0}, kWidth / 2, kWidth);
-    return picture;
+    texture.paint(frame, {-moved, 0}, 0, kWidth / 2);
+    other.paint(frame, {moved, 0}, kWidth / 2, kWidth);
+    return frame;
   };
   harness.pass(scene(0), 0);
   for (GstClockTime i = 1; i < 12; ++i) {
@@ -210,12 +211,12 @@ TEST_F(VelocityAvg, EachAverageAndEachModelGivesTheVelocityOfUniformMotion) {
   EXPECT_EQ(sample.model, MotionModel::still);
 }
 
-TEST_F(VelocityAvg, TimeStampDurationAndDiscontinuityAreThePictures) {
-  BufferPtr picture = test::to_buffer(at(0, {}), harness.info);
-  GST_BUFFER_PTS(picture.get()) = 7 * GST_SECOND;
-  GST_BUFFER_DURATION(picture.get()) = 12345;
-  GST_BUFFER_FLAG_SET(picture.get(), GST_BUFFER_FLAG_DISCONT);
-  harness.push(std::move(picture));
+TEST_F(VelocityAvg, TimeStampDurationAndDiscontinuityAreTheFrames) {
+  BufferPtr frame = test::to_buffer(at(0, {}), harness.info);
+  GST_BUFFER_PTS(frame.get()) = 7 * GST_SECOND;
+  GST_BUFFER_DURATION(frame.get()) = 12345;
+  GST_BUFFER_FLAG_SET(frame.get(), GST_BUFFER_FLAG_DISCONT);
+  harness.push(std::move(frame));
   const BufferPtr sample = harness.pull();
   EXPECT_EQ(GST_BUFFER_PTS(sample.get()), 7 * GST_SECOND);
   EXPECT_EQ(GST_BUFFER_DURATION(sample.get()), 12345U);
@@ -224,12 +225,12 @@ TEST_F(VelocityAvg, TimeStampDurationAndDiscontinuityAreThePictures) {
   EXPECT_FALSE(GST_BUFFER_IS_DISCONT(pass(8 * GST_SECOND, {}).get()));
 }
 
-TEST_F(VelocityAvg, TheCapsDescribeThePicture) {
+TEST_F(VelocityAvg, TheCapsDescribeTheFrame) {
   gst_harness_set_src_caps_str(harness.get(),
                                "video/x-raw,format=I420,width=352,height=288,framerate=25/1,"
                                "pixel-aspect-ratio=12/11,interlace-mode=progressive");
   harness.info = test::video_info(GST_VIDEO_FORMAT_I420, 352, 288);
-  const BufferPtr buffer = harness.pass(texture.picture(352, 288, {}), 0);
+  const BufferPtr buffer = harness.pass(texture.frame(352, 288, {}), 0);
   const haptic::CapsPtr caps(gst_pad_get_current_caps(harness.get()->sinkpad));
   const haptic::CapsPtr expected(gst_caps_from_string(
       HAPTIC_MOTION_CAPS ",width=352,height=288,framerate=25/1,pixel-aspect-ratio=12/11"));
@@ -238,14 +239,14 @@ TEST_F(VelocityAvg, TheCapsDescribeThePicture) {
   EXPECT_EQ(sample_of(buffer).pixel_aspect_d, 11U);
 }
 
-TEST_F(VelocityAvg, PicturesMayChangeInMidStream) {
+TEST_F(VelocityAvg, FramesMayChangeInMidStream) {
   pass(0, {30, 0});
   pass(kFrame, {30, 0});
   harness.set_format(GST_VIDEO_FORMAT_RGB, 321, 243);
-  const BufferPtr first = harness.pass(texture.picture(321, 243, {}), 2 * kFrame);
+  const BufferPtr first = harness.pass(texture.frame(321, 243, {}), 2 * kFrame);
   EXPECT_TRUE(is_gap(first));
-  EXPECT_EQ(sample_of(first).picture_width, 321U);
-  expect_velocity(harness.pass(texture.picture(321, 243, {1, 0}), 3 * kFrame), {30, 0}, 0.02);
+  EXPECT_EQ(sample_of(first).frame_width, 321U);
+  expect_velocity(harness.pass(texture.frame(321, 243, {1, 0}), 3 * kFrame), {30, 0}, 0.02);
 }
 
 TEST_F(VelocityAvg, NeverLooksAtThePixels) {
@@ -255,8 +256,8 @@ TEST_F(VelocityAvg, NeverLooksAtThePixels) {
   auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
       gst_buffer_add_meta(empty.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
   motion->interval = kFrame;
-  motion->picture_width = kWidth;
-  motion->picture_height = kHeight;
+  motion->frame_width = kWidth;
+  motion->frame_height = kHeight;
   motion->n_candidates = motion->n_patches = 4;
   for (guint i = 0; i < 4; ++i)
     motion->patches[i].dx = 2;
@@ -324,12 +325,12 @@ TEST_F(VelocityAvg, PostsEachSampleOnlyWhenAsked) {
   EXPECT_EQ(harness.message(GST_MESSAGE_ELEMENT), nullptr);
 }
 
-TEST_F(VelocityAvg, TheEndMayComeBeforeTheFirstPicture) {
+TEST_F(VelocityAvg, TheEndMayComeBeforeTheFirstFrame) {
   EXPECT_TRUE(gst_harness_push_event(harness.get(), gst_event_new_eos()));
   EXPECT_EQ(harness.message(GST_MESSAGE_ERROR), nullptr);
 }
 
-TEST_F(VelocityAvg, PicturesThatItCannotReadAreRefused) {
+TEST_F(VelocityAvg, FramesThatItCannotReadAreRefused) {
   const ElementPtr pipeline(
       gst_parse_launch("videotestsrc num-buffers=1 ! video/x-raw,format=v210 ! "
                        "velocityavg ! fakesink",

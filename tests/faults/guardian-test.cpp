@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The guardian, with a socket in the device's place: usbfs belongs to the kernel, and umockdev
 // cannot lend it to another program. Everything else is what runs: the library's side, the helper
 // executable, processes that are killed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What goes wrong, injected into the loop, with the limit that must hold (docs/reliability.md has
 // the list; the numbers in the names are its). The clock is driven by hand, so hours cost seconds.
 #include "leaf-motion.hpp"
@@ -40,7 +41,7 @@ protected:
     for (int i = 0; i < n && !HasFatalFailure(); ++i)
       sound_tick();
   }
-  /// 30 pictures a second at the full force.
+  /// 30 frames a second at the full force.
   void full_force(int ms = 2000) {
     for (int i = 0; i < ms && !HasFatalFailure(); ++i) {
       if (i % 33 == 0)
@@ -145,7 +146,7 @@ TEST_F(Faults, F8_ARunningTimeThatJumpsIsSurvived) {
   EXPECT_GT(force(), 0.9);
 }
 
-TEST_F(Faults, F11_ACutIsGoneWithinTwoPictures) {
+TEST_F(Faults, F11_ACutIsGoneWithinTwoFrames) {
   full_force();
   MotionSample cut;
   cut.flags = haptic::kMotionCut;
@@ -441,15 +442,15 @@ TEST_F(Faults, F20_HoursOfPlayingNeitherGrowNorDrift) {
   };
   std::size_t grown_from = 0;
   std::int64_t worst_drift = 0;
-  std::int64_t next_picture = 0;
+  std::int64_t next_frame = 0;
   for (std::int64_t ms = 0; ms < total && !HasFatalFailure(); ++ms) {
     if (ms % 100 == 0) // the pointer thread's period
       loop_.set_running_time(now_, pipeline(now_));
-    if (pipeline(now_) >= next_picture) {
-      next_picture += 33 * kMs;
+    if (pipeline(now_) >= next_frame) {
+      next_frame += 33 * kMs;
       loop_.submit(
           moving(static_cast<float>(test::Leaf::velocity(static_cast<double>(ms) * 1e-3)), 0), now_,
-          next_picture + 17 * kMs);
+          next_frame + 17 * kMs);
     }
     sound_tick();
     worst_drift = std::max(worst_drift, std::abs(loop_.running_time(now_) - pipeline(now_)));

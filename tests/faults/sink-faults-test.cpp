@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What goes wrong around the element, with the limit that must hold (docs/reliability.md has the
 // list; the numbers in the names are its).
 #include "hapticsink-fixture.hpp"
@@ -92,7 +93,7 @@ TEST_F(SinkFaults, F8_MissingFallingAndRepeatedTimeStampsInTheStream) {
 
 TEST_F(SinkFaults, F10_FilmInVideoIsFeltAsEvenAsItMoves) {
   build_logging();
-  // 24 pictures a second carried in 30: the fourth of each is shown twice.
+  // 24 frames a second carried in 30: the fourth of each is shown twice.
   GstClockTime film = 0;
   for (int video = 0; video < 90; ++video, pts_ += kFrame) {
     if (video % 5 == 4) {
@@ -200,7 +201,7 @@ TEST_F(SinkFaults, F23_TenThousandPropertyChangesASecond) {
 
 class SinkRate : public SinkFaults {
 protected:
-  /// Plays two seconds of stream at this rate; backwards, the pictures come from the end.
+  /// Plays two seconds of stream at this rate; backwards, the frames come from the end.
   std::vector<Row> play_at(double rate, const std::string &properties = "", guint flags = 0) {
     build("device=sim log-location=" + log_.string() + " " + properties, "stream-type=seekable");
     static std::atomic<int> seeks;
@@ -263,7 +264,7 @@ TEST_F(SinkRate, BackwardsTheMotionIsFeltAsItComes) {
   EXPECT_NEAR(settled(play_at(-1), 1), equation5(100), 0.01);
 }
 
-TEST_F(SinkRate, SteppingFromPictureToPictureIsZero) {
+TEST_F(SinkRate, SteppingFromFrameToFrameIsZero) {
   build_logging();
   push_motion(100, 0, 3);
   set(GST_STATE_PLAYING);
@@ -281,7 +282,7 @@ TEST_F(SinkRate, SteppingFromPictureToPictureIsZero) {
 
 // ---- time ---------------------------------------------------------------------------------------
 
-TEST_F(SinkFaults, TheForceOfAFileComesWithItsPictureWithin20Milliseconds) {
+TEST_F(SinkFaults, TheForceOfAFileComesWithItsFrameWithin20Milliseconds) {
   build_logging();
   const auto velocity = [](double t) { return 150 * std::sin(2 * std::numbers::pi * t); };
   for (int i = 0; i < 150; ++i, pts_ += kFrame)
@@ -290,14 +291,14 @@ TEST_F(SinkFaults, TheForceOfAFileComesWithItsPictureWithin20Milliseconds) {
   set(GST_STATE_PLAYING);
   wait_for_end();
   const auto rows = stop_and_read_log();
-  std::vector<double> skews; // ms, where the force crosses zero against where the picture does
+  std::vector<double> skews; // ms, where the force crosses zero against where the frame does
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (rows[i].time > 0.8 && rows[i].time < 4.8 && rows[i - 1].fx * rows[i].fx <= 0 &&
         rows[i].fx != rows[i - 1].fx)
       skews.push_back(1000 * std::abs(rows[i].time - std::round(2 * rows[i].time) / 2));
   ASSERT_GE(skews.size(), 7U);
   EXPECT_LE(*std::ranges::max_element(skews), 20);
-  std::printf("picture to force: at most %.1f ms\n", *std::ranges::max_element(skews));
+  std::printf("frame to force: at most %.1f ms\n", *std::ranges::max_element(skews));
 }
 
 } // namespace

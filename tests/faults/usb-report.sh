@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Measures what docs/reliability.md promises for a device on USB, and prints it as a table.
 #
 # Usage: tests/faults/usb-report.sh [BUILD [REPLIES]]

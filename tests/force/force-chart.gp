@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws what force-trace writes.
 #
 #   gnuplot -c force-chart.gp TRACE.csv PICTURE.png

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws the force over time that hapticsink makes of a clip, and the force that a sink would make that holds
 # each velocity until the next; and says how much each of them buzzes.
 #

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The force over time that hapticsink makes of a clip, beside the one of a sink that holds each
 // velocity until the next: reads the messages `haptic-motion` of velocityavg (gst-launch-1.0 -m)
 // from the standard input, writes CSV to the standard output and how much each of them buzzes to
@@ -46,7 +47,7 @@ void report(const char *name, std::span<const double> forces) {
 } // namespace
 
 int main() {
-  std::vector<test::Shown> pictures;
+  std::vector<test::Shown> frames;
   std::vector<Seen> seen;
   for (std::string line; std::getline(std::cin, line);) {
     if (line.find("haptic-motion") == std::string::npos)
@@ -60,8 +61,8 @@ int main() {
     const double due = 1e-9 * std::strtod(line.c_str() + pts + 13, nullptr);
     seen.push_back({due, *vx});
     const auto ns = [](double s) { return std::llround(s * 1e9); };
-    pictures.push_back({test::seen(*vx, 1e-9 * *interval), ns(due - kLookAhead * 1e-9 * *interval),
-                        ns(due - 0.5e-9 * *interval)});
+    frames.push_back({test::seen(*vx, 1e-9 * *interval), ns(due - kLookAhead * 1e-9 * *interval),
+                      ns(due - 0.5e-9 * *interval)});
   }
   if (seen.size() < 2) {
     std::fputs("force-trace: there is no motion on the standard input; pipe the output of "
@@ -70,8 +71,8 @@ int main() {
     return EXIT_FAILURE;
   }
   const double end = seen.back().pts;
-  const auto linear = test::feel(pictures, end);
-  const auto smoothed = test::feel(pictures, end, {.smooth_hz = 12});
+  const auto linear = test::feel(frames, end);
+  const auto smoothed = test::feel(frames, end, {.smooth_hz = 12});
   std::vector<double> hold;
   for (std::size_t i = 0, next = 0; i < linear.size(); ++i) {
     while (next + 1 < seen.size() && seen[next + 1].pts <= static_cast<double>(i) * 1e-3)

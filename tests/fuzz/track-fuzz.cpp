@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Feeds damaged tracks to every parser: whole ones with mutations, always the same ones. Built with
 // the sanitizers, any finding ends the program.
 //

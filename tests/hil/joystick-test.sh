@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # In the virtual machine: a film is felt on a joystick with force feedback that the kernel believes in.
 
 source "$(dirname "$0")/vm-support.sh"

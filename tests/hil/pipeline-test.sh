@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # In the virtual machine: a camera's pictures are felt on a SPIDAR-G on USB.
 
 source "$(dirname "$0")/vm-support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs a command as root in a virtual machine that sees this machine's files, in the current folder,
 # and passes on what it prints and its exit status. The machine has a kernel of its own, Debian's,
 # with the drivers that need one: USB devices from the network (vhci-hcd), a camera that draws

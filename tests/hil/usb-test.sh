@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # In the virtual machine: libspidar on a USB bus of the kernel, both controllers, with faults.
 #
 # HIL_SECONDS: how long each controller is driven, 3. With 60 or more on a quick machine the rate must be

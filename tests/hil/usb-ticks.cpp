@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How fast a SPIDAR-G on USB can be driven: one tick after the other, each an exchange, the pose, a
 // force that turns round and its tensions.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A joystick with force feedback that only the kernel sees. Prints what its driver is told, one
 // line each, until its input ends; a line "X Y" (-1..1, y down) there moves the stick.
 //

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034 # its variables are read by the scripts that source it
 # What the scripts share that run in the virtual machine: the emulator on its USB, and assertions
 # about what the motors were told. To be sourced.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cases.hpp"
 
 #include <array>
@@ -174,7 +175,7 @@ CaseSet points_set(bool quick) {
 
 std::vector<Stream> streams(bool quick) {
   const int per_scene = quick ? 1 : 6;
-  constexpr int kPictures = 10;
+  constexpr int kFrames = 10;
   const auto scenes = hard_scenes(kSide);
   std::vector<Stream> all;
   const auto add = [&](const std::string &name, const auto &make, bool duplicate = false) {
@@ -182,9 +183,9 @@ std::vector<Stream> streams(bool quick) {
     for (int i = 0; i < per_scene; ++i) {
       const Movie movie = make(random);
       Stream stream{name, {}};
-      for (int time = 0; time < kPictures; ++time)
-        stream.pictures.push_back(duplicate && time > 0 ? stream.pictures.front().clone()
-                                                        : embed(expose(movie, time, random), kCif));
+      for (int time = 0; time < kFrames; ++time)
+        stream.frames.push_back(duplicate && time > 0 ? stream.frames.front().clone()
+                                                      : embed(expose(movie, time, random), kCif));
       all.push_back(std::move(stream));
     }
   };
@@ -197,7 +198,7 @@ std::vector<Stream> streams(bool quick) {
   add("affine", scene_named(scenes, "affine").make);
   add("two motions", scene_named(scenes, "two motions").make);
   add("bars", scene_named(scenes, "aperture").make);
-  // Every picture another scene.
+  // Every frame another scene.
   add("cuts", [](Random &r) {
     const std::uint64_t seed = r.bits();
     return Movie{.light = [seed](double time) {
@@ -217,20 +218,20 @@ std::vector<ClipCase> clip_cases(const std::vector<Clip> &clips) {
   std::vector<ClipCase> all;
   int block = 0;
   for (const Clip &clip : clips)
-    for (std::size_t i = 1; i < clip.pictures.size(); ++i) {
-      const cv::Size inner((clip.pictures[0].cols - 2 * kMost) / kFiner * kFiner,
-                           (clip.pictures[0].rows - 2 * kMost) / kFiner * kFiner);
-      const auto reduced = [&](const cv::Mat &picture, cv::Point from) {
+    for (std::size_t i = 1; i < clip.frames.size(); ++i) {
+      const cv::Size inner((clip.frames[0].cols - 2 * kMost) / kFiner * kFiner,
+                           (clip.frames[0].rows - 2 * kMost) / kFiner * kFiner);
+      const auto reduced = [&](const cv::Mat &frame, cv::Point from) {
         cv::Mat small;
-        cv::resize(picture(cv::Rect(from, inner)), small, inner / kFiner, 0, 0, cv::INTER_AREA);
+        cv::resize(frame(cv::Rect(from, inner)), small, inner / kFiner, 0, 0, cv::INTER_AREA);
         return small;
       };
       const auto any = [&] { return static_cast<int>(random.index(2 * kMost + 1)) - kMost; };
       const int right = any();
       const int down = any();
-      const cv::Mat before = reduced(clip.pictures[i - 1], {kMost, kMost});
-      const cv::Mat after = reduced(clip.pictures[i], {kMost, kMost});
-      const cv::Mat moved = reduced(clip.pictures[i], {kMost - right, kMost - down});
+      const cv::Mat before = reduced(clip.frames[i - 1], {kMost, kMost});
+      const cv::Mat after = reduced(clip.frames[i], {kMost, kMost});
+      const cv::Mat moved = reduced(clip.frames[i], {kMost - right, kMost - down});
       for (int y = kSide; y + kSide <= before.rows; y += kRaster)
         for (int x = kSide; x + kSide <= before.cols; x += kRaster) {
           const Vector pointer(static_cast<double>(x) / before.cols,

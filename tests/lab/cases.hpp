@@ -1,4 +1,5 @@
-// What the methods are asked: pictures, place, and the right answer.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the methods are asked: frames, place, and the right answer.
 #pragma once
 
 #include "methods.hpp"
@@ -12,10 +13,10 @@ namespace lab {
 
 struct Case {
   Task task;
-  Vector truth;           ///< px per picture, mean over the region
+  Vector truth;           ///< px per frame, mean over the region
   double bound = 0;       ///< Cramer-Rao, px; 0: not known
   int block = 0;          ///< cases of one block are not independent
-  bool is_unseen = false; ///< the pictures do not show the motion: only silence is right
+  bool is_unseen = false; ///< the frames do not show the motion: only silence is right
   std::string scene{};
 };
 
@@ -44,15 +45,15 @@ std::vector<Series> all_series(bool quick);
 /// For the cost of points: a turn, which one patch does not explain, in a region that holds 64.
 CaseSet points_set(bool quick);
 
-/// Pictures of a stream, for the cost of what an element does all day.
+/// Frames of a stream, for the cost of what an element does all day.
 struct Stream {
   std::string name;
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> frames;
 };
 
 std::vector<Stream> streams(bool quick);
 
-/// Pairs whose second picture is moved by a known shift, and the same the other way round in time:
+/// Pairs whose second frame is moved by a known shift, and the same the other way round in time:
 /// what must follow needs no truth.
 struct ClipCase {
   std::string clip;

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads videos with GStreamer: nothing more is needed than what the elements need themselves.
+#include "frame-sample.hpp"
 #include "pairs.hpp"
-#include "picture-sample.hpp"
 
 #include <algorithm>
 #include <gst/app/gstappsink.h>
@@ -12,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Empty where the file is no video.
-std::vector<cv::Mat> pictures_of(const fs::path &file) {
+std::vector<cv::Mat> frames_of(const fs::path &file) {
   constexpr std::size_t kMost = 250;
   GstElement *pipeline = gst_parse_launch(
       "filesrc name=file ! decodebin ! videoconvert ! video/x-raw,format=GRAY8 ! appsink name=out "
@@ -24,19 +25,19 @@ std::vector<cv::Mat> pictures_of(const fs::path &file) {
   g_object_set(source, "location", file.c_str(), nullptr);
   gst_object_unref(source);
   GstElement *out = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> frames;
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   constexpr GstClockTime kPatience = 5 * GST_SECOND; // a file that is no video never gives one
-  while (pictures.size() < kMost) {
+  while (frames.size() < kMost) {
     const Sample sample(gst_app_sink_try_pull_sample(GST_APP_SINK(out), kPatience));
     if (!sample)
       break;
-    pictures.push_back(luma_of(sample.get()));
+    frames.push_back(luma_of(sample.get()));
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(out);
   gst_object_unref(pipeline);
-  return pictures;
+  return frames;
 }
 
 bool is_video(const fs::path &path) {
@@ -56,10 +57,10 @@ std::vector<Clip> read_clips(const fs::path &folder, int runs, int length) {
   std::ranges::sort(files);
   std::vector<Clip> clips;
   for (const fs::path &file : files) {
-    const std::vector<cv::Mat> pictures = pictures_of(file);
-    const int most = static_cast<int>(pictures.size()) - length;
+    const std::vector<cv::Mat> frames = frames_of(file);
+    const int most = static_cast<int>(frames.size()) - length;
     for (int run = 0; run < runs && most >= 0; ++run) {
-      const auto first = pictures.begin() + (runs > 1 ? most * run / (runs - 1) : 0);
+      const auto first = frames.begin() + (runs > 1 ? most * run / (runs - 1) : 0);
       clips.push_back({file.stem().string(), {first, first + length}});
     }
   }

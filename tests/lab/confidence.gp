@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Whether confidence means something, and what each kind of scene costs.
 #
 #   gnuplot -c confidence.gp FOLDER PICTURE    (FOLDER holds reliability.csv, roc.csv and streams.csv)

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "fields.hpp"
 
-#include "field-pictures.hpp"
+#include "field-frames.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -14,8 +15,8 @@ namespace {
 constexpr int kColumns = 32;
 constexpr int kPasses = 5; // the fastest counts
 
-haptic::LumaView view(const cv::Mat &picture) {
-  return {picture.data, picture.cols, picture.rows, static_cast<std::ptrdiff_t>(picture.step)};
+haptic::LumaView view(const cv::Mat &frame) {
+  return {frame.data, frame.cols, frame.rows, static_cast<std::ptrdiff_t>(frame.step)};
 }
 
 // Mean over each cell of what is known, where that is at least half of it.

@@ -1,4 +1,5 @@
-// Motion of a whole picture on a grid: the project's field and its peers against the true flow.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Motion of a whole frame on a grid: the project's field and its peers against the true flow.
 #pragma once
 
 #include "pairs.hpp"
@@ -6,7 +7,7 @@
 
 namespace lab {
 
-/// Each pair with each method: the field of 32 columns, and dense flow of the whole pictures
+/// Each pair with each method: the field of 32 columns, and dense flow of the whole frames
 /// averaged over the same cells.
 std::vector<FieldRow> measure_fields(const std::vector<TruePair> &pairs);
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "h264.hpp"
 
-#include "picture-sample.hpp"
+#include "frame-sample.hpp"
 
 #include <algorithm>
 #include <gst/app/gstappsink.h>
@@ -42,8 +43,8 @@ bool has_h264() {
 
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf) {
   gst_init(nullptr, nullptr);
-  // One thread and no algorithm that depends on the processor: the same pictures everywhere. Tuned
-  // for latency there are no B pictures, and no look-ahead whose effect a short clip distorts.
+  // One thread and no algorithm that depends on the processor: the same frames everywhere. Tuned
+  // for latency there are no B frames, and no look-ahead whose effect a short clip distorts.
   const std::string line =
       "appsrc name=in format=time caps=video/x-raw,format=I420,framerate=30/1,width=" +
       std::to_string(clip.front().cols) + ",height=" + std::to_string(clip.front().rows) +
@@ -68,14 +69,14 @@ std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf) {
   }
   gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
   constexpr GstClockTime kPatience = 10 * GST_SECOND; // after an error nothing comes
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> frames;
   while (const Sample sample{gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), kPatience)})
-    pictures.push_back(luma_of(sample.get()));
+    frames.push_back(luma_of(sample.get()));
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
-  if (pictures.size() != clip.size())
-    throw std::runtime_error("of a clip of " + std::to_string(clip.size()) + " pictures " +
-                             std::to_string(pictures.size()) + " went through H.264");
-  return pictures;
+  if (frames.size() != clip.size())
+    throw std::runtime_error("of a clip of " + std::to_string(clip.size()) + " frames " +
+                             std::to_string(frames.size()) + " went through H.264");
+  return frames;
 }
 
 } // namespace lab

@@ -1,4 +1,5 @@
-// What is left of pictures that went through H.264.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What is left of frames that went through H.264.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,7 +11,7 @@ namespace lab {
 bool has_h264();
 
 /// A clip (8-bit luma, sides even) encoded with the constant quality `crf` and decoded again: the
-/// first picture is a key picture, each later one predicted from those before. Throws
+/// first frame is a key frame, each later one predicted from those before. Throws
 /// std::runtime_error where that fails.
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf);
 

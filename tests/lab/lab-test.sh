@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The lab runs from one command and leaves every table and chart. What is fast here and now is not
 # judged: time cannot be tested.
 set -euo pipefail
@@ -25,7 +26,7 @@ if "$here/run.sh" --quick --pairs "$work/nowhere" 2>"$work/error" || ! grep -q "
   exit 1
 fi
 if "$here/run.sh" --quick --pairs "$work/out" --output "$work/other" 2>"$work/error" ||
-  ! grep -q "there is no pair of pictures" "$work/error"; then
+  ! grep -q "there is no pair of frames" "$work/error"; then
   echo "NOT OK: a folder without pairs gives no clear error"
   exit 1
 fi

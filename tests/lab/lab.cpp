@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
 #include "fields.hpp"
 #include "h264.hpp"
@@ -102,7 +103,7 @@ std::string today() {
   return text;
 }
 
-// Whole pictures cost so much that every fourth case has to do.
+// Whole frames cost so much that every fourth case has to do.
 std::size_t stride_of(const Configuration &configuration) {
   return configuration.method.starts_with("PyrLK frame") ? 4 : 1;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "measure.hpp"
 
 #include <chrono>
@@ -47,8 +48,8 @@ std::vector<Answer> measure(const Configuration &configuration, const CaseSet &s
 std::vector<double> measure(Method &method, const Stream &stream) {
   method.forget();
   std::vector<double> times;
-  for (std::size_t i = 1; i < stream.pictures.size(); ++i) {
-    const Task task{stream.pictures[i - 1], stream.pictures[i], {0.5, 0.5}, 30, i > 1};
+  for (std::size_t i = 1; i < stream.frames.size(); ++i) {
+    const Task task{stream.frames[i - 1], stream.frames[i], {0.5, 0.5}, 30, i > 1};
     const auto begin = Clock::now();
     method.measure(task);
     const double time = microseconds(Clock::now() - begin);

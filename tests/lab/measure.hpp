@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Puts the questions to a method and times each answer.
 #pragma once
 
@@ -19,11 +20,11 @@ struct Answer {
 std::vector<Answer> measure(const Configuration &configuration, const CaseSet &set,
                             std::size_t stride = 1);
 
-/// µs of each picture of a stream after the first pair.
+/// µs of each frame of a stream after the first pair.
 std::vector<double> measure(Method &method, const Stream &stream);
 
 struct Equivariance {
-  double shift_error = 0;    ///< px, what a known shift of the second picture changes too much
+  double shift_error = 0;    ///< px, what a known shift of the second frame changes too much
   double reversal_error = 0; ///< px, forward plus backward
   bool is_answered = false;  ///< all three with a confidence that the force is not faded at
 };

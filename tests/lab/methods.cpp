@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "methods.hpp"
 
 #include "region.hpp"
@@ -8,9 +9,9 @@
 namespace lab {
 namespace {
 
-haptic::LumaView view(const cv::Mat &picture, const haptic::Rectangle &crop) {
-  return {picture.ptr(crop.y) + crop.x, crop.width, crop.height,
-          static_cast<std::ptrdiff_t>(picture.step)};
+haptic::LumaView view(const cv::Mat &frame, const haptic::Rectangle &crop) {
+  return {frame.ptr(crop.y) + crop.x, crop.width, crop.height,
+          static_cast<std::ptrdiff_t>(frame.step)};
 }
 
 struct Knobs {

@@ -1,4 +1,5 @@
-// What is compared: the project's trackers and their peers, from two pictures and a pointer to one
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What is compared: the project's trackers and their peers, from two frames and a pointer to one
 // velocity.
 #pragma once
 
@@ -15,20 +16,20 @@
 
 namespace lab {
 
-/// What a method is given: the whole luma of both pictures.
+/// What a method is given: the whole luma of both frames.
 struct Task {
   cv::Mat previous;
   cv::Mat current;
-  Vector pointer{0.5, 0.5}; ///< fractions of the picture
+  Vector pointer{0.5, 0.5}; ///< fractions of the frame
   int side = 30;            ///< px, of the region
   bool continues = false;   ///< previous was `current` of the task before
 };
 
 struct Reading {
-  Vector velocity;       ///< px per picture; zero where nothing was measured
+  Vector velocity;       ///< px per frame; zero where nothing was measured
   double confidence = 0; ///< 0..1; 0: nothing was measured
-  double spin = 0;       ///< rad per picture
-  double divergence = 0; ///< per picture
+  double spin = 0;       ///< rad per frame
+  double divergence = 0; ///< per frame
   haptic::MotionModel model = haptic::MotionModel::none;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pairs.hpp"
 
 #include "report.hpp"
@@ -20,7 +21,7 @@ protected:
   }
   ~Pairs() override { fs::remove_all(folder); }
 
-  void write_picture(const fs::path &name, int width = 4, int height = 3) const {
+  void write_frame(const fs::path &name, int width = 4, int height = 3) const {
     fs::create_directories((folder / name).parent_path());
     ASSERT_TRUE(cv::imwrite((folder / name).string(), cv::Mat1b(height, width, std::uint8_t{9})));
   }
@@ -50,8 +51,8 @@ protected:
 };
 
 TEST_F(Pairs, AreReadInTheLayoutOfMiddlebury) {
-  write_picture("leaf_10.png");
-  write_picture("leaf_11.png");
+  write_frame("leaf_10.png");
+  write_frame("leaf_11.png");
   write_flo(4, 3, 24);
   const auto pairs = read_pairs(folder);
   ASSERT_EQ(pairs.size(), 1U);
@@ -62,8 +63,8 @@ TEST_F(Pairs, AreReadInTheLayoutOfMiddlebury) {
 }
 
 TEST_F(Pairs, AreReadInTheLayoutOfKitti) {
-  write_picture("image_2/000007_10.png");
-  write_picture("image_2/000007_11.png");
+  write_frame("image_2/000007_10.png");
+  write_frame("image_2/000007_11.png");
   cv::Mat stored(3, 4, CV_16UC3, cv::Scalar(0, 0, 0));
   stored.at<cv::Vec3w>(1, 2) = {1, 32768 - 128, 32768 + 96}; // blue valid, green v, red u
   fs::create_directories(folder / "flow_occ");
@@ -75,11 +76,11 @@ TEST_F(Pairs, AreReadInTheLayoutOfKitti) {
 }
 
 TEST_F(Pairs, ThatAreNotWholeAreNamed) {
-  EXPECT_NE(complaint().find("no pair of pictures"), std::string::npos);
+  EXPECT_NE(complaint().find("no pair of frames"), std::string::npos);
   write_flo(4, 3, 24);
-  EXPECT_NE(complaint().find("two pictures leaf*.png"), std::string::npos);
-  write_picture("leaf_10.png");
-  write_picture("leaf_11.png", 5);
+  EXPECT_NE(complaint().find("two frames leaf*.png"), std::string::npos);
+  write_frame("leaf_10.png");
+  write_frame("leaf_11.png", 5);
   EXPECT_NE(complaint().find("not of one size"), std::string::npos);
   write_flo(30000, 30000, 24);
   EXPECT_NE(complaint().find("not as long as"), std::string::npos);

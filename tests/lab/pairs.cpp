@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pairs.hpp"
 
 #include <algorithm>
@@ -17,10 +18,10 @@ static_assert(std::endian::native == std::endian::little, "the numbers of .flo f
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 cv::Mat read_luma(const fs::path &path) {
-  cv::Mat picture = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
-  if (picture.empty())
-    throw std::runtime_error("'" + path.string() + "' cannot be read as a picture");
-  return picture;
+  cv::Mat frame = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  if (frame.empty())
+    throw std::runtime_error("'" + path.string() + "' cannot be read as a frame");
+  return frame;
 }
 
 cv::Mat2f read_flo(const fs::path &path) {
@@ -54,7 +55,7 @@ cv::Mat2f read_flo(const fs::path &path) {
 cv::Mat2f read_kitti(const fs::path &path) {
   const cv::Mat stored = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
   if (stored.type() != CV_16UC3)
-    throw std::runtime_error("'" + path.string() + "' is not a flow picture of KITTI");
+    throw std::runtime_error("'" + path.string() + "' is not a flow frame of KITTI");
   cv::Mat2f flow(stored.size());
   const auto decoded = [](std::uint16_t value) { return (static_cast<float>(value) - 32768) / 64; };
   for (int y = 0; y < stored.rows; ++y)
@@ -75,13 +76,13 @@ std::vector<fs::path> files_of(const fs::path &folder) {
   return files;
 }
 
-bool is_picture(const fs::path &path) {
+bool is_frame(const fs::path &path) {
   return path.extension() == ".png" || path.extension() == ".ppm" || path.extension() == ".jpg";
 }
 
 TruePair checked(TruePair pair) {
   if (pair.previous.size() != pair.current.size() || pair.previous.size() != pair.flow.size())
-    throw std::runtime_error("the two pictures and the flow of '" + pair.name +
+    throw std::runtime_error("the two frames and the flow of '" + pair.name +
                              "' are not of one size");
   return pair;
 }
@@ -94,15 +95,14 @@ void add_middlebury(const fs::path &folder, std::vector<TruePair> &pairs) {
     std::string name = truth.stem().string();
     if (name.ends_with("_gt"))
       name.resize(name.size() - 3);
-    std::vector<fs::path> pictures;
-    std::ranges::copy_if(files, std::back_inserter(pictures), [&](const fs::path &file) {
-      return is_picture(file) && file.filename().string().starts_with(name);
+    std::vector<fs::path> frames;
+    std::ranges::copy_if(files, std::back_inserter(frames), [&](const fs::path &file) {
+      return is_frame(file) && file.filename().string().starts_with(name);
     });
-    if (pictures.size() != 2)
-      throw std::runtime_error("beside '" + truth.string() + "' there should be two pictures " +
-                               name + "*.png, there are " + std::to_string(pictures.size()));
-    pairs.push_back(
-        checked({name, read_luma(pictures[0]), read_luma(pictures[1]), read_flo(truth)}));
+    if (frames.size() != 2)
+      throw std::runtime_error("beside '" + truth.string() + "' there should be two frames " +
+                               name + "*.png, there are " + std::to_string(frames.size()));
+    pairs.push_back(checked({name, read_luma(frames[0]), read_luma(frames[1]), read_flo(truth)}));
   }
 }
 
@@ -126,10 +126,9 @@ std::vector<TruePair> read_pairs(const fs::path &folder) {
   add_middlebury(folder, pairs);
   add_kitti(folder, pairs);
   if (pairs.empty())
-    throw std::runtime_error(
-        "in '" + folder.string() +
-        "' there is no pair of pictures with true flow: NAME_gt.flo beside two "
-        "pictures NAME*.png, or KITTI's folders flow_occ and image_2");
+    throw std::runtime_error("in '" + folder.string() +
+                             "' there is no pair of frames with true flow: NAME_gt.flo beside two "
+                             "frames NAME*.png, or KITTI's folders flow_occ and image_2");
   return pairs;
 }
 

@@ -1,4 +1,5 @@
-// Real pictures from a folder: pairs with true flow, and clips without any.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Real frames from a folder: pairs with true flow, and clips without any.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,7 @@
 
 namespace lab {
 
-/// Two pictures and where each pixel of the first has gone, NaN where nobody knows.
+/// Two frames and where each pixel of the first has gone, NaN where nobody knows.
 struct TruePair {
   std::string name;
   cv::Mat previous; ///< 8-bit luma
@@ -17,17 +18,17 @@ struct TruePair {
 };
 
 /// In a folder, in one of the two usual layouts:
-/// NAME_gt.flo (or NAME.flo) beside two pictures whose names begin with NAME, in alphabetical
+/// NAME_gt.flo (or NAME.flo) beside two frames whose names begin with NAME, in alphabetical
 /// order (Middlebury); or image_2|image_0/NUMBER_10.png, NUMBER_11.png and flow_occ/NUMBER_10.png
 /// (KITTI). Throws std::runtime_error, with the file's name, for what cannot be read.
 std::vector<TruePair> read_pairs(const std::filesystem::path &folder);
 
 struct Clip {
   std::string name;
-  std::vector<cv::Mat> pictures; ///< 8-bit luma, one after the other
+  std::vector<cv::Mat> frames; ///< 8-bit luma, one after the other
 };
 
-/// Evenly spread runs of neighbouring pictures, from every file of the folder that is a video.
+/// Evenly spread runs of neighbouring frames, from every file of the folder that is a video.
 /// Throws std::runtime_error where there is none.
 std::vector<Clip> read_clips(const std::filesystem::path &folder, int runs, int length);
 

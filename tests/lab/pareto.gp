@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Speed against accuracy: one panel per stratum, one point per configuration.
 #
 #   gnuplot -c pareto.gp FOLDER PICTURE    (FOLDER holds sweep.csv; PICTURE ends with .svg or .png)

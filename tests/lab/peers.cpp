@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The peers: what OpenCV offers, each given the pixels that the fast tracker is given.
 #include "methods.hpp"
 #include "region.hpp"
@@ -13,7 +14,7 @@
 namespace lab {
 namespace {
 
-// The part of both pictures that a method looks at.
+// The part of both frames that a method looks at.
 struct Part {
   cv::Mat previous;
   cv::Mat current;
@@ -151,7 +152,7 @@ public:
     parameters_->setSmallWinSize(std::min(9, knobs.window));
     parameters_->setMaxLevel(knobs.top_level);
     parameters_->setUseIlluminationModel(knobs.illumination);
-    // Its prior for the motion of the whole picture costs 58 ms, a hundred times the rest; crosses
+    // Its prior for the motion of the whole frame costs 58 ms, a hundred times the rest; crosses
     // need colour.
     parameters_->setUseGlobalMotionPrior(false);
     parameters_->setSupportRegionType(cv::optflow::SR_FIXED);
@@ -184,7 +185,7 @@ public:
   }
   Reading measure(const Task &task) override {
     const Part part = crop(task);
-    flow_.release(); // else it begins with the flow of the pictures before
+    flow_.release(); // else it begins with the flow of the frames before
     // It takes only rows that follow one another without gaps.
     dis_->calc(part.previous.clone(), part.current.clone(), flow_);
     return mean_over(flow_, part.region);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Random numbers that are the same on every machine: the standard fixes the generator but not its
 // distributions.
 #pragma once

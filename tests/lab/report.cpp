@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "report.hpp"
 
 #include <algorithm>
@@ -354,7 +355,7 @@ void write_clips(const Report &report, std::ostream &out) {
 }
 
 void write_fields(const Report &report, std::ostream &out) {
-  out << "32 columns, one thread, from the luma of both pictures to the cells. Dense flow is "
+  out << "32 columns, one thread, from the luma of both frames to the cells. Dense flow is "
          "averaged "
          "over the same cells. The field is sure where its confidence is 0.5 or more; elsewhere "
          "what "
@@ -392,7 +393,7 @@ void write_page(const Report &report, const fs::path &path) {
   for (const auto &[method, area] : report.area)
     out << "| " << method << " | " << rounded(area) << " |\n";
   if (!report.fields.empty()) {
-    out << "\n## The field of a whole picture\n\n";
+    out << "\n## The field of a whole frame\n\n";
     write_fields(report, out);
   }
   if (!report.clips.empty()) {

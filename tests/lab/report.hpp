@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What was found, as CSV for the charts, as JSON for machines and as tables for the page.
 #pragma once
 
@@ -76,7 +77,7 @@ struct ClipRow {
   double reversal_error = 0; ///< px, median
 };
 
-/// The motion of a whole picture on a grid, by one method.
+/// The motion of a whole frame on a grid, by one method.
 struct FieldRow {
   std::string pair;
   std::string method;

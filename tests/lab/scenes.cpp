@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scenes.hpp"
 
 #include "h264.hpp"
@@ -29,11 +30,11 @@ std::shared_ptr<const DeadLeaves> leaves(Random &random) {
 // Grey levels of each pixel as a function of its centre, px from the middle.
 template <typename Function>
 cv::Mat1f paint(const Function &grey) {
-  cv::Mat1f picture(kWindow, kWindow);
+  cv::Mat1f frame(kWindow, kWindow);
   for (int y = 0; y < kWindow; ++y)
     for (int x = 0; x < kWindow; ++x)
-      picture(y, x) = static_cast<float>(grey(x + 0.5 - kMiddle, y + 0.5 - kMiddle));
-  return picture;
+      frame(y, x) = static_cast<float>(grey(x + 0.5 - kMiddle, y + 0.5 - kMiddle));
+  return frame;
 }
 
 // 0 left of an edge, 1 right of it, with a soft passage `width` px wide.
@@ -52,8 +53,8 @@ Movie moved(std::shared_ptr<const DeadLeaves> texture, Vector velocity,
             const std::function<cv::Mat1f(cv::Mat1f, double)> &light = {}) {
   return {.light =
               [=](double time) {
-                cv::Mat1f picture = texture->render({velocity * time});
-                return light ? light(picture, time) : picture;
+                cv::Mat1f frame = texture->render({velocity * time});
+                return light ? light(frame, time) : frame;
               },
           .velocity = velocity};
 }
@@ -195,24 +196,24 @@ Movie overlay(Random &random) {
           .velocity = of_a};
 }
 
-// Full contrast in the brighter of the two pictures, so that nothing is clipped.
+// Full contrast in the brighter of the two frames, so that nothing is clipped.
 Movie changed_gain(Random &random, double gain) {
   const double before = std::min(1.0, 1 / gain);
-  return moved(leaves(random), random_velocity(random), [=](const cv::Mat1f &picture, double time) {
-    return computed(before * std::pow(gain, time) * picture);
+  return moved(leaves(random), random_velocity(random), [=](const cv::Mat1f &frame, double time) {
+    return computed(before * std::pow(gain, time) * frame);
   });
 }
 
 Movie changed_offset(Random &random, double offset) {
-  return moved(leaves(random), random_velocity(random), [=](const cv::Mat1f &picture, double time) {
-    return computed(0.6 * picture + 51 + offset * time);
+  return moved(leaves(random), random_velocity(random), [=](const cv::Mat1f &frame, double time) {
+    return computed(0.6 * frame + 51 + offset * time);
   });
 }
 
 // A soft edge that darkens one side to a half.
-cv::Mat1f shaded(const cv::Mat1f &picture, Vector normal, double place) {
+cv::Mat1f shaded(const cv::Mat1f &frame, Vector normal, double place) {
   constexpr double kPenumbra = 8; // px
-  return computed(picture.mul(paint([=](double x, double y) {
+  return computed(frame.mul(paint([=](double x, double y) {
     return 0.5 + 0.5 * soft_step(normal.x * x + normal.y * y - place, kPenumbra);
   })));
 }
@@ -223,7 +224,7 @@ Movie standing_shadow(Random &random) {
   const Vector normal = on_circle(random, 1);
   const double place = random.uniform(-5, 5);
   return moved(texture, velocity,
-               [=](const cv::Mat1f &picture, double) { return shaded(picture, normal, place); });
+               [=](const cv::Mat1f &frame, double) { return shaded(frame, normal, place); });
 }
 
 Movie moving_shadow(Random &random) {
@@ -231,8 +232,8 @@ Movie moving_shadow(Random &random) {
   const Vector normal = on_circle(random, 1);
   const double place = random.uniform(-5, 5);
   const double speed = random.uniform(1, 3);
-  return moved(texture, {}, [=](const cv::Mat1f &picture, double time) {
-    return shaded(picture, normal, place + speed * time);
+  return moved(texture, {}, [=](const cv::Mat1f &frame, double time) {
+    return shaded(frame, normal, place + speed * time);
   });
 }
 
@@ -266,20 +267,20 @@ Movie motion_blur(Random &random) {
           .velocity = velocity};
 }
 
-// The odd lines are half a picture later.
+// The odd lines are half a frame later.
 Movie interlaced(Random &random) {
   auto texture = leaves(random);
   const Vector velocity = random_velocity(random);
-  return moved(texture, velocity, [=](const cv::Mat1f &picture, double time) {
+  return moved(texture, velocity, [=](const cv::Mat1f &frame, double time) {
     const cv::Mat1f later = texture->render({velocity * (time + 0.5)});
-    cv::Mat1f woven = picture.clone();
+    cv::Mat1f woven = frame.clone();
     for (int y = 1; y < kWindow; y += 2)
       later.row(y).copyTo(woven.row(y));
     return woven;
   });
 }
 
-// Each line is exposed a little later than the one above; a picture of 288 lines takes one
+// Each line is exposed a little later than the one above; a frame of 288 lines takes one
 // interval.
 Movie rolling_shutter(Random &random) {
   constexpr double kLines = 288;
@@ -305,7 +306,7 @@ Movie saved_as_h264(Movie movie) {
   return movie;
 }
 
-// The picture shifts and turns as a whole; the leaves in and around the region are in the wind too.
+// The frame shifts and turns as a whole; the leaves in and around the region are in the wind too.
 Movie camera_shake(Random &random, int side) {
   auto ground = leaves(random);
   auto front = leaves(random);
@@ -391,7 +392,7 @@ cv::Mat1f DeadLeaves::render_shifted(Vector shift) const {
   };
   const auto across = weights(left);
   const auto down = weights(top);
-  cv::Mat1f picture(window_, window_);
+  cv::Mat1f frame(window_, window_);
   std::vector<float> row(static_cast<std::size_t>(source.cols));
   for (int y = 0; y < window_; ++y) {
     std::fill(row.begin(), row.end(), 0.0F);
@@ -405,10 +406,10 @@ cv::Mat1f DeadLeaves::render_shifted(Vector shift) const {
       float sum = 0;
       for (int i = 0; i <= kFiner; ++i)
         sum += across[static_cast<std::size_t>(i)] * row[static_cast<std::size_t>(x * kFiner + i)];
-      picture(y, x) = sum;
+      frame(y, x) = sum;
     }
   }
-  return picture;
+  return frame;
 }
 
 cv::Mat1f DeadLeaves::render_bent(const Warp &warp) const {
@@ -431,7 +432,7 @@ cv::Mat1f DeadLeaves::render_bent(const Warp &warp) const {
     return cv::Point2f(warp.bend(Vector(x - middle, y - middle) - warp.shift)) * kFiner +
            cv::Point2f(1, 1) * ((kApron + middle) * kFiner - 0.5F);
   };
-  cv::Mat1f picture(window_, window_);
+  cv::Mat1f frame(window_, window_);
   for (int y = 0; y < window_; ++y)
     for (int x = 0; x < window_; ++x) {
       // Linear within the pixel: what it bends there is some ten-thousandths of a pixel.
@@ -444,9 +445,9 @@ cv::Mat1f DeadLeaves::render_bent(const Warp &warp) const {
           sum +=
               sample(first.x + across.x * static_cast<float>(i) + down.x * static_cast<float>(j),
                      first.y + across.y * static_cast<float>(i) + down.y * static_cast<float>(j));
-      picture(y, x) = sum / (kSamples * kSamples);
+      frame(y, x) = sum / (kSamples * kSamples);
     }
-  return picture;
+  return frame;
 }
 
 Vector on_circle(Random &random, double radius) {
@@ -463,7 +464,7 @@ Movie uniform_translation(Random &random, double reach, double noise) {
 Movie translation(Random &random, Vector velocity, double contrast, int window) {
   return moved(
       std::make_shared<const DeadLeaves>(random, window), velocity,
-      [=](const cv::Mat1f &picture, double) { return computed(contrast * (picture - 128) + 128); });
+      [=](const cv::Mat1f &frame, double) { return computed(contrast * (frame - 128) + 128); });
 }
 
 std::vector<Scene> hard_scenes(int side) {
@@ -491,9 +492,8 @@ std::vector<Scene> hard_scenes(int side) {
        }},
       {"low contrast",
        [](Random &r) {
-         return moved(leaves(r), random_velocity(r), [](const cv::Mat1f &picture, double) {
-           return computed(0.05 * picture + 120);
-         });
+         return moved(leaves(r), random_velocity(r),
+                      [](const cv::Mat1f &frame, double) { return computed(0.05 * frame + 120); });
        }},
       {"aperture", grating},
       {"periodic", [](Random &r) { return periodic(r, 5); }},
@@ -559,18 +559,18 @@ cv::Mat expose(const Movie &movie, double time, Random &random) {
   cv::Mat1f light = movie.light(time);
   for (float &grey : light)
     grey = static_cast<float>(std::clamp(grey + movie.noise * random.normal(), 0.0, 255.0));
-  cv::Mat picture;
-  light.convertTo(picture, CV_8U);
+  cv::Mat frame;
+  light.convertTo(frame, CV_8U);
   if (movie.jpeg_quality > 0) {
     std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, movie.jpeg_quality});
-    picture = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    cv::imencode(".jpg", frame, bytes, {cv::IMWRITE_JPEG_QUALITY, movie.jpeg_quality});
+    frame = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   }
-  return picture;
+  return frame;
 }
 
 std::array<cv::Mat, 2> expose_pair(const Movie &movie, Random &random) {
-  // The key picture is so many pictures before the pair.
+  // The key frame is so many frames before the pair.
   const int before = movie.h264_crf > 0 ? 3 : 0;
   std::vector<cv::Mat> clip;
   for (int time = -before; time <= 1; ++time)
@@ -583,10 +583,10 @@ std::array<cv::Mat, 2> expose_pair(const Movie &movie, Random &random) {
 cv::Mat embed(const cv::Mat &window, cv::Size size) {
   const int left = (size.width - window.cols) / 2;
   const int top = (size.height - window.rows) / 2;
-  cv::Mat picture;
-  cv::copyMakeBorder(window, picture, top, size.height - window.rows - top, left,
+  cv::Mat frame;
+  cv::copyMakeBorder(window, frame, top, size.height - window.rows - top, left,
                      size.width - window.cols - left, cv::BORDER_REFLECT);
-  return picture;
+  return frame;
 }
 
 double cramer_rao_bound(const cv::Mat1f &light, int side, double noise) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes whose motion is known exactly, one for every way in which trackers fail.
 #pragma once
 
@@ -21,14 +22,14 @@ inline constexpr int kWindow = 144;
 /// Standard deviation of the noise of a camera, 8-bit grey levels.
 inline constexpr double kNoise = 1.5;
 
-/// Where a pixel of the picture looks in the texture, both px from the middle of the window.
+/// Where a pixel of the frame looks in the texture, both px from the middle of the window.
 struct Warp {
   Vector shift;                         ///< the texture moves by so much
   std::function<Vector(Vector)> bend{}; ///< after the shift is taken back; empty: nothing more
 };
 
 /// Opaque discs of random grey that hide one another, radii distributed as in photographs (inverse
-/// cube). Kept eight times finer than the picture; a pixel is the mean over its area.
+/// cube). Kept eight times finer than the frame; a pixel is the mean over its area.
 class DeadLeaves {
 public:
   explicit DeadLeaves(Random &random, int window = kWindow);
@@ -46,14 +47,14 @@ private:
 
 /// What a camera sees over time. The truth is constant.
 struct Movie {
-  std::function<cv::Mat1f(double time)> light; ///< grey levels; time in pictures
-  Vector velocity;                             ///< px per picture, mean over the region
-  double spin = 0;                             ///< rad per picture, turns x towards y
-  double divergence = 0;                       ///< per picture, mean relative rate of expansion
+  std::function<cv::Mat1f(double time)> light; ///< grey levels; time in frames
+  Vector velocity;                             ///< px per frame, mean over the region
+  double spin = 0;                             ///< rad per frame, turns x towards y
+  double divergence = 0;                       ///< per frame, mean relative rate of expansion
   double noise = kNoise;                       ///< grey levels
   int jpeg_quality = 0;                        ///< 0: not compressed
   int h264_crf = 0;                            ///< 0: not compressed; only of a pair
-  bool is_unseen = false; ///< the pictures do not show the motion: only silence is right
+  bool is_unseen = false; ///< the frames do not show the motion: only silence is right
 };
 
 struct Scene {
@@ -61,18 +62,18 @@ struct Scene {
   std::function<Movie(Random &)> make;
 };
 
-/// Every failure mode that two pictures can show, those of H.264 where it is installed. The region
+/// Every failure mode that two frames can show, those of H.264 where it is installed. The region
 /// is `side` px wide.
 std::vector<Scene> hard_scenes(int side);
 
-/// The scene whose pictures do not show quite the true motion but look as if they did, since an
+/// The scene whose frames do not show quite the true motion but look as if they did, since an
 /// encoder moved them by quarters of a pixel: that no confidence can know.
 inline constexpr const char *kRoundedMotion = "h264 moving";
 
 /// By name; throws std::out_of_range where there is none.
 const Scene &scene_named(const std::vector<Scene> &scenes, const std::string &name);
 
-/// A translation with components uniform in ±`reach`, px per picture.
+/// A translation with components uniform in ±`reach`, px per frame.
 Movie uniform_translation(Random &random, double reach, double noise = kNoise);
 
 /// A translation of a fixed velocity, the contrast scaled about mid-grey.
@@ -80,13 +81,13 @@ Movie translation(Random &random, Vector velocity, double contrast = 1, int wind
 
 Vector on_circle(Random &random, double radius);
 
-/// What the camera stores: light, noise, 8-bit rounding, compression of each picture on its own.
+/// What the camera stores: light, noise, 8-bit rounding, compression of each frame on its own.
 cv::Mat expose(const Movie &movie, double time, Random &random);
 
-/// The same at the times 0 and 1, after compression that predicts a picture from those before.
+/// The same at the times 0 and 1, after compression that predicts a frame from those before.
 std::array<cv::Mat, 2> expose_pair(const Movie &movie, Random &random);
 
-/// The window in the middle of a larger picture, mirrored to fill it.
+/// The window in the middle of a larger frame, mirrored to fill it.
 cv::Mat embed(const cv::Mat &window, cv::Size size);
 
 /// The least mean end-point error that an unbiased estimate of a translation can have, given the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # What grows with what: cost with the sizes and the points, error with points, displacement, phase,
 # noise and contrast.
 #

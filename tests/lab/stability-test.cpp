@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Every way in which trackers fail, as far as it concerns the tracker and the average over its
 // patches, with the bound that the default must keep. Errors are end-point errors of the velocity
-// of the region in pixels per picture, means over random scenes unless said otherwise.
+// of the region in pixels per frame, means over random scenes unless said otherwise.
 #include "h264.hpp"
 #include "methods.hpp"
 #include "region.hpp"
@@ -24,13 +25,13 @@ using namespace lab;
 
 constexpr int kSide = 30;
 constexpr int kCases = 120;
-const cv::Size kPicture(352, 288);
+const cv::Size kFrame(352, 288);
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr const char *kNoH264 =
     "gstreamer1.0-plugins-ugly (x264enc) or gstreamer1.0-libav (avdec_h264) is not installed";
 
 // The force in mN that a velocity gives by the paper's law: 1 N at most, half of it at 100 px/s, 30
-// pictures a second.
+// frames a second.
 cv::Point2d force(Vector velocity) {
   const double length = std::hypot(velocity.x, velocity.y);
   return length > 0 ? velocity * (2000 / std::numbers::pi * std::atan(0.3 * length) / length)
@@ -61,7 +62,7 @@ std::vector<Shot> pairs_of(const Make &make, std::uint64_t seed, int cases = kCa
     const Movie movie = make(random);
     const auto [previous, current] = expose_pair(movie, random);
     shots.push_back(
-        {look(*make_default(), embed(previous, kPicture), embed(current, kPicture), false, side),
+        {look(*make_default(), embed(previous, kFrame), embed(current, kFrame), false, side),
          movie.velocity, cramer_rao_bound(movie.light(0), side, movie.noise), movie.is_unseen});
   }
   return shots;
@@ -71,13 +72,13 @@ std::vector<Shot> pairs(const std::string &scene, std::uint64_t seed = 1, int ca
   return pairs_of(scene_named(hard_scenes(kSide), scene).make, seed, cases);
 }
 
-// One instance sees a whole movie; the first picture gives no shot.
-std::vector<Shot> stream(const Movie &movie, int pictures, Random &random) {
+// One instance sees a whole movie; the first frame gives no shot.
+std::vector<Shot> stream(const Movie &movie, int frames, Random &random) {
   const auto method = make_default();
   std::vector<Shot> shots;
-  cv::Mat previous = embed(expose(movie, 0, random), kPicture);
-  for (int i = 1; i < pictures; ++i) {
-    const cv::Mat current = embed(expose(movie, i, random), kPicture);
+  cv::Mat previous = embed(expose(movie, 0, random), kFrame);
+  for (int i = 1; i < frames; ++i) {
+    const cv::Mat current = embed(expose(movie, i, random), kFrame);
     shots.push_back({look(*method, previous, current, i > 1), movie.velocity});
     previous = current;
   }
@@ -139,8 +140,8 @@ class StillScene : public ::testing::TestWithParam<double> {};
 
 TEST_P(StillScene, FeelsStillWhateverTheNoise) {
   constexpr int kScenes = 8;
-  constexpr int kPictures = 60;
-  constexpr int kLearning = 20; // pictures from which it learns how noisy the camera is
+  constexpr int kFrames = 60;
+  constexpr int kLearning = 20; // frames from which it learns how noisy the camera is
   Random random(2);
   int false_motions = 0;
   int twice = 0;
@@ -151,7 +152,7 @@ TEST_P(StillScene, FeelsStillWhateverTheNoise) {
     const cv::Mat1f light = movie.light(0);
     movie.light = [=](double) { return light.clone(); };
     bool before = false;
-    const auto shots = stream(movie, kPictures, random);
+    const auto shots = stream(movie, kFrames, random);
     for (std::size_t i = kLearning; i < shots.size(); ++i) {
       const bool moves = cv::norm(force(shots[i].reading.velocity)) > 1;
       false_motions += moves;
@@ -189,22 +190,22 @@ TEST(Stability, AnH264VideoOfAStillSceneIsStill) {
   EXPECT_GE(share(shots, [](const Shot &s) { return cv::norm(s.reading.velocity) == 0; }), 0.99);
 }
 
-TEST(Stability, APointerThatMovesOverAPictureThatDoesNotFeelsNothing) {
+TEST(Stability, APointerThatMovesOverAFrameThatDoesNotFeelsNothing) {
   Random random(3);
   for (int scene = 0; scene < 10; ++scene) {
-    const cv::Mat picture = embed(expose(translation(random, {}), 0, random), kPicture);
+    const cv::Mat frame = embed(expose(translation(random, {}), 0, random), kFrame);
     const auto method = make_default();
     Vector pointer(0.5, 0.5);
     for (int i = 0; i < 40; ++i) {
-      // 2000 px/s is 67 px from picture to picture; every eighth time it jumps anywhere.
+      // 2000 px/s is 67 px from frame to frame; every eighth time it jumps anywhere.
       const Vector step = on_circle(random, random.uniform(0, 67));
-      pointer += Vector(step.x / kPicture.width, step.y / kPicture.height);
+      pointer += Vector(step.x / kFrame.width, step.y / kFrame.height);
       if (i % 8 == 7)
         pointer = {random.uniform(0, 1), random.uniform(0, 1)};
       pointer.x = std::clamp(pointer.x, 0.0, 1.0);
       pointer.y = std::clamp(pointer.y, 0.0, 1.0);
       const int side = 16 + static_cast<int>(random.index(60));
-      const Reading reading = method->measure({picture, picture, pointer, side, i > 0});
+      const Reading reading = method->measure({frame, frame, pointer, side, i > 0});
       EXPECT_EQ(reading.velocity, Vector());
     }
   }
@@ -307,33 +308,32 @@ TEST(Stability, AnH264VideoThatMoves) {
   expect_accurate(pairs(kRoundedMotion, 1, 40), Unreached{.target = 0.02, .reached = 0.15});
 }
 
-TEST(Stability, WhatH264RoundsInOnePictureItMakesGoodInTheNext) {
+TEST(Stability, WhatH264RoundsInOneFrameItMakesGoodInTheNext) {
   if (!has_h264())
     GTEST_SKIP() << kNoH264;
-  constexpr int kPictures = 14;
-  constexpr int kSettling = 4; // pictures after the key picture
+  constexpr int kFrames = 14;
+  constexpr int kSettling = 4; // frames after the key frame
   Random random(22);
   std::vector<double> drifts;
   for (int scene = 0; scene < 16; ++scene) {
     const Movie movie = uniform_translation(random, 2);
     std::vector<cv::Mat> clip;
-    for (int time = 0; time < kPictures; ++time)
+    for (int time = 0; time < kFrames; ++time)
       clip.push_back(expose(movie, time, random));
     clip = through_h264(clip, 40);
     const auto method = make_default();
     Vector sum;
     for (std::size_t i = kSettling + 1; i < clip.size(); ++i)
-      sum +=
-          look(*method, embed(clip[i - 1], kPicture), embed(clip[i], kPicture), i > kSettling + 1)
-              .velocity -
-          movie.velocity;
-    drifts.push_back(cv::norm(sum) / (kPictures - kSettling - 1));
+      sum += look(*method, embed(clip[i - 1], kFrame), embed(clip[i], kFrame), i > kSettling + 1)
+                 .velocity -
+             movie.velocity;
+    drifts.push_back(cv::norm(sum) / (kFrames - kSettling - 1));
   }
-  std::cout << "error of the mean over nine pictures " << mean(drifts) << " px\n";
+  std::cout << "error of the mean over nine frames " << mean(drifts) << " px\n";
   EXPECT_LE(mean(drifts), 0.025);
 }
 
-TEST(Stability, CombedLinesOfAnInterlacedPicture) {
+TEST(Stability, CombedLinesOfAnInterlacedFrame) {
   expect_accurate(pairs("interlaced"), Unreached{.target = 0.05, .reached = 0.062});
 }
 
@@ -387,10 +387,10 @@ TEST(Stability, WavesThatSpeedUpAreFollowed) {
   const Movie still = scene_named(hard_scenes(kSide), "periodic").make(random);
   const auto method = make_default();
   double place = 0;
-  cv::Mat previous = embed(expose(still, 0, random), kPicture);
+  cv::Mat previous = embed(expose(still, 0, random), kFrame);
   for (const double shift : {1.0, 2.0, 3.0, 4.0, 5.0, 5.0, 5.0}) {
     place += shift / still.velocity.x;
-    const cv::Mat current = embed(expose(still, place, random), kPicture);
+    const cv::Mat current = embed(expose(still, place, random), kFrame);
     const Reading reading = look(*method, previous, current, place * still.velocity.x > 1);
     EXPECT_LE(cv::norm(reading.velocity - Vector(shift, 0)), 0.1) << shift;
     previous = current;
@@ -404,9 +404,9 @@ TEST(Stability, OfBarsOnlyTheMotionAcrossThemIsFelt) {
   std::vector<double> along;
   for (int i = 0; i < kCases; ++i) {
     const Movie movie = grating.make(random);
-    const cv::Mat previous = embed(expose(movie, 0, random), kPicture);
+    const cv::Mat previous = embed(expose(movie, 0, random), kFrame);
     const Reading reading =
-        look(*make_default(), previous, embed(expose(movie, 1, random), kPicture));
+        look(*make_default(), previous, embed(expose(movie, 1, random), kFrame));
     if (reading.confidence <= 0)
       continue;
     const Vector normal = movie.velocity / cv::norm(movie.velocity);
@@ -464,7 +464,7 @@ TEST(Stability, TwoMotionsDoNotTakeTurns) {
     for (std::size_t k = 1; k < shots.size(); ++k)
       EXPECT_LE(cv::norm(force(shots[k].reading.velocity) - force(shots[k - 1].reading.velocity)),
                 105) // the target is 100, see docs/lab.md
-          << "scene " << i << ", picture " << k;
+          << "scene " << i << ", frame " << k;
   }
 }
 
@@ -490,9 +490,9 @@ TEST(Stability, UnevenTimeStampsDoNotChangeTheVelocity) {
     cv::Mat current = expose(movie, kSpeed * interval, random);
     const haptic::Rectangle region{(kWindow - kSide) / 2, (kWindow - kSide) / 2, kSide, kSide};
     const auto crop = haptic::crop_around(region, tracker->margin(kSide), kWindow, kWindow);
-    const auto view = [&](const cv::Mat &picture) {
-      return haptic::LumaView{picture.ptr(crop.y) + crop.x, crop.width, crop.height,
-                              static_cast<std::ptrdiff_t>(picture.step)};
+    const auto view = [&](const cv::Mat &frame) {
+      return haptic::LumaView{frame.ptr(crop.y) + crop.x, crop.width, crop.height,
+                              static_cast<std::ptrdiff_t>(frame.step)};
     };
     tracker->measure({view(previous), view(current), crop, region}, measurement);
     const auto estimate =
@@ -514,15 +514,15 @@ TEST(Stability, APointerThatMovesWithTheVideoRunningDisturbsLittle) {
     const Movie movie = uniform_translation(random, 2);
     const auto method = make_default();
     const Vector direction = on_circle(random, 1);
-    cv::Mat previous = embed(expose(movie, 0, random), kPicture);
+    cv::Mat previous = embed(expose(movie, 0, random), kFrame);
     for (int i = 1; i < 6; ++i) {
-      const cv::Mat current = embed(expose(movie, i, random), kPicture);
+      const cv::Mat current = embed(expose(movie, i, random), kFrame);
       // 2000 px/s, to and fro so that it stays in what was rendered.
       const double way = 2000.0 / 30 * (i % 2 ? 0.5 : -0.5);
       const Task task{
           previous,
           current,
-          {0.5 + direction.x * way / kPicture.width, 0.5 + direction.y * way / kPicture.height},
+          {0.5 + direction.x * way / kFrame.width, 0.5 + direction.y * way / kFrame.height},
           kSide,
           i > 1};
       pursued.push_back({method->measure(task), movie.velocity});
@@ -562,10 +562,10 @@ TEST(Stability, ARegionThatGrowsAndShrinksGivesNoJolt) {
   for (int scene = 0; scene < 10; ++scene) {
     const Movie movie = uniform_translation(random, 2);
     const auto method = make_default();
-    cv::Mat previous = embed(expose(movie, 0, random), kPicture);
+    cv::Mat previous = embed(expose(movie, 0, random), kFrame);
     const std::array<int, 7> sides = {30, 30, 34, 60, 58, 12, 30};
     for (std::size_t i = 0; i < sides.size(); ++i) {
-      const cv::Mat current = embed(expose(movie, static_cast<double>(i + 1), random), kPicture);
+      const cv::Mat current = embed(expose(movie, static_cast<double>(i + 1), random), kFrame);
       const Reading reading = look(*method, previous, current, i > 0, sides[i]);
       if (reading.confidence > 0) {
         EXPECT_LE(cv::norm(force(reading.velocity) - force(movie.velocity)), 30)
@@ -708,7 +708,7 @@ TEST(Stability, MoreConfidenceMeansFewerErrors) {
   EXPECT_GE(compared, 2);
 }
 
-TEST(Stability, TheSmallestModelThatExplainsThePictureIsChosen) {
+TEST(Stability, TheSmallestModelThatExplainsTheFrameIsChosen) {
   using haptic::MotionModel;
   const auto signed_uniform = [](Random &r, double from, double to) {
     return r.uniform(from, to) * (r.uniform(-1, 1) < 0 ? -1 : 1);

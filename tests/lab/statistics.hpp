@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // From single measurements to what the charts show.
 #pragma once
 
@@ -18,7 +19,7 @@ struct Interval {
 };
 
 /// 95 % bootstrap interval of the mean. Values of one block are drawn together, because what
-/// neighbouring regions of one picture show is not independent. Same result on every machine.
+/// neighbouring regions of one frame show is not independent. Same result on every machine.
 Interval bootstrap(std::span<const double> values, std::span<const int> blocks, std::uint64_t seed);
 
 struct SpeedAndError {

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # What the charts of the lab share. The palette is that of Okabe and Ito: told apart by all kinds of
 # colour vision; each method also has a symbol of its own.
 set datafile separator ","

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # haptic-track author: what the copies hold, that they can be trusted, and what happens when something goes wrong.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Bad input is answered by one sentence that says what is wrong, and a failure.
 
 source "$(dirname "$0")/support.sh"

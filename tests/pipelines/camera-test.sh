@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A live source is felt with and without a window, until Ctrl-C.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # demo.sh leaves a trace, its picture and a summary, from a file and from a live source.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # With a window beside it the same force is felt.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A hand feels the same from the coded field of the whole picture as from the tracker under it: rms of the difference
 # of both forces, of a full force of 1 N, on the real videos in the folder $FIELD_CLIPS.
 

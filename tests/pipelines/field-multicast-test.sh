@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The motion of a whole picture is sent once, and every receiver feels what its own hand points at.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Ctrl-C lets the force fade out and leaves a complete log.
 
 source "$(dirname "$0")/support.sh"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A bad network: passes UDP packets on between ports of this machine, loses some, and delays each
 // by another time, so that they overtake one another. The same ones for the same seed.
 //

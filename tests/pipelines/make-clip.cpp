@@ -1,4 +1,5 @@
-// Writes raw 8-bit grey pictures of known motion to the standard output.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Writes raw 8-bit grey frames of known motion to the standard output.
 //
 //   make-clip WIDTH HEIGHT FRAMES-PER-SECOND SECONDS SCENE
 //
@@ -21,7 +22,7 @@ struct Velocity {
   double y = 0; // px/s
 };
 
-// One velocity for each part of the picture, from left to right; none if the text is no scene.
+// One velocity for each part of the frame, from left to right; none if the text is no scene.
 std::vector<Velocity> parse_scene(const char *scene) {
   Velocity a;
   Velocity b;
@@ -38,17 +39,17 @@ std::vector<Velocity> parse_scene(const char *scene) {
 int write_clip(int width, int height, double rate, double seconds,
                const std::vector<Velocity> &parts, bool is_leaf) {
   const test::Texture texture(7);
-  test::Picture picture(width, height);
+  test::Frame frame(width, height);
   const int frames = static_cast<int>(std::lround(rate * seconds));
   const int count = static_cast<int>(parts.size());
   for (int frame = 0; frame < frames; ++frame) {
     const double time = frame / rate;
     for (int i = 0; i < count; ++i) {
       const double swing = is_leaf ? test::Leaf::position(time) : 0;
-      texture.paint(picture, {parts[i].x * time + swing, parts[i].y * time}, i * width / count,
+      texture.paint(frame, {parts[i].x * time + swing, parts[i].y * time}, i * width / count,
                     (i + 1) * width / count);
     }
-    const auto &pixels = picture.pixels;
+    const auto &pixels = frame.pixels;
     if (std::fwrite(pixels.data(), 1, pixels.size(), stdout) != pixels.size()) {
       return EXIT_FAILURE;
     }

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The mouse over the window points: moved from one object to the other, the force turns round.
 
 # Runs mouse.sh inside the window system: `mouse-test.sh move SCRIPT VIDEO LOG`.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # moving-picture.sh makes a picture that moves, with what is measured and felt drawn over it.
 
 source "$(dirname "$0")/support.sh"

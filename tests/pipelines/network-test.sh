@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A video is felt at another machine, over a network that loses packets, delays them and changes their
 # order, and the hand over there chooses what is felt.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # paper.sh draws the paper's figures from what was measured: of a clip whose motion is known, that motion.
 
 source "$(dirname "$0")/support.sh"

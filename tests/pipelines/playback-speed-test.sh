@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A film that is played slower, as it is, and faster gives the force of the motion as it is seen.
 
 source "$(dirname "$0")/support.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The hand decides what is felt: the force follows the object under it, and a hand that moves over a
 # still picture feels exactly nothing.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The example in Python moves the pointer and prints the motion that is there.
 
 source "$(dirname "$0")/support.sh"

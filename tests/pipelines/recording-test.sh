@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A video is recorded with its track while it is felt, and the recording is felt alike without a tracker.
 
 source "$(dirname "$0")/support.sh"

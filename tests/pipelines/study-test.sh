@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # haptic-study.sh plays a video with and without force, asks, keeps every answer, and weighs them (equation 6).
 
 source "$(dirname "$0")/support.sh"

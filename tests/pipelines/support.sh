@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034 # its variables are read by the tests that source it
 # What the tests of the scripts share: a scratch folder that goes away, clips of known motion, a
 # window system, and assertions about the log of hapticsink. To be sourced.

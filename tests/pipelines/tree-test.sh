@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # tree.avi claims 15 pictures a second and shows two or three: its velocities must come from its time
 # stamps.
 

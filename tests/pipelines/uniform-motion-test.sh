@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # A picture that moves uniformly gives the force of the paper's equation 5, in the direction of the
 # motion (up in the picture is up for the hand), within 2 % of max-force once it has settled.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The window of view.sh under real keys and a real mouse, looked at on the screen.
 
 # Runs inside the window system: `view-test.sh steer SCRIPT VIDEO FOLDER` leaves what the program said and
@@ -29,7 +30,7 @@ if [ "${1:-}" = steer ]; then
 
   window=$(timeout 30 xdotool search --sync --onlyvisible --pid "$process" | tail -n 1)
   for _ in {1..100}; do
-    ! grep -q 'first picture' said || break
+    ! grep -q 'first frame' said || break
     sleep 0.1
   done
   xdotool windowfocus "$window"
@@ -89,10 +90,10 @@ command -v xdotool >/dev/null || skip "xdotool is not installed"
 gst-inspect-1.0 --exists gtksink || skip "gtksink is not installed (package gstreamer1.0-gtk3)"
 
 gst-launch-1.0 -q audiotestsrc num-buffers=20 ! wavenc ! filesink "location=$work/sound.wav"
-promise "a file without pictures is refused" fails_with "no picture can be shown.*Is it a video" \
+promise "a file without pictures is refused" fails_with "no frame can be shown.*Is it a video" \
   in_window_system timeout 20 "$root/pipelines/view.sh" "$work/sound.wav"
 promise "by one sentence" test "$(grep -c '^feeling-wind-view: ' "$work/output")" = 1
-promise "so is a video of no pictures" fails_with "the video holds no pictures" \
+promise "so is a video of no pictures" fails_with "the video holds no frames" \
   in_window_system timeout 20 "$build/pipelines/view/feeling-wind-view" videotestsrc num-buffers=0 ! roitracker \
   ! tee name=t t. ! queue ! videoconvert ! hapticoverlay ! gtksink t. ! queue ! velocityavg ! hapticsink device=sim
 promise "so is a joystick that is none" fails_with "is no input device" \

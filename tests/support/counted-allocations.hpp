@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Counts what a program takes from the heap: in one source file of it.
 #pragma once
 

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The field beside the tracker of a region at the same places.
 #pragma once
 
-#include "field-pictures.hpp"
+#include "field-frames.hpp"
 #include "region.hpp"
 #include "velocity-estimate.hpp"
 
@@ -10,7 +11,7 @@
 
 namespace test {
 
-/// px per picture and confidence of the region tracker, asked about the cell alone.
+/// px per frame and confidence of the region tracker, asked about the cell alone.
 inline haptic::VelocityEstimate region_at_cell(const Field &field, const haptic::LumaView &before,
                                                const haptic::LumaView &after, int row, int column) {
   const auto edge = [](int index, int length, int parts) { return index * length / parts; };
@@ -22,9 +23,9 @@ inline haptic::VelocityEstimate region_at_cell(const Field &field, const haptic:
   const auto tracker = haptic::make_fast_tracker();
   const haptic::Rectangle crop =
       haptic::crop_around(region, tracker->margin(region.width), field.width, field.height);
-  const auto view = [&](const haptic::LumaView &picture) {
-    return haptic::LumaView{picture.pixels + crop.y * picture.stride + crop.x, crop.width,
-                            crop.height, picture.stride};
+  const auto view = [&](const haptic::LumaView &frame) {
+    return haptic::LumaView{frame.pixels + crop.y * frame.stride + crop.x, crop.width, crop.height,
+                            frame.stride};
   };
   haptic::Measurement found;
   tracker->measure({view(before), view(after), crop, region}, found);
@@ -43,7 +44,7 @@ inline haptic::VelocityEstimate region_at_cell(const Field &field, const haptic:
       haptic::Average::model, haptic::ModelChoice::automatic);
 }
 
-/// px per picture, in order, of all cells where both are sure (confidence 0.5).
+/// px per frame, in order, of all cells where both are sure (confidence 0.5).
 inline std::vector<double> differences_to_regions(const Field &field,
                                                   const haptic::LumaView &before,
                                                   const haptic::LumaView &after) {

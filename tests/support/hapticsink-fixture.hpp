@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink in a small pipeline, with the simulated device; what it did is read from its log.
 #pragma once
 
@@ -49,8 +50,8 @@ inline MotionSample moving(double vx, double vy) {
   sample.velocity_y = static_cast<float>(vy);
   sample.confidence = 1;
   sample.interval = kFrame;
-  sample.picture_width = 352;
-  sample.picture_height = 288;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
   sample.points = 20;
   sample.model = haptic::MotionModel::translation;
   return sample;
@@ -65,7 +66,7 @@ inline GstBuffer *packed(const MotionSample &sample, GstClockTime pts) {
 }
 
 inline GstBuffer *gap(GstClockTime pts) {
-  GstBuffer *buffer = packed({.picture_width = 352, .picture_height = 288}, pts);
+  GstBuffer *buffer = packed({.frame_width = 352, .frame_height = 288}, pts);
   GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_GAP);
   return buffer;
 }

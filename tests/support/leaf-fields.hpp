@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion fields of leaves in the wind: some cells swing, most rest, and all are measured with an
 // error of 0.02 px. The same ones for each seed.
 #pragma once
@@ -18,7 +19,7 @@ public:
   static constexpr std::uint16_t kColumns = 32;
   static constexpr std::uint16_t kRows = 18;
 
-  /// `share` of the picture is leaves, which swing at up to `amplitude` px per picture.
+  /// `share` of the frame is leaves, which swing at up to `amplitude` px per frame.
   explicit LeafFields(unsigned seed, double share = 0.25, double amplitude = 2) : random_(seed) {
     for (double area = 0; area < share * kColumns * kRows;) {
       Leaf leaf;
@@ -36,16 +37,16 @@ public:
 
   haptic::MotionField next() {
     haptic::MotionField field;
-    field.interval = picture_ > 0 ? kInterval : 0;
-    field.flags = picture_ > 0 ? 0 : haptic::kMotionDiscontinuity;
-    field.picture_width = 1920;
-    field.picture_height = 1080;
+    field.interval = frame_ > 0 ? kInterval : 0;
+    field.flags = frame_ > 0 ? 0 : haptic::kMotionDiscontinuity;
+    field.frame_width = 1920;
+    field.frame_height = 1080;
     field.columns = kColumns;
     field.rows = kRows;
     for (int i = 0; i < kColumns * kRows; ++i)
-      field.cells.push_back(picture_ > 0 ? cell(i % kColumns + 0.5, i / kColumns + 0.5)
-                                         : haptic::FieldCell{});
-    ++picture_;
+      field.cells.push_back(frame_ > 0 ? cell(i % kColumns + 0.5, i / kColumns + 0.5)
+                                       : haptic::FieldCell{});
+    ++frame_;
     return field;
   }
 
@@ -54,12 +55,12 @@ private:
     double x, y, radius; // cells
     double frequency;    // Hz
     double phase;
-    double amplitude; // px per picture
+    double amplitude; // px per frame
     double direction;
   };
 
   haptic::FieldCell cell(double x, double y) {
-    const double time = picture_ * 1e-9 * kInterval;
+    const double time = frame_ * 1e-9 * kInterval;
     std::normal_distribution<double> noise(0, 0.02); // px
     double right = noise(random_);
     double down = noise(random_);
@@ -74,8 +75,8 @@ private:
       down += speed * std::sin(leaf.direction);
     }
     const double confidence = 0.7 + 0.25 * std::sin(0.4 * x) * std::cos(0.5 * y) + noise(random_);
-    const double pictures = 1e9 / kInterval; // a second
-    return {static_cast<float>(right * pictures), static_cast<float>(down * pictures),
+    const double frames = 1e9 / kInterval; // a second
+    return {static_cast<float>(right * frames), static_cast<float>(down * frames),
             static_cast<float>(std::clamp(confidence, 0.0, 1.0))};
   }
   double number(double lowest, double highest) {
@@ -84,7 +85,7 @@ private:
 
   std::mt19937 random_;
   std::vector<Leaf> leaves_;
-  int picture_ = 0;
+  int frame_ = 0;
 };
 
 } // namespace test

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The leaf as a tracker sees it, and the force that the loop makes of it.
 #pragma once
 
@@ -18,12 +19,12 @@ inline haptic::MotionSample seen(double velocity, double interval) {
   sample.velocity_x = static_cast<float>(velocity);
   sample.confidence = 1;
   sample.interval = static_cast<std::uint64_t>(interval * 1e9);
-  sample.picture_width = 352;
-  sample.picture_height = 288;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
   return sample;
 }
 
-/// One picture, when the sink is told of it and when it is due.
+/// One frame, when the sink is told of it and when it is due.
 struct Shown {
   haptic::MotionSample sample;
   std::int64_t told = 0;                 // ns
@@ -31,12 +32,12 @@ struct Shown {
 };
 
 /// What a tracker says of the leaf: the displacement over each interval. `look_ahead` in intervals;
-/// none: each picture counts when it comes.
+/// none: each frame counts when it comes.
 inline std::vector<Shown> film_leaf(double fps, double seconds, std::optional<double> look_ahead,
                                     double noise = 0) {
   std::mt19937 random(11);
   std::normal_distribution<double> error(0, noise);
-  std::vector<Shown> pictures;
+  std::vector<Shown> frames;
   double before = Leaf::position(0) + error(random);
   const double interval = 1 / fps;
   for (int n = 1; n * interval < seconds; ++n) {
@@ -47,13 +48,13 @@ inline std::vector<Shown> film_leaf(double fps, double seconds, std::optional<do
     shown.told = std::llround((pts - look_ahead.value_or(0) * interval) * 1e9);
     if (look_ahead)
       shown.middle = std::llround((pts - interval / 2) * 1e9);
-    pictures.push_back(shown);
+    frames.push_back(shown);
   }
-  return pictures;
+  return frames;
 }
 
 /// The force along x at each millisecond.
-inline std::vector<double> feel(const std::vector<Shown> &pictures, double seconds,
+inline std::vector<double> feel(const std::vector<Shown> &frames, double seconds,
                                 const haptic::LoopSettings &settings = {}) {
   haptic::HapticLoop loop;
   loop.prepare({});
@@ -62,8 +63,8 @@ inline std::vector<double> feel(const std::vector<Shown> &pictures, double secon
   std::vector<double> forces;
   std::size_t next = 0;
   for (std::int64_t now = 0; now < std::llround(seconds * 1e9); now += kMillisecond) {
-    for (; next < pictures.size() && pictures[next].told <= now; ++next)
-      loop.submit(pictures[next].sample, now, pictures[next].middle);
+    for (; next < frames.size() && frames[next].told <= now; ++next)
+      loop.submit(frames[next].sample, now, frames[next].middle);
     loop.tick(now, now);
     forces.push_back(loop.wrench().force.x());
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The loop driven by hand, so that a test takes no time and knows every tick.
 #pragma once
 
@@ -75,8 +76,8 @@ inline MotionSample moving(float vx, float vy) {
   sample.velocity_y = vy;
   sample.confidence = 1;
   sample.interval = 33 * kMs;
-  sample.picture_width = 352;
-  sample.picture_height = 288;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
   return sample;
 }
 

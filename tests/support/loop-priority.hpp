@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The priority that the loop has where it is allowed: a busy machine is no news.
 #pragma once
 

@@ -1,4 +1,5 @@
-// Pictures whose motion is known exactly: band-limited textures, painted at any fraction of a
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames whose motion is known exactly: band-limited textures, painted at any fraction of a
 // pixel.
 #pragma once
 
@@ -19,13 +20,13 @@ struct Shift {
 };
 
 /// 8-bit luma.
-struct Picture {
+struct Frame {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> pixels; ///< width*height, row by row
 
-  Picture() = default;
-  Picture(int w, int h, std::uint8_t grey = 0)
+  Frame() = default;
+  Frame(int w, int h, std::uint8_t grey = 0)
       : width(w), height(h),
         pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), grey) {}
 
@@ -59,18 +60,18 @@ public:
   }
 
   /// Paints the columns left..right-1 (all by default) with the texture moved by `shift`.
-  void paint(Picture &picture, Shift shift, int left = 0, int right = -1) const {
+  void paint(Frame &frame, Shift shift, int left = 0, int right = -1) const {
     if (right < 0)
-      right = picture.width;
+      right = frame.width;
     const std::size_t columns = static_cast<std::size_t>(right - left);
     std::vector<double> row(columns);
     const auto along_x = phases(left, right, [&](const Wave &wave, double x) {
       return std::polar(wave.amplitude, wave.kx * (x - shift.x) + wave.phase);
     });
-    const auto along_y = phases(0, picture.height, [&](const Wave &wave, double y) {
+    const auto along_y = phases(0, frame.height, [&](const Wave &wave, double y) {
       return std::polar(1.0, wave.ky * (y - shift.y));
     });
-    for (int y = 0; y < picture.height; ++y) {
+    for (int y = 0; y < frame.height; ++y) {
       std::fill(row.begin(), row.end(), 128.0);
       for (std::size_t wave = 0; wave < waves_.size(); ++wave) {
         const auto factor = along_y[wave][static_cast<std::size_t>(y)];
@@ -79,23 +80,23 @@ public:
               along_x[wave][i].real() * factor.real() - along_x[wave][i].imag() * factor.imag();
       }
       for (std::size_t i = 0; i < columns; ++i)
-        picture.at(left + static_cast<int>(i), y) =
+        frame.at(left + static_cast<int>(i), y) =
             static_cast<std::uint8_t>(std::clamp(std::round(row[i]), 0.0, 255.0));
     }
   }
 
-  /// Paints the texture `times` larger, its origin at the picture's.
-  void paint_magnified(Picture &picture, int times) const {
+  /// Paints the texture `times` larger, its origin at the frame's.
+  void paint_magnified(Frame &frame, int times) const {
     Texture larger = *this;
     for (Wave &wave : larger.waves_) {
       wave.kx /= times;
       wave.ky /= times;
     }
-    larger.paint(picture, {});
+    larger.paint(frame, {});
   }
 
-  /// The texture turned about the middle of the picture, radians, positive turns x towards y.
-  Picture turned(int width, int height, double angle) const {
+  /// The texture turned about the middle of the frame, radians, positive turns x towards y.
+  Frame turned(int width, int height, double angle) const {
     Texture turned = *this;
     for (Wave &wave : turned.waves_) {
       const auto at_middle = [&] { return wave.kx * width / 2 + wave.ky * height / 2; };
@@ -105,24 +106,24 @@ public:
       wave.ky = kx * std::sin(angle) + wave.ky * std::cos(angle);
       wave.phase += before - at_middle();
     }
-    return turned.picture(width, height, {});
+    return turned.frame(width, height, {});
   }
 
-  /// The texture `factor` times larger, about the middle of the picture.
-  Picture zoomed(int width, int height, double factor) const {
+  /// The texture `factor` times larger, about the middle of the frame.
+  Frame zoomed(int width, int height, double factor) const {
     Texture zoomed = *this;
     for (Wave &wave : zoomed.waves_) {
       wave.phase += (1 - 1 / factor) * (wave.kx * width + wave.ky * height) / 2;
       wave.kx /= factor;
       wave.ky /= factor;
     }
-    return zoomed.picture(width, height, {});
+    return zoomed.frame(width, height, {});
   }
 
-  Picture picture(int width, int height, Shift shift) const {
-    Picture picture(width, height);
-    paint(picture, shift);
-    return picture;
+  Frame frame(int width, int height, Shift shift) const {
+    Frame frame(width, height);
+    paint(frame, shift);
+    return frame;
   }
 
 private:
@@ -147,9 +148,9 @@ private:
 };
 
 /// Gaussian noise of a camera, standard deviation in grey levels.
-inline void add_noise(Picture &picture, double sigma, std::mt19937 &random) {
+inline void add_noise(Frame &frame, double sigma, std::mt19937 &random) {
   std::normal_distribution<double> noise(0, sigma);
-  for (auto &pixel : picture.pixels)
+  for (auto &pixel : frame.pixels)
     pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise(random)), 0.0, 255.0));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What a test measured, in a line that tests/faults/usb-report.sh collects.
 #pragma once
 

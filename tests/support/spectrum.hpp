@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How much of a force buzzes: the share of its energy above a frequency.
 #pragma once
 

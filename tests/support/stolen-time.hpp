@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Whether the hypervisor of a virtual machine took the processors away: nobody is in time then.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Feeds samples or bytes into a pipeline and takes what comes out at its end.
 #pragma once
 

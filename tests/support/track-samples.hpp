@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion samples with something in every field, the same ones for each seed.
 #pragma once
 
@@ -25,8 +26,8 @@ public:
     s.region_height = number(0, 1);
     s.confidence = number(0, 1);
     s.interval = random_();
-    s.picture_width = count(4096);
-    s.picture_height = count(4096);
+    s.frame_width = count(4096);
+    s.frame_height = count(4096);
     s.pixel_aspect_n = count(100);
     s.pixel_aspect_d = count(100);
     s.points = static_cast<std::uint16_t>(random_());

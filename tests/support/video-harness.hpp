@@ -1,4 +1,5 @@
-// Feeds pictures of known motion to elements and looks at what comes out.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Feeds frames of known motion to elements and looks at what comes out.
 #pragma once
 
 #include "gst-raii.hpp"
@@ -26,8 +27,8 @@ inline GstVideoInfo video_info(GstVideoFormat format, int width, int height) {
   return info;
 }
 
-/// The picture in a new buffer of this format; chroma is neutral.
-inline haptic::BufferPtr to_buffer(const Picture &picture, const GstVideoInfo &info) {
+/// The frame in a new buffer of this format; chroma is neutral.
+inline haptic::BufferPtr to_buffer(const Frame &frame, const GstVideoInfo &info) {
   haptic::BufferPtr buffer(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
   gst_buffer_memset(buffer.get(), 0, 128, GST_VIDEO_INFO_SIZE(&info));
   GstVideoFrame frame;
@@ -36,9 +37,9 @@ inline haptic::BufferPtr to_buffer(const Picture &picture, const GstVideoInfo &i
   for (guint component = 0; component < components; ++component) {
     auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame, component));
     const int step = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, component);
-    for (int y = 0; y < picture.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&frame, component))
-      for (int x = 0; x < picture.width; ++x)
-        row[x * step] = picture.pixels[static_cast<std::size_t>(y) * picture.width + x];
+    for (int y = 0; y < frame.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&frame, component))
+      for (int x = 0; x < frame.width; ++x)
+        row[x * step] = frame.pixels[static_cast<std::size_t>(y) * frame.width + x];
   }
   gst_video_frame_unmap(&frame);
   return buffer;
@@ -63,9 +64,9 @@ public:
 
   GstFlowReturn push(haptic::BufferPtr buffer) { return gst_harness_push(get(), buffer.release()); }
 
-  /// Pushes the picture in the format that is set and takes what comes out.
-  haptic::BufferPtr pass(const Picture &picture, GstClockTime pts, guint flags = 0) {
-    haptic::BufferPtr buffer = to_buffer(picture, info);
+  /// Pushes the frame in the format that is set and takes what comes out.
+  haptic::BufferPtr pass(const Frame &frame, GstClockTime pts, guint flags = 0) {
+    haptic::BufferPtr buffer = to_buffer(frame, info);
     GST_BUFFER_PTS(buffer.get()) = pts;
     GST_BUFFER_FLAG_SET(buffer.get(), flags);
     return push(std::move(buffer)) == GST_FLOW_OK ? pull() : nullptr;

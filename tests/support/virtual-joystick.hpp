@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A joystick that only the kernel sees (uinput), and what its driver would have been told.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The tools as a person uses them, with the simulated device.
 # Usage: tools-test.sh SPIDAR-INFO SPIDAR-CALIBRATE
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "evdev/evdev-device.hpp"
 
 #include "evdev/evdev-list.hpp"

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker promises of memory and of instruction sets.
 #include "counted-allocations.hpp"
-#include "guarded-picture.hpp"
+#include "guarded-frame.hpp"
 #include "moving-texture.hpp"
 #include "patch-tracker.hpp"
 #include "velocity-estimate.hpp"
@@ -16,34 +17,34 @@ using haptic::CropPair;
 using haptic::LumaView;
 using haptic::Measurement;
 using haptic::Rectangle;
-using test::Picture;
+using test::Frame;
 using test::Texture;
 
 constexpr Rectangle kRegion{55, 55, 30, 30};
 constexpr int kSide = 140;
 
-CropPair pair_of(Picture &previous, Picture &current, const haptic::PatchTracker &tracker) {
+CropPair pair_of(Frame &previous, Frame &current, const haptic::PatchTracker &tracker) {
   const Rectangle crop = haptic::crop_around(kRegion, tracker.margin(kRegion.width), kSide, kSide);
-  const auto view = [&](Picture &picture) {
-    return LumaView{&picture.at(crop.x, crop.y), crop.width, crop.height, picture.width};
+  const auto view = [&](Frame &frame) {
+    return LumaView{&frame.at(crop.x, crop.y), crop.width, crop.height, frame.width};
   };
   return {view(previous), view(current), crop, kRegion};
 }
 
 // Two objects: a grid of patches, some on the border between them.
-Picture two_objects(const Texture &left, const Texture &right, double time) {
-  Picture picture = left.picture(kSide, kSide, {1.7 * time, -0.6 * time});
-  Picture other = right.picture(kSide, kSide, {-1.2 * time, 0.9 * time});
+Frame two_objects(const Texture &left, const Texture &right, double time) {
+  Frame frame = left.frame(kSide, kSide, {1.7 * time, -0.6 * time});
+  Frame other = right.frame(kSide, kSide, {-1.2 * time, 0.9 * time});
   for (int y = 0; y < kSide; ++y)
     for (int x = kSide / 2; x < kSide; ++x)
-      picture.at(x, y) = other.at(x, y);
-  return picture;
+      frame.at(x, y) = other.at(x, y);
+  return frame;
 }
 
 // Together they climb every rung of the ladder.
 enum class Scene { translation, two_objects, turning };
 
-Picture picture_of(Scene scene, unsigned seed, double time) {
+Frame frame_of(Scene scene, unsigned seed, double time) {
   switch (scene) {
   case Scene::two_objects:
     return two_objects(Texture(seed), Texture(seed + 100), time);
@@ -52,7 +53,7 @@ Picture picture_of(Scene scene, unsigned seed, double time) {
   case Scene::translation:
     break;
   }
-  return Texture(seed).picture(kSide, kSide, {2.3 * time, -1.4 * time});
+  return Texture(seed).frame(kSide, kSide, {2.3 * time, -1.4 * time});
 }
 
 haptic::VelocityEstimate answer(const Measurement &found, const CropPair &pair) {
@@ -76,8 +77,8 @@ TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
     const auto scene = static_cast<Scene>(seed % 3);
     // A patch of a grid may stop a step earlier or later: steps below 0.017 px are the last.
     const float alike = scene == Scene::translation ? 1e-3F : 5e-3F;
-    Picture before = picture_of(scene, seed, 0);
-    Picture after = picture_of(scene, seed, 1);
+    Frame before = frame_of(scene, seed, 0);
+    Frame after = frame_of(scene, seed, 1);
     haptic::VelocityEstimate reference;
     targets = 0;
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
@@ -103,12 +104,12 @@ TEST(FastTrackerLimits, EveryInstructionSetGivesTheSameAnswer) {
 TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
   for (const Scene scene : {Scene::translation, Scene::two_objects, Scene::turning})
     for (const bool ends : {false, true}) {
-      Picture before = picture_of(scene, 3, 0);
-      Picture after = picture_of(scene, 3, 1);
+      Frame before = frame_of(scene, 3, 0);
+      Frame after = frame_of(scene, 3, 1);
       const auto tracker = haptic::make_fast_tracker();
       CropPair pair = pair_of(before, after, *tracker);
-      test::GuardedPicture previous(pair.crop.width, pair.crop.height);
-      test::GuardedPicture current(pair.crop.width, pair.crop.height);
+      test::GuardedFrame previous(pair.crop.width, pair.crop.height);
+      test::GuardedFrame current(pair.crop.width, pair.crop.height);
       pair.previous = previous.filled(pair.previous, ends);
       pair.current = current.filled(pair.current, ends);
       Measurement found;
@@ -120,17 +121,17 @@ TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
     }
 }
 
-TEST(FastTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
+TEST(FastTrackerLimits, AfterTheFirstFramesNothingIsAllocated) {
   std::mt19937 random(5);
-  std::vector<Picture> movie;
+  std::vector<Frame> movie;
   for (int i = 0; i < 6; ++i) {
     movie.push_back(two_objects(Texture(6), Texture(i % 2 ? 7 : 6), i));
     add_noise(movie.back(), 1.5, random);
   }
   const auto tracker = haptic::make_fast_tracker();
   Measurement found;
-  const auto run = [&](int pictures) {
-    for (int i = 0; i < pictures; ++i) {
+  const auto run = [&](int frames) {
+    for (int i = 0; i < frames; ++i) {
       CropPair pair = pair_of(movie[static_cast<std::size_t>(i) % 6],
                               movie[static_cast<std::size_t>(i + 1) % 6], *tracker);
       pair.continues = i > 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "moving-texture.hpp"
 #include "patch-tracker.hpp"
 
@@ -13,29 +14,29 @@ using haptic::LumaView;
 using haptic::Measurement;
 using haptic::Patch;
 using haptic::Rectangle;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 
 constexpr int kSide = 30;
-constexpr int kPicture = 140;
+constexpr int kFrame = 140;
 
 class FastTracker : public ::testing::Test {
 protected:
-  const Measurement &track(Picture &previous, Picture &current, Rectangle region) {
+  const Measurement &track(Frame &previous, Frame &current, Rectangle region) {
     const Rectangle crop =
         haptic::crop_around(region, tracker->margin(region.width), previous.width, previous.height);
     tracker->measure({view(previous, crop), view(current, crop), crop, region}, measurement);
     return measurement;
   }
 
-  const Measurement &track(Picture &previous, Picture &current) {
+  const Measurement &track(Frame &previous, Frame &current) {
     return track(previous, current,
                  {(previous.width - kSide) / 2, (previous.height - kSide) / 2, kSide, kSide});
   }
 
-  static LumaView view(Picture &picture, const Rectangle &crop) {
-    return {&picture.at(crop.x, crop.y), crop.width, crop.height, picture.width};
+  static LumaView view(Frame &frame, const Rectangle &crop) {
+    return {&frame.at(crop.x, crop.y), crop.width, crop.height, frame.width};
   }
 
   static Shift mean(const Measurement &found) {
@@ -52,16 +53,16 @@ protected:
     return std::hypot(measured.x - truth.x, measured.y - truth.y);
   }
 
-  // Every pixel of the texture turned about the middle of the picture, radians per picture.
-  static Picture turned(const Texture &texture, double angle) {
-    // Bilinear from a picture four times finer, so that the turn is exact to some thousandths.
+  // Every pixel of the texture turned about the middle of the frame, radians per frame.
+  static Frame turned(const Texture &texture, double angle) {
+    // Bilinear from a frame four times finer, so that the turn is exact to some thousandths.
     constexpr int kFiner = 4;
-    Picture fine(kFiner * kPicture, kFiner * kPicture);
+    Frame fine(kFiner * kFrame, kFiner * kFrame);
     texture.paint_magnified(fine, kFiner);
-    Picture picture(kPicture, kPicture);
-    const double middle = kPicture / 2.0;
-    for (int y = 0; y < kPicture; ++y)
-      for (int x = 0; x < kPicture; ++x) {
+    Frame frame(kFrame, kFrame);
+    const double middle = kFrame / 2.0;
+    for (int y = 0; y < kFrame; ++y)
+      for (int x = 0; x < kFrame; ++x) {
         const double rx = x + 0.5 - middle;
         const double ry = y + 0.5 - middle;
         const double sx = std::cos(angle) * rx + std::sin(angle) * ry + middle;
@@ -72,11 +73,11 @@ protected:
         const int iy = static_cast<int>(fy);
         const double u = fx - ix;
         const double v = fy - iy;
-        picture.at(x, y) = static_cast<std::uint8_t>(
+        frame.at(x, y) = static_cast<std::uint8_t>(
             std::lround((1 - v) * ((1 - u) * fine.at(ix, iy) + u * fine.at(ix + 1, iy)) +
                         v * ((1 - u) * fine.at(ix, iy + 1) + u * fine.at(ix + 1, iy + 1))));
       }
-    return picture;
+    return frame;
   }
 
   std::unique_ptr<haptic::PatchTracker> tracker = haptic::make_fast_tracker();
@@ -91,8 +92,8 @@ TEST_F(FastTracker, OneTranslationIsOnePatchWithinAHundredthOfAPixelInTheMean) {
   for (int i = 0; i < kCases; ++i) {
     const Texture texture(static_cast<unsigned>(random()), 4, 45);
     const Shift truth{component(random), component(random)};
-    Picture before = texture.picture(kPicture, kPicture, {});
-    Picture after = texture.picture(kPicture, kPicture, truth);
+    Frame before = texture.frame(kFrame, kFrame, {});
+    Frame after = texture.frame(kFrame, kFrame, truth);
     add_noise(before, 1.5, random);
     add_noise(after, 1.5, random);
     const Measurement &found = track(before, after);
@@ -109,8 +110,8 @@ TEST_F(FastTracker, EverySixteenthOfAPixelHasTheSameSmallBias) {
     constexpr unsigned kTextures = 12;
     for (unsigned seed = 1; seed <= kTextures; ++seed) {
       const Texture texture(seed);
-      Picture before = texture.picture(kPicture, kPicture, {});
-      Picture after = texture.picture(kPicture, kPicture, truth);
+      Frame before = texture.frame(kFrame, kFrame, {});
+      Frame after = texture.frame(kFrame, kFrame, truth);
       const Measurement &found = track(before, after);
       ASSERT_GT(found.count, 0);
       const Shift measured = mean(found);
@@ -131,8 +132,8 @@ TEST_F(FastTracker, HoldsUpToSixteenPixels) {
       const Texture texture(static_cast<unsigned>(random()));
       const double direction = turn(random);
       const Shift truth{distance * std::cos(direction), distance * std::sin(direction)};
-      Picture before = texture.picture(kPicture, kPicture, {});
-      Picture after = texture.picture(kPicture, kPicture, truth);
+      Frame before = texture.frame(kFrame, kFrame, {});
+      Frame after = texture.frame(kFrame, kFrame, truth);
       add_noise(before, 1.5, random);
       add_noise(after, 1.5, random);
       const Measurement &found = track(before, after);
@@ -146,8 +147,8 @@ TEST_F(FastTracker, ALargeRegionReachesFurther) {
     tracker->reset();
     const Texture texture(15, side / 8.0);
     const Shift truth{side * 0.28, side * -0.2};
-    Picture before = texture.picture(4 * side, 4 * side, {});
-    Picture after = texture.picture(4 * side, 4 * side, truth);
+    Frame before = texture.frame(4 * side, 4 * side, {});
+    Frame after = texture.frame(4 * side, 4 * side, truth);
     const Rectangle region{side + side / 2, side + side / 2, side, side};
     const Measurement &found = track(before, after, region);
     ASSERT_GT(found.count, 0) << side;
@@ -161,28 +162,28 @@ TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
     std::mt19937 random(3);
     int false_motions = 0;
     const Texture texture(4);
-    const Picture scene = texture.picture(kPicture, kPicture, {});
-    Picture before = scene;
+    const Frame scene = texture.frame(kFrame, kFrame, {});
+    Frame before = scene;
     add_noise(before, sigma, random);
-    constexpr int kPictures = 200;
-    constexpr int kLearning = 20; // how noisy the camera is, it learns from the first pictures
-    for (int i = 0; i < kPictures; ++i) {
-      Picture after = scene;
+    constexpr int kFrames = 200;
+    constexpr int kLearning = 20; // how noisy the camera is, it learns from the first frames
+    for (int i = 0; i < kFrames; ++i) {
+      Frame after = scene;
       add_noise(after, sigma, random);
       const Measurement &found = track(before, after);
       if (i >= kLearning)
         false_motions += !(found.flags & haptic::kStill);
       before = after;
     }
-    EXPECT_LE(false_motions, (kPictures - kLearning) / 100) << sigma;
+    EXPECT_LE(false_motions, (kFrames - kLearning) / 100) << sigma;
   }
 }
 
 TEST_F(FastTracker, ABlankWallSaysNothing) {
   std::mt19937 random(8);
   for (int i = 0; i < 100; ++i) {
-    Picture before(kPicture, kPicture, 120);
-    Picture after(kPicture, kPicture, 120);
+    Frame before(kFrame, kFrame, 120);
+    Frame after(kFrame, kFrame, 120);
     add_noise(before, 1.5, random);
     add_noise(after, 1.5, random);
     const Measurement &found = track(before, after);
@@ -197,8 +198,8 @@ TEST_F(FastTracker, AnotherSceneIsNoMotion) {
   int cuts = 0;
   constexpr int kCuts = 100;
   for (unsigned seed = 0; seed < kCuts; ++seed) {
-    Picture before = Texture(2 * seed).picture(kPicture, kPicture, {});
-    Picture after = Texture(2 * seed + 1).picture(kPicture, kPicture, {});
+    Frame before = Texture(2 * seed).frame(kFrame, kFrame, {});
+    Frame after = Texture(2 * seed + 1).frame(kFrame, kFrame, {});
     add_noise(before, 1.5, random);
     add_noise(after, 1.5, random);
     tracker->reset();
@@ -222,8 +223,8 @@ TEST_F(FastTracker, ChangesOfGainAndOffsetDoNotMoveAnything) {
     for (int i = 0; i < kCases; ++i) {
       const Texture texture(static_cast<unsigned>(random()), 5, 20);
       const Shift truth{component(random), component(random)};
-      Picture before = texture.picture(kPicture, kPicture, {});
-      Picture after = texture.picture(kPicture, kPicture, truth);
+      Frame before = texture.frame(kFrame, kFrame, {});
+      Frame after = texture.frame(kFrame, kFrame, truth);
       for (auto &pixel : after.pixels)
         pixel = static_cast<std::uint8_t>(
             std::clamp(std::lround(change.gain * (pixel - 128) + 128 + change.offset), 0L, 255L));
@@ -245,18 +246,18 @@ TEST_F(FastTracker, StripesTellTheirNormalMotionAlone) {
     const double direction = turn(random);
     const double moved = distance(random);
     const auto paint = [&](double shift) {
-      Picture picture(kPicture, kPicture);
-      for (int y = 0; y < kPicture; ++y)
-        for (int x = 0; x < kPicture; ++x) {
+      Frame frame(kFrame, kFrame);
+      for (int y = 0; y < kFrame; ++y)
+        for (int x = 0; x < kFrame; ++x) {
           const double along = x * std::cos(direction) + y * std::sin(direction) - shift;
-          picture.at(x, y) = static_cast<std::uint8_t>(
+          frame.at(x, y) = static_cast<std::uint8_t>(
               std::lround(128 + 40 * std::sin(0.7 * along) + 20 * std::sin(0.23 * along + 1)));
         }
-      add_noise(picture, 1.5, random);
-      return picture;
+      add_noise(frame, 1.5, random);
+      return frame;
     };
-    Picture before = paint(0);
-    Picture after = paint(moved);
+    Frame before = paint(0);
+    Frame after = paint(moved);
     const Measurement &found = track(before, after);
     if (found.count == 0) {
       EXPECT_LT(std::abs(moved), 0.05); // lost in the noise
@@ -284,8 +285,8 @@ TEST_F(FastTracker, ATurnTakesAGridThatShowsIt) {
   double errors = 0;
   for (unsigned seed = 21; seed < 21 + kTextures; ++seed) {
     const Texture texture(seed);
-    Picture before = turned(texture, 0);
-    Picture after = turned(texture, kAngle);
+    Frame before = turned(texture, 0);
+    Frame after = turned(texture, kAngle);
     tracker->reset();
     const Measurement &found = track(before, after);
     ASSERT_GT(found.count, 15);
@@ -295,8 +296,8 @@ TEST_F(FastTracker, ATurnTakesAGridThatShowsIt) {
     double turn = 0;
     double spread = 0;
     for (const Patch &patch : found.view()) {
-      const double rx = patch.x - kPicture / 2.0;
-      const double ry = patch.y - kPicture / 2.0;
+      const double rx = patch.x - kFrame / 2.0;
+      const double ry = patch.y - kFrame / 2.0;
       turn += rx * patch.dy - ry * patch.dx;
       spread += rx * rx + ry * ry;
     }
@@ -308,8 +309,8 @@ TEST_F(FastTracker, ATurnTakesAGridThatShowsIt) {
 TEST_F(FastTracker, FollowsTheObjectInTheRegionAndNotItsNeighbour) {
   const Texture left(11);
   const Texture right(12);
-  Picture before(240, kPicture);
-  Picture after(240, kPicture);
+  Frame before(240, kFrame);
+  Frame after(240, kFrame);
   left.paint(before, {}, 0, 120);
   right.paint(before, {}, 120, 240);
   left.paint(after, {-3, 1}, 0, 120);
@@ -318,20 +319,20 @@ TEST_F(FastTracker, FollowsTheObjectInTheRegionAndNotItsNeighbour) {
   EXPECT_LT(error(track(before, after, {130, 55, kSide, kSide}), {4, -2}), 0.05);
 }
 
-TEST_F(FastTracker, APictureThatFollowsOnTheLastOneGivesTheSameAnswer) {
+TEST_F(FastTracker, AFrameThatFollowsOnTheLastOneGivesTheSameAnswer) {
   const Texture texture(14);
-  std::vector<Picture> pictures;
+  std::vector<Frame> frames;
   for (int i = 0; i < 6; ++i)
-    pictures.push_back(texture.picture(kPicture, kPicture, {1.3 * i, -0.7 * i}));
+    frames.push_back(texture.frame(kFrame, kFrame, {1.3 * i, -0.7 * i}));
   const Rectangle region{55, 55, kSide, kSide};
-  const Rectangle crop = haptic::crop_around(region, tracker->margin(kSide), kPicture, kPicture);
-  for (std::size_t i = 1; i < pictures.size(); ++i) {
-    tracker->measure({view(pictures[i - 1], crop), view(pictures[i], crop), crop, region, i > 1},
+  const Rectangle crop = haptic::crop_around(region, tracker->margin(kSide), kFrame, kFrame);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    tracker->measure({view(frames[i - 1], crop), view(frames[i], crop), crop, region, i > 1},
                      measurement);
     const Shift with_memory = mean(measurement);
     auto fresh = haptic::make_fast_tracker();
     Measurement anew;
-    fresh->measure({view(pictures[i - 1], crop), view(pictures[i], crop), crop, region}, anew);
+    fresh->measure({view(frames[i - 1], crop), view(frames[i], crop), crop, region}, anew);
     EXPECT_NEAR(with_memory.x, mean(anew).x, 0.002);
     EXPECT_NEAR(with_memory.y, mean(anew).y, 0.002);
   }
@@ -339,8 +340,8 @@ TEST_F(FastTracker, APictureThatFollowsOnTheLastOneGivesTheSameAnswer) {
 
 TEST_F(FastTracker, KeepsToTheMaximumOfPoints) {
   const Texture texture(10);
-  Picture before = turned(texture, 0);
-  Picture after = turned(texture, 0.08);
+  Frame before = turned(texture, 0);
+  Frame after = turned(texture, 0.08);
   for (const int most : {1, 5, 20, haptic::kMaxPatches}) {
     tracker->set_max_points(most);
     const Measurement &found = track(before, after);
@@ -348,11 +349,11 @@ TEST_F(FastTracker, KeepsToTheMaximumOfPoints) {
   }
 }
 
-TEST_F(FastTracker, WorksInTheSmallestPictureThatCanBeMeasured) {
+TEST_F(FastTracker, WorksInTheSmallestFrameThatCanBeMeasured) {
   const Texture texture(13);
   for (int side = haptic::kSmallestRegion; side < 90; ++side) {
-    Picture before = texture.picture(side, side, {});
-    Picture after = texture.picture(side, side, {0.5, 0.25});
+    Frame before = texture.frame(side, side, {});
+    Frame after = texture.frame(side, side, {0.5, 0.25});
     const int width = std::min(side, kSide);
     for (const Patch &patch : track(before, after, {0, 0, width, width}).view()) {
       EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));
@@ -366,10 +367,10 @@ TEST_F(FastTracker, RandomPixelsAndShapesNeverYieldNonsense) {
   for (int i = 0; i < 300; ++i) {
     const int width = 12 + static_cast<int>(random() % (i % 10 == 0 ? 1200 : 200));
     const int height = 12 + static_cast<int>(random() % 200);
-    Picture before(width, height);
-    Picture after(width, height);
-    for (auto *picture : {&before, &after})
-      for (auto &pixel : picture->pixels)
+    Frame before(width, height);
+    Frame after(width, height);
+    for (auto *frame : {&before, &after})
+      for (auto &pixel : frame->pixels)
         pixel = static_cast<std::uint8_t>(random() % (1 + random() % 256));
     const int w = 12 + static_cast<int>(random() % static_cast<unsigned>(width - 11));
     const int h = 12 + static_cast<int>(random() % static_cast<unsigned>(height - 11));

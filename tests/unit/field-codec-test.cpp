@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-codec.hpp"
 #include "klv.hpp"
 #include "leaf-fields.hpp"
@@ -15,9 +16,9 @@ using Bytes = std::vector<std::uint8_t>;
 using Result = FieldDecoder::Result;
 
 constexpr int kSeconds = 10;
-constexpr int kPictures = 30 * kSeconds;
+constexpr int kFrames = 30 * kSeconds;
 
-// Of the picture's motion, px per picture; cells of no confidence say nothing.
+// Of the frame's motion, px per frame; cells of no confidence say nothing.
 double largest_error(const MotionField &sent, const MotionField &got) {
   double largest = 0;
   const double interval = static_cast<double>(sent.interval) * 1e-9;
@@ -30,34 +31,34 @@ double largest_error(const MotionField &sent, const MotionField &got) {
 }
 
 // As KLV sets, with all that stands around the code.
-std::size_t size_as_klv(const Bytes &bytes, int picture) {
-  return haptic::write_klv(haptic::CodedField{bytes, picture * test::LeafFields::kInterval}).size();
+std::size_t size_as_klv(const Bytes &bytes, int frame) {
+  return haptic::write_klv(haptic::CodedField{bytes, frame * test::LeafFields::kInterval}).size();
 }
 
 double kilobits_a_second(test::LeafFields &&leaves) {
   FieldEncoder encoder;
   std::size_t size = 0;
-  for (int i = 0; i < kPictures; ++i)
+  for (int i = 0; i < kFrames; ++i)
     if (const auto bytes = encoder.push(leaves.next()))
       size += size_as_klv(*bytes, i);
   return 8e-3 * static_cast<double>(size) / kSeconds;
 }
 
-std::vector<Bytes> coded(int pictures, unsigned seed = 1) {
+std::vector<Bytes> coded(int frames, unsigned seed = 1) {
   test::LeafFields leaves(seed);
   FieldEncoder encoder;
   std::vector<Bytes> all;
-  for (int i = 0; i < pictures; ++i)
+  for (int i = 0; i < frames; ++i)
     all.push_back(encoder.push(leaves.next()).value());
   return all;
 }
 
-// Uniform motion of the whole picture.
+// Uniform motion of the whole frame.
 MotionField pan(float pixels_per_second, std::uint64_t interval = test::LeafFields::kInterval) {
   MotionField field;
   field.interval = interval;
-  field.picture_width = 640;
-  field.picture_height = 360;
+  field.frame_width = 640;
+  field.frame_height = 360;
   field.columns = 8;
   field.rows = 4;
   field.cells.assign(32, {pixels_per_second, -pixels_per_second / 2, 1});
@@ -69,12 +70,12 @@ bool is_silent(const MotionField &field) {
                              [](const auto &cell) { return cell == haptic::FieldCell{}; });
 }
 
-TEST(FieldCodec, LeavesInTheWindComeBackWithinAFifthOfAPixelAPicture) {
+TEST(FieldCodec, LeavesInTheWindComeBackWithinAFifthOfAPixelAFrame) {
   test::LeafFields leaves(1);
   FieldEncoder encoder;
   FieldDecoder decoder;
   double largest = 0;
-  for (int i = 0; i < kPictures; ++i) {
+  for (int i = 0; i < kFrames; ++i) {
     const MotionField sent = leaves.next();
     const auto bytes = encoder.push(sent);
     ASSERT_TRUE(bytes);
@@ -85,7 +86,7 @@ TEST(FieldCodec, LeavesInTheWindComeBackWithinAFifthOfAPixelAPicture) {
                 500);
     largest = std::max(largest, largest_error(sent, decoder.field()));
   }
-  std::printf("largest error %.3f px per picture\n", largest);
+  std::printf("largest error %.3f px per frame\n", largest);
   EXPECT_LE(largest, 0.201);
 }
 
@@ -141,14 +142,14 @@ TEST(FieldCodec, ConfidenceComesBackInLevelsThatDoNotFlicker) {
 }
 
 TEST(FieldCodec, EachSecondStandsForItself) {
-  const auto all = coded(kPictures);
+  const auto all = coded(kFrames);
   int last_key = 0;
-  for (int i = 0; i < kPictures; ++i)
+  for (int i = 0; i < kFrames; ++i)
     if (haptic::is_key_field(all[static_cast<std::size_t>(i)])) {
       EXPECT_LE(i - last_key, 30) << "a second after the one before";
       last_key = i;
     }
-  EXPECT_GE(last_key, kPictures - 31);
+  EXPECT_GE(last_key, kFrames - 31);
 }
 
 TEST(FieldCodec, WhoComesLateHearsNothingUntilTheNextKeyAndThenEverything) {
@@ -192,7 +193,7 @@ TEST(FieldCodec, AfterALossItIsSilentUntilTheNextKey) {
 TEST(FieldCodec, WhereNothingMovesNothingIsSentButAKeyEachSecond) {
   FieldEncoder encoder;
   int sent = 0;
-  for (int i = 0; i < kPictures; ++i)
+  for (int i = 0; i < kFrames; ++i)
     sent += encoder.push(pan(0)).has_value();
   EXPECT_EQ(sent, kSeconds);
 }
@@ -225,7 +226,7 @@ TEST(FieldCodec, ACutAnotherSizeOrAnotherPaceBeginAnew) {
   cut.flags = haptic::kMotionCut;
   EXPECT_TRUE(begins(cut));
   MotionField larger = pan(30);
-  larger.picture_width = 1280;
+  larger.frame_width = 1280;
   EXPECT_TRUE(begins(larger));
   EXPECT_TRUE(begins(pan(30)));
   EXPECT_TRUE(begins(pan(30, 16'666'667)));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-sampler.hpp"
 
 #include <cmath>
@@ -16,8 +17,8 @@ MotionField field_of(const std::function<FieldCell(double x, double y)> &cell, i
                      int rows = 24) {
   MotionField field;
   field.interval = 33'000'000;
-  field.picture_width = 352;
-  field.picture_height = 288;
+  field.frame_width = 352;
+  field.frame_height = 288;
   field.columns = static_cast<std::uint16_t>(columns);
   field.rows = static_cast<std::uint16_t>(rows);
   for (int row = 0; row < rows; ++row)
@@ -30,15 +31,15 @@ FieldCell moving(double vx, double vy = 0, double confidence = 1) {
   return {static_cast<float>(vx), static_cast<float>(vy), static_cast<float>(confidence)};
 }
 
-TEST(FieldSampler, SaysWhatTheFieldSaysOfItsPicture) {
+TEST(FieldSampler, SaysWhatTheFieldSaysOfItsFrame) {
   MotionField field = field_of([](double, double) { return moving(3, 4, 0.5); });
   field.flags = haptic::kMotionStill;
   field.pixel_aspect_n = 12;
   field.pixel_aspect_d = 11;
   const MotionSample sample = sample_field(field, {});
   EXPECT_EQ(sample.interval, field.interval);
-  EXPECT_EQ(sample.picture_width, 352U);
-  EXPECT_EQ(sample.picture_height, 288U);
+  EXPECT_EQ(sample.frame_width, 352U);
+  EXPECT_EQ(sample.frame_height, 288U);
   EXPECT_EQ(sample.pixel_aspect_n, 12U);
   EXPECT_EQ(sample.flags, haptic::kMotionStill);
 }
@@ -78,7 +79,7 @@ TEST(FieldSampler, IsExactInCellsLargerThanTheRegionToo) {
   }
 }
 
-TEST(FieldSampler, AtTheBorderItIsTheMeanOfWhatLiesInThePicture) {
+TEST(FieldSampler, AtTheBorderItIsTheMeanOfWhatLiesInTheFrame) {
   const MotionField field =
       field_of([](double x, double) { return moving(x < 1.0 / 32 ? 80 : 0); });
   EXPECT_NEAR(
@@ -91,7 +92,7 @@ TEST(FieldSampler, AtTheBorderItIsTheMeanOfWhatLiesInThePicture) {
   EXPECT_NEAR(sample_field(field, {.x = 0.5}).velocity_x, 0, 1e-6);
 }
 
-TEST(FieldSampler, PullingTheHandCloserTakesInMoreOfThePicture) {
+TEST(FieldSampler, PullingTheHandCloserTakesInMoreOfTheFrame) {
   const MotionField field = field_of(
       [](double x, double y) { return moving(std::hypot(x - 0.5, y - 0.5) < 0.08 ? 100 : 0); });
   const auto at = [&](double z) { return sample_field(field, {.z = z}).velocity_x; };

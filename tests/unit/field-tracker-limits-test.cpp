@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the field promises of memory, of instruction sets, and of the tracker of a region.
 #include "counted-allocations.hpp"
 #include "field-agreement.hpp"
-#include "guarded-picture.hpp"
+#include "guarded-frame.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -11,25 +12,25 @@
 namespace {
 
 using test::Field;
-using test::Picture;
+using test::Frame;
 using test::Texture;
 
 constexpr int kWidth = 640;
 constexpr int kHeight = 360;
 
 // Two objects, one of them turning: every rung of the ladder.
-Picture scene(double time) {
-  Picture picture = Texture(1).picture(kWidth, kHeight, {2.3 * time, -1.1 * time});
-  const Picture other = Texture(2).turned(kWidth, kHeight, 0.02 * time);
+Frame scene(double time) {
+  Frame frame = Texture(1).frame(kWidth, kHeight, {2.3 * time, -1.1 * time});
+  const Frame other = Texture(2).turned(kWidth, kHeight, 0.02 * time);
   for (int y = 0; y < kHeight; ++y)
     for (int x = kWidth / 2; x < kWidth; ++x)
-      picture.at(x, y) = other.pixels[static_cast<std::size_t>(y * kWidth + x)];
-  return picture;
+      frame.at(x, y) = other.pixels[static_cast<std::size_t>(y * kWidth + x)];
+  return frame;
 }
 
 TEST(FieldTrackerLimits, EveryInstructionSetGivesTheSameField) {
-  const Picture before = scene(0);
-  const Picture after = scene(1);
+  const Frame before = scene(0);
+  const Frame after = scene(1);
   std::vector<haptic::FieldCell> reference;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
@@ -53,13 +54,13 @@ TEST(FieldTrackerLimits, EveryInstructionSetGivesTheSameField) {
   hwy::GetChosenTarget().DeInit();
 }
 
-TEST(FieldTrackerLimits, NothingOutsideThePictureIsRead) {
-  const Picture before = scene(0);
-  const Picture after = scene(1);
+TEST(FieldTrackerLimits, NothingOutsideTheFrameIsRead) {
+  const Frame before = scene(0);
+  const Frame after = scene(1);
   for (const int columns : {4, 16, 32, 96})
     for (const bool ends : {false, true}) {
-      test::GuardedPicture previous(kWidth, kHeight);
-      test::GuardedPicture current(kWidth, kHeight);
+      test::GuardedFrame previous(kWidth, kHeight);
+      test::GuardedFrame current(kWidth, kHeight);
       Field field(kWidth, kHeight, columns);
       field.follow(previous.filled(view_of(before), ends));
       field.follow(current.filled(view_of(after), ends));
@@ -67,16 +68,16 @@ TEST(FieldTrackerLimits, NothingOutsideThePictureIsRead) {
     }
 }
 
-TEST(FieldTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
+TEST(FieldTrackerLimits, AfterTheFirstFramesNothingIsAllocated) {
   std::mt19937 random(5);
-  std::vector<Picture> movie;
+  std::vector<Frame> movie;
   for (int i = 0; i < 6; ++i) {
-    movie.push_back(i < 5 ? scene(i) : Texture(9).picture(kWidth, kHeight, {}));
+    movie.push_back(i < 5 ? scene(i) : Texture(9).frame(kWidth, kHeight, {}));
     add_noise(movie.back(), 1.5, random);
   }
   Field field(kWidth, kHeight);
-  const auto run = [&](std::size_t pictures) {
-    for (std::size_t i = 0; i < pictures; ++i)
+  const auto run = [&](std::size_t frames) {
+    for (std::size_t i = 0; i < frames; ++i)
       field.follow(movie[i % movie.size()]);
   };
   run(6);
@@ -87,8 +88,8 @@ TEST(FieldTrackerLimits, AfterTheFirstPicturesNothingIsAllocated) {
 
 TEST(FieldTrackerLimits, AgreesWithTheTrackerOfARegionAtTheSamePlace) {
   std::mt19937 random(3);
-  Picture before = scene(0);
-  Picture after = scene(1);
+  Frame before = scene(0);
+  Frame after = scene(1);
   test::add_noise(before, 1.5, random);
   test::add_noise(after, 1.5, random);
   Field field(kWidth, kHeight);

@@ -1,4 +1,5 @@
-#include "field-pictures.hpp"
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "field-frames.hpp"
 #include "field-tracker.hpp"
 
 #include <cmath>
@@ -11,7 +12,7 @@ namespace {
 using haptic::FieldCell;
 using haptic::FieldShape;
 using test::Field;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 
@@ -51,7 +52,7 @@ Errors errors(const Field &field, const auto &truth_at) {
   return errors;
 }
 
-// Whether a cell's picture stays inside when it moves so far.
+// Whether a cell's frame stays inside when it moves so far.
 bool stays(const Field &field, double x, double y, Shift moved) {
   const double half_width = field.width / 2.0 / field.shape.columns;
   const double half_height = field.height / 2.0 / field.shape.rows;
@@ -94,8 +95,8 @@ TEST(FieldTracker, OneTranslationIsThatOfEveryCell) {
       const Shift truth{length * std::cos(direction), length * std::sin(direction)};
       const Texture texture(static_cast<unsigned>(10 * length + direction));
       std::mt19937 random(1);
-      Picture before = texture.picture(kWidth, kHeight, {});
-      Picture after = texture.picture(kWidth, kHeight, truth);
+      Frame before = texture.frame(kWidth, kHeight, {});
+      Frame after = texture.frame(kWidth, kHeight, truth);
       test::add_noise(before, 1.5, random);
       test::add_noise(after, 1.5, random);
       Field field(kWidth, kHeight);
@@ -110,11 +111,11 @@ TEST(FieldTracker, OneTranslationIsThatOfEveryCell) {
     }
 }
 
-TEST(FieldTracker, ReducedPicturesAreMeasuredInPixelsOfTheWholePicture) {
+TEST(FieldTracker, ReducedFramesAreMeasuredInPixelsOfTheWholeFrame) {
   for (const Shift truth : {Shift{0.5, -0.3}, {5.3, 2.2}, {-23, 11}}) {
     const Texture texture(3, 10);
-    const Picture before = texture.picture(1280, 720, {});
-    const Picture after = texture.picture(1280, 720, truth);
+    const Frame before = texture.frame(1280, 720, {});
+    const Frame after = texture.frame(1280, 720, truth);
     Field field(1280, 720);
     field.measure(before, after);
     const Errors found = errors(field, [&](double x, double y) {
@@ -131,13 +132,13 @@ TEST(FieldTracker, TwoObjectsMoveEachInItsOwnWay) {
   const Shift right{-3.2, 0.8};
   const Texture left_texture(1);
   const Texture right_texture(2);
-  const auto picture = [&](double time) {
-    Picture both = left_texture.picture(kWidth, kHeight, {time * left.x, time * left.y});
+  const auto frame = [&](double time) {
+    Frame both = left_texture.frame(kWidth, kHeight, {time * left.x, time * left.y});
     right_texture.paint(both, {time * right.x, time * right.y}, kWidth / 2);
     return both;
   };
   Field field(kWidth, kHeight);
-  field.measure(picture(0), picture(1));
+  field.measure(frame(0), frame(1));
   const double cell = static_cast<double>(kWidth) / field.shape.columns;
   const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
     // The cell on either side of the border sees something come or go.
@@ -154,9 +155,9 @@ TEST(FieldTracker, TwoObjectsMoveEachInItsOwnWay) {
 TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {
   const Texture ground(1);
   const Texture object(2);
-  const auto picture = [&](int time) {
-    Picture both = ground.picture(kWidth, kHeight, {});
-    const Picture moving = object.picture(60, 60, {});
+  const auto frame = [&](int time) {
+    Frame both = ground.frame(kWidth, kHeight, {});
+    const Frame moving = object.frame(60, 60, {});
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 60; ++x)
         both.pixels[static_cast<std::size_t>((y + 160) * kWidth + x + 300 + 6 * time)] =
@@ -164,7 +165,7 @@ TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {
     return both;
   };
   Field field(kWidth, kHeight);
-  field.measure(picture(0), picture(1));
+  field.measure(frame(0), frame(1));
   const FieldCell &inside = field.at(9, 16); // 320..340 x 180..200
   EXPECT_NEAR(inside.velocity_x, 6, 0.1);
   EXPECT_NEAR(inside.velocity_y, 0, 0.1);
@@ -178,7 +179,7 @@ TEST(FieldTracker, RotationAndZoomAreTheMotionOfEachPlace) {
   constexpr double kZoom = 1.02;
   const Texture texture(4);
   Field field(kWidth, kHeight);
-  const Picture before = texture.picture(kWidth, kHeight, {});
+  const Frame before = texture.frame(kWidth, kHeight, {});
   const auto check = [&](double spin, double growth) {
     const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
       const double rx = x - kWidth / 2.0;
@@ -202,7 +203,7 @@ TEST(FieldTracker, ABlankWallSaysNothing) {
     for (const double noise : {0.7, 1.5, 3.0}) {
       Field field(width, height);
       for (int i = 0; i < 4; ++i) {
-        Picture wall(width, height, 120);
+        Frame wall(width, height, 120);
         test::add_noise(wall, noise, random);
         field.follow(wall);
         EXPECT_EQ(known_share(field), 0) << width << ", noise " << noise;
@@ -217,10 +218,10 @@ TEST(FieldTracker, AStillSceneIsExactlyZeroWhateverItsNoise) {
     Field field(kWidth, kHeight);
     int moving = 0;
     for (int i = 0; i < 8; ++i) {
-      Picture picture = texture.picture(kWidth, kHeight, {});
-      test::add_noise(picture, noise, random);
-      const std::uint32_t flags = field.follow(picture);
-      // The noise is learned from the first pictures.
+      Frame frame = texture.frame(kWidth, kHeight, {});
+      test::add_noise(frame, noise, random);
+      const std::uint32_t flags = field.follow(frame);
+      // The noise is learned from the first frames.
       if (i < 4)
         continue;
       moving += static_cast<int>(std::ranges::count_if(field.cells, [](const FieldCell &cell) {
@@ -238,8 +239,8 @@ TEST(FieldTracker, AStillSceneIsExactlyZeroWhateverItsNoise) {
 TEST(FieldTracker, NoiseDoesNotMisleadIt) {
   std::mt19937 random(1);
   const Shift truth{2.4, -1.7};
-  Picture before = Texture(7).picture(kWidth, kHeight, {});
-  Picture after = Texture(7).picture(kWidth, kHeight, truth);
+  Frame before = Texture(7).frame(kWidth, kHeight, {});
+  Frame after = Texture(7).frame(kWidth, kHeight, truth);
   test::add_noise(before, 6, random);
   test::add_noise(after, 6, random);
   Field field(kWidth, kHeight);
@@ -254,8 +255,8 @@ TEST(FieldTracker, NoiseDoesNotMisleadIt) {
 
 TEST(FieldTracker, ChangedLightIsNoMotion) {
   const Texture texture(8, 5, 25);
-  const Picture before = texture.picture(kWidth, kHeight, {});
-  Picture after = before;
+  const Frame before = texture.frame(kWidth, kHeight, {});
+  Frame after = before;
   for (auto &pixel : after.pixels)
     pixel = static_cast<std::uint8_t>(std::clamp(1.15 * pixel - 5, 0.0, 255.0));
   Field field(kWidth, kHeight);
@@ -270,36 +271,35 @@ TEST(FieldTracker, AnotherSceneIsACutAndSaysNothing) {
     Field field(kWidth, kHeight);
     const Texture first(seed);
     const Texture second(seed + 50);
-    EXPECT_EQ(
-        field.measure(first.picture(kWidth, kHeight, {}), second.picture(kWidth, kHeight, {})),
-        haptic::kCut);
+    EXPECT_EQ(field.measure(first.frame(kWidth, kHeight, {}), second.frame(kWidth, kHeight, {})),
+              haptic::kCut);
     EXPECT_EQ(known_share(field), 0);
-    EXPECT_EQ(field.follow(second.picture(kWidth, kHeight, {3, 1})), 0U);
+    EXPECT_EQ(field.follow(second.frame(kWidth, kHeight, {3, 1})), 0U);
     EXPECT_GT(known_share(field), 0.9);
   }
 }
 
 // A grating of so many px along x.
-Picture grating(double period, double shift) {
-  Picture picture(kWidth, kHeight);
+Frame grating(double period, double shift) {
+  Frame frame(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      picture.at(x, y) = static_cast<std::uint8_t>(
+      frame.at(x, y) = static_cast<std::uint8_t>(
           std::lround(128 + 60 * std::sin(2 * std::numbers::pi * (x + 0.5 - shift) / period)));
-  return picture;
+  return frame;
 }
 
 TEST(FieldTracker, EdgesOfOneDirectionGiveThePartAcrossThemWithLessConfidence) {
   // Two periods together: where the one repeats, the other does not.
-  const auto picture = [](double shift) {
-    Picture sum = grating(37, shift);
-    const Picture other = grating(23, shift);
+  const auto frame = [](double shift) {
+    Frame sum = grating(37, shift);
+    const Frame other = grating(23, shift);
     for (std::size_t i = 0; i < sum.pixels.size(); ++i)
       sum.pixels[i] = static_cast<std::uint8_t>((sum.pixels[i] + other.pixels[i]) / 2);
     return sum;
   };
   Field field(kWidth, kHeight);
-  field.measure(picture(0), picture(1.6));
+  field.measure(frame(0), frame(1.6));
   int known = 0;
   for (int row = 0; row < field.shape.rows; ++row)
     for (int column = 1; column + 1 < field.shape.columns; ++column) {
@@ -316,8 +316,8 @@ TEST(FieldTracker, EdgesOfOneDirectionGiveThePartAcrossThemWithLessConfidence) {
 
 TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
   // In both directions, so that there are no edges; moved by more than half a period.
-  const auto picture = [](double shift) {
-    Picture sum = grating(9, shift);
+  const auto frame = [](double shift) {
+    Frame sum = grating(9, shift);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
         sum.at(x, y) = static_cast<std::uint8_t>(
@@ -327,10 +327,10 @@ TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
     return sum;
   };
   Field field(kWidth, kHeight);
-  field.follow(picture(0));
+  field.follow(frame(0));
   // From a start that is slow enough it follows on.
   for (int i = 1; i <= 5; ++i) {
-    field.follow(picture(1.0 * i));
+    field.follow(frame(1.0 * i));
     const Errors found = errors(field, [&](double x, double y) {
       return stays(field, x, y, {1, 0}) ? std::optional(Shift{1, 0}) : std::nullopt;
     });
@@ -338,11 +338,11 @@ TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
     EXPECT_LT(found.percentile(0.99), 0.2);
   }
   // What could as well be slower the other way is not believed.
-  field.measure(picture(0), picture(4));
+  field.measure(frame(0), frame(4));
   EXPECT_LT(errors(field, [](double, double) { return std::optional(Shift{}); }).answered, 0.05);
 }
 
-TEST(FieldTracker, PicturesOfAnySizeAreMeasuredOrSaidNothingOf) {
+TEST(FieldTracker, FramesOfAnySizeAreMeasuredOrSaidNothingOf) {
   for (const auto &[width, height] : {std::pair(1, 1),
                                       {3, 300},
                                       {13, 13},
@@ -354,7 +354,7 @@ TEST(FieldTracker, PicturesOfAnySizeAreMeasuredOrSaidNothingOf) {
     const Shift truth{1.3, -0.7};
     const Texture texture(9);
     Field field(width, height);
-    field.measure(texture.picture(width, height, {}), texture.picture(width, height, truth));
+    field.measure(texture.frame(width, height, {}), texture.frame(width, height, truth));
     const Errors found = errors(field, [&](double x, double y) {
       return stays(field, x, y, truth) ? std::optional(truth) : std::nullopt;
     });
@@ -367,12 +367,12 @@ TEST(FieldTracker, PicturesOfAnySizeAreMeasuredOrSaidNothingOf) {
   }
 }
 
-TEST(FieldTracker, FollowsAPictureOfFourThousandPixels) {
-  // The same picture side by side in both directions, moved by whole pixels.
+TEST(FieldTracker, FollowsAFrameOfFourThousandPixels) {
+  // The same frame side by side in both directions, moved by whole pixels.
   constexpr int kTile = 256;
-  const Picture tile = Texture(10, 24).picture(kTile, kTile, {});
-  const auto picture = [&](int shift) {
-    Picture large(3840, 2160);
+  const Frame tile = Texture(10, 24).frame(kTile, kTile, {});
+  const auto frame = [&](int shift) {
+    Frame large(3840, 2160);
     for (int y = 0; y < large.height; ++y)
       for (int x = 0; x < large.width; ++x)
         large.at(x, y) = tile.pixels[static_cast<std::size_t>((y + kTile) % kTile * kTile +
@@ -381,7 +381,7 @@ TEST(FieldTracker, FollowsAPictureOfFourThousandPixels) {
   };
   Field field(3840, 2160);
   EXPECT_EQ(field.shape, (FieldShape{32, 18}));
-  field.measure(picture(0), picture(30));
+  field.measure(frame(0), frame(30));
   const Errors found = errors(field, [&](double x, double y) {
     return stays(field, x, y, {30, 0}) ? std::optional(Shift{30, 0}) : std::nullopt;
   });
@@ -390,15 +390,15 @@ TEST(FieldTracker, FollowsAPictureOfFourThousandPixels) {
   EXPECT_LT(found.percentile(0.95), 0.5);
 }
 
-TEST(FieldTracker, APictureTakenOnceMoreRepeats) {
+TEST(FieldTracker, AFrameTakenOnceMoreRepeats) {
   Field field(kWidth, kHeight);
-  const Picture picture = Texture(11).picture(kWidth, kHeight, {});
-  test::read(field.tracker, view_of(picture));
+  const Frame frame = Texture(11).frame(kWidth, kHeight, {});
+  test::read(field.tracker, view_of(frame));
   EXPECT_FALSE(field.tracker.repeats());
   field.tracker.keep();
-  test::read(field.tracker, view_of(picture));
+  test::read(field.tracker, view_of(frame));
   EXPECT_TRUE(field.tracker.repeats());
-  Picture other = picture;
+  Frame other = frame;
   other.at(kWidth - 1, kHeight - 1) ^= 0x80;
   test::read(field.tracker, view_of(other));
   EXPECT_FALSE(field.tracker.repeats());

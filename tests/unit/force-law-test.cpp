@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "deadband.hpp"
 #include "force-law.hpp"
 
@@ -32,8 +33,8 @@ MotionSample seen(double vx, double vy, std::uint32_t width = 352) {
   sample.velocity_x = static_cast<float>(vx);
   sample.velocity_y = static_cast<float>(vy);
   sample.confidence = 1;
-  sample.picture_width = width;
-  sample.picture_height = width * 3 / 4;
+  sample.frame_width = width;
+  sample.frame_height = width * 3 / 4;
   return sample;
 }
 
@@ -74,7 +75,7 @@ TEST(ArctanLaw, TurnsWithTheMotion) {
   }
 }
 
-TEST(ArctanLaw, PushesUpWhenThePictureMovesUp) {
+TEST(ArctanLaw, PushesUpWhenTheFrameMovesUp) {
   for (const char *law : {"arctan", "arctan-axis"}) {
     EXPECT_GT(felt(law, 0, -50).y(), 0) << law;
     EXPECT_LT(felt(law, 0, 50).y(), 0) << law;
@@ -89,7 +90,7 @@ TEST(ArctanAxisLaw, IsEquation5OfEachAxisAsPrinted) {
   EXPECT_EQ(force.z(), 0);
 }
 
-TEST(MotionScale, TheSameVisibleMotionMeansTheSameInEveryPicture) {
+TEST(MotionScale, TheSameVisibleMotionMeansTheSameInEveryFrame) {
   const Motion cif = haptic::scale_motion(seen(100, -50, 352), 352);
   EXPECT_NEAR(cif.velocity.x, 100, 1e-9);
   for (const std::uint32_t width : {1280U, 1920U, 3840U}) {
@@ -100,7 +101,7 @@ TEST(MotionScale, TheSameVisibleMotionMeansTheSameInEveryPicture) {
   }
 }
 
-TEST(MotionScale, ReferenceWidthZeroKeepsThePixelsOfThePicture) {
+TEST(MotionScale, ReferenceWidthZeroKeepsThePixelsOfTheFrame) {
   EXPECT_EQ(haptic::scale_motion(seen(545, 0, 1920), 0).velocity.x, 545);
 }
 
@@ -154,7 +155,7 @@ TEST(MotionScale, AnImpossibleSpeedIsNotPlausible) {
   EXPECT_FALSE(haptic::is_plausible(seen(std::nan(""), 0)));
 }
 
-TEST(MotionScale, ASampleWithoutAPictureIsHarmless) {
+TEST(MotionScale, ASampleWithoutAFrameIsHarmless) {
   EXPECT_EQ(haptic::scale_motion({}, 352).velocity.x, 0);
 }
 
@@ -260,12 +261,12 @@ TEST(Push, IsOffUnlessAskedForAndThenTowardsTheUser) {
   EXPECT_NEAR(law("arctan")->wrench(approach, {}, {.max_push = 1}, kTick).force.z(), 0.5, 1e-12);
 }
 
-TEST(HandScale, TheWorkspaceIsThePicture) {
+TEST(HandScale, TheWorkspaceIsTheFrame) {
   MotionSample sample = seen(0, 0);
-  sample.picture_height = 288;
+  sample.frame_height = 288;
   const auto hand = haptic::scale_hand({0.01, 0.02, 5}, {0.025, 0.025, 0.025}, sample, 352);
   EXPECT_NEAR(hand.x, 0.01 / 0.05 * 352, 1e-9);
-  EXPECT_NEAR(hand.y, -0.02 / 0.05 * 288, 1e-9); // down in the picture
+  EXPECT_NEAR(hand.y, -0.02 / 0.05 * 288, 1e-9); // down in the frame
 }
 
 } // namespace

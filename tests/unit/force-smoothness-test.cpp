@@ -1,4 +1,5 @@
-// What the hand feels of a picture 30 times a second, in numbers.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the hand feels of a frame 30 times a second, in numbers.
 #include "cadence.hpp"
 #include "leaf-motion.hpp"
 #include "spectrum.hpp"
@@ -59,14 +60,14 @@ TEST(ForceSmoothness, SmoothHzTakesSomeMoreOfIt) {
   EXPECT_LE(test::energy_above_db(settled(forces), 1000, 20), -45);
 }
 
-TEST(ForceSmoothness, TheForceOfAFilmCoincidesWithThePicture) {
+TEST(ForceSmoothness, TheForceOfAFilmCoincidesWithTheFrame) {
   const auto forces = test::feel(test::film_leaf(30, kSeconds, 1.5), kSeconds);
   EXPECT_LE(std::abs(lag(forces)), 1);
   for (std::size_t i = kBegin; i < forces.size() - 100; ++i)
     ASSERT_NEAR(forces[i], Leaf::force(0.001 * static_cast<double>(i)), 0.06) << i;
 }
 
-TEST(ForceSmoothness, TheForceOfACameraIsOneAndAHalfPicturesLate) {
+TEST(ForceSmoothness, TheForceOfACameraIsOneAndAHalfFramesLate) {
   for (const double fps : {25.0, 30.0, 60.0})
     EXPECT_LE(lag(test::feel(test::film_leaf(fps, kSeconds, {}), kSeconds)), 1500 / fps + 2) << fps;
 }
@@ -81,25 +82,25 @@ TEST(ForceSmoothness, SamplesThatComeLessThanEnoughAheadAreNoStepsEither) {
 
 TEST(ForceSmoothness, TheSameMotionIsTheSameForceAtEveryFrameRate) {
   for (const double fps : {5.0, 25.0, 60.0}) {
-    std::vector<test::Shown> pictures;
+    std::vector<test::Shown> frames;
     for (double pts = 1 / fps; pts < 3; pts += 1 / fps)
-      pictures.push_back({test::seen(100, 1 / fps), std::llround(pts * 1e9)});
-    EXPECT_NEAR(test::feel(pictures, 3).back(), 0.5, 0.5 * 0.05) << fps;
+      frames.push_back({test::seen(100, 1 / fps), std::llround(pts * 1e9)});
+    EXPECT_NEAR(test::feel(frames, 3).back(), 0.5, 0.5 * 0.05) << fps;
   }
 }
 
 TEST(ForceSmoothness, AFrameRateThatJumpsIsNotFelt) {
-  std::vector<test::Shown> pictures;
+  std::vector<test::Shown> frames;
   std::vector<double> jumps; // s
   double pts = 0;
   for (const double fps : {25.0, 60.0, 5.0, 25.0}) {
     jumps.push_back(pts);
     while (pts < jumps.back() + 2) {
       pts += 1 / fps;
-      pictures.push_back({test::seen(100, 1 / fps), std::llround(pts * 1e9)});
+      frames.push_back({test::seen(100, 1 / fps), std::llround(pts * 1e9)});
     }
   }
-  const auto forces = test::feel(pictures, 7.9);
+  const auto forces = test::feel(frames, 7.9);
   for (const double jump :
        jumps) // a source that has become slow seems to have stopped for a moment
     for (double t = jump + 0.4; t < std::min(jump + 1.9, 7.9); t += 0.001)
@@ -107,9 +108,9 @@ TEST(ForceSmoothness, AFrameRateThatJumpsIsNotFelt) {
   EXPECT_LE(largest_step(forces), 0.02 + 1e-9);
 }
 
-// 24 pictures a second of an even motion, carried in 30: the fourth of each is shown twice.
+// 24 frames a second of an even motion, carried in 30: the fourth of each is shown twice.
 std::vector<test::Shown> pulldown(bool corrected) {
-  std::vector<test::Shown> pictures;
+  std::vector<test::Shown> frames;
   haptic::Cadence cadence;
   int film_before = -1;
   int video_before = 0;
@@ -118,7 +119,7 @@ std::vector<test::Shown> pulldown(bool corrected) {
     const double interval = (video - video_before) / 30.0;
     auto sample = test::seen(100 * (film - film_before) / 24.0 / interval, interval);
     if (film == film_before) {
-      sample = pictures.back().sample; // velocityavg repeats the motion
+      sample = frames.back().sample; // velocityavg repeats the motion
       sample.flags = haptic::kMotionDuplicate;
     } else {
       film_before = film;
@@ -128,9 +129,9 @@ std::vector<test::Shown> pulldown(bool corrected) {
     if (corrected)
       sample.velocity_x *= static_cast<float>(correction);
     if (!(sample.flags & haptic::kMotionDuplicate))
-      pictures.push_back({sample, std::llround(video / 30.0 * 1e9)});
+      frames.push_back({sample, std::llround(video / 30.0 * 1e9)});
   }
-  return pictures;
+  return frames;
 }
 
 TEST(ForceSmoothness, FilmInVideoDoesNotPulse) {
@@ -144,14 +145,14 @@ TEST(ForceSmoothness, FilmInVideoDoesNotPulse) {
   EXPECT_NEAR(forces.back(), 0.5, 0.5 * 0.05);
 }
 
-TEST(Cadence, UnevenTimeStampsWithoutARepeatedPictureAreTrue) {
+TEST(Cadence, UnevenTimeStampsWithoutARepeatedFrameAreTrue) {
   haptic::Cadence cadence;
   for (int i = 0; i < 100; ++i)
     EXPECT_EQ(cadence.correction(test::seen(100, i % 2 ? 0.04 : 0.08)), 1);
 }
 
 TEST(Cadence, FindsEveryUsualPattern) {
-  // film and video, pictures/s
+  // film and video, frames/s
   const std::pair<int, int> kPatterns[] = {{24, 30}, {24, 60}, {25, 30},
                                            {12, 30}, {15, 30}, {24, 25}};
   for (const auto &[film_rate, video_rate] : kPatterns) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "loop-fixture.hpp"
 
 #include "device-choice.hpp"
@@ -270,7 +271,7 @@ TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
 
 // ---- fields -------------------------------------------------------------------------------------
 
-// The left half of the picture moves to the left, the right one to the right.
+// The left half of the frame moves to the left, the right one to the right.
 class LoopFields : public Loop {
 protected:
   // The loop outlives the pool here, and must have given everything back.
@@ -282,10 +283,10 @@ protected:
     for (int i = 0; i < ms; i += 10) {
       auto field = pool_->take();
       ASSERT_TRUE(field);
-      const auto picture = moving(0, 0);
-      field->interval = picture.interval;
-      field->picture_width = picture.picture_width;
-      field->picture_height = picture.picture_height;
+      const auto frame = moving(0, 0);
+      field->interval = frame.interval;
+      field->frame_width = frame.frame_width;
+      field->frame_height = frame.frame_height;
       field->columns = 32;
       field->rows = 24;
       field->cells.assign(std::size_t{32} * 24, {left, 0, 1});

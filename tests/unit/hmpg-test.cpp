@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hjif.hpp"
 #include "hmpg-rtp.hpp"
 #include "hmpg-track.hpp"
@@ -30,8 +31,8 @@ MotionSample motion(double x, double y, double confidence = 1) {
   s.velocity_x = static_cast<float>(x);
   s.velocity_y = static_cast<float>(y);
   s.confidence = static_cast<float>(confidence);
-  s.picture_width = 352;
-  s.picture_height = 288;
+  s.frame_width = 352;
+  s.frame_height = 288;
   s.interval = kFrame;
   return s;
 }

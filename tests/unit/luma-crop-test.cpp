@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ std::uint8_t value_at(int x, int y) {
   return static_cast<std::uint8_t>((7 * x + 31 * y) % 256);
 }
 
-// A picture of one format with everything but luma (or the three colours) set to 200.
+// A frame of one format with everything but luma (or the three colours) set to 200.
 class Frame {
 public:
   Frame(GstVideoFormat format, int width, int height) {

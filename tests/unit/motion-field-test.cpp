@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-field.hpp"
 
 #include <cmath>
@@ -13,8 +14,8 @@ using haptic::MotionField;
 MotionField small_field() {
   MotionField field;
   field.interval = 33'333'333;
-  field.picture_width = 352;
-  field.picture_height = 288;
+  field.frame_width = 352;
+  field.frame_height = 288;
   field.pixel_aspect_n = 12;
   field.pixel_aspect_d = 11;
   field.flags = haptic::kMotionCut;
@@ -60,7 +61,7 @@ TEST(MotionField, EveryTruncationIsRefused) {
 TEST(MotionField, APointAndAFieldAreNotTakenForOneAnother) {
   EXPECT_EQ(haptic::unpack_motion_sample(packed(small_field())), std::nullopt);
   haptic::MotionSample point;
-  point.picture_width = point.picture_height = 100;
+  point.frame_width = point.frame_height = 100;
   EXPECT_FALSE(is_read(haptic::pack_motion_sample(point)));
 }
 
@@ -77,7 +78,7 @@ TEST(MotionField, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
   field.cells[0].confidence = 1.5F;
   EXPECT_FALSE(is_read(packed(field)));
   field = small_field();
-  field.picture_width = 0;
+  field.frame_width = 0;
   EXPECT_FALSE(is_read(packed(field)));
 }
 

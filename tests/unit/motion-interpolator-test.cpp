@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-interpolator.hpp"
 
 #include "field-sampler.hpp"
@@ -24,8 +25,8 @@ MotionSample moving(double vx, std::uint32_t width = 352) {
   sample.velocity_x = static_cast<float>(vx);
   sample.confidence = 1;
   sample.interval = kFrame;
-  sample.picture_width = width;
-  sample.picture_height = width * 3 / 4;
+  sample.frame_width = width;
+  sample.frame_height = width * 3 / 4;
   return sample;
 }
 TimedMotion at(std::int64_t time, double vx) {
@@ -42,17 +43,17 @@ public:
   TimedMotion halves(std::int64_t time, double left, std::optional<double> right,
                      std::uint32_t width = 352) {
     auto field = pool_->take();
-    const MotionSample picture = moving(0, width);
-    field->interval = picture.interval;
-    field->picture_width = picture.picture_width;
-    field->picture_height = picture.picture_height;
+    const MotionSample frame = moving(0, width);
+    field->interval = frame.interval;
+    field->frame_width = frame.frame_width;
+    field->frame_height = frame.frame_height;
     field->columns = 8;
     field->rows = 1;
     field->cells.assign(8, {});
     for (std::size_t i = 0; i < 8; ++i)
       if (i < 4 || right)
         field->cells[i] = {static_cast<float>(i < 4 ? left : *right), 0, 1};
-    return {haptic::picture_of(*field), true, time, std::move(field)};
+    return {haptic::frame_of(*field), true, time, std::move(field)};
   }
 
 private:
@@ -130,7 +131,7 @@ TEST(MotionInterpolator, ACutIsToldOnceWhenItIsPassed) {
   EXPECT_FALSE(motion.at(141 * kMs).cut);
 }
 
-TEST(MotionInterpolator, AgeCountsFromWhenTheNewestPictureIsDue) {
+TEST(MotionInterpolator, AgeCountsFromWhenTheNewestFrameIsDue) {
   MotionInterpolator motion;
   motion.add(at(100 * kMs, 50), 60 * kMs); // due at 120 ms
   EXPECT_EQ(motion.at(110 * kMs).age, 0);
@@ -140,7 +141,7 @@ TEST(MotionInterpolator, AgeCountsFromWhenTheNewestPictureIsDue) {
   EXPECT_NEAR(motion.at(210 * kMs).interval, 0.04, 1e-9);
 }
 
-TEST(MotionInterpolator, PicturesOfTwoSizesMeetInThePixelsOfTheNewer) {
+TEST(MotionInterpolator, FramesOfTwoSizesMeetInThePixelsOfTheNewer) {
   MotionInterpolator motion;
   motion.add({moving(100, 352), true, 100 * kMs}, 20 * kMs);
   motion.add({moving(200, 704), true, 140 * kMs}, 60 * kMs);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-sample.hpp"
 
 #include <bit>
@@ -22,8 +23,8 @@ MotionSample full_sample() {
   s.region_height = 0.2F;
   s.confidence = 0.875F;
   s.interval = 33'333'333;
-  s.picture_width = 352;
-  s.picture_height = 288;
+  s.frame_width = 352;
+  s.frame_height = 288;
   s.pixel_aspect_n = 12;
   s.pixel_aspect_d = 11;
   s.points = 17;
@@ -73,7 +74,7 @@ TEST(MotionSample, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
   s.confidence = 1.5F;
   EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
   s = full_sample();
-  s.picture_width = 0;
+  s.frame_width = 0;
   EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "moving-texture.hpp"
 #include "patch-tracker.hpp"
 
@@ -14,7 +15,7 @@ using haptic::CropPair;
 using haptic::LumaView;
 using haptic::Measurement;
 using haptic::Rectangle;
-using test::Picture;
+using test::Frame;
 using test::Shift;
 using test::Texture;
 
@@ -22,21 +23,21 @@ constexpr int kSide = 30;
 
 class OpencvTracker : public ::testing::Test {
 protected:
-  // Tracks a square region with the margin that the tracker asks for, all of it in the pictures.
-  const Measurement &track(Picture &previous, Picture &current, Rectangle region) {
+  // Tracks a square region with the margin that the tracker asks for, all of it in the frames.
+  const Measurement &track(Frame &previous, Frame &current, Rectangle region) {
     const Rectangle crop =
         haptic::crop_around(region, tracker->margin(region.width), previous.width, previous.height);
     tracker->measure({view(previous, crop), view(current, crop), crop, region}, measurement);
     return measurement;
   }
 
-  const Measurement &track(Picture &previous, Picture &current) {
+  const Measurement &track(Frame &previous, Frame &current) {
     return track(previous, current,
                  {(previous.width - kSide) / 2, (previous.height - kSide) / 2, kSide, kSide});
   }
 
-  static LumaView view(Picture &picture, const Rectangle &crop) {
-    return {&picture.at(crop.x, crop.y), crop.width, crop.height, picture.width};
+  static LumaView view(Frame &frame, const Rectangle &crop) {
+    return {&frame.at(crop.x, crop.y), crop.width, crop.height, frame.width};
   }
 
   // Medians, as a reader of many patches would take them.
@@ -73,10 +74,10 @@ TEST_F(OpencvTracker, MeasuresEveryFractionOfAPixelWithinAFiftieth) {
   int cases = 0;
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const Texture texture(seed);
-    Picture before = texture.picture(140, 140, {});
+    Frame before = texture.frame(140, 140, {});
     for (int step = 0; step < 16; ++step) {
       const Shift truth{1 + step / 16.0, -step / 16.0};
-      Picture after = texture.picture(140, 140, truth);
+      Frame after = texture.frame(140, 140, truth);
       const Measurement &found = track(before, after);
       ASSERT_GT(found.count, 10);
       const Shift measured = mean(found);
@@ -100,8 +101,8 @@ TEST_F(OpencvTracker, AlmostNeverErrsGrosslyUpToSixteenPixels) {
       const Texture texture(static_cast<unsigned>(random()));
       const double direction = turn(random);
       const Shift truth{distance * std::cos(direction), distance * std::sin(direction)};
-      Picture before = texture.picture(140, 140, {});
-      Picture after = texture.picture(140, 140, truth);
+      Frame before = texture.frame(140, 140, {});
+      Frame after = texture.frame(140, 140, truth);
       add_noise(before, 1.5, random);
       add_noise(after, 1.5, random);
       const Measurement &found = track(before, after);
@@ -116,10 +117,10 @@ TEST_F(OpencvTracker, AlmostNeverErrsGrosslyUpToSixteenPixels) {
   EXPECT_LE(lost, cases / 50);
 }
 
-TEST_F(OpencvTracker, APatchSitsWhereItIsInTheEarlierPicture) {
+TEST_F(OpencvTracker, APatchSitsWhereItIsInTheEarlierFrame) {
   const Texture texture(3);
-  Picture before = texture.picture(200, 160, {});
-  Picture after = texture.picture(200, 160, {3, 2});
+  Frame before = texture.frame(200, 160, {});
+  Frame after = texture.frame(200, 160, {3, 2});
   const Rectangle region{100, 60, kSide, kSide};
   const Measurement &found = track(before, after, region);
   ASSERT_GT(found.count, 0);
@@ -134,8 +135,8 @@ TEST_F(OpencvTracker, APatchSitsWhereItIsInTheEarlierPicture) {
 TEST_F(OpencvTracker, FollowsTheObjectInTheRegionAndNotItsNeighbour) {
   const Texture left(11);
   const Texture right(12);
-  Picture before(240, 140);
-  Picture after(240, 140);
+  Frame before(240, 140);
+  Frame after(240, 140);
   left.paint(before, {}, 0, 120);
   right.paint(before, {}, 120, 240);
   left.paint(after, {-3, 1}, 0, 120);
@@ -154,8 +155,8 @@ TEST_F(OpencvTracker, TheStatedPrecisionIsTheErrorsThatNoiseMakes) {
   int patches = 0;
   for (int i = 0; i < 40; ++i) {
     const Texture texture(static_cast<unsigned>(random()), 8);
-    Picture before = texture.picture(140, 140, {});
-    Picture after = before;
+    Frame before = texture.frame(140, 140, {});
+    Frame after = before;
     add_noise(before, haptic::kAssumedNoise, random);
     add_noise(after, haptic::kAssumedNoise, random);
     for (const haptic::Patch &patch : track(before, after).view()) {
@@ -170,11 +171,11 @@ TEST_F(OpencvTracker, TheStatedPrecisionIsTheErrorsThatNoiseMakes) {
   EXPECT_LT(normalised / patches, 2 * 2.0);
 }
 
-TEST_F(OpencvTracker, TheResidualIsTheNoiseOfBothPictures) {
+TEST_F(OpencvTracker, TheResidualIsTheNoiseOfBothFrames) {
   std::mt19937 random(6);
   const Texture texture(4, 8);
-  Picture before = texture.picture(140, 140, {});
-  Picture after = texture.picture(140, 140, {2, 1});
+  Frame before = texture.frame(140, 140, {});
+  Frame after = texture.frame(140, 140, {2, 1});
   add_noise(before, 1.5, random);
   add_noise(after, 1.5, random);
   double sum = 0;
@@ -188,8 +189,8 @@ TEST_F(OpencvTracker, NoiseOnABlankWallIsNoMotion) {
   std::mt19937 random(8);
   int patches = 0;
   for (int i = 0; i < 50; ++i) {
-    Picture before(140, 140, 120);
-    Picture after(140, 140, 120);
+    Frame before(140, 140, 120);
+    Frame after(140, 140, 120);
     add_noise(before, 1.5, random);
     add_noise(after, 1.5, random);
     patches += track(before, after).count;
@@ -201,8 +202,8 @@ TEST_F(OpencvTracker, AnotherSceneIsNoMotion) {
   int survivors = 0;
   int candidates = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
-    Picture before = Texture(2 * seed).picture(140, 140, {});
-    Picture after = Texture(2 * seed + 1).picture(140, 140, {});
+    Frame before = Texture(2 * seed).frame(140, 140, {});
+    Frame after = Texture(2 * seed + 1).frame(140, 140, {});
     const Measurement &found = track(before, after);
     survivors += found.count;
     candidates += found.candidates;
@@ -212,9 +213,9 @@ TEST_F(OpencvTracker, AnotherSceneIsNoMotion) {
 }
 
 TEST_F(OpencvTracker, UnchangedPixelsAreExactlyNoMotion) {
-  Picture picture = Texture(9).picture(140, 140, {});
-  Picture same = picture;
-  const Measurement &found = track(picture, same);
+  Frame frame = Texture(9).frame(140, 140, {});
+  Frame same = frame;
+  const Measurement &found = track(frame, same);
   ASSERT_GT(found.count, 0);
   for (const haptic::Patch &patch : found.view()) {
     EXPECT_EQ(patch.dx, 0);
@@ -225,8 +226,8 @@ TEST_F(OpencvTracker, UnchangedPixelsAreExactlyNoMotion) {
 
 TEST_F(OpencvTracker, KeepsToTheMaximumOfPoints) {
   const Texture texture(10);
-  Picture before = texture.picture(140, 140, {});
-  Picture after = texture.picture(140, 140, {1, 0});
+  Frame before = texture.frame(140, 140, {});
+  Frame after = texture.frame(140, 140, {1, 0});
   for (const int most : {1, 5, haptic::kMaxPatches}) {
     tracker->set_max_points(most);
     const Measurement &found = track(before, after);
@@ -236,11 +237,11 @@ TEST_F(OpencvTracker, KeepsToTheMaximumOfPoints) {
   }
 }
 
-TEST_F(OpencvTracker, WorksInTheSmallestPictureThatCanBeMeasured) {
+TEST_F(OpencvTracker, WorksInTheSmallestFrameThatCanBeMeasured) {
   const Texture texture(13);
   for (int side = haptic::kSmallestRegion; side < 60; ++side) {
-    Picture before = texture.picture(side, side, {});
-    Picture after = texture.picture(side, side, {0.5, 0.25});
+    Frame before = texture.frame(side, side, {});
+    Frame after = texture.frame(side, side, {0.5, 0.25});
     const int width = std::min(side, kSide);
     for (const haptic::Patch &patch : track(before, after, {0, 0, width, width}).view()) {
       EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));
@@ -249,11 +250,11 @@ TEST_F(OpencvTracker, WorksInTheSmallestPictureThatCanBeMeasured) {
   }
 }
 
-TEST_F(OpencvTracker, ALargeRegionInALargePictureReachesFurther) {
+TEST_F(OpencvTracker, ALargeRegionInALargeFrameReachesFurther) {
   const Texture texture(15, 15);
   const Shift truth{28, -20};
-  Picture before = texture.picture(400, 400, {});
-  Picture after = texture.picture(400, 400, truth);
+  Frame before = texture.frame(400, 400, {});
+  Frame after = texture.frame(400, 400, truth);
   const Measurement &found = track(before, after, {140, 140, 120, 120});
   ASSERT_GT(found.count, 10);
   const Shift measured = median(found);
@@ -268,8 +269,8 @@ TEST_F(OpencvTracker, StartsNoThreads) {
   };
   const auto before_tracking = threads();
   const Texture texture(16);
-  Picture before = texture.picture(400, 400, {});
-  Picture after = texture.picture(400, 400, {1, 1});
+  Frame before = texture.frame(400, 400, {});
+  Frame after = texture.frame(400, 400, {1, 1});
   tracker->set_max_points(haptic::kMaxPatches);
   ASSERT_GT(track(before, after, {100, 100, 200, 200}).count, 0);
   EXPECT_EQ(threads(), before_tracking);

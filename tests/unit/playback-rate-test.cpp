@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "playback-rate.hpp"
 
 #include <gtest/gtest.h>
@@ -52,13 +53,13 @@ TEST(PlaybackRate, ARateThatUpstreamAppliedIsTakenOutOnlyAsFilmed) {
   EXPECT_EQ(haptic::play(filmed(), twice, RateLaw::as_filmed)->velocity_x, 50);
 }
 
-// The pictures come in reverse order, so that what was measured is turned round already.
+// The frames come in reverse order, so that what was measured is turned round already.
 TEST(PlaybackRate, BackwardsKeepsTheDirectionThatIsSeen) {
   EXPECT_EQ(haptic::play(filmed(), {.rate = -0.5}, RateLaw::as_seen)->velocity_x, 50);
   EXPECT_EQ(haptic::play(filmed(), {.rate = -0.5}, RateLaw::as_filmed)->velocity_x, 100);
 }
 
-TEST(PlaybackRate, IsMuteBeyondTwiceThePaceAndWherePicturesAreLeftOut) {
+TEST(PlaybackRate, IsMuteBeyondTwiceThePaceAndWhereFramesAreLeftOut) {
   for (const Playback &playback :
        {Playback{.rate = 2.01}, Playback{.rate = -3}, Playback{.rate = 1.5, .applied_rate = 1.5},
         Playback{.skips = true}, Playback{.rate = 0},

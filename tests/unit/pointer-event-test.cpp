@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pointer-event.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ TEST_F(PointerEvent, XAndYSuffice) {
   EXPECT_EQ(received->timestamp, GST_CLOCK_TIME_NONE);
 }
 
-TEST_F(PointerEvent, AHandOutsideThePictureIsTakenToItsBorder) {
+TEST_F(PointerEvent, AHandOutsideTheFrameIsTakenToItsBorder) {
   const auto event = custom(gst_structure_new("haptic-pointer", "x", G_TYPE_DOUBLE, -3.0, "y",
                                               G_TYPE_DOUBLE, 7.0, nullptr));
   const auto received = haptic::parse_pointer_event(event.get());

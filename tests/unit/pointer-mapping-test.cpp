@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pointer-mapping.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@ using spidar::Vector3;
 const Vector3 kHalf(0.025, 0.02, 0.03); // m
 constexpr std::int64_t kMs = 1'000'000; // ns
 
-TEST(MapPointer, TheCentreOfTheWorkspaceIsTheCentreOfThePicture) {
+TEST(MapPointer, TheCentreOfTheWorkspaceIsTheCentreOfTheFrame) {
   const PointerPosition p = map_pointer(Vector3::Zero(), kHalf);
   EXPECT_EQ(p.x, 0.5);
   EXPECT_EQ(p.y, 0.5);
@@ -27,7 +28,7 @@ TEST(MapPointer, IsEquation1) {
   EXPECT_NEAR(map_pointer({0, 0.02, 0}, kHalf).y, 0, 1e-12); // up is the top
 }
 
-TEST(MapPointer, StaysInThePictureWhenTheHandLeavesTheWorkspace) {
+TEST(MapPointer, StaysInTheFrameWhenTheHandLeavesTheWorkspace) {
   const PointerPosition p = map_pointer({1, 1, -1}, kHalf);
   EXPECT_EQ(p.x, 1);
   EXPECT_EQ(p.y, 0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "region.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,7 @@ namespace {
 
 using haptic::Rectangle;
 
-TEST(Region, IsThirtyPixelsWideInThePapersPictureAndGrowsWithThePicture) {
+TEST(Region, IsThirtyPixelsWideInThePapersFrameAndGrowsWithTheFrame) {
   EXPECT_EQ(haptic::default_region_side(352), 30);
   EXPECT_EQ(haptic::default_region_side(1920), 164);
   EXPECT_EQ(haptic::default_region_side(176), 15);
@@ -23,7 +24,7 @@ TEST(Region, IsClippedAtTheBorderWhileItsCentreStaysUnderThePointer) {
   EXPECT_EQ(haptic::region_at(1, 1, 30, 352, 288), (Rectangle{337, 273, 15, 15}));
 }
 
-TEST(Region, NeverLeavesThePictureNorBecomesEmpty) {
+TEST(Region, NeverLeavesTheFrameNorBecomesEmpty) {
   for (const auto &[width, height] : {std::pair{1, 1}, {2, 1}, {13, 7}, {352, 288}})
     for (const int side : {1, 2, 29, 30, 8192})
       for (double x = 0; x <= 1; x += 0.125)
@@ -57,7 +58,7 @@ TEST(RegionSize, DoublesWithEveryQuarterOfTheWorkspaceTowardsTheUser) {
   EXPECT_EQ(side(-0.5), 16); // 15, even
 }
 
-TEST(RegionSize, IsBoundedByWhatCanBeMeasuredAndByHalfThePicture) {
+TEST(RegionSize, IsBoundedByWhatCanBeMeasuredAndByHalfTheFrame) {
   EXPECT_EQ(haptic::RegionSize().side(-1, 30, 352, 288), 12);
   EXPECT_EQ(haptic::RegionSize().side(-1, 164, 1920, 1080), 66);
   EXPECT_EQ(haptic::RegionSize().side(1, 60, 352, 288), 144);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "safety-chain.hpp"
 
 #include <cmath>
@@ -321,7 +322,7 @@ TEST(SafetyChain, ATorqueHasTheSameLimitsAsAForce) {
   EXPECT_TRUE(chain.silent());
 }
 
-TEST(SafetyChain, ACutIsZeroInTwoPicturesAndStartsAnew) {
+TEST(SafetyChain, ACutIsZeroInTwoFramesAndStartsAnew) {
   SafetyChain chain = settled(push(1));
   chain.step(held(push(1), haptic::kHoldCut));
   double before = 1;

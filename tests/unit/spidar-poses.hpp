@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Poses and directions for the tests of the device: seeded, or evenly spread.
 #pragma once
 

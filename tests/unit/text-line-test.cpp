@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "text-line.hpp"
 #include "track-samples.hpp"
 
@@ -28,8 +29,8 @@ TEST(TextLine, IsForPeopleToo) {
   s.velocity_x = 12.5F;
   s.velocity_y = -3;
   s.confidence = 1;
-  s.picture_width = 352;
-  s.picture_height = 288;
+  s.frame_width = 352;
+  s.frame_height = 288;
   s.points = 17;
   s.model = haptic::MotionModel::similarity;
   s.flags = haptic::kMotionDuplicate | haptic::kMotionAperture;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "velocity-estimate.hpp"
 
 #include <algorithm>
@@ -120,7 +121,7 @@ TEST(VelocityEstimate, TheStaticModelNeverMoves) {
 }
 
 TEST(VelocityEstimate, ASimilarityTellsSpinAndExpansionAndTheVelocityAtThePointer) {
-  // Turns x towards y by 0.05 rad and grows by 2 % a picture, about a centre beside the pointer.
+  // Turns x towards y by 0.05 rad and grows by 2 % a frame, about a centre beside the pointer.
   const Motion motion{0.7, -0.4, 0.02, -0.05, 0.05, 0.02};
   for (const ModelChoice choice : {ModelChoice::similarity, ModelChoice::affine}) {
     const VelocityEstimate found = estimate(patches_of(motion, 20), Average::model, choice);
@@ -168,7 +169,7 @@ TEST(VelocityEstimate, ConfidenceFallsWithEveryDoubt) {
   EXPECT_EQ(confidence(patches_of({2, -1}, 4), 20), 0);
   // Few agree at all.
   EXPECT_LT(confidence(patches_of({2, -1}, 1), 1), confidence(patches_of({2, -1}, 2), 2));
-  // The pictures differ where they should match.
+  // The frames differ where they should match.
   auto changed = sure;
   for (auto &patch : changed)
     patch.residual = 30;
@@ -321,16 +322,16 @@ struct Row {
 
 constexpr int kTrials = 1000;
 // The history settles within the first; each has noise, places and false matches of its own.
-constexpr int kPictures = 5;
+constexpr int kFrames = 5;
 
-Row row_of(MotionModel truth, int count, double sigma, int pictures) {
+Row row_of(MotionModel truth, int count, double sigma, int frames) {
   Scenes scenes(static_cast<unsigned>(1000 * count + 100 * sigma) + static_cast<unsigned>(truth));
   Row row;
   for (int trial = 0; trial < kTrials; ++trial) {
     const Motion motion = scenes.of(truth);
     std::vector<GstHapticPatch> patches;
     VelocityEstimate found;
-    for (int picture = 0; picture < pictures; ++picture) {
+    for (int frame = 0; frame < frames; ++frame) {
       patches = scenes.scene(motion, count, sigma);
       found = estimate_velocity({patches, count, kPointerX, kPointerY, kInterval}, Average::model,
                                 ModelChoice::automatic, found.history);
@@ -358,7 +359,7 @@ TEST_P(MotionModels, TheSmallestThatExplainsTheSceneIsChosen) {
   const auto [count, sigma] = GetParam();
   for (std::size_t truth = 0; truth < kModels.size(); ++truth) {
     SCOPED_TRACE(motion_model_name(kModels[truth]));
-    const Row row = row_of(kModels[truth], count, sigma, kPictures);
+    const Row row = row_of(kModels[truth], count, sigma, kFrames);
     EXPECT_GE(row.chosen[truth], kModels[truth] == MotionModel::still ? 0.99 : 0.95);
     EXPECT_LE(row.larger, 0.03);
     EXPECT_LE(row.mixtures, 0.01);
@@ -368,7 +369,7 @@ TEST_P(MotionModels, TheSmallestThatExplainsTheSceneIsChosen) {
   }
 }
 
-TEST_P(MotionModels, TheFirstPictureAloneIsNearlyAsGood) {
+TEST_P(MotionModels, TheFirstFrameAloneIsNearlyAsGood) {
   const auto [count, sigma] = GetParam();
   for (std::size_t truth = 0; truth < kModels.size(); ++truth) {
     SCOPED_TRACE(motion_model_name(kModels[truth]));
@@ -462,7 +463,7 @@ TEST(MotionMixture, AFewFalseMatchesThatAgreeByChanceAreNone) {
   EXPECT_NEAR(found.velocity_x * kInterval, 2, 0.05);
 }
 
-TEST(MotionModelHistory, AModelChangesWhenItIsClearOrOnTheSecondPicture) {
+TEST(MotionModelHistory, AModelChangesWhenItIsClearOrOnTheSecondFrame) {
   // Sixteen patches of known precision: a translation costs 10.6 and gains 16 (d/s)^2.
   const auto scene = [](double gain) {
     std::vector<GstHapticPatch> patches;

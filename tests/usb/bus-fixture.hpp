@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A mocked bus with a unit on it, and the messages that a user would read.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The controllers over the real libusb, on a bus that umockdev shows it.
 #include "bus-fixture.hpp"
 

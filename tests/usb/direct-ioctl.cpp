@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Linked into a test, this answers libusb's ioctl() calls in the caller's own thread. umockdev
 // still shows the bus, but an exchange costs what libusb and we make of it, and not what umockdev
 // does.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Garbage in place of replies: nothing breaks, and nothing is believed that cannot be.
 #include "direct-fixture.hpp"
 

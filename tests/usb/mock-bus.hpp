@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A USB bus that is not there: umockdev shows it to the real libusb, and what usbfs would do is
 // done here, in another thread of the same process.
 #pragma once

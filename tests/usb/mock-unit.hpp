@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A SPIDAR-G controller without the wires: takes OUT packets, queues IN packets. Behind it the
 // simulator's plant, and whatever a test wants to go wrong.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // gst-device-monitor-1.0 and its like find a SPIDAR, and hapticsink is made from what they found.
 #include "bus-fixture.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What cannot be opened is refused in 0.2 s with its own message and remedy, and nothing moves.
 #include "bus-fixture.hpp"
 

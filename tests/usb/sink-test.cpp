@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink with a controller that is pulled out of its socket while a film plays.
 #include "direct-fixture.hpp"
 #include "hapticsink-fixture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Ticks by the thousand: what they take, and what the pose is worth.
 #include "direct-fixture.hpp"
 #include "haptic-loop.hpp"
@@ -37,8 +38,8 @@ std::vector<double> timed_ticks(spidar::Device &device, int ticks) {
   sample.velocity_y = -100;
   sample.confidence = 1;
   sample.interval = 33 * kPeriod;
-  sample.picture_width = 352;
-  sample.picture_height = 288;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
   std::vector<double> taken;
   const AsTheLoop priority;
   for (std::int64_t tick = 1; tick <= ticks; ++tick) {

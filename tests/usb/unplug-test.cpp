@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Unplugged at any instant: noticed at once, survived, and opened again when it is back.
 #include "direct-fixture.hpp"
 #include "loop-priority.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A joystick or wheel with force feedback, as Linux knows it: the stick is the pointer.
 #pragma once
 

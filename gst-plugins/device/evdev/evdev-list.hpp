@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The joysticks and wheels with force feedback that the kernel knows.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // From a force to the effect that Linux drivers of joysticks and wheels know.
 #pragma once
 
@@ -18,7 +19,7 @@ inline constexpr double kFullForce = 5;
 /// a program that stands still.
 inline constexpr std::uint16_t kEffectLength = 100;
 
-/// The effect for the part of the force in the plane of the picture (N, x to the right, y up);
+/// The effect for the part of the force in the plane of the frame (N, x to the right, y up);
 /// without a y axis only for its x. A force that is not finite is none. `id` is the driver's, -1
 /// for a new effect. Rumble has no direction.
 ff_effect force_effect(const spidar::Vector3 &force, ForceKind kind, bool has_y,

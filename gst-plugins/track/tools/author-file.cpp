@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author-file.hpp"
 
 #include "gst-raii.hpp"
@@ -45,7 +46,7 @@ std::string seconds_of(GstClockTime time) {
 
 // ---- the file that is written -------------------------------------------------------------------
 
-// Whether it begins as a copy with motion fields does: they are there from the first picture on.
+// Whether it begins as a copy with motion fields does: they are there from the first frame on.
 bool holds_fields(const std::string &path) {
   constexpr std::string_view kLine = "hv1 field ";
   constexpr std::string_view kKey("\x06\x0E\x2B\x34\x02\x0B\x01\x01\x0FHAPTIC\x01", 16);
@@ -114,11 +115,11 @@ struct Work {
   std::string ending;
   std::vector<std::string> remarks;
   std::string unknown; // a stream that nobody can take apart
-  gint width = 0;      // px, of the decoded pictures; its streaming thread
+  gint width = 0;      // px, of the decoded frames; its streaming thread
   gint height = 0;
 
-  std::atomic<std::uint64_t> pictures = 0;
-  std::atomic<GstClockTime> measured = 0; // of the pictures
+  std::atomic<std::uint64_t> frames = 0;
+  std::atomic<GstClockTime> measured = 0; // of the frames
   std::atomic<GstClockTime> position = 0; // of the file
   std::atomic<GstClockTime> duration = GST_CLOCK_TIME_NONE;
 };
@@ -164,7 +165,7 @@ bool has_place(const char *mux, GstPad *pad) {
     auto *pads = static_cast<GstStaticPadTemplate *>(item->data);
     const CapsPtr all(gst_static_pad_template_get_caps(pads));
     const CapsPtr taken = without_form(all.get());
-    // A parser that has not yet seen a picture names all that it may give.
+    // A parser that has not yet seen a frame names all that it may give.
     has = has || (pads->direction == GST_PAD_SINK &&
                   (is_known ? gst_caps_is_subset(caps.get(), taken.get())
                             : gst_caps_can_intersect(caps.get(), taken.get())));
@@ -222,7 +223,7 @@ GstPadProbeReturn watch_size(GstPad *, GstPadProbeInfo *info, gpointer data) {
   if (width == work.width && height == work.height)
     return GST_PAD_PROBE_OK;
   GST_ELEMENT_ERROR(work.pipeline, STREAM, FORMAT,
-                    ("the picture's size changes from %d x %d to %d x %d after %.1f s; cut the "
+                    ("the frame's size changes from %d x %d to %d x %d after %.1f s; cut the "
                      "video there",
                      work.width, work.height, width, height,
                      static_cast<double>(work.measured) * 1e-9),
@@ -253,7 +254,7 @@ void watch_position(Work &work, GstPad *pad) {
       &work, nullptr);
 }
 
-// pictures -> motionfield -> hapticconvert -> muxer; the decoder is linked when it knows what it
+// frames -> motionfield -> hapticconvert -> muxer; the decoder is linked when it knows what it
 // gives.
 void add_track(Work &work, GstElement *decoder, GstElement *mux) {
   GstElement *convert = add_element(work.pipeline, "videoconvert");
@@ -278,7 +279,7 @@ void add_track(Work &work, GstElement *decoder, GstElement *mux) {
       out.get(), GST_PAD_PROBE_TYPE_BUFFER,
       [](GstPad *, GstPadProbeInfo *info, gpointer data) {
         Work &all = *static_cast<Work *>(data);
-        ++all.pictures;
+        ++all.frames;
         advance(all.measured, info);
         return GST_PAD_PROBE_OK;
       },
@@ -396,7 +397,7 @@ void sort_streams(Work &work) {
                          (work.unknown.empty() ? "" : " that is understood, only " + work.unknown));
 }
 
-// A decoder with a thread for each core holds pictures for each of them.
+// A decoder with a thread for each core holds frames for each of them.
 void limit_threads(GstBin *, GstBin *, GstElement *element, gpointer) {
   if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "max-threads"))
     g_object_set(element, "max-threads", 2, nullptr);
@@ -415,7 +416,7 @@ MessagePtr wait_for(Work &work, GstMessageType wanted,
     const double done = GST_CLOCK_TIME_IS_VALID(duration)
                             ? static_cast<double>(work.measured) / static_cast<double>(duration)
                             : 0;
-    tell({work.pictures, std::min(done, 1.0)});
+    tell({work.frames, std::min(done, 1.0)});
     if (!message)
       continue;
     const GstMessageType type = GST_MESSAGE_TYPE(message.get());
@@ -445,8 +446,8 @@ void wait_for_streams(Work &work, const std::function<void(const AuthorProgress 
 }
 
 void check_whole(const Work &work) {
-  if (work.pictures == 0)
-    throw TrackFileError("not one picture of this video can be decoded");
+  if (work.frames == 0)
+    throw TrackFileError("not one frame of this video can be decoded");
   const GstClockTime duration = work.duration;
   const GstClockTime position = work.position;
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
@@ -519,7 +520,7 @@ Authored author_file(const std::string &path, const AuthorOptions &options,
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   const std::string copy = author_stem(path, options) + work.ending;
   part.keep_as(copy);
-  return {copy, false, work.pictures, work.remarks};
+  return {copy, false, work.frames, work.remarks};
 }
 
 } // namespace haptic

@@ -1,4 +1,5 @@
-// One video: a copy of it with the motion of its whole picture beside it.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One video: a copy of it with the motion of its whole frame beside it.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +15,14 @@ struct AuthorOptions {
 };
 
 struct AuthorProgress {
-  std::uint64_t pictures = 0;
+  std::uint64_t frames = 0;
   double done = 0; ///< 0..1, 0 also where the length is not known
 };
 
 struct Authored {
   std::string path; ///< of the copy
   bool existed = false;
-  std::uint64_t pictures = 0;
+  std::uint64_t frames = 0;
   std::vector<std::string> remarks; ///< what of the video is not in the copy
 };
 

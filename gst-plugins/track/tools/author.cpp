@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author.hpp"
 
 #include "track-file.hpp"
@@ -38,7 +39,7 @@ std::string single_line(std::string text) {
 
 // ---- the process of one video -------------------------------------------------------------------
 
-// What it says, one line each: "P done pictures", and at the end "D|S pictures path" or "E why";
+// What it says, one line each: "P done frames", and at the end "D|S frames path" or "E why";
 // "R remark" before.
 int work_on(const std::string &path, const AuthorOptions &options, int out) {
   const auto say = [&](const std::string &line) {
@@ -49,11 +50,11 @@ int work_on(const std::string &path, const AuthorOptions &options, int out) {
   };
   try {
     const Authored made = author_file(path, options, [&](const AuthorProgress &progress) {
-      say("P " + std::to_string(progress.done) + " " + std::to_string(progress.pictures));
+      say("P " + std::to_string(progress.done) + " " + std::to_string(progress.frames));
     });
     for (const auto &remark : made.remarks)
       say("R " + remark);
-    say((made.existed ? "S " : "D ") + std::to_string(made.pictures) + " " + made.path);
+    say((made.existed ? "S " : "D ") + std::to_string(made.frames) + " " + made.path);
     return EXIT_SUCCESS;
   } catch (const std::exception &error) {
     say(std::string("E ") + error.what());
@@ -68,7 +69,7 @@ struct Job {
   int in = -1;
   std::string unread; // a line that has not wholly come
   double done = 0;
-  std::uint64_t pictures = 0;
+  std::uint64_t frames = 0;
   std::string result; // the last line
   Clock::time_point begun;
 };
@@ -196,7 +197,7 @@ private:
 
   void take_line(Job &job, const std::string &line) {
     if (line.starts_with("P ")) {
-      std::istringstream(line.substr(2)) >> job.done >> job.pictures;
+      std::istringstream(line.substr(2)) >> job.done >> job.frames;
     } else if (line.starts_with("R ")) {
       say(stderr, "\"" + job.path + "\": " + line.substr(2));
     } else {
@@ -212,20 +213,20 @@ private:
     const bool has_path = job.result.starts_with("D ") || job.result.starts_with("S ");
     if (has_path && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
       std::istringstream words(job.result.substr(2));
-      std::uint64_t pictures = 0;
+      std::uint64_t frames = 0;
       std::string copy;
-      std::getline(words >> pictures >> std::ws, copy);
+      std::getline(words >> frames >> std::ws, copy);
       if (job.result[0] == 'S') {
         ++existed_;
         say(stdout, "there already: " + copy);
         return;
       }
       ++written_;
-      pictures_ += pictures;
+      frames_ += frames;
       char speed[64];
-      std::snprintf(speed, sizeof speed, " (%llu pictures, %.0f a second)",
-                    static_cast<unsigned long long>(pictures),
-                    static_cast<double>(pictures) / since(job.begun));
+      std::snprintf(speed, sizeof speed, " (%llu frames, %.0f a second)",
+                    static_cast<unsigned long long>(frames),
+                    static_cast<double>(frames) / since(job.begun));
       say(stdout, "written: " + copy + speed);
       return;
     }
@@ -277,18 +278,17 @@ private:
       return;
     shown_ = Clock::now();
     double done = done_weight_;
-    std::uint64_t pictures = pictures_;
+    std::uint64_t frames = frames_;
     for (const Job &job : jobs_) {
       done += job.weight * job.done;
-      pictures += job.pictures;
+      frames += job.frames;
     }
     done = std::min(done / all_weight_, 1.0);
     const double seconds = since(begun_);
     char text[160];
-    std::snprintf(text, sizeof text, "%3.0f %%  %zu of %zu files, %llu pictures, %.0f a second",
+    std::snprintf(text, sizeof text, "%3.0f %%  %zu of %zu files, %llu frames, %.0f a second",
                   100 * done, written_ + existed_ + failed_, files_.size(),
-                  static_cast<unsigned long long>(pictures),
-                  static_cast<double>(pictures) / seconds);
+                  static_cast<unsigned long long>(frames), static_cast<double>(frames) / seconds);
     std::string line = text;
     if (done > 0.005 && seconds > 1)
       line += ", " + duration_text(seconds * (1 - done) / done) + " left";
@@ -312,9 +312,9 @@ private:
     if (interrupted != 0)
       std::printf(", %zu not done: run it again to go on",
                   files_.size() - written_ - existed_ - failed_);
-    std::printf("; %llu pictures in %s, %.0f a second, at most %ld MB a process\n",
-                static_cast<unsigned long long>(pictures_), duration_text(seconds).c_str(),
-                static_cast<double>(pictures_) / seconds, usage.ru_maxrss / 1024);
+    std::printf("; %llu frames in %s, %.0f a second, at most %ld MB a process\n",
+                static_cast<unsigned long long>(frames_), duration_text(seconds).c_str(),
+                static_cast<double>(frames_) / seconds, usage.ru_maxrss / 1024);
     return interrupted != 0 ? kInterrupted : failed_ > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
   }
 
@@ -328,7 +328,7 @@ private:
   std::size_t written_ = 0;
   std::size_t existed_ = 0;
   std::size_t failed_ = 0;
-  std::uint64_t pictures_ = 0;
+  std::uint64_t frames_ = 0;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
   bool bar_shown_ = false;
   const Clock::time_point begun_ = Clock::now();

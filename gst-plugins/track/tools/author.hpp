@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Many videos: one process for each, some at a time, and what the user sees of it.
 #pragma once
 

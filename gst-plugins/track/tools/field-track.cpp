@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-track.hpp"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ double field_energy(const MotionField &field) {
   for (const FieldCell &cell : field.cells)
     sum += static_cast<double>(cell.confidence) *
            (cell.velocity_x * cell.velocity_x + cell.velocity_y * cell.velocity_y);
-  const double width = field.picture_width;
+  const double width = field.frame_width;
   return sum / (static_cast<double>(field.cells.size()) * width * width);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What can be said of a track of motion fields, and its parts.
 #pragma once
 
@@ -18,8 +19,8 @@ void for_each_field(std::span<const CodedField> track,
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to);
 
-/// How much moves in a picture: the mean over its cells of the square of the speed, by confidence,
-/// in (picture widths a second)^2.
+/// How much moves in a frame: the mean over its cells of the square of the speed, by confidence,
+/// in (frame widths a second)^2.
 double field_energy(const MotionField &field);
 
 } // namespace haptic

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Looks into haptic tracks, converts, cuts, plots and authors them. docs/haptic-track.md.
 #include "author.hpp"
 #include "field-track.hpp"
@@ -37,7 +38,7 @@ constexpr char kUsage[] =
     "written. Only the track is written: a video beside it stays where it is.\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
     "  --force       write over an output that exists\n"
-    "author writes for each video a copy with the motion of its whole picture beside it:\n"
+    "author writes for each video a copy with the motion of its whole frame beside it:\n"
     "NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it "
     "goes\n"
     "on where it was stopped. The exit status is 0 if all copies are there.\n"
@@ -162,7 +163,7 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     return;
   std::printf("  grid       %u x %u cells\n", first.columns, first.rows);
   std::printf("  measured   %.1f %% of the cells\n", 100 * measured / cells);
-  std::printf("  picture    %u x %u px, pixels %u:%u\n", first.picture_width, first.picture_height,
+  std::printf("  frame      %u x %u px, pixels %u:%u\n", first.frame_width, first.frame_height,
               first.pixel_aspect_n, first.pixel_aspect_d);
   if (measured > 0)
     std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
@@ -200,8 +201,8 @@ void info(const std::string &path) {
     info_of_times(first.time, last.time, track.samples.size());
     std::printf("  measured   %.1f %% of the samples\n",
                 100.0 * static_cast<double>(measured) / static_cast<double>(track.samples.size()));
-    std::printf("  picture    %u x %u px, pixels %u:%u\n", first.motion.picture_width,
-                first.motion.picture_height, first.motion.pixel_aspect_n,
+    std::printf("  frame      %u x %u px, pixels %u:%u\n", first.motion.frame_width,
+                first.motion.frame_height, first.motion.pixel_aspect_n,
                 first.motion.pixel_aspect_d);
     if (measured > 0)
       std::printf("  speed      %.1f px/s on average, %.1f at most\n",

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Pipelines of the tools, and their errors in the user's words.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "track-file.hpp"
 
 #include "field-codec.hpp"
@@ -420,7 +421,7 @@ void write_track_file(const std::string &path, const TrackFile &track) {
   const std::string part = path + ".part";
   if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
     fail(path, "MPEG haptics can hold the motion of one point only, and this track holds fields of "
-               "the whole picture; write .ts, .mkv, .klv or .txt");
+               "the whole frame; write .ts, .mkv, .klv or .txt");
   if (ending == ".ts") {
     write_container(part, track, "meta/x-klv ! mpegtsmux");
   } else if (ending == ".mkv") {

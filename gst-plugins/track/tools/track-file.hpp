@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Haptic tracks as files, in all forms there are.
 #pragma once
 

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "track-plot.hpp"
 
 #include "field-track.hpp"
 #include "force-curve.hpp"
-#include "picture-reader.hpp"
+#include "frame-reader.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -109,7 +110,7 @@ struct Overview {
   std::vector<std::uint64_t> times;
   std::vector<double> energies;
   double usual_speed = 0; ///< px/s, which nearly no cell exceeds
-  int width = 0;          ///< px, of a picture as it is drawn
+  int width = 0;          ///< px, of a frame as it is drawn
   int height = 0;
 };
 
@@ -121,12 +122,12 @@ Overview look_over(const TrackFile &track, int width) {
     if (all.times.empty())
       all.height =
           std::clamp(static_cast<int>(std::lround(
-                         static_cast<double>(width) * field.picture_height * field.pixel_aspect_d /
-                         (static_cast<double>(field.picture_width) * field.pixel_aspect_n))),
+                         static_cast<double>(width) * field.frame_height * field.pixel_aspect_d /
+                         (static_cast<double>(field.frame_width) * field.pixel_aspect_n))),
                      16, 4 * width);
     all.times.push_back(time);
     all.energies.push_back(field_energy(field));
-    // The fastest of each picture: a few fast leaves are not lost among all that rests.
+    // The fastest of each frame: a few fast leaves are not lost among all that rests.
     float fastest = 0;
     for (const FieldCell &cell : field.cells)
       if (cell.confidence >= kLeastConfidence)
@@ -159,18 +160,17 @@ std::vector<MotionField> fields_at(const TrackFile &track,
   return shown;
 }
 
-void draw_field(Gnuplot &out, const Picture &picture, const MotionField &field,
-                const Overview &all) {
+void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, const Overview &all) {
   out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
   out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
   const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#ffd000'";
-  if (picture.rgb.empty()) {
+  if (frame.rgb.empty()) {
     out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
     out.line("plot %s", arrows);
   } else {
     out.line("plot '-' binary array=(%d,%d) flip=y format='%%uchar' using 1:2:3 with rgbimage, %s",
              all.width, all.height, arrows);
-    out.bytes(picture.rgb);
+    out.bytes(frame.rgb);
   }
   const double cell_width = static_cast<double>(all.width) / std::max<int>(field.columns, 1);
   const double cell_height = static_cast<double>(all.height) / std::max<int>(field.rows, 1);
@@ -227,7 +227,7 @@ std::vector<std::uint64_t> lively_moments(const Overview &all) {
 void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) {
   const Overview all = look_over(track, kStillWidth);
   const auto times = lively_moments(all);
-  const auto pictures = read_pictures(path, times, all.width, all.height);
+  const auto frames = read_frames(path, times, all.width, all.height);
   const auto fields = fields_at(track, times);
   const std::size_t columns = std::min(kStillsInARow, times.size());
   const std::size_t rows = (times.size() + columns - 1) / columns;
@@ -240,7 +240,7 @@ void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) 
   for (std::size_t i = 0; i < times.size(); ++i) {
     place(out, wide * static_cast<double>(i % columns),
           1 - high * static_cast<double>(i / columns + 1), wide, high);
-    draw_field(out, pictures[i], fields[i], all);
+    draw_field(out, frames[i], fields[i], all);
   }
   place(out, 0.02, 50.0 / height, 0.96, (kStripHeight - 55.0) / height);
   draw_energy(out, all, times);
@@ -258,7 +258,7 @@ void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out)
   for (std::uint64_t time = begin; time < begin + kPreview && time <= all.times.back();
        time += kPreviewStep)
     times.push_back(time);
-  const auto pictures = read_pictures(path, times, all.width, all.height);
+  const auto frames = read_frames(path, times, all.width, all.height);
   const auto fields = fields_at(track, times);
   const int height = all.height + kStripHeight;
   out.set_terminal("gif animate delay 10 loop 0 optimize", all.width, height);
@@ -266,7 +266,7 @@ void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out)
     out.line("set multiplot");
     place(out, 0, static_cast<double>(kStripHeight) / height, 1,
           static_cast<double>(all.height) / height);
-    draw_field(out, pictures[i], fields[i], all);
+    draw_field(out, frames[i], fields[i], all);
     place(out, 0.03, 50.0 / height, 0.94, (kStripHeight - 55.0) / height);
     draw_energy(out, all, {times[i]});
     out.line("unset multiplot");

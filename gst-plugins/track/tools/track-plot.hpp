@@ -1,4 +1,5 @@
-// Pictures of tracks, drawn by gnuplot.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames of tracks, drawn by gnuplot.
 #pragma once
 
 #include "track-file.hpp"
@@ -7,7 +8,7 @@
 
 namespace haptic {
 
-/// Of points: velocity, force and confidence over time, as .png. Of fields: arrows over pictures of
+/// Of points: velocity, force and confidence over time, as .png. Of fields: arrows over frames of
 /// the video beside them, or over grey, and how much moves over time, as .png; the liveliest
 /// seconds of it as a moving .gif. `path` is where the track was read. Throws TrackFileError.
 void plot_track(const std::string &path, const TrackFile &track, const std::string &output);

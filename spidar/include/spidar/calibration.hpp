@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // From what a person sees and measures to a geometry file.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The border to the motor electronics: D/A words out, encoder counts in, one exchange per tick.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A SPIDAR-G as its user sees it: pose out, wrench in, limits kept.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What can go wrong outside the real-time loop. Inside it nothing throws.
 #pragma once
 

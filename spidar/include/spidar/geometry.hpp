@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The constants of one SPIDAR-G: data that its user can measure and edit, never code.
 #pragma once
 
@@ -21,7 +22,7 @@ struct Geometry {
   double tension_max = 5.0;    ///< N
   double grip_radius = 0.0225; ///< m, scales rotation against translation
   Vector3 workspace_half = {0.025, 0.025,
-                            0.025}; ///< m from the centre; equation 1 maps it to the picture
+                            0.025}; ///< m from the centre; equation 1 maps it to the frame
 };
 
 /// Name of the geometry used when none is given.

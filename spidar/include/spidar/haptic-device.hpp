@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What anything that a hand holds can do: pose out, wrench in.
 #pragma once
 
@@ -43,7 +44,7 @@ public:
 
   virtual const DeviceState &state() const noexcept = 0;
 
-  /// m from the centre; equation 1 maps it to the picture.
+  /// m from the centre; equation 1 maps it to the frame.
   virtual const Vector3 &workspace_half() const noexcept = 0;
 
   /// Whether a grip that is let go of flies through the air, so that one that is too fast must lose

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Pose of the grip from eight string lengths: Gauss-Newton, rotation scaled by the grip radius.
 #pragma once
 

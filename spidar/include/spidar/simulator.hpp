@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A SPIDAR-G without the hardware: encoders and D/A with their real resolution, a grip with mass,
 // strings that only pull, and a hand that holds the grip.
 #pragma once

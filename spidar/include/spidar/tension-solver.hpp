@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Tensions from a wrench: box-constrained least squares by a primal active set, warm-started.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Quantities of the SPIDAR-G. SI units throughout. Frame of reference: origin in the workspace
 // centre, x to the right, y up, z towards the user (right-handed).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The controllers on the USB bus: what is there, and opening one.
 #pragma once
 

@@ -1,13 +1,14 @@
-// Caps of elements that turn pictures into haptic samples.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Caps of elements that turn frames into haptic samples.
 #pragma once
 
 #include "gst-raii.hpp"
 
 namespace haptic {
 
-/// What the other side's template allows, with the fields that describe the picture, which are the
+/// What the other side's template allows, with the fields that describe the frame, which are the
 /// same on both sides.
-inline CapsPtr with_picture_fields(GstStaticPadTemplate &other_side, const GstCaps *caps) {
+inline CapsPtr with_frame_fields(GstStaticPadTemplate &other_side, const GstCaps *caps) {
   const CapsPtr pattern(gst_static_pad_template_get_caps(&other_side));
   CapsPtr result(gst_caps_new_empty());
   for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
@@ -22,10 +23,10 @@ inline CapsPtr with_picture_fields(GstStaticPadTemplate &other_side, const GstCa
 }
 
 /// For GstBaseTransform::transform_caps.
-inline GstCaps *transform_picture_caps(GstPadDirection from, GstStaticPadTemplate &sink,
-                                       GstStaticPadTemplate &src, const GstCaps *caps,
-                                       GstCaps *filter) {
-  CapsPtr result = with_picture_fields(from == GST_PAD_SINK ? src : sink, caps);
+inline GstCaps *transform_frame_caps(GstPadDirection from, GstStaticPadTemplate &sink,
+                                     GstStaticPadTemplate &src, const GstCaps *caps,
+                                     GstCaps *filter) {
+  CapsPtr result = with_frame_fields(from == GST_PAD_SINK ? src : sink, caps);
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();

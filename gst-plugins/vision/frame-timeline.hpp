@@ -1,4 +1,5 @@
-// Time between pictures, from their time stamps alone: what a stream claims as its frame rate need
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Time between frames, from their time stamps alone: what a stream claims as its frame rate need
 // not be true.
 #pragma once
 
@@ -7,11 +8,11 @@
 
 namespace haptic {
 
-/// How a picture follows in time on the reference, the earlier picture it is to be compared with.
+/// How a frame follows in time on the reference, the earlier frame it is to be compared with.
 struct TimeStep {
   enum class Kind {
     follows,  ///< `interval` after the reference
-    repeats,  ///< same time as the picture before: nothing can be said about its velocity
+    repeats,  ///< same time as the frame before: nothing can be said about its velocity
     restarts, ///< no reference, or none that it can be compared with
   };
   Kind kind = Kind::restarts;
@@ -20,16 +21,16 @@ struct TimeStep {
 };
 
 /// Not thread-safe.
-class PictureTimeline {
+class FrameTimeline {
 public:
-  /// The next picture of the stream, with its time stamp in ns. `descending`: the stream is played
+  /// The next frame of the stream, with its time stamp in ns. `descending`: the stream is played
   /// backwards, so that its time stamps fall.
   TimeStep advance(std::optional<std::uint64_t> pts, bool descending);
 
-  /// The picture given last becomes the reference.
+  /// The frame given last becomes the reference.
   void adopt() { reference_ = last_; }
 
-  /// The next picture restarts.
+  /// The next frame restarts.
   void forget() {
     reference_.reset();
     last_.reset();

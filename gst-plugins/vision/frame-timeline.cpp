@@ -1,27 +1,28 @@
-#include "picture-timeline.hpp"
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame-timeline.hpp"
 
 #include <algorithm>
 
 namespace haptic {
 namespace {
 
-// Slow streams exist (a picture every 0.7 s is real); a pause is long for its own stream.
+// Slow streams exist (a frame every 0.7 s is real); a pause is long for its own stream.
 constexpr std::uint64_t kShortestPause = 2'000'000'000;
 constexpr std::uint64_t kPauseInIntervals = 10;
 
 } // namespace
 
-TimeStep PictureTimeline::advance(std::optional<std::uint64_t> pts, bool descending) {
+TimeStep FrameTimeline::advance(std::optional<std::uint64_t> pts, bool descending) {
   if (!pts) {
     forget();
-    return {TimeStep::Kind::restarts, 0, "a picture has no time stamp"};
+    return {TimeStep::Kind::restarts, 0, "a frame has no time stamp"};
   }
   const std::optional<std::uint64_t> before = last_;
   last_ = pts;
   if (!before || !reference_)
     return {};
   if (*pts == *before)
-    return {TimeStep::Kind::repeats, 0, "two pictures have the same time stamp"};
+    return {TimeStep::Kind::repeats, 0, "two frames have the same time stamp"};
   const bool falls = *pts < *before;
   if (falls != descending) {
     reference_.reset();

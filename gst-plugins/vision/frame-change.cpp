@@ -1,4 +1,5 @@
-#include "picture-change.hpp"
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame-change.hpp"
 
 #include "tensor.hpp"
 

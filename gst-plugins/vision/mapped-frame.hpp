@@ -1,4 +1,5 @@
-// Buffers that hold pictures: their pixels, and metadata of one's own on pixels that are shared.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Buffers that hold frames: their pixels, and metadata of one's own on pixels that are shared.
 #pragma once
 
 #include <gst/video/gstvideometa.h>
@@ -6,28 +7,28 @@
 
 namespace haptic {
 
-/// A picture mapped for a scope.
-class MappedPicture {
+/// A frame mapped for a scope.
+class MappedFrame {
 public:
-  MappedPicture(const GstVideoInfo &info, GstBuffer *buffer, GstMapFlags access = GST_MAP_READ) {
+  MappedFrame(const GstVideoInfo &info, GstBuffer *buffer, GstMapFlags access = GST_MAP_READ) {
     // Without a reference of its own: the buffer must stay writable for the metadata.
     const auto flags = static_cast<GstMapFlags>(static_cast<int>(access) |
                                                 static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
     is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
   }
-  ~MappedPicture() {
+  ~MappedFrame() {
     if (is_mapped_)
       gst_video_frame_unmap(&frame_);
   }
-  MappedPicture(const MappedPicture &) = delete;
-  MappedPicture &operator=(const MappedPicture &) = delete;
+  MappedFrame(const MappedFrame &) = delete;
+  MappedFrame &operator=(const MappedFrame &) = delete;
 
   explicit operator bool() const { return is_mapped_; }
   const GstVideoFrame &frame() const { return frame_; }
   GstVideoFrame &frame() { return frame_; }
 
 private:
-  // Mapping a picture whose own description contradicts the caps would be an error of this program.
+  // Mapping a frame whose own description contradicts the caps would be an error of this program.
   static bool fits(const GstVideoInfo &info, GstBuffer *buffer) {
     const GstVideoMeta *meta = gst_buffer_get_video_meta(buffer);
     return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&

@@ -1,4 +1,5 @@
-// Pictures out of GStreamer.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames out of GStreamer.
 #pragma once
 
 #include <gst/gst.h>
@@ -16,7 +17,7 @@ struct Unref {
 };
 using Sample = std::unique_ptr<GstSample, Unref<gst_sample_unref>>;
 
-/// A copy of the luma. Throws std::runtime_error where the sample holds no picture.
+/// A copy of the luma. Throws std::runtime_error where the sample holds no frame.
 cv::Mat luma_of(GstSample *sample);
 
 } // namespace lab

@@ -1,4 +1,5 @@
-#include "picture-reader.hpp"
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame-reader.hpp"
 
 #include "pipeline.hpp"
 
@@ -7,30 +8,30 @@
 namespace haptic {
 namespace {
 
-// A transport stream cannot be sought to a key picture: what is decoded is wrong until the next
-// one, which encoders put there each 250 pictures.
+// A transport stream cannot be sought to a key frame: what is decoded is wrong until the next
+// one, which encoders put there each 250 frames.
 constexpr GstClockTime kBeforeAKey = 20 * GST_SECOND;
 constexpr GstClockTime kPatience = 5 * GST_SECOND;
 
-Picture picture_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
-  Picture picture;
+Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
+  Frame frame;
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   GstMapInfo map;
   if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return picture;
+    return frame;
   const std::size_t stride = map.size / rows; // rows are padded to four bytes
   for (std::size_t row = 0; stride >= row_size && row < rows; ++row)
-    picture.rgb.insert(picture.rgb.end(), map.data + row * stride,
+    frame.rgb.insert(frame.rgb.end(), map.data + row * stride,
                        map.data + row * stride + row_size);
   gst_buffer_unmap(buffer, &map);
-  return picture;
+  return frame;
 }
 
 } // namespace
 
-std::vector<Picture> read_pictures(const std::string &path, const std::vector<std::uint64_t> &times,
+std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
                                    int width, int height) {
-  std::vector<Picture> pictures(times.size());
+  std::vector<Frame> frames(times.size());
   const std::string line =
       "filesrc name=in ! decodebin ! videoconvert ! videoscale add-borders=false ! video/x-raw,"
       "format=RGB,pixel-aspect-ratio=1/1,width=" +
@@ -38,7 +39,7 @@ std::vector<Picture> read_pictures(const std::string &path, const std::vector<st
       " ! appsink name=out sync=false max-buffers=2";
   GstElement *made = gst_parse_launch(line.c_str(), nullptr);
   if (!made)
-    return pictures;
+    return frames;
   const ElementPtr pipeline(made);
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
@@ -59,7 +60,7 @@ std::vector<Picture> read_pictures(const std::string &path, const std::vector<st
                                          GST_BUFFER_PTS(gst_sample_get_buffer(sample)));
         const bool is_wanted = now + GST_MSECOND >= times[i];
         if (is_wanted)
-          pictures[i] = picture_of(sample, 3 * static_cast<std::size_t>(width),
+          frames[i] = frame_of(sample, 3 * static_cast<std::size_t>(width),
                                    static_cast<std::size_t>(height));
         gst_sample_unref(sample);
         if (is_wanted)
@@ -68,7 +69,7 @@ std::vector<Picture> read_pictures(const std::string &path, const std::vector<st
     }
   }
   gst_element_set_state(made, GST_STATE_NULL);
-  return pictures;
+  return frames;
 }
 
 } // namespace haptic

@@ -1,4 +1,5 @@
-// A picture whose surroundings may not be read.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A frame whose surroundings may not be read.
 #pragma once
 
 #include "patch-tracker.hpp"
@@ -9,19 +10,19 @@
 
 namespace test {
 
-/// A picture in the middle of memory that may not be touched.
-class GuardedPicture {
+/// A frame in the middle of memory that may not be touched.
+class GuardedFrame {
 public:
-  GuardedPicture(int width, int height) : width_(width), height_(height) {
+  GuardedFrame(int width, int height) : width_(width), height_(height) {
     page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
     rows_ = (static_cast<std::size_t>(width) + page_ - 1) / page_ * page_ + page_;
     size_ = rows_ * static_cast<std::size_t>(height) + page_;
     memory_ = static_cast<std::uint8_t *>(
         mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   }
-  ~GuardedPicture() { munmap(memory_, size_); }
-  GuardedPicture(const GuardedPicture &) = delete;
-  GuardedPicture &operator=(const GuardedPicture &) = delete;
+  ~GuardedFrame() { munmap(memory_, size_); }
+  GuardedFrame(const GuardedFrame &) = delete;
+  GuardedFrame &operator=(const GuardedFrame &) = delete;
 
   /// Each row ends (or begins) at a page that is protected.
   haptic::LumaView filled(const haptic::LumaView &from, bool ends) {

@@ -1,4 +1,5 @@
-// Whether anything moved between two pictures, from their differences alone.
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Whether anything moved between two frames, from their differences alone.
 #pragma once
 
 #include "patch-tracker.hpp"

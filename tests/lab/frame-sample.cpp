@@ -1,4 +1,5 @@
-#include "picture-sample.hpp"
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame-sample.hpp"
 
 #include <gst/video/video.h>
 #include <stdexcept>
@@ -10,13 +11,13 @@ cv::Mat luma_of(GstSample *sample) {
   GstVideoFrame frame;
   if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
       !gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
-    throw std::runtime_error("a picture of a clip cannot be read");
+    throw std::runtime_error("a frame of a clip cannot be read");
   const cv::Mat mapped(GST_VIDEO_FRAME_HEIGHT(&frame), GST_VIDEO_FRAME_WIDTH(&frame), CV_8UC1,
                        GST_VIDEO_FRAME_PLANE_DATA(&frame, 0),
                        static_cast<std::size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)));
-  cv::Mat picture = mapped.clone();
+  cv::Mat frame = mapped.clone();
   gst_video_frame_unmap(&frame);
-  return picture;
+  return frame;
 }
 
 } // namespace lab
