@@ -62,16 +62,16 @@ std::optional<Frame> luma(GstPad *pad, GstBuffer *buffer) {
   if (!caps || !gst_video_info_from_caps(&info, caps.get()) ||
       GST_VIDEO_INFO_FORMAT(&info) != GST_VIDEO_FORMAT_GRAY8)
     return {};
-  GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ))
+  GstVideoFrame mapped;
+  if (!gst_video_frame_map(&mapped, &info, buffer, GST_MAP_READ))
     return {};
   Frame frame{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), {}};
-  const auto *pixels = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
+  const auto *pixels = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(&mapped, 0));
   for (int y = 0; y < frame.height; ++y) {
-    const auto *row = pixels + std::ptrdiff_t{y} * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
+    const auto *row = pixels + std::ptrdiff_t{y} * GST_VIDEO_FRAME_PLANE_STRIDE(&mapped, 0);
     frame.grey.insert(frame.grey.end(), row, row + frame.width);
   }
-  gst_video_frame_unmap(&frame);
+  gst_video_frame_unmap(&mapped);
   return frame;
 }
 

@@ -267,10 +267,10 @@ TEST_F(HapticOverlay, EveryFormatIsDrawnOnAboutTheRegionAlone) {
       for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&plain); ++c)
         for (int y = 0; y < GST_VIDEO_FRAME_COMP_HEIGHT(&plain, c); ++y)
           for (int x = 0; x < GST_VIDEO_FRAME_COMP_WIDTH(&plain, c); ++x) {
-            const auto sample = [&](GstVideoFrame &frame) {
+            const auto sample = [&](GstVideoFrame &video) {
               return static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(
-                  &frame, c))[y * GST_VIDEO_FRAME_COMP_STRIDE(&frame, c) +
-                              x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, c)];
+                  &video, c))[y * GST_VIDEO_FRAME_COMP_STRIDE(&video, c) +
+                              x * GST_VIDEO_FRAME_COMP_PSTRIDE(&video, c)];
             };
             if (sample(drawn) == sample(plain))
               continue;

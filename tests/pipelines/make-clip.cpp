@@ -42,8 +42,8 @@ int write_clip(int width, int height, double rate, double seconds,
   test::Frame frame(width, height);
   const int frames = static_cast<int>(std::lround(rate * seconds));
   const int count = static_cast<int>(parts.size());
-  for (int frame = 0; frame < frames; ++frame) {
-    const double time = frame / rate;
+  for (int index = 0; index < frames; ++index) {
+    const double time = index / rate;
     for (int i = 0; i < count; ++i) {
       const double swing = is_leaf ? test::Leaf::position(time) : 0;
       texture.paint(frame, {parts[i].x * time + swing, parts[i].y * time}, i * width / count,

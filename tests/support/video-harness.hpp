@@ -31,17 +31,17 @@ inline GstVideoInfo video_info(GstVideoFormat format, int width, int height) {
 inline haptic::BufferPtr to_buffer(const Frame &frame, const GstVideoInfo &info) {
   haptic::BufferPtr buffer(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
   gst_buffer_memset(buffer.get(), 0, 128, GST_VIDEO_INFO_SIZE(&info));
-  GstVideoFrame frame;
-  gst_video_frame_map(&frame, &info, buffer.get(), GST_MAP_WRITE);
+  GstVideoFrame mapped;
+  gst_video_frame_map(&mapped, &info, buffer.get(), GST_MAP_WRITE);
   const guint components = GST_VIDEO_INFO_IS_RGB(&info) ? 3 : 1;
   for (guint component = 0; component < components; ++component) {
-    auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame, component));
-    const int step = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, component);
-    for (int y = 0; y < frame.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&frame, component))
+    auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&mapped, component));
+    const int step = GST_VIDEO_FRAME_COMP_PSTRIDE(&mapped, component);
+    for (int y = 0; y < frame.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&mapped, component))
       for (int x = 0; x < frame.width; ++x)
         row[x * step] = frame.pixels[static_cast<std::size_t>(y) * frame.width + x];
   }
-  gst_video_frame_unmap(&frame);
+  gst_video_frame_unmap(&mapped);
   return buffer;
 }
 

@@ -322,7 +322,7 @@ struct Row {
 
 constexpr int kTrials = 1000;
 // The history settles within the first; each has noise, places and false matches of its own.
-constexpr int kFrames = 5;
+constexpr int kSettled = 5;
 
 Row row_of(MotionModel truth, int count, double sigma, int frames) {
   Scenes scenes(static_cast<unsigned>(1000 * count + 100 * sigma) + static_cast<unsigned>(truth));
@@ -359,7 +359,7 @@ TEST_P(MotionModels, TheSmallestThatExplainsTheSceneIsChosen) {
   const auto [count, sigma] = GetParam();
   for (std::size_t truth = 0; truth < kModels.size(); ++truth) {
     SCOPED_TRACE(motion_model_name(kModels[truth]));
-    const Row row = row_of(kModels[truth], count, sigma, kFrames);
+    const Row row = row_of(kModels[truth], count, sigma, kSettled);
     EXPECT_GE(row.chosen[truth], kModels[truth] == MotionModel::still ? 0.99 : 0.95);
     EXPECT_LE(row.larger, 0.03);
     EXPECT_LE(row.mixtures, 0.01);
