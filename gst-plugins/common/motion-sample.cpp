@@ -3,8 +3,6 @@
 
 #include "little-endian.hpp"
 
-#include <cmath>
-
 namespace haptic {
 namespace {
 
@@ -19,8 +17,7 @@ bool is_fraction(float value) {
 } // namespace
 
 bool is_valid(const MotionSample &s) noexcept {
-  return std::isfinite(s.velocity_x) && std::isfinite(s.velocity_y) && std::isfinite(s.spin) &&
-         std::isfinite(s.divergence) && is_fraction(s.pointer_x) && is_fraction(s.pointer_y) &&
+  return is_finite(s.motion()) && is_fraction(s.pointer_x) && is_fraction(s.pointer_y) &&
          is_fraction(s.region_width) && is_fraction(s.region_height) && is_fraction(s.confidence) &&
          s.frame_width > 0 && s.frame_height > 0 && s.pixel_aspect_n > 0 && s.pixel_aspect_d > 0 &&
          s.model <= MotionModel::affine;

@@ -2,6 +2,8 @@
 // The motion sample: what velocityavg says about one frame, as it flows in haptics/x-raw buffers.
 #pragma once
 
+#include "planar-motion.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,13 +34,9 @@ enum MotionFlags : std::uint16_t {
   kMotionAperture = 1 << 5, ///< only edges of one direction: the velocity is the part across them
 };
 
-/// Velocities are in pixels of the frame per second of its time stamps, x to the right and y
-/// down. Positions and sizes are fractions of the frame, origin at its top left corner.
-struct MotionSample {
-  float velocity_x = 0;             ///< px/s
-  float velocity_y = 0;             ///< px/s
-  float spin = 0;                   ///< rad/s, positive turns x towards y (clockwise on screen)
-  float divergence = 0;             ///< 1/s, mean relative rate of expansion
+/// The motion of one frame, with what is needed to understand it alone. Seconds are those of the
+/// time stamps. Positions and sizes are fractions of the frame, origin at its top left corner.
+struct MotionSample : PlanarMotion {
   float pointer_x = 0.5F;           ///< 0..1
   float pointer_y = 0.5F;           ///< 0..1
   float region_width = 0;           ///< 0..1
@@ -52,6 +50,9 @@ struct MotionSample {
   std::uint16_t points = 0; ///< patches that the velocity rests on
   std::uint16_t flags = 0;  ///< MotionFlags
   MotionModel model = MotionModel::none;
+
+  PlanarMotion &motion() noexcept { return *this; }
+  const PlanarMotion &motion() const noexcept { return *this; }
 
   bool operator==(const MotionSample &) const = default;
 };

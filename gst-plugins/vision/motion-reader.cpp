@@ -21,10 +21,7 @@ std::uint16_t sample_flags(guint meta_flags) {
 }
 
 void set_motion(MotionSample &sample, const VelocityEstimate &estimate) {
-  sample.velocity_x = estimate.velocity_x;
-  sample.velocity_y = estimate.velocity_y;
-  sample.spin = estimate.spin;
-  sample.divergence = estimate.divergence;
+  sample.motion() = estimate.motion();
   sample.confidence = estimate.confidence;
   sample.points = static_cast<std::uint16_t>(estimate.points);
   sample.model = estimate.model;
@@ -35,10 +32,7 @@ void set_motion(MotionSample &sample, const VelocityEstimate &estimate) {
 }
 
 void repeat_motion(MotionSample &sample, const MotionSample &before) {
-  sample.velocity_x = before.velocity_x;
-  sample.velocity_y = before.velocity_y;
-  sample.spin = before.spin;
-  sample.divergence = before.divergence;
+  sample.motion() = before.motion();
   sample.confidence = before.confidence;
   sample.points = before.points;
   sample.model = before.model;

@@ -440,13 +440,13 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
 
   const Motion &motion = answer.felt;
   const auto per_second = static_cast<float>(1 / set.interval);
-  VelocityEstimate estimate{.velocity_x = motion.x0 * per_second,
-                            .velocity_y = motion.y0 * per_second,
-                            .spin = (motion.yx - motion.xy) / 2 * per_second,
-                            .divergence = (motion.xx + motion.yy) / 2 * per_second,
-                            .model = answer.model,
-                            .mixture = answer.is_mixture,
-                            .history = answer.history};
+  VelocityEstimate estimate{{.velocity_x = motion.x0 * per_second,
+                             .velocity_y = motion.y0 * per_second,
+                             .spin = (motion.yx - motion.xy) / 2 * per_second,
+                             .divergence = (motion.xx + motion.yy) / 2 * per_second}};
+  estimate.model = answer.model;
+  estimate.mixture = answer.is_mixture;
+  estimate.history = answer.history;
   // Three doubts multiplied: is the velocity precise, do the errors fit their precision, and do the
   // patches agree?
   const Support support = support_of(points, answer);
@@ -477,9 +477,7 @@ VelocityEstimate estimate_velocity(const PatchSet &set, Average average, ModelCh
       !(set.interval > 0))
     return {};
   if (average == Average::model && choice == ModelChoice::still)
-    return {.confidence = 1,
-            .points = static_cast<int>(set.patches.size()),
-            .model = MotionModel::still};
+    return {{}, 1, static_cast<int>(set.patches.size()), MotionModel::still};
   return HWY_DYNAMIC_DISPATCH(Estimate)(set, average, choice, history);
 }
 

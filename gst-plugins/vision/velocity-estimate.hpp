@@ -39,11 +39,7 @@ struct ModelHistory {
   bool mixture = false;                       ///< of the frame before: two motions
 };
 
-struct VelocityEstimate {
-  float velocity_x = 0; ///< px/s
-  float velocity_y = 0; ///< px/s, y down
-  float spin = 0;       ///< rad/s, positive turns x towards y
-  float divergence = 0; ///< 1/s, mean relative rate of expansion
+struct VelocityEstimate : PlanarMotion {
   float confidence = 0; ///< 0..1; 0: nothing was measured, and all else is 0
   int points = 0;       ///< patches that agree with the velocity
   MotionModel model = MotionModel::none;
@@ -53,6 +49,8 @@ struct VelocityEstimate {
   /// which they do, and the confidence that of this part.
   bool aperture = false;
   ModelHistory history; ///< for the next frame
+
+  const PlanarMotion &motion() const noexcept { return *this; }
 };
 
 /// `automatic` minimises a robust information criterion after Torr (GRIC, IJCV 50(1), 2002) over

@@ -172,9 +172,9 @@ TEST_F(Faults, F11_NoiseWithoutConfidenceIsNoForce) {
 TEST_F(Faults, F12_ANumberThatIsNotFiniteIsZeroOnThatTickAndCountedOnce) {
   const float bad[] = {std::nanf(""), std::numeric_limits<float>::infinity(),
                        -std::numeric_limits<float>::infinity()};
-  for (float MotionSample::*field :
-       {&MotionSample::velocity_x, &MotionSample::velocity_y, &MotionSample::spin,
-        &MotionSample::divergence, &MotionSample::confidence})
+  for (float MotionSample::*field : std::initializer_list<float MotionSample::*>{
+           &MotionSample::velocity_x, &MotionSample::velocity_y, &MotionSample::spin,
+           &MotionSample::divergence, &MotionSample::confidence})
     for (const float number : bad) {
       full_force(500);
       const auto counted = loop_.statistics().non_finite.load();

@@ -62,9 +62,10 @@ TEST(MotionSample, LongerInputIsALaterVersionWithMoreFields) {
 TEST(MotionSample, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
   for (float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                     -std::numeric_limits<float>::infinity()}) {
-    for (auto field : {&MotionSample::velocity_x, &MotionSample::velocity_y, &MotionSample::spin,
-                       &MotionSample::divergence, &MotionSample::pointer_x,
-                       &MotionSample::confidence, &MotionSample::region_width}) {
+    for (float MotionSample::*field : std::initializer_list<float MotionSample::*>{
+             &MotionSample::velocity_x, &MotionSample::velocity_y, &MotionSample::spin,
+             &MotionSample::divergence, &MotionSample::pointer_x, &MotionSample::confidence,
+             &MotionSample::region_width}) {
       MotionSample s = full_sample();
       s.*field = bad;
       EXPECT_EQ(haptic::unpack_motion_sample(haptic::pack_motion_sample(s)), std::nullopt);
