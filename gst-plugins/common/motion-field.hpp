@@ -36,7 +36,7 @@ struct MotionField {
   std::uint32_t frame_height = 0;   ///< px
   std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
   std::uint32_t pixel_aspect_d = 1;
-  std::uint16_t flags = 0; ///< of MotionFlags: still, duplicate, cut, discontinuity
+  std::uint16_t flags = 0; ///< of kFrameFlags
   std::uint16_t columns = 0;
   std::uint16_t rows = 0;
   std::vector<FieldCell> cells; ///< columns * rows

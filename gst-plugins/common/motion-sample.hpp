@@ -34,6 +34,11 @@ enum MotionFlags : std::uint16_t {
   kMotionAperture = 1 << 5, ///< only edges of one direction: the velocity is the part across them
 };
 
+/// The flags of a frame as a whole, which metadata and fields have too. The others describe the one
+/// velocity of a sample.
+inline constexpr std::uint16_t kFrameFlags =
+    kMotionStill | kMotionDuplicate | kMotionCut | kMotionDiscontinuity;
+
 /// The motion of one frame, with what is needed to understand it alone. Seconds are those of the
 /// time stamps. Positions and sizes are fractions of the frame, origin at its top left corner.
 struct MotionSample : PlanarMotion {

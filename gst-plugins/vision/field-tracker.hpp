@@ -50,7 +50,7 @@ public:
   bool repeats() const;
 
   /// From the earlier frame to the one read last, `interval` seconds later. Fills all cells of
-  /// the shape and returns MeasurementFlags.
+  /// the shape and returns kStill, kCut or 0.
   std::uint32_t measure(double interval, std::span<FieldCell> cells);
 
 private:

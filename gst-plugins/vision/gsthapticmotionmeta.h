@@ -10,7 +10,6 @@
 G_BEGIN_DECLS
 
 #define GST_HAPTIC_MOTION_META_NAME "GstHapticMotionMeta"
-#define GST_HAPTIC_MOTION_META_MAX_PATCHES 64
 
 /**
  * GstHapticMotionFlags:

@@ -126,10 +126,8 @@ bool compare(State &state) {
   case haptic::Repetition::none:
     break;
   }
-  const std::uint32_t found =
-      state.tracker.measure(static_cast<double>(field.interval) / GST_SECOND, field.cells);
-  field.flags = static_cast<std::uint16_t>((found & haptic::kStill ? haptic::kMotionStill : 0) |
-                                           (found & haptic::kCut ? haptic::kMotionCut : 0));
+  field.flags = static_cast<std::uint16_t>(
+      state.tracker.measure(static_cast<double>(field.interval) / GST_SECOND, field.cells));
   return true;
 }
 

@@ -260,10 +260,7 @@ std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rec
   run_tracker(self, pair, buffer);
   finding.tracker_time = Clock::now() - begin;
   state.reference_was_measured = true;
-  if (state.measurement.flags & haptic::kStill)
-    finding.flags |= GST_HAPTIC_MOTION_STILL;
-  if (state.measurement.flags & haptic::kCut)
-    finding.flags |= GST_HAPTIC_MOTION_CUT;
+  finding.flags = state.measurement.flags;
   return finding;
 }
 

@@ -2,6 +2,9 @@
 /* One measured patch: plain C, so that readers of the metadata need neither C++ nor the tracker. */
 #pragma once
 
+/* The most patches of one frame. */
+#define GST_HAPTIC_MOTION_META_MAX_PATCHES 64
+
 /**
  * GstHapticPatch:
  * @x, @y: centre in the earlier frame, px from its top left corner (pixel i covers i..i+1)

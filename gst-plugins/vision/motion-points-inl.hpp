@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the patches of one frame say, in vectors of the machine's width: this runs for every
 // frame, and most of it is sums over points.
-#include "gsthapticmotionmeta.h"
+#include "haptic-patch.h"
 
 #include <algorithm>
 #include <array>

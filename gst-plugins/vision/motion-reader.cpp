@@ -4,20 +4,21 @@
 #include <algorithm>
 #include <iterator>
 #include <span>
-#include <utility>
 
 namespace haptic {
 namespace {
 
+// The metadata's header stands alone, so that it names the flags once more.
+constexpr bool equal(GstHapticMotionFlags of_metadata, MotionFlags of_sample) {
+  return static_cast<int>(of_metadata) == static_cast<int>(of_sample);
+}
+static_assert(equal(GST_HAPTIC_MOTION_STILL, kMotionStill));
+static_assert(equal(GST_HAPTIC_MOTION_DUPLICATE, kMotionDuplicate));
+static_assert(equal(GST_HAPTIC_MOTION_CUT, kMotionCut));
+static_assert(equal(GST_HAPTIC_MOTION_DISCONTINUITY, kMotionDiscontinuity));
+
 std::uint16_t sample_flags(guint meta_flags) {
-  std::uint16_t flags = 0;
-  for (const auto &[from, to] : {std::pair(GST_HAPTIC_MOTION_STILL, kMotionStill),
-                                 std::pair(GST_HAPTIC_MOTION_DUPLICATE, kMotionDuplicate),
-                                 std::pair(GST_HAPTIC_MOTION_CUT, kMotionCut),
-                                 std::pair(GST_HAPTIC_MOTION_DISCONTINUITY, kMotionDiscontinuity)})
-    if (meta_flags & static_cast<guint>(from))
-      flags = static_cast<std::uint16_t>(flags | to);
-  return flags;
+  return static_cast<std::uint16_t>(meta_flags & kFrameFlags);
 }
 
 void set_motion(MotionSample &sample, const VelocityEstimate &estimate) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "haptic-patch.h"
+#include "motion-sample.hpp"
 #include "region.hpp"
 
 #include <array>
@@ -15,7 +16,7 @@ namespace haptic {
 
 using Patch = GstHapticPatch;
 
-inline constexpr int kMaxPatches = 64;
+inline constexpr int kMaxPatches = GST_HAPTIC_MOTION_META_MAX_PATCHES;
 inline constexpr int kUsualPatches = 20; ///< as the lab measures it
 
 /// Standard deviation of the noise that a camera's frame is assumed to have, 8-bit grey levels.
@@ -38,15 +39,13 @@ struct CropPair {
   bool continues = false; ///< previous is the frame that was `current` in the call before
 };
 
-/// Why there are no patches, or what to think of them.
-enum MeasurementFlags : std::uint32_t {
-  kStill = 1 << 0, ///< the region did not change: the displacement is exactly zero
-  kCut = 1 << 1,   ///< the two frames do not show the same scene
-};
+/// The MotionFlags that a tracker sets: why there are no patches, or that they may mean nothing.
+inline constexpr std::uint16_t kStill = kMotionStill; ///< the displacement is exactly zero
+inline constexpr std::uint16_t kCut = kMotionCut;
 
 /// What was measured. Patch centres are in frame coordinates.
 struct Measurement {
-  std::uint32_t flags = 0;
+  std::uint16_t flags = 0; ///< kStill or kCut
   int candidates = 0; ///< patches looked at; those that could not be trusted are not in the list
   int count = 0;
   std::array<Patch, kMaxPatches> patches;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "velocity-estimate.hpp"
 
-#include "gsthapticmotionmeta.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
