@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motion-field.hpp"
 
-#include "little-endian.hpp"
+#include "motion-bytes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace haptic {
 namespace {
-
-constexpr std::array<std::uint8_t, 4> kMagic = {'H', 'M', 'S', 'P'};
-constexpr std::uint8_t kVersion = 1;
-constexpr std::uint8_t kKindField = 1;
 
 bool is_valid(const FieldCell &cell) {
   return std::isfinite(cell.velocity_x) && std::isfinite(cell.velocity_y) && cell.confidence >= 0 &&
@@ -23,23 +18,14 @@ bool is_valid(const FieldCell &cell) {
 
 bool is_valid(const MotionField &field) noexcept {
   const std::size_t cells = std::size_t{field.columns} * field.rows;
-  return field.frame_width > 0 && field.frame_height > 0 && field.pixel_aspect_n > 0 &&
-         field.pixel_aspect_d > 0 && cells > 0 && cells <= kMostFieldCells &&
-         field.cells.size() == cells &&
+  return has_frame(field) && cells > 0 && cells <= kMostFieldCells && field.cells.size() == cells &&
          std::ranges::all_of(field.cells, [](const FieldCell &cell) { return is_valid(cell); });
 }
 
 void pack_motion_field(const MotionField &field, std::span<std::uint8_t> bytes) noexcept {
   LittleEndianWriter out(bytes);
-  for (auto letter : kMagic)
-    out.u8(letter);
-  out.u8(kVersion);
-  out.u8(kKindField);
-  out.u16(field.flags);
-  out.u64(field.interval);
-  for (auto value :
-       {field.frame_width, field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
-    out.u32(value);
+  write_header(out, MotionKind::field, {field.flags, field.interval});
+  write_frame(out, field);
   out.u16(field.columns);
   out.u16(field.rows);
   out.u32(0);
@@ -52,16 +38,12 @@ bool unpack_motion_field(std::span<const std::uint8_t> bytes, MotionField &field
   if (bytes.size() < kFieldHeaderSize)
     return false;
   LittleEndianReader in(bytes);
-  for (auto letter : kMagic)
-    if (in.u8() != letter)
-      return false;
-  if (in.u8() != kVersion || in.u8() != kKindField)
+  const auto header = read_header(in, MotionKind::field);
+  if (!header)
     return false;
-  field.flags = in.u16();
-  field.interval = in.u64();
-  for (auto *value :
-       {&field.frame_width, &field.frame_height, &field.pixel_aspect_n, &field.pixel_aspect_d})
-    *value = in.u32();
+  field.flags = header->flags;
+  field.interval = header->interval;
+  read_frame(in, field);
   field.columns = in.u16();
   field.rows = in.u16();
   in.u32();
