@@ -92,31 +92,32 @@ Act parse(const std::string &line, Words &words) {
   }
   if (command == "short") {
     const int replies = words.empty() ? 1 : words.number(1, kMostReplies);
-    return [replies](Unit &unit, Time, auto &) { unit.board().shorten(replies); };
+    return
+        [replies](Unit &unit, Time, auto &) { unit.firmware().faults().short_replies = replies; };
   }
   if (command == "late") {
     const std::chrono::milliseconds time(words.number(0, kMostMilliseconds));
-    return [time](Unit &unit, Time, auto &) { unit.board().delay(time); };
+    return [time](Unit &unit, Time, auto &) { unit.firmware().faults().late_by = time; };
   }
   if (command == "freeze") {
     const auto string = static_cast<std::size_t>(words.number(0, spidar::kStrings - 1));
-    return [string](Unit &unit, Time now, auto &) { unit.board().freeze(string, now); };
+    return [string](Unit &unit, Time now, auto &) { unit.firmware().freeze(string, now); };
   }
   if (command == "thaw")
-    return [](Unit &unit, Time, auto &) { unit.board().thaw(); };
+    return [](Unit &unit, Time, auto &) { unit.firmware().thaw(); };
   if (command == "jump") {
     const auto string = static_cast<std::size_t>(words.number(0, spidar::kStrings - 1));
     const int counts = words.number(-kMostCounts, kMostCounts);
-    return [string, counts](Unit &unit, Time, auto &) { unit.board().jump(string, counts); };
+    return [string, counts](Unit &unit, Time, auto &) { unit.firmware().jump(string, counts); };
   }
   if (command == "id") {
     const int number = words.number(0, 15);
-    return [number](Unit &unit, Time, auto &) { unit.board().set_rotary_switch(number); };
+    return [number](Unit &unit, Time, auto &) { unit.firmware().set_rotary_switch(number); };
   }
   if (command == "wrap")
-    return [](Unit &unit, Time now, auto &) { unit.board().near_wrap(now); };
+    return [](Unit &unit, Time now, auto &) { unit.firmware().near_wrap(now); };
   if (command == "garbage")
-    return [](Unit &unit, Time now, auto &) { unit.board().garbage(now); };
+    return [](Unit &unit, Time now, auto &) { unit.firmware().garbage(now); };
   refuse(line, "nothing known by this name");
 }
 
@@ -136,7 +137,7 @@ void obey(const std::string &line, const std::vector<std::unique_ptr<Unit>> &uni
     if (wanted != 0 && units[i]->number() != wanted)
       continue;
     act(*units[i], now, done[i]);
-    units[i]->board().note(line, now);
+    units[i]->firmware().report(line, now);
     // A reply that waits for time, or for a halt to end, is seen to by the session.
   }
 }

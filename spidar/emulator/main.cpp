@@ -4,6 +4,7 @@
 #include "server.hpp"
 #include "spidar/error.hpp"
 #include "spidar/geometry.hpp"
+#include "word-log.hpp"
 
 #include <charconv>
 #include <clocale>
@@ -136,8 +137,15 @@ void run(int argc, char **argv) {
     const int number = static_cast<int>(units.size()) + 1;
     const auto [model, id] = parse_controller(controller, number);
     emulator::Plant plant(geometry, spidar::parse_hand_script(options.hand));
-    emulator::Board board(model, id, std::move(plant), number, log.get());
-    units.push_back(std::make_unique<emulator::Unit>(number, std::move(board)));
+    emulator::Firmware::Listener listener;
+    if (log)
+      listener = [&log, number](emulator::Time time, const std::string &event,
+                                const spidar::DacWords &words) {
+        log->add(time, number, event, words);
+      };
+    emulator::Firmware firmware(model, id, std::move(plant), static_cast<unsigned>(number),
+                                std::move(listener));
+    units.push_back(std::make_unique<emulator::Unit>(number, std::move(firmware)));
     units.back()->plug(emulator::Clock::now());
   }
   for (const std::string &command : options.commands) {

@@ -7,18 +7,22 @@ namespace emulator {
 
 namespace {
 
-// A half of the host's tick, so that what it sets is felt at the next.
-constexpr auto kStep = std::chrono::microseconds(500);
-constexpr double kStepSeconds = std::chrono::duration<double>(kStep).count();
+using Seconds = std::chrono::duration<double>;
 
-// A longer time without a question is not made up for: the answer to the next one would be late.
+// Half of the host's period: the words of one exchange have moved the grip at the next.
+constexpr auto kStep = std::chrono::microseconds(500);
+constexpr auto kQuestionStep = std::chrono::milliseconds(1);
+
+// To catch up with a longer silence would make the next reply late.
 constexpr auto kLongestGap = std::chrono::milliseconds(20);
 
 } // namespace
 
-Plant::Plant(const spidar::Geometry &geometry, std::unique_ptr<spidar::HandScript> hand)
-    : dac_limit_(geometry.dac_limit),
-      simulator_(std::make_unique<spidar::Simulator>(geometry, std::move(hand), kStepSeconds)) {}
+Plant::Plant(const spidar::Geometry &geometry, std::unique_ptr<spidar::HandScript> hand, Pace pace)
+    : pace_(pace), dac_limit_(geometry.dac_limit),
+      simulator_(std::make_unique<spidar::Simulator>(
+          geometry, std::move(hand),
+          Seconds(pace == Pace::question ? Seconds(kQuestionStep) : Seconds(kStep)).count())) {}
 
 void Plant::advance(Time now) {
   if (!started_) {
@@ -32,14 +36,18 @@ void Plant::advance(Time now) {
 }
 
 void Plant::set(const spidar::DacWords &words, Time now) {
-  advance(now);
+  if (pace_ == Pace::machine_clock)
+    advance(now);
   for (std::size_t i = 0; i < spidar::kStrings; ++i)
     words_[i] =
         static_cast<std::int16_t>(std::clamp(static_cast<int>(words[i]), -dac_limit_, dac_limit_));
 }
 
 const spidar::Counts &Plant::counts(Time now) {
-  advance(now);
+  if (pace_ == Pace::machine_clock)
+    advance(now);
+  else
+    simulator_->exchange(words_, counts_);
   return counts_;
 }
 

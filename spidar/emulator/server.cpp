@@ -366,7 +366,7 @@ void Server::listen_tcp(const ServerOptions &options) {
   std::printf("listening on %s port %u\n", options.address.c_str(), port);
   for (const auto &unit : units_)
     std::printf("  %s  %s, switch %d: usbip%s attach -r %s -b %s\n", unit->bus_id().c_str(),
-                unit->description().c_str(), unit->board().rotary_switch(),
+                unit->description().c_str(), unit->firmware().rotary_switch(),
                 port == 3240 ? "" : (" --tcp-port " + std::to_string(port)).c_str(),
                 options.address.c_str(), unit->bus_id().c_str());
   std::fflush(stdout);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "session.hpp"
+#include "word-log.hpp"
 
 #include <string>
 

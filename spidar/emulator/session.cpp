@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session.hpp"
 
-#include "usb-protocol.hpp"
-
 #include <algorithm>
 #include <cerrno>
 
@@ -14,7 +12,7 @@ usbip::DeviceRecord record(const Unit &unit) {
   return {.bus_id = unit.bus_id(),
           .bus = 1,
           .device = static_cast<std::uint32_t>(unit.number()),
-          .vendor = spidar::kVendor,
+          .vendor = kVendorId,
           .product = unit.product(),
           .release = 0x0100,
           .device_class = 0xff,

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "unit.hpp"
 
-#include "usb-protocol.hpp"
-
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 namespace emulator {
 
 namespace {
 
-constexpr std::size_t kPacket = 512; // of the bulk endpoints at high speed
 constexpr std::size_t kMostWaiting = 256;
 
-// Not known of the real ones: the first endpoint, the power, and the texts. An endpoint in front of
-// the two in use is likely, so a host must look for them by address.
+// Not known [9]: the first endpoint, the power, and the texts. An endpoint before the two in use is
+// likely [8], so a host must look for them by address.
 constexpr std::uint8_t kFirstEndpoint = 0x01;
+
+constexpr std::uint8_t kVendorSpecific = 0xff;
+constexpr std::uint8_t kControlPacket = 64;
 
 enum DescriptorType { device = 1, configuration = 2, string = 3, qualifier = 6 };
 
@@ -44,12 +45,8 @@ constexpr std::uint8_t high(unsigned number) {
   return static_cast<std::uint8_t>(number >> 8 & 0xff);
 }
 
-std::vector<std::uint8_t> endpoint(std::uint8_t address) {
-  return {7, 5, address, 2 /* bulk */, low(kPacket), high(kPacket), 0};
-}
-
-std::vector<std::uint8_t> text(const std::string &ascii) {
-  std::vector<std::uint8_t> bytes = {low(static_cast<unsigned>(2 + 2 * ascii.size())), string};
+Bytes text(const std::string &ascii) {
+  Bytes bytes = {low(static_cast<unsigned>(2 + 2 * ascii.size())), string};
   for (const char letter : ascii) {
     bytes.push_back(static_cast<std::uint8_t>(letter));
     bytes.push_back(0);
@@ -63,124 +60,155 @@ Completion failed(std::uint32_t sequence, int error) {
 
 } // namespace
 
-Unit::Unit(int number, Board board) : number_(number), board_(std::move(board)) {}
-
-std::uint16_t Unit::product() const noexcept {
-  return board_.model() == Model::simple ? spidar::kSimpleProduct : spidar::kSh4Product;
+Bytes device_descriptor(std::uint16_t vendor, std::uint16_t product, bool named) {
+  const std::uint8_t maker = named ? 1 : 0;
+  const std::uint8_t name = named ? 2 : 0;
+  const std::uint8_t serial_number = 0;
+  const std::uint8_t configurations = 1;
+  return {18,   device,         0x00,        0x02,         kVendorSpecific, 0,
+          0,    kControlPacket, low(vendor), high(vendor), low(product),    high(product),
+          0x00, 0x01,           maker,       name,         serial_number,   configurations};
 }
+
+Bytes configuration_descriptor() {
+  constexpr std::uint8_t kHundredMilliamperes = 50;
+  constexpr std::uint8_t kBulk = 2;
+  Bytes data = {9, configuration, 0 /* total, below */, 0, 1 /* interfaces */, 1 /* its value */,
+                0, 0x80,          kHundredMilliamperes};
+  data.insert(data.end(), {9, 4, 0, 0, 3 /* endpoints */, kVendorSpecific, 0, 0, 0});
+  for (const std::uint8_t address : {kFirstEndpoint, kBulkOut, kBulkIn})
+    data.insert(data.end(),
+                {7, 5, address, kBulk, low(kLargestBulkPacket), high(kLargestBulkPacket), 0});
+  data[2] = low(static_cast<unsigned>(data.size()));
+  return data;
+}
+
+Unit::Unit(int number, Firmware firmware) : number_(number), firmware_(std::move(firmware)) {}
 
 std::string Unit::description() const {
   return std::string("SPIDAR-G emulator, USB2.0 ") +
-         (board_.model() == Model::simple ? "Simple" : "SH4");
+         (firmware_.model() == Model::simple ? "Simple" : "SH4");
 }
 
 void Unit::attach(Time now) {
   attached_ = true;
   configuration_ = 0;
   halted_in_ = halted_out_ = false;
-  board_.note("attached", now);
+  firmware_.report("attached", now);
 }
 
 void Unit::detach(Time now) {
   attached_ = false;
-  waiting_.clear();
-  board_.note("detached", now);
+  waiting_in_.clear();
+  waiting_out_.clear();
+  firmware_.report("detached", now);
 }
 
 void Unit::plug(Time now) {
   plugged_ = true;
-  board_.power_on(now);
+  firmware_.power_on(now);
 }
 
 void Unit::stall(bool in, std::vector<Completion> &done) {
   (in ? halted_in_ : halted_out_) = true;
-  if (!in)
-    return;
-  for (const Waiting &waiting : waiting_)
+  for (const Waiting &waiting : std::exchange(in ? waiting_in_ : waiting_out_, {}))
     done.push_back(failed(waiting.sequence, EPIPE));
-  waiting_.clear();
 }
 
 void Unit::submit(const Transfer &transfer, Time now, std::vector<Completion> &done) {
-  if (transfer.endpoint == 0) {
+  const int address = transfer.endpoint | (transfer.in ? kFromUnit : 0);
+  if (transfer.endpoint == 0)
     done.push_back(control(transfer));
-    return;
-  }
-  const int address = transfer.endpoint | (transfer.in ? 0x80 : 0);
-  if (configuration_ == 0 || (address != spidar::kEndpointIn && address != spidar::kEndpointOut &&
-                              address != kFirstEndpoint)) {
+  else if (configuration_ != 0 && address == kBulkIn)
+    submit_in(transfer, now, done);
+  else if (configuration_ != 0 && address == kBulkOut)
+    submit_out(transfer, now, done);
+  else if (configuration_ != 0 && address == kFirstEndpoint) // takes everything, does nothing
+    done.push_back({transfer.sequence, 0, static_cast<std::uint32_t>(transfer.data.size()), {}});
+  else
     done.push_back(failed(transfer.sequence, ENOENT));
+}
+
+void Unit::submit_in(const Transfer &transfer, Time now, std::vector<Completion> &done) {
+  if (halted_in_ || waiting_in_.size() >= kMostWaiting) {
+    done.push_back(failed(transfer.sequence, halted_in_ ? EPIPE : ENOMEM));
     return;
   }
-  if (address == spidar::kEndpointIn) {
-    if (halted_in_) {
-      done.push_back(failed(transfer.sequence, EPIPE));
-    } else if (waiting_.size() >= kMostWaiting) {
-      done.push_back(failed(transfer.sequence, ENOMEM));
-    } else {
-      waiting_.push_back({transfer.sequence, transfer.length, {}});
-      collect(now, done);
-    }
+  waiting_in_.push_back({transfer.sequence, transfer.length, {}});
+  collect(now, done);
+}
+
+void Unit::submit_out(const Transfer &transfer, Time now, std::vector<Completion> &done) {
+  if (halted_out_ || waiting_out_.size() >= kMostWaiting) {
+    done.push_back(failed(transfer.sequence, halted_out_ ? EPIPE : ENOMEM));
     return;
   }
-  if (address == spidar::kEndpointOut) {
-    if (halted_out_) {
-      done.push_back(failed(transfer.sequence, EPIPE));
-      return;
-    }
-    for (auto rest = transfer.data; !rest.empty();) {
-      const std::size_t size = std::min(rest.size(), kPacket);
-      board_.take(rest.first(size), now);
-      rest = rest.subspan(size);
-    }
-  }
-  done.push_back({transfer.sequence, 0, static_cast<std::uint32_t>(transfer.data.size()), {}});
+  const auto size = static_cast<std::uint32_t>(transfer.data.size());
+  waiting_out_.push_back(
+      {transfer.sequence, size, Bytes(transfer.data.begin(), transfer.data.end())});
   collect(now, done);
 }
 
 bool Unit::unlink(std::uint32_t sequence) {
-  return std::erase_if(waiting_,
-                       [&](const Waiting &waiting) { return waiting.sequence == sequence; }) > 0;
+  const auto wanted = [&](const Waiting &waiting) { return waiting.sequence == sequence; };
+  return std::erase_if(waiting_in_, wanted) + std::erase_if(waiting_out_, wanted) > 0;
+}
+
+/// Gives the firmware the packets of the waiting transfers, if it takes any.
+void Unit::send_out(Time now, std::vector<Completion> &done) {
+  while (!waiting_out_.empty() && !firmware_.faults().refuse_out) {
+    const Waiting transfer = std::move(waiting_out_.front());
+    waiting_out_.pop_front();
+    for (auto rest = std::span(transfer.data); !rest.empty();) {
+      const std::size_t size = std::min(rest.size(), kLargestBulkPacket);
+      firmware_.receive(rest.first(size), now);
+      rest = rest.subspan(size);
+    }
+    done.push_back({transfer.sequence, 0, transfer.length, {}});
+  }
 }
 
 void Unit::collect(Time now, std::vector<Completion> &done) {
+  send_out(now, done);
   for (auto ready = due(); ready && *ready <= now; ready = due()) {
-    Waiting &transfer = waiting_.front();
-    const std::vector<std::uint8_t> &reply = board_.reply();
-    const std::size_t room = transfer.length - transfer.data.size();
-    transfer.data.insert(transfer.data.end(), reply.begin(),
-                         reply.begin() + static_cast<std::ptrdiff_t>(std::min(room, reply.size())));
-    // As on the wire: a transfer ends when it is full or with a packet that is not.
-    if (reply.size() >= room || reply.size() < kPacket) {
-      const auto size = static_cast<std::uint32_t>(transfer.data.size());
-      done.push_back({transfer.sequence, reply.size() > room ? -EOVERFLOW : 0, size,
-                      std::move(transfer.data)});
-      waiting_.pop_front();
+    const Firmware::Reply reply = firmware_.fetch_reply();
+    if (reply.stall) {
+      stall(true, done);
+      return;
     }
-    board_.drop_reply();
+    Waiting &transfer = waiting_in_.front();
+    const std::size_t room = transfer.length - transfer.data.size();
+    const std::size_t fitting = std::min(room, reply.bytes.size());
+    transfer.data.insert(transfer.data.end(), reply.bytes.begin(),
+                         reply.bytes.begin() + static_cast<std::ptrdiff_t>(fitting));
+    // As on the wire: a transfer ends when it is full, or with a packet that is not.
+    if (reply.bytes.size() >= room || reply.bytes.size() < kLargestBulkPacket) {
+      const auto size = static_cast<std::uint32_t>(transfer.data.size());
+      done.push_back({transfer.sequence, reply.bytes.size() > room ? -EOVERFLOW : 0, size,
+                      std::move(transfer.data)});
+      waiting_in_.pop_front();
+    }
   }
 }
 
 std::optional<Time> Unit::due() const {
-  const auto reply = board_.next_reply();
-  return waiting_.empty() || halted_in_ ? std::nullopt : reply;
+  return waiting_in_.empty() || halted_in_ ? std::nullopt : firmware_.next_reply();
 }
 
 Completion Unit::control(const Transfer &transfer) {
-  std::vector<std::uint8_t> data;
+  Bytes data;
   const bool from_unit = (transfer.setup[0] & kFromUnit) != 0;
   if (from_unit != transfer.in || !standard_request(transfer.setup, data))
     return failed(transfer.sequence, EPIPE);
   const std::size_t wanted = transfer.setup[6] | transfer.setup[7] << 8;
   data.resize(std::min({data.size(), wanted, static_cast<std::size_t>(transfer.length)}));
-  // Nothing that the unit understands comes with data from the host.
+  // No request that the unit knows comes with data from the host.
   const auto size = static_cast<std::uint32_t>(data.size());
   return {transfer.sequence, 0, size, std::move(data)};
 }
 
-/// False for what the unit does not know.
-bool Unit::standard_request(const std::array<std::uint8_t, 8> &setup,
-                            std::vector<std::uint8_t> &data) {
+/// Answers a request of USB 2.0, section 9.4. False if the unit does not know it.
+bool Unit::standard_request(const std::array<std::uint8_t, 8> &setup, Bytes &data) {
   const int value = setup[2] | setup[3] << 8;
   const int index = setup[4] | setup[5] << 8;
   switch (setup[0] << 8 | setup[1]) {
@@ -222,59 +250,23 @@ bool Unit::standard_request(const std::array<std::uint8_t, 8> &setup,
 }
 
 bool *Unit::halt_of(int address) noexcept {
-  if (address == spidar::kEndpointIn)
+  if (address == kBulkIn)
     return &halted_in_;
-  return address == spidar::kEndpointOut ? &halted_out_ : nullptr;
+  return address == kBulkOut ? &halted_out_ : nullptr;
 }
 
-bool Unit::descriptor(int type, int index, std::vector<std::uint8_t> &data) const {
-  constexpr std::uint8_t kVendorSpecific = 0xff;
-  constexpr std::uint8_t kControlPacket = 64;
-  if (type == device && index == 0) {
-    data = {18,
-            device,
-            0x00,
-            0x02,
-            kVendorSpecific,
-            0,
-            0,
-            kControlPacket,
-            low(spidar::kVendor),
-            high(spidar::kVendor),
-            low(product()),
-            high(product()),
-            0x00,
-            0x01,
-            1 /* maker */,
-            2 /* name */,
-            0 /* no serial number */,
-            1 /* configurations */};
-    return true;
-  }
-  if (type == qualifier && index == 0) {
+bool Unit::descriptor(int type, int index, Bytes &data) const {
+  if (type == device && index == 0)
+    data = device_descriptor(kVendorId, product(), true);
+  else if (type == qualifier && index == 0)
     data = {10, qualifier, 0x00, 0x02, kVendorSpecific, 0, 0, kControlPacket, 1, 0};
-    return true;
-  }
-  if (type == configuration && index == 0) {
-    data = {
-        9, configuration, 0 /* total, below */, 0, 1 /* interfaces */, 1 /* its value */, 0, 0x80,
-        50 /* 100 mA */};
-    data.insert(data.end(), {9, 4, 0, 0, 3 /* endpoints */, kVendorSpecific, 0, 0, 0});
-    for (const std::uint8_t address : {kFirstEndpoint, spidar::kEndpointOut, spidar::kEndpointIn}) {
-      const auto bytes = endpoint(address);
-      data.insert(data.end(), bytes.begin(), bytes.end());
-    }
-    data[2] = low(static_cast<unsigned>(data.size()));
-    return true;
-  }
-  if (type == string && index <= 2) {
-    if (index == 0)
-      data = {4, string, 0x09, 0x04 /* English */};
-    else
-      data = text(index == 1 ? "Feeling Wind" : description());
-    return true;
-  }
-  return false;
+  else if (type == configuration && index == 0)
+    data = configuration_descriptor();
+  else if (type == string && index == 0)
+    data = {4, string, 0x09, 0x04 /* English */};
+  else if (type == string && index <= 2)
+    data = text(index == 1 ? "Feeling Wind" : description());
+  return !data.empty();
 }
 
 } // namespace emulator

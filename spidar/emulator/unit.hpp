@@ -1,82 +1,95 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One USB device on the virtual bus: descriptors, control requests, two bulk endpoints with the
-// board behind them. Knows nothing of the network.
+// One USB device on a virtual bus: descriptors, standard control requests (USB 2.0, chapter 9), and
+// two bulk endpoints with the firmware behind them. It does not know who submits the transfers:
+// USB/IP in the emulator, a mocked usbfs in the tests. One thread.
 #pragma once
 
-#include "board.hpp"
+#include "firmware.hpp"
 
 namespace emulator {
 
-/// What the host wants transferred. `setup` counts for endpoint 0, `data` when going out.
+/// A transfer that the host wants.
 struct Transfer {
-  std::uint32_t sequence = 0;
-  bool in = false;
-  std::uint8_t endpoint = 0;
-  std::uint32_t length = 0;
-  std::array<std::uint8_t, 8> setup{};
-  std::span<const std::uint8_t> data;
+  std::uint32_t sequence = 0;          ///< chosen by the host, names the transfer
+  bool in = false;                     ///< to the host
+  std::uint8_t endpoint = 0;           ///< number without the direction
+  std::uint32_t length = 0;            ///< bytes wanted, of a transfer to the host
+  std::array<std::uint8_t, 8> setup{}; ///< of endpoint 0
+  std::span<const std::uint8_t> data;  ///< of a transfer from the host
 };
 
+/// The end of a transfer.
 struct Completion {
   std::uint32_t sequence = 0;
-  std::int32_t status = 0; ///< 0 or a negative errno
-  std::uint32_t actual = 0;
-  std::vector<std::uint8_t> data; ///< of a transfer to the host
+  std::int32_t status = 0;  ///< 0 or a negative errno
+  std::uint32_t actual = 0; ///< bytes transferred
+  Bytes data;               ///< of a transfer to the host
 };
+
+/// Device descriptor, with names at string indices 1 and 2 if `named`.
+Bytes device_descriptor(std::uint16_t vendor, std::uint16_t product, bool named);
+/// Configuration, interface, and three bulk endpoints.
+Bytes configuration_descriptor();
 
 class Unit {
 public:
   /// `number` from 1.
-  Unit(int number, Board board);
+  Unit(int number, Firmware firmware);
 
   std::string bus_id() const { return "1-" + std::to_string(number_); }
   int number() const noexcept { return number_; }
-  std::uint16_t product() const noexcept;
-  Board &board() noexcept { return board_; }
+  std::uint16_t product() const noexcept { return product_id(firmware_.model()); }
+  Firmware &firmware() noexcept { return firmware_; }
+  const Firmware &firmware() const noexcept { return firmware_; }
   std::string description() const;
 
   bool plugged() const noexcept { return plugged_; }
   bool attached() const noexcept { return attached_; }
 
-  /// A host has the unit, or no longer. Transfers it waited for are forgotten; what the board holds
-  /// stays, as with a program that ended in the middle.
+  /// A host begins to use the unit: not configured, no endpoint halted.
   void attach(Time now);
+  /// The host has gone. Waiting transfers are dropped; unread replies stay, as after a program that
+  /// ended in the middle of an exchange.
   void detach(Time now);
 
-  /// Completions of this and of other transfers go to `done`.
+  /// Starts a transfer. Appends to `done` every transfer that ends now, this one or others.
   void submit(const Transfer &transfer, Time now, std::vector<Completion> &done);
-  /// False when it has been completed before.
+  /// Drops a waiting transfer. False if it has ended before.
   bool unlink(std::uint32_t sequence);
-  /// Completes what became possible with time.
+  /// Appends to `done` the waiting transfers that can end by now.
   void collect(Time now, std::vector<Completion> &done);
-  /// When collect() has something to do.
+  /// Time at which collect() has something to do, or nothing if only the host can change that.
   std::optional<Time> due() const;
 
-  // Faults.
-  void unplug() noexcept { plugged_ = false; } ///< the host finds the unit gone
-  void plug(Time now);                         ///< switched on anew
-  void stall(bool in, std::vector<Completion> &done);
+  // Faults of the bus; those of the firmware are in firmware().faults().
+  void unplug() noexcept { plugged_ = false; }
+  void plug(Time now);                                ///< and switches it on
+  void stall(bool in, std::vector<Completion> &done); ///< halts an endpoint
 
 private:
   struct Waiting {
     std::uint32_t sequence;
     std::uint32_t length;
-    std::vector<std::uint8_t> data;
+    Bytes data; ///< received so far, or to be sent
   };
 
+  void submit_in(const Transfer &transfer, Time now, std::vector<Completion> &done);
+  void submit_out(const Transfer &transfer, Time now, std::vector<Completion> &done);
+  void send_out(Time now, std::vector<Completion> &done);
   Completion control(const Transfer &transfer);
-  bool standard_request(const std::array<std::uint8_t, 8> &setup, std::vector<std::uint8_t> &data);
-  bool descriptor(int type, int index, std::vector<std::uint8_t> &data) const;
+  bool standard_request(const std::array<std::uint8_t, 8> &setup, Bytes &data);
+  bool descriptor(int type, int index, Bytes &data) const;
   bool *halt_of(int address) noexcept;
 
   int number_;
-  Board board_;
+  Firmware firmware_;
   bool plugged_ = true;
   bool attached_ = false;
   std::uint8_t configuration_ = 0;
   bool halted_in_ = false;
   bool halted_out_ = false;
-  std::deque<Waiting> waiting_; ///< transfers from the bulk endpoint to the host, oldest first
+  std::deque<Waiting> waiting_in_;  ///< bulk transfers to the host, oldest first
+  std::deque<Waiting> waiting_out_; ///< and from the host, while the firmware refuses them
 };
 
 } // namespace emulator

@@ -2,17 +2,13 @@
 // What the motors were told and what happened to the units, one line of CSV each.
 #pragma once
 
-#include "spidar/types.hpp"
+#include "plant.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
 
 namespace emulator {
-
-using Clock = std::chrono::steady_clock;
-using Time = Clock::time_point;
 
 /// Columns: time in s of the machine's monotonic clock (that of /proc/uptime on a machine that
 /// never slept), unit from 1, event (`words` when the host set them), and the D/A words at the

@@ -23,9 +23,9 @@ Units make_units(const std::vector<Model> &models) {
   Units units;
   for (const Model model : models) {
     const int number = static_cast<int>(units.size()) + 1;
-    Board board(model, number + 8, Plant(geometry, spidar::parse_hand_script("hold:0,0,0")), number,
-                nullptr);
-    units.push_back(std::make_unique<Unit>(number, std::move(board)));
+    Firmware firmware(model, number + 8, Plant(geometry, spidar::parse_hand_script("hold:0,0,0")),
+                      static_cast<unsigned>(number));
+    units.push_back(std::make_unique<Unit>(number, std::move(firmware)));
     units.back()->plug(kStart);
   }
   return units;
@@ -113,7 +113,7 @@ public:
     return take();
   }
 
-  Bytes later(std::chrono::milliseconds time) {
+  Bytes later(Clock::duration time) {
     now += time;
     session_.collect(now);
     return take();
@@ -302,7 +302,7 @@ TEST(UsbDevice, AStalledEndpointIsFreedByTheHost) {
   EXPECT_EQ(Host::status(host.say(out(6, bytes(spidar::simple::latch_counters())))), -EPIPE);
 }
 
-TEST(SimpleBoard, CountsFromZeroAfterTheHostHasClearedIt) {
+TEST(SimpleFirmware, CountsFromZeroAfterTheHostHasClearedIt) {
   Units units = make_units({Model::simple});
   Host host(units);
   host.say(out(2, bytes(spidar::simple::count_direction())));
@@ -313,7 +313,7 @@ TEST(SimpleBoard, CountsFromZeroAfterTheHostHasClearedIt) {
     EXPECT_EQ(counter, 0U);
 }
 
-TEST(SimpleBoard, CountsTheLengthsOfTheStringsTheWayTheHostWants) {
+TEST(SimpleFirmware, CountsTheLengthsOfTheStringsTheWayTheHostWants) {
   for (const bool direction_set : {true, false}) {
     Units units = make_units({Model::simple});
     const auto geometry = spidar::load_geometry(spidar::kDefaultGeometry);
@@ -343,7 +343,7 @@ TEST(SimpleBoard, CountsTheLengthsOfTheStringsTheWayTheHostWants) {
   }
 }
 
-TEST(SimpleBoard, ExpectsItsPacketSizeAndIgnoresWhatItDoesNotKnow) {
+TEST(SimpleFirmware, ExpectsItsPacketSizeAndIgnoresWhatItDoesNotKnow) {
   Units units = make_units({Model::simple});
   Host host(units);
   for (Bytes packet : {zeros(32), Bytes{0x51}, Bytes(31, 0x51), Bytes(33, 0x51), Bytes(512, 0x51)})
@@ -351,7 +351,7 @@ TEST(SimpleBoard, ExpectsItsPacketSizeAndIgnoresWhatItDoesNotKnow) {
   EXPECT_TRUE(host.say(in(3)).empty());
 }
 
-TEST(Sh4Board, CountsTheOtherWayRoundFromAnywhere) {
+TEST(Sh4Firmware, CountsTheOtherWayRoundFromAnywhere) {
   Units units = make_units({Model::sh4});
   Host host(units);
   const spidar::Reply reply = host.ask_sh4();
@@ -362,7 +362,7 @@ TEST(Sh4Board, CountsTheOtherWayRoundFromAnywhere) {
   EXPECT_GE(not_zero, 6);
 }
 
-TEST(Sh4Board, EchoesTheWords) {
+TEST(Sh4Firmware, EchoesTheWords) {
   Units units = make_units({Model::sh4});
   Host host(units);
   const spidar::DacWords words = {0, 45, 4095, -1, 0x1234, -4095, 32767, -32768};
@@ -372,7 +372,7 @@ TEST(Sh4Board, EchoesTheWords) {
             golden("0000 2d00 ff0f ffff 3412 01f0 ff7f 0080"));
 }
 
-TEST(Board, RepliesThatNobodyFetchedStay) {
+TEST(Firmware, RepliesThatNobodyFetchedStay) {
   Units units = make_units({Model::simple});
   {
     Host host(units);
@@ -385,7 +385,7 @@ TEST(Board, RepliesThatNobodyFetchedStay) {
   EXPECT_TRUE(host.say(in(4)).empty());
 }
 
-TEST(Board, WhatIsNotSpecifiedIsRandom) {
+TEST(Firmware, WhatIsNotSpecifiedIsRandom) {
   Units units = make_units({Model::simple});
   Host host(units);
   host.say(out(2, bytes(spidar::simple::latch_counters())));
@@ -414,6 +414,50 @@ TEST(Faults, ALateReply) {
   EXPECT_TRUE(host.later(29ms).empty());
   ASSERT_EQ(host.session().due(), host.now + 1ms);
   EXPECT_EQ(Host::data(host.later(1ms)).size(), 32U);
+}
+
+TEST(Faults, AHeldReplyComesWithTheNextOne) {
+  Units units = make_units({Model::simple});
+  Host host(units);
+  units[0]->firmware().faults().held_replies = 1;
+  host.say(out(2, bytes(spidar::simple::latch_counters())));
+  EXPECT_TRUE(host.say(in(3)).empty());
+  EXPECT_TRUE(host.later(1h).empty());
+  EXPECT_EQ(host.say(out(4, bytes(spidar::simple::latch_counters()))).size(), 48 + 48 + 32U);
+  EXPECT_EQ(Host::data(host.say(in(5))).size(), 32U);
+}
+
+TEST(Faults, ASilentControllerTakesPacketsAndNeverReplies) {
+  Units units = make_units({Model::simple});
+  Host host(units);
+  units[0]->firmware().faults().silent = true;
+  EXPECT_EQ(Host::status(host.say(out(2, bytes(spidar::simple::latch_counters())))), 0);
+  EXPECT_TRUE(host.say(in(3)).empty());
+  EXPECT_TRUE(host.later(1h).empty());
+}
+
+TEST(Faults, ARefusedTransferWaitsUntilItIsTakenOrDropped) {
+  Units units = make_units({Model::simple});
+  Host host(units);
+  Faults &faults = units[0]->firmware().faults();
+  faults.refuse_out = true;
+  EXPECT_TRUE(host.say(out(2, bytes(spidar::simple::latch_counters()))).empty());
+  EXPECT_TRUE(host.say(out(3, bytes(spidar::simple::latch_counters()))).empty());
+  EXPECT_EQ(word_at(host.say(unlink(4, 2)), 0x14), static_cast<std::uint32_t>(-ECONNRESET));
+  EXPECT_TRUE(host.say(in(5)).empty());
+  faults.refuse_out = false;
+  EXPECT_EQ(host.later(0ms).size(), 48 + 48 + 32U); // of transfers 3 and 5
+}
+
+TEST(Faults, AStalledReplyHaltsTheEndpointUntilTheHostClearsIt) {
+  Units units = make_units({Model::simple});
+  Host host(units);
+  units[0]->firmware().faults().stalled_replies = 1;
+  host.say(out(2, bytes(spidar::simple::latch_counters())));
+  EXPECT_EQ(Host::status(host.say(in(3))), -EPIPE);
+  EXPECT_EQ(Host::status(host.say(in(4))), -EPIPE);
+  host.say(submit(5, false, 0, 0, golden("02 01 0000 8600 0000")));
+  EXPECT_TRUE(host.say(in(6)).empty()); // its reply is lost
 }
 
 TEST(Faults, AFrozenCounterAndAJump) {
@@ -457,8 +501,8 @@ TEST(Faults, GarbageAfterPowerOn) {
 TEST(Faults, AnotherRotarySwitchOfOneUnit) {
   Units units = make_units({Model::simple, Model::simple});
   command(units, "id 15 @1");
-  EXPECT_EQ(units[0]->board().rotary_switch(), 15);
-  EXPECT_EQ(units[1]->board().rotary_switch(), 10);
+  EXPECT_EQ(units[0]->firmware().rotary_switch(), 15);
+  EXPECT_EQ(units[1]->firmware().rotary_switch(), 10);
   Host host(units);
   EXPECT_EQ(host.ask_simple().rotary_switch, 15);
 }
