@@ -38,15 +38,15 @@ TEST_P(Controllers, CountsFollowTheStringsThroughTheWrapOfTheCounter) {
   for (const int direction : {1, -1}) {
     for (int step = 0; step <= 20; ++step) {
       const int moved = direction * step * 10'000;
-      unit_->faults([&](Faults &faults) { faults.disturbance.fill(moved); });
+      unit_->faults([&](Faults &faults) { faults.offset.fill(moved); });
       Counts counts{};
       ASSERT_TRUE(controller->exchange({}, counts));
       for (std::size_t i = 0; i < counts.size(); ++i)
         ASSERT_NEAR(counts[i], start[i] + moved, 3) << i;
     }
-    unit_->faults([](Faults &faults) { faults.disturbance.fill(0); });
+    unit_->faults([](Faults &faults) { faults.offset.fill(0); });
     for (int step = 20; step >= 0; --step) {
-      unit_->faults([&](Faults &f) { f.disturbance.fill(direction * step * 10'000); });
+      unit_->faults([&](Faults &f) { f.offset.fill(direction * step * 10'000); });
       Counts counts{};
       ASSERT_TRUE(controller->exchange({}, counts));
     }
@@ -71,11 +71,11 @@ TEST_P(Controllers, AReplyThatComesLateIsNotTakenForTheNextOne) {
   const auto controller = spidar::open_usb("");
   Counts counts{};
   ASSERT_TRUE(controller->exchange({}, counts));
-  unit_->faults([](Faults &faults) { faults.late_replies = 1; });
+  unit_->faults([](Faults &faults) { faults.held_replies = 1; });
   EXPECT_FALSE(controller->exchange({}, counts));
   const Counts before = counts;
   // The late reply now comes together with this one's; only the newest is true.
-  unit_->faults([](Faults &faults) { faults.disturbance.fill(500); });
+  unit_->faults([](Faults &faults) { faults.offset.fill(500); });
   int answered = 0;
   for (int i = 0; i < 3; ++i)
     answered += controller->exchange({}, counts);
@@ -89,7 +89,7 @@ TEST_P(Controllers, AStalledEndpointIsClearedWithin20Milliseconds) {
   const auto controller = spidar::open_usb("");
   Counts counts{};
   for (int i = 0; i < 20; ++i) {
-    unit_->faults([](Faults &faults) { faults.stalls = 1; });
+    unit_->faults([](Faults &faults) { faults.stalled_replies = 1; });
     const auto begin = Clock::now();
     EXPECT_FALSE(controller->exchange({}, counts));
     EXPECT_TRUE(controller->exchange({}, counts));
@@ -102,14 +102,14 @@ TEST_P(Controllers, AnEndpointThatTakesNothingFor50MillisecondsIsSurvived) {
   plug(GetParam(), 0);
   const auto controller = spidar::open_usb("");
   Counts counts{};
-  unit_->faults([](Faults &faults) { faults.blocked = true; });
+  unit_->faults([](Faults &faults) { faults.refuse_out = true; });
   const auto begin = Clock::now();
   int failed = 0;
   while (Clock::now() - begin < 50ms)
     failed += !controller->exchange({}, counts);
   EXPECT_GE(failed, 5); // each gives up within 10 ms
   EXPECT_TRUE(controller->connected());
-  unit_->faults([](Faults &faults) { faults.blocked = false; });
+  unit_->faults([](Faults &faults) { faults.refuse_out = false; });
   controller->exchange({}, counts);
   EXPECT_TRUE(controller->exchange({}, counts));
 }

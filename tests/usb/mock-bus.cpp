@@ -8,80 +8,15 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <linux/usb/ch9.h>
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <utility>
 
 namespace test {
 
 namespace {
-
-constexpr std::uint8_t kIn = 0x86;
-
-// An endpoint before the known ones, as the units have.
-Bytes descriptors(std::uint16_t vendor, std::uint16_t product) {
-  const auto low = [](std::uint16_t word) { return static_cast<std::uint8_t>(word); };
-  const auto high = [](std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); };
-  return {
-      18,
-      1,
-      0x00,
-      0x02,
-      0xff,
-      0,
-      0,
-      64,
-      low(vendor),
-      high(vendor),
-      low(product),
-      high(product),
-      0x00,
-      0x01,
-      0,
-      0,
-      0,
-      1, // device
-      9,
-      2,
-      39,
-      0,
-      1,
-      1,
-      0,
-      0x80,
-      50, // configuration
-      9,
-      4,
-      0,
-      0,
-      3,
-      0xff,
-      0,
-      0,
-      0, // interface
-      7,
-      5,
-      0x81,
-      0x02,
-      0x00,
-      0x02,
-      0, // bulk endpoints
-      7,
-      5,
-      0x02,
-      0x02,
-      0x00,
-      0x02,
-      0, //
-      7,
-      5,
-      0x86,
-      0x02,
-      0x00,
-      0x02,
-      0, //
-  };
-}
 
 std::string hexadecimal(const Bytes &bytes) {
   std::string text;
@@ -111,7 +46,7 @@ bool mocking() noexcept {
   return loaded && std::strstr(loaded, "umockdev");
 }
 
-/// The kernel's side of one device.
+/// The kernel's side of one device: ioctl()s of usbfs in, transfers of the unit out.
 struct MockBus::Socket {
   MockBus *bus;
   int device;
@@ -127,7 +62,8 @@ struct MockBus::Socket {
     usbdevfs_urb *urb;
   };
   std::mutex mutex;
-  std::deque<Flying> flying;
+  std::uint32_t next_sequence = 1;
+  std::map<std::uint32_t, Flying> flying;
   std::deque<Flying> landed;
   const void *claimed_by = nullptr;
 
@@ -139,36 +75,60 @@ struct MockBus::Socket {
     landed.push_back(one);
   }
 
-  /// Moves what can move.
-  void work() {
-    std::deque<Flying> left;
-    bool out_waits = false;
-    for (const Flying &one : flying) {
-      const bool in = one.urb->endpoint == kIn;
-      if (!here) {
-        land(one, -ESHUTDOWN, 0);
-      } else if (!in && !out_waits && !unit->blocked()) {
-        const auto *bytes = static_cast<const std::uint8_t *>(one.urb->buffer);
-        unit->take(Bytes(bytes, bytes + one.urb->buffer_length));
-        land(one, 0, one.urb->buffer_length);
-      } else if (in && unit->has_answer()) {
-        receive(one);
-      } else {
-        out_waits = out_waits || !in;
-        left.push_back(one);
-      }
+  void land(const std::vector<emulator::Completion> &done) {
+    for (const emulator::Completion &completion : done) {
+      const auto node = flying.extract(completion.sequence);
+      std::copy(completion.data.begin(), completion.data.end(),
+                static_cast<std::uint8_t *>(node.mapped().urb->buffer));
+      land(node.mapped(), completion.status, static_cast<int>(completion.actual));
     }
-    flying = std::move(left);
   }
 
-  void receive(const Flying &one) {
-    const MockUnit::Answer answer = unit->answer();
-    if (answer.stall)
-      return land(one, -EPIPE, 0);
-    const auto room = static_cast<std::size_t>(one.urb->buffer_length);
-    const std::size_t size = std::min(answer.bytes.size(), room);
-    std::memcpy(one.urb->buffer, answer.bytes.data(), size);
-    land(one, answer.bytes.size() > room ? -EOVERFLOW : 0, static_cast<int>(size));
+  void submit(const void *client, usbdevfs_urb &urb) {
+    const std::uint32_t sequence = next_sequence++;
+    flying[sequence] = {client, &urb};
+    const bool in = (urb.endpoint & USB_DIR_IN) != 0;
+    const auto size = static_cast<std::size_t>(urb.buffer_length);
+    emulator::Transfer transfer{.sequence = sequence,
+                                .in = in,
+                                .endpoint = static_cast<std::uint8_t>(urb.endpoint & 0x0f),
+                                .length = static_cast<std::uint32_t>(size)};
+    if (!in)
+      transfer.data = {static_cast<const std::uint8_t *>(urb.buffer), size};
+    std::vector<emulator::Completion> done;
+    unit->use([&](emulator::Unit &u) { u.submit(transfer, emulator::Clock::now(), done); });
+    land(done);
+  }
+
+  /// Moves what can move.
+  void work() {
+    if (!here) {
+      for (const auto &[sequence, one] : std::exchange(flying, {}))
+        land(one, -ESHUTDOWN, 0);
+      return;
+    }
+    std::vector<emulator::Completion> done;
+    unit->use([&](emulator::Unit &u) { u.collect(emulator::Clock::now(), done); });
+    land(done);
+  }
+
+  /// A control transfer: bytes transferred, or nothing if the unit refused it.
+  std::optional<int> control(const usbdevfs_ctrltransfer &request) {
+    const auto low = [](std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xff); };
+    const auto high = [](std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); };
+    const emulator::Transfer transfer{.in = (request.bRequestType & USB_DIR_IN) != 0,
+                                      .length = request.wLength,
+                                      .setup = {request.bRequestType, request.bRequest,
+                                                low(request.wValue), high(request.wValue),
+                                                low(request.wIndex), high(request.wIndex),
+                                                low(request.wLength), high(request.wLength)}};
+    std::vector<emulator::Completion> done;
+    unit->use([&](emulator::Unit &u) { u.submit(transfer, emulator::Clock::now(), done); });
+    if (done.front().status != 0)
+      return std::nullopt;
+    std::copy(done.front().data.begin(), done.front().data.end(),
+              static_cast<std::uint8_t *>(request.data));
+    return static_cast<int>(done.front().actual);
   }
 
   Outcome reap(const void *client, void *argument) {
@@ -184,12 +144,44 @@ struct MockBus::Socket {
 
   Outcome discard(const void *wanted) {
     const auto found = std::find_if(flying.begin(), flying.end(),
-                                    [&](const Flying &one) { return one.urb == wanted; });
+                                    [&](const auto &one) { return one.second.urb == wanted; });
     if (found == flying.end())
       return {EINVAL};
-    land(*found, -ENOENT, 0);
+    unit->use([&](emulator::Unit &u) { return u.unlink(found->first); });
+    land(found->second, -ENOENT, 0);
     flying.erase(found);
     return {};
+  }
+
+  Outcome claim(const void *client) {
+    if (held || (claimed_by && claimed_by != client))
+      return {EBUSY};
+    claimed_by = client;
+    return {};
+  }
+
+  Outcome clear_halt(unsigned endpoint) {
+    ++bus->halts_cleared;
+    control({.bRequestType = USB_RECIP_ENDPOINT,
+             .bRequest = USB_REQ_CLEAR_FEATURE,
+             .wValue = USB_ENDPOINT_HALT,
+             .wIndex = static_cast<std::uint16_t>(endpoint)});
+    return {};
+  }
+
+  /// Drops the transfers of a program that has closed the device.
+  void forget(const void *client) {
+    if (claimed_by == client)
+      claimed_by = nullptr;
+    for (auto one = flying.begin(); one != flying.end();) {
+      const auto next = std::next(one);
+      if (one->second.client == client) {
+        unit->use([&](emulator::Unit &u) { return u.unlink(one->first); });
+        flying.erase(one);
+      }
+      one = next;
+    }
+    std::erase_if(landed, [client](const Flying &one) { return one.client == client; });
   }
 
   /// `client` tells those who have the device open apart.
@@ -209,30 +201,23 @@ struct MockBus::Socket {
       as<usbdevfs_connectinfo>(argument) = {.devnum = static_cast<unsigned>(device), .slow = 0};
       return {};
     case USBDEVFS_GET_SPEED:
-      return {0, 3};         // high
-    case USBDEVFS_CONTROL: { // the active configuration
-      auto &transfer = as<usbdevfs_ctrltransfer>(argument);
-      *static_cast<std::uint8_t *>(transfer.data) = 1;
-      return {0, 1};
+      return {0, USB_SPEED_HIGH};
+    case USBDEVFS_CONTROL: {
+      const auto size = control(as<usbdevfs_ctrltransfer>(argument));
+      return size ? Outcome{0, *size} : Outcome{EPIPE};
     }
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
-      if (held || (claimed_by && claimed_by != client))
-        return {EBUSY};
-      claimed_by = client;
-      return {};
+      return claim(client);
     case USBDEVFS_RELEASEINTERFACE:
       claimed_by = nullptr;
       return {};
     case USBDEVFS_CLEAR_HALT:
-      ++bus->halts_cleared;
-      unit->clear_halt();
-      return {};
+      return clear_halt(as<unsigned>(argument));
     case USBDEVFS_GETDRIVER:
       return {ENODATA};
     case USBDEVFS_SUBMITURB:
-      flying.push_back({client, &as<usbdevfs_urb>(argument)});
-      work();
+      submit(client, as<usbdevfs_urb>(argument));
       return {};
     case USBDEVFS_DISCARDURB:
       return discard(argument);
@@ -296,16 +281,29 @@ gboolean MockBus::on_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, gpo
 void MockBus::on_vanished(UMockdevIoctlBase *, UMockdevIoctlClient *client, gpointer data) {
   auto &socket = *static_cast<Socket *>(data);
   const std::lock_guard lock(socket.mutex);
-  if (socket.claimed_by == client)
-    socket.claimed_by = nullptr;
-  const auto theirs = [client](const Socket::Flying &one) { return one.client == client; };
-  std::erase_if(socket.flying, theirs);
-  std::erase_if(socket.landed, theirs);
+  socket.forget(client);
+}
+
+/// Shows the device in /dev, and in sysfs with the attributes that libusb reads.
+void MockBus::show(const Socket &socket, std::uint16_t vendor, std::uint16_t product) {
+  const std::string file = node(socket.device);
+  const std::string bytes = hexadecimal(emulator::device_descriptor(vendor, product, false)) +
+                            hexadecimal(emulator::configuration_descriptor());
+  const std::string record =
+      "P: " + socket.path + "\nN: " + file.substr(5) + "=" + bytes +
+      "\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=" + file.substr(17) +
+      "\nE: DEVNAME=" + file +
+      "\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n"
+      "\nA: devnum=" +
+      std::to_string(socket.device) + "\\n\nA: speed=480\\n\nH: descriptors=" + bytes + "\n";
+  GError *error = nullptr;
+  if (!umockdev_testbed_add_from_string(testbed_, record.c_str(), &error))
+    g_error("%s", error->message);
 }
 
 int MockBus::plug(std::shared_ptr<MockUnit> unit, std::uint16_t vendor, std::uint16_t product) {
   if (product == 0)
-    product = unit->model() == Model::sh4 ? 0x0205 : 0x0203;
+    product = emulator::product_id(unit->model());
   while (sockets_.count(next_device_))
     next_device_ = next_device_ % 127 + 1;
   const int device = next_device_;
@@ -316,21 +314,12 @@ int MockBus::plug(std::shared_ptr<MockUnit> unit, std::uint16_t vendor, std::uin
   socket->unit = std::move(unit);
   socket->handler = umockdev_ioctl_base_new();
   socket->path = "/devices/usb1/1-" + std::to_string(device);
+  socket->unit->use([](emulator::Unit &u) { u.attach(emulator::Clock::now()); });
+  socket->control({.bRequest = USB_REQ_SET_CONFIGURATION, .wValue = 1}); // the kernel's choice
   g_signal_connect(socket->handler, "handle-ioctl", G_CALLBACK(on_ioctl), socket.get());
   g_signal_connect(socket->handler, "client-vanished", G_CALLBACK(on_vanished), socket.get());
-  const std::string number = std::to_string(device);
   umockdev_testbed_attach_ioctl(testbed_, node(device).c_str(), socket->handler, nullptr);
-  const std::string bytes = hexadecimal(descriptors(vendor, product));
-  const std::string record =
-      "P: " + socket->path + "\nN: " + node(device).substr(5) + "=" + bytes +
-      "\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=" + node(device).substr(17) +
-      "\nE: DEVNAME=" + node(device) +
-      "\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n"
-      "\nA: devnum=" +
-      number + "\\n\nA: speed=480\\n\nH: descriptors=" + bytes + "\n";
-  GError *error = nullptr;
-  if (!umockdev_testbed_add_from_string(testbed_, record.c_str(), &error))
-    g_error("%s", error->message);
+  show(*socket, vendor, product);
   const std::lock_guard lock(mutex_);
   struct stat file {};
   stat((root() + node(device)).c_str(), &file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A USB bus that is not there: umockdev shows it to the real libusb, and what usbfs would do is
-// done here, in another thread of the same process.
+// A mocked USB bus: umockdev shows it to the real libusb, and this program answers the ioctl()s of
+// usbfs from another thread. Behind each device is the emulator's model of a controller.
 #pragma once
 
 #include "mock-unit.hpp"
@@ -27,7 +27,7 @@ public:
   /// Plugs `unit` in and returns its device number.
   int plug(std::shared_ptr<MockUnit> unit, std::uint16_t vendor = 0x0cec,
            std::uint16_t product = 0);
-  /// At whatever instant it is called; returns the instant.
+  /// Unplugs at once, whatever is under way. Returns the instant.
   std::chrono::steady_clock::time_point unplug(int device);
 
   /// As if another program had the device: claiming it fails.
@@ -36,8 +36,8 @@ public:
   void forbid(int device);
   static std::string node(int device);
 
-  /// What usbfs says to an ioctl() in this process, without the two context switches that umockdev
-  /// needs to say the same. Nothing for a descriptor that is not on this bus.
+  /// Answers an ioctl() of this process as usbfs would, without the two context switches that
+  /// umockdev needs. Returns nothing for a descriptor that is not on this bus.
   std::optional<int> ioctl(int descriptor, unsigned long request, void *argument);
 
   std::atomic<int> resets = 0;
@@ -51,6 +51,7 @@ private:
   static void on_vanished(UMockdevIoctlBase *handler, UMockdevIoctlClient *client, gpointer socket);
 
   std::string root() const;
+  void show(const Socket &socket, std::uint16_t vendor, std::uint16_t product);
 
   UMockdevTestbed *testbed_;
   std::mutex mutex_; ///< of the two lists

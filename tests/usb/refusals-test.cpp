@@ -16,7 +16,7 @@ protected:
     plug(model, rotary_switch);
     const std::size_t offset = model == Model::sh4 ? 2 : 1;
     unit_->faults([this, offset, model](Faults &faults) {
-      faults.watch = [this, offset, model](const Bytes &packet) {
+      faults.watch = [this, offset, model](std::span<const std::uint8_t> packet) {
         if (model == Model::simple && packet[0] != 0x52)
           return;
         for (std::size_t i = offset; i < offset + 16; ++i)
@@ -83,7 +83,7 @@ TEST_F(Refusals, AUnitThatAnswersNothing) {
 
 TEST_F(Refusals, AUnitThatTakesNothing) {
   plug_watched(Model::simple, 0);
-  unit_->faults([](Faults &faults) { faults.blocked = true; });
+  unit_->faults([](Faults &faults) { faults.refuse_out = true; });
   expect_words(refusal(""), Cause::io, {"does not answer"});
 }
 
