@@ -10,14 +10,14 @@
 #
 # Example: tests/hil/run-vm.sh sh -c 'modprobe vivid n_devs=1 && ls /dev/video0'
 #
-# Exit status 77: no virtual machine can run here; a line that begins with SKIP says why.
+# Exit status 77: no virtual machine can run here; a line that begins with SKIPPED says why.
 # The kernel's package is fetched once and unpacked in build-data/vm, not installed.
 
 source "$(dirname "$0")/../../pipelines/common.sh"
 source "$(dirname "$0")/../../pipelines/packages.sh"
 
 skip() {
-  echo "SKIP: $*"
+  echo "SKIPPED: $*"
   exit 77
 }
 

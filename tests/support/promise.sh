@@ -3,7 +3,7 @@
 # How a test that is a script tells what it found. To be sourced.
 
 skip() {
-  echo "SKIP: $*"
+  echo "SKIPPED: $*"
   exit 77
 }
 

@@ -225,18 +225,4 @@ TEST_F(Evdev, WhatMayNotBeOpenedSaysHowToAllowIt) {
   expect_words(error, Cause::permission, "usermod -aG input");
 }
 
-TEST(EvdevPath, WhatIsNoInputDeviceSaysSo) {
-  const auto cause_and_text = [](const std::string &path) {
-    try {
-      open_evdev(path, 0.001);
-    } catch (const spidar::Error &error) {
-      return std::pair(error.cause(), std::string(error.what()));
-    }
-    return std::pair(Cause::io, std::string("opened"));
-  };
-  EXPECT_EQ(cause_and_text("/dev/input/event9999").first, Cause::not_found);
-  EXPECT_EQ(cause_and_text("/dev/null").first, Cause::argument);
-  EXPECT_NE(cause_and_text("/dev/null").second.find("no input device"), std::string::npos);
-}
-
 } // namespace

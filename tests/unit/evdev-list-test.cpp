@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "evdev/evdev-device.hpp"
 #include "evdev/evdev-list.hpp"
 
 #include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <spidar/error.hpp>
 
 namespace {
 
 namespace fs = std::filesystem;
+using haptic::open_evdev;
+using spidar::Cause;
 
 // What the kernel shows of its input devices.
 class EvdevList : public ::testing::Test {
@@ -66,6 +70,20 @@ TEST_F(EvdevList, WhereThereIsNothingItIsEmpty) {
   add("event1", "", "", "", "");
   EXPECT_TRUE(haptic::list_evdev(folder_).with_force.empty());
   EXPECT_TRUE(haptic::list_evdev(folder_).without.empty());
+}
+
+TEST(EvdevPath, WhatIsNoInputDeviceSaysSo) {
+  const auto cause_and_text = [](const std::string &path) {
+    try {
+      open_evdev(path, 0.001);
+    } catch (const spidar::Error &error) {
+      return std::pair(error.cause(), std::string(error.what()));
+    }
+    return std::pair(Cause::io, std::string("opened"));
+  };
+  EXPECT_EQ(cause_and_text("/dev/input/event9999").first, Cause::not_found);
+  EXPECT_EQ(cause_and_text("/dev/null").first, Cause::argument);
+  EXPECT_NE(cause_and_text("/dev/null").second.find("no input device"), std::string::npos);
 }
 
 } // namespace

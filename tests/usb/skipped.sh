@@ -1,4 +1,4 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
-echo "skipped: umockdev is not installed (libumockdev-dev, umockdev)"
+echo "SKIPPED: umockdev is not installed (libumockdev-dev, umockdev)"
 exit 77
