@@ -31,6 +31,7 @@ build_packages=(
   libusb-1.0-0-dev
   libcairo2-dev
   libevdev-dev # joysticks with force feedback
+  rapidjson-dev # MPEG haptics as JSON
 )
 
 # The window of view.sh.

@@ -65,6 +65,17 @@ MotionSample motion_of_force(CurveForce force) noexcept {
   return s;
 }
 
+TrackSample silent_sample(std::uint64_t time, std::uint64_t duration) noexcept {
+  TrackSample sample;
+  sample.motion = motion_of_force({});
+  sample.motion.confidence = 0;
+  sample.motion.points = 0;
+  sample.motion.model = MotionModel::none;
+  sample.time = time;
+  sample.duration = duration;
+  return sample;
+}
+
 std::vector<ForcePoint> sum_curves(std::span<const ChannelCurve> curves, std::int64_t begin,
                                    std::int64_t end) {
   std::vector<std::int64_t> ticks;

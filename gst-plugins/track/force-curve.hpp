@@ -26,6 +26,9 @@ bool is_felt(const MotionSample &sample) noexcept;
 /// A motion that gives this force; lengths of 0.98 and more are one speed.
 MotionSample motion_of_force(CurveForce force) noexcept;
 
+/// Returns a sample in which nothing was measured.
+TrackSample silent_sample(std::uint64_t time, std::uint64_t duration) noexcept;
+
 /// One effect of one channel: what it adds to the force along its direction.
 struct ChannelCurve {
   struct Point {

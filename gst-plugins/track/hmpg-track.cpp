@@ -7,23 +7,9 @@
 namespace haptic {
 namespace {
 
-constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kLongestHold = kTrackTimescale / 4; // ticks without a sample are silence
 constexpr std::int64_t kLongestSilence = 3600 * std::int64_t{kTrackTimescale}; // ticks
-constexpr std::uint64_t kUsualInterval = kSecond / 30;
 constexpr std::uint8_t kPerception = 0;
 constexpr std::uint8_t kLinear = 2;
-
-// Rounded. Times beyond what 63 bits of ticks can say do not exist.
-std::int64_t ticks_of(std::uint64_t ns, std::uint32_t timescale) {
-  return static_cast<std::int64_t>(ns / kSecond * timescale +
-                                   (ns % kSecond * timescale + kSecond / 2) / kSecond);
-}
-
-std::uint64_t ns_of(std::int64_t ticks, std::uint32_t timescale) {
-  const auto whole = static_cast<std::uint64_t>(ticks);
-  return whole / timescale * kSecond + (whole % timescale * kSecond + timescale / 2) / timescale;
-}
 
 } // namespace
 
@@ -164,17 +150,9 @@ HmpgDecoder::Result HmpgDecoder::push(std::span<const std::uint8_t> bytes, std::
   switch (unit.header.type) {
   case UnitType::temporal:
     return read_temporal(unit, begin);
-  case UnitType::silent: {
-    TrackSample sample;
-    sample.motion = motion_of_force({});
-    sample.motion.confidence = 0;
-    sample.motion.points = 0;
-    sample.motion.model = MotionModel::none;
-    sample.time = begin;
-    sample.duration = ns_of(unit.header.duration, timescale);
+  case UnitType::silent:
     last_ = kNoTime;
-    return {{sample}, ""};
-  }
+    return {{silent_sample(begin, ns_of(unit.header.duration, timescale))}, ""};
   default:
     return {};
   }

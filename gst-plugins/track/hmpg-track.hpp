@@ -5,14 +5,12 @@
 #include "force-curve.hpp"
 #include "hmpg.hpp"
 #include "track-sample.hpp"
+#include "track-time.hpp"
 
 #include <optional>
 #include <string>
 
 namespace haptic {
-
-/// Ticks per second of what is written; also the clock rate of RTP.
-inline constexpr std::uint32_t kTrackTimescale = 8000;
 
 /// The experience that a motion track is: one perception of force with two channels.
 HmpgExperience track_experience(std::string date);

@@ -2,6 +2,7 @@
 #include "text-line.hpp"
 
 #include "gst-raii.hpp"
+#include "track-time.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@ namespace {
 constexpr std::string_view kMagic = "hv1";
 constexpr std::string_view kPoint = "point";
 constexpr std::string_view kField = "field";
-constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::size_t kLongestLine = 131072;
 
 constexpr std::array<std::string_view, 6> kFlagNames = {"still",         "duplicate", "cut",
