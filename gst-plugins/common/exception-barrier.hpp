@@ -2,11 +2,19 @@
 // Keeps C++ exceptions out of GLib's and GStreamer's C frames.
 #pragma once
 
+#include "messages.hpp"
+
 #include <exception>
 #include <gst/gst.h>
 #include <utility>
 
 namespace haptic {
+
+/// Posts an element error with the reason.
+inline void post_internal_error(gpointer element, const char *reason) noexcept {
+  GST_ELEMENT_ERROR(GST_ELEMENT_CAST(element), LIBRARY, FAILED, (messages::kInternalError, reason),
+                    ("uncaught exception"));
+}
 
 /// Runs `body` and returns its result. An exception becomes an element error that stops the
 /// pipeline with a message, and `fallback` is returned. To be used around the body of every virtual
@@ -16,12 +24,9 @@ Result guarded(gpointer element, Result fallback, Body &&body) noexcept {
   try {
     return std::forward<Body>(body)();
   } catch (const std::exception &error) {
-    GST_ELEMENT_ERROR(GST_ELEMENT_CAST(element), LIBRARY, FAILED,
-                      ("An internal error stopped this element: %s", error.what()),
-                      ("uncaught exception"));
+    post_internal_error(element, error.what());
   } catch (...) {
-    GST_ELEMENT_ERROR(GST_ELEMENT_CAST(element), LIBRARY, FAILED,
-                      ("An internal error stopped this element."), ("unknown exception"));
+    post_internal_error(element, "an exception of unknown type");
   }
   return fallback;
 }
