@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 
-#include <cstring>
-
 namespace haptic {
 namespace {
 
@@ -62,14 +60,6 @@ LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,
     gather(first, area, scratch.data());
   view.pixels = scratch.data();
   return view;
-}
-
-bool is_identical(const LumaView &one, const LumaView &other) {
-  for (int y = 0; y < one.height; ++y)
-    if (std::memcmp(one.pixels + y * one.stride, other.pixels + y * other.stride,
-                    static_cast<std::size_t>(one.width)) != 0)
-      return false;
-  return true;
 }
 
 } // namespace haptic

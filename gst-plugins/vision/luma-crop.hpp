@@ -20,7 +20,4 @@ namespace haptic {
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,
                    std::vector<std::uint8_t> &scratch);
 
-/// Whether two views of the same size show the same pixels.
-bool is_identical(const LumaView &one, const LumaView &other);
-
 } // namespace haptic

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Who points: the haptic device, the mouse or touch screen, or the application.
+// Chooses among the pointers of the haptic device, the mouse or touch screen, and the application.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 
@@ -14,6 +16,9 @@ struct Pointer {
   double z = 0; ///< -1..1 of the half workspace, towards the user; only a device has it
   bool operator==(const Pointer &) const = default;
 };
+
+/// N, x to the right, y up, z towards the user.
+using Force = std::array<double, 3>;
 
 enum class PointerSource { automatic, haptic, navigation, property };
 
@@ -28,8 +33,15 @@ public:
   PointerSource source = PointerSource::automatic;
   Pointer property;
 
-  void point_haptic(Pointer pointer, Time now) { haptic_ = Dated{pointer, now}; }
-  void point_navigation(Pointer pointer) { navigation_ = pointer; }
+  /// `force`: on the device, as it reported with its position.
+  void point_haptic(Pointer pointer, Time now, std::optional<Force> force = std::nullopt) {
+    haptic_ = Dated{pointer, now, force};
+  }
+  /// In px of a frame of this size; clamped at its borders.
+  void point_navigation(double x, double y, int frame_width, int frame_height) {
+    navigation_ =
+        Pointer{std::clamp(x / frame_width, 0.0, 1.0), std::clamp(y / frame_height, 0.0, 1.0)};
+  }
 
   /// Forgets what came as events.
   void forget() {
@@ -37,22 +49,31 @@ public:
     navigation_.reset();
   }
 
-  /// `automatic`: the device if it spoke within kHapticTimeout, else the mouse, else the property.
-  /// A chosen source that never spoke leaves the property in use.
+  /// `automatic`: the device if it reported within kHapticTimeout, else the mouse, else the
+  /// property. A chosen source that never reported leaves the property in use.
   Pointer in_use(Time now) const {
-    const bool fresh = haptic_ && now - haptic_->arrived <= kHapticTimeout;
-    if (haptic_ &&
-        (source == PointerSource::haptic || (source == PointerSource::automatic && fresh)))
+    if (haptic_ && (source == PointerSource::haptic ||
+                    (source == PointerSource::automatic && haptic_is_fresh(now))))
       return haptic_->pointer;
     if (navigation_ && (source == PointerSource::navigation || source == PointerSource::automatic))
       return *navigation_;
     return property;
   }
 
+  /// The force on the device, or nothing if it is unknown or the device is silent.
+  std::optional<Force> force(Time now) const {
+    return haptic_is_fresh(now) ? haptic_->force : std::nullopt;
+  }
+
 private:
+  bool haptic_is_fresh(Time now) const {
+    return haptic_ && now - haptic_->arrived <= kHapticTimeout;
+  }
+
   struct Dated {
     Pointer pointer;
     Time arrived;
+    std::optional<Force> force;
   };
   std::optional<Dated> haptic_;
   std::optional<Pointer> navigation_;

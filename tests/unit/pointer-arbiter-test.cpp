@@ -19,7 +19,7 @@ PointerArbiter all_three(PointerSource source) {
   PointerArbiter arbiter;
   arbiter.source = source;
   arbiter.property = kSet;
-  arbiter.point_navigation(kMouse);
+  arbiter.point_navigation(60, 60, 200, 150);
   arbiter.point_haptic(kDevice, kNow);
   return arbiter;
 }
@@ -32,6 +32,26 @@ TEST(PointerArbiter, TheHandComesBeforeTheMouseForASecondAfterItMoved) {
   const PointerArbiter arbiter = all_three(PointerSource::automatic);
   EXPECT_EQ(arbiter.in_use(kNow + 1s), kDevice);
   EXPECT_EQ(arbiter.in_use(kNow + 1001ms), kMouse);
+}
+
+TEST(PointerArbiter, AMouseOutsideTheFramePointsAtItsBorder) {
+  PointerArbiter arbiter;
+  arbiter.point_navigation(-5, 500, 200, 150);
+  EXPECT_EQ(arbiter.in_use(kNow), (Pointer{0, 1}));
+}
+
+TEST(PointerArbiter, TheForceIsKnownForASecondAfterTheDeviceReportedIt) {
+  PointerArbiter arbiter = all_three(PointerSource::property);
+  EXPECT_EQ(arbiter.force(kNow), std::nullopt);
+  const haptic::Force force = {0.1, -0.2, 0.3};
+  arbiter.point_haptic(kDevice, kNow, force);
+  EXPECT_EQ(arbiter.force(kNow + 1s), force);
+  EXPECT_EQ(arbiter.force(kNow + 1001ms), std::nullopt);
+  arbiter.point_haptic(kDevice, kNow + 2s);
+  EXPECT_EQ(arbiter.force(kNow + 2s), std::nullopt);
+  arbiter.point_haptic(kDevice, kNow + 3s, force);
+  arbiter.forget();
+  EXPECT_EQ(arbiter.force(kNow + 3s), std::nullopt);
 }
 
 TEST(PointerArbiter, WithoutEventsTheProperties) {

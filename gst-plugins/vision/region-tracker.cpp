@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "region-tracker.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace haptic {
+
+bool is_identical(const LumaView &one, const LumaView &other) {
+  for (int y = 0; y < one.height; ++y)
+    if (std::memcmp(one.pixels + y * one.stride, other.pixels + y * other.stride,
+                    static_cast<std::size_t>(one.width)) != 0)
+      return false;
+  return true;
+}
+
+void RegionTracker::set_method(TrackerMethod method, int max_points) {
+  if (std::exchange(method_, method) != method) {
+    tracker_ = method == TrackerMethod::fast ? make_fast_tracker() : make_opencv_tracker();
+    earlier_was_measured_ = false;
+  }
+  tracker_->set_max_points(max_points);
+}
+
+Areas RegionTracker::areas(const Rectangle &region, int frame_width, int frame_height) const {
+  const int margin = tracker_->margin(std::max(region.width, region.height));
+  return {region, crop_around(region, margin, frame_width, frame_height)};
+}
+
+// A frame that the tracker cannot measure is a gap, not the end of the stream.
+void RegionTracker::run(const CropPair &pair, Finding &finding) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  try {
+    tracker_->measure(pair, measurement_);
+  } catch (const std::exception &error) {
+    finding.error = error.what();
+    measurement_.clear();
+    tracker_->reset();
+  }
+  finding.tracker_time = Clock::now() - begin;
+}
+
+Finding RegionTracker::compare(const LumaReader &earlier, const LumaReader &frame,
+                               const Areas &areas) {
+  const CropPair pair{earlier(areas.crop, earlier_scratch_), frame(areas.crop, scratch_),
+                      areas.crop, areas.region, std::exchange(earlier_was_measured_, false)};
+  const bool same_here = is_identical(pair.previous, pair.current);
+  const auto same_there = [&] {
+    return is_identical(earlier(moving_crop_, earlier_scratch_), frame(moving_crop_, scratch_));
+  };
+  switch (repetition_.judge(same_here, same_there)) {
+  case Repetition::duplicate:
+    // The next interval then spans both frames, as its displacement does.
+    return {.flags = kMotionDuplicate, .becomes_reference = false};
+  case Repetition::still:
+    return {.flags = kMotionStill};
+  case Repetition::none:
+    break;
+  }
+  moving_crop_ = areas.crop;
+  Finding finding;
+  run(pair, finding);
+  finding.flags = measurement_.flags;
+  earlier_was_measured_ = true;
+  return finding;
+}
+
+void RegionTracker::forget() {
+  repetition_.forget();
+  moving_crop_ = {};
+  tracker_->reset();
+  earlier_was_measured_ = false;
+}
+
+} // namespace haptic

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The motion in a region of interest, frame after frame: compares the pixels of two frames first,
+// and runs the patch tracker only where they differ.
+#pragma once
+
+#include "patch-tracker.hpp"
+#include "repetition.hpp"
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+enum class TrackerMethod { fast, opencv };
+
+/// Reads the luma of an area of one frame. The view may point into the scratch memory.
+using LumaReader = std::function<LumaView(const Rectangle &area, std::vector<std::uint8_t> &)>;
+
+/// The areas of a frame that belong to one pointer position.
+struct Areas {
+  Rectangle region; ///< of interest
+  Rectangle crop;   ///< the region and the margin that the tracker needs
+};
+
+/// The result for one frame.
+struct Finding {
+  std::uint16_t flags = 0;       ///< of kFrameFlags
+  std::uint64_t interval = 0;    ///< ns
+  bool becomes_reference = true; ///< the next frame is compared with this one
+  std::optional<std::chrono::nanoseconds> tracker_time; ///< nothing: the tracker did not run
+  std::string error; ///< reason why the tracker failed; empty: it did not
+};
+
+/// Whether two views of the same size show the same pixels.
+bool is_identical(const LumaView &one, const LumaView &other);
+
+/// One instance serves one stream, from one thread at a time.
+class RegionTracker {
+public:
+  /// Changes the method and the limit for the frames that follow.
+  void set_method(TrackerMethod method, int max_points);
+
+  /// Returns the region with the margin of the method in use, clipped at the frame.
+  Areas areas(const Rectangle &region, int frame_width, int frame_height) const;
+
+  /// Compares a frame with the earlier one. Leaves the patches in measurement().
+  Finding compare(const LumaReader &earlier, const LumaReader &frame, const Areas &areas);
+
+  /// Forgets the earlier frames: the frame that follows begins a scene.
+  void forget();
+
+  void clear_measurement() { measurement_.clear(); }
+  const Measurement &measurement() const { return measurement_; }
+
+private:
+  void run(const CropPair &pair, Finding &finding);
+
+  TrackerMethod method_ = TrackerMethod::fast;
+  std::unique_ptr<PatchTracker> tracker_ = make_fast_tracker();
+  RepetitionJudge repetition_;
+  Rectangle moving_crop_;             // where motion was last seen; empty: nowhere yet
+  bool earlier_was_measured_ = false; // by the tracker, as the later frame
+  Measurement measurement_;
+  std::vector<std::uint8_t> earlier_scratch_;
+  std::vector<std::uint8_t> scratch_;
+};
+
+} // namespace haptic

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "region-tracker.hpp"
+
+#include "moving-texture.hpp"
+#include "tracking-statistics.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <vector>
+
+namespace {
+
+using haptic::Areas;
+using haptic::Finding;
+using haptic::is_identical;
+using haptic::LumaReader;
+using haptic::LumaView;
+using haptic::Rectangle;
+using haptic::RegionTracker;
+using haptic::TrackerMethod;
+using test::Frame;
+
+constexpr int kWidth = 96;
+constexpr int kHeight = 80;
+constexpr Rectangle kRegion{33, 25, 30, 30};
+
+LumaReader reader(const Frame &frame) {
+  return [&frame](const Rectangle &area, std::vector<std::uint8_t> &) {
+    return LumaView{frame.pixels.data() + area.y * frame.width + area.x, area.width, area.height,
+                    frame.width};
+  };
+}
+
+class RegionTrackerTest : public ::testing::Test {
+protected:
+  Frame moved(double x, double y) const { return texture.frame(kWidth, kHeight, {x, y}); }
+
+  Finding compare(const Frame &earlier, const Frame &frame, const Rectangle &region = kRegion) {
+    tracker.clear_measurement();
+    return tracker.compare(reader(earlier), reader(frame), tracker.areas(region, kWidth, kHeight));
+  }
+
+  test::Texture texture{1};
+  RegionTracker tracker;
+};
+
+TEST_F(RegionTrackerTest, MeasuresTheMotionBetweenTwoFramesWithEachMethod) {
+  for (const auto method : {TrackerMethod::fast, TrackerMethod::opencv}) {
+    tracker.set_method(method, 10);
+    const Finding found = compare(moved(0, 0), moved(2, -1));
+    EXPECT_EQ(found.flags, 0);
+    EXPECT_TRUE(found.becomes_reference);
+    EXPECT_TRUE(found.tracker_time.has_value());
+    ASSERT_GT(tracker.measurement().count, 0);
+    EXPECT_LE(tracker.measurement().count, 10);
+    for (const auto &patch : tracker.measurement().view()) {
+      EXPECT_NEAR(patch.dx, 2, 0.1);
+      EXPECT_NEAR(patch.dy, -1, 0.1);
+    }
+  }
+}
+
+TEST_F(RegionTrackerTest, TheCropIsTheRegionWithAMarginInsideTheFrame) {
+  const Areas areas = tracker.areas(kRegion, kWidth, kHeight);
+  EXPECT_EQ(areas.region, kRegion);
+  EXPECT_LT(areas.crop.x, kRegion.x);
+  EXPECT_GT(areas.crop.width, kRegion.width);
+  const Areas corner = tracker.areas({0, 0, 20, 20}, kWidth, kHeight);
+  EXPECT_EQ(corner.crop.x, 0);
+  EXPECT_EQ(corner.crop.y, 0);
+}
+
+TEST_F(RegionTrackerTest, ARepeatedFrameIsADuplicateThatDoesNotBecomeTheReference) {
+  const Frame first = moved(0, 0);
+  const Frame second = moved(2, 0);
+  EXPECT_EQ(compare(first, second).flags, 0);
+  const Finding found = compare(second, second);
+  EXPECT_EQ(found.flags, haptic::kMotionDuplicate);
+  EXPECT_FALSE(found.becomes_reference);
+  EXPECT_FALSE(found.tracker_time.has_value());
+  EXPECT_EQ(tracker.measurement().count, 0);
+}
+
+TEST_F(RegionTrackerTest, AFrameThatRepeatsAThirdTimeStandsStill) {
+  const Frame frame = moved(0, 0);
+  EXPECT_EQ(compare(frame, frame).flags, haptic::kMotionDuplicate);
+  EXPECT_EQ(compare(frame, frame).flags, haptic::kMotionDuplicate);
+  const Finding found = compare(frame, frame);
+  EXPECT_EQ(found.flags, haptic::kMotionStill);
+  EXPECT_TRUE(found.becomes_reference);
+}
+
+// The pixels under the pointer are the same in both frames, but those where motion was seen are
+// not.
+TEST_F(RegionTrackerTest, ARegionAtRestBesideAMovingOneStandsStillAtOnce) {
+  constexpr Rectangle kLeft{10, 25, 20, 30};
+  constexpr Rectangle kRight{66, 25, 20, 30};
+  const auto half_moved = [&](double x) {
+    Frame frame = moved(0, 0);
+    const Frame other = moved(x, 0);
+    for (int row = 0; row < kHeight; ++row)
+      std::copy_n(other.pixels.begin() + row * kWidth, kWidth / 2,
+                  frame.pixels.begin() + row * kWidth);
+    return frame;
+  };
+  EXPECT_EQ(compare(half_moved(0), half_moved(1), kLeft).flags, 0);
+  EXPECT_EQ(compare(half_moved(1), half_moved(2), kRight).flags, haptic::kMotionStill);
+}
+
+TEST_F(RegionTrackerTest, AfterForgettingASceneMayBeginWithDuplicates) {
+  const Frame frame = moved(0, 0);
+  for (int i = 0; i < 3; ++i)
+    compare(frame, frame);
+  tracker.forget();
+  EXPECT_EQ(compare(frame, frame).flags, haptic::kMotionDuplicate);
+}
+
+TEST(IsIdentical, LooksAtThePixelsOfTheViewsOnly) {
+  const std::vector<std::uint8_t> one(10 * 8, 50);
+  std::vector<std::uint8_t> other = one;
+  const LumaView a{one.data(), 7, 8, 10};
+  const LumaView b{other.data(), 7, 8, 10};
+  other[7] = 99; // right of the first row
+  EXPECT_TRUE(is_identical(a, b));
+  other[7 * 10 + 6] = 51; // last pixel
+  EXPECT_FALSE(is_identical(a, b));
+}
+
+TEST(TrackingStatistics, CountsFramesByTheirFlagsAndTakesMeans) {
+  using namespace std::chrono_literals;
+  haptic::TrackingStatistics statistics;
+  EXPECT_EQ(statistics.mean_points(), 0);
+  EXPECT_EQ(statistics.mean_tracker_time(), 0);
+  statistics.add({.flags = haptic::kMotionDiscontinuity}, 0);
+  statistics.add({.tracker_time = 100us}, 4);
+  statistics.add({.tracker_time = 300us}, 7);
+  statistics.add({.tracker_time = 200us}, 0);
+  statistics.add({.flags = haptic::kMotionDuplicate}, 0);
+  statistics.add({.flags = haptic::kMotionStill}, 0);
+  EXPECT_EQ(statistics.frames, 6U);
+  EXPECT_EQ(statistics.measured, 2U);
+  EXPECT_EQ(statistics.still, 1U);
+  EXPECT_EQ(statistics.duplicates, 1U);
+  EXPECT_EQ(statistics.discontinuities, 1U);
+  EXPECT_EQ(statistics.tracker_runs, 3U);
+  EXPECT_EQ(statistics.mean_points(), 5.5);
+  EXPECT_EQ(statistics.mean_tracker_time(), 200);
+}
+
+} // namespace
