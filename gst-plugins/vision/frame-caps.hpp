@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Caps of elements that turn frames into haptic samples.
+// Caps and timing of elements that turn frames into haptic samples.
 #pragma once
 
 #include "gst-raii.hpp"
@@ -30,6 +30,14 @@ inline GstCaps *transform_frame_caps(GstPadDirection from, GstStaticPadTemplate 
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();
+}
+
+/// Copies the time stamp, the duration and the DISCONT flag of a frame.
+inline void copy_timing(const GstBuffer *from, GstBuffer *to) {
+  GST_BUFFER_PTS(to) = GST_BUFFER_PTS(from);
+  GST_BUFFER_DURATION(to) = GST_BUFFER_DURATION(from);
+  if (GST_BUFFER_IS_DISCONT(from))
+    GST_BUFFER_FLAG_SET(to, GST_BUFFER_FLAG_DISCONT);
 }
 
 } // namespace haptic

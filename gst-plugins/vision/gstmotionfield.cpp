@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// motionfield measures the motion of a whole frame on a grid of cells, so that a receiver can feel
+// any place of it.
+//
+//   gst-launch-1.0 videotestsrc pattern=ball ! motionfield ! hapticsink
+//
+// It reads the luma of each frame once.
 #include "gstmotionfield.h"
 
 #include "buffer-timeline.hpp"
@@ -8,10 +14,13 @@
 #include "gst-raii.hpp"
 #include "luma-crop.hpp"
 #include "mapped-frame.hpp"
+#include "messages.hpp"
 #include "motion-field.hpp"
+#include "property-table.hpp"
 #include "repetition.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
@@ -23,15 +32,15 @@ using haptic::guarded;
 using haptic::MotionField;
 using haptic::ObjectLock;
 
-enum PropertyId : guint { kFieldColumns = 1 };
+// State
 
-constexpr guint kFewestColumns = 4;
-constexpr guint kMostColumns = 96;
-constexpr guint kDefaultColumns = 32;
+struct Settings {
+  guint columns = 32;
+};
 
 struct State {
   // Object lock: written by the application, read by the streaming thread.
-  guint columns = kDefaultColumns;
+  Settings settings;
 
   // Streaming thread only, or while it is stopped.
   GstVideoInfo frame; // of the caps
@@ -69,14 +78,30 @@ GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, GST_TYPE_
 
 namespace {
 
-// What every field says, whether or not anything was measured. A change of the shape starts anew.
-void describe(GstMotionField *self) {
+// Properties
+
+std::span<const haptic::Property<Settings>> properties() {
+  constexpr guint kFewestColumns = 4;
+  constexpr guint kMostColumns = 96;
+  static const haptic::Property<Settings> table[] = {
+      haptic::member_row<&Settings::columns>(g_param_spec_uint(
+          "field-columns", "Field Columns",
+          "Cells side by side; rows follow from the frame's shape. None is narrower than 8 pixels",
+          kFewestColumns, kMostColumns, Settings{}.columns, haptic::kReadWrite)),
+  };
+  return table;
+}
+
+// Measuring a frame
+
+// Follows the frame's size and the property. A change of the shape forgets the earlier frames.
+void set_shape(GstMotionField *self) {
   State &state = *self->state;
   const GstVideoInfo &info = state.frame;
   guint columns = 0;
   {
     const ObjectLock lock(self);
-    columns = state.columns;
+    columns = state.settings.columns;
   }
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
@@ -97,7 +122,7 @@ void describe(GstMotionField *self) {
   field.cells.assign(static_cast<std::size_t>(shape.cells()), {});
 }
 
-// False: the frame cannot be read.
+// Passes the luma to the tracker, strip by strip. Returns false if the frame cannot be read.
 bool read(State &state, GstBuffer *buffer) {
   const haptic::MappedFrame frame(state.frame, buffer);
   if (!frame)
@@ -111,8 +136,9 @@ bool read(State &state, GstBuffer *buffer) {
   return true;
 }
 
-// From the reference to the frame that was just read. False: that is the reference once more and
-// does not take its place, so that the next interval spans both, as its motion does.
+// Measures the motion from the reference to the frame that was just read. Returns whether this
+// frame becomes the reference: a duplicate does not, so that the next interval spans both frames,
+// as the motion does.
 bool compare(State &state) {
   MotionField &field = state.field;
   switch (state.repetition.judge(state.tracker.repeats(), [] { return true; })) {
@@ -131,7 +157,7 @@ bool compare(State &state) {
   return true;
 }
 
-// Leaves what is known about the frame in state.field. False: it cannot be read.
+// Leaves the result in state.field. Returns false if the frame cannot be read.
 bool examine(GstMotionField *self, GstBuffer *buffer) {
   State &state = *self->state;
   MotionField &field = state.field;
@@ -162,11 +188,12 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
   return true;
 }
 
-GstFlowReturn process(GstMotionField *self, GstBuffer *frame, GstBuffer *out) {
+// Streaming
+
+GstFlowReturn transform(GstMotionField *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
   if (!examine(self, frame)) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT,
-                      ("A frame cannot be read: its memory does not hold what its format says."),
+    GST_ELEMENT_ERROR(self, STREAM, FORMAT, (haptic::messages::kUnreadableFrame),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(frame)));
     return GST_FLOW_ERROR;
   }
@@ -185,100 +212,105 @@ GstFlowReturn process(GstMotionField *self, GstBuffer *frame, GstBuffer *out) {
   return GST_FLOW_OK;
 }
 
+gboolean set_caps(GstMotionField *self, GstCaps *in) {
+  State &state = *self->state;
+  state.forget_frames();
+  if (!gst_video_info_from_caps(&state.frame, in))
+    return FALSE;
+  state.field.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&state.frame));
+  state.field.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&state.frame));
+  return TRUE;
+}
+
+GstFlowReturn prepare_output_buffer(GstMotionField *self, GstBuffer *in, GstBuffer **out) {
+  set_shape(self);
+  *out = gst_buffer_new_allocate(nullptr, haptic::packed_size(self->state->field), nullptr);
+  haptic::copy_timing(in, *out);
+  return GST_FLOW_OK;
+}
+
+void on_sink_event(GstMotionField *self, GstEvent *event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
+    self->state->forget_frames();
+}
+
 } // namespace
-
-static GstCaps *gst_motion_field_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
-                                                GstCaps *caps, GstCaps *filter) {
-  return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
-  });
-}
-
-static gboolean gst_motion_field_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-  return guarded(trans, false, [&] {
-    State &state = *GST_MOTION_FIELD(trans)->state;
-    state.forget_frames();
-    if (!gst_video_info_from_caps(&state.frame, in))
-      return false;
-    state.field.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&state.frame));
-    state.field.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&state.frame));
-    return true;
-  });
-}
-
-static GstFlowReturn gst_motion_field_prepare_output_buffer(GstBaseTransform *trans, GstBuffer *in,
-                                                            GstBuffer **out) {
-  return guarded(trans, GST_FLOW_ERROR, [&] {
-    auto *self = GST_MOTION_FIELD(trans);
-    describe(self);
-    *out = gst_buffer_new_allocate(nullptr, haptic::packed_size(self->state->field), nullptr);
-    GST_BUFFER_PTS(*out) = GST_BUFFER_PTS(in);
-    GST_BUFFER_DURATION(*out) = GST_BUFFER_DURATION(in);
-    if (GST_BUFFER_IS_DISCONT(in))
-      GST_BUFFER_FLAG_SET(*out, GST_BUFFER_FLAG_DISCONT);
-    return GST_FLOW_OK;
-  });
-}
-
-static GstFlowReturn gst_motion_field_transform(GstBaseTransform *trans, GstBuffer *in,
-                                                GstBuffer *out) {
-  return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_MOTION_FIELD(trans), in, out); });
-}
-
-static gboolean gst_motion_field_sink_event(GstBaseTransform *trans, GstEvent *event) {
-  guarded(trans, [&] {
-    if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
-      GST_MOTION_FIELD(trans)->state->forget_frames();
-  });
-  return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
-}
-
-// Rows are read one by one, so any strides will do.
-static gboolean gst_motion_field_propose_allocation(GstBaseTransform *, GstQuery *,
-                                                    GstQuery *query) {
-  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-  return TRUE;
-}
-
-static gboolean gst_motion_field_start(GstBaseTransform *trans) {
-  GST_MOTION_FIELD(trans)->state->timeline.tell_again();
-  return TRUE;
-}
-
-static gboolean gst_motion_field_stop(GstBaseTransform *trans) {
-  return guarded(trans, FALSE, [&] {
-    GST_MOTION_FIELD(trans)->state->forget_frames();
-    return TRUE;
-  });
-}
-
-static void gst_motion_field_set_property(GObject *object, guint id, const GValue *value,
-                                          GParamSpec *pspec) {
-  const ObjectLock lock(object);
-  switch (id) {
-  case kFieldColumns:
-    GST_MOTION_FIELD(object)->state->columns = g_value_get_uint(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
-}
-
-static void gst_motion_field_get_property(GObject *object, guint id, GValue *value,
-                                          GParamSpec *pspec) {
-  const ObjectLock lock(object);
-  switch (id) {
-  case kFieldColumns:
-    g_value_set_uint(value, GST_MOTION_FIELD(object)->state->columns);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
-}
 
 static void gst_motion_field_finalize(GObject *object) {
   delete GST_MOTION_FIELD(object)->state;
   G_OBJECT_CLASS(gst_motion_field_parent_class)->finalize(object);
+}
+
+static void install_object_vfuncs(GObjectClass *klass) {
+  klass->finalize = gst_motion_field_finalize;
+  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      haptic::set_property(object, id, value, properties(),
+                           GST_MOTION_FIELD(object)->state->settings);
+    });
+  };
+  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      haptic::get_property(object, id, value, properties(),
+                           GST_MOTION_FIELD(object)->state->settings);
+    });
+  };
+  haptic::install_properties(klass, properties());
+}
+
+static void install_transform_vfuncs(GstBaseTransformClass *klass) {
+  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
+                             GstCaps *filter) {
+    return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
+      return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
+    });
+  };
+  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
+    return guarded(trans, FALSE, [&] { return set_caps(GST_MOTION_FIELD(trans), in); });
+  };
+  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
+    return guarded(trans, GST_FLOW_ERROR,
+                   [&] { return prepare_output_buffer(GST_MOTION_FIELD(trans), in, out); });
+  };
+  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
+    return guarded(trans, GST_FLOW_ERROR,
+                   [&] { return transform(GST_MOTION_FIELD(trans), in, out); });
+  };
+  klass->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
+    guarded(trans, [&] { on_sink_event(GST_MOTION_FIELD(trans), event); });
+    return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
+  };
+  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
+    // Rows are read one by one, so any strides will do.
+    return guarded(trans, FALSE, [&] {
+      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+      return TRUE;
+    });
+  };
+  klass->start = [](GstBaseTransform *trans) {
+    return guarded(trans, FALSE, [&] {
+      GST_MOTION_FIELD(trans)->state->timeline.tell_again();
+      return TRUE;
+    });
+  };
+  klass->stop = [](GstBaseTransform *trans) {
+    return guarded(trans, FALSE, [&] {
+      GST_MOTION_FIELD(trans)->state->forget_frames();
+      return TRUE;
+    });
+  };
+}
+
+static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
+                                        "Measures the motion of the whole frame on a grid of cells",
+                                        "Feeling Wind project");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+
+  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 }
 
 static void gst_motion_field_init(GstMotionField *self) {
@@ -287,40 +319,6 @@ static void gst_motion_field_init(GstMotionField *self) {
   auto *trans = GST_BASE_TRANSFORM(self);
   // A late sink must not make the tracker skip frames.
   gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the flag that says that nothing was measured.
+  // Otherwise the base class clears the GAP flag.
   gst_base_transform_set_gap_aware(trans, TRUE);
-}
-
-static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
-  auto *object_class = G_OBJECT_CLASS(klass);
-  auto *element_class = GST_ELEMENT_CLASS(klass);
-  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-
-  object_class->set_property = gst_motion_field_set_property;
-  object_class->get_property = gst_motion_field_get_property;
-  object_class->finalize = gst_motion_field_finalize;
-  g_object_class_install_property(
-      object_class, kFieldColumns,
-      g_param_spec_uint(
-          "field-columns", "Field Columns",
-          "Cells side by side; rows follow from the frame's shape. None is narrower than 8 "
-          "pixels",
-          kFewestColumns, kMostColumns, kDefaultColumns,
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_PLAYING)));
-
-  gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
-                                        "Measures the motion of the whole frame on a grid of cells",
-                                        "Feeling Wind project");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-
-  transform_class->transform_caps = gst_motion_field_transform_caps;
-  transform_class->set_caps = gst_motion_field_set_caps;
-  transform_class->prepare_output_buffer = gst_motion_field_prepare_output_buffer;
-  transform_class->transform = gst_motion_field_transform;
-  transform_class->sink_event = gst_motion_field_sink_event;
-  transform_class->propose_allocation = gst_motion_field_propose_allocation;
-  transform_class->start = gst_motion_field_start;
-  transform_class->stop = gst_motion_field_stop;
 }

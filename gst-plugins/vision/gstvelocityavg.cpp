@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// velocityavg turns the metadata that roitracker attached to a frame into one motion sample
+// (paper, equations 2 and 3). It does not read the pixels.
+//
+//   gst-launch-1.0 videotestsrc pattern=ball ! roitracker ! velocityavg ! hapticsink
+//
+// A frame without a measurement gives a sample with the GAP flag, so that the branch never starves.
 #include "gstvelocityavg.h"
 
 #include "exception-barrier.hpp"
@@ -6,10 +12,14 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "luma-crop.hpp"
+#include "messages.hpp"
 #include "motion-reader.hpp"
+#include "property-table.hpp"
 
 #include <gst/video/gstvideometa.h>
+#include <span>
 #include <string>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
 #define GST_CAT_DEFAULT velocityavg_debug
@@ -22,7 +32,7 @@ using haptic::ModelChoice;
 using haptic::MotionSample;
 using haptic::ObjectLock;
 
-enum PropertyId : guint { kAverage = 1, kMotionModel, kPostMessages };
+// State
 
 struct Settings {
   Average average = Average::model;
@@ -37,7 +47,7 @@ struct State {
   // Streaming thread only, or while it is stopped.
   GstVideoInfo frame; // of the caps
   haptic::MotionReader reader;
-  bool told_about_metadata = false;
+  bool warned_of_metadata = false;
 };
 
 } // namespace
@@ -59,6 +69,8 @@ G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFOR
 GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, GST_TYPE_VELOCITY_AVG)
 
 namespace {
+
+// Properties
 
 GType average_type() {
   static const GEnumValue values[] = {
@@ -84,11 +96,27 @@ GType motion_model_type() {
   return type;
 }
 
-void tell_once_about_metadata(GstVelocityAvg *self) {
-  if (std::exchange(self->state->told_about_metadata, true))
+std::span<const haptic::Property<Settings>> properties() {
+  static const haptic::Property<Settings> table[] = {
+      haptic::member_row<&Settings::average>(
+          g_param_spec_enum("average", "Average", "How the velocities of the points become one",
+                            average_type(), static_cast<gint>(Average::model), haptic::kReadWrite)),
+      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
+          "motion-model", "Motion Model", "Motion model that is fitted with average=model",
+          motion_model_type(), static_cast<gint>(ModelChoice::automatic), haptic::kReadWrite)),
+      haptic::member_row<&Settings::post_messages>(g_param_spec_boolean(
+          "post-messages", "Post Messages", "Post an element message haptic-motion for each frame",
+          FALSE, haptic::kReadWrite)),
+  };
+  return table;
+}
+
+// Streaming
+
+void warn_of_metadata(GstVelocityAvg *self) {
+  if (std::exchange(self->state->warned_of_metadata, true))
     return;
-  GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE,
-                      ("The frames carry no motion. Put roitracker directly before velocityavg."),
+  GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE, (haptic::messages::kNoMetadata),
                       ("no GstHapticMotionMeta: there is no roitracker, or an element after it "
                        "dropped the metadata (cropping, composing and encoding do)"));
 }
@@ -106,7 +134,7 @@ void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), fields));
 }
 
-GstFlowReturn process(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
+GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
   Settings settings;
   {
@@ -117,7 +145,7 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame)) {
     sample = state.reader.read(*meta, state.frame, settings.average, settings.motion_model);
   } else {
-    tell_once_about_metadata(self);
+    warn_of_metadata(self);
     sample = state.reader.read_nothing(state.frame);
   }
 
@@ -132,124 +160,75 @@ GstFlowReturn process(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   return GST_FLOW_OK;
 }
 
-} // namespace
-
-static GstCaps *gst_velocity_avg_transform_caps(GstBaseTransform *trans, GstPadDirection direction,
-                                                GstCaps *caps, GstCaps *filter) {
-  return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-    return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
-  });
-}
-
-static gboolean gst_velocity_avg_set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-  return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->frame, in);
-}
-
-static GstFlowReturn gst_velocity_avg_prepare_output_buffer(GstBaseTransform *, GstBuffer *in,
-                                                            GstBuffer **out) {
+GstFlowReturn prepare_output_buffer(GstBuffer *in, GstBuffer **out) {
   *out = gst_buffer_new_allocate(nullptr, haptic::kMotionSampleSize, nullptr);
-  GST_BUFFER_PTS(*out) = GST_BUFFER_PTS(in);
-  GST_BUFFER_DURATION(*out) = GST_BUFFER_DURATION(in);
-  if (GST_BUFFER_IS_DISCONT(in))
-    GST_BUFFER_FLAG_SET(*out, GST_BUFFER_FLAG_DISCONT);
+  haptic::copy_timing(in, *out);
   return GST_FLOW_OK;
 }
 
-static GstFlowReturn gst_velocity_avg_transform(GstBaseTransform *trans, GstBuffer *in,
-                                                GstBuffer *out) {
-  return guarded(trans, GST_FLOW_ERROR, [&] { return process(GST_VELOCITY_AVG(trans), in, out); });
-}
-
-// The pixels are not looked at, so any strides will do.
-static gboolean gst_velocity_avg_propose_allocation(GstBaseTransform *, GstQuery *,
-                                                    GstQuery *query) {
-  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+gboolean start(GstVelocityAvg *self) {
+  self->state->reader = {};
+  self->state->warned_of_metadata = false;
   return TRUE;
 }
 
-static gboolean gst_velocity_avg_start(GstBaseTransform *trans) {
-  State &state = *GST_VELOCITY_AVG(trans)->state;
-  state.reader = {};
-  state.told_about_metadata = false;
-  return TRUE;
-}
-
-static void gst_velocity_avg_set_property(GObject *object, guint id, const GValue *value,
-                                          GParamSpec *pspec) {
-  Settings &settings = GST_VELOCITY_AVG(object)->state->settings;
-  const ObjectLock lock(object);
-  switch (id) {
-  case kAverage:
-    settings.average = static_cast<Average>(g_value_get_enum(value));
-    break;
-  case kMotionModel:
-    settings.motion_model = static_cast<ModelChoice>(g_value_get_enum(value));
-    break;
-  case kPostMessages:
-    settings.post_messages = g_value_get_boolean(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
-}
-
-static void gst_velocity_avg_get_property(GObject *object, guint id, GValue *value,
-                                          GParamSpec *pspec) {
-  const Settings &settings = GST_VELOCITY_AVG(object)->state->settings;
-  const ObjectLock lock(object);
-  switch (id) {
-  case kAverage:
-    g_value_set_enum(value, static_cast<gint>(settings.average));
-    break;
-  case kMotionModel:
-    g_value_set_enum(value, static_cast<gint>(settings.motion_model));
-    break;
-  case kPostMessages:
-    g_value_set_boolean(value, settings.post_messages);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
-}
+} // namespace
 
 static void gst_velocity_avg_finalize(GObject *object) {
   delete GST_VELOCITY_AVG(object)->state;
   G_OBJECT_CLASS(gst_velocity_avg_parent_class)->finalize(object);
 }
 
-static void gst_velocity_avg_init(GstVelocityAvg *self) {
-  self->state = new State;
-  gst_video_info_init(&self->state->frame);
-  auto *trans = GST_BASE_TRANSFORM(self);
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the flag that says that nothing was measured.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+static void install_object_vfuncs(GObjectClass *klass) {
+  klass->finalize = gst_velocity_avg_finalize;
+  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      haptic::set_property(object, id, value, properties(),
+                           GST_VELOCITY_AVG(object)->state->settings);
+    });
+  };
+  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      haptic::get_property(object, id, value, properties(),
+                           GST_VELOCITY_AVG(object)->state->settings);
+    });
+  };
+  haptic::install_properties(klass, properties());
+}
+
+static void install_transform_vfuncs(GstBaseTransformClass *klass) {
+  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
+                             GstCaps *filter) {
+    return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
+      return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
+    });
+  };
+  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
+    return guarded(trans, FALSE, [&] {
+      return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->frame, in);
+    });
+  };
+  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
+    return guarded(trans, GST_FLOW_ERROR, [&] { return prepare_output_buffer(in, out); });
+  };
+  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
+    return guarded(trans, GST_FLOW_ERROR,
+                   [&] { return transform(GST_VELOCITY_AVG(trans), in, out); });
+  };
+  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
+    // The pixels are not read, so any strides will do.
+    return guarded(trans, FALSE, [&] {
+      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+      return TRUE;
+    });
+  };
+  klass->start = [](GstBaseTransform *trans) {
+    return guarded(trans, FALSE, [&] { return start(GST_VELOCITY_AVG(trans)); });
+  };
 }
 
 static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
-  auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-  const auto flags = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                              GST_PARAM_MUTABLE_PLAYING);
-
-  object_class->set_property = gst_velocity_avg_set_property;
-  object_class->get_property = gst_velocity_avg_get_property;
-  object_class->finalize = gst_velocity_avg_finalize;
-  g_object_class_install_property(
-      object_class, kAverage,
-      g_param_spec_enum("average", "Average", "How the velocities of the points become one",
-                        average_type(), static_cast<gint>(Average::model), flags));
-  g_object_class_install_property(
-      object_class, kMotionModel,
-      g_param_spec_enum("motion-model", "Motion Model",
-                        "Motion model that is fitted with average=model", motion_model_type(),
-                        static_cast<gint>(ModelChoice::automatic), flags));
-  g_object_class_install_property(
-      object_class, kPostMessages,
-      g_param_spec_boolean("post-messages", "Post Messages",
-                           "Post an element message haptic-motion for each frame", FALSE, flags));
-
   gst_element_class_set_static_metadata(
       element_class, "Velocity averager", "Filter/Analyzer/Video",
       "Turns the motion that roitracker found in a frame into one haptic motion sample",
@@ -257,13 +236,18 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 
-  transform_class->transform_caps = gst_velocity_avg_transform_caps;
-  transform_class->set_caps = gst_velocity_avg_set_caps;
-  transform_class->prepare_output_buffer = gst_velocity_avg_prepare_output_buffer;
-  transform_class->transform = gst_velocity_avg_transform;
-  transform_class->propose_allocation = gst_velocity_avg_propose_allocation;
-  transform_class->start = gst_velocity_avg_start;
+  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 
   gst_type_mark_as_plugin_api(average_type(), static_cast<GstPluginAPIFlags>(0));
   gst_type_mark_as_plugin_api(motion_model_type(), static_cast<GstPluginAPIFlags>(0));
+}
+
+static void gst_velocity_avg_init(GstVelocityAvg *self) {
+  self->state = new State;
+  gst_video_info_init(&self->state->frame);
+  auto *trans = GST_BASE_TRANSFORM(self);
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+  // Otherwise the base class clears the GAP flag.
+  gst_base_transform_set_gap_aware(trans, TRUE);
 }
