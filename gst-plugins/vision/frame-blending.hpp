@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Blends painted pixels with video frames of any format, or attaches them for downstream to draw.
+#pragma once
+
+#include "gst-raii.hpp"
+#include "overlay-drawing.hpp"
+
+#include <gst/video/video-overlay-composition.h>
+#include <gst/video/video.h>
+#include <memory>
+
+namespace haptic {
+
+struct CompositionUnref {
+  void operator()(GstVideoOverlayComposition *composition) const {
+    gst_video_overlay_composition_unref(composition);
+  }
+  void operator()(GstVideoOverlayRectangle *rectangle) const {
+    gst_video_overlay_rectangle_unref(rectangle);
+  }
+};
+using CompositionPtr = std::unique_ptr<GstVideoOverlayComposition, CompositionUnref>;
+using RectanglePtr = std::unique_ptr<GstVideoOverlayRectangle, CompositionUnref>;
+
+/// An overlay and its place in the frame.
+struct OverlayPixels {
+  BufferPtr pixels; ///< with its GstVideoMeta
+  Rectangle extent;
+};
+
+OverlayPixels paint(const OverlayDrawing &drawing);
+
+/// The overlay as a composition whose top left corner lies at (x, y).
+CompositionPtr compose(const OverlayPixels &overlay, int x, int y);
+
+/// Draws the overlay on `out`. Copies the pixels of `in` there first if it is another buffer.
+/// Returns false if a buffer does not hold a frame of this format.
+bool blend(const GstVideoInfo &info, const OverlayPixels &overlay, GstBuffer *in, GstBuffer *out);
+
+} // namespace haptic
