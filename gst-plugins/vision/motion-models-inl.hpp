@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Motion models fitted to points: robust weighted least squares, and the choice among them.
+// Motion models fitted to points by robust weighted least squares, and the choice among them.
 #include "motion-points-inl.hpp"
 
 #include "velocity-estimate.hpp"
@@ -19,14 +19,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
 namespace {
-// Normal equations of weighted least squares: sums over the points of precision times products of
-// (1, x, y), and of precision times what is left to explain.
+// Sums over the points for the normal equations of weighted least squares. A motion is linear in
+// its parameters t, d = A(x, y) t, so that the step s from t that minimises sum w e' P e solves
+// (sum w A' P A) s = sum w A' P e. The entries of A are 0, 1, x and y.
 struct Sums {
-  float xx[6], xy[6], yy[6]; // times 1, x, y, x², xy, y²
-  float gx[3], gy[3];        // times 1, x, y
+  float xx[6], xy[6], yy[6]; // w P times 1, x, y, x², xy, y²
+  float gx[3], gy[3];        // w P e times 1, x, y
 };
 
-// Weighted by (1 + e² narrowness)^-2 (Geman-McClure), and not at all from `limit` on.
+// The weight of a point is w = (1 + c e' P e)^-2, c the narrowness: the weight function of Geman
+// and McClure (Bull. Int. Stat. Inst. 52, 1987). It is 0 where e' P e reaches the limit.
 template <bool kGradients>
 Sums sums_at(const Points &points, const Motion &motion, float narrowness, float limit) {
   constexpr std::size_t kProducts = kGradients ? 6 : 1;
@@ -84,8 +86,10 @@ struct Step {
   float gain = 0; // by which the sum of squared errors falls
 };
 
-// Solves n g = g (upper triangle of n; both are overwritten). False where what the first two
-// unknowns leave of a diagonal element is too little.
+// Solves n s = g by Gaussian elimination without pivots, as n is symmetric and positive definite.
+// Only the upper triangle of n is read; n is overwritten, and g becomes s. Adds g' s to `gain`, by
+// which the sum of squares falls. Returns false if a pivot after the first two, which belong to the
+// translation, is not above `least`.
 template <std::size_t kSize>
 bool eliminate(float (&n)[kSize][kSize], float (&g)[kSize], float least, float &gain) {
   float inverse[kSize];
@@ -112,11 +116,12 @@ bool eliminate(float (&n)[kSize][kSize], float (&g)[kSize], float least, float &
   return true;
 }
 
-// Nothing if the points do not determine the model.
+// Returns the step of a model, or nothing if the points do not determine it. Translation:
+// d = (x0, y0). Similarity: d = (x0, y0) + g (x, y) + r (-y, x). Affine: all six parameters.
 std::optional<Step> solve(MotionModel model, const Sums &s) {
-  // Points closer together than this say nothing about a gradient, px² (of variance).
+  // Least variance of the points' places that determines a gradient, px².
   constexpr float kSmallestSpread = 1;
-  // A direction that nothing was seen along stays where it is.
+  // Keeps the motion as it is along a direction without precision.
   constexpr float kRidge = 1e-5F;
   const float information = (s.xx[0] + s.yy[0]) / 2;
   if (!(information > 0))
@@ -162,7 +167,7 @@ std::optional<Step> step_from(const Motion &motion, MotionModel model, const Poi
                           : sums_at<true>(points, motion, narrowness, limit));
 }
 
-// Where a robust fit begins, and how far off (in standard deviations) that may be.
+// The start of a robust fit and its likely error, in standard deviations.
 struct Start {
   Motion motion;
   float sigmas = 1;
@@ -175,12 +180,15 @@ float median_error(const Points &points, const Motion &motion) {
   return median(errors, points.count);
 }
 
+// The scale of the errors from their median, as 1.4826 MAD is for one dimension: the median of chi
+// square with two degrees of freedom is 2 ln 2.
 Start start_at(const Points &points, const Motion &motion) {
   constexpr float kFarthest = 1e4F;
   const float sigmas = std::sqrt(median_error(points, motion) / kMedianOfChi2);
   return {motion, std::clamp(sigmas, 1.0F, kFarthest)};
 }
 
+// Begins at the mean weighted by precision, after one step towards the majority.
 Start mean_start(const Points &points) {
   if (points.count == 1)
     return {{points.dx[0], points.dy[0]}, 1};
@@ -191,8 +199,11 @@ Start mean_start(const Points &points) {
   return step ? start_at(points, rough.motion + step->motion) : rough;
 }
 
-// Geman-McClure re-weighting, from a scale at which the start can be right down to that of the
-// precision, so that a turn does not look like outliers; at last only what agrees counts.
+// Iteratively re-weighted least squares with graduated non-convexity (Blake and Zisserman, Visual
+// Reconstruction, 1987): the scale of the weight function falls from the error of the start to that
+// of the precision, so that points of a rotation do not count as outliers at first. The last step
+// takes the points within kOutlier alone, all with weight 1. Returns nothing if the points do not
+// determine the model.
 std::optional<Motion> robust_fit(MotionModel model, const Points &points, const Start &start) {
   constexpr float kNarrowing = 5;
   if (points.count == 1)
@@ -215,9 +226,10 @@ std::size_t parameters(MotionModel model) {
   return 2 * (static_cast<std::size_t>(model) - static_cast<std::size_t>(MotionModel::still));
 }
 
-// What the parameters of a model cost: 2 ln 4n for two (four: the numbers that a pair of places
-// has). That something moves at all costs so much that noise makes it 1 of 200 times at most, for
-// few points too: chi square with two degrees of freedom is beyond t with probability exp(-t/2).
+// The price of a model's k parameters in the geometric robust information criterion of Torr (IJCV
+// 50(1), 2002): k ln(r n) with n points and r = 4 numbers of a pair of places. The price of moving
+// at all is at least 2 ln 200, so that noise alone passes it once in 200 frames, for few points
+// too: chi square with two degrees of freedom exceeds t with probability exp(-t/2).
 float price(MotionModel model, const Points &points) {
   constexpr float kFalseAlarm = 10.6F; // 2 ln 200
   if (model == MotionModel::still)
@@ -229,10 +241,12 @@ float price(MotionModel model, const Points &points) {
 struct Fit {
   Motion motion;
   MotionModel model = MotionModel::none;
-  float cost = 0;            // robust information criterion; the smaller the better
+  float cost = 0;            // GRIC; the smaller the better
   std::size_t explained = 0; // points
 };
 
+// GRIC = sum of min(e' P e, kOutlier) + price. Torr's term of the manifold's dimension is the same
+// for all models and left out.
 Fit judged(MotionModel model, const Motion &motion, const Points &points) {
   const Lanes limit = hn::Set(kTag, kOutlier);
   Lanes cost = hn::Zero(kTag);
@@ -249,14 +263,15 @@ bool explains_most(const Fit &fit, const Points &points) {
   return 10 * fit.explained >= 6 * points.count;
 }
 
-// Half the parameters, and two to contradict; fewer are a translation at most.
+// Whether the points are as many as the model needs, and two more that can contradict it.
 bool suffices(MotionModel model, std::size_t count) {
   return model <= MotionModel::translation || count >= parameters(model) / 2 + 2;
 }
 
-// Whether what the fit leaves of the points that it explains is worth no larger model's parameters.
+// Whether no larger model can gain its price, measured by one step of least squares on the points
+// that the fit explains.
 bool is_enough(const Fit &fit, const Points &points) {
-  // Those it does not explain another model may, for all that this tells.
+  // The step does not see the other points; another model may explain them.
   if (10 * fit.explained < 8 * points.count)
     return false;
   const auto costs = [&](MotionModel model) {
@@ -278,7 +293,8 @@ struct Selection {
   ModelHistory history;
 };
 
-// One frame is not enough to change a model that explains nearly as much as the best.
+// Returns the best fit, or the current model's if it is nearly as good: then the best becomes the
+// model only if it was the best of the frame before, too.
 Selection settled(const Fit &best, const std::optional<Fit> &current, ModelHistory history) {
   constexpr float kClear = 2;
   if (!current || current->model == best.model || current->cost - best.cost > kClear ||
@@ -287,7 +303,7 @@ Selection settled(const Fit &best, const std::optional<Fit> &current, ModelHisto
   return {*current, {current->model, best.model}};
 }
 
-// The smallest model from `smallest` on that explains the points.
+// Returns the model with the smallest GRIC from `smallest` on.
 Selection select_model(const Points &points, MotionModel smallest, ModelHistory history) {
   std::optional<Fit> best;
   std::optional<Fit> current;
@@ -305,7 +321,7 @@ Selection select_model(const Points &points, MotionModel smallest, ModelHistory 
   const Start start = mean_start(points);
   for (const MotionModel model :
        {MotionModel::translation, MotionModel::similarity, MotionModel::affine}) {
-    // Its parameters alone cost more than the best model with all its errors.
+    // The price of its parameters alone exceeds the best GRIC.
     if (best && best->cost <= price(model, points) && model > history.current)
       break;
     if (!suffices(model, points.count))
@@ -318,7 +334,8 @@ Selection select_model(const Points &points, MotionModel smallest, ModelHistory 
   return settled(*best, current, history);
 }
 
-// The displacement that most others share, for when the mean is far from all of them.
+// Fits a translation from the displacement that most others are near to. The mean may be far from
+// all of them.
 Fit commonest_translation(const Points &points) {
   Start start;
   std::size_t most = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the patches of one frame say, in vectors of the machine's width: this runs for every
-// frame, and most of it is sums over points.
+// The patches of one frame as points, in vectors of the machine's width: this runs for every frame,
+// and most of it is sums over points.
 #include "haptic-patch.h"
 
 #include <algorithm>
@@ -34,14 +34,14 @@ constexpr std::size_t kCapacity = GST_HAPTIC_MOTION_META_MAX_PATCHES;
 static_assert(kCapacity % kWidest == 0);
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// A squared error beyond this many variances is another object (99 % of chi square with two
-// degrees of freedom), and how far off it is does not matter.
+// Limit of a squared error, in variances: the 99 % quantile of chi square with two degrees of
+// freedom, -2 ln 0.01. A point beyond it belongs to another object, at whatever distance.
 constexpr float kOutlier = 9.21F;
-// Median of chi square with two degrees of freedom.
+// Median of chi square with two degrees of freedom, 2 ln 2.
 constexpr float kMedianOfChi2 = 1.386F;
-// Smaller groups that agree are not a motion of their own: false matches agree by chance.
+// Points that a motion of its own needs: fewer false matches can agree by chance.
 constexpr std::size_t kSmallestLayer = 3;
-// What tracking cannot do better than even on noiseless texture (interpolation), px² per component.
+// Variance of tracking on texture without noise, from interpolation, px² per component.
 constexpr float kTrackingFloor = 0.02F * 0.02F;
 
 // Displacement (px) about the centre of the points: dx = x0 + xx*x + xy*y, dy = y0 + yx*x + yy*y.
@@ -62,18 +62,18 @@ struct Precision {
   float xx = 0, xy = 0, yy = 0;
 };
 
-// What the patches say, in rows of their own. Entries from `count` up to a whole vector are zero:
-// without precision they have no say.
+// The patches as rows of one field each. Entries from `count` up to a whole vector are zero: their
+// precision is 0, so they add nothing to a sum.
 struct Points {
   using Row = std::array<float, kCapacity>;
   std::size_t count = 0;
   float centre_x = 0, centre_y = 0; // px in the frame
-  float step = 0;                   // what two parameters more cost
+  float step = 0;                   // 2 ln 4n, the price of two parameters more
   float area = 0;                   // px²
   alignas(64) Row x, y;             // px from the centre
   alignas(64) Row dx, dy;           // px
   alignas(64) Row xx, xy, yy;       // precision of (dx, dy), 1/px²
-  alignas(64) Row weight;           // px², less where the frames do not match
+  alignas(64) Row weight;           // px², the less the larger the residual
 
   static constexpr std::array kRows = {&Points::x,  &Points::y,  &Points::dx, &Points::dy,
                                        &Points::xx, &Points::xy, &Points::yy, &Points::weight};
@@ -100,6 +100,7 @@ HWY_INLINE Lanes load(const Points::Row &row, std::size_t i) {
   return hn::Load(kTag, row.data() + i);
 }
 
+// The errors e = d - (m0 + M x) of the points from i on, px.
 HWY_INLINE void errors_at(const Points &points, const Motion &motion, std::size_t i, Lanes &ex,
                           Lanes &ey) {
   const Lanes x = load(points.x, i);
@@ -111,13 +112,14 @@ HWY_INLINE void errors_at(const Points &points, const Motion &motion, std::size_
   ey = load(points.dy, i) - at(motion.y0, motion.yx, motion.yy);
 }
 
+// e' P e, not negative.
 HWY_INLINE Lanes quadratic(Lanes xx, Lanes xy, Lanes yy, Lanes ex, Lanes ey) {
   const Lanes px = hn::MulAdd(xx, ex, xy * ey);
   const Lanes py = hn::MulAdd(xy, ex, yy * ey);
   return hn::Max(hn::Zero(kTag), hn::MulAdd(ex, px, ey * py));
 }
 
-// In variances.
+// e' P e with the precision P of each point: the squared Mahalanobis distance, in variances.
 HWY_INLINE Lanes squared_errors(const Points &points, const Motion &motion, std::size_t i) {
   Lanes ex;
   Lanes ey;
@@ -125,7 +127,8 @@ HWY_INLINE Lanes squared_errors(const Points &points, const Motion &motion, std:
   return quadratic(load(points.xx, i), load(points.xy, i), load(points.yy, i), ex, ey);
 }
 
-// (P^-1 + variance I)^-1, which exists for a P of rank 1 too.
+// The precision after noise of variance v is added:
+// (P^-1 + v I)^-1 = (P + v |P| I) / (1 + v tr P + v^2 |P|), which exists for a P of rank 1 too.
 HWY_INLINE void blur(float variance, Lanes &xx, Lanes &xy, Lanes &yy) {
   const Lanes v = hn::Set(kTag, variance);
   const Lanes one = hn::Set(kTag, 1);
@@ -148,8 +151,9 @@ void blur(Points &points, float variance) {
   }
 }
 
-// The upper of the middle two. By rank: at these numbers comparing each with all is faster than
-// sorting. None is negative, so that the zeros beyond the end do no harm.
+// Returns the median, the upper one of an even number: the largest value that at most count/2
+// values are smaller than. Comparing each with all is faster than sorting so few. The values are
+// not negative, so the zeros beyond the end change nothing.
 float median(const Points::Row &values, std::size_t count) {
   const std::size_t half = count / 2;
   const Lanes rank = hn::Set(kTag, static_cast<float>(half));

@@ -24,7 +24,7 @@ float fade(float value, float good, float bad) {
 }
 
 Precision precision_of(const GstHapticPatch &patch) {
-  constexpr float kUnknown = 1 / (0.1F * 0.1F); // 1/px², also in place of nonsense
+  constexpr float kUnknown = 1 / (0.1F * 0.1F); // 1/px², also for an impossible precision
   constexpr float kFinest = 1e8F;
   const float trace = patch.precision_xx + patch.precision_yy;
   if (!(patch.precision_xx >= 0 && patch.precision_yy >= 0 && trace > 0 && trace < kInfinity &&
@@ -42,6 +42,7 @@ bool is_usable(const GstHapticPatch &patch) {
          std::abs(patch.residual) < kLargest;
 }
 
+// Puts the usable patches into rows, with places about their centre.
 void gather(std::span<const GstHapticPatch> patches, Points &points) {
   for (const GstHapticPatch &patch : patches) {
     if (!is_usable(patch))
@@ -81,7 +82,10 @@ struct Layers {
   float cost = 0;
 };
 
-// A second motion among the points that the first does not explain.
+// Finds a second motion among the points that the first does not explain. Its cost is the GRIC of
+// both: sum of min(e1' P e1, e2' P e2, kOutlier), the price of the first model and of a
+// translation, and 2 n H(share) for the labels that assign n points to two motions, H the entropy
+// in nats.
 std::optional<Layers> layers_of(const Points &points, const Fit &first) {
   if (first.explained < kSmallestLayer || points.count - first.explained < kSmallestLayer)
     return std::nullopt;
@@ -101,19 +105,18 @@ std::optional<Layers> layers_of(const Points &points, const Fit &first) {
   for (std::size_t i = 0; i < points.count; i += kLanes)
     cost = cost + hn::Min(hn::Min(load(errors, i), hn::Set(kTag, kOutlier)),
                           squared_errors(points, second.motion, i));
-  // Which point belongs to which motion has to be told too: twice the entropy of the shares.
   const auto count = static_cast<float>(first.explained + second.explained);
   const float share = static_cast<float>(second.explained) / count;
-  const float telling = -2 * count * (share * std::log(share) + (1 - share) * std::log(1 - share));
+  const float labels = -2 * count * (share * std::log(share) + (1 - share) * std::log(1 - share));
   return Layers{first, second.motion,
-                sum(cost) + price(first.model, points) + points.step + telling};
+                sum(cost) + price(first.model, points) + points.step + labels};
 }
 
 struct Box {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
-// About the centre of the points.
+// The region with coordinates about the centre of the points.
 Box region_of(const PatchSet &set, const Points &points) {
   if (set.region_width > 0 && set.region_height > 0)
     return {set.region_x - points.centre_x, set.region_y - points.centre_y, set.region_width,
@@ -124,10 +127,12 @@ Box region_of(const PatchSet &set, const Points &points) {
   return {*left, *top, *right - *left, *bottom - *top};
 }
 
-// The mean over the region: each place moves like the point nearest to it, and points that belong
-// to neither motion say nothing.
+// The mean motion over the region, (1/A) integral of m(x) dx. Each place has the motion of the
+// point nearest to it; points of neither motion are left out. The integral is a sum over a rank-1
+// lattice (frac(i phi), (i + 1/2) / N), phi the golden section (Niederreiter, Random Number
+// Generation and Quasi-Monte Carlo Methods, 1992). As the motions are linear, the mean of the first
+// is its value at the centroid of its places.
 Motion mean_by_area(const Points &points, const Box &region, const Layers &layers) {
-  // Golden-section lattice: even along both axes, and finer than any raster of as many places.
   constexpr std::size_t kPlaces = 240;
   constexpr float kGoldenStep = 0.6180340F;
   static_assert(kPlaces % kWidest == 0);
@@ -177,15 +182,16 @@ Motion mean_by_area(const Points &points, const Box &region, const Layers &layer
 
 struct Answer {
   Motion felt;                  // about the pointer
-  Motion first;                 // what the points do
-  std::optional<Motion> second; // what the others do, where they do it together
+  Motion first;                 // of the points
+  std::optional<Motion> second; // of the points that the first does not explain
   bool is_mixture = false;
   MotionModel model = MotionModel::translation;
   float scatter = 0; // px² per component that no model explains
   ModelHistory history;
 };
 
-// How far the points are from moving as one, px² per component.
+// The variance of the displacements about their mean in px² per component, from the median of the
+// squared distances: median / (2 ln 2).
 float scatter_of(const Points &points) {
   const Motion middle = mean_start(points).motion;
   alignas(64) Points::Row squares;
@@ -198,11 +204,12 @@ float scatter_of(const Points &points) {
   return median(squares, points.count) / kMedianOfChi2;
 }
 
-// What points that contradict the motion add to the mean over the region. Those that contradict it
-// alike side by side are another object, however small; those that do it alone are false matches.
+// Returns the sum of the errors of contradicting points over the number of all points: their share
+// of the mean over the region. Neighbours that contradict the motion alike are another object,
+// however small; a point that does so alone is a false match and left out.
 Motion left_by_neighbours(const Points &points, const Motion &motion) {
   constexpr float kAlike = 0.5F;         // px
-  constexpr float kOfDifference = 0.25F; // the motion's own gradients, unknown here
+  constexpr float kOfDifference = 0.25F; // for the gradients of the other motion
   alignas(64) Points::Row errors, ex, ey;
   for (std::size_t i = 0; i < points.count; i += kLanes) {
     Lanes error_x;
@@ -236,10 +243,11 @@ Motion left_by_neighbours(const Points &points, const Motion &motion) {
   return left;
 }
 
+// Finds the smallest model that explains the points, or two motions, or neither.
 void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &answer) {
-  // To become a mixture, and to cease to be one, takes more than noise does to the costs.
+  // Larger than the noise of the costs, so that a mixture does not come and go.
   constexpr float kHold = 10;
-  const auto take = [&](const Selection &selection) {
+  const auto adopt = [&](const Selection &selection) {
     answer.first = selection.fit.motion;
     answer.model = selection.fit.model;
     answer.history = selection.history;
@@ -254,10 +262,10 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     if (common.explained >= kSmallestLayer && common.cost < selection.fit.cost)
       selection = {common, {MotionModel::translation, MotionModel::none}};
   }
-  take(selection);
+  adopt(selection);
   const auto layers = layers_of(points, selection.fit);
   if (layers && layers->cost < selection.fit.cost + (history.mixture ? kHold : 0)) {
-    take({layers->first, {layers->first.model, MotionModel::none}});
+    adopt({layers->first, {layers->first.model, MotionModel::none}});
     answer.second = layers->second;
     answer.is_mixture = true;
     answer.felt = mean_by_area(points, region_of(set, points), *layers);
@@ -267,14 +275,14 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
   if (explains_most(selection.fit, points))
     return;
 
-  // No motion model, no layers: leaves, water. They move, so static is out; the others are judged
-  // by how much of the scatter they explain.
+  // Neither one model nor two, as for leaves and water. They move, so the static model is out. The
+  // others are judged with the scatter as noise.
   answer.scatter = scatter_of(points);
   blur(points, answer.scatter);
-  take(select_model(points, MotionModel::translation, history));
+  adopt(select_model(points, MotionModel::translation, history));
 }
 
-// The model that was asked for, or the largest below it that the points determine.
+// Fits the model that was asked for, or the largest below it that the points determine.
 void fit_model(MotionModel largest, Points &points, Answer &answer) {
   constexpr std::array kModels = {MotionModel::affine, MotionModel::similarity,
                                   MotionModel::translation};
@@ -298,7 +306,7 @@ void fit_model(MotionModel largest, Points &points, Answer &answer) {
   }
 }
 
-// The upper of the middle two, or between them.
+// Returns the median, the mean of the middle two of an even number.
 float middle_of(Points::Row values, std::size_t count) {
   const auto begin = values.begin();
   const auto half = begin + static_cast<std::ptrdiff_t>(count / 2);
@@ -310,6 +318,7 @@ Motion component_medians(const Points &points) {
   return {middle_of(points.dx, points.count), middle_of(points.dy, points.count)};
 }
 
+// Equation 3 of the paper: the mean of the displacements.
 Motion mean(const Points &points) {
   Motion sum;
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -341,7 +350,7 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
   return answer;
 }
 
-// How sure the points that agree with the answer make it.
+// The points that agree with the answer, and how precise and consistent they are.
 struct Support {
   int points = 0;
   float share = 0;     // of the area
@@ -349,8 +358,9 @@ struct Support {
   float misfit = 0;    // rms error over that predicted, per component
 };
 
+// Sums over the points whose error is within the leeway and their own noise.
 Support support_of(const Points &points, const Answer &answer) {
-  // Leaves of one branch do not move as one; what differs by more is another object.
+  // Parts of one thing may differ by as much; a larger difference is another object.
   constexpr float kAlways = 1; // px
   constexpr float kOfDisplacement = 0.25F;
   constexpr float kFar = 25; // variances
@@ -397,8 +407,11 @@ Support support_of(const Points &points, const Answer &answer) {
 constexpr float kGoodDeviation = 0.1F; // px, of the velocity
 constexpr float kBadDeviation = 0.5F;
 
-// All that is known is the motion along one direction, across the edges: only that is left of the
-// velocity, and counts for its precision. Returns the standard deviation in px.
+// The aperture problem: edges of one direction determine the velocity only across them. Then the
+// velocity becomes its projection on the eigenvector of the larger eigenvalue of the precision P.
+// With l1 >= l2 the eigenvalues tr P / 2 +- sqrt(((Pxx - Pyy) / 2)^2 + Pxy^2), the projection is
+// (P - l2 I) / (l1 - l2). Returns the standard deviation in px: 1/sqrt(l1) after a projection,
+// otherwise 1/sqrt(l2).
 float known_part(const Precision &p, VelocityEstimate &estimate) {
   constexpr float kUnknown = (kGoodDeviation + kBadDeviation) / 2;
   constexpr float kRatio = 5; // of standard deviations
@@ -410,7 +423,6 @@ float known_part(const Precision &p, VelocityEstimate &estimate) {
   const float least = std::max(0.0F, (p.xx * p.yy - p.xy * p.xy) / most);
   if (least * kUnknown * kUnknown >= 1 || least * kRatio * kRatio > most)
     return 1 / std::sqrt(least);
-  // (P - least I) / (most - least) projects on the direction of the larger eigenvalue.
   const float vx = estimate.velocity_x;
   const float vy = estimate.velocity_y;
   const float scale = 1 / (2 * radius);
@@ -420,7 +432,7 @@ float known_part(const Precision &p, VelocityEstimate &estimate) {
   return 1 / std::sqrt(most);
 }
 
-// Time stamps a hair apart make any displacement a speed that no frame shows. False for a number
+// Time stamps that nearly coincide make an impossible speed of any displacement. False for a number
 // that is not finite.
 bool is_plausible(const VelocityEstimate &e) {
   constexpr float kFastest = 1e6F; // px/s
@@ -428,6 +440,8 @@ bool is_plausible(const VelocityEstimate &e) {
          std::isfinite(e.divergence) && e.confidence > 0;
 }
 
+// Velocity v = d / interval (paper, equation 2), with the antisymmetric and the isotropic part of
+// its gradient: spin = (dvy/dx - dvx/dy) / 2, divergence = (dvx/dx + dvy/dy) / 2.
 VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choice,
                           ModelHistory history) {
   Points points;
@@ -445,8 +459,8 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.model = answer.model;
   estimate.mixture = answer.is_mixture;
   estimate.history = answer.history;
-  // Three doubts multiplied: is the velocity precise, do the errors fit their precision, and do the
-  // patches agree?
+  // The confidence is a product: precision of the velocity, errors in relation to their precision,
+  // share of the patches that agree.
   const Support support = support_of(points, answer);
   const float tracked =
       static_cast<float>(points.count) /

@@ -16,13 +16,13 @@ enum class Average {
   median, ///< of each component
 };
 
-/// Which motion model `Average::model` fits. `automatic` takes the smallest that explains the
-/// patches; `still` says that nothing moves, whatever the patches.
+/// The motion model that `Average::model` fits. `automatic`: the smallest that explains the
+/// patches. `still`: nothing moves, whatever the patches.
 enum class ModelChoice { automatic, still, translation, similarity, affine };
 
 struct PatchSet {
   std::span<const GstHapticPatch> patches; ///< those that could be trusted
-  int candidates = 0;                      ///< how many were looked at
+  int candidates = 0;                      ///< patches tried
   float pointer_x = 0;                     ///< px
   float pointer_y = 0;                     ///< px
   double interval = 0;                     ///< s between the two frames, > 0
@@ -31,11 +31,11 @@ struct PatchSet {
   float region_width = 0, region_height = 0;
 };
 
-/// What `automatic` remembers from frame to frame, so that two models that explain a scene
-/// about equally well do not alternate. Starts anew (`{}`) at a cut.
+/// The choice of `automatic` from frame to frame, so that two models that explain a scene about
+/// equally well do not alternate. A cut begins a new one (`{}`).
 struct ModelHistory {
   MotionModel current = MotionModel::none;    ///< of the frame before
-  MotionModel challenger = MotionModel::none; ///< explained that frame better, but not by much
+  MotionModel challenger = MotionModel::none; ///< explained that frame a little better
   bool mixture = false;                       ///< of the frame before: two motions
 };
 
@@ -45,19 +45,19 @@ struct VelocityEstimate : PlanarMotion {
   MotionModel model = MotionModel::none;
   /// Two motions in one region: the velocity is their mean by area, `model` that of the first.
   bool mixture = false;
-  /// The patches see motion only across edges of one direction: the velocity is the part along
-  /// which they do, and the confidence that of this part.
+  /// All edges have one direction: the velocity is its part across them, and the confidence is that
+  /// of this part.
   bool aperture = false;
   ModelHistory history; ///< for the next frame
 
   const PlanarMotion &motion() const noexcept { return *this; }
 };
 
-/// `automatic` minimises a robust information criterion after Torr (GRIC, IJCV 50(1), 2002) over
-/// static, translation, similarity and affine; errors are measured against the precision of each
-/// patch, direction by direction (0.1 px where unknown). Other choices give way to the next smaller
-/// model where the patches cannot determine them (too few, or on one line); `model` of the result
-/// tells. Patches that hold a number that is not finite are left out. Never returns such a number,
+/// `automatic` minimises the geometric robust information criterion (Torr, IJCV 50(1), 2002) over
+/// static, translation, similarity and affine. Errors count in units of each patch's precision,
+/// direction by direction (0.1 px where it is unknown). Where the patches cannot determine the
+/// model that was asked for (too few, or on one line), the next smaller one is fitted; the result
+/// names it. Patches with a number that is not finite are left out. Never returns such a number,
 /// never allocates. Pure.
 VelocityEstimate estimate_velocity(const PatchSet &set, Average average, ModelChoice choice,
                                    ModelHistory history = {});
