@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Numbers to bytes and back, the same on every machine. The caller has checked that the bytes
-// suffice.
+// Writes and reads numbers as little-endian bytes on every machine. The caller must have checked
+// that there are enough bytes.
 #pragma once
 
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The motion field: what motionfield says about one whole frame, as it flows in haptics/x-raw
+// The motion field: the motion of one whole frame, as motionfield puts it into haptics/x-raw
 // buffers.
 #pragma once
 
@@ -11,13 +11,13 @@
 #include <span>
 #include <vector>
 
-/// One buffer of these caps holds exactly one motion field. What else the caps may carry is as for
-/// HAPTIC_MOTION_CAPS.
+/// One buffer of these caps holds exactly one motion field. The caps may carry the same further
+/// fields as HAPTIC_MOTION_CAPS.
 #define HAPTIC_FIELD_CAPS "haptics/x-raw, modality=(string)velocity, layout=(string)field"
 
 namespace haptic {
 
-/// Cells of a field: what readers take, so that what they hold is bounded.
+/// The most cells of a field. Readers refuse more, so that their memory is bounded.
 inline constexpr std::size_t kMostFieldCells = 8192;
 
 /// The motion in one cell, in px of the frame per second, x to the right and y down.
@@ -55,12 +55,12 @@ constexpr std::size_t packed_size(const MotionField &field) noexcept {
 /// Writes packed_size(field) bytes, little-endian on every machine; there must be as many.
 void pack_motion_field(const MotionField &field, std::span<std::uint8_t> bytes) noexcept;
 
-/// Whether every number is finite and in its range: what a reader takes.
+/// Whether every number is finite and in its range. A reader refuses other fields.
 bool is_valid(const MotionField &field) noexcept;
 
-/// False, and `field` is of no use, if the bytes are not a field of this version, hold a number
-/// that is not finite, or one outside its range. Never reads beyond `bytes`. Allocates only when
-/// the field has more cells than any before in `field`.
+/// Returns false, with `field` in an unspecified state, if the bytes are not a field of this
+/// version or a number is outside its range. Never reads beyond `bytes`. Allocates only if the
+/// field has more cells than any before in `field`.
 bool unpack_motion_field(std::span<const std::uint8_t> bytes, MotionField &field);
 
 } // namespace haptic

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The motion sample: what velocityavg says about one frame, as it flows in haptics/x-raw buffers.
+// The motion sample: the motion of one frame, as velocityavg puts it into haptics/x-raw buffers.
 #pragma once
 
 #include "planar-motion.hpp"
@@ -52,7 +52,7 @@ struct MotionSample : PlanarMotion {
   std::uint32_t frame_height = 0;   ///< px
   std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
   std::uint32_t pixel_aspect_d = 1;
-  std::uint16_t points = 0; ///< patches that the velocity rests on
+  std::uint16_t points = 0; ///< patches that agree with the velocity
   std::uint16_t flags = 0;  ///< MotionFlags
   MotionModel model = MotionModel::none;
 
@@ -70,12 +70,12 @@ using MotionSampleBytes = std::array<std::uint8_t, kMotionSampleSize>;
 /// Little-endian on every machine. Cannot fail.
 MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
 
-/// Whether every number is finite and in its range: what a reader takes.
+/// Whether every number is finite and in its range. A reader refuses other samples.
 bool is_valid(const MotionSample &sample) noexcept;
 
-/// Nothing, if the bytes are not a sample of this version, hold a number that is not finite, or one
-/// outside its range. Never reads beyond `bytes`; longer input is accepted (later versions may add
-/// fields at the end).
+/// Returns the sample, or nothing if the bytes are not one of this version or a number is outside
+/// its range. Never reads beyond `bytes`. Accepts longer input: later versions may add fields at
+/// the end.
 std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> bytes) noexcept;
 
 } // namespace haptic

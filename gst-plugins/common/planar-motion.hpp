@@ -6,8 +6,9 @@
 
 namespace haptic {
 
-/// The best-known part of a motion field v(x): its value at one place and the antisymmetric and
-/// isotropic parts of its gradient. Pixels of the frame, x to the right, y down.
+/// A motion field v(x, y) to first order without shear: its value at one place, and the
+/// antisymmetric and the isotropic part of its gradient. Pixels of the frame, x to the right, y
+/// down.
 struct PlanarMotion {
   float velocity_x = 0; ///< px/s
   float velocity_y = 0; ///< px/s

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The pointer event: where the hand is, travelling upstream from hapticsink to roitracker.
+// The pointer event: the position of the hand. It travels upstream from hapticsink to roitracker.
 #pragma once
 
 #include "gst-raii.hpp"
@@ -16,7 +16,7 @@ struct PointerPosition {
   double y = 0.5;       ///< 0..1, down
   double z = 0;         ///< -1..1, fraction of the half workspace, towards the user
   bool pressed = false; ///< a button of the grip
-  std::string device;   ///< who points, for people to read
+  std::string device;   ///< name of the device, for people
   GstClockTime timestamp = GST_CLOCK_TIME_NONE; ///< running time
   /// N, as commanded, mean since the event before; x to the right, y up, z towards the user.
   std::optional<std::array<double, 3>> force;
@@ -25,9 +25,9 @@ struct PointerPosition {
 /// A GST_EVENT_CUSTOM_UPSTREAM with the structure `haptic-pointer` (docs/formats/pointer-event.md).
 EventPtr make_pointer_event(const PointerPosition &position);
 
-/// Nothing, if the event is not a pointer event, or x or y is missing or not finite. Values outside
-/// their range are clamped; a force that is not finite in all directions is none. Does not take the
-/// event.
+/// Returns the position, or nothing if the event is not a pointer event, or x or y is missing or
+/// not finite. Clamps values outside their range. A force that is not finite in all directions
+/// counts as none. Does not take the event.
 std::optional<PointerPosition> parse_pointer_event(GstEvent *event);
 
 } // namespace haptic

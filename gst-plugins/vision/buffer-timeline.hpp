@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Frames of a stream on their time line, from what their buffers say.
+// The time line of the frames of a stream, from the time stamps and flags of their buffers.
 #pragma once
 
 #include "frame-timeline.hpp"
@@ -13,8 +13,8 @@ namespace haptic {
 /// Streaming thread only.
 class BufferTimeline {
 public:
-  /// How the frame in the buffer follows on the reference. The first fault of its time stamps is
-  /// logged.
+  /// Returns how the frame in the buffer follows on the reference. Logs the first faulty time
+  /// stamp.
   TimeStep advance(GstBaseTransform *element, GstDebugCategory *category, const GstBuffer *buffer) {
     // Backwards, each group of frames is decoded for itself and begins with a discontinuity.
     const bool descending = element->segment.rate < 0;
@@ -24,7 +24,7 @@ public:
     if (GST_BUFFER_PTS_IS_VALID(buffer))
       pts = GST_BUFFER_PTS(buffer);
     const TimeStep step = timeline_.advance(pts, descending);
-    if (step.fault && !std::exchange(told_, true))
+    if (step.fault && !std::exchange(reported_, true))
       GST_CAT_WARNING_OBJECT(category, element,
                              "%s (at %" GST_TIME_FORMAT "): no motion is measured across it. "
                              "Further ones are not reported",
@@ -36,11 +36,11 @@ public:
   /// The next frame restarts.
   void forget() { timeline_.forget(); }
   /// The next fault is logged again.
-  void tell_again() { told_ = false; }
+  void report_faults_again() { reported_ = false; }
 
 private:
   FrameTimeline timeline_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 } // namespace haptic

@@ -6,8 +6,8 @@
 
 namespace haptic {
 
-/// What the other side's template allows, with the fields that describe the frame, which are the
-/// same on both sides.
+/// Returns the caps of the other side's template with the fields that describe the frame, which are
+/// the same on both sides.
 inline CapsPtr with_frame_fields(GstStaticPadTemplate &other_side, const GstCaps *caps) {
   const CapsPtr pattern(gst_static_pad_template_get_caps(&other_side));
   CapsPtr result(gst_caps_new_empty());

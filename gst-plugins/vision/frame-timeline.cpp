@@ -6,7 +6,7 @@
 namespace haptic {
 namespace {
 
-// Slow streams exist (a frame every 0.7 s is real); a pause is long for its own stream.
+// A pause is long for its own stream: some have a frame every 0.7 s.
 constexpr std::uint64_t kShortestPause = 2'000'000'000;
 constexpr std::uint64_t kPauseInIntervals = 10;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Time between frames, from their time stamps alone: what a stream claims as its frame rate need
-// not be true.
+// Time between frames, from their time stamps alone: the frame rate of the caps need not be true.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +7,23 @@
 
 namespace haptic {
 
-/// How a frame follows in time on the reference, the earlier frame it is to be compared with.
+/// How a frame follows in time on the reference, the earlier frame that it is compared with.
 struct TimeStep {
   enum class Kind {
     follows,  ///< `interval` after the reference
-    repeats,  ///< same time as the frame before: nothing can be said about its velocity
-    restarts, ///< no reference, or none that it can be compared with
+    repeats,  ///< same time as the frame before: its velocity is unknown
+    restarts, ///< there is no reference that it can be compared with
   };
   Kind kind = Kind::restarts;
   std::uint64_t interval = 0;  ///< ns, only when it follows
-  const char *fault = nullptr; ///< what is wrong with the time stamp, for people; or null
+  const char *fault = nullptr; ///< fault of the time stamp, as text; or null
 };
 
 /// Not thread-safe.
 class FrameTimeline {
 public:
-  /// The next frame of the stream, with its time stamp in ns. `descending`: the stream is played
-  /// backwards, so that its time stamps fall.
+  /// Adds the next frame of the stream, with its time stamp in ns. `descending`: the stream is
+  /// played backwards, so that its time stamps fall.
   TimeStep advance(std::optional<std::uint64_t> pts, bool descending);
 
   /// The frame given last becomes the reference.
@@ -39,7 +38,7 @@ public:
 private:
   std::optional<std::uint64_t> reference_;
   std::optional<std::uint64_t> last_;
-  std::uint64_t usual_interval_ = 0; ///< ns; outlives forget(), a stream keeps its pace
+  std::uint64_t usual_interval_ = 0; ///< ns; forget() keeps it
 };
 
 } // namespace haptic

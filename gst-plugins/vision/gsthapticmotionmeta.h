@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later */
-/* Metadata that roitracker attaches to each frame: what was measured between it and an earlier
- * one. This header is all that a reader needs. */
+/* Metadata that roitracker attaches to each frame: the measurement between it and an earlier one. A
+ * reader needs this header alone. */
 #pragma once
 
 #include "haptic-patch.h"
@@ -34,8 +34,7 @@ typedef enum {
  * frame
  * @pointer_x, @pointer_y: pointer in use, px
  * @interval: ns between the two frames from their time stamps, 0 when there is none
- * @n_candidates: patches that were looked at; those that could not be trusted are left out of
- * @patches
+ * @n_candidates: patches that were tried; @patches has those of them that could be trusted
  * @n_patches: used entries of @patches
  * @force_x, @force_y, @force_z: force that the device was commanded to exert when the frame came,
  * N, x to the right, y up, z towards the user; NaN: unknown

@@ -289,7 +289,7 @@ static void install_transform_vfuncs(GstBaseTransformClass *klass) {
   };
   klass->start = [](GstBaseTransform *trans) {
     return guarded(trans, FALSE, [&] {
-      GST_MOTION_FIELD(trans)->state->timeline.tell_again();
+      GST_MOTION_FIELD(trans)->state->timeline.report_faults_again();
       return TRUE;
     });
   };

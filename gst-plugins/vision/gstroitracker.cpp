@@ -323,7 +323,7 @@ void attach_region(GstBuffer *buffer, const Rectangle &region) {
       static_cast<guint>(region.width), static_cast<guint>(region.height));
 }
 
-// Never with a lock held: handlers may do anything.
+// Call it without a lock: handlers may call anything.
 void notify_pointer(GstRoiTracker *self, const Pointer &pointer) {
   const Pointer before = std::exchange(self->state->notified_pointer, pointer);
   if (pointer.x != before.x)
@@ -381,7 +381,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
 
 gboolean start(GstRoiTracker *self) {
   State &state = *self->state;
-  state.timeline.tell_again();
+  state.timeline.report_faults_again();
   state.warned_of_tracker = false;
   const ObjectLock lock(self);
   state.shared.statistics = {};
@@ -459,8 +459,7 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   return true;
 }
 
-// Frames pass through, so downstream's answer counts (strides of its own, too, only if downstream
-// reads them); the reference takes one buffer more.
+// Frames pass through, so the query goes downstream. The reference holds one buffer more.
 gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
   constexpr guint kHeld = 1;
   GstCaps *caps = nullptr;
@@ -469,7 +468,7 @@ gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
   if (!caps || !gst_video_info_from_caps(&info, caps))
     return FALSE;
   if (!gst_pad_peer_query(GST_BASE_TRANSFORM_SRC_PAD(trans), query))
-    GST_DEBUG_OBJECT(trans, "downstream has no wishes for its buffers");
+    GST_DEBUG_OBJECT(trans, "downstream does not answer the ALLOCATION query");
 
   const guint pools = gst_query_get_n_allocation_pools(query);
   for (guint i = 0; i < pools; ++i) {

@@ -28,6 +28,7 @@ void gather(const Component &luma, const Rectangle &area, std::uint8_t *out) {
   }
 }
 
+// Y = (77 R + 150 G + 29 B + 128) / 256: the weights of BT.601 in 256ths.
 void weigh(const Component &red, const Component &green, const Component &blue,
            const Rectangle &area, std::uint8_t *out) {
   const std::ptrdiff_t step = red.pixel_step;

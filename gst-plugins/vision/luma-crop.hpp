@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads the luma of a part of a mapped frame, whatever its format, and touches nothing else.
+// Reads the luma of a part of a mapped frame of any supported format.
 #pragma once
 
 #include "patch-tracker.hpp"
@@ -14,9 +14,10 @@
 
 namespace haptic {
 
-/// `area` lies inside the frame. The view points into the frame where the luma stands alone in
-/// memory; else the area alone is converted (ITU-R BT.601 weights for RGB) into `scratch`, which
-/// must live as long as the view. The frame must stay mapped.
+/// Returns the luma of `area`, which must lie inside the frame. The view points into the frame if
+/// luma is a plane of its own; otherwise into `scratch`, to which the area alone is converted. The
+/// frame must stay mapped, and `scratch` must live as long as the view. RGB: Y = 0.299 R + 0.587 G
+/// + 0.114 B (ITU-R BT.601, section 2.5.1).
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,
                    std::vector<std::uint8_t> &scratch);
 

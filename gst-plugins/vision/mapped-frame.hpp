@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Buffers that hold frames: their pixels, and metadata of one's own on pixels that are shared.
+// The pixels of a buffer that holds a frame, and a buffer for new metadata on shared pixels.
 #pragma once
 
 #include <gst/video/gstvideometa.h>
@@ -7,11 +7,11 @@
 
 namespace haptic {
 
-/// A frame mapped for a scope.
+/// Maps a frame for a scope. False: the buffer does not hold such a frame.
 class MappedFrame {
 public:
   MappedFrame(const GstVideoInfo &info, GstBuffer *buffer, GstMapFlags access = GST_MAP_READ) {
-    // Without a reference of its own: the buffer must stay writable for the metadata.
+    // Takes no reference: the buffer must stay writable for the metadata.
     const auto flags = static_cast<GstMapFlags>(static_cast<int>(access) |
                                                 static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
     is_mapped_ = fits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, flags);
@@ -28,7 +28,7 @@ public:
   GstVideoFrame &frame() { return frame_; }
 
 private:
-  // Mapping a frame whose own description contradicts the caps would be an error of this program.
+  // gst_video_frame_map() asserts that the buffer's description agrees with the caps.
   static bool fits(const GstVideoInfo &info, GstBuffer *buffer) {
     const GstVideoMeta *meta = gst_buffer_get_video_meta(buffer);
     return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
@@ -40,8 +40,8 @@ private:
   bool is_mapped_ = false;
 };
 
-/// The buffer itself if nobody else holds it, otherwise a new one that shares its pixels. Null on
-/// failure. The caller goes on owning `in`.
+/// Returns the buffer itself if nobody else holds it, a new one that shares its pixels if somebody
+/// does, or null on failure. Does not take `in`.
 inline GstBuffer *with_own_metadata(GstBuffer *in) {
   if (gst_buffer_is_writable(in))
     return in;

@@ -41,7 +41,7 @@ void repeat_motion(MotionSample &sample, const MotionSample &before) {
   sample.flags = static_cast<std::uint16_t>(sample.flags | (before.flags & kOfTheMotion));
 }
 
-// What every sample says, whether or not anything was measured.
+// The fields that every sample has, also one without a measurement.
 MotionSample sample_for(const GstVideoInfo &frame) {
   MotionSample sample;
   sample.frame_width = static_cast<std::uint32_t>(GST_VIDEO_INFO_WIDTH(&frame));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// From the metadata of frame after frame to the motion of each.
+// Turns the metadata of the frames of a stream into one motion per frame.
 #pragma once
 
 #include "gsthapticmotionmeta.h"
@@ -10,14 +10,15 @@
 
 namespace haptic {
 
-/// Remembers the frame before: a duplicate repeats its motion. Not thread-safe.
+/// Keeps the motion of the frame before, which a duplicate repeats. Not thread-safe.
 class MotionReader {
 public:
-  /// Confidence 0: nothing was measured. `frame` gives size and pixel aspect.
+  /// Returns the motion of a frame; confidence 0: nothing was measured. `frame` has its size and
+  /// pixel aspect.
   MotionSample read(const GstHapticMotionMeta &meta, const GstVideoInfo &frame,
                     Average average = Average::model, ModelChoice choice = ModelChoice::automatic);
 
-  /// Of a frame without metadata.
+  /// Returns the sample of a frame without metadata.
   MotionSample read_nothing(const GstVideoInfo &frame);
 
 private:

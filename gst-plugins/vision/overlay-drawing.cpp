@@ -127,7 +127,7 @@ std::optional<OverlayDrawing::Arrow> OverlayDrawing::arrow(Point from, double dx
   return Arrow{from, {from.x + dx * shorter, from.y + dy * shorter}};
 }
 
-// Moved to its right.
+// Returns the arrow moved to its right.
 OverlayDrawing::Arrow OverlayDrawing::aside(const Arrow &arrow, double distance) {
   const double length = std::hypot(arrow.to.x - arrow.from.x, arrow.to.y - arrow.from.y);
   const double dx = -(arrow.to.y - arrow.from.y) / length * distance;
@@ -135,7 +135,8 @@ OverlayDrawing::Arrow OverlayDrawing::aside(const Arrow &arrow, double distance)
   return {{arrow.from.x + dx, arrow.from.y + dy}, {arrow.to.x + dx, arrow.to.y + dy}};
 }
 
-// Below the region, or above it where there is no room; nowhere in a frame that is too small.
+// Places the label below the region, or above it if there is no room. A frame that is too small has
+// none.
 void OverlayDrawing::place_label() {
   if (text_of_label_.empty())
     return;

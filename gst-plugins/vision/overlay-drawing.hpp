@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Draws what was measured over a frame: region, patches, velocity and force.
+// Draws the measurement over a frame: region, patches, velocity and force.
 #pragma once
 
 #include "haptic-patch.h"
@@ -22,8 +22,8 @@ enum class OverlayStyle {
 
 struct OverlayLook {
   OverlayStyle style = OverlayStyle::full;
-  std::uint32_t velocity_color = 0xffe69f00; ///< ARGB; orange and blue, which the colour-blind tell
-  std::uint32_t force_color = 0xff0072b2;    ///< apart (Okabe and Ito)
+  std::uint32_t velocity_color = 0xffe69f00; ///< ARGB, orange
+  std::uint32_t force_color = 0xff0072b2;    ///< ARGB, blue; both of Okabe and Ito
   double scale = 0.5;                        ///< s of motion that an arrow is long
 };
 
@@ -38,24 +38,24 @@ struct OverlayScene {
   double confidence = 0;                 ///< 0..1
   std::string label;
   std::span<const GstHapticPatch> patches;
-  double interval = 0;                        ///< s that the patches moved for; 0: they did not
+  double interval = 0;                        ///< s of the patches' motion; 0: none
   std::optional<std::array<double, 2>> force; ///< N, x to the right, y up
 };
 
 class OverlayDrawing {
 public:
-  /// Takes what it needs of the scene.
+  /// Copies the parts of the scene that it draws.
   OverlayDrawing(const OverlayScene &scene, const OverlayLook &look);
 
   /// The part of the frame that is drawn on; empty (width 0): none.
   const Rectangle &extent() const { return extent_; }
 
-  /// Into pixels of the extent, all zero before: 32 bits each, ARGB in the byte order of the
+  /// Paints pixels of the extent, which must be zero: 32 bits each, ARGB in the byte order of the
   /// machine, premultiplied.
   void paint(std::uint8_t *pixels, int stride) const;
 
 private:
-  // Square units: px of the frame's height, so that what is round is shown round.
+  // Square units: px of the frame's height, so that circles stay round on the screen.
   struct Point {
     double x, y;
   };

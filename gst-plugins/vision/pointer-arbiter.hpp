@@ -13,7 +13,7 @@ namespace haptic {
 struct Pointer {
   double x = 0.5;
   double y = 0.5;
-  double z = 0; ///< -1..1 of the half workspace, towards the user; only a device has it
+  double z = 0; ///< -1..1 of the half workspace, towards the user; 0 without a device
   bool operator==(const Pointer &) const = default;
 };
 
@@ -27,7 +27,7 @@ class PointerArbiter {
 public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A device that is silent for longer has been put down.
+  /// A device that reports nothing for longer has been put down.
   static constexpr std::chrono::seconds kHapticTimeout{1};
 
   PointerSource source = PointerSource::automatic;
@@ -43,7 +43,7 @@ public:
         Pointer{std::clamp(x / frame_width, 0.0, 1.0), std::clamp(y / frame_height, 0.0, 1.0)};
   }
 
-  /// Forgets what came as events.
+  /// Forgets the pointers that came as events.
   void forget() {
     haptic_.reset();
     navigation_.reset();

@@ -12,7 +12,7 @@ struct Interval {
   int end;
 };
 
-// Side and centre are bounded by the callers, so that the sums stay far from an int's limits.
+// The callers bound side and centre, so that no sum overflows.
 Interval interval_at(double centre, int side, int limit) {
   const int begin = static_cast<int>(std::lround(centre - side / 2.0));
   return {std::clamp(begin, 0, limit - 1), std::clamp(begin + side, 1, limit)};
@@ -23,7 +23,7 @@ Interval interval_at(double centre, int side, int limit) {
 int RegionSize::side(double z, int base, int frame_width, int frame_height) {
   constexpr double kHysteresis = 0.1;
   const double wanted = region_side(z, base, frame_width, frame_height);
-  // A hand about the centre, and a pointer without a third dimension, mean the size as it is set.
+  // A hand near the centre, and a pointer without a third dimension, choose the size that is set.
   if (std::abs(region_growth(z) - 1) <= kHysteresis)
     side_ = base;
   else if (side_ == 0 || std::abs(wanted - side_) > kHysteresis * side_)
