@@ -4,6 +4,7 @@
 #pragma once
 
 #include "patch-tracker.hpp"
+#include "tensor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -42,18 +43,6 @@ private:
   int height_ = 0;
   int stride_ = 0;
   std::vector<float> values_;
-};
-
-/// Symmetric 2x2 matrix.
-struct Tensor {
-  float xx = 0;
-  float xy = 0;
-  float yy = 0;
-};
-
-struct Displacement {
-  float x = 0;
-  float y = 0;
 };
 
 /// A square piece of the earlier frame, ready for inverse-compositional Lucas-Kanade. Its

@@ -1,40 +1,71 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Algebra of displacements and structure tensors.
+// Displacements and structure tensors, with their algebra.
 #pragma once
-
-#include "lk-kernels.hpp"
 
 #include <cmath>
 
 namespace haptic {
 
+/// px, x to the right, y down.
+struct Displacement {
+  float x = 0;
+  float y = 0;
+
+  Displacement &operator+=(Displacement d) {
+    x += d.x;
+    y += d.y;
+    return *this;
+  }
+  Displacement &operator-=(Displacement d) {
+    x -= d.x;
+    y -= d.y;
+    return *this;
+  }
+};
+
 inline Displacement operator+(Displacement a, Displacement b) {
-  return {a.x + b.x, a.y + b.y};
+  return a += b;
 }
 inline Displacement operator-(Displacement a, Displacement b) {
-  return {a.x - b.x, a.y - b.y};
+  return a -= b;
 }
 inline Displacement operator*(float scale, Displacement d) {
   return {scale * d.x, scale * d.y};
 }
+inline float dot(Displacement a, Displacement b) {
+  return a.x * b.x + a.y * b.y;
+}
 inline float norm2(Displacement d) {
-  return d.x * d.x + d.y * d.y;
+  return dot(d, d);
 }
 
-inline Tensor &operator+=(Tensor &sum, const Tensor &t) {
-  sum.xx += t.xx;
-  sum.xy += t.xy;
-  sum.yy += t.yy;
-  return sum;
+/// Symmetric 2x2 matrix.
+struct Tensor {
+  float xx = 0;
+  float xy = 0;
+  float yy = 0;
+
+  Tensor &operator+=(const Tensor &t) {
+    xx += t.xx;
+    xy += t.xy;
+    yy += t.yy;
+    return *this;
+  }
+};
+
+inline Tensor operator*(float scale, const Tensor &t) {
+  return {scale * t.xx, scale * t.xy, scale * t.yy};
 }
 
-inline Displacement solve(const Tensor &t, Displacement right, float regularised) {
-  const float xx = t.xx + regularised;
-  const float yy = t.yy + regularised;
+/// (t + ridge I)^-1 right, by Cramer's rule. The sum must be invertible.
+inline Displacement solve(const Tensor &t, Displacement right, float ridge) {
+  const float xx = t.xx + ridge;
+  const float yy = t.yy + ridge;
   const float inverse = 1 / (xx * yy - t.xy * t.xy);
   return {(yy * right.x - t.xy * right.y) * inverse, (xx * right.y - t.xy * right.x) * inverse};
 }
 
+/// d^T t d.
 inline float quadratic(const Tensor &t, Displacement d) {
   return t.xx * d.x * d.x + 2 * t.xy * d.x * d.y + t.yy * d.y * d.y;
 }
@@ -51,7 +82,7 @@ inline Eigenvalues eigenvalues(const Tensor &t) {
   return {mean - spread, mean + spread};
 }
 
-/// Unit vector of the larger eigenvalue.
+/// Unit eigenvector of the larger eigenvalue.
 inline Displacement strong_direction(const Tensor &t) {
   const float most = eigenvalues(t).most;
   const Displacement along =
@@ -60,7 +91,7 @@ inline Displacement strong_direction(const Tensor &t) {
   return length2 > 0 ? 1 / std::sqrt(length2) * along : Displacement{1, 0};
 }
 
-/// What is left of a tensor when the weaker direction counts as unknown.
+/// The tensor with its smaller eigenvalue set to zero: that direction counts as unknown.
 inline Tensor strong_part(const Tensor &t) {
   const Displacement strong = strong_direction(t);
   const float most = eigenvalues(t).most;
