@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-tracker.hpp"
 
+#include "texture-period.hpp"
 #include "velocity-estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 namespace haptic {
@@ -18,22 +20,27 @@ constexpr int kCoarseSpacing = 6;  // px between patches of the coarsest level
 constexpr int kReach = 5;          // px of the coarsest level
 constexpr float kBlockSpacing = 8; // px between the blocks of one translation
 constexpr float kGridSpacing = 6;  // px between the patches of a cell that does not move as one
-constexpr int kIterations = 5;     // most Gauss-Newton steps of a patch
-constexpr int kRefinements = 3;    // of a cell, whose start is good to a fraction of a pixel
-constexpr float kSame2 = 1;        // px squared between starts not worth telling apart
-constexpr float kUseless = 0.6F;   // correlation at which nothing was found again
-constexpr float kGood = 0.9F;
+constexpr int kRefinements = 3; // most steps of a cell, whose start is right to a fraction of a px
+constexpr float kGood = 0.9F;   // correlation of a translation that needs no better explanation
 
 int blocks_along(float length) {
-  return std::max(2, parts_of(length, kBlockSpacing, 8));
+  return std::max(2, parts_of(length, kBlockSpacing));
 }
 
 int patches_along(float length) {
-  return std::max(3, parts_of(length, kGridSpacing, 8));
+  return std::max(3, parts_of(length, kGridSpacing));
 }
 
-float trust_of(const Translation &whole) {
-  return std::clamp((whole.correlation - kUseless) / (kGood - kUseless), 0.0F, 1.0F);
+// Puts the patch into the middle of the area of a level of the earlier frame.
+void place(const Plane &plane, const Area &area, Template &patch) {
+  const auto first = [&](float from, float length, int available) {
+    const float wanted =
+        std::floor(from + length / 2 - static_cast<float>(patch.side) / 2) - kSmoothingRadius;
+    return std::clamp(wanted, 1.0F, static_cast<float>(available - patch.side - 2));
+  };
+  patch.x = first(area.x, area.width, plane.width());
+  patch.y = first(area.y, area.height, plane.height());
+  prepare_templates(plane, {&patch, 1});
 }
 
 } // namespace
@@ -50,13 +57,6 @@ FieldShape field_shape(int width, int height, double pixel_aspect, int columns) 
     if (static_cast<std::size_t>(shape.cells()) <= kMostFieldCells)
       return shape;
   }
-}
-
-void FieldTracker::Starts::offer(Displacement start) {
-  if (count_ < starts_.size() && std::ranges::none_of(view(), [&](Displacement other) {
-        return norm2(other - start) < kSame2;
-      }))
-    starts_[count_++] = start;
 }
 
 void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
@@ -90,10 +90,14 @@ void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
   forget();
 }
 
+// Averaging 2x2 pixels quarters the variance of the noise, but each result is rounded again.
 float FieldTracker::noise_floor() const {
-  constexpr float kRounding = 0.25F; // averages are rounded to 8 bits, two at a time
-  return std::max(kRounding,
-                  kAssumedNoise * kAssumedNoise / static_cast<float>(1 << (2 * reductions_)));
+  return std::max(kRoundingVariance, kAssumedVariance / static_cast<float>(1 << (2 * reductions_)));
+}
+
+void FieldTracker::forget_displacements() {
+  for (Cell &cell : cells_)
+    cell.last = {};
 }
 
 void FieldTracker::forget() {
@@ -101,13 +105,12 @@ void FieldTracker::forget() {
   previous_is_built_ = false;
   current_is_built_ = false;
   rows_read_ = 0;
-  noise_ = noise_floor();
-  for (Cell &cell : cells_)
-    cell.last = {};
+  noise_.reset(noise_floor(), noise_floor());
+  forget_displacements();
 }
 
 int FieldTracker::strip_rows() const {
-  constexpr int kStrip = 16; // what fits into the fastest cache
+  constexpr int kStrip = 16; // rows that fit into the fastest cache
   return std::max(kStrip, 1 << reductions_);
 }
 
@@ -115,12 +118,7 @@ void FieldTracker::read(const LumaView &strip) {
   current_is_built_ = false;
   if (rows_read_ == current_.height)
     rows_read_ = 0;
-  LumaView rows = strip;
-  for (int i = 0; i < reductions_; ++i) {
-    ByteImage &half = strips_[static_cast<std::size_t>(i & 1)];
-    average_pairs(rows, half);
-    rows = half.view();
-  }
+  const LumaView rows = reduction_.reduce(strip, reductions_);
   const int count = std::min(rows.height, current_.height - rows_read_);
   for (int y = 0; y < count; ++y, ++rows_read_)
     std::memcpy(current_.pixels.data() + cell(rows_read_, current_.width, 0),
@@ -158,21 +156,20 @@ LumaView FieldTracker::part_of(const ByteImage &frame, const Area &area) const {
   return {frame.pixels.data() + cell(y, frame.width, x), width, height, frame.width};
 }
 
-// Answers for the cells that did not change. False: there are no others.
+// Fills in the cells that did not change. Returns whether there are others.
 bool FieldTracker::find_changes(std::span<FieldCell> cells) {
   bool any = false;
-  for (int row = 0; row < shape_.rows; ++row)
-    for (int column = 0; column < shape_.columns; ++column) {
-      const std::size_t at = cell(row, shape_.columns, column);
-      const Area area = area_of(row, column);
-      const auto [change, energy] =
-          find_change(part_of(previous_, area), part_of(current_, area), noise_);
-      cells_[at].change = change;
-      cells_[at].energy = energy;
-      cells_[at].explained = false;
-      cells[at] = {.confidence = change == Change::none ? 1.0F : 0.0F};
-      any = any || change == Change::some;
-    }
+  for_places(shape_, [&](int row, int column) {
+    const Area area = area_of(row, column);
+    const auto [change, energy] =
+        find_change(part_of(previous_, area), part_of(current_, area), noise_.variance());
+    Cell &own = at(row, column);
+    own.change = change;
+    own.energy = energy;
+    own.explained = false;
+    cells[cell(row, shape_.columns, column)] = {.confidence = change == Change::none ? 1.0F : 0.0F};
+    any = any || change == Change::some;
+  });
   return any;
 }
 
@@ -184,161 +181,155 @@ void FieldTracker::build_pyramids() {
   previous_is_built_ = current_is_built_ = true;
 }
 
-// Calls body(row, column) for the neighbours of a place and for itself.
-template <typename Body>
-void for_neighbours(const FieldShape &shape, int row, int column, Body &&body) {
-  for (int y = std::max(0, row - 1); y <= std::min(shape.rows - 1, row + 1); ++y)
-    for (int x = std::max(0, column - 1); x <= std::min(shape.columns - 1, column + 1); ++x)
-      body(y, x);
+// A coarse patch is needed wherever a cell near it changed.
+void FieldTracker::mark_coarse_patches() {
+  std::ranges::fill(coarse_is_needed_, std::uint8_t{0});
+  for_places(shape_, [&](int row, int column) {
+    if (at(row, column).change == Change::some)
+      for_neighbours(
+          coarse_shape_, nearest_part(row, shape_.rows, coarse_shape_.rows),
+          nearest_part(column, shape_.columns, coarse_shape_.columns),
+          [&](int y, int x) { coarse_is_needed_[cell(y, coarse_shape_.columns, x)] = 1; });
+  });
 }
 
-// The place of another grid over the same frame that is nearest.
-int parent(int index, int parts, int parent_parts) {
-  return (2 * index + 1) * parent_parts / (2 * parts);
+// Aligns the evenly spread patches of the coarsest level.
+void FieldTracker::align_coarse_patches() {
+  mark_coarse_patches();
+  std::ranges::fill(coarse_, Displacement{});
+  for_places(coarse_shape_, [&](int row, int column) {
+    if (coarse_is_needed_[cell(row, coarse_shape_.columns, column)])
+      align_coarse_patch(row, column);
+  });
 }
 
-// Puts the patch into the middle of the area of a level of the earlier frame.
-void place(const Plane &plane, const Area &area, Template &patch) {
-  const auto first = [&](float from, float length, int available) {
-    const float wanted =
-        std::floor(from + length / 2 - static_cast<float>(patch.side) / 2) - kSmoothingRadius;
-    return std::clamp(wanted, 1.0F, static_cast<float>(available - patch.side - 2));
-  };
-  patch.x = first(area.x, area.width, plane.width());
-  patch.y = first(area.y, area.height, plane.height());
-  prepare_templates(plane, {&patch, 1});
-}
-
-// Evenly spread patches of the coarsest level, wherever a cell near them changed.
-void FieldTracker::follow_coarsely() {
-  constexpr float kFound = 0.8F;
-  constexpr float kClearlyBetter = 0.1F;
+// Starts of a coarse patch: zero, the motion before, and the patches aligned already on its left
+// and above it. `scale`: px of the finest level per px of the coarsest.
+void FieldTracker::add_coarse_starts(int row, int column, float scale) {
   const FieldShape &shape = coarse_shape_;
+  starts_.clear();
+  starts_.add({});
+  starts_.add(1 / scale *
+              at(nearest_part(row, shape.rows, shape_.rows),
+                 nearest_part(column, shape.columns, shape_.columns))
+                  .last);
+  if (column > 0)
+    starts_.add(coarse_[cell(row, shape.columns, column - 1)]);
+  if (row > 0)
+    starts_.add(coarse_[cell(row - 1, shape.columns, column)]);
+}
+
+void FieldTracker::align_coarse_patch(int row, int column) {
   const std::size_t level = levels_ - 1;
   const auto scale = static_cast<float>(1 << level);
-  std::ranges::fill(coarse_is_needed_, std::uint8_t{0});
-  std::ranges::fill(coarse_, Displacement{});
-  for (int row = 0; row < shape_.rows; ++row)
-    for (int column = 0; column < shape_.columns; ++column)
-      if (cells_[cell(row, shape_.columns, column)].change == Change::some)
-        for_neighbours(shape, parent(row, shape_.rows, shape.rows),
-                       parent(column, shape_.columns, shape.columns),
-                       [&](int y, int x) { coarse_is_needed_[cell(y, shape.columns, x)] = 1; });
   const Plane &earlier = previous_pyramid_.levels[level];
   const Plane &later = current_pyramid_.levels[level];
+  const auto width =
+      static_cast<float>(earlier.width()) / static_cast<float>(coarse_shape_.columns);
+  const auto height = static_cast<float>(earlier.height()) / static_cast<float>(coarse_shape_.rows);
   patch_.side = kSmallPatch;
-  for (int row = 0; row < shape.rows; ++row)
-    for (int column = 0; column < shape.columns; ++column) {
-      const std::size_t at = cell(row, shape.columns, column);
-      if (!coarse_is_needed_[at])
-        continue;
-      const auto width = static_cast<float>(earlier.width()) / static_cast<float>(shape.columns);
-      const auto height = static_cast<float>(earlier.height()) / static_cast<float>(shape.rows);
-      place(earlier,
-            {static_cast<float>(column) * width + kSmoothingRadius,
-             static_cast<float>(row) * height + kSmoothingRadius, width, height},
-            patch_);
-      if (!has_texture(eigenvalues(patch_.structure).most, kSmallPatch * kSmallPatch,
-                       noise_ / scale))
-        continue;
-      starts_.clear();
-      starts_.offer({});
-      starts_.offer(1 / scale *
-                    cells_[cell(parent(row, shape.rows, shape_.rows), shape_.columns,
-                                parent(column, shape.columns, shape_.columns))]
-                        .last);
-      if (column > 0)
-        starts_.offer(coarse_[at - 1]);
-      if (row > 0)
-        starts_.offer(coarse_[cell(row - 1, shape.columns, column)]);
-      Alignment found = align_template(later, patch_, starts_.view(), kIterations);
-      if (found.fit.correlation < kFound) {
-        const SearchResult elsewhere = search_template(later, patch_, {}, kReach);
-        const Alignment other = align_template(later, patch_, {&elsewhere.best, 1}, kIterations);
-        if (other.fit.correlation > found.fit.correlation + kClearlyBetter)
-          found = other;
-      }
-      coarse_[at] = found.displacement;
-    }
+  place(earlier,
+        {static_cast<float>(column) * width + kSmoothingRadius,
+         static_cast<float>(row) * height + kSmoothingRadius, width, height},
+        patch_);
+  if (!has_texture(eigenvalues(patch_.structure).most, kSmallPatch * kSmallPatch,
+                   noise_.variance() / scale))
+    return;
+  add_coarse_starts(row, column, scale);
+  Alignment found = align_template(later, patch_, starts_.view(), kMostSteps);
+  if (!is_found(found.fit.correlation)) {
+    const SearchResult elsewhere = search_template(later, patch_, {}, kReach);
+    const Alignment other = align_template(later, patch_, {&elsewhere.best, 1}, kMostSteps);
+    if (is_clearly_better(other.fit.correlation, found.fit.correlation))
+      found = other;
+  }
+  coarse_[cell(row, coarse_shape_.columns, column)] = found.displacement;
 }
 
-// One patch for each cell that changed, one level below the finest.
-void FieldTracker::follow_cells() {
+// Aligns one patch in the middle of a cell, one level below the finest.
+void FieldTracker::align_cell_patch(int row, int column) {
   const std::size_t level = levels_ > 1 ? 1 : 0;
   const float from_coarsest = static_cast<float>(1 << (levels_ - 1 - level));
-  const float from_finest = 1 / static_cast<float>(1 << level);
-  const Plane &earlier = previous_pyramid_.levels[level];
-  const Plane &later = current_pyramid_.levels[level];
+  const auto scale = static_cast<float>(1 << level);
+  Cell &own = at(row, column);
+  own.coarse = {};
+  if (own.change != Change::some)
+    return;
   patch_.side = kSmallPatch;
-  for (int row = 0; row < shape_.rows; ++row)
-    for (int column = 0; column < shape_.columns; ++column) {
-      const std::size_t at = cell(row, shape_.columns, column);
-      Cell &own = cells_[at];
-      own.coarse = {};
-      if (own.change != Change::some)
-        continue;
-      place(earlier, area_of(row, column).at_level(static_cast<int>(level)), patch_);
-      starts_.clear();
-      starts_.offer(from_finest * own.last);
-      for_neighbours(coarse_shape_, parent(row, shape_.rows, coarse_shape_.rows),
-                     parent(column, shape_.columns, coarse_shape_.columns), [&](int y, int x) {
-                       starts_.offer(from_coarsest * coarse_[cell(y, coarse_shape_.columns, x)]);
-                     });
-      starts_.offer({});
-      own.coarse =
-          1 / from_finest * align_template(later, patch_, starts_.view(), kIterations).displacement;
+  place(previous_pyramid_.levels[level], area_of(row, column).at_level(static_cast<int>(level)),
+        patch_);
+  starts_.clear();
+  starts_.add(1 / scale * own.last);
+  for_neighbours(coarse_shape_, nearest_part(row, shape_.rows, coarse_shape_.rows),
+                 nearest_part(column, shape_.columns, coarse_shape_.columns), [&](int y, int x) {
+                   starts_.add(from_coarsest * coarse_[cell(y, coarse_shape_.columns, x)]);
+                 });
+  starts_.add({});
+  own.coarse =
+      scale * align_template(current_pyramid_.levels[level], patch_, starts_.view(), kMostSteps)
+                  .displacement;
+}
+
+// The start with the least squared residual over the blocks, or the first with a good correlation.
+Displacement FieldTracker::best_start(const Plane &later) {
+  Displacement best = starts_.view().front();
+  if (starts_.view().size() == 1)
+    return best;
+  std::array<Fit, kMaxPatches> storage;
+  const auto fits = std::span(storage).first(blocks_.view().size());
+  float least = std::numeric_limits<float>::infinity();
+  for (const Displacement start : starts_.view()) {
+    fit_templates(later, blocks_.view(), start, fits);
+    float squares = 0;
+    float correlation = 0;
+    for (const Fit &fit : fits) {
+      squares += fit.residual * fit.residual;
+      correlation += fit.correlation;
     }
+    if (squares < least) {
+      least = squares;
+      best = start;
+    }
+    if (correlation > kGood * static_cast<float>(fits.size()))
+      break;
+  }
+  return best;
 }
 
 Translation FieldTracker::translate(int row, int column) {
   const Area area = area_of(row, column);
-  blocks_.cover(previous_pyramid_.levels[0],
-                {area.x - kSmoothingRadius, area.y - kSmoothingRadius, area.width, area.height},
-                blocks_along(area.width), blocks_along(area.height), kSmallPatch, true);
+  const Plane &earlier = previous_pyramid_.levels[0];
   const Plane &later = current_pyramid_.levels[0];
-  Cell &own = cells_[cell(row, shape_.columns, column)];
+  blocks_.cover(earlier, area.in_plane(), blocks_along(area.width), blocks_along(area.height),
+                kSmallPatch, true);
+  const Cell &own = at(row, column);
   starts_.clear();
-  starts_.offer(own.coarse);
-  for_neighbours(shape_, row, column, [&](int y, int x) {
-    const Cell &other = cells_[cell(y, shape_.columns, x)];
-    starts_.offer(other.coarse);
-  });
-  starts_.offer(own.last);
-  Displacement start = starts_.view().front();
-  if (starts_.view().size() > 1) {
-    std::array<Fit, kMaxPatches> fits;
-    float least = std::numeric_limits<float>::infinity();
-    for (const Displacement other : starts_.view()) {
-      const auto some = std::span(fits).first(blocks_.view().size());
-      fit_templates(later, blocks_.view(), other, some);
-      float squares = 0;
-      float correlation = 0;
-      for (const Fit &fit : some) {
-        squares += fit.residual * fit.residual;
-        correlation += fit.correlation;
-      }
-      if (squares < least) {
-        least = squares;
-        start = other;
-      }
-      if (correlation > kGood * static_cast<float>(some.size()))
-        break;
-    }
-  }
-  Translation whole = translate_blocks(later, blocks_.view(), start, kRefinements, noise_, true);
-  const float longest = std::max(area.width, area.height);
-  if (const float repeats =
-          whole.one_direction ? 0 : period(previous_pyramid_.levels[0], blocks_.view(), longest);
-      repeats > 0) {
-    // Only the motion before can tell, and at first that slow motion is likelier than fast.
-    whole = translate_blocks(later, blocks_.view(), own.last, kIterations, noise_, true);
-    if (norm2(whole.displacement - own.last) > repeats * repeats / 16)
-      whole.correlation = -1;
-  }
+  starts_.add(own.coarse);
+  for_neighbours(shape_, row, column, [&](int y, int x) { starts_.add(at(y, x).coarse); });
+  starts_.add(own.last);
+  Translation whole = translate_blocks(later, blocks_.view(), best_start(later), kRefinements,
+                                       noise_.variance(), true);
+  if (!resolve_period(earlier, later, blocks_.view(), std::max(area.width, area.height), own.last,
+                      noise_.variance(), whole))
+    whole.correlation = -1;
   return whole;
 }
 
-// Most of what has texture was not found again.
+void FieldTracker::translate_cells() {
+  for_places(shape_, [&](int row, int column) {
+    Cell &own = at(row, column);
+    if (own.change != Change::some)
+      return;
+    own.whole = translate(row, column);
+    // The residual of the best fit shows the noise of this cell better than the estimate for the
+    // whole frame. That of both frames together is the cautious choice.
+    own.has_texture = has_texture(eigenvalues(own.whole.structure).most, own.whole.pixels,
+                                  std::min(noise_.variance(), 2 * noise_of(own.whole.residual2)));
+    own.explained = explains(own.whole, kSmallPatch, noise_.variance());
+  });
+}
+
+// Whether most cells with texture were not found again.
 bool FieldTracker::is_cut() const {
   constexpr float kLeastTrust = 0.35F;
   float candidates = 0;
@@ -349,51 +340,47 @@ bool FieldTracker::is_cut() const {
       ++trust;
     } else if (cell.change == Change::some && cell.has_texture) {
       ++candidates;
-      trust += trust_of(cell.whole);
+      trust += trust_of(cell.whole.correlation);
     }
   return trust < kLeastTrust * candidates;
 }
 
-// The patches of a cell that does not move as one.
+// Measures a cell that does not move as one, patch by patch.
 void FieldTracker::add_grid(int row, int column, const Area &area) {
-  constexpr float kLeastTrust = 0.6F;
-  const Plane &later = current_pyramid_.levels[0];
   grid_.cover(previous_pyramid_.levels[0], area, patches_along(area.width),
               patches_along(area.height), kSmallPatch, true);
   starts_.clear();
-  starts_.offer(cells_[cell(row, shape_.columns, column)].whole.displacement);
+  starts_.add(at(row, column).whole.displacement);
   for_neighbours(shape_, row, column, [&](int y, int x) {
-    const Cell &other = cells_[cell(y, shape_.columns, x)];
+    const Cell &other = at(y, x);
     if (other.change != Change::some)
-      starts_.offer({});
+      starts_.add({});
     else if (other.explained)
-      starts_.offer(other.whole.displacement);
+      starts_.add(other.whole.displacement);
   });
   float trust = 0;
-  for (const Template &patch : grid_.view()) {
-    const Alignment aligned = align_template(later, patch, starts_.view(), kIterations);
-    trust += add_patch(patch, aligned.displacement, aligned.fit, noise_, measurement_);
-  }
-  if (trust < kLeastTrust * static_cast<float>(measurement_.candidates))
+  for (const Template &patch : grid_.view())
+    trust += add_patch(
+        patch, align_template(current_pyramid_.levels[0], patch, starts_.view(), kMostSteps),
+        noise_.variance(), measurement_);
+  if (!is_same_scene(trust, measurement_.candidates))
     measurement_.count = 0;
 }
 
-void FieldTracker::climb(int row, int column, double interval, FieldCell &answer) {
-  constexpr float kNormalOnly = 0.4F; // across edges of one direction: half of the motion
-  Cell &own = cells_[cell(row, shape_.columns, column)];
+void FieldTracker::measure_cell(int row, int column, double interval, FieldCell &result) {
+  constexpr float kNormalOnly = 0.4F; // confidence across edges of one direction: half the motion
+  Cell &own = at(row, column);
   if (own.change != Change::some || !own.has_texture) {
     own.last = {};
     return;
   }
   const Translation &whole = own.whole;
   own.last = own.explained ? whole.displacement : Displacement{};
-  const Area cell_area = area_of(row, column);
-  const Area area{cell_area.x - kSmoothingRadius, cell_area.y - kSmoothingRadius, cell_area.width,
-                  cell_area.height};
   if (own.explained && is_still(whole)) {
-    answer.confidence = 1;
+    result.confidence = 1;
     return;
   }
+  const Area area = area_of(row, column).in_plane();
   measurement_.clear();
   if (own.explained && whole.correlation > kGood) {
     measurement_.candidates = 1;
@@ -402,13 +389,7 @@ void FieldTracker::climb(int row, int column, double interval, FieldCell &answer
     add_grid(row, column, area);
   }
   const auto scale = static_cast<float>(1 << reductions_);
-  for (int i = 0; i < measurement_.count; ++i) {
-    Patch &patch = measurement_.patches[static_cast<std::size_t>(i)];
-    for (float *length : {&patch.x, &patch.y, &patch.width, &patch.height, &patch.dx, &patch.dy})
-      *length *= scale;
-    for (float *precision : {&patch.precision_xx, &patch.precision_xy, &patch.precision_yy})
-      *precision /= scale * scale;
-  }
+  measurement_.scale(scale);
   const VelocityEstimate estimate =
       estimate_velocity({.patches = measurement_.view(),
                          .candidates = measurement_.candidates,
@@ -420,17 +401,14 @@ void FieldTracker::climb(int row, int column, double interval, FieldCell &answer
                          .region_width = scale * area.width,
                          .region_height = scale * area.height},
                         Average::model, ModelChoice::automatic);
-  if (!(estimate.confidence > 0))
-    return;
-  answer = {estimate.velocity_x, estimate.velocity_y,
-            (estimate.aperture ? kNormalOnly : 1) * estimate.confidence};
+  if (estimate.confidence > 0)
+    result = {estimate.velocity_x, estimate.velocity_y,
+              (estimate.aperture ? kNormalOnly : 1) * estimate.confidence};
 }
 
-// From the cells that turned out to stand still, whatever changed in them.
+// Learns from the cells that stand still although their pixels changed.
 void FieldTracker::learn_noise() {
-  constexpr float kLearning = 0.6F;
-  constexpr float kMost = 150; // grey levels squared
-  constexpr int kFew = 16;     // one cell in so many may be still by mistake
+  constexpr int kFew = 16; // one cell in so many may be still by mistake
   float energy = 0;
   float count = 0;
   for (const Cell &cell : cells_)
@@ -439,7 +417,7 @@ void FieldTracker::learn_noise() {
       ++count;
     }
   if (kFew * count >= static_cast<float>(cells_.size()))
-    noise_ += kLearning * (std::clamp(energy / count / 2, noise_floor(), kMost) - noise_);
+    noise_.learn(energy / count);
 }
 
 std::uint32_t FieldTracker::measure(double interval, std::span<FieldCell> cells) {
@@ -447,35 +425,23 @@ std::uint32_t FieldTracker::measure(double interval, std::span<FieldCell> cells)
   if (!have_previous_ || levels_ == 0)
     return 0;
   if (!find_changes(cells)) {
-    for (Cell &cell : cells_)
-      cell.last = {};
+    forget_displacements();
     const bool any_seen =
         std::ranges::any_of(cells, [](const FieldCell &cell) { return cell.confidence > 0; });
     return any_seen ? std::uint32_t{kStill} : 0;
   }
   build_pyramids();
-  follow_coarsely();
-  follow_cells();
-  for (int row = 0; row < shape_.rows; ++row)
-    for (int column = 0; column < shape_.columns; ++column) {
-      Cell &own = cells_[cell(row, shape_.columns, column)];
-      if (own.change != Change::some)
-        continue;
-      own.whole = translate(row, column);
-      // What is left after the best fit tells more of the noise than what was learned before.
-      own.has_texture = has_texture(eigenvalues(own.whole.structure).most, own.whole.pixels,
-                                    std::min(noise_, own.whole.residual2 / kSmoothedNoise));
-      own.explained = explains(own.whole, kSmallPatch, noise_);
-    }
+  align_coarse_patches();
+  for_places(shape_, [&](int row, int column) { align_cell_patch(row, column); });
+  translate_cells();
   if (is_cut()) {
     std::ranges::fill(cells, FieldCell{});
-    for (Cell &cell : cells_)
-      cell.last = {};
+    forget_displacements();
     return kCut;
   }
-  for (int row = 0; row < shape_.rows; ++row)
-    for (int column = 0; column < shape_.columns; ++column)
-      climb(row, column, interval, cells[cell(row, shape_.columns, column)]);
+  for_places(shape_, [&](int row, int column) {
+    measure_cell(row, column, interval, cells[cell(row, shape_.columns, column)]);
+  });
   learn_noise();
   return 0;
 }

@@ -4,7 +4,10 @@
 
 #include "block-translation.hpp"
 #include "frame-change.hpp"
+#include "frame-reduction.hpp"
 #include "motion-field.hpp"
+#include "noise-estimate.hpp"
+#include "start-set.hpp"
 
 #include <cstdint>
 #include <span>
@@ -21,76 +24,70 @@ struct FieldShape {
   bool operator==(const FieldShape &) const = default;
 };
 
-/// As many columns as wanted, but none narrower than 8 px, and rows such that the cells are as
-/// square on the screen as they can be; no more than kMostFieldCells cells. `pixel_aspect`: width
-/// of a pixel over its height.
+/// `columns` columns, or as many as leave each at least 8 px wide, and rows such that the cells are
+/// as square on the screen as they can be; no more than kMostFieldCells cells. `pixel_aspect`:
+/// width of a pixel over its height.
 FieldShape field_shape(int width, int height, double pixel_aspect, int columns);
 
-/// Coarse to fine over the whole frame, then for each cell the ladder of the fast tracker:
-/// unchanged, one translation, a grid of patches. Keeps of a frame no more than it needs to
-/// compare the next one with it. One instance serves one stream, from one thread at a time.
+/// Coarse to fine over the whole frame, then for each cell the steps of the fast tracker:
+/// unchanged, one translation, a grid of patches. Stores of a frame only what the comparison with
+/// the next one needs. One instance serves one stream, from one thread at a time.
 class FieldTracker {
 public:
-  /// What the frames that follow are like. Forgets.
+  /// Size of the frames that follow, and of their fields. Forgets all earlier frames.
   void set_frame(int width, int height, const FieldShape &shape);
 
-  /// Rows that read() takes at a time; at the bottom of the frame there may be fewer.
+  /// Height of the strips for read(); the last strip of a frame may be lower.
   int strip_rows() const;
 
-  /// The rows of the frame that comes next, strip by strip from its top.
+  /// Reads the next frame, strip by strip from its top.
   void read(const LumaView &strip);
 
-  /// The frame read last becomes the earlier one.
+  /// Makes the frame read last the earlier one.
   void keep();
 
-  /// There is no earlier frame, and nothing is known of the scene.
+  /// Forgets all earlier frames and the noise.
   void forget();
 
-  /// Whether the frame read last is the earlier one once more.
+  /// Whether the frame read last is equal to the earlier one.
   bool repeats() const;
 
-  /// From the earlier frame to the one read last, `interval` seconds later. Fills all cells of
-  /// the shape and returns kStill, kCut or 0.
+  /// Measures from the earlier frame to the one read last, `interval` seconds later. Fills all
+  /// cells of the shape and returns kStill, kCut or 0.
   std::uint32_t measure(double interval, std::span<FieldCell> cells);
 
 private:
-  // Of a cell, px of the reduced frame.
-  Area area_of(int row, int column) const;
-  LumaView part_of(const ByteImage &frame, const Area &area) const;
-  bool find_changes(std::span<FieldCell> cells);
-  void build_pyramids();
-  void follow_coarsely();
-  void follow_cells();
-  void find_starts(int row, int column);
-  Translation translate(int row, int column);
-  bool is_cut() const;
-  void climb(int row, int column, double interval, FieldCell &cell);
-  void add_grid(int row, int column, const Area &area);
-  void learn_noise();
-  float noise_floor() const;
-
-  // Displacements that a patch may start from, no two of them nearly alike.
-  class Starts {
-  public:
-    void clear() { count_ = 0; }
-    void offer(Displacement start);
-    std::span<const Displacement> view() const { return {starts_.data(), count_}; }
-
-  private:
-    std::array<Displacement, 12> starts_;
-    std::size_t count_ = 0;
-  };
-
-  // What is known of a cell, displacements in px of the level named.
+  // Displacements in px of the level named.
   struct Cell {
     Change change = Change::none;
     float energy = 0;    // of the change
-    Displacement last;   // of the frame before, finest level
+    Displacement last;   // between the two frames before, finest level
     Displacement coarse; // level 1
     Translation whole;   // finest level
     bool explained = false;
     bool has_texture = false;
   };
+
+  Cell &at(int row, int column) { return cells_[cell(row, shape_.columns, column)]; }
+  // Of a cell, px of the reduced frame.
+  Area area_of(int row, int column) const;
+  LumaView part_of(const ByteImage &frame, const Area &area) const;
+  bool find_changes(std::span<FieldCell> cells);
+  void build_pyramids();
+  void mark_coarse_patches();
+  void align_coarse_patches();
+  void add_coarse_starts(int row, int column, float scale);
+  void align_coarse_patch(int row, int column);
+  void align_cell_patch(int row, int column);
+  Displacement best_start(const Plane &later);
+  Translation translate(int row, int column);
+  void translate_cells();
+  bool is_cut() const;
+  void measure_cell(int row, int column, double interval, FieldCell &result);
+  void add_grid(int row, int column, const Area &area);
+  void learn_noise();
+  void forget_displacements();
+  float noise_floor() const;
 
   int width_ = 0;  // px, of the frame
   int height_ = 0; // px
@@ -100,9 +97,9 @@ private:
   bool have_previous_ = false;
   bool previous_is_built_ = false;
   bool current_is_built_ = false;
-  float noise_ = 0;        // variance of a pixel of the reduced frame
-  std::size_t levels_ = 0; // that are large enough to be of use; 0: the frame is too small
-  std::array<ByteImage, 2> strips_;
+  NoiseEstimate noise_{kLearningRate}; // of the reduced frame
+  std::size_t levels_ = 0;             // large enough for a patch; 0: the frame is too small
+  FrameReduction reduction_;
   ByteImage previous_;
   ByteImage current_;
   Pyramid previous_pyramid_;
@@ -114,8 +111,10 @@ private:
   Template patch_;
   PatchGrid blocks_;
   PatchGrid grid_;
-  Starts starts_;
+  StartSet starts_;
   Measurement measurement_;
+
+  static constexpr float kLearningRate = 0.6F;
 };
 
 } // namespace haptic

@@ -13,11 +13,12 @@
 namespace haptic {
 
 inline constexpr int kMostLevels = 5;
-inline constexpr int kSmallPatch = 8;  // px
-inline constexpr int kLargePatch = 16; // px
-inline constexpr int kRim = 4;         // px around a patch, for gradients and interpolation
-inline constexpr int kSmoothingRadius =
-    1; // px by which planes are smaller than the frame on every side
+inline constexpr int kSmallPatch = 8;      // px
+inline constexpr int kLargePatch = 16;     // px
+inline constexpr int kRim = 4;             // px around a patch, for gradients and interpolation
+inline constexpr int kSmoothingRadius = 1; // px that a plane lacks on every side of the frame
+inline constexpr int kMostAlong = 8;       // patches along one side of a grid
+static_assert(kMostAlong * kMostAlong <= kMaxPatches);
 
 /// A rectangle in pixels of some level; pixel i covers i..i+1.
 struct Area {
@@ -30,6 +31,8 @@ struct Area {
     const float scale = 1 / static_cast<float>(1 << level);
     return {x * scale, y * scale, width * scale, height * scale};
   }
+  /// The same place in the smoothed plane of the frame, which begins kSmoothingRadius further in.
+  Area in_plane() const { return {x - kSmoothingRadius, y - kSmoothingRadius, width, height}; }
 };
 
 /// One frame, from fine to coarse.
@@ -49,12 +52,34 @@ inline std::size_t cell(int row, int columns, int column) {
          static_cast<std::size_t>(column);
 }
 
+/// Calls body(row, column) for every place of a grid (anything with `rows` and `columns`).
+template <typename Grid, typename Body>
+void for_places(const Grid &grid, Body &&body) {
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column)
+      body(row, column);
+}
+
+/// Calls body(row, column) for the neighbours of a place, diagonal ones too, and for itself.
+template <typename Grid, typename Body>
+void for_neighbours(const Grid &grid, int row, int column, Body &&body) {
+  for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y)
+    for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x)
+      body(y, x);
+}
+
+/// Index of the nearest part where the same length is divided into `other_parts`.
+inline int nearest_part(int index, int parts, int other_parts) {
+  return (2 * index + 1) * other_parts / (2 * parts);
+}
+
 inline bool fits_into(const Plane &plane, int side) {
   return std::min(plane.width(), plane.height()) >= side + kRim;
 }
 
-inline int parts_of(float length, float part, int most) {
-  return std::clamp(static_cast<int>(std::lround(length / part)), 1, most);
+/// Parts of about this length, 1..kMostAlong.
+inline int parts_of(float length, float part) {
+  return std::clamp(static_cast<int>(std::lround(length / part)), 1, kMostAlong);
 }
 
 struct PatchGrid {
@@ -64,8 +89,8 @@ struct PatchGrid {
 
   std::span<Template> view() { return {patches.data(), static_cast<std::size_t>(columns * rows)}; }
 
-  /// Fills the grid with patches that are evenly spread over the area of the plane. `dither`: off
-  /// the raster of the pixels.
+  /// Spreads patches evenly over the area of the plane, at most kMostAlong in each direction.
+  /// `dither`: off the raster of the pixels.
   void cover(const Plane &plane, const Area &area, int wanted_columns, int wanted_rows, int side,
              bool dither);
 };

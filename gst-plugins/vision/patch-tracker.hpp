@@ -6,7 +6,9 @@
 #include "motion-sample.hpp"
 #include "region.hpp"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,7 +19,16 @@ namespace haptic {
 using Patch = GstHapticPatch;
 
 inline constexpr int kMaxPatches = GST_HAPTIC_MOTION_META_MAX_PATCHES;
-inline constexpr int kUsualPatches = 20; ///< as the lab measures it
+inline constexpr int kUsualPatches = 20; ///< the number that the lab measures with
+
+/// px, side of the region in the paper. Constants of length hold for this side.
+inline constexpr int kPaperSide = 30;
+
+/// Doublings of the region over that of the paper: a region twice as wide shows displacements twice
+/// as large.
+inline int doublings(int region_side) {
+  return std::bit_width(static_cast<unsigned>(std::max(region_side / kPaperSide, 1))) - 1;
+}
 
 /// Standard deviation of the noise that a camera's frame is assumed to have, 8-bit grey levels.
 inline constexpr float kAssumedNoise = 1.5F;
@@ -30,7 +41,7 @@ struct LumaView {
   std::ptrdiff_t stride = 0; ///< bytes from row to row, may exceed the width
 };
 
-/// Two frames cropped at the same place, so that a moving pointer is not taken for motion.
+/// Two frames cropped at the same place, so that a moving pointer does not look like motion.
 struct CropPair {
   LumaView previous;
   LumaView current;
@@ -39,14 +50,14 @@ struct CropPair {
   bool continues = false; ///< previous is the frame that was `current` in the call before
 };
 
-/// The MotionFlags that a tracker sets: why there are no patches, or that they may mean nothing.
+/// The MotionFlags that a tracker sets.
 inline constexpr std::uint16_t kStill = kMotionStill; ///< the displacement is exactly zero
-inline constexpr std::uint16_t kCut = kMotionCut;
+inline constexpr std::uint16_t kCut = kMotionCut;     ///< the frames do not show the same scene
 
-/// What was measured. Patch centres are in frame coordinates.
+/// The result of a tracker. Patch centres are in frame coordinates.
 struct Measurement {
   std::uint16_t flags = 0; ///< kStill or kCut
-  int candidates = 0; ///< patches looked at; those that could not be trusted are not in the list
+  int candidates = 0;      ///< patches looked at; those that cannot be trusted are not in the list
   int count = 0;
   std::array<Patch, kMaxPatches> patches;
 
@@ -55,8 +66,30 @@ struct Measurement {
     candidates = 0;
     count = 0;
   }
-  void add(const Patch &patch) { patches[static_cast<std::size_t>(count++)] = patch; }
+  /// A patch beyond kMaxPatches is left out.
+  void add(const Patch &patch) {
+    if (count < kMaxPatches)
+      patches[static_cast<std::size_t>(count++)] = patch;
+  }
   std::span<const Patch> view() const { return {patches.data(), static_cast<std::size_t>(count)}; }
+  std::span<Patch> view() { return {patches.data(), static_cast<std::size_t>(count)}; }
+
+  /// Moves the origin of the coordinates by (-x, -y) px.
+  void shift(float x, float y) {
+    for (Patch &patch : view()) {
+      patch.x += x;
+      patch.y += y;
+    }
+  }
+  /// Converts to the pixels of a frame that is `factor` times larger.
+  void scale(float factor) {
+    for (Patch &patch : view()) {
+      for (float *length : {&patch.x, &patch.y, &patch.width, &patch.height, &patch.dx, &patch.dy})
+        *length *= factor;
+      for (float *precision : {&patch.precision_xx, &patch.precision_xy, &patch.precision_yy})
+        *precision /= factor * factor;
+    }
+  }
 };
 
 /// One instance serves one stream, from one thread at a time.
@@ -70,23 +103,23 @@ public:
   /// At most max_points patches (1..kMaxPatches).
   virtual void set_max_points(int max_points) = 0;
 
-  /// Fills `measurement` anew. An empty one means that nothing could be tracked.
+  /// Overwrites `measurement`. It holds no patches if nothing could be tracked.
   virtual void measure(const CropPair &pair, Measurement &measurement) = 0;
 
   /// Forgets earlier frames (discontinuity, flush, new caps).
   virtual void reset() = 0;
 };
 
-/// What may be traded between speed and accuracy; the defaults are what the element runs.
+/// Options that trade speed for accuracy. The element uses the defaults.
 struct FastTrackerOptions {
   float spacing = 6;        ///< px between the patches of the grid, for a region of 30 px
   int iterations = 4;       ///< most Gauss-Newton steps of a patch
   int levels = 3;           ///< 1..5, of the pyramid for a region of 30 px
-  bool always_grid = false; ///< also where one translation explains the region
+  bool always_grid = false; ///< even where one translation explains the region
 };
 
-/// The default: still, one translation or a grid of patches, whatever is the least that explains
-/// the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
+/// The default: still, one translation or a grid of patches, whichever is the simplest that
+/// explains the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
 std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options = {});
 
 /// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.

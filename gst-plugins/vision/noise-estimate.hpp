@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// How noisy the camera is, learned from what does not move.
+#pragma once
+
+#include "patch-tracker.hpp"
+
+#include <algorithm>
+
+namespace haptic {
+
+inline constexpr float kAssumedVariance = kAssumedNoise * kAssumedNoise;
+/// Least variance of a pixel: rounding to 8 bits, with a margin for averages, which are rounded
+/// too.
+inline constexpr float kRoundingVariance = 0.25F;
+
+/// Variance of the noise of a pixel, grey levels squared.
+class NoiseEstimate {
+public:
+  /// `rate`: weight of the newest observation, 0..1.
+  explicit NoiseEstimate(float rate) : rate_(rate) {}
+
+  /// Starts anew at `start`; the estimate never falls below `least`.
+  void reset(float start, float least) {
+    variance_ = start;
+    least_ = least;
+  }
+
+  /// `energy`: mean squared difference between two frames of a scene at rest. Both frames are
+  /// noisy, so it is twice the variance.
+  void learn(float energy) {
+    constexpr float kMost = 150; // beyond this, something other than noise changed
+    variance_ += rate_ * (std::clamp(energy / 2, least_, kMost) - variance_);
+  }
+
+  float variance() const { return variance_; }
+
+private:
+  float rate_;
+  float variance_ = kAssumedVariance;
+  float least_ = kRoundingVariance;
+};
+
+} // namespace haptic
