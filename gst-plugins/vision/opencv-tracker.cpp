@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The paper's method on the crop (3.2.1): corners after Shi and Tomasi, displacements after Lucas
-// and Kanade on image pyramids, in OpenCV's implementation.
+// The method of the paper on the crop (section 3.2.1): corners after Shi and Tomasi (1994),
+// displacements after Lucas and Kanade on image pyramids (Bouguet 2000), both from OpenCV.
 #include "patch-tracker.hpp"
+#include "tensor.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,12 +14,11 @@
 namespace haptic {
 namespace {
 
-// Window, levels and margin were chosen together: a small window keeps to one object and costs
-// little, a fourth level reaches 16 px and more per frame, and the margin lets the windows of the
-// coarse levels see where a region that moved so far has gone.
+// Window, levels and margin were chosen together: a small window stays on one object and costs
+// little, a fourth level reaches 16 px and more per frame, and the margin keeps the windows of the
+// coarse levels inside the crop after so large a displacement.
 constexpr int kWindow = 11;        // px
-constexpr int kSmallRegion = 30;   // px, the paper's
-constexpr int kSmallMargin = 36;   // px
+constexpr int kSmallMargin = 36;   // px, for a region of kPaperSide
 constexpr int kLargestMargin = 96; // px
 constexpr int kSmallTopLevel = 3;
 constexpr int kLargestTopLevel = 5;
@@ -30,9 +29,9 @@ constexpr double kStep = 0.01;         // px
 constexpr float kBackCheck = 0.5F;     // px
 constexpr float kTextureOverNoise = 3; // least eigenvalue over what noise alone gives
 
-// Of the kernel (3 10 3) x (-1 0 1).
+// Sum of the kernel (3 10 3) x (-1 0 1) on a slope of 1 per px.
 constexpr float kScharrGain = 32;
-// Variance of the normalised kernel's answer to white noise of variance 1.
+// Variance of the normalised gradient from white noise of variance 1.
 constexpr float kScharrNoise = 2.0F * (3 * 3 + 10 * 10 + 3 * 3) / (kScharrGain * kScharrGain);
 
 cv::Mat as_mat(const LumaView &view) {
@@ -41,17 +40,12 @@ cv::Mat as_mat(const LumaView &view) {
           static_cast<std::size_t>(view.stride)};
 }
 
-// Doublings of the region over the paper's: what is twice as wide moves twice as far.
-int doublings(int region_side) {
-  return std::bit_width(static_cast<unsigned>(std::max(region_side / kSmallRegion, 1))) - 1;
-}
-
 bool is_inside(const cv::Point2f &place, const cv::Mat &image) {
   return place.x >= 0 && place.y >= 0 && place.x <= static_cast<float>(image.cols - 1) &&
          place.y <= static_cast<float>(image.rows - 1);
 }
 
-// `place` is inside the image.
+// Bilinear interpolation; `place` is inside the image.
 float bilinear(const cv::Mat &image, const cv::Point2f &place) {
   const int left = std::min(static_cast<int>(place.x), image.cols - 2);
   const int top = std::min(static_cast<int>(place.y), image.rows - 2);
@@ -62,10 +56,50 @@ float bilinear(const cv::Mat &image, const cv::Point2f &place) {
   return (1 - b) * ((1 - a) * upper[0] + a * upper[1]) + b * ((1 - a) * lower[0] + a * lower[1]);
 }
 
+// Gradient after Scharr; the pixel is not on the border.
+Displacement gradient(const cv::Mat &image, int x, int y) {
+  const auto *above = image.ptr<std::uint8_t>(y - 1);
+  const auto *row = image.ptr<std::uint8_t>(y);
+  const auto *below = image.ptr<std::uint8_t>(y + 1);
+  const float gx =
+      static_cast<float>(3 * (above[x + 1] - above[x - 1]) + 10 * (row[x + 1] - row[x - 1]) +
+                         3 * (below[x + 1] - below[x - 1])) /
+      kScharrGain;
+  const float gy =
+      static_cast<float>(3 * (below[x - 1] - above[x - 1]) + 10 * (below[x] - above[x]) +
+                         3 * (below[x + 1] - above[x + 1])) /
+      kScharrGain;
+  return {gx, gy};
+}
+
+// Sums over a window of the earlier frame.
+struct WindowSums {
+  Tensor structure;
+  float squares = 0; // of the differences to the displaced pixels of the later frame
+  int compared = 0;  // pixels that are inside the later frame after the displacement
+};
+
+WindowSums sums_over(const cv::Rect &window, const cv::Mat &previous, const cv::Mat &current,
+                     const cv::Point2f &shift) {
+  WindowSums sums;
+  for (int y = window.y; y < window.y + window.height; ++y)
+    for (int x = window.x; x < window.x + window.width; ++x) {
+      const auto [gx, gy] = gradient(previous, x, y);
+      sums.structure += {gx * gx, gx * gy, gy * gy};
+      const cv::Point2f there = cv::Point2f(static_cast<float>(x), static_cast<float>(y)) + shift;
+      if (is_inside(there, current)) {
+        const float difference = bilinear(current, there) - previous.ptr<std::uint8_t>(y)[x];
+        sums.squares += difference * difference;
+        ++sums.compared;
+      }
+    }
+  return sums;
+}
+
 class OpencvTracker final : public PatchTracker {
 public:
   int margin(int region_side) const override {
-    return std::clamp(kSmallMargin * region_side / kSmallRegion, kSmallMargin, kLargestMargin);
+    return std::clamp(kSmallMargin * region_side / kPaperSide, kSmallMargin, kLargestMargin);
   }
 
   void set_max_points(int max_points) override {
@@ -75,8 +109,8 @@ public:
   void measure(const CropPair &pair, Measurement &measurement) override {
     measurement.clear();
     // OpenCV spreads even this little work over a pool of threads, and the switch against it holds
-    // for the whole application. Inside a parallel section, though, it stays in the thread that it
-    // is in, and a section of one part is run by its caller.
+    // for the whole application. But a parallel section does not start another one, and a section
+    // of one part runs in the thread of its caller.
     cv::parallel_for_(cv::Range(0, 1),
                       [&](const cv::Range &) { measure_in_this_thread(pair, measurement); });
   }
@@ -111,12 +145,13 @@ private:
   }
 
   void find_corners(const cv::Mat &previous, const cv::Rect &region) {
-    // A part of a larger image: OpenCV looks at the pixels around it, so that its border makes no
-    // corners.
+    // The region is a part of a larger image: OpenCV reads the pixels around it, so that its border
+    // makes no corners.
     const double spacing = std::max(3.0, 0.1 * std::max(region.width, region.height));
     cv::goodFeaturesToTrack(previous(region), corners_, max_points_, kCornerQuality, spacing);
-    // Interpolation draws a displacement towards whole pixels, by up to some hundredths. Starting a
-    // quarter of a pixel off the grid, to either side in turn, lets that cancel in the mean.
+    // Interpolation draws a displacement towards whole pixels, by some hundredths of a pixel. With
+    // starts a quarter of a pixel off the grid, on either side in turn, these errors cancel in the
+    // mean.
     float offset = 0.25F;
     for (auto &corner : corners_) {
       corner +=
@@ -130,7 +165,7 @@ private:
     return found_[i] && found_back_[i] && std::hypot(miss.x, miss.y) <= kBackCheck;
   }
 
-  // Adds the patch about corner i unless its texture could as well be noise.
+  // Adds the patch around corner i unless its texture may be noise.
   void add_patch(std::size_t i, const cv::Mat &previous, const cv::Mat &current,
                  const Rectangle &crop, Measurement &measurement) const {
     const cv::Point2f start = corners_[i];
@@ -141,46 +176,18 @@ private:
     if (window.empty())
       return;
 
-    float xx = 0;
-    float xy = 0;
-    float yy = 0;
-    float squares = 0;
-    int compared = 0;
-    for (int y = window.y; y < window.y + window.height; ++y) {
-      const auto *above = previous.ptr<std::uint8_t>(y - 1);
-      const auto *row = previous.ptr<std::uint8_t>(y);
-      const auto *below = previous.ptr<std::uint8_t>(y + 1);
-      for (int x = window.x; x < window.x + window.width; ++x) {
-        const float gx =
-            static_cast<float>(3 * (above[x + 1] - above[x - 1]) + 10 * (row[x + 1] - row[x - 1]) +
-                               3 * (below[x + 1] - below[x - 1])) /
-            kScharrGain;
-        const float gy =
-            static_cast<float>(3 * (below[x - 1] - above[x - 1]) + 10 * (below[x] - above[x]) +
-                               3 * (below[x + 1] - above[x + 1])) /
-            kScharrGain;
-        xx += gx * gx;
-        xy += gx * gy;
-        yy += gy * gy;
-        const cv::Point2f there = cv::Point2f(static_cast<float>(x), static_cast<float>(y)) + shift;
-        if (is_inside(there, current)) {
-          const float difference = bilinear(current, there) - row[x];
-          squares += difference * difference;
-          ++compared;
-        }
-      }
-    }
-    if (compared == 0)
+    const WindowSums sums = sums_over(window, previous, current, shift);
+    if (sums.compared == 0)
       return;
-    const float residual = std::sqrt(squares / static_cast<float>(compared));
+    const float residual = std::sqrt(sums.squares / static_cast<float>(sums.compared));
     // The residual holds the noise of both frames.
     const float noise = std::max(kAssumedNoise * kAssumedNoise, residual * residual / 2);
-    const float least = (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy);
-    if (least < kTextureOverNoise * kScharrNoise * noise * static_cast<float>(window.area()))
+    if (eigenvalues(sums.structure).least <
+        kTextureOverNoise * kScharrNoise * noise * static_cast<float>(window.area()))
       return;
 
     // Least squares between two noisy windows: the displacement's covariance is 2 sigma^2 H^-1.
-    const float per_noise = 1 / (2 * kAssumedNoise * kAssumedNoise);
+    const Tensor precision = 1 / (2 * kAssumedNoise * kAssumedNoise) * sums.structure;
     Patch patch{};
     patch.x = static_cast<float>(crop.x) + start.x + 0.5F; // OpenCV counts from a pixel's centre
     patch.y = static_cast<float>(crop.y) + start.y + 0.5F;
@@ -188,16 +195,16 @@ private:
     patch.height = kWindow;
     patch.dx = shift.x;
     patch.dy = shift.y;
-    patch.precision_xx = xx * per_noise;
-    patch.precision_xy = xy * per_noise;
-    patch.precision_yy = yy * per_noise;
+    patch.precision_xx = precision.xx;
+    patch.precision_xy = precision.xy;
+    patch.precision_yy = precision.yy;
     patch.residual = residual;
     measurement.add(patch);
   }
 
   int max_points_ = kUsualPatches;
 
-  // Kept from frame to frame for their memory alone.
+  // Members only to keep their memory from frame to frame.
   std::vector<cv::Mat> previous_pyramid_;
   std::vector<cv::Mat> current_pyramid_;
   std::vector<cv::Point2f> corners_;
