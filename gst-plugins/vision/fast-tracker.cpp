@@ -238,19 +238,20 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
   Tensor offsets{ridge, 0, ridge};
   Displacement x_moved;
   Displacement y_moved;
-  bool is_apart = false;
-  for_neighbours(grid_, row, column, [&](int y, int x) {
+  const bool are_together = all_neighbours(grid_, row, column, [&](int y, int x) {
     const std::size_t other = cell(y, grid_.columns, x);
-    if (is_apart || other == at || !aligned_[other].fit.inside)
-      return;
+    if (other == at || !aligned_[other].fit.inside)
+      return true;
     const Displacement away{grid_.patches[other].x - patch.x, grid_.patches[other].y - patch.y};
     const Displacement moved = displacements[other] - displacements[at];
-    is_apart = norm2(moved) > kLargest * kLargest * norm2(away);
+    if (norm2(moved) > kLargest * kLargest * norm2(away))
+      return false;
     offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
     x_moved += moved.x * away;
     y_moved += moved.y * away;
+    return true;
   });
-  if (is_apart)
+  if (!are_together)
     return {};
   const Displacement of_x = solve(offsets, x_moved, 0);
   const Displacement of_y = solve(offsets, y_moved, 0);

@@ -2,7 +2,7 @@
 // Smaller frames for large regions, so that the cost of a measurement stays bounded.
 #pragma once
 
-#include "lk-kernels.hpp"
+#include "image-kernels.hpp"
 
 #include <array>
 

@@ -1,4 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Sources of the formulas:
+//   Lucas and Kanade, An iterative image registration technique, IJCAI 1981
+//   Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 56, 2004: inverse
+//     compositional, with the gradients and the Hessian of the earlier frame
+//   Hager and Belhumeur, Efficient region tracking with parametric models of geometry and
+//     illumination, PAMI 20, 1998: gradients made orthogonal to what illumination may change
+//   Gennert and Negahdaripour, Relaxing the brightness constancy assumption in computing optical
+//     flow, MIT AI memo 975, 1987: illumination as a gain and an offset
+//   Shi and Tomasi, Good features to track, CVPR 1994: structure tensor and texture
+//   Lewis, Fast normalized cross-correlation, 1995: zero-mean normalised correlation
+// Notation: T(x) are the grey levels of a patch in the earlier frame, I those of the later frame, n
+// the pixels of the patch; sums run over its pixels, a bar is a mean over them.
 #include "lk-kernels.hpp"
 
 #include <algorithm>
@@ -10,7 +22,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lk-kernels.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "for-row-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
@@ -25,101 +38,9 @@ float total(D d, hn::Vec<D> v) {
   return hn::GetLane(hn::SumOfLanes(d, v));
 }
 
-// Runs `body(at)` over [0, width) in whole vectors, the last one moved back to end at width, so
-// that no pixel is handled alone.
-template <class D, class Body>
-HWY_INLINE void for_row(D d, int width, Body &&body) {
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  int at = 0;
-  for (; at + lanes <= width; at += lanes)
-    body(at);
-  if (at < width)
-    body(std::max(0, width - lanes));
-}
-
-void AveragePairs(const LumaView &fine, ByteImage &coarse) {
-  const hn::ScalableTag<std::uint8_t> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = 0; y < coarse.height; ++y) {
-    const std::uint8_t *top = fine.pixels + 2 * y * fine.stride;
-    const std::uint8_t *bottom = top + fine.stride;
-    std::uint8_t *out = coarse.pixels.data() + static_cast<std::ptrdiff_t>(y) * coarse.width;
-    int x = 0;
-    for (; x + lanes <= coarse.width; x += lanes) {
-      hn::Vec<decltype(d)> a, b, e, f;
-      hn::LoadInterleaved2(d, top + 2 * x, a, b);
-      hn::LoadInterleaved2(d, bottom + 2 * x, e, f);
-      hn::StoreU(hn::AverageRound(hn::AverageRound(a, b), hn::AverageRound(e, f)), d, out + x);
-    }
-    const auto average = [](int a, int b) { return (a + b + 1) / 2; };
-    for (; x < coarse.width; ++x)
-      out[x] = static_cast<std::uint8_t>(
-          average(average(top[2 * x], top[2 * x + 1]), average(bottom[2 * x], bottom[2 * x + 1])));
-  }
-}
-
-// One column of vectors after another, so that each row is read once and stays in registers until
-// it has served three rows of the result.
-template <class D>
-HWY_INLINE void SmoothColumns(D d, const LumaView &view, Plane &plane) {
-  const hn::RebindToSigned<D> di;
-  const hn::Rebind<std::uint8_t, D> du;
-  const auto sixteenth = hn::Set(d, 1.0F / 16);
-  for_row(d, plane.width(), [&](int x) HWY_ATTR {
-    const auto load = [&](const std::uint8_t *from)
-                          HWY_ATTR { return hn::PromoteTo(di, hn::LoadU(du, from)); };
-    const std::uint8_t *from = view.pixels + x;
-    const auto across = [&] HWY_ATTR {
-      const auto middle = load(from + 1);
-      const auto sum = hn::Add(hn::Add(load(from), load(from + 2)), hn::Add(middle, middle));
-      from += view.stride;
-      return sum;
-    };
-    auto upper = across();
-    auto middle = across();
-    for (int y = 0; y < plane.height(); ++y) {
-      const auto lower = across();
-      const auto sum = hn::Add(hn::Add(upper, lower), hn::Add(middle, middle));
-      hn::StoreU(hn::Mul(hn::ConvertTo(d, sum), sixteenth), d, plane.row(y) + x);
-      upper = middle;
-      middle = lower;
-    }
-  });
-}
-
-void Smooth(const LumaView &view, Plane &plane) {
-  const hn::ScalableTag<float> widest;
-  if (plane.width() >= static_cast<int>(hn::Lanes(widest)))
-    SmoothColumns(widest, view, plane);
-  else
-    SmoothColumns(hn::CappedTag<float, 8>(), view, plane);
-}
-
-void Halve(const Plane &fine, Plane &coarse) {
-  const hn::ScalableTag<float> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto quarter = hn::Set(d, 0.25F);
-  for (int y = 0; y < coarse.height(); ++y) {
-    const float *top = fine.row(2 * y);
-    const float *bottom = fine.row(2 * y + 1);
-    float *out = coarse.row(y);
-    for (int x = 0; x < coarse.width(); x += lanes) {
-      const auto column_sums = [&](int at) HWY_ATTR {
-        return hn::Add(hn::LoadU(d, top + at), hn::LoadU(d, bottom + at));
-      };
-      const auto left = column_sums(2 * x);
-      const auto right = column_sums(2 * x + lanes);
-#if HWY_TARGET == HWY_SCALAR
-      const auto sum = hn::Add(left, right);
-#else
-      const auto sum = hn::Add(hn::ConcatEven(d, right, left), hn::ConcatOdd(d, right, left));
-#endif
-      hn::StoreU(hn::Mul(sum, quarter), d, out + x);
-    }
-  }
-}
-
-// Pixels of a patch and one more on every side, sampled between the pixels of the plane.
+// Bilinear samples of a patch and of one more pixel on every side:
+//   tile = (1-v) ((1-u) f(x, y) + u f(x+1, y)) + v ((1-u) f(x, y+1) + u f(x+1, y+1))
+// at the fraction (u, v) of a pixel.
 template <int kSide>
 HWY_INLINE void SampleTile(const float *first, std::ptrdiff_t stride, float u, float v,
                            float *tile) {
@@ -143,8 +64,23 @@ HWY_INLINE void SampleTile(const float *first, std::ptrdiff_t stride, float u, f
   });
 }
 
+// Sums over the pixels of a template.
+struct TemplateSums {
+  float grey;                 // T
+  Displacement gradient;      // g
+  float grey2;                // T^2
+  Displacement grey_gradient; // T g
+  Tensor gradient2;           // g g^T
+  float laplacian;            // L
+  float grey_laplacian;       // T L
+  float laplacian2;           // L^2
+};
+
+// Copies the pixels, and computes central differences and the Laplacian:
+//   g = (T(x+1, y) - T(x-1, y), T(x, y+1) - T(x, y-1)) / 2
+//   L = T(x-1, y) + T(x+1, y) + T(x, y-1) + T(x, y+1) - 4 T(x, y)
 template <int kSide>
-void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
+HWY_INLINE TemplateSums SumTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
   const RowTag<kSide> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   using V = hn::Vec<RowTag<kSide>>;
@@ -182,29 +118,26 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
       sll = hn::MulAdd(laplacian, laplacian, sll);
     }
   }
-  constexpr float kPixels = kSide * kSide;
-  const float mean = total(d, s) / kPixels;
-  const float mean_x = total(d, sx) / kPixels;
-  const float mean_y = total(d, sy) / kPixels;
-  patch.energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
-  patch.slope = mean * total(d, sl) - total(d, stl);
-  patch.curvature = total(d, sll);
-  const float tx = total(d, stx) - kPixels * mean * mean_x;
-  const float ty = total(d, sty) - kPixels * mean * mean_y;
-  // The regulariser keeps a patch without contrast from losing its gradients to noise.
-  const float inverse_energy = 1.0F / (patch.energy + 0.8F * kPixels);
-  const float ax = tx * inverse_energy;
-  const float ay = ty * inverse_energy;
-  patch.structure.xx =
-      total(d, sxx) - kPixels * mean_x * mean_x - ax * (2 * tx - ax * patch.energy);
-  patch.structure.xy =
-      total(d, sxy) - kPixels * mean_x * mean_y - ax * ty - ay * tx + ax * ay * patch.energy;
-  patch.structure.yy =
-      total(d, syy) - kPixels * mean_y * mean_y - ay * (2 * ty - ay * patch.energy);
-  const auto vm = hn::Set(d, mean), vax = hn::Set(d, ax), vay = hn::Set(d, ay),
-             vmx = hn::Set(d, mean_x), vmy = hn::Set(d, mean_y);
+  return {total(d, s),
+          {total(d, sx), total(d, sy)},
+          total(d, ss),
+          {total(d, stx), total(d, sty)},
+          {total(d, sxx), total(d, sxy), total(d, syy)},
+          total(d, sl),
+          total(d, stl),
+          total(d, sll)};
+}
+
+// T <- T - mean, g <- g - mean_gradient - a (T - mean)
+template <int kSide>
+HWY_INLINE void ProjectOut(float mean, Displacement mean_gradient, Displacement a,
+                           Template &patch) {
+  const RowTag<kSide> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto vm = hn::Set(d, mean), vax = hn::Set(d, a.x), vay = hn::Set(d, a.y),
+             vmx = hn::Set(d, mean_gradient.x), vmy = hn::Set(d, mean_gradient.y);
   for (int i = 0; i < kSide * kSide; i += lanes) {
-    const V t = hn::Sub(hn::Load(d, patch.grey.data() + i), vm);
+    const auto t = hn::Sub(hn::Load(d, patch.grey.data() + i), vm);
     hn::Store(t, d, patch.grey.data() + i);
     hn::Store(hn::NegMulAdd(vax, t, hn::Sub(hn::Load(d, patch.gradient_x.data() + i), vmx)), d,
               patch.gradient_x.data() + i);
@@ -213,12 +146,49 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
   }
 }
 
-// Where a displaced patch lies: whole part as a pointer, fraction as weights.
+// With the zero-mean grey levels t = T - mean(T):
+//   energy     E = sum t^2
+//   slope      -sum t L, which is the sum of |grad T|^2 but for the pixels at the rim (summation by
+//              parts)
+//   curvature  sum L^2
+//   b = sum t g,  a = b / (E + r)
+//   projected gradient   g' = g - mean(g) - a t, which a change of offset or gain leaves alone
+//   structure tensor     J = sum g' g'^T
+//                          = sum g g^T - n mean(g) mean(g)^T - a b^T - b a^T + E a a^T
+// The ridge r keeps a patch without contrast from losing its gradients to noise. Inverse
+// compositional Lucas-Kanade (Baker and Matthews 2004); the projection follows Hager and Belhumeur
+// 1998 with the illumination of Gennert and Negahdaripour 1987.
+template <int kSide>
+void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
+  constexpr float kPixels = kSide * kSide;
+  constexpr float kRidge = 0.8F * kPixels;
+  const TemplateSums sums = SumTemplate<kSide>(first, stride, patch);
+  const float mean = sums.grey / kPixels;
+  const float mean_x = sums.gradient.x / kPixels;
+  const float mean_y = sums.gradient.y / kPixels;
+  patch.energy = std::max(0.0F, sums.grey2 - kPixels * mean * mean);
+  patch.slope = mean * sums.laplacian - sums.grey_laplacian;
+  patch.curvature = sums.laplacian2;
+  const float bx = sums.grey_gradient.x - kPixels * mean * mean_x;
+  const float by = sums.grey_gradient.y - kPixels * mean * mean_y;
+  const float inverse_energy = 1.0F / (patch.energy + kRidge);
+  const float ax = bx * inverse_energy;
+  const float ay = by * inverse_energy;
+  patch.structure.xx =
+      sums.gradient2.xx - kPixels * mean_x * mean_x - ax * (2 * bx - ax * patch.energy);
+  patch.structure.xy =
+      sums.gradient2.xy - kPixels * mean_x * mean_y - ax * by - ay * bx + ax * ay * patch.energy;
+  patch.structure.yy =
+      sums.gradient2.yy - kPixels * mean_y * mean_y - ay * (2 * by - ay * patch.energy);
+  ProjectOut<kSide>(mean, {mean_x, mean_y}, {ax, ay}, patch);
+}
+
+// Place of a displaced patch: a pointer for the whole pixels, weights for the fraction.
 struct Position {
   const float *first;
   float u;
   float v;
-  bool inside; // moved by a fraction of a pixel at most to fit into the plane
+  bool inside; // or outside by a fraction of a pixel, and moved to the border
 };
 
 HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displacement moved) {
@@ -236,7 +206,8 @@ HWY_INLINE Position locate(const Plane &plane, const Template &patch, Displaceme
           std::abs(x - wanted_x) <= kTolerance && std::abs(y - wanted_y) <= kTolerance};
 }
 
-// body(at, grey levels of the later frame at the displaced pixels from patch index `at`)
+// Calls body(at, grey levels of the later frame at the displaced pixels from patch index `at`).
+// The samples are bilinear, as in SampleTile.
 template <int kSide, class Body>
 HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
   const RowTag<kSide> d;
@@ -256,6 +227,13 @@ HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
   }
 }
 
+// With the samples I(x + d) and E, t, g' of the template:
+//   gradient     b(d) = sum g' I(x + d), the right side of J step = b
+//   correlation  c(d) = sum t I / sqrt(E sum (I - mean(I))^2), zero-mean normalised (Lewis 1995)
+//   residual     what the best gain and offset leave: the least (over gain and offset) of
+//                sum (I - gain t - offset)^2 = sum (I - mean(I))^2 - (sum t I)^2 / E,
+//                as root of the mean; a negative gain explains nothing
+// One pass over the pixels suffices, because sum t = 0.
 template <int kSide>
 Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
   const Position position = locate(plane, patch, moved);
@@ -283,6 +261,10 @@ Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
   return fit;
 }
 
+// Gauss-Newton (Lucas and Kanade 1981; inverse compositional after Baker and Matthews 2004):
+//   d <- d - (J + r I)^-1 b(d)
+// with the structure tensor J, the gradient b(d) of FitTemplate and r of regulariser(). Starts from
+// the displacement of least residual, and returns that of least residual on the way.
 template <int kSide>
 Alignment AlignTemplate(const Plane &plane, const Template &patch,
                         std::span<const Displacement> starts, int iterations) {
@@ -294,21 +276,19 @@ Alignment AlignTemplate(const Plane &plane, const Template &patch,
     if (const Fit fit = FitTemplate<kSide>(plane, patch, start); fit.residual < best.fit.residual)
       best = {start, fit};
   const Displacement start = best.displacement;
-  const float floor = regulariser(patch.structure, kSide * kSide);
-  const float xx = patch.structure.xx + floor, yy = patch.structure.yy + floor,
+  const float ridge = regulariser(patch.structure, kSide * kSide);
+  const float xx = patch.structure.xx + ridge, yy = patch.structure.yy + ridge,
               xy = patch.structure.xy;
   const float inverse_determinant = 1.0F / (xx * yy - xy * xy);
   Alignment at = best;
   for (int i = 0; i < iterations; ++i) {
     const auto [gx, gy] = at.fit.gradient;
-    const float step_x = (yy * gx - xy * gy) * inverse_determinant;
-    const float step_y = (xx * gy - xy * gx) * inverse_determinant;
-    const float length2 = step_x * step_x + step_y * step_y;
+    const Displacement step{(yy * gx - xy * gy) * inverse_determinant,
+                            (xx * gy - xy * gx) * inverse_determinant};
+    const float length2 = norm2(step);
     const float scale = length2 > kLongest * kLongest ? kLongest / std::sqrt(length2) : 1.0F;
-    at.displacement.x -= scale * step_x;
-    at.displacement.y -= scale * step_y;
-    const float away_x = at.displacement.x - start.x, away_y = at.displacement.y - start.y;
-    if (away_x * away_x + away_y * away_y > kFurthest * kFurthest)
+    at.displacement -= scale * step;
+    if (norm2(at.displacement - start) > kFurthest * kFurthest)
       break;
     // So short a step does not change the fit.
     if (length2 < kConverged) {
@@ -323,101 +303,45 @@ Alignment AlignTemplate(const Plane &plane, const Template &patch,
   return best;
 }
 
-ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
-  const hn::CappedTag<std::int16_t, 16> d; // a region of 30 px fills two of these
-  const hn::Rebind<std::uint8_t, decltype(d)> du;
-  const hn::RepartitionToWide<decltype(d)> dw;
+// Zero-mean normalised correlation with the pixels at a whole-pixel place (Lewis 1995):
+//   c = sum t I / sqrt(E sum (I - mean(I))^2)
+template <int kSide>
+HWY_INLINE float Correlation(const float *first, std::ptrdiff_t stride, const Template &patch) {
+  const RowTag<kSide> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto zero = hn::Zero(dw);
-  auto s = zero, s1 = zero, ss = zero, mx = zero, my = zero, xx = zero, xy = zero, yy = zero,
-       ss1 = zero, mx1 = zero, my1 = zero, xx1 = zero, xy1 = zero, yy1 = zero;
-  const int width = previous.width - 2;
-  const auto one = hn::Set(d, std::int16_t{1});
-  for (int y = 1; y + 1 < previous.height; ++y) {
-    const std::uint8_t *p = previous.pixels + y * previous.stride + 1;
-    const std::uint8_t *c = current.pixels + y * current.stride + 1;
-    for (int x = 0; x < width; x += lanes) {
-      // The last vector is moved back to end at the row's end, and what was counted before is
-      // masked out.
-      const int at = std::max(0, std::min(x, width - lanes));
-      const auto load = [&](const std::uint8_t *from) HWY_ATTR {
-        if (width >= lanes)
-          return hn::PromoteTo(d, hn::LoadU(du, from + at));
-        HWY_ALIGN std::uint8_t tail[64] = {};
-        std::copy_n(from, width, tail);
-        return hn::PromoteTo(d, hn::Load(du, tail));
-      };
-      auto keep = hn::Gt(hn::Iota(d, 1), hn::Set(d, static_cast<std::int16_t>(x - at)));
-      auto diff = hn::Sub(load(c), load(p));
-      auto gx = hn::Sub(load(p + 1), load(p - 1));
-      auto gy = hn::Sub(load(p + previous.stride), load(p - previous.stride));
-      if (at != x) {
-        diff = hn::IfThenElseZero(keep, diff);
-        gx = hn::IfThenElseZero(keep, gx);
-        gy = hn::IfThenElseZero(keep, gy);
-      }
-      s = hn::ReorderWidenMulAccumulate(dw, diff, one, s, s1);
-      ss = hn::ReorderWidenMulAccumulate(dw, diff, diff, ss, ss1);
-      mx = hn::ReorderWidenMulAccumulate(dw, gx, diff, mx, mx1);
-      my = hn::ReorderWidenMulAccumulate(dw, gy, diff, my, my1);
-      xx = hn::ReorderWidenMulAccumulate(dw, gx, gx, xx, xx1);
-      xy = hn::ReorderWidenMulAccumulate(dw, gx, gy, xy, xy1);
-      yy = hn::ReorderWidenMulAccumulate(dw, gy, gy, yy, yy1);
+  constexpr float kPixels = kSide * kSide;
+  auto s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; x += lanes) {
+      const auto grey = hn::LoadU(d, first + y * stride + x);
+      s = hn::Add(s, grey);
+      ss = hn::MulAdd(grey, grey, ss);
+      st = hn::MulAdd(hn::Load(d, patch.grey.data() + y * kSide + x), grey, st);
     }
-  }
-  const auto reduce = [&](auto a, auto b) HWY_ATTR {
-    return static_cast<float>(hn::GetLane(hn::SumOfLanes(dw, hn::Add(a, b))));
-  };
-  ChangeSums change;
-  change.sum = reduce(s, s1);
-  change.squares = reduce(ss, ss1);
-  change.moment = {0.5F * reduce(mx, mx1), 0.5F * reduce(my, my1)};
-  change.structure = {0.25F * reduce(xx, xx1), 0.25F * reduce(xy, xy1), 0.25F * reduce(yy, yy1)};
-  return change;
+  const float mean = total(d, s) / kPixels;
+  const float energy = std::max(1e-6F, total(d, ss) - kPixels * mean * mean);
+  return total(d, st) / std::sqrt(energy * std::max(1e-6F, patch.energy));
 }
 
+// Full search of the maximum of the correlation over whole pixels.
 template <int kSide>
 SearchResult SearchTemplate(const Plane &plane, const Template &patch, Displacement centre,
                             int radius) {
-  const RowTag<kSide> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  constexpr int kMaxRadius = 12;
-  constexpr float kPixels = kSide * kSide;
-  radius = std::min(radius, kMaxRadius);
   const int cx = static_cast<int>(std::lround(patch.x + centre.x)),
             cy = static_cast<int>(std::lround(patch.y + centre.y));
   const int left = std::max(0, cx - radius), right = std::min(plane.width() - kSide, cx + radius);
   const int top = std::max(0, cy - radius), bottom = std::min(plane.height() - kSide, cy + radius);
-  float scores[(2 * kMaxRadius + 1) * (2 * kMaxRadius + 1)];
   SearchResult result;
   int best_x = 0, best_y = 0;
-  const int columns = right - left + 1;
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
-      auto s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
-      for (int j = 0; j < kSide; ++j) {
-        const float *row = plane.row(y + j) + x;
-        for (int i = 0; i < kSide; i += lanes) {
-          const auto grey = hn::LoadU(d, row + i);
-          s = hn::Add(s, grey);
-          ss = hn::MulAdd(grey, grey, ss);
-          st = hn::MulAdd(hn::Load(d, patch.grey.data() + j * kSide + i), grey, st);
-        }
-      }
-      const float mean = total(d, s) / kPixels;
-      const float energy = std::max(1e-6F, total(d, ss) - kPixels * mean * mean);
-      const float score = total(d, st) / std::sqrt(energy * std::max(1e-6F, patch.energy));
-      scores[(y - top) * columns + x - left] = score;
-      if (score > result.correlation) {
-        result.correlation = score;
+      const float correlation = Correlation<kSide>(plane.row(y) + x, plane.stride(), patch);
+      if (correlation > result.correlation) {
+        result.correlation = correlation;
         best_x = x;
         best_y = y;
       }
     }
-  for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x)
-      if (std::abs(x - best_x) > 1 || std::abs(y - best_y) > 1)
-        result.runner_up = std::max(result.runner_up, scores[(y - top) * columns + x - left]);
   result.best = {static_cast<float>(best_x) - patch.x, static_cast<float>(best_y) - patch.y};
   return result;
 }
@@ -441,7 +365,8 @@ void PrepareTemplatesOf(const Plane &plane, std::span<Template> patches) {
   }
 }
 
-// `back` maps offsets from the template's middle to offsets in the plane.
+// Samples the plane at p + B o for the offsets o of the pixels from the middle p of the template,
+// and prepares the template from these samples. B (`back`) is the inverse of the strain.
 template <int kSide>
 void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template &patch) {
   constexpr int kTile = kSide + 2;
@@ -516,49 +441,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace haptic {
 
-HWY_EXPORT(AveragePairs);
-HWY_EXPORT(MeasureChange);
-HWY_EXPORT(Smooth);
-HWY_EXPORT(Halve);
 HWY_EXPORT(PrepareTemplates);
 HWY_EXPORT(PrepareStrainedTemplate);
 HWY_EXPORT(FitTemplates);
 HWY_EXPORT(AlignTemplateAny);
 HWY_EXPORT(SearchTemplateAny);
 
-void Plane::resize(int width, int height) {
-  // Two of the widest vectors: one that runs over the row's end, twice as far where pixels are
-  // taken in pairs.
-  constexpr int kPadding = 2 * 16;
-  width_ = width;
-  height_ = height;
-  stride_ = (width + kPadding + 15) / 16 * 16;
-  const std::size_t needed =
-      static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 2);
-  if (values_.size() < needed)
-    values_.resize(needed);
-}
-
-ChangeSums measure_change(const LumaView &previous, const LumaView &current) {
-  return HWY_DYNAMIC_DISPATCH(MeasureChange)(previous, current);
-}
-
-void smooth(const LumaView &view, Plane &plane) {
-  plane.resize(view.width - 2, view.height - 2);
-  HWY_DYNAMIC_DISPATCH(Smooth)(view, plane);
-}
-
-void halve(const Plane &fine, Plane &coarse) {
-  coarse.resize(fine.width() / 2, fine.height() / 2);
-  HWY_DYNAMIC_DISPATCH(Halve)(fine, coarse);
-}
-
 void prepare_templates(const Plane &plane, std::span<Template> patches) {
   HWY_DYNAMIC_DISPATCH(PrepareTemplates)(plane, patches);
 }
 
 void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch) {
-  // Each pixel of the template shows what was at its place before: the inverse of the strain.
+  // A pixel of the template shows what was at its place before: (I + strain)^-1 of its offset.
   const float xx = 1 + strain.xx;
   const float yy = 1 + strain.yy;
   const float inverse = 1 / (xx * yy - strain.xy * strain.yx);
@@ -582,19 +476,11 @@ float regulariser(const Tensor &structure, float pixels) {
   return kNoise * pixels + kOfTrace * (structure.xx + structure.yy);
 }
 
-void average_pairs(const LumaView &fine, ByteImage &coarse) {
-  coarse.width = fine.width / 2;
-  coarse.height = fine.height / 2;
-  const std::size_t needed =
-      static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height);
-  if (coarse.pixels.size() < needed)
-    coarse.pixels.resize(needed);
-  HWY_DYNAMIC_DISPATCH(AveragePairs)(fine, coarse);
-}
-
 SearchResult search_template(const Plane &plane, const Template &patch, Displacement centre,
                              int radius) {
-  return HWY_DYNAMIC_DISPATCH(SearchTemplateAny)(plane, patch, centre, radius);
+  constexpr int kMaxRadius = 12;
+  return HWY_DYNAMIC_DISPATCH(SearchTemplateAny)(plane, patch, centre,
+                                                 std::min(radius, kMaxRadius));
 }
 
 } // namespace haptic

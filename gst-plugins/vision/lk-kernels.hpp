@@ -1,53 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The pixel work of the fast tracker, one source for every instruction set (Google Highway,
-// dispatched at run time).
+// Lucas-Kanade on square patches. One source for every instruction set (Google Highway, dispatched
+// at run time). Formulas and sources stand above the kernels.
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "image-kernels.hpp"
 #include "tensor.hpp"
 
 #include <array>
-#include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace haptic {
 
-/// 8-bit luma without padding. Keeps its memory unless it has to grow.
-struct ByteImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> pixels;
-
-  LumaView view() const { return {pixels.data(), width, height, width}; }
-};
-
-/// Grey levels as floats. Rows are padded so that vectors may run over
-/// their end.
-class Plane {
-public:
-  /// Keeps its memory unless it has to grow.
-  void resize(int width, int height);
-
-  int width() const { return width_; }
-  int height() const { return height_; }
-  int stride() const { return stride_; }
-  float *row(int y) { return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_; }
-  const float *row(int y) const {
-    return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_;
-  }
-
-private:
-  int width_ = 0;
-  int height_ = 0;
-  int stride_ = 0;
-  std::vector<float> values_;
-};
-
-/// A square piece of the earlier frame, ready for inverse-compositional Lucas-Kanade. Its
-/// gradients are made orthogonal to a constant and to the grey levels themselves, so that a change
-/// of offset or gain between the frames does not move the estimate.
+/// A square piece of the earlier frame, prepared for inverse-compositional Lucas-Kanade. Its
+/// gradients are orthogonal to a constant and to the grey levels, so that a change of offset or
+/// gain between the frames does not change the estimate.
 struct Template {
   static constexpr std::size_t kMostPixels = 256;
 
@@ -63,78 +30,57 @@ struct Template {
   alignas(64) std::array<float, kMostPixels> gradient_y;
 };
 
-/// How the displacement changes from place to place, px per px.
+/// Gradient of a displacement, px per px.
 struct Strain {
   float xx = 0; ///< of its x, along x
   float xy = 0; ///< of its x, along y
-  float yx = 0;
-  float yy = 0;
+  float yx = 0; ///< of its y, along x
+  float yy = 0; ///< of its y, along y
 };
 
 /// How well a template fits at a displacement.
 struct Fit {
-  Displacement gradient;                                   ///< sum of gradient * later frame
-  float correlation = -1;                                  ///< zero-mean normalised, -1..1
-  float residual = std::numeric_limits<float>::infinity(); ///< rms grey levels left after the best
-                                                           ///< gain and offset
+  Displacement gradient;  ///< sum of projected gradient * later frame
+  float correlation = -1; ///< zero-mean normalised, -1..1
+  /// Root mean square of the grey levels that the best gain and offset leave.
+  float residual = std::numeric_limits<float>::infinity();
   bool inside = false; ///< false: the displaced template leaves the plane, nothing is known
 };
 
-/// Sums over the region that tell a still frame from a moving one.
-struct ChangeSums {
-  float sum = 0;       ///< of the differences later - earlier
-  float squares = 0;   ///< of the squared differences
-  Displacement moment; ///< of gradient * difference
-  Tensor structure;    ///< of the gradients of the earlier frame
-};
-
-/// Differences inside the view; both views have the same size, at least 3x3. The outermost pixels
-/// serve the gradients alone.
-ChangeSums measure_change(const LumaView &previous, const LumaView &current);
-
-/// Averages 2x2 pixels; an odd last row or column is left out.
-void average_pairs(const LumaView &fine, ByteImage &coarse);
-
-/// Smooths with the 3x3 binomial kernel. The plane lacks the outermost pixels of the view, which
-/// is at least 10x10.
-void smooth(const LumaView &view, Plane &plane);
-
-/// Averages 2x2 pixels; an odd last row or column is left out.
-void halve(const Plane &fine, Plane &coarse);
-
-/// Fills in templates of one side from their positions. One more pixel is needed on every side, and
+/// Fills in templates of one side from their positions. They need one more pixel on every side, and
 /// another to the right and below where the position is fractional.
 void prepare_templates(const Plane &plane, std::span<Template> patches);
 
-/// Fills in a template with what the frame will look like there after it was strained about the
-/// template's middle, which then is what a displacement moves.
+/// Fills in a template with its predicted pixels after a strain about its middle. A displacement of
+/// the template then moves its middle.
 void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch);
 
-/// Added to a structure tensor before it is inverted: what noise contributes, so that a patch
-/// without texture stays where it started, and a share of the strongest direction, so that a patch
-/// with a single edge does not run along it.
+/// Added to the diagonal of a structure tensor before it is inverted: the contribution of noise, so
+/// that a patch without texture stays at its start, and a share of the trace, so that a patch with
+/// a single edge does not run along it.
 float regulariser(const Tensor &structure, float pixels);
 
-/// How templates of one side fit when all are displaced alike.
+/// Fits of templates of one side that all have the same displacement.
 void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,
                    std::span<Fit> fits);
 
 struct Alignment {
   Displacement displacement;
-  Fit fit; ///< there, but for the last hundredths of a pixel
+  Fit fit; ///< there, or some hundredths of a pixel before it
 };
 
-/// At most so many Gauss-Newton steps, each at most one pixel long, from the start that fits best.
+/// At most `iterations` Gauss-Newton steps, each at most 1 px long, from the start that fits best.
+/// There is at least one start.
 Alignment align_template(const Plane &plane, const Template &patch,
                          std::span<const Displacement> starts, int iterations);
 
-/// The best whole-pixel displacement within `radius` of `centre`, by correlation; also the best one
-/// that is not its neighbour.
 struct SearchResult {
   Displacement best;
   float correlation = -1;
-  float runner_up = -1; ///< correlation of the best maximum elsewhere
 };
+
+/// The whole-pixel displacement of largest correlation, at most `radius` px (and at most 12) from
+/// `centre` along each axis.
 SearchResult search_template(const Plane &plane, const Template &patch, Displacement centre,
                              int radius);
 

@@ -60,12 +60,24 @@ void for_places(const Grid &grid, Body &&body) {
       body(row, column);
 }
 
-/// Calls body(row, column) for the neighbours of a place, diagonal ones too, and for itself.
-template <typename Grid, typename Body>
-void for_neighbours(const Grid &grid, int row, int column, Body &&body) {
+/// Calls test(row, column) for the neighbours of a place, diagonal ones too, and for itself, until
+/// it returns false. Returns whether it never did.
+template <typename Grid, typename Test>
+bool all_neighbours(const Grid &grid, int row, int column, Test &&test) {
   for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y)
     for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x)
-      body(y, x);
+      if (!test(y, x))
+        return false;
+  return true;
+}
+
+/// Calls body(row, column) for the same places.
+template <typename Grid, typename Body>
+void for_neighbours(const Grid &grid, int row, int column, Body &&body) {
+  all_neighbours(grid, row, column, [&](int y, int x) {
+    body(y, x);
+    return true;
+  });
 }
 
 /// Index of the nearest part where the same length is divided into `other_parts`.

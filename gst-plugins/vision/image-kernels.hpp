@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Whole images: reduction, smoothing and the sums of a difference. One source for every instruction
+// set (Google Highway, dispatched at run time).
+#pragma once
+
+#include "patch-tracker.hpp"
+#include "tensor.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace haptic {
+
+/// 8-bit luma without padding. Keeps its memory unless it has to grow.
+struct ByteImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;
+
+  LumaView view() const { return {pixels.data(), width, height, width}; }
+};
+
+/// Grey levels as floats. Rows are padded so that vectors may run over
+/// their end.
+class Plane {
+public:
+  /// Keeps its memory unless it has to grow.
+  void resize(int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int stride() const { return stride_; }
+  float *row(int y) { return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_; }
+  const float *row(int y) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(y) * stride_;
+  }
+
+private:
+  int width_ = 0;
+  int height_ = 0;
+  int stride_ = 0;
+  std::vector<float> values_;
+};
+
+/// Sums from which frame-change decides whether anything moved.
+struct ChangeSums {
+  float sum = 0;       ///< of the differences later - earlier
+  float squares = 0;   ///< of the squared differences
+  Displacement moment; ///< of gradient * difference
+  Tensor structure;    ///< of the gradients of the earlier frame
+};
+
+/// Both views have the same size, at least 3x3. The outermost pixels only serve the gradients.
+ChangeSums measure_change(const LumaView &previous, const LumaView &current);
+
+/// Averages 2x2 pixels; an odd last row or column is left out.
+void average_pairs(const LumaView &fine, ByteImage &coarse);
+
+/// Smooths with the 3x3 binomial kernel. The plane lacks the outermost pixels of the view, which
+/// is at least 10x10.
+void smooth(const LumaView &view, Plane &plane);
+
+/// Averages 2x2 pixels; an odd last row or column is left out.
+void halve(const Plane &fine, Plane &coarse);
+
+} // namespace haptic
