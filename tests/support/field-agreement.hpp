@@ -3,15 +3,14 @@
 #pragma once
 
 #include "field-frames.hpp"
-#include "region.hpp"
-#include "velocity-estimate.hpp"
+#include "region-tracking.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace test {
 
-/// px per frame and confidence of the region tracker, asked about the cell alone.
+/// px per frame and confidence of the region tracker for a region that is the cell.
 inline haptic::VelocityEstimate region_at_cell(const Field &field, const haptic::LumaView &before,
                                                const haptic::LumaView &after, int row, int column) {
   const auto edge = [](int index, int length, int parts) { return index * length / parts; };
@@ -31,17 +30,7 @@ inline haptic::VelocityEstimate region_at_cell(const Field &field, const haptic:
   tracker->measure({view(before), view(after), crop, region}, found);
   if (found.flags & haptic::kStill)
     return {.confidence = 1};
-  return haptic::estimate_velocity(
-      {.patches = found.view(),
-       .candidates = found.candidates,
-       .pointer_x = static_cast<float>(region.x) + static_cast<float>(region.width) / 2,
-       .pointer_y = static_cast<float>(region.y) + static_cast<float>(region.height) / 2,
-       .interval = 1,
-       .region_x = static_cast<float>(region.x),
-       .region_y = static_cast<float>(region.y),
-       .region_width = static_cast<float>(region.width),
-       .region_height = static_cast<float>(region.height)},
-      haptic::Average::model, haptic::ModelChoice::automatic);
+  return estimate(found, region);
 }
 
 /// px per frame, in order, of all cells where both are sure (confidence 0.5).

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "moving-texture.hpp"
-#include "patch-tracker.hpp"
+#include "region-tracking.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -9,8 +8,6 @@
 
 namespace {
 
-using haptic::CropPair;
-using haptic::LumaView;
 using haptic::Measurement;
 using haptic::Patch;
 using haptic::Rectangle;
@@ -18,42 +15,18 @@ using test::Frame;
 using test::Shift;
 using test::Texture;
 
-constexpr int kSide = 30;
 constexpr int kFrame = 140;
 
-class FastTracker : public ::testing::Test {
+class FastTracker : public test::RegionTracking {
 protected:
-  const Measurement &track(Frame &previous, Frame &current, Rectangle region) {
-    const Rectangle crop =
-        haptic::crop_around(region, tracker->margin(region.width), previous.width, previous.height);
-    tracker->measure({view(previous, crop), view(current, crop), crop, region}, measurement);
-    return measurement;
-  }
-
-  const Measurement &track(Frame &previous, Frame &current) {
-    return track(previous, current,
-                 {(previous.width - kSide) / 2, (previous.height - kSide) / 2, kSide, kSide});
-  }
-
-  static LumaView view(Frame &frame, const Rectangle &crop) {
-    return {&frame.at(crop.x, crop.y), crop.width, crop.height, frame.width};
-  }
-
-  static Shift mean(const Measurement &found) {
-    Shift sum;
-    for (const Patch &patch : found.view()) {
-      sum.x += static_cast<double>(patch.dx) / found.count;
-      sum.y += static_cast<double>(patch.dy) / found.count;
-    }
-    return sum;
-  }
+  FastTracker() : RegionTracking(haptic::make_fast_tracker()) {}
 
   static double error(const Measurement &found, const Shift &truth) {
     const Shift measured = mean(found);
     return std::hypot(measured.x - truth.x, measured.y - truth.y);
   }
 
-  // Every pixel of the texture turned about the middle of the frame, radians per frame.
+  // The texture turned about the middle of the frame, radians.
   static Frame turned(const Texture &texture, double angle) {
     // Bilinear from a frame four times finer, so that the turn is exact to some thousandths.
     constexpr int kFiner = 4;
@@ -79,9 +52,6 @@ protected:
       }
     return frame;
   }
-
-  std::unique_ptr<haptic::PatchTracker> tracker = haptic::make_fast_tracker();
-  Measurement measurement;
 };
 
 TEST_F(FastTracker, OneTranslationIsOnePatchWithinAHundredthOfAPixelInTheMean) {
@@ -166,7 +136,7 @@ TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
     Frame before = scene;
     add_noise(before, sigma, random);
     constexpr int kFrames = 200;
-    constexpr int kLearning = 20; // how noisy the camera is, it learns from the first frames
+    constexpr int kLearning = 20; // the noise is learned from the first frames
     for (int i = 0; i < kFrames; ++i) {
       Frame after = scene;
       add_noise(after, sigma, random);
@@ -179,7 +149,7 @@ TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
   }
 }
 
-TEST_F(FastTracker, ABlankWallSaysNothing) {
+TEST_F(FastTracker, ABlankWallGivesNoPatches) {
   std::mt19937 random(8);
   for (int i = 0; i < 100; ++i) {
     Frame before(kFrame, kFrame, 120);
@@ -238,7 +208,7 @@ TEST_F(FastTracker, ChangesOfGainAndOffsetDoNotMoveAnything) {
   }
 }
 
-TEST_F(FastTracker, StripesTellTheirNormalMotionAlone) {
+TEST_F(FastTracker, StripesGiveOnlyTheMotionAcrossThem) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> turn(0, std::numbers::pi);
   std::uniform_real_distribution<double> distance(-1.5, 1.5);
@@ -278,7 +248,7 @@ TEST_F(FastTracker, StripesTellTheirNormalMotionAlone) {
   }
 }
 
-TEST_F(FastTracker, ATurnTakesAGridThatShowsIt) {
+TEST_F(FastTracker, ATurnIsMeasuredByAGridOfPatches) {
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kAngle = 5 * kDegree;
   constexpr unsigned kTextures = 8;
@@ -327,12 +297,14 @@ TEST_F(FastTracker, AFrameThatFollowsOnTheLastOneGivesTheSameAnswer) {
   const Rectangle region{55, 55, kSide, kSide};
   const Rectangle crop = haptic::crop_around(region, tracker->margin(kSide), kFrame, kFrame);
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    tracker->measure({view(frames[i - 1], crop), view(frames[i], crop), crop, region, i > 1},
-                     measurement);
+    tracker->measure(
+        {test::view(frames[i - 1], crop), test::view(frames[i], crop), crop, region, i > 1},
+        measurement);
     const Shift with_memory = mean(measurement);
     auto fresh = haptic::make_fast_tracker();
     Measurement anew;
-    fresh->measure({view(frames[i - 1], crop), view(frames[i], crop), crop, region}, anew);
+    fresh->measure({test::view(frames[i - 1], crop), test::view(frames[i], crop), crop, region},
+                   anew);
     EXPECT_NEAR(with_memory.x, mean(anew).x, 0.002);
     EXPECT_NEAR(with_memory.y, mean(anew).y, 0.002);
   }
@@ -362,7 +334,7 @@ TEST_F(FastTracker, WorksInTheSmallestFrameThatCanBeMeasured) {
   }
 }
 
-TEST_F(FastTracker, RandomPixelsAndShapesNeverYieldNonsense) {
+TEST_F(FastTracker, RandomPixelsAndShapesGiveFiniteNumbers) {
   std::mt19937 random(17);
   for (int i = 0; i < 300; ++i) {
     const int width = 12 + static_cast<int>(random() % (i % 10 == 0 ? 1200 : 200));
@@ -377,10 +349,9 @@ TEST_F(FastTracker, RandomPixelsAndShapesNeverYieldNonsense) {
     const Rectangle region{static_cast<int>(random() % static_cast<unsigned>(width - w + 1)),
                            static_cast<int>(random() % static_cast<unsigned>(height - h + 1)), w,
                            h};
-    const Rectangle crop =
-        haptic::crop_around(region, tracker->margin(std::max(w, h)), width, height);
-    tracker->measure({view(before, crop), view(after, crop), crop, region, i % 3 == 0},
-                     measurement);
+    haptic::CropPair pair = test::crop_pair(before, after, region, *tracker);
+    pair.continues = i % 3 == 0;
+    tracker->measure(pair, measurement);
     EXPECT_LE(measurement.count, haptic::kMaxPatches);
     for (const Patch &patch : measurement.view()) {
       EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));

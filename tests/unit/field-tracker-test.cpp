@@ -19,10 +19,10 @@ using test::Texture;
 constexpr int kWidth = 640;
 constexpr int kHeight = 360;
 
-// How far the cells that are sure (confidence 0.5) are from the truth.
+// Errors of the cells with a confidence of at least 0.5.
 struct Errors {
   std::vector<double> sorted; // px
-  double answered = 0;        // share of the cells asked
+  double answered = 0;        // share of the cells that have a truth
 
   double percentile(double share) const {
     const double last = static_cast<double>(sorted.size()) - 1;
@@ -31,7 +31,7 @@ struct Errors {
   }
 };
 
-// Cells are asked where `truth_at`, given the middle of a cell, has an answer.
+// `truth_at` returns the truth at the middle of a cell, or nothing if the cell does not count.
 Errors errors(const Field &field, const auto &truth_at) {
   Errors errors;
   int asked = 0;
@@ -52,7 +52,7 @@ Errors errors(const Field &field, const auto &truth_at) {
   return errors;
 }
 
-// Whether a cell's frame stays inside when it moves so far.
+// Whether the pixels of a cell stay inside the frame when they move so far.
 bool stays(const Field &field, double x, double y, Shift moved) {
   const double half_width = field.width / 2.0 / field.shape.columns;
   const double half_height = field.height / 2.0 / field.shape.rows;
@@ -77,7 +77,7 @@ TEST(FieldShape, CellsAreAsSquareAsTheyCanBe) {
   EXPECT_EQ(shape(1920, 8, 1, 32), (FieldShape{32, 1}));
 }
 
-TEST(FieldShape, HasNoMoreCellsThanReadersTakeAndNoneTooSmallToMeasure) {
+TEST(FieldShape, HasNoMoreCellsThanReadersAcceptAndNoneTooSmallToMeasure) {
   for (const auto &[width, height] :
        {std::pair(1, 1), {16, 16}, {64, 100'000}, {1080, 1920}, {100'000, 8}, {8192, 8192}})
     for (const int columns : {4, 32, 96}) {
@@ -141,7 +141,7 @@ TEST(FieldTracker, TwoObjectsMoveEachInItsOwnWay) {
   field.measure(frame(0), frame(1));
   const double cell = static_cast<double>(kWidth) / field.shape.columns;
   const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
-    // The cell on either side of the border sees something come or go.
+    // In the cells on either side of the border, pixels appear or disappear.
     if (std::abs(x - kWidth / 2.0) < cell || !stays(field, x, y, left) ||
         !stays(field, x, y, right))
       return std::nullopt;
@@ -197,7 +197,7 @@ TEST(FieldTracker, RotationAndZoomAreTheMotionOfEachPlace) {
   check(0, kZoom - 1);
 }
 
-TEST(FieldTracker, ABlankWallSaysNothing) {
+TEST(FieldTracker, ABlankWallGivesNoVelocity) {
   std::mt19937 random(1);
   for (const auto &[width, height] : {std::pair(352, 288), {640, 360}, {1280, 720}})
     for (const double noise : {0.7, 1.5, 3.0}) {
@@ -236,7 +236,7 @@ TEST(FieldTracker, AStillSceneIsExactlyZeroWhateverItsNoise) {
   }
 }
 
-TEST(FieldTracker, NoiseDoesNotMisleadIt) {
+TEST(FieldTracker, MeasuresThroughStrongNoise) {
   std::mt19937 random(1);
   const Shift truth{2.4, -1.7};
   Frame before = Texture(7).frame(kWidth, kHeight, {});
@@ -266,7 +266,7 @@ TEST(FieldTracker, ChangedLightIsNoMotion) {
   EXPECT_LT(found.percentile(0.99), 0.05);
 }
 
-TEST(FieldTracker, AnotherSceneIsACutAndSaysNothing) {
+TEST(FieldTracker, AnotherSceneIsACutWithoutVelocity) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Field field(kWidth, kHeight);
     const Texture first(seed);
@@ -279,7 +279,7 @@ TEST(FieldTracker, AnotherSceneIsACutAndSaysNothing) {
   }
 }
 
-// A grating of so many px along x.
+// A grating with this period in px along x.
 Frame grating(double period, double shift) {
   Frame frame(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y)
@@ -328,7 +328,7 @@ TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
   };
   Field field(kWidth, kHeight);
   field.follow(frame(0));
-  // From a start that is slow enough it follows on.
+  // A start that is slow enough is followed.
   for (int i = 1; i <= 5; ++i) {
     field.follow(frame(1.0 * i));
     const Errors found = errors(field, [&](double x, double y) {
@@ -337,12 +337,12 @@ TEST(FieldTracker, ATextureThatRepeatsIsNotFollowedByAPeriodMore) {
     EXPECT_GT(found.answered, 0.9);
     EXPECT_LT(found.percentile(0.99), 0.2);
   }
-  // What could as well be slower the other way is not believed.
+  // A motion that may as well be slower in the other direction is rejected.
   field.measure(frame(0), frame(4));
   EXPECT_LT(errors(field, [](double, double) { return std::optional(Shift{}); }).answered, 0.05);
 }
 
-TEST(FieldTracker, FramesOfAnySizeAreMeasuredOrSaidNothingOf) {
+TEST(FieldTracker, FramesOfAnySizeAreMeasuredOrGiveNoVelocity) {
   for (const auto &[width, height] : {std::pair(1, 1),
                                       {3, 300},
                                       {13, 13},
@@ -390,7 +390,7 @@ TEST(FieldTracker, FollowsAFrameOfFourThousandPixels) {
   EXPECT_LT(found.percentile(0.95), 0.5);
 }
 
-TEST(FieldTracker, AFrameTakenOnceMoreRepeats) {
+TEST(FieldTracker, AnEqualFrameRepeats) {
   Field field(kWidth, kHeight);
   const Frame frame = Texture(11).frame(kWidth, kHeight, {});
   test::read(field.tracker, view_of(frame));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "moving-texture.hpp"
-#include "patch-tracker.hpp"
+#include "region-tracking.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,36 +10,17 @@
 
 namespace {
 
-using haptic::CropPair;
-using haptic::LumaView;
 using haptic::Measurement;
 using haptic::Rectangle;
 using test::Frame;
 using test::Shift;
 using test::Texture;
 
-constexpr int kSide = 30;
-
-class OpencvTracker : public ::testing::Test {
+class OpencvTracker : public test::RegionTracking {
 protected:
-  // Tracks a square region with the margin that the tracker asks for, all of it in the frames.
-  const Measurement &track(Frame &previous, Frame &current, Rectangle region) {
-    const Rectangle crop =
-        haptic::crop_around(region, tracker->margin(region.width), previous.width, previous.height);
-    tracker->measure({view(previous, crop), view(current, crop), crop, region}, measurement);
-    return measurement;
-  }
+  OpencvTracker() : RegionTracking(haptic::make_opencv_tracker()) {}
 
-  const Measurement &track(Frame &previous, Frame &current) {
-    return track(previous, current,
-                 {(previous.width - kSide) / 2, (previous.height - kSide) / 2, kSide, kSide});
-  }
-
-  static LumaView view(Frame &frame, const Rectangle &crop) {
-    return {&frame.at(crop.x, crop.y), crop.width, crop.height, frame.width};
-  }
-
-  // Medians, as a reader of many patches would take them.
+  // Median of each component.
   static Shift median(const Measurement &found) {
     std::vector<double> dx;
     std::vector<double> dy;
@@ -55,18 +35,6 @@ protected:
     };
     return {middle(dx), middle(dy)};
   }
-
-  static Shift mean(const Measurement &found) {
-    Shift sum;
-    for (const haptic::Patch &patch : found.view()) {
-      sum.x += static_cast<double>(patch.dx) / found.count;
-      sum.y += static_cast<double>(patch.dy) / found.count;
-    }
-    return sum;
-  }
-
-  std::unique_ptr<haptic::PatchTracker> tracker = haptic::make_opencv_tracker();
-  Measurement measurement;
 };
 
 TEST_F(OpencvTracker, MeasuresEveryFractionOfAPixelWithinAFiftieth) {
