@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
-//   BUILD/tests/benchmarks/tracker-cost [PICTURES|field]
-// With GST_PLUGIN_PATH set to BUILD/gst-plugins, as `meson devenv` does. Region of 30 px.
+//   meson devenv -C BUILD tests/benchmarks/tracker-cost [FRAMES|field]
+// Region of 30 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
 // twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements
 // 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240 frames a
 // second on one core; hapticoverlay 1 ms with the copy of the frame.
 #include "field-frames.hpp"
+#include "instruction-sets.hpp"
 #include "patch-tracker.hpp"
 #include "processor.hpp"
 #include "region.hpp"
@@ -18,7 +19,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <gst/gst.h>
-#include <hwy/targets.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <string>
@@ -58,7 +58,7 @@ Frames scene(test::Shift left, test::Shift right, double noise) {
   return frames;
 }
 
-// Each frame against the one before, as the elements do it: tracker and estimate.
+// Tracker and estimate for each pair of consecutive frames, as in the elements.
 std::vector<double> times_of(Frames &frames, int count) {
   const auto tracker = haptic::make_fast_tracker();
   const haptic::Rectangle crop =
@@ -101,16 +101,14 @@ void compare_instruction_sets(Frames &still, Frames &moving, Frames &two) {
   constexpr int kCount = 4000;
   std::printf("\n%-14s %10s %14s %10s   median us per frame\n", "", "unchanged", "translation",
               "full");
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    std::printf("%-14s", hwy::TargetName(target));
+  test::for_instruction_sets([&](const char *name) {
+    std::printf("%-14s", name);
     for (Frames *frames : {&still, &moving, &two}) {
       std::vector<double> times = times_of(*frames, kCount);
       std::printf(" %10.2f   ", percentile(times, 0.5));
     }
     std::printf("\n");
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
 }
 
 void run_long(Frames &two, int count) {
@@ -121,8 +119,8 @@ void run_long(Frames &two, int count) {
   std::printf("\n");
 }
 
-// Pushes frames of 1080p through each line by turns, so that what else the machine does hits
-// both alike.
+// Pushes each frame of 1080p through all lines in turn, so that other load on the machine slows all
+// of them equally.
 void compare_elements() {
   constexpr int kCount = 2000;
   const GstVideoInfo info = test::video_info(GST_VIDEO_FORMAT_I420, 1920, 1080);
@@ -174,7 +172,7 @@ void compare_elements() {
     gst_harness_teardown(harness);
 }
 
-// Median ms of what is done with each frame after the first, back and forth.
+// Median ms of follow(frame) over the frames, back and forth.
 template <typename Follow>
 double median_ms(const Frames &frames, Follow &&follow) {
   constexpr int kRounds = 4;
@@ -188,8 +186,8 @@ double median_ms(const Frames &frames, Follow &&follow) {
   return percentile(times, 0.5);
 }
 
-// The field of 1080p from luma to cells, beside dense flow of the same frames reduced as it
-// reduces them (the time for that not counted).
+// The field of 1080p from luma to cells, beside dense flow of the same frames. These are reduced
+// beforehand in the same ratio.
 void compare_fields() {
   constexpr int kWidth = 1920;
   constexpr int kHeight = 1080;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A field of two frames, as the element reads them.
+// The field tracker with frames of a test, read strip by strip as the element reads them.
 #pragma once
 
 #include "field-tracker.hpp"
@@ -39,7 +39,7 @@ struct Field {
     return cells[static_cast<std::size_t>(row * shape.columns + column)];
   }
 
-  /// The frame follows on the one before. Returns MeasurementFlags.
+  /// Measures from the frame before to this one. Returns the flags.
   std::uint32_t follow(const haptic::LumaView &frame) {
     read(tracker, frame);
     const std::uint32_t flags = tracker.measure(1, cells);
