@@ -7,6 +7,8 @@
 namespace haptic {
 
 namespace {
+static_assert(kNoTimestamp == GST_CLOCK_TIME_NONE);
+
 constexpr const char *kStructureName = "haptic-pointer";
 constexpr const char *kForceFields[] = {"force-x", "force-y", "force-z"};
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "motion-field.hpp"
-#include "pointer-event.hpp"
+#include "pointer-position.hpp"
 
 namespace haptic {
 

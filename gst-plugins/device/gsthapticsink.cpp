@@ -15,6 +15,7 @@
 #include "haptic-loop.hpp"
 #include "motion-sample.hpp"
 #include "playback-rate.hpp"
+#include "pointer-event.hpp"
 #include "pointer-mapping.hpp"
 
 #include <algorithm>

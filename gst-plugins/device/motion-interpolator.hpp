@@ -5,7 +5,7 @@
 
 #include "field-pool.hpp"
 #include "motion-sample.hpp"
-#include "pointer-event.hpp"
+#include "pointer-position.hpp"
 
 #include <array>
 #include <cstddef>

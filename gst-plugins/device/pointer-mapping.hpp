@@ -2,7 +2,7 @@
 // From the hand to the point in the frame (paper, equation 1), and when that is worth telling.
 #pragma once
 
-#include "pointer-event.hpp"
+#include "pointer-position.hpp"
 
 #include <cstdint>
 #include <optional>
