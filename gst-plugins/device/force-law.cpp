@@ -1,35 +1,138 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// A new law is a class here and a row in kLaws.
 #include "force-law.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-
-// A new law is a file of its own that defines NAME_law(), and a line here.
-#define FORCE_LAWS(LAW)                                                                            \
-  LAW(arctan_law)                                                                                  \
-  LAW(arctan_axis_law)                                                                             \
-  LAW(linear_law)                                                                                  \
-  LAW(drag_law)                                                                                    \
-  LAW(inertial_law)
 
 namespace haptic {
-
-#define DECLARE(law) ForceLawInfo law() noexcept;
-FORCE_LAWS(DECLARE)
-#undef DECLARE
-
 namespace {
+
 constexpr double kDivergenceHalf = 0.5; // 1/s that give half of max_push
+
+// Equation 5 of the paper on the speed, along v: F = (2 F_max / pi) atan(alpha |v|) v / |v|.
+PlanarForce arctan_force(double x, double y, const LawSettings &s) noexcept {
+  const double gain = arctan_gain(std::hypot(x, y), s.alpha, s.max_force);
+  return {gain * x, gain * y};
 }
+
+class ArctanLaw final : public ForceLaw {
+  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                    double) noexcept override {
+    return arctan_force(m.velocity.x, m.velocity.y, s);
+  }
+};
+
+// Equation 5 of the paper as printed, for each axis k: F_k = (2 F_max / pi) atan(alpha v_k). It
+// bends diagonal motions towards the diagonal, and its length reaches 1.41 max_force (the safety
+// chain cuts that).
+class ArctanAxisLaw final : public ForceLaw {
+  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                    double) noexcept override {
+    const auto &v = m.velocity;
+    return {arctan_gain(v.x, s.alpha, s.max_force) * v.x,
+            arctan_gain(v.y, s.alpha, s.max_force) * v.y};
+  }
+};
+
+// The maximum of a window that slides in steps of 1/32 of its length: a row of maxima, so that a
+// minute of ticks needs no more memory than a second.
+class SlidingMaximum {
+public:
+  double update(double value, double window, double dt) noexcept {
+    elapsed_ += dt;
+    const double step = window / static_cast<double>(maxima_.size() - 1);
+    for (std::size_t n = 0; elapsed_ >= step && n < maxima_.size(); ++n) {
+      elapsed_ -= step;
+      newest_ = (newest_ + 1) % maxima_.size();
+      maxima_[newest_] = 0;
+    }
+    elapsed_ = std::min(elapsed_, step);
+    maxima_[newest_] = std::max(maxima_[newest_], value); // std::max keeps NaN out
+    return *std::ranges::max_element(maxima_);
+  }
+
+private:
+  std::array<double, 33> maxima_{};
+  std::size_t newest_ = 0;
+  double elapsed_ = 0; // s, since the newest began
+};
+
+// The linear gain of the paper's predecessor:
+// F = F_max v / max(v_floor, fastest |v| of the last gain_window).
+class LinearLaw final : public ForceLaw {
+  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                    double dt) noexcept override {
+    const double fastest =
+        fastest_.update(std::hypot(m.velocity.x, m.velocity.y), s.gain_window, dt);
+    const double gain = s.max_force / std::max(fastest, kSlowestMaximum);
+    return {gain * m.velocity.x, gain * m.velocity.y};
+  }
+
+  // v_floor: without it noise at standstill would be amplified to max_force.
+  static constexpr double kSlowestMaximum = 10; // px/s
+
+  SlidingMaximum fastest_; // px/s
+};
+
+// The drag of a wind: equation 5 on v - v_hand. A hand at rest feels what `arctan` gives, one that
+// moves with the frame feels nothing, one that is faster is braked: the law takes energy out of it.
+class DragLaw final : public ForceLaw {
+  PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
+                    double) noexcept override {
+    return arctan_force(m.velocity.x - hand.x, m.velocity.y - hand.y, s);
+  }
+};
+
+// Newton's second law on the acceleration of the frame relative to the hand (Dindar, Tekalp and
+// Basdogan's dynamic force), the acceleration taken over T = 0.1 s: a raw second difference of
+// 0.1 px of tracking noise at 30 frames/s is 220 px/s². With r = v - v_hand and its low-pass u,
+// u += (1 - exp(-dt / T)) (r - u), it is equation 5 on r - u, the velocity gained within T.
+class InertialLaw final : public ForceLaw {
+  PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
+                    double dt) noexcept override {
+    const double x = m.velocity.x - hand.x;
+    const double y = m.velocity.y - hand.y;
+    // A value that is not finite must not stay in the memory.
+    if (!std::isfinite(x + y + smooth_.x + smooth_.y))
+      smooth_ = {};
+    const double share = 1 - std::exp(-dt / kResponse);
+    smooth_.x += share * (x - smooth_.x);
+    smooth_.y += share * (y - smooth_.y);
+    return arctan_force(x - smooth_.x, y - smooth_.y, s);
+  }
+
+  static constexpr double kResponse = 0.1; // s
+
+  PlanarVelocity smooth_;
+};
+
+template <typename Law>
+std::unique_ptr<ForceLaw> make() {
+  return std::make_unique<Law>();
+}
+
+constexpr std::array kLaws = {
+    ForceLawInfo{"arctan", "Equation 5 on the speed, along the motion", make<ArctanLaw>},
+    ForceLawInfo{"arctan-axis", "Equation 5 on each axis, as printed", make<ArctanAxisLaw>},
+    ForceLawInfo{"linear",
+                 "In proportion to the speed; the fastest of the last gain-window is max-force",
+                 make<LinearLaw>},
+    ForceLawInfo{"drag", "Equation 5 on the motion relative to the hand, as wind does",
+                 make<DragLaw>},
+    ForceLawInfo{"inertial", "Equation 5 on the acceleration relative to the hand, times 0.1 s",
+                 make<InertialLaw>},
+};
+
+} // namespace
 
 std::span<const ForceLawInfo> force_laws() noexcept {
-#define CALL(law) law(),
-  static const std::array laws = {FORCE_LAWS(CALL)};
-#undef CALL
-  return laws;
+  return kLaws;
 }
 
+// Equation 5 also for rotation and approach: tau = -(2 max_torque / pi) atan(spin / spin_half),
+// F_z = (2 max_push / pi) atan(divergence / kDivergenceHalf).
 spidar::Wrench ForceLaw::wrench(const Motion &motion, const PlanarVelocity &hand,
                                 const LawSettings &settings, double dt) noexcept {
   const PlanarForce planar = force(motion, hand, settings, dt);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Force laws: what a seen motion feels like. Everything about limits, smoothing and silence comes
-// after them (safety-chain.hpp), so that no law can be unsafe.
+// Force laws: from a motion to a force. Limits, smoothing and silence come after them
+// (safety-chain.hpp), so that no law can be unsafe.
 #pragma once
 
 #include "force-defaults.hpp"
-#include "motion-scale.hpp"
+#include "motion-conditioning.hpp"
 
 #include <memory>
 #include <span>
@@ -22,18 +22,25 @@ struct LawSettings {
   double max_push = 0;          ///< N along z
 };
 
-/// No device and no clock but the time since the call before. Used by one thread; real-time safe.
+/// What a law computes, in the plane of the frame: x to the right, y down.
+struct PlanarForce {
+  double x = 0; ///< N
+  double y = 0; ///< N
+};
+
+/// Knows no device, and of the time only the step. Used by one thread; real-time safe.
 class ForceLaw {
 public:
   virtual ~ForceLaw() = default;
 
-  /// Force and torque on the grip: x to the right, y up, z towards the user. The law's force, and
-  /// what all laws share: rotation as torque about z, approach as a push along it. `dt` in s.
+  /// Returns force and torque on the grip: x to the right, y up, z towards the user. It is the
+  /// law's force, and what all laws share: rotation as torque about z, approach as a push along z.
+  /// `dt` in s since the call before.
   spidar::Wrench wrench(const Motion &motion, const PlanarVelocity &hand,
                         const LawSettings &settings, double dt) noexcept;
 
 private:
-  /// N, in the direction of the frame: y down. `hand` as Motion::velocity.
+  /// `hand` is in the unit of Motion::velocity.
   virtual PlanarForce force(const Motion &motion, const PlanarVelocity &hand,
                             const LawSettings &settings, double dt) noexcept = 0;
 };
@@ -44,7 +51,7 @@ struct ForceLawInfo {
   std::unique_ptr<ForceLaw> (*make)();
 };
 
-/// All laws there are; the first is the default.
+/// Returns all laws; the first is the default.
 std::span<const ForceLawInfo> force_laws() noexcept;
 
 } // namespace haptic

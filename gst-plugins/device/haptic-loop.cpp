@@ -118,8 +118,7 @@ void HapticLoop::prepare(Environment environment) {
   interpolator_.clear();
   place_ = {};
   motion_ = {};
-  deadband_ = {};
-  smoother_.forget();
+  conditioner_ = {};
   suspend_ = {};
   impulse_ = {};
   impulse_slot_.write(impulse_);
@@ -322,10 +321,9 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   }
 
   if (!motion_.measured)
-    smoother_.forget();
-  const Motion &motion =
-      smoother_.step(deadband_.step(scale_motion(motion_.sample, settings.reference_width), dt),
-                     settings.smooth_hz, dt);
+    conditioner_.restart_low_pass();
+  const Motion &motion = conditioner_.step(scale_motion(motion_.sample, settings.reference_width),
+                                           settings.smooth_hz, dt);
   input.wanted = laws_[settings.law]->wrench(motion, hand, settings.law_settings, dt);
   if (broken_)
     input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -3,13 +3,12 @@
 // it.
 #pragma once
 
-#include "deadband.hpp"
 #include "duration-histogram.hpp"
 #include "field-pool.hpp"
 #include "field-sampler.hpp"
 #include "force-law.hpp"
+#include "motion-conditioning.hpp"
 #include "motion-interpolator.hpp"
-#include "motion-smoother.hpp"
 #include "newest-slot.hpp"
 #include "running-time.hpp"
 #include "safety-chain.hpp"
@@ -208,8 +207,7 @@ private:
   PointerPosition place_; // of the hand, as last known
   MotionAt motion_;       // felt now
   bool broken_ = false;   // a sample held a number that is not finite
-  Deadband deadband_;
-  MotionSmoother smoother_;
+  MotionConditioner conditioner_;
   SuspendDetector suspend_;
   Impulse impulse_;
   std::uint32_t current_epoch_ = 0;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "deadband.hpp"
 #include "force-law.hpp"
 
 #include <cmath>
@@ -113,7 +112,7 @@ TEST(MotionScale, VerticalMotionIsCountedInPixelWidths) {
 }
 
 double kept(double vx, double vy = 0) {
-  return haptic::Deadband().step({.velocity = {vx, vy}}, 0.001).velocity.x;
+  return haptic::MotionConditioner().step({.velocity = {vx, vy}}, 0, 0.001).velocity.x;
 }
 
 TEST(Deadband, StandstillIsFreeOfNoiseAndMotionIsLeftAsItIs) {
@@ -135,17 +134,17 @@ TEST(Deadband, HasNoStep) {
 }
 
 TEST(Deadband, AMotionThatTurnsRoundDoesNotStandStill) {
-  haptic::Deadband deadband;
+  haptic::MotionConditioner deadband;
   for (double v = 100; v > -100; v -= 1) // in 0.2 s
-    ASSERT_EQ(deadband.step({.velocity = {v, 0}}, 0.001).velocity.x, v);
+    ASSERT_EQ(deadband.step({.velocity = {v, 0}}, 0, 0.001).velocity.x, v);
 }
 
 TEST(Deadband, NoiseAfterAMotionIsSilentWithinHalfASecond) {
-  haptic::Deadband deadband;
-  deadband.step({.velocity = {300, 0}}, 0.001);
+  haptic::MotionConditioner deadband;
+  deadband.step({.velocity = {300, 0}}, 0, 0.001);
   Motion motion;
   for (int i = 0; i < 500; ++i)
-    motion = deadband.step({.velocity = {2, 0}}, 0.001);
+    motion = deadband.step({.velocity = {2, 0}}, 0, 0.001);
   EXPECT_EQ(motion.velocity.x, 0);
 }
 
