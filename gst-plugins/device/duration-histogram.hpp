@@ -2,9 +2,10 @@
 // Counts durations so that percentiles can be asked for while counting goes on.
 #pragma once
 
+#include "shared-value.hpp"
+
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -43,13 +44,6 @@ public:
     return static_cast<double>(max_.load(std::memory_order_relaxed)) * 1e-3;
   }
 
-  /// Only while nobody records.
-  void reset() noexcept {
-    for (auto &bucket : buckets_)
-      bucket.store(0, std::memory_order_relaxed);
-    max_.store(0, std::memory_order_relaxed);
-  }
-
 private:
   static constexpr int kStepBits = 4;
   static constexpr std::uint64_t kSteps = 1U << kStepBits; // per octave
@@ -72,12 +66,12 @@ private:
     return ((bucket % kSteps + kSteps + 1) << (octave - 1)) - 1;
   }
   // A single writer needs no read-modify-write instruction.
-  static void bump(std::atomic<std::uint64_t> &counter) noexcept {
+  static void bump(SharedValue<std::uint64_t> &counter) noexcept {
     counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 
-  std::array<std::atomic<std::uint64_t>, kBuckets> buckets_{};
-  std::atomic<std::uint64_t> max_ = 0; // ns
+  std::array<SharedValue<std::uint64_t>, kBuckets> buckets_{};
+  SharedValue<std::uint64_t> max_ = 0; // ns
 };
 
 } // namespace haptic

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Fields on their way from the streaming thread to the loop, which may not allocate or free one.
+// The memory of motion fields between the streaming thread and the loop, which may not allocate or
+// free any.
 #pragma once
 
 #include "motion-field.hpp"
@@ -11,11 +12,11 @@
 
 namespace haptic {
 
-/// Outlives every field taken from it. One thread at a time takes, any gives back.
+/// Must outlive every field acquired from it. One thread at a time acquires, any thread gives back.
 class FieldPool {
   struct Slot {
     MotionField field;
-    std::atomic<bool> taken = false; // by its taker, until given back
+    std::atomic<bool> taken = false; // from acquire() until given back
   };
   struct GiveBack {
     Slot *slot = nullptr;
@@ -25,11 +26,11 @@ class FieldPool {
   };
 
 public:
-  /// Giving it back is real-time safe: its memory stays in the pool.
+  /// Destroying it gives the field back. Real-time safe: the memory stays in the pool.
   using Field = std::unique_ptr<MotionField, GiveBack>;
 
-  /// One of those that nobody has; null when all are taken. Keeps the memory that its cells had.
-  Field take() noexcept {
+  /// Returns a free field, or null if none is free. Its cells keep their memory.
+  Field acquire() noexcept {
     for (std::size_t tried = 0; tried < kSlots; ++tried) {
       Slot &slot = slots_[next_];
       next_ = (next_ + 1) % kSlots;
@@ -41,12 +42,12 @@ public:
     return {};
   }
 
-  /// What MotionInterpolator keeps at most, and some on the way.
+  /// As many as MotionInterpolator keeps, and some in the ring before it.
   static constexpr std::size_t kSlots = 160;
 
 private:
   std::array<Slot, kSlots> slots_;
-  std::size_t next_ = 0; // of the thread that takes
+  std::size_t next_ = 0; // of the thread that acquires
 };
 
 } // namespace haptic

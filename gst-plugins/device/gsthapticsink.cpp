@@ -806,7 +806,7 @@ void render_sample(GstHapticSink *self, GstBuffer *buffer, std::span<const std::
 }
 
 void render_field(GstHapticSink *self, GstBuffer *buffer, std::span<const std::uint8_t> bytes) {
-  haptic::FieldPool::Field field = self->state->fields->take();
+  haptic::FieldPool::Field field = self->state->fields->acquire();
   if (!field)
     return; // the loop stands still; as with samples, the newest is lost
   const bool readable = haptic::unpack_motion_field(bytes, *field);

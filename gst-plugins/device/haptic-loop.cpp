@@ -34,18 +34,6 @@ void raise(std::atomic<T> &maximum, T value) noexcept {
     maximum.store(value, std::memory_order_relaxed);
 }
 
-void reset(LoopStatistics &s) noexcept {
-  for (auto *counter :
-       {&s.ticks, &s.late_ticks, &s.missed_ticks, &s.device_faults, &s.overspeeds, &s.suspends,
-        &s.interruptions, &s.non_finite, &s.log_rows_lost, &s.samples_used})
-    counter->store(0);
-  s.sample_age_sum = 0;
-  s.sample_age_max = 0;
-  s.force_max = 0;
-  s.lateness.reset();
-  s.body.reset();
-}
-
 void sleep_until(std::int64_t when) noexcept {
   const timespec at{.tv_sec = when / kSecond, .tv_nsec = when % kSecond};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
@@ -57,8 +45,7 @@ void back_to_normal_priority() noexcept {
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
 }
 
-// The stack as deep as the loop ever needs it: touched once and kept, so that no tick waits for a
-// page.
+// Touches and locks the stack as deep as the loop ever needs it, so that no tick waits for a page.
 [[gnu::noinline]] int lock_stack() noexcept {
   constexpr std::size_t kDepth = 65536;
   volatile char stack[kDepth];
@@ -73,10 +60,10 @@ int lock_memory(const HapticLoop &loop) noexcept {
   return mlock(&loop, sizeof loop) == 0 ? 0 : errno;
 }
 
-int ask_for_real_time_priority() noexcept {
+int request_real_time_priority() noexcept {
   const sched_param wanted{.sched_priority = kRealTimePriority};
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  // At normal priority the kernel may delay a wake-up by 50 us to save power, unless told not to.
+  // At normal priority the kernel delays a wake-up by up to 50 us to save power by default.
   prctl(PR_SET_TIMERSLACK, 1UL);
   return error;
 }
@@ -99,43 +86,24 @@ std::int64_t monotonic_now() noexcept {
   return read_clock(CLOCK_MONOTONIC);
 }
 
-HapticLoop::HapticLoop() {
+HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch)
+    : device_lost(of.lost), environment(std::move(of)),
+      period(std::llround(static_cast<double>(kSecond) / environment.rate)), epoch(at_epoch) {
   for (const auto &law : force_laws())
-    laws_.push_back(law.make());
+    laws.push_back(law.make());
 }
+
+HapticLoop::HapticLoop() = default;
 
 HapticLoop::~HapticLoop() {
   stop();
 }
 
 void HapticLoop::prepare(Environment environment) {
-  environment_ = std::move(environment);
-  period_ = std::llround(static_cast<double>(kSecond) / environment_.rate);
   hold(kHoldPaused);
   unhold(kHoldFlushing | kHoldEnded);
   drop_samples();
-  chain_ = {};
-  interpolator_.clear();
-  place_ = {};
-  motion_ = {};
-  conditioner_ = {};
-  suspend_ = {};
-  impulse_ = {};
-  impulse_slot_.write(impulse_);
-  last_tick_ = 0;
-  retry_at_ = 0;
-  failed_exchanges_ = 0;
-  flushed_ = false;
-  current_epoch_ = epoch_;
-  log_begun_ = false;
-  row_had_force_ = false;
-  running_time_.reset();
-  reset(statistics_);
-  silent_ = true;
-  priority_error_ = -1;
-  memory_error_ = 0;
-  replacement_ = nullptr;
-  device_lost_ = environment_.lost;
+  run_ = Run(std::move(environment), epoch_);
 }
 
 void HapticLoop::start(Environment environment) {
@@ -148,232 +116,251 @@ void HapticLoop::stop() noexcept {
 }
 
 void HapticLoop::run(const std::stop_token &stop) noexcept {
-  if (environment_.entered)
-    environment_.entered();
-  memory_error_ = lock_memory(*this);
-  priority_error_ = ask_for_real_time_priority();
+  if (run_.environment.entered)
+    run_.environment.entered();
+  run_.memory_error = lock_memory(*this);
+  run_.priority_error = request_real_time_priority();
 
-  std::int64_t next = monotonic_now() + period_;
+  std::int64_t next = monotonic_now() + run_.period;
   while (!stop.stop_requested()) {
     sleep_until(next);
     const std::int64_t now = monotonic_now();
-    if (suspend_.has_slept(now, read_clock(CLOCK_BOOTTIME))) {
+    if (run_.suspend.has_slept(now, read_clock(CLOCK_BOOTTIME))) {
       hold(kHoldSuspended);
-      add<std::uint64_t>(statistics_.suspends);
+      add<std::uint64_t>(run_.statistics.suspends);
     }
     tick(next, now);
-    statistics_.body.record(monotonic_now() - now);
-    next += period_;
-    if (now > next) // skip what is past rather than hurry after it
-      next += (now - next) / period_ * period_;
+    run_.statistics.body.record(monotonic_now() - now);
+    next += run_.period;
+    if (now > next) // skip the periods that are past rather than run them in a burst
+      next += (now - next) / run_.period * run_.period;
   }
 
-  if (environment_.device) {
-    environment_.device->command({});
-    environment_.device->exchange();
-    environment_.device->exchange();
+  if (spidar::HapticDevice *device = run_.environment.device) {
+    device->command({});
+    device->exchange();
+    device->exchange();
   }
-  silent_ = true;
+  run_.silent = true;
   back_to_normal_priority();
-  if (environment_.left)
-    environment_.left();
+  if (run_.environment.left)
+    run_.environment.left();
+}
+
+void HapticLoop::count_tick(std::int64_t lateness) noexcept {
+  LoopStatistics &statistics = run_.statistics;
+  statistics.lateness.record(lateness);
+  add<std::uint64_t>(statistics.ticks);
+  if (lateness > run_.period)
+    add<std::uint64_t>(statistics.late_ticks);
+  if (lateness > kTooLate)
+    add<std::uint64_t>(statistics.missed_ticks);
 }
 
 void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   const std::int64_t lateness = now - scheduled;
-  statistics_.lateness.record(lateness);
-  add<std::uint64_t>(statistics_.ticks);
-  if (lateness > period_)
-    add<std::uint64_t>(statistics_.late_ticks);
-  const bool too_late = lateness > kTooLate;
-  if (too_late)
-    add<std::uint64_t>(statistics_.missed_ticks);
-  const std::int64_t elapsed = last_tick_ ? now - last_tick_ : period_;
-  last_tick_ = now;
+  count_tick(lateness);
+  const std::int64_t elapsed = run_.last_tick ? now - run_.last_tick : run_.period;
+  run_.last_tick = now;
+  const double dt = static_cast<double>(elapsed) / static_cast<double>(kSecond);
 
   settings_.refresh();
-  const double dt = static_cast<double>(elapsed) / static_cast<double>(kSecond);
-  take_submissions(now);
-  take_replacement();
+  receive_submissions(now);
+  adopt_replacement();
   exchange(now);
-  feel(now);
-  const spidar::Wrench wrench = next_wrench(dt, too_late);
-  if (environment_.device)
-    environment_.device->command(wrench);
-  if (environment_.log)
-    write_row(now, wrench);
-  impulse_.impulse += wrench.force * dt;
-  impulse_.time += dt;
-  impulse_slot_.write(impulse_);
-  silent_.store(chain_.silent());
-  raise(statistics_.force_max, wrench.force.norm());
+  update_motion(now);
+  const spidar::Wrench wrench = next_wrench(dt, lateness > kTooLate);
+  if (run_.environment.device)
+    run_.environment.device->command(wrench);
+  if (run_.environment.log)
+    log_tick(now, wrench);
+  run_.impulse.impulse += wrench.force * dt;
+  run_.impulse.time += dt;
+  run_.impulse_slot.write(run_.impulse);
+  run_.silent.store(run_.chain.silent());
+  raise(run_.statistics.force_max, wrench.force.norm());
 }
 
-void HapticLoop::take_submissions(std::int64_t now) noexcept {
+void HapticLoop::receive_submissions(std::int64_t now) noexcept {
   const std::uint32_t epoch = epoch_.load();
-  flushed_ = epoch != current_epoch_;
-  current_epoch_ = epoch;
-  if (flushed_)
-    interpolator_.clear();
-  broken_ = false;
-  const std::int64_t running = running_time_.at(now);
+  run_.flushed = epoch != run_.epoch;
+  run_.epoch = epoch;
+  if (run_.flushed)
+    run_.interpolator.clear();
+  run_.broken = false;
+  const std::int64_t running = run_.running_time.at(now);
   for (Submission submission; submissions_.pop(submission);) {
     if (submission.epoch != epoch)
       continue;
     if (!is_finite(submission.motion.sample)) {
-      broken_ = true;
+      run_.broken = true;
       continue;
     }
     const bool measured = submission.motion.measured;
-    interpolator_.add(std::move(submission.motion), running);
+    run_.interpolator.add(std::move(submission.motion), running);
     if (!measured)
       continue;
     const std::int64_t age = now - submission.arrival;
-    add<std::uint64_t>(statistics_.samples_used);
-    add(statistics_.sample_age_sum, age);
-    raise(statistics_.sample_age_max, age);
+    add<std::uint64_t>(run_.statistics.samples_used);
+    add(run_.statistics.sample_age_sum, age);
+    raise(run_.statistics.sample_age_max, age);
   }
 }
 
-void HapticLoop::take_replacement() noexcept {
-  spidar::HapticDevice *device = replacement_.exchange(nullptr);
+void HapticLoop::adopt_replacement() noexcept {
+  spidar::HapticDevice *device = run_.replacement.exchange(nullptr);
   if (!device)
     return;
-  environment_.device = device;
-  failed_exchanges_ = 0;
-  retry_at_ = 0;
-  hold(kHoldFaulted); // somebody may have armed what was not there
+  run_.environment.device = device;
+  run_.failed_exchanges = 0;
+  run_.retry_at = 0;
+  hold(kHoldFaulted); // an `arm` while the device was lost does not count
   unhold(kHoldClosed);
 }
 
 void HapticLoop::lose_device() noexcept {
   hold(kHoldFaulted | kHoldClosed);
-  hand_.write({});
-  environment_.device = nullptr;
-  device_lost_.store(true);
+  run_.hand.write({});
+  run_.environment.device = nullptr;
+  run_.device_lost.store(true);
 }
 
 void HapticLoop::exchange(std::int64_t now) noexcept {
-  spidar::HapticDevice *device = environment_.device;
+  spidar::HapticDevice *device = run_.environment.device;
   if (!device)
     return;
-  if (calibrate_.exchange(false))
+  if (run_.calibrate.exchange(false))
     device->calibrate();
   const bool faulted = holds_.load() & kHoldFaulted;
-  if (faulted && now < retry_at_)
+  if (faulted && now < run_.retry_at)
     return;
-  retry_at_ = now + kRetryFaultedDevice;
+  run_.retry_at = now + kRetryFaultedDevice;
   const bool answered = device->exchange();
   const bool gone = !answered && !device->connected();
   if (answered) {
-    failed_exchanges_ = 0;
-  } else if (++failed_exchanges_ == kFailuresToFault || gone) {
-    failed_exchanges_ = 0;
+    run_.failed_exchanges = 0;
+  } else if (++run_.failed_exchanges == kFailuresToFault || gone) {
+    run_.failed_exchanges = 0;
     if (!faulted) {
       hold(kHoldFaulted);
-      add<std::uint64_t>(statistics_.device_faults);
-      retry_at_ = 0; // with a force of zero, which it may take even if it does not answer
+      add<std::uint64_t>(run_.statistics.device_faults);
+      run_.retry_at = 0; // sends a force of zero, which it may accept even if it does not answer
     }
   }
   if (device->state().interrupted) {
-    chain_ = {}; // the force was taken off the motors: it begins anew, from zero
-    add<std::uint64_t>(statistics_.interruptions);
+    run_.chain = {}; // the motors are at rest: the force begins anew, from zero
+    add<std::uint64_t>(run_.statistics.interruptions);
   }
   if (gone)
     return lose_device();
-  hand_.write({device->state().pose.position, device->state().valid});
+  run_.hand.write({device->state().pose.position, device->state().valid});
 }
 
-void HapticLoop::feel(std::int64_t now) noexcept {
-  if (environment_.device && environment_.device->state().valid)
-    place_ = map_pointer(environment_.device->state().pose.position,
-                         environment_.device->workspace_half());
+void HapticLoop::update_motion(std::int64_t now) noexcept {
+  const spidar::HapticDevice *device = run_.environment.device;
+  if (device && device->state().valid)
+    run_.place = map_pointer(device->state().pose.position, device->workspace_half());
   // While the pipeline is paused its time stands still.
-  if (flushed_ || !(holds_.load() & kHoldPaused))
-    motion_ = interpolator_.at(running_time_.at(now), place_);
+  if (run_.flushed || !(holds_.load() & kHoldPaused))
+    run_.motion = run_.interpolator.at(run_.running_time.at(now), run_.place);
+}
+
+std::uint32_t HapticLoop::holds_of_tick(bool late) noexcept {
+  std::uint32_t holds = holds_.load();
+  if (late)
+    holds |= kHoldLate;
+  if (run_.flushed) // a flush may begin and end within a tick
+    holds |= kHoldFlushing;
+  if (run_.motion.cut)
+    holds |= kHoldCut;
+  const spidar::HapticDevice *device = run_.environment.device;
+  if (!device)
+    return holds;
+  const spidar::DeviceState &state = device->state();
+  if (!state.valid)
+    return holds | kHoldNoPose;
+  // Without a force the grip may move as fast as the hand likes.
+  if (device->grip_is_free() && state.velocity.norm() > kGripLetGo && !run_.chain.silent() &&
+      !(holds & kHoldOverspeed)) {
+    hold(kHoldOverspeed);
+    holds |= kHoldOverspeed;
+    add<std::uint64_t>(run_.statistics.overspeeds);
+  }
+  return holds;
 }
 
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const LoopSettings &settings = settings_.value();
-  std::uint32_t holds = holds_.load();
-  if (late)
-    holds |= kHoldLate;
-  if (flushed_) // a flush may be over within a tick
-    holds |= kHoldFlushing;
-  if (motion_.cut)
-    holds |= kHoldCut;
+  const LawSettings &law = settings.law_settings;
+  const MotionAt &now = run_.motion;
   SafetyChain::Input input;
+  input.holds = holds_of_tick(late);
   PlanarVelocity hand;
-  if (environment_.device) {
-    const auto &state = environment_.device->state();
-    input.hand_velocity = state.velocity;
-    hand = scale_hand(state.velocity, environment_.device->workspace_half(), motion_.sample,
+  if (const spidar::HapticDevice *device = run_.environment.device) {
+    input.hand_velocity = device->state().velocity;
+    hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
-    if (!state.valid)
-      holds |= kHoldNoPose;
-    // A grip that nobody pushes may move as it likes.
-    else if (environment_.device->grip_is_free() && state.velocity.norm() > kGripLetGo &&
-             !chain_.silent() && !(holds & kHoldOverspeed)) {
-      hold(kHoldOverspeed);
-      holds |= kHoldOverspeed;
-      add<std::uint64_t>(statistics_.overspeeds);
-    }
   }
 
-  if (!motion_.measured)
-    conditioner_.restart_low_pass();
-  const Motion &motion = conditioner_.step(scale_motion(motion_.sample, settings.reference_width),
-                                           settings.smooth_hz, dt);
-  input.wanted = laws_[settings.law]->wrench(motion, hand, settings.law_settings, dt);
-  if (broken_)
+  if (!now.measured)
+    run_.conditioner.restart_low_pass();
+  const Motion &motion = run_.conditioner.step(scale_motion(now.sample, settings.reference_width),
+                                               settings.smooth_hz, dt);
+  input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
+  if (run_.broken)
     input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());
-  input.measured = motion_.measured;
-  input.confidence = motion_.sample.confidence;
-  input.age = motion_.age;
-  input.interval = motion_.interval;
-  input.holds = holds;
-  input.max_force = settings.law_settings.max_force;
-  input.max_torque = settings.law_settings.max_torque;
+  input.measured = now.measured;
+  input.confidence = now.sample.confidence;
+  input.age = now.age;
+  input.interval = now.interval;
+  input.max_force = law.max_force;
+  input.max_torque = law.max_torque;
   input.slew_rate = settings.slew_rate;
   input.damping = settings.damping;
   input.dt = dt;
-  spidar::Wrench wrench = chain_.step(input);
-  if (chain_.found_non_finite())
-    add<std::uint64_t>(statistics_.non_finite);
+  const spidar::Wrench wrench = run_.chain.step(input);
+  if (run_.chain.found_non_finite())
+    add<std::uint64_t>(run_.statistics.non_finite);
   return wrench;
 }
 
-// The log begins with the running time. While the pipeline does not play, it goes on only until it
-// has shown the force reach zero.
-void HapticLoop::write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
+// The log begins with the running time. While the pipeline does not play, it continues only until
+// it has shown the force reach zero.
+void HapticLoop::log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept {
   const std::uint32_t holds = holds_.load();
   const bool playing = !(holds & kHoldPaused);
-  log_begun_ = log_begun_ || (playing && running_time_.at(now) >= 0);
-  const bool has_force = !chain_.silent();
+  if (!run_.log_start && playing && run_.running_time.at(now) >= 0)
+    run_.log_start = now;
+  const bool has_force = !run_.chain.silent();
   const bool wanted =
-      log_begun_ && ((playing && !(holds & kHoldEnded)) || has_force || row_had_force_);
-  row_had_force_ = has_force;
-  if (!wanted)
-    return;
+      run_.log_start && ((playing && !(holds & kHoldEnded)) || has_force || run_.row_had_force);
+  run_.row_had_force = has_force;
+  if (wanted && !run_.environment.log->write(make_row(now, wrench)))
+    add<std::uint64_t>(run_.statistics.log_rows_lost);
+}
 
+TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
+  const MotionSample &sample = run_.motion.sample;
+  const bool playing = !(holds_.load() & kHoldPaused);
   TickRow row;
-  row.time = playing ? running_time_.advance(now) : running_time_.last();
-  if (environment_.device) {
-    const auto &state = environment_.device->state();
+  row.time = playing ? run_.running_time.advance(now) : run_.running_time.last();
+  if (run_.environment.device) {
+    const spidar::DeviceState &state = run_.environment.device->state();
     for (std::size_t i = 0; i < row.position.size(); ++i)
       row.position[i] = state.pose.position[static_cast<Eigen::Index>(i)];
     for (std::size_t i = 0; i < row.tension.size(); ++i)
       row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
   }
-  if (has_force || chain_.listening()) {
-    row.velocity = {motion_.sample.velocity_x, motion_.sample.velocity_y};
-    row.spin = motion_.sample.spin;
+  if (!run_.chain.silent() || run_.chain.follows_sample()) {
+    row.velocity = {sample.velocity_x, sample.velocity_y};
+    row.spin = sample.spin;
   }
   row.force = {wrench.force.x(), wrench.force.y(), wrench.force.z()};
   row.torque = {wrench.torque.x(), wrench.torque.y(), wrench.torque.z()};
-  row.confidence = motion_.sample.confidence;
-  if (!environment_.log->write(row))
-    add<std::uint64_t>(statistics_.log_rows_lost);
+  row.confidence = sample.confidence;
+  row.mono = static_cast<double>(now - run_.log_start.value_or(now)) / static_cast<double>(kSecond);
+  row.hold = run_.chain.holds();
+  return row;
 }
 
 } // namespace haptic

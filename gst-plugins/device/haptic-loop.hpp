@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The real-time loop: device exchange, interpolation, law, safety chain, command. No GStreamer in
-// it.
+// The real-time loop: device exchange, interpolation, force law, safety chain, command. It is
+// compiled without GStreamer.
 #pragma once
 
 #include "duration-histogram.hpp"
@@ -13,12 +13,14 @@
 #include "running-time.hpp"
 #include "safety-chain.hpp"
 #include "sample-ring.hpp"
+#include "shared-value.hpp"
 #include "suspend-detector.hpp"
 #include "tick-log.hpp"
 
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <spidar/haptic-device.hpp>
 #include <stop_token>
 #include <thread>
@@ -27,17 +29,18 @@
 
 namespace haptic {
 
-/// ns of the monotonic clock.
+/// Returns the monotonic clock, ns.
 std::int64_t monotonic_now() noexcept;
 
-/// What may change while the loop runs. Handed over whole, so that no tick sees half a change.
+/// The settings that may change while the loop runs. They are handed over whole, so that no tick
+/// sees half a change.
 struct LoopSettings {
   std::size_t law = 0; ///< index into force_laws()
   LawSettings law_settings;
-  double reference_width = kReferenceWidth; ///< px, 0: native
-  double slew_rate = 20;                    ///< N/s
-  double damping = 1;                       ///< N·s/m
-  double smooth_hz = 0;                     ///< Hz, 0: off
+  unsigned reference_width = kReferenceWidth; ///< px, 0: native
+  double slew_rate = 20;                      ///< N/s
+  double damping = 1;                         ///< N·s/m
+  double smooth_hz = 0;                       ///< Hz, 0: off
 };
 
 /// Where the hand is, for the pointer.
@@ -46,27 +49,28 @@ struct HandPosition {
   bool valid = false;
 };
 
-/// What was commanded since start(): a mean force is the difference of two readings.
+/// The sum of what was commanded since start(). The mean force between two readings is the
+/// difference of their impulses divided by the difference of their times.
 struct Impulse {
   spidar::Vector3 impulse = spidar::Vector3::Zero(); ///< N·s
   double time = 0;                                   ///< s
 };
 
-/// Written by the loop, read by anybody. Since the last start().
+/// Written by the loop, read by any thread. Since the last start().
 struct LoopStatistics {
-  std::atomic<std::uint64_t> ticks = 0;
-  std::atomic<std::uint64_t> late_ticks = 0;    ///< began more than a period late
-  std::atomic<std::uint64_t> missed_ticks = 0;  ///< began more than 20 ms late
-  std::atomic<std::uint64_t> device_faults = 0; ///< three failed exchanges in a row, or unplugged
-  std::atomic<std::uint64_t> interruptions = 0; ///< times that the guardian let go of the motors
-  std::atomic<std::uint64_t> overspeeds = 0;    ///< grip faster than 1 m/s with a force on it
-  std::atomic<std::uint64_t> non_finite = 0;    ///< ticks silenced by a NaN or an infinity
-  std::atomic<std::uint64_t> suspends = 0;      ///< times that the machine slept
-  std::atomic<std::uint64_t> log_rows_lost = 0;
-  std::atomic<std::uint64_t> samples_used = 0;
-  std::atomic<std::int64_t> sample_age_sum = 0; ///< ns from submit() to the first tick with it
-  std::atomic<std::int64_t> sample_age_max = 0; ///< ns
-  std::atomic<double> force_max = 0;            ///< N
+  SharedValue<std::uint64_t> ticks;
+  SharedValue<std::uint64_t> late_ticks;    ///< began more than a period late
+  SharedValue<std::uint64_t> missed_ticks;  ///< began more than 20 ms late
+  SharedValue<std::uint64_t> device_faults; ///< three failed exchanges in a row, or unplugged
+  SharedValue<std::uint64_t> interruptions; ///< times that the guardian took the force off
+  SharedValue<std::uint64_t> overspeeds;    ///< grip faster than 1 m/s with a force on it
+  SharedValue<std::uint64_t> non_finite;    ///< ticks silenced by a NaN or an infinity
+  SharedValue<std::uint64_t> suspends;      ///< times that the machine slept
+  SharedValue<std::uint64_t> log_rows_lost;
+  SharedValue<std::uint64_t> samples_used;
+  SharedValue<std::int64_t> sample_age_sum; ///< ns from submit() to the first tick with it
+  SharedValue<std::int64_t> sample_age_max; ///< ns
+  SharedValue<double> force_max;            ///< N
   DurationHistogram lateness;
   DurationHistogram body;
 };
@@ -89,11 +93,12 @@ public:
 
   // Life cycle: one thread at a time.
 
-  /// Starts the thread, silent (kHoldPaused). Throws std::system_error.
+  /// Starts the thread, silent (kHoldPaused). Nothing of the run before is left but the settings
+  /// and the holds that the user or a fault set. Throws std::system_error.
   void start(Environment environment);
-  /// Zero wrench, two exchanges, join. Harmless when not started.
+  /// Zero wrench, two exchanges, join. Does nothing when not started.
   void stop() noexcept;
-  /// As start() without the thread: the caller drives tick(). For tests and measurements.
+  /// As start() without the thread: the caller calls tick(). For tests and measurements.
   void prepare(Environment environment);
   /// One period of the loop, begun at `now` though meant for `scheduled` (ns). Real-time safe.
   void tick(std::int64_t scheduled, std::int64_t now) noexcept;
@@ -103,40 +108,43 @@ public:
   void hold(std::uint32_t holds) noexcept { holds_.fetch_or(holds); }
   void unhold(std::uint32_t holds) noexcept { holds_.fetch_and(~holds); }
   std::uint32_t holds() const noexcept { return holds_.load(); }
-  /// Forgets every sample submitted so far.
+  /// Discards every sample submitted so far.
   void drop_samples() noexcept { epoch_.fetch_add(1); }
-  void calibrate() noexcept { calibrate_.store(true); }
-  /// What was commanded last; of the thread that ticks.
-  const spidar::Wrench &wrench() const noexcept { return chain_.wrench(); }
-  bool silent() const noexcept { return silent_.load(); }
-  const LoopStatistics &statistics() const noexcept { return statistics_; }
-  /// How the clocks are related: for the log, and for samples with a time.
+  void calibrate() noexcept { run_.calibrate.store(true); }
+  /// Returns the last command; only for the thread that ticks.
+  const spidar::Wrench &wrench() const noexcept { return run_.chain.wrench(); }
+  bool silent() const noexcept { return run_.silent.load(); }
+  const LoopStatistics &statistics() const noexcept { return run_.statistics; }
+  /// Relates the clocks: for the log, and for samples with a time.
   void set_running_time(std::int64_t monotonic, std::int64_t running) noexcept {
-    running_time_.set(monotonic, running);
+    run_.running_time.set(monotonic, running);
   }
-  /// ns, as last related.
+  /// Returns the running time in ns, by the last set_running_time().
   std::int64_t running_time(std::int64_t monotonic) const noexcept {
-    return running_time_.at(monotonic);
+    return run_.running_time.at(monotonic);
   }
 
   // Streaming thread.
 
-  /// A measurement, come at `arrival` (ns, monotonic), that is to be felt `middle` (ns, running
-  /// time that set_running_time() relates to the monotonic clock; MotionInterpolator).
+  /// `motion` came at `arrival` (ns, monotonic). Its time is running time as set_running_time()
+  /// relates it to the monotonic clock, or kAtOnce. A field goes back to its pool by itself.
+  /// The motion is lost if the loop has stood still for seconds and the ring is full.
+  void submit(TimedMotion motion, std::int64_t arrival = monotonic_now()) noexcept {
+    submissions_.push({std::move(motion), arrival, epoch_.load()});
+  }
   void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
-    submit({{sample, true, middle}, arrival, epoch_.load()});
+    submit(TimedMotion{sample, true, middle}, arrival);
   }
-  /// The same of a field, which is felt where the hand is. It goes back to its pool by itself.
   void submit(FieldPool::Field field, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
     const MotionSample frame = frame_of(*field);
-    submit({{frame, true, middle, std::move(field)}, arrival, epoch_.load()});
+    submit(TimedMotion{frame, true, middle, std::move(field)}, arrival);
   }
-  /// Nothing was measured; the sample's flags say why.
+  /// Nothing was measured; the flags of the sample give the reason.
   void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),
                   std::int64_t middle = kAtOnce) noexcept {
-    submit({{sample, false, middle}, arrival, epoch_.load()});
+    submit(TimedMotion{sample, false, middle}, arrival);
   }
 
   // One writer at a time.
@@ -144,23 +152,23 @@ public:
 
   // Pointer thread.
   HandPosition hand() noexcept {
-    hand_.refresh();
-    return hand_.value();
+    run_.hand.refresh();
+    return run_.hand.value();
   }
   Impulse impulse() noexcept {
-    impulse_slot_.refresh();
-    return impulse_slot_.value();
+    run_.impulse_slot.refresh();
+    return run_.impulse_slot.value();
   }
-  /// 0 with real-time priority, else why not (errno); -1 until the thread runs.
-  int priority_error() const noexcept { return priority_error_.load(); }
-  /// 0 when what the loop touches cannot be swapped out, else why not (errno).
-  int memory_error() const noexcept { return memory_error_.load(); }
-  /// The loop has let go of its device, which went for good and may be destroyed.
-  bool device_lost() const noexcept { return device_lost_.load(); }
-  /// Only when device_lost(): the loop goes on with this one, silent until armed.
+  /// 0 with real-time priority, else the errno of the refusal; -1 until the thread runs.
+  int priority_error() const noexcept { return run_.priority_error.load(); }
+  /// 0 when the memory of the loop cannot be swapped out, else the errno of the refusal.
+  int memory_error() const noexcept { return run_.memory_error.load(); }
+  /// The device has gone for good, the loop no longer uses it, and it may be destroyed.
+  bool device_lost() const noexcept { return run_.device_lost.load(); }
+  /// Only when device_lost(): the loop continues with this one, silent until armed.
   void replace_device(spidar::HapticDevice *device) noexcept {
-    device_lost_.store(false);
-    replacement_.store(device);
+    run_.device_lost.store(false);
+    run_.replacement.store(device);
   }
 
 private:
@@ -170,55 +178,65 @@ private:
     std::uint32_t epoch = 0;
   };
 
-  // A loop that is so far behind has stood still for seconds: what is lost then is stale anyway.
-  void submit(Submission submission) noexcept { submissions_.push(std::move(submission)); }
+  // Everything that begins anew with a start, which replaces it as a whole.
+  struct Run {
+    Run() = default;
+    Run(Environment of, std::uint32_t at_epoch);
+
+    // Between threads.
+    SharedValue<bool> calibrate;
+    SharedValue<bool> silent = true;
+    SharedValue<int> priority_error = -1;
+    SharedValue<int> memory_error;
+    SharedValue<bool> device_lost;
+    SharedValue<spidar::HapticDevice *> replacement; // pointer thread -> loop
+    NewestSlot<HandPosition> hand;                   // loop -> pointer thread
+    NewestSlot<Impulse> impulse_slot;                // loop -> pointer thread
+    RunningTime running_time;
+    LoopStatistics statistics;
+
+    // The loop's own; others touch them only while it does not run.
+    Environment environment;
+    std::int64_t period = 1'000'000; // ns
+    std::vector<std::unique_ptr<ForceLaw>> laws;
+    MotionInterpolator interpolator;
+    MotionConditioner conditioner;
+    SafetyChain chain;
+    SuspendDetector suspend;
+    PointerPosition place; // of the hand, as last known
+    MotionAt motion;       // at the time of this tick
+    bool broken = false;   // a sample held a number that is not finite
+    Impulse impulse;
+    std::uint32_t epoch = 0;
+    bool flushed = false;       // samples were dropped since the last tick
+    std::int64_t last_tick = 0; // ns, 0: none yet
+    std::int64_t retry_at = 0;  // ns, while faulted
+    int failed_exchanges = 0;
+    std::optional<std::int64_t> log_start; // ns, monotonic; of the first row
+    bool row_had_force = false;
+  };
 
   void run(const std::stop_token &stop) noexcept;
-  void take_submissions(std::int64_t now) noexcept;
-  void take_replacement() noexcept;
+  void count_tick(std::int64_t lateness) noexcept;
+  void receive_submissions(std::int64_t now) noexcept;
+  void adopt_replacement() noexcept;
   void exchange(std::int64_t now) noexcept;
   void lose_device() noexcept;
-  void feel(std::int64_t now) noexcept;
+  void update_motion(std::int64_t now) noexcept;
+  std::uint32_t holds_of_tick(bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
-  void write_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
+  void log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept;
+  TickRow make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
-  // Between threads.
-  std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused;
-  std::atomic<std::uint32_t> epoch_ = 0;
-  std::atomic<bool> calibrate_ = false;
-  std::atomic<bool> silent_ = true;
-  std::atomic<int> priority_error_ = -1;
-  std::atomic<int> memory_error_ = 0;
-  std::atomic<bool> device_lost_ = false;
-  std::atomic<spidar::HapticDevice *> replacement_ = nullptr; // pointer thread -> loop
-  SampleRing<Submission, 256> submissions_;                   // streaming thread -> loop
+  // Outlive a run.
+  std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused; // any thread
+  std::atomic<std::uint32_t> epoch_ = 0;                         // of the samples; any thread
+  SampleRing<Submission, 256> submissions_;                      // streaming thread -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop
-  NewestSlot<HandPosition> hand_;     // loop -> pointer thread
-  NewestSlot<Impulse> impulse_slot_;  // loop -> pointer thread
-  RunningTime running_time_;
-  LoopStatistics statistics_;
 
-  // The loop's own, others touch them only while it does not run.
-  Environment environment_;
-  std::int64_t period_ = 1'000'000; // ns
-  std::vector<std::unique_ptr<ForceLaw>> laws_;
-  SafetyChain chain_;
-  MotionInterpolator interpolator_;
-  PointerPosition place_; // of the hand, as last known
-  MotionAt motion_;       // felt now
-  bool broken_ = false;   // a sample held a number that is not finite
-  MotionConditioner conditioner_;
-  SuspendDetector suspend_;
-  Impulse impulse_;
-  std::uint32_t current_epoch_ = 0;
-  bool flushed_ = false;       // samples were dropped since the last tick
-  std::int64_t last_tick_ = 0; // ns, 0: none yet
-  std::int64_t retry_at_ = 0;  // ns, while faulted
-  int failed_exchanges_ = 0;
-  bool log_begun_ = false;
-  bool row_had_force_ = false;
+  Run run_;
 
-  std::jthread thread_;
+  std::jthread thread_; // last: ends before what it uses
 };
 
 } // namespace haptic

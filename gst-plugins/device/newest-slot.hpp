@@ -2,8 +2,9 @@
 // Hands the newest value from one thread to another; older ones are forgotten. Neither side waits.
 #pragma once
 
+#include "shared-value.hpp"
+
 #include <array>
-#include <atomic>
 #include <cstdint>
 
 namespace haptic {
@@ -41,7 +42,7 @@ private:
   };
   std::array<Cell, 3> cells_;
   alignas(kCacheLine) std::uint8_t back_ = 0;                // writer
-  alignas(kCacheLine) std::atomic<std::uint8_t> middle_ = 1; // both
+  alignas(kCacheLine) SharedValue<std::uint8_t> middle_ = 1; // both
   alignas(kCacheLine) std::uint8_t front_ = 2;               // reader
 };
 

@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The pipeline's running time, told by the monotonic clock.
+// The pipeline's running time from the monotonic clock.
 #pragma once
 
+#include "shared-value.hpp"
+
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <cstdlib>
 
 namespace haptic {
 
-/// Normal threads say how the two clocks relate (set()); the loop's thread asks (advance()).
+/// Threads of normal priority relate the two clocks (set()); the loop's thread reads (advance(),
+/// at()).
 class RunningTime {
 public:
   /// `running` is the running time at `monotonic`, both ns.
   void set(std::int64_t monotonic, std::int64_t running) noexcept {
     const std::int64_t offset = monotonic - running;
-    // Reading two clocks takes time; smaller differences say nothing.
+    // Reading two clocks takes time, so that smaller differences mean nothing.
     if (std::abs(offset - offset_.load(std::memory_order_relaxed)) > kReadingError)
       offset_.store(offset, std::memory_order_relaxed);
   }
 
-  /// The time column of the log: running time at `monotonic`, s. Never decreases: where the running
-  /// time itself starts again (a flushing seek) this one goes on from where it was.
+  /// Returns the time column of the log: running time at `monotonic`, s. Never decreases: where the
+  /// running time itself starts again (a flushing seek), this one continues from its last value.
   double advance(std::int64_t monotonic) noexcept {
     const std::int64_t running = std::max<std::int64_t>(at(monotonic), 0);
     if (running + shift_ < last_ - kRestart)
@@ -30,22 +32,19 @@ public:
     return last();
   }
 
-  /// Running time at `monotonic`, ns, as it is; it jumps where the pipeline's does.
+  /// Returns the running time at `monotonic`, ns. It jumps where the pipeline's does.
   std::int64_t at(std::int64_t monotonic) const noexcept {
     return monotonic - offset_.load(std::memory_order_relaxed);
   }
 
-  /// What advance() returned last.
+  /// Returns the last result of advance().
   double last() const noexcept { return static_cast<double>(last_) * 1e-9; }
-
-  /// Only while the loop does not run.
-  void reset() noexcept { shift_ = last_ = 0; }
 
 private:
   static constexpr std::int64_t kReadingError = 50'000; // ns
   static constexpr std::int64_t kRestart = 100'000'000; // ns
 
-  std::atomic<std::int64_t> offset_ = 0; // ns, monotonic - running
+  SharedValue<std::int64_t> offset_ = 0; // ns, monotonic - running
   std::int64_t shift_ = 0;               // ns, the loop's
   std::int64_t last_ = 0;                // ns, the loop's
 };

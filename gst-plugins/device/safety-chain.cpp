@@ -27,7 +27,7 @@ constexpr std::array kFadeTimes = {
     FadeTimes{kHoldSuspended, 0.05, 0.5},
 };
 
-// Over within a tick, but what came before must not go on as if nothing had been.
+// These may last for one tick only; the fade must still reach zero.
 constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate | kHoldCut;
 
 constexpr double kGateRelease = 0.1;  // s, time constant
@@ -52,15 +52,16 @@ Vector3 clamp_norm(const Vector3 &v, double limit) {
   return norm > limit ? Vector3(v * (limit / norm)) : v;
 }
 
-// A step of at most `most` towards the target, and not beyond the limit but on the way back to it.
+// Returns a step of at most `most` towards the target. Its norm exceeds the limit only while it
+// returns from beyond it.
 Vector3 approach(const Vector3 &from, const Vector3 &target, double most, double limit) {
   const Vector3 change = target - from;
   const Vector3 reached = change.norm() <= most ? target : Vector3(from + clamp_norm(change, most));
   return clamp_norm(reached, std::max(limit, from.norm() - most));
 }
 
-// Against the hand's speed above kUndamped. Never stronger than the force it damps: without a force
-// there is nothing to run away with.
+// F' = F - min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
+// that it damps: without a force nothing runs away.
 Vector3 damped(const Vector3 &force, const SafetyChain::Input &input) {
   const double speed = input.hand_velocity.norm();
   if (speed <= SafetyChain::kUndamped)
@@ -76,7 +77,7 @@ double stale_after(double interval) noexcept {
 }
 
 Wrench SafetyChain::step(const Input &input) noexcept {
-  listening_ = false;
+  follows_sample_ = false;
   non_finite_ = !is_finite(input);
   if (non_finite_)
     return silence();
@@ -89,7 +90,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     holds |= kHoldStale;
   if (!silent())
     holds |= holds_ & kUntilZero;
-  listening_ = !(holds & (kHoldGap | kHoldStale));
+  follows_sample_ = !(holds & (kHoldGap | kHoldStale));
 
   const double target = input.measured ? confidence_gate(input.confidence) : 0;
   if (target >= gate_)
@@ -113,14 +114,14 @@ Wrench SafetyChain::silence() noexcept {
   return output_;
 }
 
-// Scales down what is commanded now, so that the force falls in a straight line whatever the law
-// and the samples do meanwhile, and reaches zero in time also where the slew limit would not let
-// it.
+// F(t) = F(0) (1 - t / T): scales down the present command, so that the force falls in a straight
+// line whatever the law and the samples do meanwhile, and reaches zero after T = fade_left_ also
+// where the slew limit is slower.
 Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   if (!holds_) {
     fade_left_ = kStaleLongest;
     if (envelope_ >= 1)
-      fade_in_ = 0; // else the fade-in that is cut short stays as slow as it was
+      fade_in_ = 0; // else an interrupted fade-in keeps its slowness
   }
   for (const auto &times : kFadeTimes) {
     if (!(holds & times.hold))
@@ -144,7 +145,8 @@ Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   return output_;
 }
 
-// Only what the force gave counts: a hand that pushes back does not earn a harder push.
+// E += (0.3 W - max(F . v, 0)) dt, 0 <= E <= 0.9 J. Only work that the force did counts: a hand
+// that pushes back does not add to the budget.
 void SafetyChain::account_for_work(const Input &input) noexcept {
   const double dt = std::max(input.dt, 0.0);
   const double power = std::max(output_.force.dot(input.hand_velocity), 0.0);

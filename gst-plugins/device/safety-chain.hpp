@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The last stage before the device. Every force goes through it, whatever law it comes from.
+// The last stage before the device. Every force passes it, whatever law computed it.
 #pragma once
 
 #include "force-defaults.hpp"
@@ -9,22 +9,23 @@
 
 namespace haptic {
 
-/// Reasons for silence, as bits. While any is set the force fades to zero, and it fades in again
-/// when the last one goes.
+/// Reasons why the force is held at zero, as bits (column `hold` of the log). While any is set the
+/// force fades to zero, and it fades in again when the last one ends.
 enum Hold : std::uint32_t {
-  kHoldClosed = 1 << 0,     ///< no device open
+  kHoldClosed = 1 << 0,     ///< no device is open
   kHoldPaused = 1 << 1,     ///< the element is not PLAYING
   kHoldFlushing = 1 << 2,   ///< a seek is going on; also until the force is zero
   kHoldEnded = 1 << 3,      ///< end of stream
-  kHoldReleased = 1 << 4,   ///< the user said `release`; until `arm`
+  kHoldReleased = 1 << 4,   ///< the user emitted `release`; until `arm`
   kHoldOverspeed = 1 << 5,  ///< the grip was let go; until `arm`
   kHoldFaulted = 1 << 6,    ///< the device does not answer; until `arm`
-  kHoldLate = 1 << 7,       ///< the loop was held up; until the force is zero
-  kHoldNoPose = 1 << 8,     ///< where the grip is cannot be told
+  kHoldLate = 1 << 7,       ///< the tick came too late; until the force is zero
+  kHoldNoPose = 1 << 8,     ///< the pose of the grip is unknown
   kHoldGap = 1 << 9,        ///< nothing was measured (set by the chain)
   kHoldStale = 1 << 10,     ///< no new sample came (set by the chain)
   kHoldCut = 1 << 11,       ///< another scene began; until the force is zero
   kHoldSuspended = 1 << 12, ///< the machine slept; until `arm`
+  kHoldNonFinite = 1 << 13, ///< a number was not finite; this step only (set by the chain)
 };
 
 /// The holds that only `arm` ends.
@@ -35,11 +36,11 @@ inline constexpr std::uint32_t kLatches =
 /// damping, slew limit, norm clamp. One thread; real-time safe.
 class SafetyChain {
 public:
-  /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever, so
-  /// 2.4 J in any 5 s, and with what the slew rate lets pass less than 0.5 W.
+  /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
+  /// is at most 2.4 J, or 0.48 W, over any 5 s.
   static constexpr double kWorkAtOnce = 0.9; // J
   static constexpr double kWorkRate = 0.3;   // W
-  /// Hand speeds up to this one are not damped: pointing is to feel the frame and nothing else.
+  /// Hand speeds up to this one are not damped, so that a hand that points feels the frame alone.
   static constexpr double kUndamped = 0.1; // m/s
   /// About the grip's radius: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
@@ -59,17 +60,19 @@ public:
     double dt = 0;                                           ///< s since the step before
   };
 
-  /// The wrench to command. Never more than max_force and max_torque (a lowered maximum is
+  /// Returns the wrench to command. Never more than max_force and max_torque (a lowered maximum is
   /// approached at the slew rate). An input that is not finite yields zero on this very step.
   spidar::Wrench step(const Input &input) noexcept;
 
-  /// What the last step commanded.
+  /// Returns the result of the last step.
   const spidar::Wrench &wrench() const noexcept { return output_; }
-  /// The last step let nothing through.
+  /// The last step commanded zero.
   bool silent() const noexcept { return output_.force.isZero(0) && output_.torque.isZero(0); }
-  /// The last step took its force from the newest sample.
-  bool listening() const noexcept { return listening_; }
-  /// The last step met a number that is not finite.
+  /// The last step had a measurement that is not stale.
+  bool follows_sample() const noexcept { return follows_sample_; }
+  /// Returns the reasons (Hold) why the last step held the force; 0 if it did not.
+  std::uint32_t holds() const noexcept { return non_finite_ ? kHoldNonFinite | holds_ : holds_; }
+  /// The input of the last step held a number that is not finite.
   bool found_non_finite() const noexcept { return non_finite_; }
 
 private:
@@ -86,12 +89,12 @@ private:
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the confidence
   double work_left_ = kWorkAtOnce; // J
-  bool listening_ = false;
+  bool follows_sample_ = false;
   bool non_finite_ = false;
 };
 
-/// s without a new sample after which the force fades: three of the sample's own intervals, at
-/// least 0.1 s, and never more than 2 s whatever the sample claims.
+/// Returns the time without a new sample after which the force fades, s: three intervals of the
+/// newest sample, at least 0.1 s and at most 2 s.
 double stale_after(double interval) noexcept;
 
 } // namespace haptic

@@ -44,6 +44,8 @@ void append_row(std::string &text, const TickRow &row) {
   append_number(text, row.confidence);
   for (double v : row.tension)
     append_number(text, v);
+  append_number(text, row.mono);
+  append_number(text, row.hold);
   text += '\n';
 }
 
@@ -51,7 +53,7 @@ TickLog::TickLog(const std::string &path) : file_(std::fopen(path.c_str(), "we")
   if (!file_)
     throw std::system_error(errno, std::generic_category(), path);
   put(std::string(kTickLogHeader) + '\n');
-  // A full disk shows here already.
+  // Reports a full disk now.
   if (error())
     throw std::system_error(error(), std::generic_category(), path);
   thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });

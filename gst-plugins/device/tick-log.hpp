@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The CSV log: rows come from the real-time thread, a normal thread writes them.
+// The CSV log: rows come from the real-time thread, a thread of normal priority writes them.
 #pragma once
 
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <mutex>
@@ -14,7 +15,8 @@
 
 namespace haptic {
 
-/// One row; the members are the columns in their order (docs/formats/csv-log.md). SI units.
+/// One row; the members are the columns in their order (docs/formats/csv-log.md). SI units. New
+/// columns go to the end.
 struct TickRow {
   double time = 0;                  ///< s, running time
   std::array<double, 3> position{}; ///< m, grip
@@ -24,28 +26,31 @@ struct TickRow {
   std::array<double, 3> torque{};   ///< N·m, commanded
   double confidence = 0;            ///< 0..1
   std::array<double, 8> tension{};  ///< N
+  double mono = 0;                  ///< s of the monotonic clock since the first row
+  std::uint32_t hold = 0;           ///< Hold: the reasons why the force is held
 };
 
 inline constexpr const char *kTickLogHeader =
-    "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7";
+    "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold";
 
-/// One line with its end, nine significant digits, "." whatever the locale says. A number that is
-/// not finite is written as 0.
+/// Appends one line with its line feed: nine significant digits, "." in every locale. A number that
+/// is not finite is written as 0.
 void append_row(std::string &text, const TickRow &row);
 
 class TickLog {
 public:
   /// Creates the file and writes the header. Throws std::system_error.
   explicit TickLog(const std::string &path);
-  /// Writes what is left and closes the file.
+  /// Writes the rows that are left and closes the file.
   ~TickLog();
   TickLog(const TickLog &) = delete;
   TickLog &operator=(const TickLog &) = delete;
 
-  /// False, if the row is lost because the writer is too far behind. One thread; real-time safe.
+  /// Returns false if the row is lost because the writer is too far behind. One thread; real-time
+  /// safe.
   bool write(const TickRow &row) noexcept;
 
-  /// errno of the first write that failed (nothing is written after it), 0 while all is well.
+  /// Returns the errno of the first write that failed (nothing is written after it), or 0.
   int error() const noexcept { return error_.load(std::memory_order_relaxed); }
 
 private:

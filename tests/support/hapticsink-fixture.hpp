@@ -77,19 +77,22 @@ inline double equation5(double v) {
 }
 
 struct Row {
-  double time, x, y, z, vx, vy, spin, fx, fy, fz, tx, ty, tz, confidence, t[8];
+  double time, x, y, z, vx, vy, spin, fx, fy, fz, tx, ty, tz, confidence, t[8], mono, hold;
   double force() const { return std::hypot(fx, fy, fz); }
+  /// Whether the force was held for one of these reasons (docs/formats/csv-log.md).
+  bool held(unsigned reasons) const { return (static_cast<unsigned>(hold) & reasons) != 0; }
 };
 
 inline std::vector<Row> read_log(const std::filesystem::path &path) {
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
-  EXPECT_EQ(line, "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7");
+  EXPECT_EQ(line,
+            "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold");
   std::vector<Row> rows;
   while (std::getline(file, line)) {
     std::istringstream fields(line);
-    std::array<double, 22> values{};
+    std::array<double, 24> values{};
     std::size_t n = 0;
     for (std::string field; std::getline(fields, field, ',') && n < values.size(); ++n)
       values[n] = std::stod(field);

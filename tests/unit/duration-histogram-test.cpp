@@ -50,7 +50,7 @@ TEST_F(Histogram, TakesDurationsOfEverySize) {
 
 TEST_F(Histogram, ForgetsOnReset) {
   histogram_->record(1000);
-  histogram_->reset();
+  *histogram_ = {};
   EXPECT_EQ(histogram_->percentile_us(1), 0);
   EXPECT_EQ(histogram_->max_us(), 0);
 }

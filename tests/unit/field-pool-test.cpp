@@ -17,22 +17,22 @@ TEST(FieldPoolTest, GivesNoFieldToTwoAndNoneWhenAllAreTaken) {
   const auto pool = std::make_unique<FieldPool>();
   std::vector<FieldPool::Field> taken;
   for (std::size_t i = 0; i < FieldPool::kSlots; ++i) {
-    taken.push_back(pool->take());
+    taken.push_back(pool->acquire());
     ASSERT_TRUE(taken.back());
     for (std::size_t other = 0; other < i; ++other)
       ASSERT_NE(taken.back().get(), taken[other].get());
   }
-  EXPECT_FALSE(pool->take());
+  EXPECT_FALSE(pool->acquire());
   const auto *given_back = taken[7].get();
   taken[7] = {};
-  EXPECT_EQ(pool->take().get(), given_back);
+  EXPECT_EQ(pool->acquire().get(), given_back);
 }
 
 TEST(FieldPoolTest, AFieldThatComesBackKeepsItsMemory) {
   const auto pool = std::make_unique<FieldPool>();
   for (std::size_t i = 0; i < FieldPool::kSlots; ++i)
-    pool->take()->cells.resize(100);
-  EXPECT_GE(pool->take()->cells.capacity(), 100U);
+    pool->acquire()->cells.resize(100);
+  EXPECT_GE(pool->acquire()->cells.capacity(), 100U);
 }
 
 TEST(FieldPoolTest, FieldsGoRoundBetweenTwoThreadsUntorn) {
@@ -41,7 +41,7 @@ TEST(FieldPoolTest, FieldsGoRoundBetweenTwoThreadsUntorn) {
   haptic::SampleRing<FieldPool::Field, 16> ring;
   std::jthread writer([&] {
     for (int i = 0; i < kCount;) {
-      auto field = pool->take();
+      auto field = pool->acquire();
       if (!field) {
         std::this_thread::yield();
         continue;

@@ -269,6 +269,42 @@ TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
   EXPECT_FALSE(loop_.hand().valid);
 }
 
+// ---- the next run -------------------------------------------------------------------------------
+
+TEST_F(Loop, ARunBeginsWithoutTheMaximumOfTheOneBefore) {
+  loop_.set_settings({.law = 2, .law_settings = {.gain_window = 600}});
+  ASSERT_STREQ(haptic::force_laws()[2].name, "linear");
+  for (const float fastest : {1000.0F, 100.0F}) { // the fastest motion of each film is 1 N
+    open();
+    play();
+    play_motion(fastest, 0, 1000);
+    EXPECT_NEAR(loop_.wrench().force.x(), 1, 1e-6) << fastest;
+  }
+}
+
+TEST_F(Loop, ACalibrationThatWasNotDoneIsNotDoneInTheNextRun) {
+  open("hold:0.5,0,0");
+  ticks(50);
+  loop_.calibrate();
+  loop_.prepare({.device = device_.get()});
+  ticks(50);
+  EXPECT_NEAR(loop_.hand().position.x(), 0.0125, 0.0005);
+}
+
+TEST_F(Loop, StatisticsBeginAnewAndTheUsersReleaseDoesNot) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldReleased);
+  loop_.prepare({.device = device_.get()});
+  EXPECT_EQ(loop_.statistics().ticks, 0U);
+  EXPECT_EQ(loop_.statistics().samples_used, 0U);
+  EXPECT_EQ(force_max(), 0);
+  EXPECT_EQ(loop_.statistics().lateness.max_us(), 0);
+  EXPECT_EQ(loop_.impulse().time, 0);
+  EXPECT_TRUE(is_held(haptic::kHoldReleased));
+}
+
 // ---- fields -------------------------------------------------------------------------------------
 
 // The left half of the frame moves to the left, the right one to the right.
@@ -281,7 +317,7 @@ protected:
   }
   void play_halves(float left, float right, int ms) {
     for (int i = 0; i < ms; i += 10) {
-      auto field = pool_->take();
+      auto field = pool_->acquire();
       ASSERT_TRUE(field);
       const auto frame = moving(0, 0);
       field->interval = frame.interval;
@@ -352,7 +388,7 @@ TEST_F(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
     ticks(1);
   }
   std::vector<haptic::FieldPool::Field> all;
-  while (auto field = pool_->take())
+  while (auto field = pool_->acquire())
     all.push_back(std::move(field));
   EXPECT_EQ(all.size(), haptic::FieldPool::kSlots);
 }
@@ -443,6 +479,8 @@ protected:
 };
 
 constexpr std::size_t kFx = 7;
+constexpr std::size_t kMono = 22;
+constexpr std::size_t kHoldColumn = 23;
 
 TEST_F(LoopLog, HasOneRowPerTickFromTheFirstPlayingOn) {
   ticks(100);
@@ -479,6 +517,31 @@ TEST_F(LoopLog, AfterTheEndShowsTheForceReachZeroAndNoMore) {
   const auto all = rows();
   EXPECT_NEAR(static_cast<double>(all.size()), 500 + 100, 2);
   EXPECT_EQ(all.back()[kFx], 0);
+}
+
+TEST_F(LoopLog, MonoIsTheTimeOfTheTicksAlsoWhilePausedAndHoldGivesTheReason) {
+  play();
+  play_motion(100, 0, 500);
+  loop_.hold(haptic::kHoldPaused);
+  ticks(200);
+  loop_.unhold(haptic::kHoldPaused);
+  play_motion(100, 0, 500);
+  const auto all = rows();
+  EXPECT_EQ(all.front()[kMono], 0);
+  int paused = 0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const double elapsed = all[i][kMono] - all[i - 1][kMono];
+    if (i != 600) { // rows are left out while the force is zero
+      ASSERT_NEAR(elapsed, 0.001, 1e-9) << i;
+    }
+    paused += static_cast<std::uint32_t>(all[i][kHoldColumn]) == haptic::kHoldPaused;
+    if (all[i][kHoldColumn] == 0 && all[i - 1][kHoldColumn] == 0) {
+      ASSERT_LE(std::abs(all[i][kFx] - all[i - 1][kFx]), 20 * elapsed + 1e-9);
+    }
+  }
+  EXPECT_EQ(paused, 100);
+  EXPECT_NEAR(all[600][kMono] - all[599][kMono], 0.101, 1e-9);
+  EXPECT_EQ(all.back()[kHoldColumn], 0);
 }
 
 TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {

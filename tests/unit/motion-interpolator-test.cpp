@@ -42,7 +42,7 @@ class Fields {
 public:
   TimedMotion halves(std::int64_t time, double left, std::optional<double> right,
                      std::uint32_t width = 352) {
-    auto field = pool_->take();
+    auto field = pool_->acquire();
     const MotionSample frame = moving(0, width);
     field->interval = frame.interval;
     field->frame_width = frame.frame_width;

@@ -60,7 +60,7 @@ SafetyChain::Input held(SafetyChain::Input input, std::uint32_t holds) {
 TEST(SafetyChain, LetsATrustedForceThroughExactly) {
   SafetyChain chain;
   EXPECT_EQ(steps(chain, push(0.3, -0.4), 1000), Vector3(0.3, -0.4, 0));
-  EXPECT_TRUE(chain.listening());
+  EXPECT_TRUE(chain.follows_sample());
 }
 
 TEST(SafetyChain, ChangesNoFasterThanTheSlewRate) {
@@ -187,7 +187,7 @@ TEST(SafetyChain, WithoutAMeasurementItFadesIn100Milliseconds) {
   gap.measured = false;
   gap.confidence = 0;
   EXPECT_NEAR(time_to_silence(chain, gap, 1), 0.1, kTick / 2);
-  EXPECT_FALSE(chain.listening());
+  EXPECT_FALSE(chain.follows_sample());
 }
 
 TEST(SafetyChain, ASampleIsStaleAfterThreeOfItsIntervals) {

@@ -50,6 +50,8 @@ TickRow numbered_row() {
   row.torque = {11, 12, 13};
   row.confidence = 14;
   row.tension = {15, 16, 17, 18, 19, 20, 21, 22};
+  row.mono = 23;
+  row.hold = 24;
   return row;
 }
 
@@ -60,8 +62,8 @@ TEST_F(TickLogFile, HasTheHeaderAndTheColumnsInTheirOrder) {
   }
   const auto all = lines();
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0], "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7");
-  EXPECT_EQ(all[1], "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22");
+  EXPECT_EQ(all[0], "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold");
+  EXPECT_EQ(all[1], "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24");
 }
 
 TEST_F(TickLogFile, IsCompleteWhenItIsClosed) {
@@ -125,7 +127,7 @@ TEST(TickRow, HoldsNoNanNoInfinityAndNoMinusZero) {
   row.force[1] = -0.0;
   std::string text;
   haptic::append_row(text, row);
-  EXPECT_EQ(text, "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  EXPECT_EQ(text, "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
 }
 
 constexpr std::int64_t kMs = 1'000'000; // ns
