@@ -12,6 +12,9 @@ inline constexpr int kReferenceHeight = 288;
 /// Steepness of the force law (paper, equation 5), s/px in a frame kReferenceWidth wide.
 inline constexpr double kDefaultAlpha = 0.01;
 
+/// The highest `max-force`, N: what the motors of a SPIDAR-G can pull.
+inline constexpr double kHighestForce = 5;
+
 /// Returns the share of a force that a confidence lets through: 0 up to 0.2, 1 from 0.5 on, linear
 /// between. Real-time safe.
 double confidence_gate(double confidence) noexcept;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "device-choice.hpp"
 
+#include "format-text.hpp"
+#include "messages.hpp"
+
 #if HAVE_EVDEV
 #include "evdev/evdev-device.hpp"
 #endif
@@ -14,7 +17,7 @@
 namespace haptic {
 namespace {
 
-// What follows the prefix, if something does.
+// Returns the text after the prefix, or nothing if there is none.
 std::optional<std::string> after(const std::string &prefix, const std::string &text) {
   if (text.starts_with(prefix) && text.size() > prefix.size())
     return text.substr(prefix.size());
@@ -25,8 +28,7 @@ std::unique_ptr<spidar::HapticDevice> open_joystick(const std::string &path, dou
 #if HAVE_EVDEV
   return open_evdev(path, period);
 #else
-  throw spidar::Error(spidar::Cause::argument,
-                      "This build cannot use joysticks: install libevdev-dev and build it again.");
+  throw spidar::Error(spidar::Cause::argument, messages::kNoJoysticksBuilt);
 #endif
 }
 
@@ -42,10 +44,8 @@ std::unique_ptr<spidar::Controller> open_controller(const DeviceChoice &choice,
     return spidar::open_usb("");
   if (const auto id = after("usb:", device))
     return spidar::open_usb(*id);
-  throw spidar::Error(
-      spidar::Cause::argument,
-      "The device \"" + device +
-          "\" is not known. Use auto, sim, usb, usb:ID, evdev, evdev:PATH or none.");
+  throw spidar::Error(spidar::Cause::argument,
+                      format_text(messages::kUnknownDevice, device.c_str()));
 }
 
 } // namespace

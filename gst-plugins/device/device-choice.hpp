@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Opens what the properties `device`, `geometry` and `sim-hand` ask for.
+// Opens the device that the properties `device`, `geometry` and `sim-hand` choose.
 #pragma once
 
 #include <memory>
@@ -23,12 +23,12 @@ struct OpenedDevice {
   bool simulated_instead = false;               ///< `auto` found no hardware
 };
 
-/// May take a second (the strings are pulled taut). Throws spidar::Error, with Cause::argument
-/// for a `device` that is none of these.
+/// Opens the device; may take a second, in which the strings are pulled taut. Throws spidar::Error,
+/// with Cause::argument for an unknown `device`.
 OpenedDevice open_device(const DeviceChoice &choice);
 
-/// The device that open_device() has opened and that has gone since: what was on USB comes back on
-/// USB or not at all. Throws spidar::Error.
+/// Opens a device again that open_device() has opened and that has gone since. `auto` means `usb`
+/// here: a simulated device does not replace a real one. Throws spidar::Error.
 std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice);
 
 } // namespace haptic

@@ -3,6 +3,8 @@
 
 #include "evdev-list.hpp"
 #include "force-effect.hpp"
+#include "format-text.hpp"
+#include "messages.hpp"
 #include "newest-slot.hpp"
 
 #include <algorithm>
@@ -11,13 +13,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <fcntl.h>
 #include <libevdev/libevdev.h>
 #include <numbers>
 #include <poll.h>
 #include <spidar/error.hpp>
 #include <sys/ioctl.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 #include <utility>
@@ -32,10 +34,10 @@ using spidar::Error;
 
 constexpr auto kRound = 8ms;           // 125 Hz: more is too much for old drivers
 constexpr auto kReplay = 40ms;         // well before an effect of 100 ms is over
-constexpr auto kLoopStands = 100ms;    // then the force is taken off
+constexpr auto kLoopStands = 100ms;    // then the force is zero
 constexpr auto kDriverStands = 300ms;  // then the device does not answer; its effect is over
-constexpr double kStickHalf = 0.04;    // m, what the top of a stick travels to either side
-constexpr double kVelocityCutoff = 10; // Hz; the stick tells where it is some 100 times a second
+constexpr double kStickHalf = 0.04;    // m, travel of the top of a stick to either side
+constexpr double kVelocityCutoff = 10; // Hz; the stick reports its position some 100 times a second
 
 struct CloseFile {
   int file = -1;
@@ -49,11 +51,12 @@ struct FreeEvdev {
   void operator()(libevdev *device) const noexcept { libevdev_free(device); }
 };
 
-std::string called(const EvdevUnit &unit) {
+std::string description_of(const EvdevUnit &unit) {
   return "\"" + unit.name + "\" (" + unit.path + ")";
 }
 
-std::string wanted_path(const std::string &path) {
+// Returns the path, or that of the first joystick if it is empty.
+std::string path_or_first(const std::string &path) {
   if (!path.empty())
     return path;
   const EvdevUnits units = list_evdev();
@@ -61,10 +64,8 @@ std::string wanted_path(const std::string &path) {
     return units.with_force.front().path;
   std::string others;
   for (const EvdevUnit &unit : units.without)
-    others += " " + called(unit) + " has none.";
-  throw Error(Cause::not_found, "No joystick or wheel with force feedback found. Plug one in and "
-                                "switch it on." +
-                                    others);
+    others += " " + description_of(unit) + " has none.";
+  throw Error(Cause::not_found, format_text(messages::kNoJoystick, others.c_str()));
 }
 
 int open_node(const std::string &path) {
@@ -74,22 +75,15 @@ int open_node(const std::string &path) {
   switch (errno) {
   case EACCES:
   case EPERM:
-    throw Error(Cause::permission,
-                "The input device " + path +
-                    " may not be opened by this user. As root run 'usermod -aG input USER', and "
-                    "log in again; or put the line\nKERNEL==\"event*\", SUBSYSTEM==\"input\", "
-                    "ENV{ID_INPUT_JOYSTICK}==\"1\", TAG+=\"uaccess\"\ninto "
-                    "/etc/udev/rules.d/70-joystick.rules, and plug it in again.");
+    throw Error(Cause::permission, format_text(messages::kJoystickForbidden, path.c_str()));
   case ENOENT:
   case ENODEV:
   case ENXIO:
   case ENOTDIR:
-    throw Error(Cause::not_found,
-                "There is no input device " + path +
-                    ". Plug it in, or say device=evdev to take the first one there is.");
+    throw Error(Cause::not_found, format_text(messages::kNoInputDevice, path.c_str()));
   default:
-    throw Error(Cause::io, "The input device " + path +
-                               " cannot be opened: " + std::string(std::strerror(errno)) + ".");
+    throw Error(Cause::io, format_text(messages::kInputNotOpened, path.c_str(),
+                                       std::generic_category().message(errno).c_str()));
   }
 }
 
@@ -128,8 +122,7 @@ public:
   EvdevDevice(const std::string &path, double period) : file_{open_node(path)} {
     libevdev *device = nullptr;
     if (libevdev_new_from_fd(file_.file, &device) != 0)
-      throw Error(Cause::argument, path + " is no input device. Those are /dev/input/event0 and "
-                                          "so on, and the links in /dev/input/by-id.");
+      throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
     evdev_.reset(device);
     unit_ = {path, libevdev_get_name(device)};
     x_ = Axis(device, libevdev_has_event_code(device, EV_ABS, ABS_X) ? ABS_X : ABS_WHEEL);
@@ -139,18 +132,16 @@ public:
     else if (libevdev_has_event_code(device, EV_FF, FF_RUMBLE))
       kind_ = ForceKind::rumble;
     else
-      throw Error(Cause::argument, called(unit_) + " has no force feedback. Choose another device; "
-                                                   "gst-device-monitor-1.0 Sink/Haptics lists "
-                                                   "those that have.");
+      throw Error(Cause::argument,
+                  format_text(messages::kNoForceFeedback, description_of(unit_).c_str()));
     if (!x_.exists())
-      throw Error(Cause::argument, called(unit_) + " has no stick or wheel to point with.");
+      throw Error(Cause::argument, format_text(messages::kNoStick, description_of(unit_).c_str()));
     if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
-      throw Error(Cause::busy,
-                  called(unit_) + " is held by another program. End that program first.");
+      throw Error(Cause::busy, format_text(messages::kJoystickBusy, description_of(unit_).c_str()));
     decay_ = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * period);
     period_ = period;
-    upload(spidar::Vector3::Zero()); // a driver that refuses says so now
-    tell_position();
+    upload(spidar::Vector3::Zero()); // fails now if the driver refuses effects
+    publish_position();
     round_at_ = tick_at_ = now_ns();
     exchange();
     state_.velocity.setZero();
@@ -189,7 +180,7 @@ public:
   const spidar::DeviceState &state() const noexcept override { return state_; }
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
   bool grip_is_free() const noexcept override { return false; }
-  std::string description() const override { return called(unit_); }
+  std::string description() const override { return description_of(unit_); }
 
 private:
   // ---- the driver's thread ----------------------------------------------------------------------
@@ -197,7 +188,7 @@ private:
   void run(const std::stop_token &stop) noexcept {
     while (!stop.stop_requested() && !gone_) {
       read_events();
-      tell_position();
+      publish_position();
       force_.refresh();
       const bool loop_stands =
           now_ns() - tick_at_.load() > std::chrono::nanoseconds(kLoopStands).count();
@@ -216,7 +207,7 @@ private:
       gone_ = true;
     input_event event{};
     unsigned mode = LIBEVDEV_READ_FLAG_NORMAL;
-    // libevdev keeps where the axes are; after too many events at once it asks for them anew.
+    // libevdev keeps the positions of the axes; after too many events at once it reads them anew.
     for (;;) {
       const int result = libevdev_next_event(evdev_.get(), mode, &event);
       if (result == LIBEVDEV_READ_STATUS_SYNC) {
@@ -230,11 +221,11 @@ private:
     }
   }
 
-  void tell_position() noexcept {
+  void publish_position() noexcept {
     stick_.write({x_.value(evdev_.get()), -y_.value(evdev_.get()), 0});
   }
 
-  // False when the driver refuses: what it plays is then over before long.
+  // Returns false if the driver refuses. The present effect then ends by itself.
   bool play(const spidar::Vector3 &force) noexcept {
     const ff_effect wanted = force_effect(force, kind_, y_.exists(), effect_.id);
     if (!feels_alike(wanted, effect_) && !send(wanted))
@@ -274,10 +265,10 @@ private:
       return;
     const int error = errno;
     if (error == ENOSPC)
-      throw Error(Cause::busy, called(unit_) + " has no room for another effect: another program "
-                                               "plays effects on it. End that program first.");
-    throw Error(Cause::io, called(unit_) + " does not take a force: " + std::strerror(error) +
-                               ". Plug it in again.");
+      throw Error(Cause::busy,
+                  format_text(messages::kNoRoomForEffect, description_of(unit_).c_str()));
+    throw Error(Cause::io, format_text(messages::kForceRefused, description_of(unit_).c_str(),
+                                       std::generic_category().message(error).c_str()));
   }
 
   // Before the driver's thread starts, and then read by both.
@@ -313,7 +304,7 @@ private:
 } // namespace
 
 std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, double period) {
-  return std::make_unique<EvdevDevice>(wanted_path(path), period);
+  return std::make_unique<EvdevDevice>(path_or_first(path), period);
 }
 
 } // namespace haptic

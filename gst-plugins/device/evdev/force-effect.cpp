@@ -42,7 +42,7 @@ ff_effect force_effect(const spidar::Vector3 &force, ForceKind kind, bool has_y,
   effect.type = FF_CONSTANT;
   effect.u.constant.level = static_cast<std::int16_t>(std::lround(share * kFullLevel));
   if (share > 0) {
-    // Where the force pulls to: 0 down, a quarter of a turn to the left, half of one up.
+    // The direction of the pull: 0 down, a quarter of a turn to the left, half of one up.
     const double turns = std::atan2(-x, -y) / (2 * std::numbers::pi);
     effect.direction = static_cast<std::uint16_t>(std::lround(turns * kTurn) & 0xffff);
   }

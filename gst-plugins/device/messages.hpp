@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Every message that this room shows a user, with its cure. docs/troubleshooting.md is made from
+// it.
+#pragma once
+
+// MESSAGE(name, text, cure): printf formats; the cure takes no arguments.
+#define DEVICE_MESSAGES(MESSAGE)                                                                   \
+  MESSAGE(kSimulatedInstead, "No SPIDAR-G found on USB; a simulated one takes its place.",         \
+          "Plug one in and switch it on, or set device=sim to avoid this message.")                \
+  MESSAGE(kUnknownDevice, "The device \"%s\" is not known.",                                       \
+          "Use auto, sim, usb, usb:ID, evdev, evdev:PATH or none.")                                \
+  MESSAGE(kLogNotWritable, "The log \"%s\" cannot be written: %s.",                                \
+          "Choose another log-location.")                                                          \
+  MESSAGE(kLogStopped, "The log cannot be written any more: %s. The force goes on.",               \
+          "The log is incomplete; make room on the disk before the next start.")                   \
+  MESSAGE(kDeviceIsBack, "The device is back: %s.",                                                \
+          "Hold the grip in the centre, calibrate (signal calibrate), and re-arm (signal arm).")   \
+  MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
+          "Check its cable and power, then re-arm (signal arm).")                                  \
+  MESSAGE(kGripLetGo,                                                                              \
+          "The grip moved faster than 1 m/s, as if it had been let go. The force is off and the "  \
+          "video goes on.",                                                                        \
+          "Take the grip and re-arm (signal arm).")                                                \
+  MESSAGE(kMachineSlept, "The machine slept. The force is off and the video goes on.",             \
+          "Take the grip and re-arm (signal arm).")                                                \
+  MESSAGE(kSampleDamaged,                                                                          \
+          "A motion sample is damaged and was felt as nothing. Further ones are only counted "     \
+          "(stats).",                                                                              \
+          "Check the element before hapticsink: it makes wrong samples.")                          \
+  MESSAGE(kNoRealTime,                                                                             \
+          "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
+          "Allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \
+          "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
+  MESSAGE(kNoJoysticksBuilt,                                                                       \
+          "This build cannot use joysticks:", "install libevdev-dev and build it again.")          \
+  MESSAGE(kNoJoystick, "No joystick or wheel with force feedback found.%s",                        \
+          "Plug one in and switch it on.")                                                         \
+  MESSAGE(kJoystickForbidden, "The input device %s may not be opened by this user.",               \
+          "As root run 'usermod -aG input USER', and log in again; or put the line\n"              \
+          "KERNEL==\"event*\", SUBSYSTEM==\"input\", ENV{ID_INPUT_JOYSTICK}==\"1\", "              \
+          "TAG+=\"uaccess\"\ninto /etc/udev/rules.d/70-joystick.rules, and plug it in again.")     \
+  MESSAGE(kNoInputDevice, "There is no input device %s.",                                          \
+          "Plug it in, or set device=evdev to use the first one found. Its link in "               \
+          "/dev/input/by-id stays the same when it is plugged in again.")                          \
+  MESSAGE(kInputNotOpened, "The input device %s cannot be opened: %s.", "Plug it in again.")       \
+  MESSAGE(kNotAnInput, "%s is no input device.",                                                   \
+          "Those are /dev/input/event0 and so on, and the links in /dev/input/by-id.")             \
+  MESSAGE(kNoForceFeedback, "%s has no force feedback.",                                           \
+          "Choose another device; gst-device-monitor-1.0 Sink/Haptics lists those that have.")     \
+  MESSAGE(kNoStick, "%s has no stick or wheel to point with.", "Choose another device.")           \
+  MESSAGE(kJoystickBusy, "%s is held by another program.", "End that program first.")              \
+  MESSAGE(kNoRoomForEffect,                                                                        \
+          "%s has no room for another effect: another program plays effects on it.",               \
+          "End that program first.")                                                               \
+  MESSAGE(kForceRefused, "%s does not take a force: %s.", "Plug it in again.")
+
+namespace haptic::messages {
+#define DEFINE_MESSAGE(name, text, cure) inline constexpr char name[] = text " " cure;
+DEVICE_MESSAGES(DEFINE_MESSAGE)
+#undef DEFINE_MESSAGE
+} // namespace haptic::messages
