@@ -9,13 +9,13 @@ namespace {
 constexpr double kSame = 0.15; // of an interval; time stamps in ms are off by some percent
 }
 
-void Cadence::forget() noexcept {
+void Cadence::restart() noexcept {
   count_ = 0;
   repeated_ = false;
 }
 
-// s; 0, if the intervals have no such period, or no frame was repeated (uneven time stamps are
-// true then).
+// Returns the mean interval in s, or 0 if the intervals have no such period or no frame was
+// repeated (uneven time stamps are true then).
 double Cadence::mean_of_pattern(std::size_t period) const noexcept {
   double sum = 0;
   bool repeated = false;
@@ -37,7 +37,7 @@ double Cadence::correction(const MotionSample &sample) noexcept {
     return 1;
   }
   if (sample.interval == 0) {
-    forget();
+    restart();
     return 1;
   }
   newest_ = (newest_ + 1) % kMemory;

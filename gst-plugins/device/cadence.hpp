@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Film in video: 24 frames a second carried in 30 repeat every fourth one, and what moves evenly
-// then seems to move by fits and starts, six times a second.
+// Film in video: 24 frames a second carried in 30 repeat every fourth one, so that an even motion
+// is measured unevenly, six times a second.
 #pragma once
 
 #include "motion-sample.hpp"
@@ -10,14 +10,14 @@
 
 namespace haptic {
 
-/// Finds the pattern in which frames are repeated, and tells how much too fast a motion was
-/// measured because its frame was shown too soon. Not thread-safe.
+/// Finds the pattern in which frames are repeated, and corrects motions that were measured too fast
+/// because their frame was shown too soon. Not thread-safe.
 class Cadence {
 public:
-  /// For every sample in order: the interval it was measured over divided by the one that its
-  /// frame stands for. Multiply the velocity with it. 1 while no pattern is known.
+  /// Call for every sample in order. Returns the factor for the velocity: the measured interval
+  /// divided by the mean interval of the pattern, or 1 if no pattern is known.
   double correction(const MotionSample &sample) noexcept;
-  void forget() noexcept;
+  void restart() noexcept;
 
 private:
   struct Interval {
@@ -25,7 +25,7 @@ private:
     bool repeated = false; ///< a frame was shown again within it
   };
 
-  // 24 frames in 25; and each pattern is to be seen twice.
+  // 24 frames in 25; each pattern has to occur twice.
   static constexpr std::size_t kLongest = 24;
   static constexpr std::size_t kMemory = 2 * kLongest;
 

@@ -9,12 +9,13 @@ namespace haptic {
 
 struct FoundDevice {
   std::string name;    ///< for people
-  std::string device;  ///< what hapticsink's property `device` says to open it
-  std::string problem; ///< why it cannot be used, and the remedy; empty: it can
+  std::string device;  ///< value of hapticsink's property `device` that opens it
+  std::string problem; ///< reason and cure if it cannot be used; empty: it can
 };
 
-/// SPIDARs on USB, then joysticks and wheels with force feedback; not the simulated one. A SPIDAR
-/// that nobody uses is opened for a moment to read its rotary switch (spidar::list_usb()).
+/// Returns SPIDARs on USB, then joysticks and wheels with force feedback; not the simulated one. A
+/// SPIDAR that no program uses is opened for a moment to read its rotary switch
+/// (spidar::list_usb()).
 std::vector<FoundDevice> list_devices();
 
 } // namespace haptic

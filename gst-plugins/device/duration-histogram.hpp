@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Counts durations so that percentiles can be asked for while counting goes on.
+// Counts durations; percentiles can be read while it counts.
 #pragma once
 
 #include "shared-value.hpp"
@@ -23,7 +23,8 @@ public:
       max_.store(duration, std::memory_order_relaxed);
   }
 
-  /// µs; the duration that the fraction `p` (0..1) of all records does not exceed. 0 without any.
+  /// Returns the duration in µs that the fraction `p` (0..1) of all records does not exceed; 0
+  /// without records.
   double percentile_us(double p) const noexcept {
     std::uint64_t total = 0;
     for (const auto &bucket : buckets_)

@@ -12,16 +12,17 @@
 namespace haptic {
 namespace {
 
-constexpr std::size_t kBlock = 64; // cells whose weights are known at once
+constexpr std::size_t kBlock = 64; // cells whose weights are computed together
 
-// The integral up to `t` of the hat by which a cell weighs on either side of its centre; in cells.
+// The integral of the hat function max(0, 1 - |t|), the weight of a cell around its centre, from -1
+// to `t`; in cells.
 double hat_integral(double t) noexcept {
   const double within = std::clamp(t, -1.0, 1.0);
   return 0.5 + within - 0.5 * within * std::abs(within);
 }
 
-// What the cells along one axis weigh: the hat of each, seen through a box. In cells, the centre of
-// cell i at i.
+// The weights of the cells along one axis: the integral of each cell's hat over a box. In cells,
+// the centre of cell i at i.
 class Axis {
 public:
   Axis(double place, double region, std::size_t cells) noexcept {
@@ -44,7 +45,7 @@ public:
 
 private:
   double left_, right_;     // of the box
-  std::size_t first_, end_; // cells that weigh something
+  std::size_t first_, end_; // cells with a weight above 0
 };
 
 struct Sums {

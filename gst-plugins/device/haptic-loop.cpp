@@ -108,6 +108,10 @@ void HapticLoop::prepare(Environment environment) {
 
 void HapticLoop::start(Environment environment) {
   prepare(std::move(environment));
+  start_thread();
+}
+
+void HapticLoop::start_thread() {
   thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
 }
 

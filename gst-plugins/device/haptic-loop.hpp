@@ -4,7 +4,6 @@
 #pragma once
 
 #include "duration-histogram.hpp"
-#include "field-pool.hpp"
 #include "field-sampler.hpp"
 #include "force-law.hpp"
 #include "motion-conditioning.hpp"
@@ -73,6 +72,10 @@ struct LoopStatistics {
   SharedValue<double> force_max;            ///< N
   DurationHistogram lateness;
   DurationHistogram body;
+
+  std::uint64_t faults() const noexcept {
+    return device_faults + overspeeds + suspends + non_finite + interruptions;
+  }
 };
 
 class HapticLoop {
@@ -100,6 +103,8 @@ public:
   void stop() noexcept;
   /// As start() without the thread: the caller calls tick(). For tests and measurements.
   void prepare(Environment environment);
+  /// After prepare(). Throws std::system_error.
+  void start_thread();
   /// One period of the loop, begun at `now` though meant for `scheduled` (ns). Real-time safe.
   void tick(std::int64_t scheduled, std::int64_t now) noexcept;
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000; // ns
 constexpr std::int64_t kLongestRamp = kSecond;  // ns
-constexpr std::int64_t kFarthest = 3 * kSecond; // ns; what is due later has a wrong time
-constexpr std::int64_t kClosestInIntervals = 4; // closer ones would make a step between them
+constexpr std::int64_t kFarthest = 3 * kSecond; // ns; a later time is wrong
+constexpr std::int64_t kClosestInIntervals = 4; // closer ones would make a step
 
 std::int64_t interval_of(const MotionSample &sample) noexcept {
   return static_cast<std::int64_t>(std::min<std::uint64_t>(sample.interval, kLongestRamp));
@@ -36,8 +36,9 @@ void rescale(MotionSample &sample, const MotionSample &frame) noexcept {
   sample.pixel_aspect_d = frame.pixel_aspect_d;
 }
 
-// In the pixels of the motion's sample, which are those of the newest frame. A field has no
-// motion where its cells are silent: with a confidence of 0 it was not measured.
+// Returns the motion at `place`, in the pixels of the motion's sample, which are those of the
+// newest frame. Where the cells of a field are silent the confidence is 0: nothing was measured
+// there.
 MotionSample motion_at(const TimedMotion &motion, const PointerPosition &place) noexcept {
   if (!motion.field)
     return motion.sample;
@@ -72,9 +73,9 @@ void MotionInterpolator::pop_front() noexcept {
   --count_;
 }
 
-// Everything is kept in the pixels of the newest frame, so that lines between frames of
-// different sizes are meaningful.
-void MotionInterpolator::take_frame_of(const MotionSample &sample) noexcept {
+// Keeps everything in the pixels of the newest frame, so that a line may join frames of different
+// sizes.
+void MotionInterpolator::rescale_all_to(const MotionSample &sample) noexcept {
   rescale(from_.sample, sample);
   rescale(now_.sample, sample);
   for (std::size_t i = 0; i < count_; ++i)
@@ -92,7 +93,7 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
       knot.measured && (count_ > 0 ? pending(count_ - 1).measured : from_.measured);
   knot.time = std::max(knot.time, leads_on ? now + interval : now);
   if (knot.measured) {
-    take_frame_of(knot.sample);
+    rescale_all_to(knot.sample);
     now_.interval = static_cast<double>(interval) / static_cast<double>(kSecond);
   }
   const std::int64_t closest = knot.measured ? interval / kClosestInIntervals : 0;
@@ -101,7 +102,7 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
     pending(count_ - 1) = {};
     replaces = true;
   }
-  if (replaces && now_.measured) { // the line to what is replaced ends where it has come to
+  if (replaces && now_.measured) { // the line to what is replaced ends here
     from_ = {.sample = now_.sample, .measured = true, .time = now};
   }
   if (count_ == kCapacity)
@@ -117,14 +118,14 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
     now_.cut = now_.cut || (from_.sample.flags & kMotionCut) != 0;
   }
   if (count_ == 0 || from_.time > now)
-    from_.time = now; // a line to what comes next will begin where this one has come to
+    from_.time = now; // the next line begins here
 
   const MotionSample from = motion_at(from_, place);
   now_.measured = is_measured(from_, from);
   if (now_.measured) {
     now_.sample = from;
     if (count_ > 0)
-      lead_on(now, place);
+      interpolate_to_next(now, place);
   } else {
     now_.sample.confidence = 0;
   }
@@ -132,7 +133,8 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
   return now_;
 }
 
-void MotionInterpolator::lead_on(std::int64_t now, const PointerPosition &place) noexcept {
+void MotionInterpolator::interpolate_to_next(std::int64_t now,
+                                             const PointerPosition &place) noexcept {
   const TimedMotion &next = pending(0);
   const MotionSample to = motion_at(next, place);
   if (!is_measured(next, to))

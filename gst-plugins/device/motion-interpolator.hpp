@@ -3,48 +3,34 @@
 // intervals that the velocities were measured over.
 #pragma once
 
-#include "field-pool.hpp"
-#include "motion-sample.hpp"
 #include "pointer-position.hpp"
+#include "timed-motion.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 namespace haptic {
 
-/// A motion of unknown time: it counts from when it comes.
-inline constexpr std::int64_t kAtOnce = std::numeric_limits<std::int64_t>::min();
-
-/// What is known of one frame.
-struct TimedMotion {
-  MotionSample sample;         ///< of a field only what frame_of() says
-  bool measured = false;       ///< else the frame says only that nothing could be measured
-  std::int64_t time = kAtOnce; ///< ns, the middle of the sample's interval
-  FieldPool::Field field = {}; ///< null: the same motion everywhere
-};
-
-/// What the hand is to feel at one time.
+/// The motion at one time.
 struct MotionAt {
   MotionSample sample;   ///< interpolated; while nothing is measured, the last motion
   bool measured = false; ///< false also before the first sample
   bool cut = false;      ///< a cut was passed since the call before
-  double age = 0;        ///< s since the newest frame was due (or came, if later); 0 before
-  double interval = 0;   ///< s, of the newest measurement
+  double age = 0;      ///< s since the newest frame was due (or came, if later); 0 before the first
+  double interval = 0; ///< s, of the newest measurement
 };
 
-/// A velocity is known only once its interval is over, and a line to it needs the one after:
-/// whoever is told of a frame 1.5 intervals before it is due feels the motion when it is seen,
-/// and who is told when it is due, 1.5 intervals later. Either way without a step: a motion that
-/// comes too late is led to over an interval from when it came. One thread; real-time safe; times
-/// in ns of one steady clock, which may jump.
+/// A velocity is known when its interval is over, and a line to it needs the next one. A frame that
+/// comes 1.5 intervals before it is due is felt when it is seen; one that comes when it is due, 1.5
+/// intervals later. Neither makes a step: a motion that comes too late is reached over an interval
+/// from its arrival. One thread; real-time safe; times in ns of one steady clock, which may jump.
 class MotionInterpolator {
 public:
   void add(TimedMotion motion, std::int64_t now) noexcept;
-  /// At `place` of the frame, which matters in fields only.
+  /// Returns the motion at `now`; in fields at `place` of the frame.
   const MotionAt &at(std::int64_t now, const PointerPosition &place = {}) noexcept;
-  /// As if nothing had ever come.
+  /// Discards everything that was added.
   void clear() noexcept;
 
 private:
@@ -52,8 +38,8 @@ private:
 
   TimedMotion &pending(std::size_t i) noexcept { return pending_[(first_ + i) % kCapacity]; }
   void pop_front() noexcept;
-  void lead_on(std::int64_t now, const PointerPosition &place) noexcept;
-  void take_frame_of(const MotionSample &sample) noexcept;
+  void interpolate_to_next(std::int64_t now, const PointerPosition &place) noexcept;
+  void rescale_all_to(const MotionSample &sample) noexcept;
 
   std::array<TimedMotion, kCapacity> pending_; // ring, in order of time
   std::size_t first_ = 0;

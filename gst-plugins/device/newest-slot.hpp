@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Hands the newest value from one thread to another; older ones are forgotten. Neither side waits.
+// Passes the newest value from one thread to another; older ones are lost. Neither side waits.
 #pragma once
 
 #include "shared-value.hpp"
@@ -21,7 +21,7 @@ public:
             kIndex;
   }
 
-  /// The reader's side: true, if something was written since the last call.
+  /// The reader's side: returns true if a value was written since the last call.
   bool refresh() noexcept {
     if (!(middle_.load(std::memory_order_relaxed) & kFresh))
       return false;
@@ -29,7 +29,7 @@ public:
     return true;
   }
 
-  /// The reader's side: the value as of the last refresh().
+  /// The reader's side: returns the value of the last refresh().
   const T &value() const noexcept { return cells_[front_].value; }
 
 private:

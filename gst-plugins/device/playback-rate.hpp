@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Time deformation: what a film played slower, faster or backwards feels like.
+// Time deformation: the motion of a film that is played slower, faster or backwards.
 #pragma once
 
-#include "motion-field.hpp"
-
-#include <optional>
+#include "timed-motion.hpp"
 
 namespace haptic {
 
@@ -15,19 +13,16 @@ enum class RateLaw {
 
 /// How the film is played.
 struct Playback {
-  double rate = 1;         ///< that remains to be applied to its time stamps (GstSegment::rate)
-  double applied_rate = 1; ///< that its time stamps already hold (GstSegment::applied_rate)
+  double rate = 1;         ///< still to be applied to the time stamps (GstSegment::rate)
+  double applied_rate = 1; ///< already applied to them (GstSegment::applied_rate)
   bool skips = false;      ///< frames are left out (trick modes)
 };
 
-/// The sample in the time of its presentation: interval and motion as they are lived through, or
-/// the motion as filmed. Samples come in the order of presentation, so that a film played backwards
-/// brings its motions turned round already. Nothing where frames are too far apart for a motion
-/// to mean something: beyond twice the film's pace, or when frames are left out.
-std::optional<MotionSample> play(MotionSample sample, const Playback &playback,
-                                 RateLaw law) noexcept;
-
-/// The same for a field, in place; false where that gives nothing for a sample.
-bool play(MotionField &field, const Playback &playback, RateLaw law) noexcept;
+/// Converts the motion into the time of its presentation: the interval as it lasts, the velocities
+/// as they are seen or as they were filmed. Frames come in the order of presentation, so that a
+/// film played backwards brings its motions turned round already. Returns false, and leaves the
+/// motion as it is, where frames are too far apart for a motion to be felt: beyond twice the film's
+/// pace, or when frames are left out.
+bool apply_playback(TimedMotion &motion, const Playback &playback, RateLaw law) noexcept;
 
 } // namespace haptic

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// From the hand to the point in the frame (paper, equation 1), and when that is worth telling.
+// From the hand to the point in the frame (paper, equation 1), and when an event is sent.
 #pragma once
 
 #include "pointer-position.hpp"
@@ -10,17 +10,17 @@
 
 namespace haptic {
 
-/// Equation 1 without the frame's size, which only its reader knows: x, y and z of the result are
-/// those of the pointer event. `hand` and `workspace_half` in m. Positions outside the workspace
-/// are taken to its border.
+/// Equation 1 of the paper without the frame's size, with the hand at (X, Y, Z) and the half
+/// extents (hX, hY, hZ): x = 0.5 + X / (2 hX), y = 0.5 - Y / (2 hY), z = Z / hZ. All in m.
+/// Positions outside the workspace are clamped to its border.
 PointerPosition map_pointer(const spidar::Vector3 &hand,
                             const spidar::Vector3 &workspace_half) noexcept;
 
-/// Lets a position through when it differs by more than 0.001, or its force by more than 0.01 N,
-/// from the last one let through, or when that was 200 ms ago.
+/// Passes a position that differs from the last passed one by more than 0.001, or its force by more
+/// than 0.01 N; and any position 200 ms after the last passed one.
 class PointerGate {
 public:
-  /// `now` in ns of any steady clock.
+  /// Returns whether the position passes. `now` in ns of any steady clock.
   bool pass(const PointerPosition &position, std::int64_t now) noexcept;
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Hands every value from one thread to another, in order. Neither side waits.
+// Passes every value from one thread to another, in order. Neither side waits.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace haptic {
 template <typename T, std::size_t kSize>
 class SampleRing {
 public:
-  /// The writer's side: false, and the value is lost, when the reader is kSize values behind.
+  /// The writer's side: returns false, and the value is lost, if the reader is kSize values behind.
   bool push(T value) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) >= kSize)
@@ -23,7 +23,7 @@ public:
     return true;
   }
 
-  /// The reader's side: false when there is nothing.
+  /// The reader's side: returns false if there is no value.
   bool pop(T &value) noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == written_.load(std::memory_order_acquire))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tells that the machine slept: the clock that counts sleep has got ahead of the one that does not.
+// Detects that the machine slept: the clock that counts sleep is ahead of the one that does not.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@ namespace haptic {
 /// One thread; real-time safe.
 class SuspendDetector {
 public:
-  /// True once after each sleep. `monotonic` and `boottime` are CLOCK_MONOTONIC and CLOCK_BOOTTIME,
-  /// ns, read one right after the other.
+  /// Returns true once after each sleep. `monotonic` and `boottime` are CLOCK_MONOTONIC and
+  /// CLOCK_BOOTTIME, ns, read one right after the other.
   bool has_slept(std::int64_t monotonic, std::int64_t boottime) noexcept {
     const std::int64_t asleep = boottime - monotonic;
     const bool slept = known_ && asleep - asleep_ > kShortestSleep;
-    // Followed only so far: being held up between the two readings must not count as awake again.
+    // Follows only downwards: a delay between the two readings must not hide a later sleep.
     if (!known_ || slept || asleep < asleep_)
       asleep_ = asleep;
     known_ = true;

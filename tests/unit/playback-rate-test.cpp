@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 #include <limits>
+#include <memory>
+#include <optional>
 
 namespace {
 
@@ -20,14 +22,22 @@ haptic::MotionSample filmed() {
   return sample;
 }
 
+std::optional<haptic::MotionSample> play(const haptic::MotionSample &sample,
+                                         const Playback &playback, RateLaw law) {
+  haptic::TimedMotion motion{sample, true};
+  if (!haptic::apply_playback(motion, playback, law))
+    return std::nullopt;
+  return motion.sample;
+}
+
 TEST(PlaybackRate, AtTheFilmsOwnPaceNothingChanges) {
   for (const auto law : {RateLaw::as_seen, RateLaw::as_filmed})
-    EXPECT_EQ(haptic::play(filmed(), {}, law), filmed());
+    EXPECT_EQ(play(filmed(), {}, law), filmed());
 }
 
 TEST(PlaybackRate, AsSeenSlowMotionIsSofterAndFastMotionStronger) {
   for (const double rate : {0.25, 0.5, 2.0}) {
-    const auto felt = haptic::play(filmed(), {.rate = rate}, RateLaw::as_seen);
+    const auto felt = play(filmed(), {.rate = rate}, RateLaw::as_seen);
     ASSERT_TRUE(felt);
     EXPECT_NEAR(felt->velocity_x, 100 * rate, 1e-4);
     EXPECT_NEAR(felt->velocity_y, -50 * rate, 1e-4);
@@ -39,7 +49,7 @@ TEST(PlaybackRate, AsSeenSlowMotionIsSofterAndFastMotionStronger) {
 
 TEST(PlaybackRate, AsFilmedThePaceDoesNotMatter) {
   for (const double rate : {0.25, 0.5, 2.0}) {
-    const auto felt = haptic::play(filmed(), {.rate = rate}, RateLaw::as_filmed);
+    const auto felt = play(filmed(), {.rate = rate}, RateLaw::as_filmed);
     ASSERT_TRUE(felt);
     EXPECT_EQ(felt->velocity_x, 100);
     EXPECT_NEAR(static_cast<double>(felt->interval), 40e6 / rate, 1);
@@ -49,14 +59,14 @@ TEST(PlaybackRate, AsFilmedThePaceDoesNotMatter) {
 // Upstream has squeezed the time stamps, so that the velocities already are as seen.
 TEST(PlaybackRate, ARateThatUpstreamAppliedIsTakenOutOnlyAsFilmed) {
   const Playback twice{.applied_rate = 2};
-  EXPECT_EQ(haptic::play(filmed(), twice, RateLaw::as_seen)->velocity_x, 100);
-  EXPECT_EQ(haptic::play(filmed(), twice, RateLaw::as_filmed)->velocity_x, 50);
+  EXPECT_EQ(play(filmed(), twice, RateLaw::as_seen)->velocity_x, 100);
+  EXPECT_EQ(play(filmed(), twice, RateLaw::as_filmed)->velocity_x, 50);
 }
 
 // The frames come in reverse order, so that what was measured is turned round already.
 TEST(PlaybackRate, BackwardsKeepsTheDirectionThatIsSeen) {
-  EXPECT_EQ(haptic::play(filmed(), {.rate = -0.5}, RateLaw::as_seen)->velocity_x, 50);
-  EXPECT_EQ(haptic::play(filmed(), {.rate = -0.5}, RateLaw::as_filmed)->velocity_x, 100);
+  EXPECT_EQ(play(filmed(), {.rate = -0.5}, RateLaw::as_seen)->velocity_x, 50);
+  EXPECT_EQ(play(filmed(), {.rate = -0.5}, RateLaw::as_filmed)->velocity_x, 100);
 }
 
 TEST(PlaybackRate, IsMuteBeyondTwiceThePaceAndWhereFramesAreLeftOut) {
@@ -65,32 +75,34 @@ TEST(PlaybackRate, IsMuteBeyondTwiceThePaceAndWhereFramesAreLeftOut) {
         Playback{.skips = true}, Playback{.rate = 0},
         Playback{.rate = std::numeric_limits<double>::quiet_NaN()},
         Playback{.rate = std::numeric_limits<double>::infinity()}})
-    EXPECT_FALSE(haptic::play(filmed(), playback, RateLaw::as_seen)) << playback.rate;
+    EXPECT_FALSE(play(filmed(), playback, RateLaw::as_seen)) << playback.rate;
 }
 
 TEST(PlaybackRate, AFieldIsFeltAsASampleIsInEachOfItsCells) {
   for (const auto law : {RateLaw::as_seen, RateLaw::as_filmed})
     for (const Playback &playback :
          {Playback{}, Playback{.rate = 0.5}, Playback{.rate = -2}, Playback{.applied_rate = 2}}) {
-      haptic::MotionField field{.interval = filmed().interval,
-                                .cells = {{}, {filmed().velocity_x, filmed().velocity_y, 0.5F}}};
-      const auto felt = haptic::play(filmed(), playback, law);
+      const auto pool = std::make_unique<haptic::FieldPool>();
+      haptic::TimedMotion motion{{.interval = filmed().interval}, true};
+      motion.field = pool->acquire();
+      motion.field->cells = {{}, {filmed().velocity_x, filmed().velocity_y, 0.5F}};
+      const auto felt = play(filmed(), playback, law);
       ASSERT_TRUE(felt);
-      ASSERT_TRUE(haptic::play(field, playback, law));
-      EXPECT_EQ(field.interval, felt->interval);
-      EXPECT_EQ(field.cells[1], (haptic::FieldCell{felt->velocity_x, felt->velocity_y, 0.5F}));
-      EXPECT_EQ(field.cells[0], haptic::FieldCell{});
+      ASSERT_TRUE(haptic::apply_playback(motion, playback, law));
+      EXPECT_EQ(motion.field->interval, felt->interval);
+      EXPECT_EQ(motion.sample.interval, felt->interval);
+      EXPECT_EQ(motion.field->cells[1],
+                (haptic::FieldCell{felt->velocity_x, felt->velocity_y, 0.5F}));
+      EXPECT_EQ(motion.field->cells[0], haptic::FieldCell{});
     }
-  haptic::MotionField field;
-  EXPECT_FALSE(haptic::play(field, {.rate = 3}, RateLaw::as_seen));
 }
 
 TEST(PlaybackRate, FilmedInTheSlowestMotionNothingOverflows) {
-  EXPECT_FALSE(haptic::play(filmed(), {.applied_rate = 1e-300}, RateLaw::as_filmed));
+  EXPECT_FALSE(play(filmed(), {.applied_rate = 1e-300}, RateLaw::as_filmed));
 }
 
 TEST(PlaybackRate, AtHardlyAnyPaceNothingOverflows) {
-  const auto felt = haptic::play(filmed(), {.rate = 1e-300}, RateLaw::as_seen);
+  const auto felt = play(filmed(), {.rate = 1e-300}, RateLaw::as_seen);
   ASSERT_TRUE(felt);
   EXPECT_NEAR(felt->velocity_x, 0, 1e-9);
 }

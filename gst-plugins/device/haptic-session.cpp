@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "haptic-session.hpp"
+
+#include "format-text.hpp"
+#include "messages.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000; // ns
+constexpr auto kPointerPeriod = std::chrono::milliseconds(10);
+constexpr std::int64_t kClockPeriod = 100 * kMs;
+constexpr std::int64_t kTrackerGrace = 1000 * kMs;
+constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled with each attempt
+constexpr std::int64_t kLastReopening = 500 * kMs;
+
+// The faults that are reported whenever their counter has changed.
+struct FaultReport {
+  SharedValue<std::uint64_t> LoopStatistics::*counter;
+  NoticeCause cause;
+  const char *text;
+  const char *detail;
+};
+constexpr std::array kFaultReports = {
+    FaultReport{&LoopStatistics::device_faults, NoticeCause::write, messages::kDeviceSilent,
+                "three exchanges in a row failed, or it was unplugged"},
+    FaultReport{&LoopStatistics::overspeeds, NoticeCause::failed, messages::kGripLetGo,
+                "latched until re-armed"},
+    FaultReport{&LoopStatistics::suspends, NoticeCause::failed, messages::kMachineSlept,
+                "latched until re-armed"},
+};
+
+NoticeCause notice_cause(spidar::Cause cause) noexcept {
+  switch (cause) {
+  case spidar::Cause::not_found:
+    return NoticeCause::not_found;
+  case spidar::Cause::busy:
+    return NoticeCause::busy;
+  case spidar::Cause::geometry:
+  case spidar::Cause::argument:
+    return NoticeCause::settings;
+  case spidar::Cause::permission:
+  case spidar::Cause::io:
+    break;
+  }
+  return NoticeCause::open;
+}
+
+std::string error_text(int error) {
+  return std::generic_category().message(error);
+}
+
+} // namespace
+
+HapticSession::HapticSession(SessionClient &client, DeviceOpener opener)
+    : client_(client), opener_(std::move(opener)), run_(fields_) {}
+
+void HapticSession::note(Severity severity, std::string text) {
+  client_.on_notice({severity, std::nullopt, std::move(text), {}});
+}
+
+// ---- the device and the run ---------------------------------------------------------------------
+
+bool HapticSession::open(const DeviceChoice &choice) {
+  OpenedDevice opened;
+  try {
+    opened = opener_.open(choice);
+  } catch (const spidar::Error &error) {
+    client_.on_notice({Severity::error, notice_cause(error.cause()), error.what(),
+                       "device=" + choice.device + " geometry=" + choice.geometry +
+                           " sim-hand=" + choice.sim_hand});
+    return false;
+  }
+  if (opened.simulated_instead)
+    client_.on_notice({Severity::warning, NoticeCause::not_found, messages::kSimulatedInstead, {}});
+  device_ = std::move(opened.device);
+  opened_as_ = choice;
+  // A fault ends with the device that had it. What the user asked for (kHoldReleased) does not.
+  loop_.unhold(kHoldClosed | kHoldOverspeed | kHoldFaulted | kHoldSuspended);
+  note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
+  return true;
+}
+
+void HapticSession::close() noexcept {
+  loop_.hold(kHoldClosed);
+  device_.reset();
+}
+
+bool HapticSession::open_log(const std::string &path) {
+  if (path.empty())
+    return true;
+  try {
+    log_ = std::make_unique<TickLog>(path);
+  } catch (const std::system_error &error) {
+    client_.on_notice(
+        {Severity::error, NoticeCause::open_log,
+         format_text(messages::kLogNotWritable, path.c_str(), error.code().message().c_str()),
+         "log-location"});
+    return false;
+  }
+  return true;
+}
+
+bool HapticSession::prepare(const RunSettings &settings) {
+  if (settings.choice != opened_as_) { // a property has changed since open()
+    close();
+    if (!open(settings.choice))
+      return false;
+  }
+  if (!open_log(settings.log_location))
+    return false;
+  run_ = Run(fields_);
+  run_.reopening.wait = kFirstReopening;
+  run_.armed = is_armed();
+  read_description();
+
+  HapticLoop::Environment environment;
+  environment.device = device_.get();
+  environment.lost = !device_ && opened_as_.device != "none"; // in a run before this one
+  environment.log = log_.get();
+  environment.rate = opened_as_.rate;
+  environment.entered = settings.entered;
+  environment.left = settings.left;
+  loop_.prepare(std::move(environment));
+  loop_.set_running_time(monotonic_now(), 0); // until the client has a clock
+  return true;
+}
+
+// ---- streaming ----------------------------------------------------------------------------------
+
+void HapticSession::begin_flush() noexcept {
+  loop_.hold(kHoldFlushing);
+  loop_.drop_samples();
+}
+
+void HapticSession::end_flush() noexcept {
+  loop_.drop_samples(); // those that accept() was about to submit
+  loop_.unhold(kHoldFlushing | kHoldEnded);
+}
+
+void HapticSession::accept(std::span<const std::uint8_t> bytes, bool gap,
+                           const Presentation &presentation) {
+  SampleIntake::Result result = run_.intake.accept(bytes, gap, presentation);
+  if (result.motion)
+    loop_.submit(*std::move(result.motion));
+  if (result.damaged && !std::exchange(run_.damage_reported, true))
+    client_.on_notice({Severity::warning, NoticeCause::format, messages::kSampleDamaged,
+                       std::to_string(bytes.size()) + " bytes"});
+}
+
+void HapticSession::accept_gap(std::int64_t time) noexcept {
+  loop_.submit(run_.intake.accept_gap(time));
+}
+
+// ---- pointer thread -----------------------------------------------------------------------------
+
+void HapticSession::run_rounds(const std::stop_token &stop) {
+  while (!stop.stop_requested()) {
+    round(monotonic_now());
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, stop, kPointerPeriod, [] { return false; });
+  }
+  round(monotonic_now()); // reports what happened since
+}
+
+void HapticSession::round(std::int64_t now) {
+  if (!run_.began_at)
+    run_.began_at = now;
+  const bool playing = !(loop_.holds() & kHoldPaused);
+  if (playing && (!run_.clock_read_at || now - *run_.clock_read_at > kClockPeriod)) {
+    run_.clock_read_at = now;
+    if (const auto reading = client_.read_clocks())
+      set_running_time(*reading);
+  }
+  if (run_.has_hand)
+    send_point(now, playing);
+  report_priority();
+  report_faults();
+  reopen_lost_device(now);
+  report_log();
+  if (const bool armed = is_armed(); armed != run_.armed) {
+    run_.armed = armed;
+    client_.on_armed_changed();
+  }
+}
+
+void HapticSession::read_description() {
+  if (!device_)
+    return;
+  run_.has_hand = true;
+  run_.workspace_half = device_->workspace_half();
+  run_.description = device_->description();
+}
+
+void HapticSession::send_point(std::int64_t now, bool playing) {
+  const HandPosition hand = loop_.hand();
+  if (!hand.valid)
+    return;
+  PointerPosition point = map_pointer(hand.position, run_.workspace_half);
+  const Impulse impulse = loop_.impulse();
+  if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {
+    const spidar::Vector3 mean = (impulse.impulse - run_.last_sent.impulse) / elapsed;
+    point.force = {mean.x(), mean.y(), mean.z()};
+  }
+  if (!run_.gate.pass(point, now))
+    return;
+  run_.last_sent = impulse;
+  point.device = run_.description;
+  if (playing)
+    if (const auto reading = client_.read_clocks(); reading && reading->running >= 0)
+      point.timestamp = static_cast<std::uint64_t>(reading->running);
+  report_tracker(client_.on_point(point), now);
+}
+
+void HapticSession::report_tracker(bool handled, std::int64_t now) {
+  run_.tracker_found = run_.tracker_found || handled;
+  if (run_.tracker_found || run_.tracker_reported || now - *run_.began_at <= kTrackerGrace)
+    return;
+  run_.tracker_reported = true;
+  note(Severity::info, "no tracker upstream takes the pointer events");
+}
+
+void HapticSession::report_priority() {
+  const int error = loop_.priority_error();
+  if (run_.priority_reported || error < 0)
+    return;
+  run_.priority_reported = true;
+  const int memory_error = loop_.memory_error();
+  if (error == 0 && memory_error == 0)
+    note(Severity::debug, "the loop has real-time priority, and its memory is locked");
+  else
+    note(Severity::info,
+         format_text(messages::kNoRealTime, error ? error_text(error).c_str() : "granted",
+                     memory_error ? error_text(memory_error).c_str() : "granted"));
+}
+
+void HapticSession::report_faults() {
+  const LoopStatistics &statistics = loop_.statistics();
+  static_assert(std::tuple_size_v<decltype(Run::faults)> == kFaultReports.size());
+  for (std::size_t i = 0; i < kFaultReports.size(); ++i) {
+    const FaultReport &report = kFaultReports[i];
+    const std::uint64_t count = (statistics.*report.counter).load();
+    if (std::exchange(run_.faults[i], count) != count)
+      client_.on_notice({Severity::warning, report.cause, report.text, report.detail});
+  }
+  if (!run_.non_finite_reported && statistics.non_finite.load() > 0) {
+    run_.non_finite_reported = true;
+    note(Severity::warning, "a force that was not finite counted as zero");
+  }
+}
+
+void HapticSession::report_log() {
+  if (run_.log_reported || !log_ || !log_->error())
+    return;
+  run_.log_reported = true;
+  client_.on_notice({Severity::warning,
+                     NoticeCause::write,
+                     format_text(messages::kLogStopped, error_text(log_->error()).c_str()),
+                     {}});
+}
+
+// ---- opening a lost device again ----------------------------------------------------------------
+
+void HapticSession::reopen_lost_device(std::int64_t now) {
+  Reopening &reopening = run_.reopening;
+  if (!loop_.device_lost()) {
+    reopening.wait = kFirstReopening;
+    return;
+  }
+  if (device_ || !reopening.waiting) {
+    device_.reset();
+    reopening = {.waiting = true, .wait = reopening.wait, .next_at = now + reopening.wait};
+  }
+  if (now < reopening.next_at)
+    return;
+  try {
+    device_ = opener_.reopen(opened_as_);
+  } catch (const spidar::Error &error) {
+    reopening.wait = std::min(2 * reopening.wait, kLastReopening);
+    reopening.next_at = now + reopening.wait;
+    report_reopening(error);
+    return;
+  }
+  reopening.waiting = false;
+  loop_.replace_device(device_.get());
+  client_.on_notice({Severity::info,
+                     NoticeCause::open,
+                     format_text(messages::kDeviceIsBack, device_->description().c_str()),
+                     {}});
+  read_description();
+}
+
+// A device that has just been plugged in may need a moment until it may be opened.
+void HapticSession::report_reopening(const spidar::Error &error) {
+  Reopening &reopening = run_.reopening;
+  note(Severity::debug, std::string("not opened again yet: ") + error.what());
+  if (error.cause() == spidar::Cause::not_found) {
+    reopening.reported.clear();
+  } else if (reopening.reported != error.what() && reopening.wait == kLastReopening) {
+    reopening.reported = error.what();
+    client_.on_notice(
+        {Severity::warning, NoticeCause::open, error.what(), "while opening it again"});
+  }
+}
+
+} // namespace haptic

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A session with a haptic device: the device, the loop, the log, opening a lost device again, the
+// pointer, and the reports of faults. It is compiled without GStreamer: the element hands in
+// samples and state changes, and posts the notices and points that come out (SessionClient).
+#pragma once
+
+#include "device-choice.hpp"
+#include "haptic-loop.hpp"
+#include "pointer-mapping.hpp"
+#include "sample-intake.hpp"
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <spidar/error.hpp>
+#include <stop_token>
+#include <string>
+
+namespace haptic {
+
+enum class Severity { debug, info, warning, error };
+
+/// What a notice is about, as far as a program may act on it.
+enum class NoticeCause {
+  not_found, ///< no such device, geometry or file
+  busy,      ///< another program holds the device
+  settings,  ///< a property cannot be understood
+  open,      ///< the device cannot be opened, or was opened again
+  open_log,  ///< the log cannot be written
+  write,     ///< the device or the log stopped working
+  failed,    ///< the force is off for another reason
+  format,    ///< a sample is damaged
+};
+
+struct Notice {
+  Severity severity = Severity::debug;
+  std::optional<NoticeCause> cause; ///< nothing: for the debug log, not for the user
+  std::string text;                 ///< for the user, with its cure
+  std::string detail;               ///< for developers
+};
+
+/// Two clocks read at the same time.
+struct ClockReading {
+  std::int64_t monotonic = 0; ///< ns
+  std::int64_t running = 0;   ///< ns
+};
+
+/// What a session needs from its owner, and whom it reports to.
+class SessionClient {
+public:
+  virtual ~SessionClient() = default;
+  /// Any thread but the loop's.
+  virtual void on_notice(const Notice &notice) = 0;
+  /// Pointer thread. Returns whether a tracker took the point.
+  virtual bool on_point(const PointerPosition &point) = 0;
+  /// Pointer thread.
+  virtual void on_armed_changed() = 0;
+  /// Pointer thread. Returns nothing without a clock.
+  virtual std::optional<ClockReading> read_clocks() = 0;
+};
+
+/// How devices are opened; tests replace it.
+struct DeviceOpener {
+  std::function<OpenedDevice(const DeviceChoice &)> open = open_device;
+  std::function<std::unique_ptr<spidar::HapticDevice>(const DeviceChoice &)> reopen = reopen_device;
+};
+
+class HapticSession {
+public:
+  /// `client` outlives the session.
+  explicit HapticSession(SessionClient &client, DeviceOpener opener = {});
+
+  // The thread that changes the state, in this order.
+
+  /// Opens the device. Returns false after an error notice.
+  bool open(const DeviceChoice &choice);
+
+  struct RunSettings {
+    DeviceChoice choice;           ///< another one than before: the device is opened anew
+    std::string log_location;      ///< empty: no log
+    std::function<void()> entered; ///< called in the loop's thread before its first tick
+    std::function<void()> left;    ///< and after its last
+  };
+  /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.
+  bool prepare(const RunSettings &settings);
+  /// After prepare(): starts the loop's thread, silent until play(). Then run_rounds() belongs on a
+  /// thread of its own. Throws std::system_error. Tests call loop().tick() and round() instead.
+  void start_loop() { loop_.start_thread(); }
+  void play() noexcept { loop_.unhold(kHoldPaused); }
+  void pause() noexcept { loop_.hold(kHoldPaused); }
+  /// Zero force, two exchanges, join.
+  void stop_loop() noexcept { loop_.stop(); }
+  /// After run_rounds() has returned: completes the log.
+  void end_run() noexcept { log_.reset(); }
+  void close() noexcept;
+
+  // Any thread.
+
+  void arm() noexcept { loop_.unhold(kLatches); }
+  void release() noexcept { loop_.hold(kHoldReleased); }
+  void calibrate() noexcept { loop_.calibrate(); }
+  bool is_armed() const noexcept { return !(loop_.holds() & (kHoldClosed | kLatches)); }
+  bool silent() const noexcept { return loop_.silent(); }
+  const LoopStatistics &statistics() const noexcept { return loop_.statistics(); }
+  const SampleIntake &intake() const noexcept { return run_.intake; } ///< its counters
+  void set_running_time(const ClockReading &reading) noexcept {
+    loop_.set_running_time(reading.monotonic, reading.running);
+  }
+  /// A seek begins: the samples are discarded and the force fades.
+  void begin_flush() noexcept;
+  void end_flush() noexcept;
+
+  // One writer at a time.
+  void set_settings(const LoopSettings &settings) noexcept { loop_.set_settings(settings); }
+
+  // Streaming thread.
+
+  SampleIntake &intake() noexcept { return run_.intake; }
+  /// One sample or field (SampleIntake::accept()). The first damaged one of a run yields a notice.
+  void accept(std::span<const std::uint8_t> bytes, bool gap, const Presentation &presentation);
+  void accept_gap(std::int64_t time) noexcept;
+  void begin_stream() noexcept { loop_.unhold(kHoldEnded); }
+  void end_stream() noexcept { loop_.hold(kHoldEnded); }
+
+  // Pointer thread.
+
+  /// Calls round() 100 times a second, and once more when stopped.
+  void run_rounds(const std::stop_token &stop);
+  /// Sends the pointer, reports what happened since the round before, and opens a lost device
+  /// again. `now` in ns of the monotonic clock.
+  void round(std::int64_t now);
+
+  HapticLoop &loop() noexcept { return loop_; }
+
+private:
+  // How far the opening of a lost device has come.
+  struct Reopening {
+    bool waiting = false;
+    std::int64_t wait = 0;    // ns, between two attempts
+    std::int64_t next_at = 0; // ns, monotonic
+    std::string reported;     // text of the last failure that was reported
+  };
+
+  // Everything that begins anew with a start, which replaces it as a whole.
+  struct Run {
+    explicit Run(FieldPool &fields) noexcept : intake(fields) {}
+
+    // Streaming thread; counters of the intake: any thread.
+    SampleIntake intake;
+    bool damage_reported = false;
+
+    // Pointer thread.
+    Reopening reopening;
+    bool has_hand = false;
+    spidar::Vector3 workspace_half = spidar::Vector3::Ones(); // m
+    std::string description;
+    PointerGate gate;
+    Impulse last_sent; // as of the last event
+    bool armed = false;
+    std::optional<std::int64_t> began_at;      // ns, monotonic, of the first round
+    std::optional<std::int64_t> clock_read_at; // ns, monotonic
+    std::array<std::uint64_t, 3> faults{};     // reported so far, as in kFaultReports
+    bool tracker_found = false;
+    bool tracker_reported = false;
+    bool priority_reported = false;
+    bool non_finite_reported = false;
+    bool log_reported = false;
+  };
+
+  bool open_log(const std::string &path);
+  void read_description();
+  void send_point(std::int64_t now, bool playing);
+  void report_tracker(bool handled, std::int64_t now);
+  void report_priority();
+  void report_faults();
+  void report_log();
+  void report_reopening(const spidar::Error &error);
+  void reopen_lost_device(std::int64_t now);
+  void note(Severity severity, std::string text);
+
+  SessionClient &client_;
+  DeviceOpener opener_;
+
+  // The thread that changes the state; the pointer thread while it runs and the loop has lost the
+  // device.
+  DeviceChoice opened_as_;
+  std::unique_ptr<spidar::HapticDevice> device_;
+  std::unique_ptr<TickLog> log_;
+
+  FieldPool fields_; // before the run and the loop, which give fields back
+  Run run_;
+  HapticLoop loop_; // its members have their threads
+
+  std::mutex mutex_; // only to sleep on
+  std::condition_variable_any wake_;
+};
+
+} // namespace haptic

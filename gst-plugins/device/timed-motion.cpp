@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "timed-motion.hpp"
+
+#include "motion-conditioning.hpp"
+
+#include <algorithm>
+
+namespace haptic {
+
+void scale_velocities(TimedMotion &motion, double factor) noexcept {
+  const auto scale = [factor](float &value) { value = static_cast<float>(factor * value); };
+  MotionSample &sample = motion.sample;
+  for (float *value : {&sample.velocity_x, &sample.velocity_y, &sample.spin, &sample.divergence})
+    scale(*value);
+  if (!motion.field)
+    return;
+  for (FieldCell &cell : motion.field->cells) {
+    scale(cell.velocity_x);
+    scale(cell.velocity_y);
+  }
+}
+
+void set_interval(TimedMotion &motion, std::uint64_t interval) noexcept {
+  motion.sample.interval = interval;
+  if (motion.field)
+    motion.field->interval = interval;
+}
+
+bool is_plausible(const TimedMotion &motion) noexcept {
+  return motion.field ? is_plausible(*motion.field) : is_plausible(motion.sample);
+}
+
+bool has_measurement(const TimedMotion &motion) noexcept {
+  if (!motion.field)
+    return motion.sample.confidence > 0;
+  return std::ranges::any_of(motion.field->cells,
+                             [](const FieldCell &cell) { return cell.confidence > 0; });
+}
+
+} // namespace haptic
