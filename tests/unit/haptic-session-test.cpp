@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The session with a device that fails and comes back. The clock is driven by hand.
+#include "haptic-session.hpp"
+
+#include "messages.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <memory>
+#include <optional>
+#include <spidar/error.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using haptic::HapticSession;
+using haptic::Notice;
+using haptic::NoticeCause;
+using haptic::PointerPosition;
+using haptic::Severity;
+
+constexpr std::int64_t kMs = 1'000'000; // ns
+
+// What a test sets and sees of all devices that the session opens.
+struct Bench {
+  bool answers = true;
+  bool plugged = true;
+  spidar::Vector3 hand = spidar::Vector3::Zero(); // m
+  spidar::Wrench commanded;
+  int alive = 0; // devices that exist
+};
+
+class FakeDevice final : public spidar::HapticDevice {
+public:
+  explicit FakeDevice(Bench &bench) : bench_(bench) { ++bench_.alive; }
+  ~FakeDevice() override { --bench_.alive; }
+
+  bool exchange() noexcept override {
+    connected_ = connected_ && bench_.plugged;
+    state_.valid = connected_ && bench_.answers;
+    if (state_.valid)
+      state_.pose.position = bench_.hand;
+    return state_.valid;
+  }
+  bool connected() const noexcept override { return connected_; }
+  void command(const spidar::Wrench &wrench) noexcept override { bench_.commanded = wrench; }
+  void calibrate() noexcept override {}
+  const spidar::DeviceState &state() const noexcept override { return state_; }
+  const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
+  bool grip_is_free() const noexcept override { return true; }
+  std::string description() const override { return "a fake"; }
+
+private:
+  Bench &bench_;
+  bool connected_ = true;
+  spidar::DeviceState state_;
+  spidar::Vector3 workspace_half_ = spidar::Vector3::Constant(0.02);
+};
+
+haptic::MotionSample moving(float vx) {
+  haptic::MotionSample sample;
+  sample.velocity_x = vx;
+  sample.confidence = 1;
+  sample.interval = 33 * kMs;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
+  return sample;
+}
+
+class Session : public ::testing::Test, public haptic::SessionClient {
+protected:
+  void on_notice(const Notice &notice) override {
+    if (notice.cause)
+      notices_.push_back(notice);
+  }
+  bool on_point(const PointerPosition &point) override {
+    points_.push_back(point);
+    return true;
+  }
+  void on_armed_changed() override { armed_.push_back(session_->is_armed()); }
+  std::optional<haptic::ClockReading> read_clocks() override {
+    return haptic::ClockReading{now_, now_ - 1000 * kMs};
+  }
+
+  void SetUp() override {
+    haptic::DeviceOpener opener;
+    opener.open = [this](const haptic::DeviceChoice &) { return haptic::OpenedDevice{make()}; };
+    opener.reopen = [this](const haptic::DeviceChoice &) { return make(); };
+    session_ = std::make_unique<HapticSession>(*this, opener);
+  }
+  std::unique_ptr<spidar::HapticDevice> make() {
+    if (refusal_)
+      throw spidar::Error(*refusal_, "refused");
+    return std::make_unique<FakeDevice>(bench_);
+  }
+  void begin(const std::string &log = "") {
+    ASSERT_TRUE(session_->open(choice_));
+    ASSERT_TRUE(session_->prepare({.choice = choice_, .log_location = log}));
+    session_->play();
+  }
+  /// The loop's thousand ticks a second, the pointer thread's hundred rounds, 30 samples.
+  void run(int ms, float vx = 100) {
+    const auto bytes = haptic::pack_motion_sample(moving(vx));
+    for (int i = 0; i < ms; ++i) {
+      now_ += kMs;
+      session_->loop().tick(now_, now_);
+      if (i % 33 == 0)
+        session_->accept(bytes, false, {});
+      if (i % 10 == 9)
+        session_->round(now_);
+    }
+  }
+  std::vector<std::string> texts() const {
+    std::vector<std::string> all;
+    for (const Notice &notice : notices_)
+      all.push_back(notice.text);
+    return all;
+  }
+  double force() { return session_->loop().wrench().force.x(); }
+
+  Bench bench_;
+  std::optional<spidar::Cause> refusal_;
+  haptic::DeviceChoice choice_{.device = "usb"};
+  std::int64_t now_ = 1000 * kMs;
+  std::vector<Notice> notices_;
+  std::vector<PointerPosition> points_;
+  std::vector<bool> armed_;
+  std::unique_ptr<HapticSession> session_;
+};
+
+TEST_F(Session, IsFeltAfterItPlaysAndUntilItIsReleased) {
+  begin();
+  EXPECT_TRUE(session_->is_armed());
+  run(500);
+  EXPECT_NEAR(force(), 0.5, 1e-6);
+  session_->release();
+  run(60);
+  EXPECT_TRUE(session_->silent());
+  EXPECT_EQ(armed_, std::vector{false});
+  session_->arm();
+  run(600);
+  EXPECT_NEAR(force(), 0.5, 1e-6);
+  EXPECT_EQ(armed_, (std::vector{false, true}));
+  EXPECT_TRUE(notices_.empty());
+}
+
+TEST_F(Session, ADeviceThatIsUnpluggedAndComesBackIsReportedInThisOrder) {
+  begin();
+  run(500);
+  bench_.plugged = false;
+  refusal_ = spidar::Cause::not_found;
+  run(2000);
+  EXPECT_EQ(bench_.alive, 0); // destroyed, so that another one can be opened
+  EXPECT_FALSE(session_->is_armed());
+  EXPECT_EQ(texts(), std::vector<std::string>{haptic::messages::kDeviceSilent});
+
+  bench_.plugged = true;
+  refusal_.reset();
+  run(600); // the longest time between two attempts is 500 ms
+  ASSERT_EQ(notices_.size(), 2U);
+  EXPECT_EQ(notices_[0].severity, Severity::warning);
+  EXPECT_EQ(notices_[0].cause, NoticeCause::write);
+  EXPECT_EQ(notices_[1].severity, Severity::info);
+  EXPECT_EQ(notices_[1].cause, NoticeCause::open);
+  EXPECT_NE(notices_[1].text.find("is back: a fake."), std::string::npos);
+  run(500);
+  EXPECT_FALSE(session_->is_armed());
+  EXPECT_TRUE(bench_.commanded.force.isZero(0));
+  session_->arm();
+  run(600);
+  EXPECT_NEAR(bench_.commanded.force.x(), 0.5, 1e-6);
+  EXPECT_EQ(armed_, (std::vector{false, true}));
+}
+
+TEST_F(Session, ADeviceThatIsBackButCannotBeOpenedIsReportedOnce) {
+  begin();
+  bench_.plugged = false;
+  refusal_ = spidar::Cause::permission;
+  run(5000);
+  EXPECT_EQ(texts(), (std::vector<std::string>{haptic::messages::kDeviceSilent, "refused"}));
+}
+
+TEST_F(Session, ADeviceLostInOneRunIsLookedForInTheNext) {
+  begin();
+  bench_.plugged = false;
+  refusal_ = spidar::Cause::not_found;
+  run(200);
+  session_->end_run();
+  ASSERT_TRUE(session_->prepare({.choice = choice_}));
+  bench_.plugged = true;
+  refusal_.reset();
+  run(300);
+  EXPECT_EQ(bench_.alive, 1);
+  EXPECT_NE(notices_.back().text.find("is back"), std::string::npos);
+}
+
+TEST_F(Session, ADeviceThatFailsAndAnswersAgainIsReportedOnceAndKept) {
+  begin();
+  run(500);
+  bench_.answers = false;
+  run(500);
+  bench_.answers = true;
+  run(500);
+  EXPECT_EQ(texts(), std::vector<std::string>{haptic::messages::kDeviceSilent});
+  EXPECT_EQ(bench_.alive, 1);
+  EXPECT_TRUE(session_->silent());
+  session_->arm();
+  run(600);
+  EXPECT_NEAR(force(), 0.5, 1e-6);
+}
+
+TEST_F(Session, ASleepOfTheMachineDisarms) {
+  begin();
+  session_->loop().hold(haptic::kHoldSuspended);
+  run(100);
+  EXPECT_TRUE(session_->silent());
+  EXPECT_EQ(armed_, std::vector{false});
+}
+
+TEST_F(Session, ADeviceThatCannotBeOpenedIsAnErrorWithItsCause) {
+  const std::pair<spidar::Cause, NoticeCause> kCauses[] = {
+      {spidar::Cause::not_found, NoticeCause::not_found},
+      {spidar::Cause::permission, NoticeCause::open},
+      {spidar::Cause::busy, NoticeCause::busy},
+      {spidar::Cause::geometry, NoticeCause::settings},
+      {spidar::Cause::argument, NoticeCause::settings},
+      {spidar::Cause::io, NoticeCause::open}};
+  for (const auto &[thrown, cause] : kCauses) {
+    refusal_ = thrown;
+    EXPECT_FALSE(session_->open(choice_));
+    EXPECT_EQ(notices_.back().severity, Severity::error);
+    EXPECT_EQ(notices_.back().cause, cause);
+    EXPECT_EQ(notices_.back().text, "refused");
+    EXPECT_FALSE(session_->is_armed());
+  }
+}
+
+TEST_F(Session, AnotherChoiceAtTheStartOpensAnotherDevice) {
+  ASSERT_TRUE(session_->open(choice_));
+  ASSERT_TRUE(session_->prepare({.choice = choice_}));
+  EXPECT_EQ(bench_.alive, 1);
+  choice_.rate = 500;
+  refusal_ = spidar::Cause::busy;
+  EXPECT_FALSE(session_->prepare({.choice = choice_}));
+  EXPECT_EQ(bench_.alive, 0);
+}
+
+TEST_F(Session, ALogThatCannotBeWrittenIsAnErrorThatNamesIt) {
+  ASSERT_TRUE(session_->open(choice_));
+  EXPECT_FALSE(session_->prepare({.choice = choice_, .log_location = "/no/such/log.csv"}));
+  EXPECT_EQ(notices_.back().cause, NoticeCause::open_log);
+  EXPECT_NE(notices_.back().text.find("/no/such/log.csv"), std::string::npos);
+}
+
+// ---- the pointer --------------------------------------------------------------------------------
+
+TEST_F(Session, ARestingHandIsSentFiveTimesASecondAndAMovingOneAtOnce) {
+  begin();
+  run(1000, 0);
+  EXPECT_NEAR(static_cast<double>(points_.size()), 5, 1);
+  points_.clear();
+  for (int i = 0; i < 20; ++i) {
+    bench_.hand.x() += 0.0002; // 0.005 of the frame
+    run(10, 0);
+  }
+  EXPECT_EQ(points_.size(), 20U);
+  EXPECT_NEAR(points_.back().x, 0.6, 1e-9);
+  EXPECT_EQ(points_.back().device, "a fake");
+}
+
+TEST_F(Session, ThePointHasTheMeanForceAndTheRunningTime) {
+  begin();
+  run(1000);
+  ASSERT_TRUE(points_.back().force);
+  EXPECT_NEAR((*points_.back().force)[0], 0.5, 1e-6);
+  EXPECT_LE(points_.back().timestamp, static_cast<std::uint64_t>(now_ - 1000 * kMs));
+  session_->pause();
+  points_.clear();
+  run(300);
+  ASSERT_FALSE(points_.empty());
+  EXPECT_EQ(points_.back().timestamp, haptic::kNoTimestamp);
+}
+
+TEST_F(Session, WhileThePoseIsUnknownNothingIsSent) {
+  begin();
+  run(100, 0);
+  bench_.answers = false;
+  run(10, 0);
+  points_.clear();
+  run(1000, 0);
+  EXPECT_TRUE(points_.empty());
+}
+
+// ---- samples ------------------------------------------------------------------------------------
+
+TEST_F(Session, TheFirstDamagedSampleOfEachRunIsReported) {
+  for (std::size_t run_number = 1; run_number <= 2; ++run_number) {
+    begin();
+    const std::vector<std::uint8_t> damaged(7, 0x55);
+    for (int i = 0; i < 10; ++i)
+      session_->accept(damaged, false, {});
+    EXPECT_EQ(session_->intake().bad_samples(), 10U);
+    EXPECT_EQ(texts(), std::vector<std::string>(run_number, haptic::messages::kSampleDamaged));
+    session_->end_run();
+  }
+}
+
+TEST_F(Session, AFlushDiscardsSamplesAndFades) {
+  begin();
+  run(500);
+  session_->begin_flush();
+  run(60);
+  EXPECT_TRUE(session_->silent());
+  session_->end_flush();
+  run(400);
+  EXPECT_NEAR(force(), 0.5, 1e-6);
+}
+
+} // namespace
