@@ -68,12 +68,6 @@ int request_real_time_priority() noexcept {
   return error;
 }
 
-bool is_finite(const MotionSample &sample) noexcept {
-  return std::isfinite(sample.velocity_x) && std::isfinite(sample.velocity_y) &&
-         std::isfinite(sample.spin) && std::isfinite(sample.divergence) &&
-         std::isfinite(sample.confidence);
-}
-
 std::int64_t read_clock(clockid_t clock) noexcept {
   timespec now{};
   clock_gettime(clock, &now);
@@ -196,7 +190,8 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
   for (Submission submission; submissions_.pop(submission);) {
     if (submission.epoch != epoch)
       continue;
-    if (!is_finite(submission.motion.sample)) {
+    const MotionSample &sample = submission.motion.sample;
+    if (!is_finite(sample) || !std::isfinite(sample.confidence)) {
       run_.broken = true;
       continue;
     }

@@ -141,12 +141,8 @@ void MotionInterpolator::interpolate_to_next(std::int64_t now,
     return;
   const double share = static_cast<double>(now - from_.time) /
                        static_cast<double>(std::max<std::int64_t>(next.time - from_.time, 1));
-  MotionSample &s = now_.sample;
-  s.velocity_x = between(s.velocity_x, to.velocity_x, share);
-  s.velocity_y = between(s.velocity_y, to.velocity_y, share);
-  s.spin = between(s.spin, to.spin, share);
-  s.divergence = between(s.divergence, to.divergence, share);
-  s.confidence = between(s.confidence, to.confidence, share);
+  now_.sample.confidence = between(now_.sample.confidence, to.confidence, share);
+  static_cast<PlanarMotion &>(now_.sample) = interpolated(now_.sample, to, share);
 }
 
 } // namespace haptic

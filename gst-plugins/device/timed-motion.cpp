@@ -8,15 +8,12 @@
 namespace haptic {
 
 void scale_velocities(TimedMotion &motion, double factor) noexcept {
-  const auto scale = [factor](float &value) { value = static_cast<float>(factor * value); };
-  MotionSample &sample = motion.sample;
-  for (float *value : {&sample.velocity_x, &sample.velocity_y, &sample.spin, &sample.divergence})
-    scale(*value);
+  motion.sample *= factor;
   if (!motion.field)
     return;
   for (FieldCell &cell : motion.field->cells) {
-    scale(cell.velocity_x);
-    scale(cell.velocity_y);
+    cell.velocity_x = static_cast<float>(factor * cell.velocity_x);
+    cell.velocity_y = static_cast<float>(factor * cell.velocity_y);
   }
 }
 

@@ -83,7 +83,8 @@ TEST(PlaybackRate, AFieldIsFeltAsASampleIsInEachOfItsCells) {
     for (const Playback &playback :
          {Playback{}, Playback{.rate = 0.5}, Playback{.rate = -2}, Playback{.applied_rate = 2}}) {
       const auto pool = std::make_unique<haptic::FieldPool>();
-      haptic::TimedMotion motion{{.interval = filmed().interval}, true};
+      haptic::TimedMotion motion;
+      motion.sample.interval = filmed().interval;
       motion.field = pool->acquire();
       motion.field->cells = {{}, {filmed().velocity_x, filmed().velocity_y, 0.5F}};
       const auto felt = play(filmed(), playback, law);
