@@ -2,7 +2,11 @@
 /**
  * SECTION:provider-hapticdeviceprovider
  *
- * The devices that hapticsink can open. See docs/elements/hapticsink.md.
+ * Lists the devices that hapticsink can open. See docs/elements/hapticsink.md.
+ *
+ * |[
+ * gst-device-monitor-1.0 Sink/Haptics
+ * ]|
  */
 #include "gsthapticdeviceprovider.h"
 
@@ -11,13 +15,32 @@
 #include "motion-field.hpp"
 
 #include <exception>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(haptic_device_provider_debug);
 #define GST_CAT_DEFAULT haptic_device_provider_debug
 
+namespace {
+
+// As haptic::guarded(). Neither a device nor a provider is an element, so that an exception only
+// goes to the debug log.
+template <typename Result, typename Body>
+Result guarded(gpointer object, Result fallback, Body &&body) noexcept {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const std::exception &error) {
+    GST_ERROR_OBJECT(object, "uncaught exception: %s", error.what());
+  } catch (...) {
+    GST_ERROR_OBJECT(object, "uncaught exception of unknown type");
+  }
+  return fallback;
+}
+
+} // namespace
+
 // ---- a device -----------------------------------------------------------------------------------
 
-// What hapticsink needs to know is in the device's properties.
+// Its properties hold what hapticsink needs to open it.
 #define GST_TYPE_HAPTIC_DEVICE (gst_haptic_device_get_type())
 G_DECLARE_FINAL_TYPE(GstHapticDevice, gst_haptic_device, GST, HAPTIC_DEVICE, GstDevice)
 
@@ -27,7 +50,9 @@ struct _GstHapticDevice {
 
 G_DEFINE_TYPE(GstHapticDevice, gst_haptic_device, GST_TYPE_DEVICE)
 
-static GstElement *gst_haptic_device_create_element(GstDevice *device, const gchar *name) {
+namespace {
+
+GstElement *create_element(GstDevice *device, const gchar *name) {
   GstElement *sink = gst_element_factory_make("hapticsink", name);
   if (!sink)
     return nullptr;
@@ -36,8 +61,12 @@ static GstElement *gst_haptic_device_create_element(GstDevice *device, const gch
   return sink;
 }
 
+} // namespace
+
 static void gst_haptic_device_class_init(GstHapticDeviceClass *klass) {
-  GST_DEVICE_CLASS(klass)->create_element = gst_haptic_device_create_element;
+  GST_DEVICE_CLASS(klass)->create_element = [](GstDevice *device, const gchar *name) {
+    return guarded<GstElement *>(device, nullptr, [&] { return create_element(device, name); });
+  };
 }
 
 static void gst_haptic_device_init(GstHapticDevice * /*self*/) {}
@@ -70,25 +99,23 @@ GstDevice *make_device(const haptic::FoundDevice &found) {
                                  properties.get(), nullptr));
 }
 
-} // namespace
-
-static GList *gst_haptic_device_provider_probe(GstDeviceProvider *provider) {
+GList *probe() {
   GList *devices = nullptr;
-  try {
-    for (const haptic::FoundDevice &found : haptic::list_devices())
-      devices = g_list_append(devices, gst_object_ref_sink(make_device(found)));
-  } catch (const std::exception &error) {
-    GST_WARNING_OBJECT(provider, "not all devices are listed: %s", error.what());
-  }
+  for (const haptic::FoundDevice &found : haptic::list_devices())
+    devices = g_list_append(devices, gst_object_ref_sink(make_device(found)));
   return devices;
 }
 
+} // namespace
+
 static void gst_haptic_device_provider_class_init(GstHapticDeviceProviderClass *klass) {
   GstDeviceProviderClass *provider_class = GST_DEVICE_PROVIDER_CLASS(klass);
-  provider_class->probe = gst_haptic_device_provider_probe;
   gst_device_provider_class_set_static_metadata(
       provider_class, "Haptic device provider", kDeviceClass,
       "Lists SPIDARs, and joysticks with force feedback", "Feeling Wind project");
+  provider_class->probe = [](GstDeviceProvider *provider) {
+    return guarded<GList *>(provider, nullptr, [] { return probe(); });
+  };
 }
 
 static void gst_haptic_device_provider_init(GstHapticDeviceProvider * /*self*/) {}

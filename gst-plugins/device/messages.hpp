@@ -31,8 +31,8 @@
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
           "Allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
-  MESSAGE(kNoJoysticksBuilt,                                                                       \
-          "This build cannot use joysticks:", "install libevdev-dev and build it again.")          \
+  MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
+          "Install libevdev-dev and build it again.")                                              \
   MESSAGE(kNoJoystick, "No joystick or wheel with force feedback found.%s",                        \
           "Plug one in and switch it on.")                                                         \
   MESSAGE(kJoystickForbidden, "The input device %s may not be opened by this user.",               \

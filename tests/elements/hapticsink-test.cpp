@@ -6,6 +6,7 @@
 
 #include <array>
 #include <gst/check/gstharness.h>
+#include <gst/check/gsttestclock.h>
 #include <limits>
 #include <random>
 
@@ -72,40 +73,36 @@ TEST_F(HapticSink, TheLogIsFiniteOrderedAndWithinEveryLimit) {
   EXPECT_EQ(rows.back().force(), 0);
 }
 
-TEST_F(HapticSink, AStalledSourceIsSilentWithin250MillisecondsAndAnInterval) {
+TEST_F(HapticSink, AStalledSourceFadesToZeroOnceItsLastSampleIsStale) {
   build_logging();
   push_motion(100, 0, 0.5);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") == 15; }));
-  std::this_thread::sleep_for(500ms);
+  ASSERT_TRUE(eventually([&] {
+    const auto row = newest_row();
+    return row && row->held(kHeldStale) && row->force() == 0;
+  }));
   const auto rows = stop_and_read_log();
-  const double last_sample = 14.0 / 30;
-  ASSERT_GT(rows.back().time, last_sample + 0.25 + 1.0 / 30);
-  for (const Row &row : rows) {
-    if (row.time > last_sample + 0.25 + 1.0 / 30) {
-      ASSERT_EQ(row.force(), 0) << row.time;
-    }
-    if (row.time > last_sample - 0.1 && row.time < last_sample + 0.09) {
-      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
-    }
-  }
+  expect_fade(rows, kHeldStale, 0.1);
+  const auto stale = std::ranges::find_if(rows, [](const Row &r) { return r.held(kHeldStale); });
+  EXPECT_GT(stale->time, 14.0 / 30 + 0.1); // three intervals after the last sample
+  EXPECT_NEAR(std::prev(stale)->fx, 0.5, 1e-6);
 }
 
-TEST_F(HapticSink, APauseIsSilentWithin120Milliseconds) {
+TEST_F(HapticSink, APauseFadesToZeroIn100Milliseconds) {
   build_logging();
   push_motion(100, 0, 3);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
   wait_for(GST_STATE_PAUSED);
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
   const auto rows = stop_and_read_log();
+  expect_fade(rows, kHeldPaused, 0.1);
   const double frozen = rows.back().time;
-  const auto paused_rows =
-      std::count_if(rows.begin(), rows.end(), [&](const Row &row) { return row.time == frozen; });
-  EXPECT_GT(paused_rows, 50); // it fades and does not drop
-  EXPECT_LE(paused_rows, 120);
-  EXPECT_EQ(rows.back().force(), 0);
-  EXPECT_NEAR(rows[rows.size() - 130].fx, 0.5, 1e-6);
+  for (const Row &row : rows)
+    if (row.held(kHeldPaused)) {
+      ASSERT_NEAR(row.time, frozen, 0.001); // running time stands still
+    }
 }
 
 TEST_F(HapticSink, APauseWaitsForNoSample) { // the next may be held up behind a paused video sink
@@ -133,24 +130,19 @@ TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
   const auto rows = stop_and_read_log();
   for (std::size_t i = 1; i < rows.size(); ++i)
     ASSERT_GE(rows[i].time, rows[i - 1].time);
-  EXPECT_NEAR(rows.back().time, 2, 0.25); // the pause is not in it
-  EXPECT_NEAR(rows[rows.size() - 300].fx, 0.5, 1e-6);
+  EXPECT_GT(rows.back().mono - (rows.back().time - rows.front().time), 0.39); // the pause
+  EXPECT_NEAR(last_free_row(rows).fx, 0.5, 1e-6);
 }
 
-TEST_F(HapticSink, TheEndIsSilentWithin120MillisecondsAndBeforeItIsTold) {
+TEST_F(HapticSink, TheEndFadesToZeroIn100MillisecondsAndBeforeTheMessage) {
   build_logging();
   push_motion(100, 0, 0.5);
   push_end();
   set(GST_STATE_PLAYING);
   wait_for_end();
   const auto rows = stop_and_read_log(); // at once, as gst-launch-1.0 does
-  double last_full = 0;
-  for (const Row &row : rows)
-    if (row.force() > 0.499)
-      last_full = row.time;
+  expect_fade(rows, kHeldEnded, 0.1);
   EXPECT_EQ(rows.back().force(), 0);
-  EXPECT_LE(rows.back().time - last_full, 0.12);
-  EXPECT_GE(rows.back().time - last_full, 0.05);
 }
 
 TEST_F(HapticSink, APauseWhileItFadesAtTheEndOnlyDelaysTheEnd) {
@@ -169,27 +161,18 @@ TEST_F(HapticSink, APauseWhileItFadesAtTheEndOnlyDelaysTheEnd) {
   }
 }
 
-TEST_F(HapticSink, AFlushIsSilentWithin60Milliseconds) {
+TEST_F(HapticSink, AFlushFadesToZeroIn50Milliseconds) {
   build_logging();
   push_motion(100, 0, 3);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
   GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
   gst_pad_send_event(pad, gst_event_new_flush_start());
-  std::this_thread::sleep_for(150ms);
+  EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
   gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
   gst_object_unref(pad);
   const auto rows = stop_and_read_log();
-  double last_full = 0;
-  double first_zero = 0;
-  for (const Row &row : rows) {
-    if (row.force() > 0.499)
-      last_full = row.time;
-    if (last_full > 0 && row.force() == 0 && first_zero == 0)
-      first_zero = row.time;
-  }
-  EXPECT_LE(first_zero - last_full, 0.06);
-  EXPECT_GE(first_zero - last_full, 0.02);
+  expect_fade(rows, kHeldFlushing, 0.05);
   EXPECT_EQ(rows.back().force(), 0);
 }
 
@@ -256,14 +239,12 @@ TEST_F(HapticSink, GarbageIsNeverAForceAndIsWarnedOfOnce) {
 
 TEST_F(HapticSink, TheLastChangeOfAPropertyIsFelt) {
   build_logging();
-  push_motion(100, 0, 3);
+  push_motion(100, 0, 60);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
   g_object_set(sink_.get(), "max-force", 2.0, "alpha", 0.02, "reference-width", 176U, nullptr);
-  std::this_thread::sleep_for(400ms);
-  const auto rows = stop_and_read_log();
-  EXPECT_NEAR(before_stop(rows).fx, 2 * equation5(100),
-              0.02); // half the speed at twice the steepness
+  // Half the speed at twice the steepness.
+  EXPECT_TRUE(eventually([&] { return std::abs(newest_row()->fx - 2 * equation5(100)) < 1e-6; }));
 }
 
 TEST_F(HapticSink, RandomPropertyChangesWhileItRunsBreakNothing) {
@@ -316,7 +297,7 @@ TEST_F(HapticSink, IsArmedWhenItsDeviceIsOpen) {
 
 TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
   build_logging();
-  push_motion(100, 0, 5);
+  push_motion(100, 0, 60);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
   std::atomic<int> notified = 0;
@@ -326,17 +307,13 @@ TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
   g_signal_emit_by_name(sink_.get(), "release");
   EXPECT_FALSE(armed());
   EXPECT_GE(notified, 1);
-  std::this_thread::sleep_for(300ms);
-  const guint64 released_ticks = count("ticks");
+  EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(newest_row()->force(), 0);
   g_signal_emit_by_name(sink_.get(), "arm");
   EXPECT_TRUE(armed());
-  std::this_thread::sleep_for(800ms);
-  EXPECT_GT(count("ticks"), released_ticks);
-  const auto rows = stop_and_read_log();
-  EXPECT_NEAR(before_stop(rows).fx, 0.5, 1e-6);
-  const auto silent = std::count_if(
-      rows.begin(), rows.end(), [](const Row &row) { return row.time > 0.2 && row.force() == 0; });
-  EXPECT_GT(silent, 150);
+  EXPECT_TRUE(eventually([&] { return newest_row()->fx > 0.5 - 1e-6; }));
+  expect_fade(stop_and_read_log(), kHeldReleased, 0.05);
 }
 
 TEST_F(HapticSink, AReleaseOutlivesTheNextStart) {
@@ -350,14 +327,12 @@ TEST_F(HapticSink, AReleaseOutlivesTheNextStart) {
 
 TEST_F(HapticSink, CalibrateMakesThePresentPositionTheCentre) {
   build_logging("sim-hand=hold:0.5,0,0");
-  push_motion(0, 0, 2);
+  push_motion(0, 0, 60);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
   g_signal_emit_by_name(sink_.get(), "calibrate");
-  std::this_thread::sleep_for(200ms);
-  const auto rows = stop_and_read_log();
-  EXPECT_NEAR(rows.front().x, 0.0125, 0.0005);
-  EXPECT_NEAR(rows.back().x, 0, 0.0005);
+  EXPECT_TRUE(eventually([&] { return std::abs(newest_row()->x) < 0.0005; }));
+  EXPECT_NEAR(stop_and_read_log().front().x, 0.0125, 0.0005);
 }
 
 // ---- the pointer --------------------------------------------------------------------------------
@@ -389,7 +364,7 @@ TEST_F(HapticSinkPointer, AHandHalfwayToTheRightPointsAtThreeQuarters) {
   EXPECT_NEAR(first->y, 0.5, 0.01);
   EXPECT_NEAR(first->z, 0, 0.05);
   EXPECT_FALSE(first->device.empty());
-  const auto second = next_pointer(); // a resting hand goes on being told
+  const auto second = next_pointer(); // a resting hand is sent again
   ASSERT_TRUE(second);
   EXPECT_NEAR(second->x, 0.75, 0.01);
 }
@@ -416,10 +391,10 @@ TEST_F(HapticSinkPointer, AWanderingHandIsFollowed) {
   EXPECT_GT(highest, 0.8);
 }
 
-TEST_F(HapticSinkPointer, TellsTheForceThatItCommands) {
+TEST_F(HapticSinkPointer, HasTheForceThatIsCommanded) {
   harness("device=sim latency-mode=immediate");
   std::array<double, 3> last{};
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 1000 && std::abs(last[0] - equation5(100)) > 0.02; ++i) {
     gst_harness_push(harness_.get(), packed(moving(100, 0), GST_CLOCK_TIME_NONE));
     std::this_thread::sleep_for(15ms);
     while (GstEvent *event = gst_harness_try_pull_upstream_event(harness_.get())) {
@@ -445,43 +420,53 @@ TEST_F(HapticSinkPointer, WithoutADeviceThereIsNoPointer) {
 
 class HapticSinkLatency : public HapticSinkPointer {
 protected:
-  // ms that a push keeps its thread, median over some samples stamped with the present.
-  double median_push(const std::string &properties, bool live) {
-    harness_.reset(gst_harness_new_parse(("hapticsink device=sim " + properties).c_str()));
+  /// The running time until which the sink keeps a sample of 1 s, ns; nothing if it does not wait.
+  std::optional<GstClockTime> waits_until(const std::string &properties, bool live) {
+    harness_.reset(gst_harness_new_parse(("hapticsink device=none " + properties).c_str()));
     gst_harness_set_live(harness_.get(), live);
     gst_harness_set_upstream_latency(harness_.get(), 100 * GST_MSECOND);
     gst_harness_set_src_caps_str(harness_.get(), kCaps);
-    gst_harness_use_systemclock(harness_.get());
+    gst_harness_use_testclock(harness_.get());
     GstElement *sink = gst_harness_find_element(harness_.get(), "hapticsink");
     g_object_set(sink, "sync", TRUE, nullptr); // the harness has turned it off
     gst_harness_play(harness_.get());
     gst_element_send_event(sink, gst_event_new_latency(100 * GST_MSECOND));
-    GstClock *clock = gst_element_get_clock(sink);
-    std::vector<double> durations;
-    for (int i = 0; i < 21; ++i) {
-      const GstClockTime now = gst_clock_get_time(clock) - gst_element_get_base_time(sink);
-      const auto before = std::chrono::steady_clock::now();
-      gst_harness_push(harness_.get(), packed(moving(100, 0), now));
-      durations.push_back(
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before)
-              .count());
-      std::this_thread::sleep_for(2ms);
+    std::atomic<bool> pushed = false;
+    std::optional<GstClockTime> until;
+    {
+      const std::jthread pusher([&] {
+        gst_harness_push(harness_.get(), packed(moving(100, 0), GST_SECOND));
+        pushed = true;
+      });
+      GstTestClock *clock = gst_harness_get_testclock(harness_.get());
+      while (!pushed && gst_test_clock_peek_id_count(clock) == 0)
+        std::this_thread::sleep_for(1ms);
+      GstClockID id = nullptr;
+      if (!pushed && gst_test_clock_peek_next_pending_id(clock, &id)) {
+        until = gst_clock_id_get_time(id) - gst_element_get_base_time(sink);
+        gst_clock_id_unref(id);
+        gst_test_clock_crank(clock);
+      }
+      gst_object_unref(clock);
     }
-    gst_object_unref(clock);
     gst_object_unref(sink);
-    std::nth_element(durations.begin(), durations.begin() + 10, durations.end());
-    return durations[10];
+    return until;
   }
 };
 
 TEST_F(HapticSinkLatency, ALiveSampleIsFeltAtOnce) {
-  EXPECT_LT(median_push("", true), 2);
-  EXPECT_LT(median_push("latency-mode=immediate", false), 2);
+  EXPECT_EQ(waits_until("", true), std::nullopt);
+  EXPECT_EQ(waits_until("latency-mode=immediate", false), std::nullopt);
 }
 
 TEST_F(HapticSinkLatency, OtherwiseASampleWaitsUntilOneAndAHalfFramesBeforeItsTime) {
-  EXPECT_NEAR(median_push("latency-mode=synchronized", true), 50, 10);
-  EXPECT_NEAR(median_push("", false), 50, 10);
+  const GstClockTime early = 3 * kFrame / 2;
+  for (const bool live : {true, false}) {
+    const auto until = waits_until("latency-mode=synchronized", live);
+    ASSERT_TRUE(until);
+    EXPECT_NEAR(static_cast<double>(*until), 1.1 * GST_SECOND - static_cast<double>(early), 10);
+  }
+  EXPECT_TRUE(waits_until("", false));
 }
 
 TEST_F(HapticSink, ALivePipelineIsNoSlowerForIt) {
@@ -544,9 +529,12 @@ TEST_F(HapticSink, TwoOfThemWorkSideBySide) {
   set(GST_STATE_PLAYING);
   wait_for_end();
   gst_element_set_state(other.get(), GST_STATE_NULL);
-  const auto middle = [](const std::vector<Row> &rows) { return rows.at(300).fx; };
-  EXPECT_NEAR(middle(stop_and_read_log()), 0.5, 1e-6);
-  EXPECT_NEAR(middle(read_log(other_log)), -0.5, 1e-6);
+  const auto rows = stop_and_read_log();
+  const auto other_rows = read_log(other_log);
+  EXPECT_NEAR(std::ranges::max_element(rows, {}, &Row::fx)->fx, 0.5, 1e-6);
+  EXPECT_GE(std::ranges::min_element(rows, {}, &Row::fx)->fx, 0);
+  EXPECT_NEAR(std::ranges::min_element(other_rows, {}, &Row::fx)->fx, -0.5, 1e-6);
+  EXPECT_LE(std::ranges::max_element(other_rows, {}, &Row::fx)->fx, 0);
 }
 
 TEST_F(HapticSink, TheEndMayComeBeforeTheFirstSample) {
@@ -572,10 +560,10 @@ TEST_F(HapticSink, AChangeOfCapsIsNoInterruption) {
   push_end();
   set(GST_STATE_PLAYING);
   wait_for_end();
-  for (const Row &row : stop_and_read_log())
-    if (row.time > 0.2 && row.time < 0.8) {
-      ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
-    }
+  const auto rows = undisturbed(stop_and_read_log());
+  EXPECT_FALSE(rows.empty());
+  for (const Row &row : rows)
+    ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
 }
 
 TEST_F(HapticSink, ASeekIsSilentAndThenGoesOn) {
@@ -602,11 +590,9 @@ TEST_F(HapticSink, ASeekIsSilentAndThenGoesOn) {
   EXPECT_GT(rows.back().time, 1.4); // the log's time went on
   for (std::size_t i = 1; i < rows.size(); ++i)
     ASSERT_GE(rows[i].time, rows[i - 1].time);
-  EXPECT_NEAR(rows[rows.size() - 300].fx, 0.5, 1e-6);
-  const auto silent = std::count_if(rows.begin(), rows.end(), [](const Row &row) {
-    return row.time > 0.2 && row.time < 1 && row.force() == 0;
-  });
-  EXPECT_GT(silent, 0);
+  EXPECT_TRUE(std::ranges::any_of(
+      rows, [](const Row &row) { return row.held(kHeldFlushing) && row.force() == 0; }));
+  EXPECT_NEAR(last_free_row(rows).fx, 0.5, 1e-6);
 }
 
 TEST_F(HapticSink, APropertyChangedInReadyCounts) {
@@ -618,13 +604,15 @@ TEST_F(HapticSink, APropertyChangedInReadyCounts) {
   set(GST_STATE_PLAYING);
   wait_for_end();
   const auto rows = stop_and_read_log();
-  EXPECT_NEAR(static_cast<double>(rows.size()), 0.6 * 500, 40);
+  EXPECT_LE(static_cast<double>(rows.size()),
+            rows.back().mono * 500 + 2); // a late tick is left out
+  EXPECT_GT(rows.size(), 1U);
   EXPECT_GT(rows.back().t[0], 0.2);
 }
 
 // ---- messages -----------------------------------------------------------------------------------
 
-TEST_F(HapticSink, TellsItsStatisticsJustBeforeTheEnd) {
+TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   build("device=sim");
   push_motion(100, 0, 0.5);
   push_end();
@@ -648,7 +636,7 @@ TEST_F(HapticSink, TellsItsStatisticsJustBeforeTheEnd) {
   }
   EXPECT_EQ(told, 1);
   EXPECT_EQ(count("samples"), 15U);
-  EXPECT_GT(count("ticks"), 300U);
+  EXPECT_GT(count("ticks"), 0U);
   EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
   EXPECT_GT(number("loop-p99"), 0);
   EXPECT_GT(number("sample-age"), 0);

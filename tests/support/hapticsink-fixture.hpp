@@ -6,6 +6,8 @@
 #include "motion-sample.hpp"
 #include "pointer-event.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -17,11 +19,14 @@
 #include <gst/app/gstappsrc.h>
 #include <gst/check/gstharness.h>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 namespace test {
 
@@ -83,6 +88,19 @@ struct Row {
   bool held(unsigned reasons) const { return (static_cast<unsigned>(hold) & reasons) != 0; }
 };
 
+inline Row parse_row(const std::string &line) {
+  std::istringstream fields(line);
+  std::array<double, 24> values{};
+  std::size_t n = 0;
+  for (std::string field; std::getline(fields, field, ',') && n < values.size(); ++n)
+    values[n] = std::stod(field);
+  EXPECT_EQ(n, values.size()) << line;
+  Row row;
+  static_assert(sizeof row == sizeof values);
+  std::memcpy(&row, values.data(), sizeof row);
+  return row;
+}
+
 inline std::vector<Row> read_log(const std::filesystem::path &path) {
   std::ifstream file(path);
   std::string line;
@@ -90,24 +108,58 @@ inline std::vector<Row> read_log(const std::filesystem::path &path) {
   EXPECT_EQ(line,
             "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold");
   std::vector<Row> rows;
-  while (std::getline(file, line)) {
-    std::istringstream fields(line);
-    std::array<double, 24> values{};
-    std::size_t n = 0;
-    for (std::string field; std::getline(fields, field, ',') && n < values.size(); ++n)
-      values[n] = std::stod(field);
-    EXPECT_EQ(n, values.size()) << line;
-    Row row;
-    static_assert(sizeof row == sizeof values);
-    std::memcpy(&row, values.data(), sizeof row);
-    rows.push_back(row);
-  }
+  while (std::getline(file, line))
+    rows.push_back(parse_row(line));
   return rows;
 }
 
-/// The last rows may already show the fade of the stop.
-inline const Row &before_stop(const std::vector<Row> &rows) {
-  return rows.at(rows.size() - 150);
+/// Bits of the column `hold` (docs/formats/csv-log.md).
+constexpr unsigned kHeldPaused = 1 << 1;
+constexpr unsigned kHeldFlushing = 1 << 2;
+constexpr unsigned kHeldEnded = 1 << 3;
+constexpr unsigned kHeldReleased = 1 << 4;
+constexpr unsigned kHeldStale = 1 << 10;
+
+/// The rows for which the force was not held, nor in the 0.3 s before them: neither a test's event
+/// nor a delay of the machine (kHoldLate, kHoldStale) shows in them.
+inline std::vector<Row> undisturbed(const std::vector<Row> &rows) {
+  std::vector<Row> quiet;
+  double held_at = 0; // s, mono
+  for (const Row &row : rows) {
+    if (row.hold != 0)
+      held_at = row.mono;
+    else if (row.mono - held_at > 0.3)
+      quiet.push_back(row);
+  }
+  return quiet;
+}
+
+/// The last row in which the force was not held.
+inline Row last_free_row(const std::vector<Row> &rows) {
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row)
+    if (row->hold == 0)
+      return *row;
+  ADD_FAILURE() << "the force was always held";
+  return {};
+}
+
+/// From the first row held for this reason on the force falls in a straight line to zero in
+/// `seconds`, whenever the ticks came, and stays there until it is no longer held.
+inline void expect_fade(const std::vector<Row> &rows, unsigned reason, double seconds) {
+  const auto first = std::ranges::find_if(rows, [&](const Row &row) { return row.held(reason); });
+  ASSERT_NE(first, rows.end());
+  ASSERT_NE(first, rows.begin());
+  const Row full = *std::prev(first);
+  ASSERT_GT(full.force(), 0.1);
+  const auto end = std::find_if(first, rows.end(), [](const Row &row) { return row.hold == 0; });
+  EXPECT_EQ(std::prev(end)->force(), 0);
+  for (auto row = first; row != end; ++row) {
+    const double line = std::max(0.0, 1 - (row->mono - full.mono) / seconds);
+    ASSERT_LE(row->force(), full.force() * line + 1e-6) << row->mono - full.mono << " s";
+    if ((static_cast<unsigned>(row->hold) & ~reason) == 0) { // else another fade is faster
+      ASSERT_GE(row->force(), full.force() * line - 0.011) << row->mono - full.mono << " s";
+    }
+  }
 }
 
 class HapticSink : public ::testing::Test {
@@ -175,6 +227,17 @@ protected:
   std::vector<Row> stop_and_read_log() {
     stop();
     return read_log(log_);
+  }
+
+  /// The newest complete row of the log, which is being written.
+  std::optional<Row> newest_row() const {
+    std::ifstream file(log_);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto end = text.rfind('\n');
+    const auto begin = end == std::string::npos || end == 0 ? end : text.rfind('\n', end - 1);
+    if (begin == std::string::npos)
+      return std::nullopt;
+    return parse_row(text.substr(begin + 1, end - begin - 1));
   }
 
   bool armed() const {
