@@ -11,16 +11,6 @@ namespace haptic {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-using Key = std::array<std::uint8_t, 16>;
-
-// Local set with one-byte tags and BER lengths, of the class that ST 336 leaves for experiments
-// (0F); the last byte tells our sets apart.
-constexpr Key kMotionKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
-                            0x0F, 'H',  'A',  'P',  'T',  'I',  'C',  0x01};
-constexpr Key kPointerKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
-                             0x0F, 'H',  'A',  'P',  'T',  'I',  'C',  0x02};
-constexpr std::size_t kDesignator = 4; // bytes that every universal label begins with
-
 constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kPointSample = 0;
 constexpr std::uint8_t kFieldSample = 1;
@@ -60,7 +50,7 @@ enum PointerTag : std::uint8_t {
 
 class SetWriter {
 public:
-  explicit SetWriter(const Key &key) : bytes_(key.begin(), key.end()) {
+  explicit SetWriter(const KlvKey &key) : bytes_(key.begin(), key.end()) {
     // The length in its long form with two bytes, so that it can be filled in at the end.
     bytes_.insert(bytes_.end(), {0x82, 0, 0});
   }
@@ -277,10 +267,10 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
 
 bool is_universal_label(Bytes bytes) {
   return bytes.size() >= kMotionKey.size() &&
-         std::equal(kMotionKey.begin(), kMotionKey.begin() + kDesignator, bytes.begin());
+         std::equal(kKlvDesignator.begin(), kKlvDesignator.end(), bytes.begin());
 }
 
-bool has_key(Bytes bytes, const Key &key) {
+bool has_key(Bytes bytes, const KlvKey &key) {
   return bytes.size() >= key.size() && std::equal(key.begin(), key.end(), bytes.begin());
 }
 
@@ -339,6 +329,10 @@ std::vector<std::uint8_t> write_klv(const CodedField &field) {
     out.unsigned_values(kTagDuration, 8, {field.duration});
   out.bytes(kTagField, field.bytes);
   return out.finish();
+}
+
+CodedField coded_field_of(const KlvItem &item) {
+  return {{item.field.begin(), item.field.end()}, item.sample.time, item.sample.duration};
 }
 
 std::optional<KlvItem> KlvReader::next() noexcept {

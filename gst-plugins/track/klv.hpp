@@ -5,6 +5,8 @@
 
 #include "track-sample.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +15,20 @@
 #include <vector>
 
 namespace haptic {
+
+/// The first bytes of every key (SMPTE ST 336: a universal label of SMPTE ST 298).
+inline constexpr std::array<std::uint8_t, 4> kKlvDesignator = {0x06, 0x0E, 0x2B, 0x34};
+
+using KlvKey = std::array<std::uint8_t, 16>;
+
+/// Keys of local sets with one-byte tags and BER lengths, of the class that ST 336 leaves for
+/// experiments (0F). They are not registered; the last byte tells our sets apart.
+inline constexpr KlvKey kMotionKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
+                                      0x0F, 'H',  'A',  'P',  'T',  'I',  'C',  0x01};
+inline constexpr KlvKey kPointerKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
+                                       0x0F, 'H',  'A',  'P',  'T',  'I',  'C',  0x02};
+static_assert(std::equal(kKlvDesignator.begin(), kKlvDesignator.end(), kMotionKey.begin()));
+static_assert(std::equal(kMotionKey.begin(), kMotionKey.end() - 1, kPointerKey.begin()));
 
 /// One local set, ready to be sent. The sample must be one that unpack_motion_sample() would take.
 std::vector<std::uint8_t> write_klv(const TrackSample &sample);
@@ -37,6 +53,9 @@ struct KlvItem {
   const char *error = "";              ///< of KlvKind::damaged: what is wrong
   std::size_t offset = 0;              ///< where in the bytes the item begins, or the damage is
 };
+
+/// Returns the field of an item of KlvKind::field.
+CodedField coded_field_of(const KlvItem &item);
 
 /// Walks the triplets of a packet or a file. Allocates nothing. After damage it goes on at the next
 /// key of ours.

@@ -11,7 +11,6 @@
 namespace haptic {
 namespace {
 
-constexpr std::string_view kMagic = "hv1";
 constexpr std::string_view kPoint = "point";
 constexpr std::string_view kField = "field";
 constexpr std::size_t kLongestLine = 131072;
@@ -26,7 +25,7 @@ constexpr std::array<MotionModel, 5> kModels = {MotionModel::none, MotionModel::
 
 class LineWriter {
 public:
-  explicit LineWriter(std::string_view kind) : text_(kMagic) { word(kind); }
+  explicit LineWriter(std::string_view kind) : text_(kTextMagic) { word(kind); }
   void word(std::string_view word) { text_.append(" ").append(word); }
   void field(std::string_view name, std::string_view value) {
     text_.append(" ").append(name).append("=").append(value);
@@ -252,9 +251,9 @@ TextLine read_text_line(std::string_view line) {
   if (line.size() > kLongestLine)
     return wrong("the line is too long");
   const auto magic = take_word(line);
-  if (magic != kMagic)
-    return wrong(magic.starts_with("hv") ? "another version of the format"
-                                         : "this is not a motion sample");
+  if (magic != kTextMagic)
+    return wrong(magic.starts_with(kTextName) ? "another version of the format"
+                                              : "this is not a motion sample");
   const auto kind = take_word(line);
   if (kind == kField)
     return read_field(line);

@@ -10,6 +10,12 @@
 
 namespace haptic {
 
+/// What the lines of every version begin with, those of this version, and its lines of fields.
+inline constexpr std::string_view kTextName = "hv";
+inline constexpr std::string_view kTextMagic = "hv1";
+inline constexpr std::string_view kTextFieldStart = "hv1 field ";
+static_assert(kTextMagic.starts_with(kTextName) && kTextFieldStart.starts_with(kTextMagic));
+
 /// Without a newline, and without characters that mark-up would escape. Numbers are written so that
 /// reading them gives the same bits.
 std::string write_text_line(const TrackSample &sample);

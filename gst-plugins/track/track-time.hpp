@@ -2,6 +2,8 @@
 // Times of a haptic track: nanoseconds in the program, ticks in MPEG haptics.
 #pragma once
 
+#include "track-sample.hpp"
+
 #include <cstdint>
 #include <string>
 
@@ -17,6 +19,9 @@ inline constexpr std::uint64_t kUsualInterval = kSecond / 30;
 
 /// A pause between two samples that is longer than this is silence; ticks of kTrackTimescale.
 inline constexpr std::int64_t kLongestHold = kTrackTimescale / 4;
+
+/// Sender's times that are further apart do not belong together: the sender was started anew.
+inline constexpr std::uint64_t kLargestTimeStep = 10 * kSecond; // ns
 
 /// Returns the ticks of a time in ns, to the nearest.
 constexpr std::int64_t ticks_of(std::uint64_t ns, std::uint32_t timescale) noexcept {

@@ -22,7 +22,7 @@ void find_hmpg(GstTypeFind *find, gpointer) {
   const auto size = static_cast<guint>(kUnitHeaderSize + header->length);
   bytes = gst_type_find_peek(find, 0, size);
   if (bytes && !read_unit({bytes, size}, nullptr).error)
-    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HMPG_FILE_CAPS);
+    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HMPG_TYPE);
 }
 
 // A JSON object that names what this format demands at its top level.
@@ -41,7 +41,7 @@ void find_hjif(GstTypeFind *find, gpointer) {
     return;
   const auto has = [&](std::string_view key) { return text.find(key) != std::string_view::npos; };
   if (has(R"("perceptions")") && has(R"("timescale")") && has(R"("profile")"))
-    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HJIF_CAPS);
+    gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HJIF_TYPE);
 }
 
 template <GstTypeFindFunction kFinder>
@@ -63,8 +63,8 @@ gboolean register_track_typefinders(GstPlugin *plugin) {
     gst_caps_unref(possible);
     return done;
   };
-  return add("haptics/hmpg", barrier<find_hmpg>, "hmpg", HAPTIC_HMPG_FILE_CAPS) &&
-         add("haptics/hjif", barrier<find_hjif>, "hjif", HAPTIC_HJIF_CAPS);
+  return add("haptics/hmpg", barrier<find_hmpg>, "hmpg", HAPTIC_HMPG_TYPE) &&
+         add("haptics/hjif", barrier<find_hjif>, "hjif", HAPTIC_HJIF_TYPE);
 }
 
 } // namespace haptic

@@ -2,7 +2,9 @@
 #include "author-file.hpp"
 
 #include "gst-raii.hpp"
+#include "klv.hpp"
 #include "pipeline.hpp"
+#include "text-line.hpp"
 #include "track-caps.hpp"
 
 #include <algorithm>
@@ -48,13 +50,12 @@ std::string seconds_of(GstClockTime time) {
 
 // Whether it begins as a copy with motion fields does: they are there from the first frame on.
 bool holds_fields(const std::string &path) {
-  constexpr std::string_view kLine = "hv1 field ";
-  constexpr std::string_view kKey("\x06\x0E\x2B\x34\x02\x0B\x01\x01\x0FHAPTIC\x01", 16);
   std::string begin(16 << 20, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<std::size_t>(file.gcount()));
-  return begin.find(kLine) != std::string::npos || begin.find(kKey) != std::string::npos;
+  const std::string_view key(reinterpret_cast<const char *>(kMotionKey.data()), kMotionKey.size());
+  return begin.find(kTextFieldStart) != std::string::npos || begin.find(key) != std::string::npos;
 }
 
 // Written under another name, which no other process writes to at the same time.

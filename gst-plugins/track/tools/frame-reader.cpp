@@ -21,8 +21,7 @@ Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
     return frame;
   const std::size_t stride = map.size / rows; // rows are padded to four bytes
   for (std::size_t row = 0; stride >= row_size && row < rows; ++row)
-    frame.rgb.insert(frame.rgb.end(), map.data + row * stride,
-                       map.data + row * stride + row_size);
+    frame.rgb.insert(frame.rgb.end(), map.data + row * stride, map.data + row * stride + row_size);
   gst_buffer_unmap(buffer, &map);
   return frame;
 }
@@ -30,7 +29,7 @@ Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
 } // namespace
 
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
-                                   int width, int height) {
+                               int width, int height) {
   std::vector<Frame> frames(times.size());
   const std::string line =
       "filesrc name=in ! decodebin ! videoconvert ! videoscale add-borders=false ! video/x-raw,"
@@ -61,7 +60,7 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
         const bool is_wanted = now + GST_MSECOND >= times[i];
         if (is_wanted)
           frames[i] = frame_of(sample, 3 * static_cast<std::size_t>(width),
-                                   static_cast<std::size_t>(height));
+                               static_cast<std::size_t>(height));
         gst_sample_unref(sample);
         if (is_wanted)
           break;

@@ -24,7 +24,6 @@ namespace haptic {
 namespace {
 
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr char kTextMagic[] = "hv";
 constexpr char kEndings[] = ".ts, .mkv, .klv, .txt, .hmpg or .hjif";
 
 std::string quoted(const std::string &path) {
@@ -207,7 +206,7 @@ void take_buffer(GstSample *sample, TrackFile &track) {
                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
   const std::size_t fields = track.fields.size();
   bool taken = false;
-  if (begins_with(bytes, kTextMagic))
+  if (begins_with(bytes, kTextName))
     taken = take_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
   else if (const auto item = KlvReader(bytes).next())
     taken = take_item(*item, track);
@@ -385,10 +384,11 @@ TrackFile read_track_file(const std::string &path) {
   TrackFile track;
   const auto text = std::find_if_not(head.begin(), head.end(),
                                      [](std::uint8_t c) { return c == ' ' || c == '\n'; });
-  if (begins_with(head, "\x06\x0e\x2b\x34")) {
+  if (std::ranges::equal(std::span(head).first(std::min(head.size(), kKlvDesignator.size())),
+                         kKlvDesignator)) {
     track.form = "KLV";
     read_klv_file(path, track);
-  } else if (begins_with(head, kTextMagic)) {
+  } else if (begins_with(head, kTextName)) {
     track.form = "text lines";
     read_text_file(path, track);
   } else if (looks_like_unit(head)) {

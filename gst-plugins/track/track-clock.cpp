@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "track-clock.hpp"
+
+#include <algorithm>
+
+namespace haptic {
+
+std::uint64_t TrackClock::recovered(std::uint64_t time, std::uint64_t start) const noexcept {
+  if (pts_ == kNoTime)
+    return start;
+  const std::uint64_t forward = time - time_;
+  const std::uint64_t back = time_ - time;
+  if (time_ != kNoTime && forward <= kLargestTimeStep)
+    return pts_ + forward;
+  if (time_ != kNoTime && back <= std::min(kLargestTimeStep, pts_))
+    return pts_ - back;
+  return pts_ + duration_; // the sender was started anew
+}
+
+void TrackClock::remember(std::uint64_t pts, std::uint64_t time, std::uint64_t duration) noexcept {
+  if (pts == kNoTime)
+    return;
+  pts_ = pts;
+  time_ = time;
+  duration_ = duration == kNoTime ? 0 : std::min(duration, kSecond);
+}
+
+void TrackClock::forget() noexcept {
+  *this = {};
+}
+
+} // namespace haptic
