@@ -46,7 +46,153 @@
           "Link what pointerextract makes to the pad, or its KLV from the network.")
 // clang-format on
 
-#define TRACK_MESSAGES(MESSAGE) TRACK_ELEMENT_MESSAGES(MESSAGE)
+// Those of haptic-track.
+// clang-format off
+#define TRACK_TOOL_MESSAGES(MESSAGE) \
+  MESSAGE(kTrackFileIsTooLarge, \
+          "\"%s\": the file is too large to be a track of this form (64 MiB).", \
+          "Cut it while it is a recording.") \
+  MESSAGE(kFileIsMissing, \
+          "\"%s\": there is no such file.", \
+          "Check the name; the path is relative to where you stand.") \
+  MESSAGE(kFileIsNone, \
+          "\"%s\": this is not a file.", \
+          "Name a file, not a folder or a device.") \
+  MESSAGE(kFileIsForbidden, \
+          "\"%s\": the file may not be read by this user.", \
+          "Change its rights with chmod, or copy it.") \
+  MESSAGE(kTrackFileIsDamaged, \
+          "\"%s\": there is more damage than track in this file.", \
+          "Take the original; this file is of another kind, or was cut.") \
+  MESSAGE(kHjifIsWrong, \
+          "\"%s\": byte %zu: %s.", \
+          "Take the original; this file is of another kind, or was cut.") \
+  MESSAGE(kContainerIsEmpty, \
+          "\"%s\": there is nothing in this file.", \
+          "Record or copy it again.") \
+  MESSAGE(kContainerHasNoTrack, \
+          "\"%s\": there is no haptic track in this file, only %s.", \
+          "Take a file that record.sh or haptic-track author wrote.") \
+  MESSAGE(kTrackFormIsUnknown, \
+          "\"%s\": this is no haptic track.", \
+          "Known are .ts, .mkv, .klv, .txt, .hmpg and .hjif.") \
+  MESSAGE(kOutputFormIsUnknown, \
+          "\"%s\": which form?", \
+          "The name must end in .ts, .mkv, .klv, .txt, .hmpg or .hjif.") \
+  MESSAGE(kOutputFails, \
+          "\"%s\": the file cannot be written: %s.", \
+          "Choose another place, or make room on the disk.") \
+  MESSAGE(kOutputHoldsPoints, \
+          "\"%s\": MPEG haptics can hold the motion of one point only, and this track holds fields of the whole frame.", \
+          "Write .ts, .mkv, .klv or .txt.") \
+  MESSAGE(kFileIsBeingWritten, \
+          "\"%s\": another process is writing this file.", \
+          "Wait until it has ended, or name another folder with --output.") \
+  MESSAGE(kStreamDoesNotFit, \
+          "the stream does not fit from %s to %s.", \
+          "Encode the video anew, as H.264.") \
+  MESSAGE(kMuxerHasNoPlace, \
+          "the muxer has no place for %s.", \
+          "Encode the video anew, as H.264.") \
+  MESSAGE(kNoContainer, \
+          "neither MPEG-TS nor Matroska has a place for %s.", \
+          "Encode the video anew, as H.264.") \
+  MESSAGE(kFrameSizeChanges, \
+          "the frame's size changes from %d x %d to %d x %d after %.1f s.", \
+          "Cut the video there, and author both parts.") \
+  MESSAGE(kVideoIsMissing, \
+          "there is no video in this file%s.", \
+          "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
+  MESSAGE(kDecoderIsMissing, \
+          "there is no %s.", \
+          "Install gstreamer1.0-libav, which has most decoders.") \
+  MESSAGE(kStreamsAreUnclear, \
+          "its streams cannot be told apart.", \
+          "See whether gst-play-1.0 plays it.") \
+  MESSAGE(kNoFrameIsDecoded, \
+          "not one frame of this video can be decoded.", \
+          "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
+  MESSAGE(kFileEndsEarly, \
+          "the file ends after %.1f s of %.1f s; it was not copied or recorded to its end.", \
+          "Copy it again, or repair it by a remux and author that.") \
+  MESSAGE(kCopyHoldsNoFields, \
+          "\"%s\": exists and holds no motion fields.", \
+          "Move it away, or name another folder with --output.") \
+  MESSAGE(kElementIsMissing, \
+          "GStreamer has no element %s.", \
+          "Those of this project come with its plugins (GST_PLUGIN_PATH), all others with gstreamer1.0-plugins-base, -good and -bad.") \
+  MESSAGE(kGnuplotIsMissing, \
+          "gnuplot is not installed.", \
+          "Install the package gnuplot-nox.") \
+  MESSAGE(kGnuplotRefusesName, \
+          "\"%s\": gnuplot cannot write to such a name.", \
+          "Give another output, without quotes.") \
+  MESSAGE(kGnuplotFails, \
+          "gnuplot cannot be started.", \
+          "See whether the command gnuplot works.") \
+  MESSAGE(kPlotFails, \
+          "\"%s\": gnuplot could not draw it.", \
+          "Give another output, or make room on the disk.") \
+  MESSAGE(kNoFieldIsDecoded, \
+          "not one field of this track can be decoded.", \
+          "Take the original: its key fields are missing.") \
+  MESSAGE(kPointsDoNotMove, \
+          "\"%s\": only motion fields are shown as moving pictures.", \
+          "Give an output that ends in .png.") \
+  MESSAGE(kPictureIsUnknown, \
+          "\"%s\": which picture?", \
+          "The name must end in .png or .gif.") \
+  MESSAGE(kProcessFails, \
+          "no further process can be started: %s.", \
+          "Give fewer --jobs, or end other programs.") \
+  MESSAGE(kCopyNamesCollide, \
+          "\"%s\": its copy would have the name of that of \"%s\".", \
+          "Rename it, or name another folder with --output.") \
+  MESSAGE(kProcessCrashed, \
+          "\"%s\": its process %s.", \
+          "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
+  MESSAGE(kFolderIsMissing, \
+          "there is no folder \"%s\".", \
+          "Make it, or name another one with --output.") \
+  MESSAGE(kOptionNeedsSeconds, \
+          "%s needs seconds, not '%s'.", \
+          "Give a number from 0 on, such as 1.5.") \
+  MESSAGE(kOptionNeedsCount, \
+          "%s needs a number from %u to %u, not '%s'.", \
+          "See --help.") \
+  MESSAGE(kOptionNeedsValue, \
+          "%s needs a value.", \
+          "See --help.") \
+  MESSAGE(kOptionIsUnknown, \
+          "unknown option '%s'.", \
+          "See --help.") \
+  MESSAGE(kCommandNeedsFiles, \
+          "%s needs a file and an output.", \
+          "See --help.") \
+  MESSAGE(kOutputExists, \
+          "\"%s\" exists.", \
+          "Use --force, which writes over it, or give another name.") \
+  MESSAGE(kTrackIsEmpty, \
+          "\"%s\": there is not one sample in this track.", \
+          "Take another file.") \
+  MESSAGE(kCutIsEmpty, \
+          "\"%s\": there is no sample between these times.", \
+          "Take other times; haptic-track info shows those of the file.") \
+  MESSAGE(kCommandNeedsVideo, \
+          "author needs a video.", \
+          "See --help.") \
+  MESSAGE(kCommandNeedsFile, \
+          "info needs a file.", \
+          "See --help.") \
+  MESSAGE(kCommandIsMissing, \
+          "what is to be done?", \
+          "See --help.") \
+  MESSAGE(kCommandIsUnknown, \
+          "unknown command '%s'.", \
+          "See --help.")
+// clang-format on
+
+#define TRACK_MESSAGES(MESSAGE) TRACK_ELEMENT_MESSAGES(MESSAGE) TRACK_TOOL_MESSAGES(MESSAGE)
 
 namespace haptic::messages {
 #define DEFINE_MESSAGE(name, text, cure) inline constexpr char name[] = text " " cure;

@@ -36,16 +36,6 @@ constexpr double kMissingShare = 0.02;
 constexpr GstClockTime kMissing = GST_SECOND;
 constexpr gint64 kLongestShow = 10 * G_USEC_PER_SEC; // us, from the first stream to the last
 
-[[noreturn]] void fail(const std::string &path, const std::string &what) {
-  throw TrackFileError("\"" + path + "\": " + what);
-}
-
-std::string seconds_of(GstClockTime time) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(time) * 1e-9);
-  return text;
-}
-
 // ---- the file that is written -------------------------------------------------------------------
 
 // Whether it begins as a copy with motion fields does: they are there from the first frame on.
@@ -64,10 +54,10 @@ public:
   explicit PartFile(std::string path) : path_(std::move(path)) {
     fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd_ < 0)
-      fail(path_, std::string("the file cannot be written: ") + std::strerror(errno));
+      throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
     if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
       close(fd_);
-      fail(path_, "another process is writing this file");
+      throw_error(messages::kFileIsBeingWritten, path_.c_str());
     }
   }
   ~PartFile() {
@@ -83,7 +73,7 @@ public:
   // All of it is on the disk before it has its name, and so is the name when this returns.
   void keep_as(const std::string &path) {
     if (fsync(fd_) != 0 || std::rename(path_.c_str(), path.c_str()) != 0)
-      fail(path, std::string("the file cannot be written: ") + std::strerror(errno));
+      throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
     kept_ = true;
     const std::string folder = fs::path(path).parent_path().string();
     if (const int fd = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC); fd >= 0) {
@@ -184,14 +174,13 @@ GstElement *add_queue(GstElement *pipeline, guint bytes) {
 
 void link_elements(GstElement *from, GstElement *to) {
   if (!gst_element_link(from, to))
-    throw TrackFileError(std::string("the stream does not fit from ") + GST_ELEMENT_NAME(from) +
-                         " to " + GST_ELEMENT_NAME(to));
+    throw_error(messages::kStreamDoesNotFit, GST_ELEMENT_NAME(from), GST_ELEMENT_NAME(to));
 }
 
 void link_pad(GstPad *pad, GstElement *to) {
   const PadPtr sink(gst_element_get_static_pad(to, "sink"));
   if (GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get())))
-    throw TrackFileError(std::string("the stream does not fit into ") + GST_ELEMENT_NAME(to));
+    throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 
 // The stream as it is, from `from` into the muxer.
@@ -203,7 +192,7 @@ void link_untouched(const Work &work, GstElement *from, GstCaps *caps, GstElemen
   const PadPtr from_pad(gst_element_get_static_pad(last, "src"));
   const PadPtr to_pad(gst_element_get_compatible_pad(mux, from_pad.get(), parser ? nullptr : caps));
   if (!to_pad || GST_PAD_LINK_FAILED(gst_pad_link(from_pad.get(), to_pad.get())))
-    throw TrackFileError(std::string("the muxer has no place for ") + name_of(caps));
+    throw_error(messages::kMuxerHasNoPlace, name_of(caps));
 }
 
 GstPadProbeReturn watch_size(GstPad *, GstPadProbeInfo *info, gpointer data) {
@@ -224,9 +213,7 @@ GstPadProbeReturn watch_size(GstPad *, GstPadProbeInfo *info, gpointer data) {
   if (width == work.width && height == work.height)
     return GST_PAD_PROBE_OK;
   GST_ELEMENT_ERROR(work.pipeline, STREAM, FORMAT,
-                    ("the frame's size changes from %d x %d to %d x %d after %.1f s; cut the "
-                     "video there",
-                     work.width, work.height, width, height,
+                    (messages::kFrameSizeChanges, work.width, work.height, width, height,
                      static_cast<double>(work.measured) * 1e-9),
                     (nullptr));
   return GST_PAD_PROBE_DROP;
@@ -311,14 +298,13 @@ const char *choose_muxer(Work &work) {
     return "mpegtsmux";
   }
   if (!has_place("matroskamux", work.video))
-    throw TrackFileError(std::string("neither MPEG-TS nor Matroska has a place for ") +
-                         name_of(caps_of(work.video).get()) + "; encode the video anew, as H.264");
+    throw_error(messages::kNoContainer, name_of(caps_of(work.video).get()));
   work.ending = kMatroska;
   return "matroskamux";
 }
 
 // Matroska has numbers that are drawn by lot, and the date. The same video gives the same copy.
-void take_chance_away(const Work &work, GstElement *mux) {
+void make_output_deterministic(const Work &work, GstElement *mux) {
   const std::string name = fs::path(work.path).filename().string();
   g_random_set_seed(g_str_hash(name.c_str()));
   struct stat status {};
@@ -339,7 +325,7 @@ void leave_out(Work &work, GstPad *pad, const std::string &what) {
 
 void build(Work &work) {
   GstElement *mux = add_element(work.pipeline, choose_muxer(work));
-  take_chance_away(work, mux);
+  make_output_deterministic(work, mux);
   GstElement *sink = add_element(work.pipeline, "filesink");
   g_object_set(sink, "location", work.part.c_str(), "async", FALSE, nullptr);
   link_elements(mux, sink);
@@ -394,8 +380,8 @@ void sort_streams(Work &work) {
       leave_out(work, pad.get(), "a further stream");
   }
   if (!work.video)
-    throw TrackFileError("there is no video in this file" +
-                         (work.unknown.empty() ? "" : " that is understood, only " + work.unknown));
+    throw_error(messages::kVideoIsMissing,
+                work.unknown.empty() ? "" : (" that is understood, only " + work.unknown).c_str());
 }
 
 // A decoder with a thread for each core holds frames for each of them.
@@ -406,7 +392,7 @@ void limit_threads(GstBin *, GstBin *, GstElement *element, gpointer) {
 
 // The first message of this type. Throws what went wrong instead.
 MessagePtr wait_for(Work &work, GstMessageType wanted,
-                    const std::function<void(const AuthorProgress &)> &tell) {
+                    const std::function<void(const AuthorProgress &)> &report) {
   const BusPtr bus(gst_element_get_bus(work.pipeline));
   std::string missing;
   for (;;) {
@@ -417,7 +403,7 @@ MessagePtr wait_for(Work &work, GstMessageType wanted,
     const double done = GST_CLOCK_TIME_IS_VALID(duration)
                             ? static_cast<double>(work.measured) / static_cast<double>(duration)
                             : 0;
-    tell({work.frames, std::min(done, 1.0)});
+    report({work.frames, std::min(done, 1.0)});
     if (!message)
       continue;
     const GstMessageType type = GST_MESSAGE_TYPE(message.get());
@@ -427,14 +413,14 @@ MessagePtr wait_for(Work &work, GstMessageType wanted,
       return MessagePtr(gst_message_ref(message.get()));
     if (gst_is_missing_plugin_message(message.get())) {
       const GCharPtr what(gst_missing_plugin_message_get_description(message.get()));
-      missing = std::string("there is no ") + what.get() + "; gstreamer1.0-libav has most decoders";
+      missing = formatted(messages::kDecoderIsMissing, what.get());
     }
   }
 }
 
 // parsebin tells how many streams there are, and then shows them all.
-void wait_for_streams(Work &work, const std::function<void(const AuthorProgress &)> &tell) {
-  const MessagePtr message = wait_for(work, GST_MESSAGE_STREAM_COLLECTION, tell);
+void wait_for_streams(Work &work, const std::function<void(const AuthorProgress &)> &report) {
+  const MessagePtr message = wait_for(work, GST_MESSAGE_STREAM_COLLECTION, report);
   GstStreamCollection *collection = nullptr;
   gst_message_parse_stream_collection(message.get(), &collection);
   const std::size_t count = gst_stream_collection_get_size(collection);
@@ -443,18 +429,18 @@ void wait_for_streams(Work &work, const std::function<void(const AuthorProgress 
   while (work.shown < count && g_get_monotonic_time() < latest)
     g_usleep(1000);
   if (work.shown < count)
-    throw TrackFileError("its streams cannot be told apart");
+    throw_error(messages::kStreamsAreUnclear);
 }
 
 void check_whole(const Work &work) {
   if (work.frames == 0)
-    throw TrackFileError("not one frame of this video can be decoded");
+    throw_error(messages::kNoFrameIsDecoded);
   const GstClockTime duration = work.duration;
   const GstClockTime position = work.position;
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
       static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
-    throw TrackFileError("the file ends after " + seconds_of(position) + " of " +
-                         seconds_of(duration) + "; it was not copied or recorded to its end");
+    throw_error(messages::kFileEndsEarly, static_cast<double>(position) * 1e-9,
+                static_cast<double>(duration) * 1e-9);
 }
 
 } // namespace
@@ -470,22 +456,21 @@ std::string author_part(const std::string &path, const AuthorOptions &options) {
 }
 
 Authored author_file(const std::string &path, const AuthorOptions &options,
-                     const std::function<void(const AuthorProgress &)> &tell) {
+                     const std::function<void(const AuthorProgress &)> &report) {
   std::error_code error;
   if (!fs::exists(path, error))
-    fail(path, "there is no such file");
+    throw_error(messages::kFileIsMissing, path.c_str());
   if (!fs::is_regular_file(path, error))
-    fail(path, "this is not a file");
+    throw_error(messages::kFileIsNone, path.c_str());
   if (access(path.c_str(), R_OK) != 0)
-    fail(path, "the file may not be read by this user");
+    throw_error(messages::kFileIsForbidden, path.c_str());
   if (fs::path(path).stem().extension() == ".haptic" && holds_fields(path))
     return {path, true, 0, {}};
   PartFile part(author_part(path, options));
   for (const char *ending : {kTransportStream, kMatroska})
     if (const std::string copy = author_stem(path, options) + ending; fs::exists(copy, error)) {
       if (!holds_fields(copy))
-        fail(copy, "exists and holds no motion fields; move it away, or name another folder with "
-                   "--output");
+        throw_error(messages::kCopyHoldsNoFields, copy.c_str());
       return {copy, true, 0, {}};
     }
 
@@ -506,17 +491,17 @@ Authored author_file(const std::string &path, const AuthorOptions &options,
   g_signal_connect(pipeline.get(), "deep-element-added", G_CALLBACK(limit_threads), nullptr);
   try {
     gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
-    wait_for_streams(work, tell);
+    wait_for_streams(work, report);
     sort_streams(work);
     build(work);
     for (const auto &[pad, probe] : work.streams)
       gst_pad_remove_probe(pad.get(), probe);
     gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-    wait_for(work, GST_MESSAGE_EOS, tell);
+    wait_for(work, GST_MESSAGE_EOS, report);
     check_whole(work);
   } catch (const TrackFileError &wrong) {
     gst_element_set_state(pipeline.get(), GST_STATE_NULL);
-    fail(path, wrong.what());
+    throw_error("\"%s\": %s", path.c_str(), wrong.what());
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   const std::string copy = author_stem(path, options) + work.ending;

@@ -28,10 +28,10 @@ struct Authored {
 
 /// Writes NAME.haptic.ts, or NAME.haptic.mkv where MPEG-TS has no place for the video. The copy
 /// appears under its name only when it is whole and on the disk; one that is there is left as it
-/// is. `tell` is called some times a second. Throws TrackFileError. Initializes GStreamer, and
+/// is. `report` is called some times a second. Throws TrackFileError. Initializes GStreamer, and
 /// seeds GLib's random numbers: to be called in a process of its own.
 Authored author_file(const std::string &path, const AuthorOptions &options,
-                     const std::function<void(const AuthorProgress &)> &tell);
+                     const std::function<void(const AuthorProgress &)> &report);
 
 /// The name of the copy without its ending: two videos may not have the same one.
 std::string author_stem(const std::string &path, const AuthorOptions &options);

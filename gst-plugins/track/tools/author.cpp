@@ -42,7 +42,7 @@ std::string single_line(std::string text) {
 // What it says, one line each: "P done frames", and at the end "D|S frames path" or "E why";
 // "R remark" before.
 int work_on(const std::string &path, const AuthorOptions &options, int out) {
-  const auto say = [&](const std::string &line) {
+  const auto send_line = [&](const std::string &line) {
     const std::string whole = single_line(line) + "\n";
     // The other end is gone: so will this process be.
     if (write(out, whole.data(), whole.size()) < 0)
@@ -50,14 +50,14 @@ int work_on(const std::string &path, const AuthorOptions &options, int out) {
   };
   try {
     const Authored made = author_file(path, options, [&](const AuthorProgress &progress) {
-      say("P " + std::to_string(progress.done) + " " + std::to_string(progress.frames));
+      send_line("P " + std::to_string(progress.done) + " " + std::to_string(progress.frames));
     });
     for (const auto &remark : made.remarks)
-      say("R " + remark);
-    say((made.existed ? "S " : "D ") + std::to_string(made.frames) + " " + made.path);
+      send_line("R " + remark);
+    send_line((made.existed ? "S " : "D ") + std::to_string(made.frames) + " " + made.path);
     return EXIT_SUCCESS;
   } catch (const std::exception &error) {
-    say(std::string("E ") + error.what());
+    send_line(std::string("E ") + error.what());
     return EXIT_FAILURE;
   }
 }
@@ -77,12 +77,12 @@ struct Job {
 Job start(const std::string &path, const AuthorOptions &options) {
   int ends[2];
   if (pipe(ends) != 0)
-    throw TrackFileError(std::string("no further process can be started: ") + std::strerror(errno));
+    throw_error(messages::kProcessFails, std::strerror(errno));
   std::fflush(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0)
-    throw TrackFileError(std::string("no further process can be started: ") + std::strerror(errno));
+    throw_error(messages::kProcessFails, std::strerror(errno));
   if (pid == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL); // nobody works on for a dead one
     if (getppid() != parent)
@@ -159,8 +159,7 @@ private:
     // Of two videos of one name the first is done: the second would take its copy for its own.
     const auto [other, is_new] = stems_.emplace(author_stem(path, options_), path);
     if (!is_new && other->second != path) {
-      fail("\"" + path + "\": its copy would have the name of that of \"" + other->second +
-           "\"; rename it, or name another folder with --output");
+      report_failure(formatted(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
       done_weight_ += size_of(path);
       return;
     }
@@ -189,17 +188,17 @@ private:
       return count < 0 && errno == EINTR;
     job.unread.append(bytes, static_cast<std::size_t>(count));
     for (auto end = job.unread.find('\n'); end != std::string::npos; end = job.unread.find('\n')) {
-      take_line(job, job.unread.substr(0, end));
+      read_line(job, job.unread.substr(0, end));
       job.unread.erase(0, end + 1);
     }
     return true;
   }
 
-  void take_line(Job &job, const std::string &line) {
+  void read_line(Job &job, const std::string &line) {
     if (line.starts_with("P ")) {
       std::istringstream(line.substr(2)) >> job.done >> job.frames;
     } else if (line.starts_with("R ")) {
-      say(stderr, "\"" + job.path + "\": " + line.substr(2));
+      print_line(stderr, "\"" + job.path + "\": " + line.substr(2));
     } else {
       job.result = line;
     }
@@ -218,7 +217,7 @@ private:
       std::getline(words >> frames >> std::ws, copy);
       if (job.result[0] == 'S') {
         ++existed_;
-        say(stdout, "there already: " + copy);
+        print_line(stdout, "there already: " + copy);
         return;
       }
       ++written_;
@@ -227,18 +226,15 @@ private:
       std::snprintf(speed, sizeof speed, " (%llu frames, %.0f a second)",
                     static_cast<unsigned long long>(frames),
                     static_cast<double>(frames) / since(job.begun));
-      say(stdout, "written: " + copy + speed);
+      print_line(stdout, "written: " + copy + speed);
       return;
     }
     remove_part(job);
     if (job.result.starts_with("E "))
-      fail(job.result.substr(2));
+      report_failure(job.result.substr(2));
     else
-      fail("\"" + job.path + "\": its process " +
-           (WIFSIGNALED(status)
-                ? std::string("was ended by the signal ") + strsignal(WTERMSIG(status))
-                : "ended without a word") +
-           "; run it again, or tell the makers of the decoder");
+      report_failure(
+          formatted(messages::kProcessCrashed, job.path.c_str(), how_it_ended(status).c_str()));
   }
 
   void remove_part(const Job &job) const {
@@ -256,12 +252,18 @@ private:
     jobs_.clear();
   }
 
-  void fail(const std::string &why) {
-    ++failed_;
-    say(stderr, "haptic-track: " + why);
+  static std::string how_it_ended(int status) {
+    if (!WIFSIGNALED(status))
+      return "ended without a result";
+    return std::string("was ended by the signal ") + strsignal(WTERMSIG(status));
   }
 
-  void say(std::FILE *where, const std::string &line) {
+  void report_failure(const std::string &why) {
+    ++failed_;
+    print_line(stderr, "haptic-track: " + why);
+  }
+
+  void print_line(std::FILE *where, const std::string &line) {
     erase_bar();
     std::fprintf(where, "%s\n", line.c_str());
     std::fflush(where);
@@ -339,7 +341,7 @@ private:
 
 int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
   if (!options.folder.empty() && !std::filesystem::is_directory(options.folder))
-    throw TrackFileError("there is no folder \"" + options.folder + "\"");
+    throw_error(messages::kFolderIsMissing, options.folder.c_str());
   struct sigaction action {};
   action.sa_handler = [](int) { interrupted = 1; };
   sigaction(SIGINT, &action, nullptr);

@@ -14,6 +14,6 @@ struct Frame {
 
 /// One for each of these times (ns, rising); none where the file has no video, or it has ended.
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
-                                   int width, int height);
+                               int width, int height);
 
 } // namespace haptic

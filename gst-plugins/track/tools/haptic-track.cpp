@@ -22,6 +22,8 @@
 namespace {
 
 using haptic::CodedField;
+namespace messages = haptic::messages;
+using haptic::throw_error;
 using haptic::TrackFile;
 using haptic::TrackFileError;
 using haptic::TrackSample;
@@ -65,7 +67,7 @@ double parse_seconds(const std::string &option, const std::string &text) {
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !(value >= 0) ||
       !(value <= 1e9))
-    throw TrackFileError(option + " needs seconds, not '" + text + "'");
+    throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
   return value;
 }
 
@@ -75,8 +77,7 @@ unsigned parse_count(const std::string &option, const std::string &text, unsigne
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end.ec != std::errc() || end.ptr != text.data() + text.size() || value < least ||
       value > most)
-    throw TrackFileError(option + " needs a number from " + std::to_string(least) + " to " +
-                         std::to_string(most) + ", not '" + text + "'");
+    throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
   return value;
 }
 
@@ -93,11 +94,11 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       arguments.force = true;
     } else if (word == "--from" || word == "--to") {
       if (++i == words.size())
-        throw TrackFileError(word + " needs seconds");
+        throw_error(messages::kOptionNeedsValue, word.c_str());
       (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
     } else if (word == "--output" || word == "--columns" || word == "--jobs") {
       if (++i == words.size())
-        throw TrackFileError(word + " needs a value");
+        throw_error(messages::kOptionNeedsValue, word.c_str());
       if (word == "--output")
         arguments.author.folder = words[i];
       else if (word == "--columns")
@@ -105,7 +106,7 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       else
         arguments.jobs = parse_count(word, words[i], 1, 1024);
     } else if (word.starts_with("-")) {
-      throw TrackFileError("unknown option '" + word + "'; see --help");
+      throw_error(messages::kOptionIsUnknown, word.c_str());
     } else if (arguments.command.empty()) {
       arguments.command = word;
     } else {
@@ -115,7 +116,7 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   return arguments;
 }
 
-void tell_remarks(const std::string &path, const TrackFile &track) {
+void print_remarks(const std::string &path, const TrackFile &track) {
   for (const auto &remark : track.remarks)
     std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
 }
@@ -215,17 +216,16 @@ void info(const std::string &path) {
 
 void check_output(const Arguments &arguments) {
   if (arguments.files.size() != 2)
-    throw TrackFileError(arguments.command + " needs a file and an output; see --help");
+    throw_error(messages::kCommandNeedsFiles, arguments.command.c_str());
   if (!arguments.force && std::filesystem::exists(arguments.files[1]))
-    throw TrackFileError("\"" + arguments.files[1] +
-                         "\" exists; --force writes over it, or give another name");
+    throw_error(messages::kOutputExists, arguments.files[1].c_str());
 }
 
 TrackFile read_some(const std::string &path) {
   TrackFile track = haptic::read_track_file(path);
-  tell_remarks(path, track);
+  print_remarks(path, track);
   if (track.empty())
-    throw TrackFileError("\"" + path + "\": there is not one sample in this track");
+    throw_error(messages::kTrackIsEmpty, path.c_str());
   return track;
 }
 
@@ -243,7 +243,7 @@ void cut(const Arguments &arguments) {
                 [&](const TrackSample &sample) { return sample.time < from || sample.time >= to; });
   track.fields = haptic::cut_fields(track.fields, from, to);
   if (track.empty())
-    throw TrackFileError("\"" + arguments.files[0] + "\": there is no sample between these times");
+    throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
   for (auto &sample : track.samples)
     sample.time -= from;
   haptic::write_track_file(arguments.files[1], track);
@@ -258,13 +258,13 @@ void plot(const Arguments &arguments) {
 int run(const Arguments &arguments) {
   if (arguments.command == "author") {
     if (arguments.files.empty())
-      throw TrackFileError("author needs a video; see --help");
+      throw_error(messages::kCommandNeedsVideo);
     return haptic::author(arguments.files, arguments.author, arguments.jobs);
   }
   gst_init(nullptr, nullptr);
   if (arguments.command == "info") {
     if (arguments.files.empty())
-      throw TrackFileError("info needs a file; see --help");
+      throw_error(messages::kCommandNeedsFile);
     int failures = 0;
     for (const auto &file : arguments.files)
       try {
@@ -281,10 +281,10 @@ int run(const Arguments &arguments) {
     cut(arguments);
   else if (arguments.command == "plot")
     plot(arguments);
+  else if (arguments.command.empty())
+    throw_error(messages::kCommandIsMissing);
   else
-    throw TrackFileError(arguments.command.empty()
-                             ? "what is to be done? See --help"
-                             : "unknown command '" + arguments.command + "'; see --help");
+    throw_error(messages::kCommandIsUnknown, arguments.command.c_str());
   return EXIT_SUCCESS;
 }
 

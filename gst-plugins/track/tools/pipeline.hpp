@@ -3,7 +3,7 @@
 #pragma once
 
 #include "gst-raii.hpp"
-#include "track-file.hpp"
+#include "track-error.hpp"
 
 #include <cstring>
 #include <gst/gst.h>
@@ -19,10 +19,7 @@ inline ElementPtr make_pipeline() {
 inline GstElement *add_element(GstElement *pipeline, const char *factory) {
   GstElement *element = gst_element_factory_make(factory, nullptr);
   if (!element)
-    throw TrackFileError(
-        std::string("GStreamer has no element ") + factory +
-        "; those of this project come with its plugins (GST_PLUGIN_PATH), all others with "
-        "gstreamer1.0-plugins-base, -good and -bad");
+    throw_error(messages::kElementIsMissing, factory);
   gst_bin_add(GST_BIN(pipeline), element);
   return element;
 }

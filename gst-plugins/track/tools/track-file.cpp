@@ -12,8 +12,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
-#include <ctime>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <gst/app/gstappsink.h>
@@ -24,21 +25,12 @@ namespace haptic {
 namespace {
 
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr char kEndings[] = ".ts, .mkv, .klv, .txt, .hmpg or .hjif";
-
-std::string quoted(const std::string &path) {
-  return "\"" + path + "\"";
-}
-
-[[noreturn]] void fail(const std::string &path, const std::string &what) {
-  throw TrackFileError(quoted(path) + ": " + what);
-}
 
 // ---- reading ------------------------------------------------------------------------------------
 
 std::vector<std::uint8_t> read_bytes(const std::string &path) {
   if (std::filesystem::file_size(path) > kLargestText)
-    fail(path, "the file is too large to be a track of this form (64 MiB)");
+    throw_error(messages::kTrackFileIsTooLarge, path.c_str());
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -46,12 +38,12 @@ std::vector<std::uint8_t> read_bytes(const std::string &path) {
 std::vector<std::uint8_t> first_bytes(const std::string &path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
-    fail(path, "there is no such file");
+    throw_error(messages::kFileIsMissing, path.c_str());
   if (!std::filesystem::is_regular_file(path, error))
-    fail(path, "this is not a file");
+    throw_error(messages::kFileIsNone, path.c_str());
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    fail(path, "the file may not be read by this user");
+    throw_error(messages::kFileIsForbidden, path.c_str());
   std::vector<std::uint8_t> bytes(4096);
   file.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
@@ -69,17 +61,17 @@ void count_remark(TrackFile &track, std::size_t count, const std::string &what) 
     track.remarks.push_back(std::to_string(count) + " " + what);
 }
 
-// Takes one item of KLV, if it is a sample or a field.
-bool take_item(const KlvItem &item, TrackFile &track) {
+// Appends an item of KLV. Returns whether it is a sample or a field.
+bool append_item(const KlvItem &item, TrackFile &track) {
   if (item.kind == KlvKind::motion)
     track.samples.push_back(item.sample);
   else if (item.kind == KlvKind::field)
-    track.fields.push_back(
-        {{item.field.begin(), item.field.end()}, item.sample.time, item.sample.duration});
+    track.fields.push_back(coded_field_of(item));
   return item.kind == KlvKind::motion || item.kind == KlvKind::field;
 }
 
-bool take_line(TextLine &&line, TrackFile &track) {
+// The same for a line of text.
+bool append_line(TextLine &&line, TrackFile &track) {
   if (line.sample)
     track.samples.push_back(*line.sample);
   else if (line.field)
@@ -93,7 +85,7 @@ void read_klv_file(const std::string &path, TrackFile &track) {
   std::size_t damaged = 0;
   std::size_t others = 0;
   while (const auto item = reader.next()) {
-    if (take_item(*item, track))
+    if (append_item(*item, track))
       continue;
     if (item->kind == KlvKind::damaged)
       track.remarks.push_back("damage at byte " + std::to_string(item->offset) + ": " +
@@ -102,7 +94,7 @@ void read_klv_file(const std::string &path, TrackFile &track) {
     else
       ++others;
     if (damaged > 20)
-      fail(path, "there is more damage than track in this file");
+      throw_error(messages::kTrackFileIsDamaged, path.c_str());
   }
   count_remark(track, others, "sets of other origin, version or kind were passed over");
 }
@@ -119,7 +111,7 @@ void read_text_file(const std::string &path, TrackFile &track) {
       continue;
     auto read = read_text_line(line);
     const std::string error = read.error;
-    if (!take_line(std::move(read), track) && ++wrong <= 5)
+    if (!append_line(std::move(read), track) && ++wrong <= 5)
       track.remarks.push_back("line " + std::to_string(number) + ": " + error);
   }
   if (wrong > 5)
@@ -151,7 +143,7 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   const auto bytes = read_bytes(path);
   auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (!read.error.empty())
-    fail(path, "byte " + std::to_string(read.offset) + ": " + read.error);
+    throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
   track.samples = std::move(read.samples);
 }
 
@@ -195,8 +187,8 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   gst_object_unref(next);
 }
 
-// One set or one line, whose time is that of its buffer.
-void take_buffer(GstSample *sample, TrackFile &track) {
+// Appends one set or one line. Its time is that of its buffer.
+void append_buffer(GstSample *sample, TrackFile &track) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   GstMapInfo map;
   if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
@@ -207,9 +199,10 @@ void take_buffer(GstSample *sample, TrackFile &track) {
   const std::size_t fields = track.fields.size();
   bool taken = false;
   if (begins_with(bytes, kTextName))
-    taken = take_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
+    taken =
+        append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
   else if (const auto item = KlvReader(bytes).next())
-    taken = take_item(*item, track);
+    taken = append_item(*item, track);
   if (taken)
     (track.fields.size() > fields ? track.fields.back().time : track.samples.back().time) = time;
   gst_buffer_unmap(buffer, &map);
@@ -262,7 +255,7 @@ void read_container(const std::string &path, const char *demuxer, const char *fo
   std::string failure;
   for (bool over = false; !over;) {
     while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
-      take_buffer(sample, track);
+      append_buffer(sample, track);
       gst_sample_unref(sample);
     }
     over = read_messages(bus.get(), track, failure) ||
@@ -270,30 +263,21 @@ void read_container(const std::string &path, const char *demuxer, const char *fo
            (container.all_known && !container.has_track);
   }
   while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
-    take_buffer(sample, track);
+    append_buffer(sample, track);
     gst_sample_unref(sample);
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
-  if (!failure.empty() && container.has_track && !track.empty())
+  if (!container.has_track && track.beside.empty())
+    throw_error(messages::kContainerIsEmpty, path.c_str());
+  if (!container.has_track)
+    throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
+  if (!failure.empty() && track.empty())
+    throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+  if (!failure.empty())
     track.remarks.push_back("the file ends early: " + failure);
-  else if (!container.has_track)
-    fail(path, track.beside.empty()
-                   ? "there is nothing in this file"
-                   : "there is no haptic track in this file, only " + track.beside.front());
-  else if (!failure.empty())
-    fail(path, failure);
 }
 
 // ---- writing ------------------------------------------------------------------------------------
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm date{};
-  gmtime_r(&now, &date);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y-%m-%d", &date);
-  return text;
-}
 
 std::string bytes_of(const TrackFile &track, const std::string &ending) {
   const auto &samples = track.samples;
@@ -351,7 +335,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
     g_clear_error(&error);
     if (made)
       gst_object_unref(made);
-    fail(path, what);
+    throw_error("\"%s\": %s", path.c_str(), what.c_str());
   }
   const ElementPtr pipeline(made);
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
@@ -374,7 +358,13 @@ void write_container(const std::string &path, const TrackFile &track, const std:
   gst_message_unref(message);
   gst_element_set_state(made, GST_STATE_NULL);
   if (!failure.empty())
-    fail(path, failure);
+    throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+}
+
+[[noreturn]] void discard_output(const std::string &part, const std::string &path) {
+  const int reason = errno;
+  std::remove(part.c_str());
+  throw_error(messages::kOutputFails, path.c_str(), std::strerror(reason));
 }
 
 } // namespace
@@ -404,7 +394,7 @@ TrackFile read_track_file(const std::string &path) {
     track.form = "text lines in Matroska";
     read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track);
   } else {
-    fail(path, std::string("this is no haptic track; known are ") + kEndings);
+    throw_error(messages::kTrackFormIsUnknown, path.c_str());
   }
   std::erase_if(track.samples, [](const TrackSample &sample) { return sample.time == kNoTime; });
   std::erase_if(track.fields, [](const CodedField &field) { return field.time == kNoTime; });
@@ -420,26 +410,21 @@ void write_track_file(const std::string &path, const TrackFile &track) {
   const std::string ending = std::filesystem::path(path).extension().string();
   const std::string part = path + ".part";
   if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
-    fail(path, "MPEG haptics can hold the motion of one point only, and this track holds fields of "
-               "the whole frame; write .ts, .mkv, .klv or .txt");
+    throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
-    write_container(part, track, "meta/x-klv ! mpegtsmux");
+    write_container(part, track, HAPTIC_KLV_TYPE " ! mpegtsmux");
   } else if (ending == ".mkv") {
-    write_container(part, track, "text/x-raw ! matroskamux");
+    write_container(part, track, HAPTIC_TEXT_TYPE " ! matroskamux");
   } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif") {
     std::ofstream file(part, std::ios::binary);
     file << bytes_of(track, ending) << std::flush;
-    if (!file) {
-      std::remove(part.c_str());
-      fail(path, "the file cannot be written");
-    }
+    if (!file)
+      discard_output(part, path);
   } else {
-    fail(path, std::string("which form? The name must end in ") + kEndings);
+    throw_error(messages::kOutputFormIsUnknown, path.c_str());
   }
-  if (std::rename(part.c_str(), path.c_str()) != 0) {
-    std::remove(part.c_str());
-    fail(path, "the file cannot be written");
-  }
+  if (std::rename(part.c_str(), path.c_str()) != 0)
+    discard_output(part, path);
 }
 
 } // namespace haptic

@@ -2,18 +2,13 @@
 // Haptic tracks as files, in all forms there are.
 #pragma once
 
+#include "track-error.hpp"
 #include "track-sample.hpp"
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace haptic {
-
-/// Tells the user what is wrong with which file.
-class TrackFileError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 struct TrackFile {
   std::string form;                 ///< for people to read

@@ -35,12 +35,12 @@ class Gnuplot {
 public:
   explicit Gnuplot(const std::string &output) : output_(output) {
     if (std::system("command -v gnuplot >/dev/null") != 0)
-      throw TrackFileError("gnuplot is not installed (package gnuplot-nox)");
+      throw_error(messages::kGnuplotIsMissing);
     if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
-      throw TrackFileError("\"" + output + "\": gnuplot cannot write to such a name");
+      throw_error(messages::kGnuplotRefusesName, output.c_str());
     pipe_ = popen("gnuplot", "w");
     if (!pipe_)
-      throw TrackFileError("gnuplot cannot be started");
+      throw_error(messages::kGnuplotFails);
   }
   ~Gnuplot() {
     if (pipe_)
@@ -64,7 +64,7 @@ public:
   }
   void finish() {
     if (pclose(std::exchange(pipe_, nullptr)) != 0)
-      throw TrackFileError("\"" + output_ + "\": gnuplot could not draw it");
+      throw_error(messages::kPlotFails, output_.c_str());
   }
 
 private:
@@ -135,7 +135,7 @@ Overview look_over(const TrackFile &track, int width) {
     speeds.push_back(fastest);
   });
   if (all.times.empty())
-    throw TrackFileError("not one field of this track can be decoded");
+    throw_error(messages::kNoFieldIsDecoded);
   const auto nearly_last =
       speeds.begin() +
       static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(speeds.size() - 1));
@@ -279,9 +279,9 @@ void plot_track(const std::string &path, const TrackFile &track, const std::stri
   const std::string ending = std::filesystem::path(output).extension().string();
   const bool moves = ending == ".gif";
   if (moves && track.fields.empty())
-    throw TrackFileError("\"" + output + "\": only motion fields are shown as moving pictures");
+    throw_error(messages::kPointsDoNotMove, output.c_str());
   if (!moves && ending != ".png")
-    throw TrackFileError("\"" + output + "\": which picture? The name must end in .png or .gif");
+    throw_error(messages::kPictureIsUnknown, output.c_str());
   Gnuplot out(output);
   if (track.fields.empty())
     plot_points(track, out);

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Errors of haptic-track in the words of messages.hpp.
+#pragma once
+
+#include "messages.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace haptic {
+
+/// What is wrong with which file, for the user.
+class TrackFileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Returns the text that printf() would write.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
+
+/// Throws a TrackFileError with the text that printf() would write.
+[[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);
+
+} // namespace haptic
