@@ -2,13 +2,21 @@
 /**
  * SECTION:element-hmpgparse
  *
- * Cuts a stream of MPEG haptics into units. See docs/elements/hmpgparse.md.
+ * Cuts a stream of MPEG haptics into units and gives them their times. See
+ * docs/elements/hmpgparse.md.
+ *
+ *     gst-launch-1.0 filesrc location=track.hmpg ! hmpgparse ! hapticconvert
+ *         ! hapticsink device=sim
+ *
+ * Standard: ISO/IEC 23090-31:2025, the MIHS stream of units (summed up in RFC 9993, section 4.2).
  */
 #include "gsthmpgparse.h"
 
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg.hpp"
+#include "messages.hpp"
+#include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <algorithm>
@@ -29,7 +37,7 @@ struct State {
   std::optional<haptic::HmpgExperience> experience;
   std::uint64_t tick = 0; // end of the unit before
   bool in_step = false;   // the unit before was sound
-  bool told = false;
+  bool warned = false;
 };
 
 } // namespace
@@ -53,16 +61,14 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-void tell_damage(GstHmpgParse *self, const char *what, std::size_t offset) {
+void report_damage(GstHmpgParse *self, const char *what, std::size_t offset) {
   GST_DEBUG_OBJECT(self, "%s at byte %" G_GSIZE_FORMAT " of a unit", what, offset);
-  if (!std::exchange(self->state->told, true))
-    GST_ELEMENT_WARNING(
-        self, STREAM, FORMAT,
-        ("A part of the MPEG haptics stream is damaged and was left out: %s.", what),
-        ("at byte %" G_GSIZE_FORMAT " of a unit", offset));
+  if (!std::exchange(self->state->warned, true))
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT, (haptic::messages::kHmpgIsDamaged, what),
+                        ("at byte %" G_GSIZE_FORMAT " of a unit", offset));
 }
 
-// How many bytes to pass over until something looks like a unit again.
+// Returns how many bytes to pass over until something looks like a unit again.
 gint bytes_to_skip(Bytes bytes) {
   for (std::size_t at = 1; at + haptic::kUnitHeadSize <= bytes.size(); ++at)
     if (haptic::looks_like_unit(bytes.subspan(at)))
@@ -75,13 +81,11 @@ GstClockTime time_of(const State &state, std::uint64_t ticks) {
   return gst_util_uint64_scale_round(ticks, GST_SECOND, state.experience->timescale);
 }
 
-void take_experience(GstHmpgParse *self, haptic::HmpgExperience experience) {
+void set_experience(GstHmpgParse *self, haptic::HmpgExperience experience) {
   State &state = *self->state;
   state.tick = experience.time;
   if (!state.experience || state.experience->timescale != experience.timescale) {
-    const haptic::CapsPtr caps(gst_caps_new_simple(
-        "haptics/hmpg", "stream-format", G_TYPE_STRING, "mihs", "alignment", G_TYPE_STRING, "unit",
-        "rate", G_TYPE_INT, static_cast<gint>(experience.timescale), nullptr));
+    const haptic::CapsPtr caps = haptic::make_hmpg_caps(static_cast<gint>(experience.timescale));
     gst_pad_set_caps(GST_BASE_PARSE_SRC_PAD(self), caps.get());
   }
   state.experience = std::move(experience);
@@ -99,7 +103,7 @@ void stamp(State &state, GstBuffer *buffer, const UnitHeader &header) {
     GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_HEADER);
 }
 
-// The unit at the beginning of the bytes, if it is whole and sound; else what to do instead.
+// The unit at the beginning of the bytes, if it is whole and sound, or else what to do.
 struct Found {
   std::optional<UnitHeader> header; // of a sound unit
   gint skip = 0;                    // bytes
@@ -115,13 +119,13 @@ Found find_unit(GstHmpgParse *self, Bytes bytes) {
   }
   if (!haptic::looks_like_unit(bytes)) {
     if (std::exchange(state.in_step, false))
-      tell_damage(self, "this is no unit", 0);
+      report_damage(self, "this is no unit", 0);
     return {std::nullopt, bytes_to_skip(bytes)};
   }
   const std::size_t size = haptic::kUnitHeaderSize + header->length;
   if (bytes.size() < size) {
     if (GST_BASE_PARSE_DRAINING(parse)) {
-      tell_damage(self, "the unit at the end is cut off", bytes.size());
+      report_damage(self, "the unit at the end is cut off", bytes.size());
       state.in_step = false;
       return {std::nullopt, bytes_to_skip(bytes)};
     }
@@ -130,9 +134,9 @@ Found find_unit(GstHmpgParse *self, Bytes bytes) {
   }
   auto unit = haptic::read_unit(bytes.first(size), state.experience ? &*state.experience : nullptr);
   if (unit.error || (!state.experience && !unit.experience)) {
-    tell_damage(self,
-                unit.error ? unit.error->what : "it does not begin with an initialization unit",
-                unit.error ? unit.error->offset : 0);
+    report_damage(self,
+                  unit.error ? unit.error->what : "it does not begin with an initialization unit",
+                  unit.error ? unit.error->offset : 0);
     if (!state.in_step)
       return {std::nullopt, bytes_to_skip(bytes)};
     state.in_step = false;
@@ -141,17 +145,19 @@ Found find_unit(GstHmpgParse *self, Bytes bytes) {
   }
   state.in_step = true;
   if (unit.experience)
-    take_experience(self, std::move(*unit.experience));
+    set_experience(self, std::move(*unit.experience));
   return {header, 0};
 }
 
 GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *skip) {
   GstHmpgParse *self = GST_HMPG_PARSE(parse);
-  GstMapInfo map;
-  if (!gst_buffer_map(frame->buffer, &map, GST_MAP_READ))
-    return GST_FLOW_ERROR;
-  const Found found = find_unit(self, {map.data, map.size});
-  gst_buffer_unmap(frame->buffer, &map);
+  Found found;
+  {
+    const haptic::ReadableBuffer readable(frame->buffer);
+    if (!readable)
+      return GST_FLOW_ERROR;
+    found = find_unit(self, readable.bytes());
+  }
   if (!found.header) {
     *skip = found.skip;
     if (found.skip > 0)
@@ -164,35 +170,36 @@ GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *
       parse, frame, static_cast<gint>(haptic::kUnitHeaderSize + found.header->length));
 }
 
-} // namespace
+gboolean start(GstBaseParse *parse) {
+  *GST_HMPG_PARSE(parse)->state = {};
+  gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
+  return TRUE;
+}
 
-static void gst_hmpg_parse_finalize(GObject *object) {
+void finalize(GObject *object) {
   delete GST_HMPG_PARSE(object)->state;
   G_OBJECT_CLASS(gst_hmpg_parse_parent_class)->finalize(object);
 }
 
+} // namespace
+
 static void gst_hmpg_parse_init(GstHmpgParse *self) {
-  self->state = new State;
+  guarded(self, [&] { self->state = new State; });
 }
 
 static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *parse_class = GST_BASE_PARSE_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_hmpg_parse_finalize;
+  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
+    guarded(object, [&] { finalize(object); });
+  };
   gst_element_class_set_static_metadata(
       element_class, "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
       "Cuts a stream of MPEG haptics (.hmpg) into units", "Feeling Wind project");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
   parse_class->start = [](GstBaseParse *parse) -> gboolean {
-    return guarded(parse, FALSE, [&] {
-      State &state = *GST_HMPG_PARSE(parse)->state;
-      state.experience.reset();
-      state.tick = 0;
-      state.in_step = state.told = false;
-      gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
-      return TRUE;
-    });
+    return guarded(parse, FALSE, [&] { return start(parse); });
   };
   parse_class->handle_frame = [](GstBaseParse *parse, GstBaseParseFrame *frame, gint *skip) {
     return guarded(parse, GST_FLOW_ERROR, [&] { return handle_frame(parse, frame, skip); });

@@ -3,6 +3,11 @@
  * SECTION:element-pointerextract
  *
  * Makes a stream of the pointer events that come upstream. See docs/elements/pointerextract.md.
+ *
+ *     gst-launch-1.0 udpsrc port=5004 caps=... ! ... ! pointerextract name=p
+ *         ! hapticsink device=sim p.pointer ! rtpklvpay ! udpsink port=5005 async=false
+ *
+ * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
 #include "gstpointerextract.h"
 
@@ -11,6 +16,7 @@
 #include "klv.hpp"
 #include "pad-pair.hpp"
 #include "pointer-event.hpp"
+#include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <condition_variable>
@@ -28,13 +34,11 @@ using haptic::guarded;
 using haptic::PointerPosition;
 
 struct State {
-  // Pads of the element, set once.
-  GstPad *sink = nullptr;
-  GstPad *src = nullptr;
-  GstPad *pointer = nullptr;
+  // Set once.
+  GstPad *pointer = nullptr; // owned by the element
 
-  // mutex. The pointer has a thread of its own, since events come from threads that must not wait
-  // for a network.
+  // The mutex. The pointer has a thread of its own: events come from threads that must not wait for
+  // a network.
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<PointerPosition> newest;
@@ -53,10 +57,6 @@ struct _GstPointerExtract {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
 static GstStaticPadTemplate pointer_template = GST_STATIC_PAD_TEMPLATE(
     "pointer", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_KLV_CAPS));
 
@@ -101,14 +101,12 @@ GstFlowReturn push_pointer(GstPointerExtract *self, const PointerPosition &posit
   State &state = *self->state;
   const auto bytes = haptic::write_klv(haptic::TrackPointer{
       state.sequence++, position.x, position.y, position.z, position.pressed, position.device});
-  BufferPtr buffer(gst_buffer_new_allocate(nullptr, bytes.size(), nullptr));
-  gst_buffer_fill(buffer.get(), 0, bytes.data(), bytes.size());
-  GST_BUFFER_PTS(buffer.get()) = running_time(self);
+  BufferPtr buffer = haptic::make_buffer(bytes, running_time(self), GST_CLOCK_TIME_NONE);
   return gst_pad_push(state.pointer, buffer.release());
 }
 
-// One round of the pointer's thread.
-void round(GstPointerExtract *self) {
+// Sends the newest pointer, or the end, once there is one. The pointer's thread.
+void send_next(GstPointerExtract *self) {
   State &state = *self->state;
   std::optional<PointerPosition> position;
   {
@@ -154,7 +152,7 @@ gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
       pad,
       [](gpointer data) {
         auto *self = GST_POINTER_EXTRACT(data);
-        guarded(self, [&] { round(self); });
+        guarded(self, [&] { send_next(self); });
       },
       parent, nullptr);
 }
@@ -185,7 +183,7 @@ gboolean sink_event(GstPad *pad, GstObject *parent, GstEvent *event) {
   return gst_pad_event_default(pad, parent, event);
 }
 
-// Its times are those of now, whatever the latency of the stream beside it.
+// The latency is 0: the time stamps are those of now, whatever the stream beside it needs.
 gboolean pointer_query(GstPad *pad, GstObject *parent, GstQuery *query) {
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY) {
     gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
@@ -194,32 +192,33 @@ gboolean pointer_query(GstPad *pad, GstObject *parent, GstQuery *query) {
   return gst_pad_query_default(pad, parent, query);
 }
 
-} // namespace
-
-static void gst_pointer_extract_finalize(GObject *object) {
+void finalize(GObject *object) {
   delete GST_POINTER_EXTRACT(object)->state;
   G_OBJECT_CLASS(gst_pointer_extract_parent_class)->finalize(object);
 }
 
-static void gst_pointer_extract_init(GstPointerExtract *self) {
+// Events from downstream end here: nobody upstream makes this stream.
+gboolean drop_event(GstPad *, GstObject *, GstEvent *event) {
+  gst_event_unref(event);
+  return FALSE;
+}
+
+void add_pads(GstPointerExtract *self) {
   self->state = new State;
   State &state = *self->state;
-  state.sink = gst_pad_new_from_static_template(&sink_template, "sink");
-  state.src = gst_pad_new_from_static_template(&src_template, "src");
-  state.pointer = gst_pad_new_from_static_template(&pointer_template, "pointer");
-  gst_pad_set_chain_function(state.sink, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
-    return gst_pad_push(state_of(parent).src, buffer);
-  });
-  gst_pad_set_event_function(state.sink, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+  const haptic::PadPair pads = haptic::add_pad_pair(GST_ELEMENT(self));
+  state.pointer = haptic::add_lone_pad(GST_ELEMENT(self), &pointer_template);
+  gst_pad_set_event_function(pads.sink, [](GstPad *pad, GstObject *parent, GstEvent *event) {
     return guarded(parent, FALSE, [&] { return sink_event(pad, parent, event); });
   });
-  gst_pad_set_event_function(state.src, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+  gst_pad_set_event_function(pads.src, [](GstPad *pad, GstObject *parent, GstEvent *event) {
     return guarded(parent, FALSE, [&] { return src_event(pad, parent, event); });
   });
-  gst_pad_set_query_function(state.pointer, pointer_query);
-  gst_pad_set_event_function(state.pointer, [](GstPad *, GstObject *, GstEvent *event) -> gboolean {
-    gst_event_unref(event); // nobody upstream makes this stream
-    return FALSE;
+  gst_pad_set_query_function(state.pointer, [](GstPad *pad, GstObject *parent, GstQuery *query) {
+    return guarded(parent, FALSE, [&] { return pointer_query(pad, parent, query); });
+  });
+  gst_pad_set_event_function(state.pointer, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+    return guarded(parent, FALSE, [&] { return drop_event(pad, parent, event); });
   });
   gst_pad_set_activatemode_function(
       state.pointer,
@@ -227,20 +226,21 @@ static void gst_pointer_extract_init(GstPointerExtract *self) {
         return mode == GST_PAD_MODE_PUSH &&
                guarded(parent, FALSE, [&] { return activate_pointer(pad, parent, active); });
       });
-  haptic::link_inside(state.sink, state.src);
-  haptic::link_nothing(state.pointer);
-  gst_element_add_pad(GST_ELEMENT(self), state.sink);
-  gst_element_add_pad(GST_ELEMENT(self), state.src);
-  gst_element_add_pad(GST_ELEMENT(self), state.pointer);
+}
+
+} // namespace
+
+static void gst_pointer_extract_init(GstPointerExtract *self) {
+  guarded(self, [&] { add_pads(self); });
 }
 
 static void gst_pointer_extract_class_init(GstPointerExtractClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_pointer_extract_finalize;
+  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
+    guarded(object, [&] { finalize(object); });
+  };
   gst_element_class_set_static_metadata(element_class, "Pointer extractor", "Generic/Haptics",
                                         "Makes a stream of the pointer events that come upstream",
                                         "Feeling Wind project");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  gst_element_class_add_static_pad_template(element_class, &pointer_template);
+  haptic::add_pad_templates(element_class, &pointer_template);
 }

@@ -3,14 +3,21 @@
  * SECTION:element-pointerinject
  *
  * Sends pointers that come as a stream upstream as events. See docs/elements/pointerinject.md.
+ *
+ *     gst-launch-1.0 videotestsrc is-live=true ! roitracker ! pointerinject name=p ! velocityavg
+ *         ! ... udpsrc port=5005 caps=... ! rtpklvdepay ! p.pointer
+ *
+ * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
 #include "gstpointerinject.h"
 
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "klv.hpp"
+#include "messages.hpp"
 #include "pad-pair.hpp"
 #include "pointer-event.hpp"
+#include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <chrono>
@@ -25,19 +32,18 @@ namespace {
 using haptic::BufferPtr;
 using haptic::guarded;
 
-// The far end sends every 200 ms at least; who was silent for longer may have been started anew.
+// The far end sends every 200 ms at least. After a longer silence it may have been started anew,
+// and its numbers begin again.
 constexpr std::chrono::seconds kForgotten{1};
 
 struct State {
-  // Pads of the element, set once.
-  GstPad *sink = nullptr;
-  GstPad *src = nullptr;
-  GstPad *pointer = nullptr;
+  // Set once.
+  GstPad *sink = nullptr; // owned by the element
 
   // Streaming thread of the pad `pointer`, or while it is stopped.
   std::optional<std::uint32_t> sequence;
   std::chrono::steady_clock::time_point arrived;
-  bool told = false;
+  bool warned = false;
 };
 
 } // namespace
@@ -47,10 +53,6 @@ struct _GstPointerInject {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS_ANY);
 static GstStaticPadTemplate pointer_template = GST_STATIC_PAD_TEMPLATE(
     "pointer", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_KLV_CAPS));
 
@@ -77,14 +79,12 @@ bool is_newer(State &state, std::uint32_t sequence) {
   return newer;
 }
 
-void take_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
+void send_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
   State &state = *self->state;
   const auto pointer = haptic::read_klv_pointer(bytes);
   if (!pointer) {
-    if (!std::exchange(state.told, true))
-      GST_ELEMENT_WARNING(self, STREAM, FORMAT,
-                          ("A buffer at the pad pointer is not a pointer, or is damaged; it was "
-                           "passed over. The pad wants what pointerextract makes."),
+    if (!std::exchange(state.warned, true))
+      GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("%s", haptic::messages::kPointerIsDamaged),
                           ("%" G_GSIZE_FORMAT " bytes", bytes.size()));
     return;
   }
@@ -103,65 +103,61 @@ void take_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
                  handled ? "" : ", which nobody wanted");
 }
 
-GstFlowReturn chain_pointer(GstPad *, GstObject *parent, GstBuffer *raw) {
+GstFlowReturn chain_pointer(GstPointerInject *self, GstBuffer *raw) {
   const BufferPtr buffer(raw);
-  return guarded(parent, GST_FLOW_ERROR, [&] {
-    GstMapInfo map;
-    if (gst_buffer_map(buffer.get(), &map, GST_MAP_READ)) {
-      take_pointer(GST_POINTER_INJECT(parent), {map.data, map.size});
-      gst_buffer_unmap(buffer.get(), &map);
-    }
-    return GST_FLOW_OK;
-  });
+  if (const haptic::ReadableBuffer readable(buffer.get()); readable)
+    send_pointer(self, readable.bytes());
+  return GST_FLOW_OK;
+}
+
+// The end of the pointer, or its flushing, is not that of the stream beside it.
+gboolean drop_event(GstPad *, GstObject *, GstEvent *event) {
+  gst_event_unref(event);
+  return TRUE;
 }
 
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     State &state = state_of(element);
     state.sequence.reset();
-    state.told = false;
+    state.warned = false;
   }
   return GST_ELEMENT_CLASS(gst_pointer_inject_parent_class)->change_state(element, transition);
 }
 
-} // namespace
-
-static void gst_pointer_inject_finalize(GObject *object) {
+void finalize(GObject *object) {
   delete GST_POINTER_INJECT(object)->state;
   G_OBJECT_CLASS(gst_pointer_inject_parent_class)->finalize(object);
 }
 
-static void gst_pointer_inject_init(GstPointerInject *self) {
+void add_pads(GstPointerInject *self) {
   self->state = new State;
-  State &state = *self->state;
-  state.sink = gst_pad_new_from_static_template(&sink_template, "sink");
-  state.src = gst_pad_new_from_static_template(&src_template, "src");
-  state.pointer = gst_pad_new_from_static_template(&pointer_template, "pointer");
-  gst_pad_set_chain_function(state.sink, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
-    return gst_pad_push(state_of(parent).src, buffer);
+  self->state->sink = haptic::add_pad_pair(GST_ELEMENT(self)).sink;
+  GstPad *pointer = haptic::add_lone_pad(GST_ELEMENT(self), &pointer_template);
+  gst_pad_set_chain_function(pointer, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
+    return guarded(parent, GST_FLOW_ERROR,
+                   [&] { return chain_pointer(GST_POINTER_INJECT(parent), buffer); });
   });
-  gst_pad_set_chain_function(state.pointer, chain_pointer);
-  // The end of the pointer, or its flushing, is not that of the stream.
-  gst_pad_set_event_function(state.pointer, [](GstPad *, GstObject *, GstEvent *event) -> gboolean {
-    gst_event_unref(event);
-    return TRUE;
+  gst_pad_set_event_function(pointer, [](GstPad *pad, GstObject *parent, GstEvent *event) {
+    return guarded(parent, FALSE, [&] { return drop_event(pad, parent, event); });
   });
-  haptic::link_inside(state.sink, state.src);
-  haptic::link_nothing(state.pointer);
-  gst_element_add_pad(GST_ELEMENT(self), state.sink);
-  gst_element_add_pad(GST_ELEMENT(self), state.src);
-  gst_element_add_pad(GST_ELEMENT(self), state.pointer);
+}
+
+} // namespace
+
+static void gst_pointer_inject_init(GstPointerInject *self) {
+  guarded(self, [&] { add_pads(self); });
 }
 
 static void gst_pointer_inject_class_init(GstPointerInjectClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_pointer_inject_finalize;
+  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
+    guarded(object, [&] { finalize(object); });
+  };
   gst_element_class_set_static_metadata(element_class, "Pointer injector", "Generic/Haptics",
                                         "Sends pointers that come as a stream upstream as events",
                                         "Feeling Wind project");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  gst_element_class_add_static_pad_template(element_class, &pointer_template);
+  haptic::add_pad_templates(element_class, &pointer_template);
   element_class->change_state = [](GstElement *element, GstStateChange transition) {
     return guarded(element, GST_STATE_CHANGE_FAILURE,
                    [&] { return change_state(element, transition); });

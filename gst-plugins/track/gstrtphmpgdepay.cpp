@@ -2,13 +2,20 @@
 /**
  * SECTION:element-rtphmpgdepay
  *
- * Receives MPEG haptics over RTP (RFC 9993). See docs/elements/rtphmpgdepay.md.
+ * Receives MPEG haptics over RTP. See docs/elements/rtphmpgdepay.md.
+ *
+ *     gst-launch-1.0 udpsrc port=5006
+ *         caps=application/x-rtp,media=haptics,clock-rate=8000,encoding-name=HMPG
+ *         ! rtpjitterbuffer latency=30 ! rtphmpgdepay ! hapticconvert ! hapticsink device=sim
+ *
+ * Standard: RFC 9993, sections 5.2 (payload header) and 5.3 (payload structures).
  */
 #include "gstrtphmpgdepay.h"
 
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
+#include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <gst/rtp/gstrtpbuffer.h>
@@ -48,9 +55,7 @@ gboolean set_caps(GstRTPBaseDepayload *depayload, GstCaps *caps) {
   if (!gst_structure_get_int(gst_caps_get_structure(caps, 0), "clock-rate", &rate))
     return FALSE;
   depayload->clock_rate = static_cast<guint>(rate);
-  const haptic::CapsPtr out(gst_caps_new_simple("haptics/hmpg", "stream-format", G_TYPE_STRING,
-                                                "mihs", "alignment", G_TYPE_STRING, "unit", "rate",
-                                                G_TYPE_INT, rate, nullptr));
+  const haptic::CapsPtr out = haptic::make_hmpg_caps(rate);
   return gst_pad_set_caps(GST_RTP_BASE_DEPAYLOAD_SRCPAD(depayload), out.get());
 }
 
@@ -64,8 +69,7 @@ GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
   const auto header = haptic::read_unit_header(result.unit);
   if (!header)
     return nullptr;
-  BufferPtr buffer(gst_buffer_new_allocate(nullptr, result.unit.size(), nullptr));
-  gst_buffer_fill(buffer.get(), 0, result.unit.data(), result.unit.size());
+  BufferPtr buffer = haptic::make_buffer(result.unit, GST_CLOCK_TIME_NONE, GST_CLOCK_TIME_NONE);
   if (header->type == haptic::UnitType::initialization)
     GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
   if (header->dependent)
@@ -88,21 +92,23 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   return GST_ELEMENT_CLASS(gst_rtp_hmpg_depay_parent_class)->change_state(element, transition);
 }
 
-} // namespace
-
-static void gst_rtp_hmpg_depay_finalize(GObject *object) {
+void finalize(GObject *object) {
   delete GST_RTP_HMPG_DEPAY(object)->state;
   G_OBJECT_CLASS(gst_rtp_hmpg_depay_parent_class)->finalize(object);
 }
 
+} // namespace
+
 static void gst_rtp_hmpg_depay_init(GstRtpHmpgDepay *self) {
-  self->state = new State;
+  guarded(self, [&] { self->state = new State; });
 }
 
 static void gst_rtp_hmpg_depay_class_init(GstRtpHmpgDepayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *depayload_class = GST_RTP_BASE_DEPAYLOAD_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_rtp_hmpg_depay_finalize;
+  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
+    guarded(object, [&] { finalize(object); });
+  };
   gst_element_class_set_static_metadata(
       element_class, "RTP MPEG haptics depayloader", "Codec/Depayloader/Network/RTP",
       "Receives MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");

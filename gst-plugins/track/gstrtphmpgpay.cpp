@@ -2,13 +2,20 @@
 /**
  * SECTION:element-rtphmpgpay
  *
- * Sends MPEG haptics over RTP (RFC 9993). See docs/elements/rtphmpgpay.md.
+ * Sends MPEG haptics over RTP. See docs/elements/rtphmpgpay.md.
+ *
+ *     gst-launch-1.0 videotestsrc is-live=true ! roitracker ! velocityavg ! hapticconvert
+ *         ! rtphmpgpay ! udpsink host=127.0.0.1 port=5006 sync=false
+ *
+ * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header) and 5.3 (payload structures).
  */
 #include "gstrtphmpgpay.h"
 
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
+#include "messages.hpp"
+#include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <cstring>
@@ -36,7 +43,7 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   std::vector<std::uint8_t> initialization;
-  GstClockTime initialized = GST_CLOCK_TIME_NONE; // when it was sent last
+  GstClockTime initialized = GST_CLOCK_TIME_NONE; // PTS at which it was sent last
   bool silent = true;
 };
 
@@ -90,7 +97,7 @@ GstFlowReturn send(GstRTPBasePayload *payload, std::span<const std::uint8_t> uni
   return result;
 }
 
-// A receiver that comes late, or lost it, cannot begin without.
+// Returns whether the initialization unit is to be sent again. A receiver cannot begin without it.
 bool initialization_is_due(GstRtpHmpgPay *self, GstClockTime pts) {
   const State &state = *self->state;
   const ObjectLock lock(self);
@@ -106,10 +113,8 @@ GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8
   State &state = *self->state;
   const auto header = haptic::read_unit_header(unit);
   if (!header || unit.size() != haptic::kUnitHeaderSize + header->length) {
-    GST_ELEMENT_ERROR(
-        payload, STREAM, FORMAT,
-        ("A buffer is not one unit of MPEG haptics. Put hmpgparse before rtphmpgpay."),
-        ("%" G_GSIZE_FORMAT " bytes", unit.size()));
+    GST_ELEMENT_ERROR(payload, STREAM, FORMAT, ("%s", haptic::messages::kHmpgIsNoUnit),
+                      ("%" G_GSIZE_FORMAT " bytes", unit.size()));
     return GST_FLOW_ERROR;
   }
   if (header->type == UnitType::initialization) {
@@ -130,14 +135,11 @@ GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8
 
 GstFlowReturn handle_buffer(GstRTPBasePayload *payload, GstBuffer *raw) {
   const BufferPtr buffer(raw);
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer.get(), &map, GST_MAP_READ))
+  const haptic::ReadableBuffer readable(buffer.get());
+  if (!readable)
     return GST_FLOW_ERROR;
-  const GstFlowReturn result =
-      handle_unit(payload, {map.data, map.size}, GST_BUFFER_PTS(buffer.get()),
-                  GST_BUFFER_DURATION(buffer.get()));
-  gst_buffer_unmap(buffer.get(), &map);
-  return result;
+  return handle_unit(payload, readable.bytes(), GST_BUFFER_PTS(buffer.get()),
+                     GST_BUFFER_DURATION(buffer.get()));
 }
 
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
@@ -150,10 +152,9 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   return GST_ELEMENT_CLASS(gst_rtp_hmpg_pay_parent_class)->change_state(element, transition);
 }
 
-} // namespace
+// ---- properties ---------------------------------------------------------------------------------
 
-static void gst_rtp_hmpg_pay_set_property(GObject *object, guint id, const GValue *value,
-                                          GParamSpec *pspec) {
+void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
   const ObjectLock lock(object);
   if (id == kConfigInterval)
     GST_RTP_HMPG_PAY(object)->state->config_interval = g_value_get_uint(value);
@@ -161,8 +162,7 @@ static void gst_rtp_hmpg_pay_set_property(GObject *object, guint id, const GValu
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
-static void gst_rtp_hmpg_pay_get_property(GObject *object, guint id, GValue *value,
-                                          GParamSpec *pspec) {
+void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
   const ObjectLock lock(object);
   if (id == kConfigInterval)
     g_value_set_uint(value, GST_RTP_HMPG_PAY(object)->state->config_interval);
@@ -170,22 +170,29 @@ static void gst_rtp_hmpg_pay_get_property(GObject *object, guint id, GValue *val
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
-static void gst_rtp_hmpg_pay_finalize(GObject *object) {
+void finalize(GObject *object) {
   delete GST_RTP_HMPG_PAY(object)->state;
   G_OBJECT_CLASS(gst_rtp_hmpg_pay_parent_class)->finalize(object);
 }
 
+} // namespace
+
 static void gst_rtp_hmpg_pay_init(GstRtpHmpgPay *self) {
-  self->state = new State;
+  guarded(self, [&] { self->state = new State; });
 }
 
 static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *payload_class = GST_RTP_BASE_PAYLOAD_CLASS(klass);
-  object_class->set_property = gst_rtp_hmpg_pay_set_property;
-  object_class->get_property = gst_rtp_hmpg_pay_get_property;
-  object_class->finalize = gst_rtp_hmpg_pay_finalize;
+  object_class->set_property = [](GObject *object, guint id, const GValue *value,
+                                  GParamSpec *pspec) {
+    guarded(object, [&] { set_property(object, id, value, pspec); });
+  };
+  object_class->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
+    guarded(object, [&] { get_property(object, id, value, pspec); });
+  };
+  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
   g_object_class_install_property(
       object_class, kConfigInterval,
       g_param_spec_uint("config-interval", "Config Interval",
