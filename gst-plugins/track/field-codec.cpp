@@ -19,10 +19,10 @@ constexpr std::uint64_t kKeyEvery = 1'000'000'000; // ns
 constexpr unsigned kMostBetweenKeys = 128;
 constexpr std::uint64_t kLongestInterval = std::uint64_t{1} << 53; // us
 
-// Bits of the first byte; the upper four are flags of the field.
+// Bits of the first byte. The upper four are the flags of the field.
 constexpr std::uint8_t kKey = 1 << 0;
-constexpr std::uint8_t kRested = 1 << 1;   // the frame rested until the one before, and moves now
-constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; else it is as before
+constexpr std::uint8_t kRested = 1 << 1;   // fields were left out before this one: the frame rested
+constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; otherwise it has not changed
 constexpr unsigned kFlagShift = 4;
 constexpr std::uint16_t kFlags =
     kMotionStill | kMotionDuplicate | kMotionCut | kMotionDiscontinuity;
@@ -31,18 +31,20 @@ constexpr std::size_t kCheckSize = 2; // bytes
 
 // ---- scale --------------------------------------------------------------------------------------
 
-// Speeds in px per frame. Up to kEven steps of the same size; beyond they grow with the speed,
-// as does what the hand can tell apart.
+// Speed in px per frame of the number n on the scale:
+//   n kStep                                          for n <= kEvenSteps,
+//   kEven exp((n - kEvenSteps) / kEvenSteps)         beyond.
+// Above kEven the step is 6 % of the speed; a hand tells forces apart from 7 % on.
 constexpr float kStep = 1.F / 4;
 constexpr float kEven = 4;
 constexpr int kEvenSteps = 16;
 constexpr int kLargestNumber = 127; // 4100 px per frame
 constexpr float kFastest = 4000;
-// What a velocity may differ from the one held: 0.2 px per frame are 3 % of the full force at 30
-// frames a second, and of a force a hand hardly tells 7 % apart.
+// Tolerance of a velocity before it is coded anew. 0.2 px per frame are 3 % of the full force at 30
+// frames a second. Forces that differ by less than 7 % feel the same.
 constexpr float kTolerance = 0.2F;
 constexpr float kRelativeTolerance = 0.07F;
-constexpr float kUsualInterval = 1.F / 30; // s, for a field that says none
+constexpr float kFieldInterval = 1.F / 30; // s, of a field that names none
 
 std::int16_t number_of(float speed) {
   const float size = std::abs(speed);
@@ -71,9 +73,9 @@ float speed_of(int number) {
 }
 
 constexpr int kLargestConfidence = 4;
-// A level stays until the next one is nearly reached, or it would flicker.
+// A level stays until the next one is nearly reached, so that it does not flicker.
 constexpr float kConfidenceTolerance = 0.9F / kLargestConfidence;
-// Of a cell that rests: it makes no force, whatever its confidence.
+// The same for a cell at rest, which makes no force whatever its confidence is.
 constexpr float kRestingConfidenceTolerance = 0.25F;
 
 int confidence_number(float confidence) {
@@ -87,7 +89,7 @@ float confidence_of(int number) {
 }
 
 float unit_of(const MotionField &field) {
-  return 1 / (field.interval > 0 ? static_cast<float>(field.interval) * 1e-9F : kUsualInterval);
+  return 1 / (field.interval > 0 ? static_cast<float>(field.interval) * 1e-9F : kFieldInterval);
 }
 
 FieldCell decoded(const CodedCell &cell, float unit) {
@@ -107,7 +109,7 @@ struct Steps {
   int y = 0;
 };
 
-// What a cell will hold, by the neighbours that come before it.
+// Returns the mean of the neighbours that are coded before the cell and have a confidence.
 Steps expected(const std::vector<CodedCell> &cells, std::size_t i, std::size_t columns) {
   int count = 0;
   Steps sum;
@@ -128,8 +130,8 @@ Steps expected(const std::vector<CodedCell> &cells, std::size_t i, std::size_t c
   return count > 0 ? Steps{mean(sum.x), mean(sum.y)} : Steps{};
 }
 
-// The numbers of a velocity in px per frame: those expected if they are near enough, which cost
-// least, or else the nearest ones.
+// Returns the numbers of a velocity in px per frame: the expected ones, which cost least, if they
+// are within the tolerance, or else the nearest ones.
 Steps steps_of(float x, float y, float tolerance, Steps expected) {
   const Steps nearest{number_of(x), number_of(y)};
   for (const Steps &cheap : {expected, Steps{expected.x, nearest.y}, Steps{nearest.x, expected.y}})
@@ -138,9 +140,8 @@ Steps steps_of(float x, float y, float tolerance, Steps expected) {
   return nearest;
 }
 
-// What is to be held of the cells: where one has left its tolerance the new numbers, else the old.
-// A cell that rests makes no force: how sure that is, and whether it was measured at all, is told
-// with key fields only.
+// Returns the numbers to be held: new ones where a cell has left its tolerance, else the old ones.
+// The confidence of a cell at rest changes with key fields only, since such a cell makes no force.
 std::vector<CodedCell> updated(const CodedState &held, const MotionField &field, bool key) {
   std::vector<CodedCell> next(held.cells.size());
   for (std::size_t i = 0; i < next.size(); ++i) {
@@ -166,7 +167,7 @@ std::vector<CodedCell> updated(const CodedState &held, const MotionField &field,
     const float margin = rests ? kRestingConfidenceTolerance : kConfidenceTolerance;
     if (is_near(cell.confidence, next[i].confidence, margin))
       continue;
-    // A neighbour's level will do where it is near enough, and costs nothing.
+    // The level of a neighbour costs nothing where it is near enough.
     const int left = i % field.columns > 0 ? next[i - 1].confidence : 0;
     const int up = i >= field.columns ? next[i - field.columns].confidence : 0;
     next[i].confidence = static_cast<std::uint8_t>(is_near(cell.confidence, left, margin) ? left
@@ -179,7 +180,7 @@ std::vector<CodedCell> updated(const CodedState &held, const MotionField &field,
 
 // ---- what is likely -----------------------------------------------------------------------------
 
-// The numbers of one kind: 0, then the sign, then how much more than 1 as Exp-Golomb.
+// The bits of one kind of number: whether it is 0, its sign, then its size as Exp-Golomb code.
 struct NumberModel {
   static constexpr std::size_t kLengths = 10; // of numbers up to 1023
   BitModel zero{2048};
@@ -190,7 +191,7 @@ struct NumberModel {
 
 constexpr std::size_t kSizes = 4;
 
-// Starts afresh with each field, so that a lost one spoils no other.
+// A field starts with fresh models, so that it can be decoded without the one before.
 struct Models {
   // By how many neighbours moved, whether the cell did with the field before, and whether it
   // moves at all.
@@ -212,8 +213,8 @@ private:
   }
 };
 
-// One half of the coder for both directions: `code` is an Encoder or a Decoder below, whose calls
-// take what is to be written, and return what was written or read.
+// An Encoder or a Decoder is the `code` of the functions below, so that both directions share them:
+// a call gets the bit to be written and returns the bit that was written or read.
 class Encoder {
 public:
   bool bit(BitModel &model, bool bit) { return out_.bit(model, bit), bit; }
@@ -254,73 +255,109 @@ int code_number(Code &code, NumberModel &model, int number) {
   return negative ? -static_cast<int>(read) : static_cast<int>(read);
 }
 
-// Goes through the cells, and changes `held` into `next` while it writes, or reads, the
-// difference.
+// Codes the change of every cell from `held` to `next`, row by row, and makes `held` the same as
+// `next`. A decoder has no `next`: it reads the changes.
 template <typename Code>
-void code_cells(Code &code, std::vector<CodedCell> &held, std::size_t columns,
-                const std::vector<CodedCell> *next) {
-  Models models;
-  struct Difference { // of the neighbours, in the row above and this one
-    bool moved = false;
-    bool turned = false;
-    int off_x = 0; // what came from what was expected
-    int off_y = 0;
-    int confidence = 0;
-  };
-  std::vector<Difference> above(columns + 2);
-  std::vector<Difference> row(columns + 2);
-  const auto size_class = [](int a, int b) {
-    const int sum = std::abs(a) + std::abs(b);
-    return static_cast<std::size_t>(sum == 0 ? 0 : sum <= 1 ? 1 : sum <= 4 ? 2 : 3);
-  };
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    const std::size_t column = i % columns;
-    if (column == 0 && i > 0) {
-      std::swap(above, row);
-      std::ranges::fill(row, Difference{});
-    }
-    const Difference &left = row[column];
-    const Difference &up = above[column + 1];
-    const Difference &up_right = above[column + 2];
-    const Difference &up_left = above[column];
-    CodedCell &cell = held[i];
-    const CodedCell wanted = next ? (*next)[i] : CodedCell{};
-    Difference &here = row[column + 1];
+class CellCoder {
+public:
+  CellCoder(Code &code, std::vector<CodedCell> &held, std::size_t columns,
+            const std::vector<CodedCell> *next)
+      : code_(code), held_(held), next_(next), columns_(columns), above_(columns + 2),
+        row_(columns + 2) {}
 
-    const std::size_t context = static_cast<std::size_t>(left.moved) + up.moved +
-                                (up_left.moved || up_right.moved) + (cell.changed ? 4U : 0U) +
-                                (cell.x != 0 || cell.y != 0 ? 8U : 0U);
-    here.moved = code.bit(models.moved[context], wanted.x != cell.x || wanted.y != cell.y);
-    const std::size_t turns =
-        static_cast<std::size_t>(left.turned) + up.turned + (here.moved && cell.confidence == 0);
-    here.turned = code.bit(models.turned[turns], wanted.confidence != cell.confidence);
-    if (here.moved) {
-      const Steps guess = expected(held, i, columns);
-      here.off_x =
-          code_number(code, models.x[size_class(left.off_x, up.off_x)], wanted.x - guess.x);
-      here.off_y = code_number(code, models.y[size_class(left.off_y + here.off_x, up.off_y)],
-                               wanted.y - guess.y);
-      cell.x = static_cast<std::int16_t>(
-          std::clamp(guess.x + here.off_x, -kLargestNumber, kLargestNumber));
-      cell.y = static_cast<std::int16_t>(
-          std::clamp(guess.y + here.off_y, -kLargestNumber, kLargestNumber));
+  void run() {
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      if (i % columns_ == 0 && i > 0) {
+        std::swap(above_, row_);
+        std::ranges::fill(row_, Change{});
+      }
+      code_cell(i);
     }
-    if (here.turned) {
-      const int guess = !up.turned ? left.confidence
-                        : !left.turned
-                            ? up.confidence
-                            : std::clamp(left.confidence + up.confidence - up_left.confidence,
-                                         std::min(left.confidence, up.confidence),
-                                         std::max(left.confidence, up.confidence));
-      here.confidence =
-          guess + code_number(code, models.confidence[left.confidence == up.confidence],
-                              wanted.confidence - cell.confidence - guess);
-      cell.confidence = static_cast<std::uint8_t>(
-          std::clamp(cell.confidence + here.confidence, 0, kLargestConfidence));
-    }
+  }
+
+private:
+  struct Change {
+    bool moved = false;  // the velocity changed
+    bool turned = false; // the confidence changed
+    int off_x = 0;       // velocity minus what was expected
+    int off_y = 0;
+    int confidence = 0; // difference from the confidence held
+  };
+
+  struct Neighbours {
+    const Change &left;
+    const Change &up;
+    const Change &up_left;
+    const Change &up_right;
+  };
+
+  void code_cell(std::size_t i) {
+    const std::size_t column = i % columns_;
+    const Neighbours near = {row_[column], above_[column + 1], above_[column], above_[column + 2]};
+    CodedCell &cell = held_[i];
+    const CodedCell wanted = next_ ? (*next_)[i] : CodedCell{};
+    Change &here = row_[column + 1];
+    here.moved = code_.bit(models_.moved[move_context(near, cell)],
+                           wanted.x != cell.x || wanted.y != cell.y);
+    const std::size_t turns = static_cast<std::size_t>(near.left.turned) + near.up.turned +
+                              (here.moved && cell.confidence == 0);
+    here.turned = code_.bit(models_.turned[turns], wanted.confidence != cell.confidence);
+    if (here.moved)
+      code_velocity(i, wanted, near, here);
+    if (here.turned)
+      code_confidence(cell, wanted, near, here);
     cell.changed = here.moved;
   }
-}
+
+  static std::size_t move_context(const Neighbours &near, const CodedCell &cell) {
+    return static_cast<std::size_t>(near.left.moved) + near.up.moved +
+           (near.up_left.moved || near.up_right.moved) + (cell.changed ? 4U : 0U) +
+           (is_at_rest(cell) ? 0U : 8U);
+  }
+
+  void code_velocity(std::size_t i, const CodedCell &wanted, const Neighbours &near, Change &here) {
+    CodedCell &cell = held_[i];
+    const Steps guess = expected(held_, i, columns_);
+    here.off_x = code_number(code_, models_.x[size_class(near.left.off_x, near.up.off_x)],
+                             wanted.x - guess.x);
+    here.off_y =
+        code_number(code_, models_.y[size_class(near.left.off_y + here.off_x, near.up.off_y)],
+                    wanted.y - guess.y);
+    cell.x = limited(guess.x + here.off_x);
+    cell.y = limited(guess.y + here.off_y);
+  }
+
+  void code_confidence(CodedCell &cell, const CodedCell &wanted, const Neighbours &near,
+                       Change &here) {
+    const int left = near.left.confidence;
+    const int up = near.up.confidence;
+    const int guess = !near.up.turned     ? left
+                      : !near.left.turned ? up
+                                          : std::clamp(left + up - near.up_left.confidence,
+                                                       std::min(left, up), std::max(left, up));
+    here.confidence = guess + code_number(code_, models_.confidence[left == up],
+                                          wanted.confidence - cell.confidence - guess);
+    cell.confidence = static_cast<std::uint8_t>(
+        std::clamp(cell.confidence + here.confidence, 0, kLargestConfidence));
+  }
+
+  static std::size_t size_class(int a, int b) {
+    const int sum = std::abs(a) + std::abs(b);
+    return static_cast<std::size_t>(sum == 0 ? 0 : sum <= 1 ? 1 : sum <= 4 ? 2 : 3);
+  }
+
+  static std::int16_t limited(int number) {
+    return static_cast<std::int16_t>(std::clamp(number, -kLargestNumber, kLargestNumber));
+  }
+
+  Code &code_;
+  std::vector<CodedCell> &held_;
+  const std::vector<CodedCell> *next_; // may be none
+  std::size_t columns_;
+  Models models_;
+  std::vector<Change> above_; // of the row above, with one more cell at each end
+  std::vector<Change> row_;   // of this row, the same
+};
 
 // ---- the bytes around them ----------------------------------------------------------------------
 
@@ -330,17 +367,16 @@ void put_number(std::vector<std::uint8_t> &bytes, std::uint64_t value) {
   bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
-// Reads from the front of the bytes. Behind their end, or where a number is too large, all is
-// lost.
+// Reads from the front of the bytes. Fails behind their end, and where a number is too large.
 class ByteReader {
 public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
   std::uint64_t number(std::uint64_t largest) {
     std::uint64_t value = 0;
     for (unsigned shift = 0; shift < 63; shift += 7) {
-      const std::uint8_t byte = take();
-      value |= std::uint64_t{byte & 0x7FU} << shift;
-      if (byte < 0x80) {
+      const std::uint8_t next = byte();
+      value |= std::uint64_t{next & 0x7FU} << shift;
+      if (next < 0x80) {
         failed_ = failed_ || value > largest;
         return failed_ ? 0 : value;
       }
@@ -348,14 +384,14 @@ public:
     failed_ = true;
     return 0;
   }
-  std::uint8_t take() {
+  std::uint8_t byte() {
     if (rest_.empty()) {
       failed_ = true;
       return 0;
     }
-    const std::uint8_t byte = rest_.front();
+    const std::uint8_t front = rest_.front();
     rest_ = rest_.subspan(1);
-    return byte;
+    return front;
   }
   bool failed() const { return failed_; }
   std::span<const std::uint8_t> rest() const { return rest_; }
@@ -365,7 +401,7 @@ private:
   bool failed_ = false;
 };
 
-// FNV-1a of the first byte and what both sides hold now, folded to 16 bits.
+// Returns FNV-1a of the first byte and of what both sides hold now, folded to 16 bits.
 std::uint16_t check_of(std::uint8_t head, const CodedState &state) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&](std::uint32_t value) { hash = (hash ^ value) * 16777619U; };
@@ -456,7 +492,7 @@ std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &f
   const std::size_t check_at = bytes.size();
   bytes.resize(check_at + kCheckSize);
   Encoder code;
-  code_cells(code, state_.cells, field.columns, &next);
+  CellCoder(code, state_.cells, field.columns, &next).run();
   code.finish(bytes);
   const std::uint16_t check = check_of(bytes[0], state_);
   bytes[check_at] = static_cast<std::uint8_t>(check);
@@ -478,8 +514,8 @@ FieldDecoder::Result FieldDecoder::break_off(Result result) {
 
 FieldDecoder::Result FieldDecoder::push(std::span<const std::uint8_t> bytes) {
   ByteReader in(bytes);
-  const std::uint8_t head = in.take();
-  const std::uint8_t sequence = in.take();
+  const std::uint8_t head = in.byte();
+  const std::uint8_t sequence = in.byte();
   const bool key = (head & kKey) != 0;
   rested_ = false;
   if (in.failed())
@@ -516,11 +552,11 @@ FieldDecoder::Result FieldDecoder::push(std::span<const std::uint8_t> bytes) {
   }
   state_.sequence = sequence;
   state_.field.flags = head >> kFlagShift;
-  const std::uint16_t check = static_cast<std::uint16_t>(in.take() | in.take() << 8);
+  const std::uint16_t check = static_cast<std::uint16_t>(in.byte() | in.byte() << 8);
   if (in.failed())
     return break_off(Result::damaged);
   Decoder code(in.rest());
-  code_cells(code, state_.cells, state_.field.columns, nullptr);
+  CellCoder(code, state_.cells, state_.field.columns, nullptr).run();
   if (check != check_of(head, state_)) {
     rested_ = false;
     return break_off(Result::damaged);
