@@ -13,7 +13,7 @@ namespace haptic {
 
 class BitWriter {
 public:
-  /// The low `count` bits of the value, at most 32.
+  /// Writes the low `count` bits of the value, at most 32.
   void put(std::uint64_t value, unsigned count) {
     while (count-- > 0) {
       if (used_ % 8 == 0)
@@ -23,7 +23,7 @@ public:
       ++used_;
     }
   }
-  /// One byte of length, then the text, cut to what the length can say.
+  /// Writes one byte of length, then the text, of which only the first 255 bytes count.
   void text(std::string_view text) {
     text = text.substr(0, 255);
     put(text.size(), 8);
@@ -37,7 +37,7 @@ private:
   std::size_t used_ = 0; // bits
 };
 
-/// Reading beyond the end gives zeros and sets `failed`.
+/// Reading beyond the end gives zeros and makes failed() true.
 class BitReader {
 public:
   explicit BitReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}

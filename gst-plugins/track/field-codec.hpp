@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Motion fields in few bytes: a step between what can be felt apart, and only the cells that
-// changed (docs/formats/field-code.md).
+// Motion fields in few bytes: velocities in steps as fine as a hand can feel, and only the cells
+// that changed (docs/formats/field-code.md).
 #pragma once
 
 #include "motion-field.hpp"
@@ -12,13 +12,13 @@
 
 namespace haptic {
 
-/// The most bytes that FieldEncoder makes of one field, however wild.
+/// The most bytes of one coded field.
 inline constexpr std::size_t kLargestCodedField = 60'000;
 
-/// Whether a coded field stands for itself; the others need those before it.
+/// Returns whether a coded field can be decoded without those before it.
 bool is_key_field(std::span<const std::uint8_t> bytes) noexcept;
 
-/// What both sides hold of one cell.
+/// The numbers of one cell that encoder and decoder both hold.
 struct CodedCell {
   std::int16_t x = 0; ///< velocity as its number on the scale of the code
   std::int16_t y = 0;
@@ -28,7 +28,7 @@ struct CodedCell {
   bool operator==(const CodedCell &) const = default;
 };
 
-/// What both sides hold: with it a field is coded as its difference.
+/// What encoder and decoder both hold. A field is coded as the difference from it.
 struct CodedState {
   MotionField field; ///< all but its cells as of the last field; its cells as they are decoded
   std::vector<CodedCell> cells;
@@ -38,9 +38,9 @@ struct CodedState {
 
 class FieldEncoder {
 public:
-  /// Nothing, if the whole frame rests as it did before: this need not be sent. A key field comes
-  /// first, after a second, after a cut, and when the frame or its grid changes. The field must
-  /// be one that unpack_motion_field() would take.
+  /// Returns the code of a field, or nothing if the whole frame rests as before: such a field need
+  /// not be sent. A key field comes first, after each second, after a cut, and when the frame or
+  /// its grid changes. The field must be valid (is_valid()).
   std::optional<std::vector<std::uint8_t>> push(const MotionField &field);
 
   /// The next field is a key field.
@@ -60,20 +60,20 @@ private:
 class FieldDecoder {
 public:
   enum class Result {
-    field,   ///< see field()
+    field,   ///< field() is the new one
     missing, ///< one before it was lost: field() is silent until the next key field
-    waiting, ///< there was no key field yet: nothing is known
-    damaged  ///< it contradicts itself: as if it, too, were lost
+    waiting, ///< there was no key field yet
+    damaged  ///< it contradicts itself: field() is silent until the next key field
   };
 
   Result push(std::span<const std::uint8_t> bytes);
 
-  /// Whether field() is of any use: there was a key field.
+  /// Returns whether there was a key field, so that field() has cells.
   bool has_field() const noexcept { return !state_.cells.empty(); }
-  /// What the last push() gave.
+  /// The result of the last push().
   const MotionField &field() const noexcept { return state_.field; }
-  /// Whether fields were left out before this one because the frame rested: rest() is what they
-  /// said.
+  /// Returns whether fields were left out before this one because the frame rested. rest() is such
+  /// a field.
   bool rested() const noexcept { return rested_; }
   const MotionField &rest() const noexcept { return rest_; }
 

@@ -11,7 +11,7 @@ namespace haptic {
 namespace {
 
 constexpr std::size_t kMostWork = 10'000'000; // evaluations, a second or so
-constexpr double kStrongest = 0.98; // beyond, a step of the amplitude is thousands of px/s
+constexpr double kStrongest = 0.98; // above this a step of the amplitude is thousands of px/s
 
 double value_at(const ChannelCurve &curve, std::int64_t tick) {
   const auto &points = curve.points;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Between motion samples and what MPEG haptics knows: two curves of force, to the right and up.
+// Motion samples as the force that MPEG haptics holds, to the right and up, and back.
 #pragma once
 
 #include "track-sample.hpp"
@@ -16,20 +16,21 @@ struct CurveForce {
   double y = 0; ///< up
 };
 
-/// The force of a motion under the paper's law at its defaults: 2/pi atan(0.01 s/px v) of a frame
-/// 352 px wide, times the share that its confidence lets through.
+/// Returns the force of a motion by the paper's law (equation 5) with kDefaultAlpha, in a frame
+/// kReferenceWidth wide, times confidence_gate() (force-defaults.hpp).
 CurveForce force_of_motion(const MotionSample &sample) noexcept;
 
-/// Whether that share is more than nothing.
+/// Returns whether confidence_gate() lets anything through.
 bool is_felt(const MotionSample &sample) noexcept;
 
-/// A motion that gives this force; lengths of 0.98 and more are one speed.
+/// Returns a motion that gives this force: equation 5 inverted, v = tan(pi/2 F) / alpha. Forces of
+/// 0.98 and more give one speed.
 MotionSample motion_of_force(CurveForce force) noexcept;
 
 /// Returns a sample in which nothing was measured.
 TrackSample silent_sample(std::uint64_t time, std::uint64_t duration) noexcept;
 
-/// One effect of one channel: what it adds to the force along its direction.
+/// One effect of one channel: a force along its direction.
 struct ChannelCurve {
   struct Point {
     std::int64_t tick = 0;
@@ -44,8 +45,9 @@ struct ForcePoint {
   CurveForce force;
 };
 
-/// The sum of the curves at each of their points in [begin, end), linear in between. Nothing when
-/// there are more than kMostForcePoints, or so many curves at once that they cannot be meant.
+/// Returns the sum of the curves at each of their points in [begin, end); they are linear in
+/// between. Returns nothing if there are more than kMostForcePoints, or if the sum would take
+/// seconds.
 std::vector<ForcePoint> sum_curves(std::span<const ChannelCurve> curves, std::int64_t begin,
                                    std::int64_t end);
 inline constexpr std::size_t kMostForcePoints = 65536;

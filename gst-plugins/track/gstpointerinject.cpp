@@ -17,11 +17,11 @@
 #include "messages.hpp"
 #include "pad-pair.hpp"
 #include "pointer-event.hpp"
+#include "pointer-order.hpp"
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <chrono>
-#include <optional>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(pointer_inject_debug);
@@ -32,17 +32,12 @@ namespace {
 using haptic::BufferPtr;
 using haptic::guarded;
 
-// The far end sends every 200 ms at least. After a longer silence it may have been started anew,
-// and its numbers begin again.
-constexpr std::chrono::seconds kForgotten{1};
-
 struct State {
   // Set once.
   GstPad *sink = nullptr; // owned by the element
 
   // Streaming thread of the pad `pointer`, or while it is stopped.
-  std::optional<std::uint32_t> sequence;
-  std::chrono::steady_clock::time_point arrived;
+  haptic::PointerOrder order;
   bool warned = false;
 };
 
@@ -67,18 +62,6 @@ State &state_of(gpointer object) {
   return *GST_POINTER_INJECT(object)->state;
 }
 
-// Packets overtake each other; an older pointer must not undo a newer one.
-bool is_newer(State &state, std::uint32_t sequence) {
-  const auto now = std::chrono::steady_clock::now();
-  const bool newer = !state.sequence || now - state.arrived > kForgotten ||
-                     static_cast<std::int32_t>(sequence - *state.sequence) > 0;
-  if (newer) {
-    state.sequence = sequence;
-    state.arrived = now;
-  }
-  return newer;
-}
-
 void send_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
   State &state = *self->state;
   const auto pointer = haptic::read_klv_pointer(bytes);
@@ -88,7 +71,7 @@ void send_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
                           ("%" G_GSIZE_FORMAT " bytes", bytes.size()));
     return;
   }
-  if (!is_newer(state, pointer->sequence))
+  if (!state.order.accept(pointer->sequence, std::chrono::steady_clock::now()))
     return;
   haptic::PointerPosition position;
   position.x = pointer->x;
@@ -119,7 +102,7 @@ gboolean drop_event(GstPad *, GstObject *, GstEvent *event) {
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     State &state = state_of(element);
-    state.sequence.reset();
+    state.order = {};
     state.warned = false;
   }
   return GST_ELEMENT_CLASS(gst_pointer_inject_parent_class)->change_state(element, transition);

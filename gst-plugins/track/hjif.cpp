@@ -22,7 +22,7 @@ std::string number_text(double value) {
   return {digits, end.ptr};
 }
 
-// Stretches of felt samples without a pause, none longer than an effect may be.
+// Felt samples without a pause between them, for no longer than an effect may last.
 struct Stretch {
   std::int64_t begin = 0;
   std::vector<ForcePoint> points;
@@ -44,7 +44,7 @@ std::vector<Stretch> stretches_of(std::span<const TrackSample> samples) {
         continue;
       open = since > 0 && since <= kLongestHold;
       if (open && point.tick - stretches.back().begin > kLongestEffect) {
-        const ForcePoint joint = points.back(); // the line does not break
+        const ForcePoint joint = points.back(); // the line has no gap
         stretches.push_back({joint.tick, {joint}});
       }
     }

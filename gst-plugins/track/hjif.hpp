@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A motion track as MPEG haptics in JSON (.hjif; media type haptics/hjif of RFC 9695).
+// A motion track as MPEG haptics in JSON (.hjif; media type haptics/hjif of RFC 9695): ISO/IEC
+// 23090-31:2025, clause 6.2.
 #pragma once
 
 #include "track-sample.hpp"
@@ -11,7 +12,7 @@
 
 namespace haptic {
 
-/// The samples need times. `date` as in ISO 8601.
+/// Samples without a time are left out. `date` as in ISO 8601.
 std::string write_hjif(std::span<const TrackSample> samples, const std::string &date);
 
 struct HjifTrack {
@@ -20,8 +21,8 @@ struct HjifTrack {
   std::size_t offset = 0; ///< bytes, of the error
 };
 
-/// What has a perception of force, with channels that say their direction and have bands of type
-/// Curve; other bands are passed over.
+/// Reads the perceptions of force: the bands of type Curve in channels that have a direction. The
+/// rest is passed over.
 HjifTrack read_hjif(std::string_view text);
 
 } // namespace haptic

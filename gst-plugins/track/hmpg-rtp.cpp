@@ -8,9 +8,11 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Unit types of the payload header: one more than those of the unit, then the other structures.
+// RFC 9993, section 5.3: values of the field UT of the payload header. Those of single units are
+// the unit's type plus one.
 constexpr unsigned kAggregationSameTime = 5;
 constexpr unsigned kFragment = 7;
+// Section 5.3.2: fields FUS and FUE of the fragment header.
 constexpr unsigned kFragmentStart = 0x80;
 constexpr unsigned kFragmentEnd = 0x40;
 
@@ -18,6 +20,7 @@ unsigned unit_type_code(UnitType type) {
   return static_cast<unsigned>(type) + 1;
 }
 
+// Section 5.2: D (dependent) 1 bit, UT 3, L (layer) 4.
 std::uint8_t payload_header(const UnitHeader &header, unsigned type) {
   return static_cast<std::uint8_t>((header.dependent ? 0x80U : 0U) | type << 4 | header.layer);
 }
@@ -49,13 +52,13 @@ std::vector<std::vector<std::uint8_t>> packetize_unit(Bytes unit, std::size_t la
 }
 
 UnitAssembler::Result UnitAssembler::push(std::uint16_t sequence, Bytes payload) {
-  Result result = take(sequence, payload);
+  Result result = assemble(sequence, payload);
   if (result.problem)
-    lost_ = true; // what depends on it cannot be read either
+    lost_ = true; // units that depend on it cannot be read either
   return result;
 }
 
-UnitAssembler::Result UnitAssembler::take(std::uint16_t sequence, Bytes payload) {
+UnitAssembler::Result UnitAssembler::assemble(std::uint16_t sequence, Bytes payload) {
   if (last_ && sequence != static_cast<std::uint16_t>(*last_ + 1)) {
     lost_ = true;
     in_fragment_ = false;

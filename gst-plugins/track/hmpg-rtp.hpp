@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The RTP payload of haptics/hmpg (RFC 9993): payload header, single units and fragments.
+// The RTP payload of haptics/hmpg: payload header (RFC 9993, section 5.2), single units (5.3.1) and
+// fragments (5.3.2).
 #pragma once
 
 #include "hmpg.hpp"
@@ -12,11 +13,11 @@
 
 namespace haptic {
 
-/// The payloads that carry one unit, each of at most `largest` bytes (8 or more).
+/// Returns the payloads that carry one unit, each of at most `largest` bytes (8 or more).
 std::vector<std::vector<std::uint8_t>> packetize_unit(std::span<const std::uint8_t> unit,
                                                       std::size_t largest);
 
-/// Puts units together again.
+/// Puts received units together.
 class UnitAssembler {
 public:
   struct Result {
@@ -25,14 +26,15 @@ public:
     bool after_loss = false;        ///< units before this one are missing
   };
 
-  /// In the order of sequence numbers, as a jitter buffer gives them. Units are held back until an
-  /// initialization unit has come, and after a loss until an independent one.
+  /// Payloads come in the order of their sequence numbers, as a jitter buffer gives them. Units are
+  /// dropped until an initialization unit has come, and after a loss until an independent unit
+  /// comes.
   Result push(std::uint16_t sequence, std::span<const std::uint8_t> payload);
   /// Another stream begins.
   void reset();
 
 private:
-  Result take(std::uint16_t sequence, std::span<const std::uint8_t> payload);
+  Result assemble(std::uint16_t sequence, std::span<const std::uint8_t> payload);
   Result deliver(std::vector<std::uint8_t> unit);
 
   std::optional<std::uint16_t> last_;

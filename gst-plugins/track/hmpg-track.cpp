@@ -51,7 +51,7 @@ void HmpgEncoder::close(std::int64_t end, const std::optional<CurveForce> &next)
   if (points_.empty())
     return;
   end = std::max(end, points_.back().tick + 1);
-  // The closing keyframe stands where the next unit begins, so that the line does not break.
+  // The last keyframe is where the next unit begins, so that the line has no gap.
   points_.push_back({end, next.value_or(points_.back().force)});
   std::array<HmpgCurve, 2> curves;
   for (std::size_t axis = 0; axis < curves.size(); ++axis) {
@@ -127,7 +127,7 @@ std::vector<CodedUnit> HmpgEncoder::finish() {
 HmpgDecoder::Result HmpgDecoder::push(std::span<const std::uint8_t> bytes, std::uint64_t time) {
   HmpgUnit unit = read_unit(bytes, experience_ ? &*experience_ : nullptr);
   if (unit.error) {
-    // What it lasted is unknown, unless the header stands.
+    // The header alone gives its duration.
     if (const auto header = read_unit_header(bytes); header && tick_)
       *tick_ += header->duration;
     return {{},

@@ -12,7 +12,7 @@
 
 namespace haptic {
 
-/// The experience that a motion track is: one perception of force with two channels.
+/// Returns the experience of a motion track: one perception of force with two channels.
 HmpgExperience track_experience(std::string date);
 
 struct CodedUnit {
@@ -22,16 +22,18 @@ struct CodedUnit {
   UnitType type = UnitType::initialization;
 };
 
-/// Gathers samples into units. Every temporal unit is independent: a reader may begin at any.
+/// Collects samples into units. Every temporal unit is independent: a reader may begin at any of
+/// them.
 class HmpgEncoder {
 public:
   /// `unit_duration` in ns, 1 ms to 4 s; `date` as in ISO 8601.
   HmpgEncoder(std::uint64_t unit_duration, std::string date);
 
-  /// Samples come in the order of their times (ns). One that goes back begins the track anew.
+  /// Returns the units that are complete. Samples come in the order of their times (ns); one that
+  /// goes back begins the track anew.
   std::vector<CodedUnit> push(const MotionSample &sample, std::uint64_t time,
                               std::uint64_t duration);
-  /// The end: what is left, and a silent unit.
+  /// Returns the rest of the track and a silent unit.
   std::vector<CodedUnit> finish();
 
 private:
@@ -48,7 +50,7 @@ private:
   std::int64_t unit_ticks_;
   bool started_ = false;
   std::vector<Point> points_; // of the unit that is being gathered
-  std::int64_t cursor_ = 0;   // what is before has been written
+  std::int64_t cursor_ = 0;   // end of what has been written
   std::int64_t last_end_ = 0; // of the sample before
   std::uint16_t effect_ = 0;
   std::vector<CodedUnit> done_;
@@ -62,9 +64,10 @@ public:
     std::string problem;              ///< empty if all is well
   };
 
-  /// One unit. `time` (ns) is that of its beginning, kNoTime where only the durations tell.
+  /// Reads one unit. `time` (ns) is that of its beginning; with kNoTime the durations of the units
+  /// before give it.
   Result push(std::span<const std::uint8_t> unit, std::uint64_t time);
-  /// Forgets where in time it is; the experience stays known.
+  /// Forgets the time of the stream and keeps the experience.
   void seek() noexcept { tick_.reset(); }
   /// Forgets everything.
   void forget() noexcept {

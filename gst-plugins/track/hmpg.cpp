@@ -11,6 +11,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
+// Types of MIHS packets. A packet header has type 6 bits, length 17, reserved 1.
 enum PacketType : std::uint8_t {
   kTiming,
   kMetadataHaptics,
@@ -67,6 +68,7 @@ std::vector<std::uint8_t> make_unit(UnitType type, std::uint32_t duration,
   return unit;
 }
 
+// Time 32 bits, timescale 32, nominal duration 24, deviation 24, overlapping 1.
 BitWriter timing_packet(const HmpgExperience &e) {
   BitWriter out;
   out.put(e.time, 32);
@@ -77,6 +79,7 @@ BitWriter timing_packet(const HmpgExperience &e) {
   return out;
 }
 
+// Clause 5.2: version, profile, level 8 bits, date, description, perceptions 8, avatars 8.
 BitWriter haptics_packet(const HmpgExperience &e) {
   BitWriter out;
   out.text(e.version);
@@ -89,6 +92,7 @@ BitWriter haptics_packet(const HmpgExperience &e) {
   return out;
 }
 
+// Clause 5.4, in the order of the puts.
 BitWriter perception_packet(const HmpgPerception &p, std::size_t channels) {
   BitWriter out;
   out.put(p.id, 8);
@@ -105,6 +109,7 @@ BitWriter perception_packet(const HmpgPerception &p, std::size_t channels) {
   return out;
 }
 
+// Clause 5.6. A gain g in -10000..10000 is floor((g + 10000) / 20000 * (2^32 - 1)).
 BitWriter channel_packet(const HmpgChannel &c, std::size_t bands) {
   BitWriter out;
   out.put(c.id, 16);
@@ -125,6 +130,7 @@ BitWriter channel_packet(const HmpgChannel &c, std::size_t bands) {
   return out;
 }
 
+// Clause 5.7.
 BitWriter band_packet(const HmpgBand &b) {
   BitWriter out;
   out.put(b.id, 8);
@@ -140,6 +146,8 @@ BitWriter band_packet(const HmpgBand &b) {
   return out;
 }
 
+// Clauses 5.8 and 5.9. A position has 25 bits with a sign, from the beginning of the unit; that of
+// a keyframe has 16, from the beginning of its effect.
 BitWriter data_packet(const HmpgCurve &curve) {
   const std::int32_t begin = curve.keyframes.empty() ? 0 : curve.keyframes.front().position;
   BitWriter out;
@@ -162,7 +170,7 @@ BitWriter data_packet(const HmpgCurve &curve) {
 
 // ---- reading ------------------------------------------------------------------------------------
 
-// Reads the packets of one unit; the first error ends it.
+// Reads the packets of one unit. The first error ends the reading.
 class UnitParser {
 public:
   UnitParser(Bytes unit, const HmpgExperience *experience) : unit_(unit), known_(experience) {}
@@ -304,7 +312,7 @@ private:
       in_.text();
     in_.get(8);
     p.exponent = static_cast<std::int8_t>(in_.get(8));
-    if (in_.get(8) > 0) // reference devices: told by the length of the packet
+    if (in_.get(8) > 0) // reference devices are passed over by the length of the packet
       exact_ = false;
     else
       in_.get(16);
@@ -389,7 +397,7 @@ private:
         return;
   }
 
-  // False when the rest of the packet cannot be told.
+  // Returns false if the rest of the packet cannot be read.
   bool effect(HmpgCurve curve) {
     curve.effect = static_cast<std::uint16_t>(in_.get(16));
     const auto type = in_.get(2);
@@ -438,7 +446,7 @@ private:
   Bytes unit_;
   const HmpgExperience *known_; // may be none
   UnitHeader header_;
-  std::size_t at_ = 0; // where what `in_` reads begins
+  std::size_t at_ = 0; // byte of the unit at which in_ begins
   BitReader in_{{}};
   bool exact_ = true; // the packet must end where its content does
   std::optional<HmpgError> error_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The binary stream of MPEG haptics (ISO/IEC 23090-31, "MIHS"; media type haptics/hmpg of RFC
-// 9695): units and packets as bytes. What they mean for a motion track: hmpg-track.hpp.
+// The binary stream of MPEG haptics (MPEG-I Haptic Stream, MIHS; media type haptics/hmpg of RFC
+// 9695): units and packets as bytes. hmpg-track.hpp says what they mean for a motion track.
+//
+// Clause numbers are those of ISO/IEC 23090-31:2025, whose clause 5 is the data model. The layout
+// of the bits is that of the standard's reference software, byte for byte (docs/formats/hmpg.md).
 #pragma once
 
 #include <array>
@@ -13,8 +16,10 @@
 
 namespace haptic {
 
+/// RFC 9993, section 4.2, describes the four types. A spatial unit has no duration.
 enum class UnitType : std::uint8_t { initialization, temporal, spatial, silent };
 
+/// MIHS unit header: type 6 bits, sync 2, layer 4, duration 24, length 32, reserved 4.
 struct UnitHeader {
   UnitType type = UnitType::initialization;
   bool dependent = false;
@@ -26,15 +31,17 @@ struct UnitHeader {
 };
 
 inline constexpr std::size_t kUnitHeaderSize = 9;
-/// Far above any real one: a claim beyond it is damage.
+/// Far above any real unit. A longer one is taken for damage.
 inline constexpr std::size_t kLongestUnit = std::size_t{1} << 20; // bytes
 inline constexpr std::uint32_t kHighestTimescale = 48000;         // ticks/s
 
-/// Perception modalities that this project speaks about.
+/// The perception modality Force (clause 5.4, haptic perception).
 inline constexpr std::uint8_t kModalityForce = 9;
 
+/// Clause 5.7, haptic band.
 enum class BandType : std::uint8_t { transient, curve, vectorial, wavelet };
 
+/// Clause 5.4, haptic perception.
 struct HmpgPerception {
   std::uint8_t id = 0;
   std::uint8_t modality = kModalityForce;
@@ -44,6 +51,7 @@ struct HmpgPerception {
   bool operator==(const HmpgPerception &) const = default;
 };
 
+/// Clause 5.6, haptic channel.
 struct HmpgChannel {
   std::uint16_t id = 0;
   std::uint8_t perception = 0;
@@ -54,6 +62,7 @@ struct HmpgChannel {
   bool operator==(const HmpgChannel &) const = default;
 };
 
+/// Clause 5.7, haptic band.
 struct HmpgBand {
   std::uint8_t id = 0;
   std::uint8_t perception = 0;
@@ -64,7 +73,7 @@ struct HmpgBand {
   bool operator==(const HmpgBand &) const = default;
 };
 
-/// What an initialization unit says.
+/// Clause 5.2, haptic experience: the content of an initialization unit.
 struct HmpgExperience {
   std::uint32_t time = 0;      ///< ticks
   std::uint32_t timescale = 0; ///< ticks/s
@@ -82,6 +91,7 @@ struct HmpgExperience {
   bool operator==(const HmpgExperience &) const = default;
 };
 
+/// Clause 5.9, haptic keyframe.
 struct HmpgKeyframe {
   std::int32_t position = 0;  ///< ticks from the beginning of the unit
   std::uint8_t amplitude = 0; ///< see amplitude_of_code()
@@ -89,7 +99,7 @@ struct HmpgKeyframe {
   bool operator==(const HmpgKeyframe &) const = default;
 };
 
-/// One effect of a curve band.
+/// Clause 5.8, haptic effect: one of a curve band.
 struct HmpgCurve {
   std::uint8_t perception = 0;
   std::uint16_t channel = 0;
@@ -100,15 +110,15 @@ struct HmpgCurve {
   bool operator==(const HmpgCurve &) const = default;
 };
 
-/// -1..1 to 0..255, to the nearest.
+/// Returns the code 0..255 of an amplitude -1..1: (a + 1) / 2 * 255, to the nearest.
 std::uint8_t code_of_amplitude(double amplitude) noexcept;
-/// The other way; the two codes next to zero, which has none of its own, are zero.
+/// Returns the amplitude of a code. Zero has no code of its own: 127 and 128 are read as zero.
 double amplitude_of_code(std::uint8_t code) noexcept;
 
 // ---- writing ------------------------------------------------------------------------------------
 
 std::vector<std::uint8_t> write_initialization_unit(const HmpgExperience &experience);
-/// Independent. The duration is 1 to 2^24-1 ticks.
+/// Returns an independent unit. The duration is 1 to 2^24-1 ticks.
 std::vector<std::uint8_t> write_temporal_unit(std::uint32_t duration,
                                               std::span<const HmpgCurve> curves);
 std::vector<std::uint8_t> write_silent_unit(std::uint32_t duration);
@@ -120,12 +130,11 @@ struct HmpgError {
   std::size_t offset; ///< bytes from the beginning of the unit
 };
 
-/// Nothing if there are too few bytes, or a field is impossible.
+/// Returns nothing if there are too few bytes or a field is impossible.
 std::optional<UnitHeader> read_unit_header(std::span<const std::uint8_t> bytes) noexcept;
 
-/// Whether a unit may begin here: its header, and that of its first packet. Where a stream is
-/// entered in the middle, other bytes hardly ever do. Needs kUnitHeadSize bytes, unless the unit is
-/// empty.
+/// Returns whether a unit may begin here, by its header and that of its first packet. Other bytes
+/// of a stream hardly ever look like this. Needs kUnitHeadSize bytes, unless the unit is empty.
 bool looks_like_unit(std::span<const std::uint8_t> bytes) noexcept;
 inline constexpr std::size_t kUnitHeadSize = kUnitHeaderSize + 3;
 
@@ -136,8 +145,8 @@ struct HmpgUnit {
   std::optional<HmpgError> error;           ///< then the rest is empty
 };
 
-/// Exactly one unit. A temporal unit needs the experience it belongs to. Bands that are no curves,
-/// effects that refer to a library, and checksums are passed over.
+/// Reads exactly one unit. A temporal unit needs the experience that it belongs to. Bands that are
+/// no curves, effects that refer to a library, and checksums are passed over.
 HmpgUnit read_unit(std::span<const std::uint8_t> bytes, const HmpgExperience *experience);
 
 } // namespace haptic

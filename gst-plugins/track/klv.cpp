@@ -51,7 +51,7 @@ enum PointerTag : std::uint8_t {
 class SetWriter {
 public:
   explicit SetWriter(const KlvKey &key) : bytes_(key.begin(), key.end()) {
-    // The length in its long form with two bytes, so that it can be filled in at the end.
+    // The length has two bytes in BER's long form, so that finish() can fill it in.
     bytes_.insert(bytes_.end(), {0x82, 0, 0});
   }
 
@@ -107,8 +107,8 @@ private:
 
 // ---- reading ------------------------------------------------------------------------------------
 
-// A BER length at `at`, which moves behind it. Nothing if it is cut off, indefinite or larger than
-// what is there.
+// Reads a BER length at `at` and moves `at` behind it. Returns nothing if it is cut off, indefinite
+// or larger than the rest.
 std::optional<std::size_t> read_length(Bytes bytes, std::size_t &at) {
   if (at >= bytes.size())
     return std::nullopt;
@@ -142,7 +142,7 @@ double read_double(Bytes bytes) {
   return std::bit_cast<double>(read_unsigned(bytes.first(8)));
 }
 
-// The values of a local set by their tags; a tag that is absent has no data.
+// The values of a local set by their tags. A tag that is absent has no data.
 template <std::size_t kTags>
 struct Set {
   std::array<Bytes, kTags> values;
@@ -159,7 +159,7 @@ Set<kTags> read_set(Bytes bytes) {
     const std::size_t begin = at;
     const std::uint8_t first = bytes[at++];
     std::uint8_t tag = first;
-    // BER-OID: tags of several bytes belong to later versions.
+    // A tag of several bytes (BER-OID) belongs to a later version.
     while (at < bytes.size() && (bytes[at - 1] & 0x80U) != 0)
       ++at;
     if ((first & 0x80U) != 0)
@@ -274,12 +274,13 @@ bool has_key(Bytes bytes, const KlvKey &key) {
   return bytes.size() >= key.size() && std::equal(key.begin(), key.end(), bytes.begin());
 }
 
-// One triplet at `at`, which moves behind it; nothing if it is damaged.
 struct Triplet {
   Bytes key;
   Bytes value;
   std::size_t value_at;
 };
+
+// Reads a triplet at `at` and moves `at` behind it. Returns nothing if it is damaged.
 std::optional<Triplet> read_triplet(Bytes bytes, std::size_t &at) {
   if (!is_universal_label(bytes.subspan(at)))
     return std::nullopt;

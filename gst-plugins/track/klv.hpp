@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// KLV (SMPTE ST 336): motion samples, motion fields and pointers as local sets
-// (docs/formats/klv.md).
+// KLV (SMPTE ST 336): motion samples, motion fields and pointers as local sets with tags of one
+// byte and lengths in BER (docs/formats/klv.md).
 #pragma once
 
 #include "track-sample.hpp"
@@ -30,17 +30,17 @@ inline constexpr KlvKey kPointerKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01,
 static_assert(std::equal(kKlvDesignator.begin(), kKlvDesignator.end(), kMotionKey.begin()));
 static_assert(std::equal(kMotionKey.begin(), kMotionKey.end() - 1, kPointerKey.begin()));
 
-/// One local set, ready to be sent. The sample must be one that unpack_motion_sample() would take.
+/// Returns one local set, ready to be sent. The sample must be valid (is_valid()).
 std::vector<std::uint8_t> write_klv(const TrackSample &sample);
 
-/// The bytes must be fewer than 64 KiB by the length of the rest.
+/// The field must be so short that the whole set is below 64 KiB: kLargestCodedField is.
 std::vector<std::uint8_t> write_klv(const CodedField &field);
 
 /// What one KLV triplet turned out to be.
 enum class KlvKind {
   motion,        ///< a motion sample
   field,         ///< a coded motion field
-  foreign,       ///< a key of other origin: not ours, and not an error
+  foreign,       ///< a key of other origin, which is no error
   other_version, ///< ours, of a version this reader does not know
   other_sample,  ///< ours, of a kind of sample this reader does not know
   damaged        ///< see `error` and `offset`
@@ -57,13 +57,13 @@ struct KlvItem {
 /// Returns the field of an item of KlvKind::field.
 CodedField coded_field_of(const KlvItem &item);
 
-/// Walks the triplets of a packet or a file. Allocates nothing. After damage it goes on at the next
-/// key of ours.
+/// Reads the triplets of a packet or a file one after another. Allocates nothing. After damage it
+/// goes on at the next key of a motion set.
 class KlvReader {
 public:
   explicit KlvReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
 
-  /// Nothing at the end.
+  /// Returns nothing at the end.
   std::optional<KlvItem> next() noexcept;
 
 private:
@@ -71,7 +71,7 @@ private:
   std::size_t at_ = 0;
 };
 
-/// A pointer on its way over a network.
+/// A pointer that is sent over a network.
 struct TrackPointer {
   std::uint32_t sequence = 0;
   double x = 0.5; ///< 0..1
@@ -87,8 +87,8 @@ inline constexpr std::size_t kLongestDeviceName = 64;
 
 std::vector<std::uint8_t> write_klv(const TrackPointer &pointer);
 
-/// The first pointer among the triplets; nothing if there is none, or it is damaged or of another
-/// version.
+/// Returns the first pointer among the triplets, or nothing if there is none or it is damaged or of
+/// another version.
 std::optional<TrackPointer> read_klv_pointer(std::span<const std::uint8_t> bytes);
 
 } // namespace haptic

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A binary adaptive range coder: bits of which one value is likelier than the other, in few bytes.
+// A binary adaptive range coder: the likelier a bit, the less it costs.
+//
+// A bit with the probability p of being 0 splits the interval [low, low + range) at
+// low + (range / 2^12) (2^12 p): 0 takes the lower part, 1 the upper one (G. N. N. Martin, "Range
+// encoding", 1979). Bytes leave at the top as soon as no carry can reach them.
 #pragma once
 
 #include <array>
@@ -10,7 +14,7 @@
 
 namespace haptic {
 
-/// How likely the next bit of one kind is to be 0, learned from those before.
+/// The probability that the next bit of one kind is 0, learned from the bits before.
 class BitModel {
 public:
   static constexpr unsigned kBits = 12;
@@ -21,7 +25,7 @@ public:
 
   std::uint32_t bound(std::uint32_t range) const noexcept { return (range >> kBits) * zeros_; }
   void learn(bool bit) noexcept {
-    // 1/8 at first, then 1/32: a sample is short, and what is expected at its start a guess.
+    // p moves towards the bit by 1/8 at first and by 1/32 after six bits: the first p is a guess.
     const unsigned rate = seen_ < 6 ? 3U + (seen_ >> 1U) : 5U;
     seen_ = static_cast<std::uint8_t>(seen_ + (seen_ < 6));
     zeros_ = static_cast<std::uint16_t>(bit ? zeros_ - (zeros_ >> rate)
@@ -46,16 +50,16 @@ public:
     model.learn(bit);
     normalize();
   }
-  /// A bit that is as likely 0 as 1.
+  /// Codes a bit that is as likely 0 as 1.
   void even_bit(bool bit) {
     range_ >>= 1;
     if (bit)
       low_ += range_;
     normalize();
   }
-  /// Appends what was coded. Bytes of value 0 at the end are left out: a decoder reads them there.
+  /// Appends the coded bytes. Zeros at the end are left out, since a decoder reads zeros there.
   void finish(std::vector<std::uint8_t> &bytes) {
-    // Of all values in the interval one that ends in many zeros.
+    // Any value in the interval will do. This one ends in the most zeros.
     for (unsigned shift = 32; shift-- > 0;) {
       const std::uint64_t mask = (std::uint64_t{1} << shift) - 1;
       const std::uint64_t value = (low_ + mask) & ~mask;
@@ -66,7 +70,8 @@ public:
     }
     for (int i = 0; i < 5; ++i)
       shift_low();
-    // The first byte is the carry of an empty interval: always 0.
+    // The first byte is always 0: it would take the carry of an interval that is above the first
+    // one.
     std::size_t size = bytes_.size();
     while (size > 1 && bytes_[size - 1] == 0)
       --size;
@@ -81,7 +86,7 @@ private:
       shift_low();
     }
   }
-  // A byte that may still take a carry waits, with all the 0xFF behind it.
+  // A byte that a carry can still reach waits, with all bytes 0xFF behind it.
   void shift_low() {
     if (low_ < 0xFF000000U || low_ > 0xFFFFFFFFU) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
@@ -102,7 +107,7 @@ private:
   std::uint8_t first_waiting_ = 0;
 };
 
-/// Decodes something from any bytes, and behind their end zeros.
+/// Decodes any bytes without failing. Behind their end it reads zeros.
 class RangeDecoder {
 public:
   explicit RangeDecoder(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {

@@ -15,8 +15,12 @@ constexpr std::string_view kPoint = "point";
 constexpr std::string_view kField = "field";
 constexpr std::size_t kLongestLine = 131072;
 
+// By the bits of MotionFlags, the lowest first.
 constexpr std::array<std::string_view, 6> kFlagNames = {"still",         "duplicate", "cut",
                                                         "discontinuity", "mixture",   "aperture"};
+static_assert(kMotionStill == 1 << 0 && kMotionDuplicate == 1 << 1 && kMotionCut == 1 << 2 &&
+              kMotionDiscontinuity == 1 << 3 && kMotionMixture == 1 << 4 &&
+              kMotionAperture == 1 << 5);
 constexpr std::array<MotionModel, 5> kModels = {MotionModel::none, MotionModel::still,
                                                 MotionModel::translation, MotionModel::similarity,
                                                 MotionModel::affine};
@@ -45,7 +49,7 @@ public:
     field(name, std::to_string(nanoseconds / kSecond) + '.' +
                     std::string(9 - decimals.size(), '0') + decimals);
   }
-  std::string take() { return std::move(text_); }
+  std::string finish() { return std::move(text_); }
 
 private:
   std::string text_;
@@ -94,7 +98,7 @@ bool parse_flags(std::string_view text, std::uint16_t &flags) {
   while (!text.empty()) {
     const auto comma = std::min(text.find(','), text.size());
     const auto found = std::find(kFlagNames.begin(), kFlagNames.end(), text.substr(0, comma));
-    if (found != kFlagNames.end()) // names of later versions say nothing to this one
+    if (found != kFlagNames.end()) // later versions may have more names
       flags = static_cast<std::uint16_t>(flags | 1U << (found - kFlagNames.begin()));
     text.remove_prefix(std::min(comma + 1, text.size()));
   }
@@ -155,8 +159,8 @@ bool parse_field(std::size_t which, std::string_view value, TrackSample &sample)
   }
 }
 
-// The next word, which is taken off the line; empty at the end.
-std::string_view take_word(std::string_view &line) {
+// Removes the next word from the line and returns it. It is empty at the end.
+std::string_view next_word(std::string_view &line) {
   const auto begin = std::min(line.find_first_not_of(' '), line.size());
   const auto end = std::min(line.find(' ', begin), line.size());
   const auto word = line.substr(begin, end - begin);
@@ -168,7 +172,7 @@ TextLine wrong(std::string error) {
   return {std::nullopt, std::nullopt, std::move(error)};
 }
 
-// Nothing, if it is not base64 from its beginning to its end.
+// Returns nothing if it is not base64 from its beginning to its end.
 std::optional<std::vector<std::uint8_t>> decode_base64(std::string_view text) {
   const auto digits = text.substr(0, text.find('='));
   const auto is_digit = [](char c) { return g_ascii_isalnum(c) || c == '+' || c == '/'; };
@@ -183,10 +187,10 @@ std::optional<std::vector<std::uint8_t>> decode_base64(std::string_view text) {
   return decoded;
 }
 
-// What follows "field".
+// Reads the line behind the word "field".
 TextLine read_field(std::string_view line) {
   CodedField field;
-  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
+  for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
     const auto equals = std::min(word.find('='), word.size());
     const auto name = word.substr(0, equals);
     const auto value = word.substr(std::min(equals + 1, word.size()));
@@ -230,7 +234,7 @@ std::string write_text_line(const TrackSample &sample) {
   out.field("model", motion_model_name(s.model));
   if (const auto names = flag_names(s.flags); !names.empty())
     out.field("flags", names);
-  return out.take();
+  return out.finish();
 }
 
 std::string write_text_line(const CodedField &field) {
@@ -241,7 +245,7 @@ std::string write_text_line(const CodedField &field) {
     out.time("d", field.duration);
   const GCharPtr base64(g_base64_encode(field.bytes.data(), field.bytes.size()));
   out.field("b", base64.get());
-  return out.take();
+  return out.finish();
 }
 
 TextLine read_text_line(std::string_view line) {
@@ -250,18 +254,18 @@ TextLine read_text_line(std::string_view line) {
   line = line.substr(begin, line.find_last_not_of(kAround) + 1 - begin);
   if (line.size() > kLongestLine)
     return wrong("the line is too long");
-  const auto magic = take_word(line);
+  const auto magic = next_word(line);
   if (magic != kTextMagic)
     return wrong(magic.starts_with(kTextName) ? "another version of the format"
                                               : "this is not a motion sample");
-  const auto kind = take_word(line);
+  const auto kind = next_word(line);
   if (kind == kField)
     return read_field(line);
   if (kind != kPoint)
     return wrong("another kind of sample");
   TrackSample sample;
   unsigned seen = 0;
-  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
+  for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
     const auto equals = std::min(word.find('='), word.size());
     const auto name = word.substr(0, equals);
     const auto found = std::find(kNames.begin(), kNames.end(), name);

@@ -16,8 +16,8 @@ inline constexpr std::string_view kTextMagic = "hv1";
 inline constexpr std::string_view kTextFieldStart = "hv1 field ";
 static_assert(kTextMagic.starts_with(kTextName) && kTextFieldStart.starts_with(kTextMagic));
 
-/// Without a newline, and without characters that mark-up would escape. Numbers are written so that
-/// reading them gives the same bits.
+/// Returns a line without a newline and without characters that mark-up would escape. Reading its
+/// numbers gives the same bits.
 std::string write_text_line(const TrackSample &sample);
 std::string write_text_line(const CodedField &field);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A motion sample, or a coded motion field, on its way through a file or a network, where buffers
-// lose their time stamps.
+// A motion sample, or a coded motion field, with its own time: files and networks lose the time
+// stamps of buffers.
 #pragma once
 
 #include "motion-sample.hpp"

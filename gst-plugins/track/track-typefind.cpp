@@ -11,7 +11,7 @@ namespace {
 
 constexpr guint kLookedAt = 4096; // bytes of text
 
-// The stream begins with an initialization unit, which has to be sound as a whole.
+// Suggests .hmpg if the file begins with a sound initialization unit.
 void find_hmpg(GstTypeFind *find, gpointer) {
   const guint8 *bytes = gst_type_find_peek(find, 0, kUnitHeaderSize);
   if (!bytes)
@@ -25,13 +25,14 @@ void find_hmpg(GstTypeFind *find, gpointer) {
     gst_type_find_suggest_empty_simple(find, GST_TYPE_FIND_MAXIMUM, HAPTIC_HMPG_TYPE);
 }
 
-// A JSON object that names what this format demands at its top level.
+// Suggests .hjif if the file is a JSON object with the members that clause 6.2.1 of ISO/IEC
+// 23090-31:2025 (MPEG_haptics) requires.
 void find_hjif(GstTypeFind *find, gpointer) {
   guint size = kLookedAt;
   if (const guint64 length = gst_type_find_get_length(find); length > 0 && length < size)
     size = static_cast<guint>(length);
   const guint8 *bytes = gst_type_find_peek(find, 0, size);
-  while (!bytes && (size /= 2) > 0) // shorter, and nobody knows how much
+  while (!bytes && (size /= 2) > 0) // the file is shorter, and its length is unknown
     bytes = gst_type_find_peek(find, 0, size);
   if (!bytes)
     return;
@@ -48,7 +49,7 @@ template <GstTypeFindFunction kFinder>
 void barrier(GstTypeFind *find, gpointer data) noexcept {
   try {
     kFinder(find, data);
-  } catch (...) { // no element here that could post an error; the type stays unknown
+  } catch (...) { // the type stays unknown; there is no element that could post an error
   }
 }
 

@@ -3,12 +3,10 @@
 #include "klv.hpp"
 #include "pointer-event.hpp"
 
-#include <chrono>
 #include <cstring>
 #include <gst/check/gstharness.h>
 #include <gtest/gtest.h>
 #include <memory>
-#include <thread>
 
 namespace {
 
@@ -80,18 +78,11 @@ TEST_F(PointerTravel, WhatTheHandDoesArrivesAtTheTracker) {
   }
 }
 
-TEST_F(PointerTravel, AnOlderPacketDoesNotUndoANewerOne) {
-  const auto send = [&](std::uint32_t sequence) {
+TEST_F(PointerTravel, NewerNumbersArriveAlsoWhenTheyGoRound) {
+  for (const std::uint32_t sequence : {0xFFFFFFFEU, 0xFFFFFFFFU, 0U, 5U}) {
     gst_harness_push(injected.get(), buffer_of({sequence, 0.5, 0.5, 0, false, ""}).release());
-    return arrived().has_value();
-  };
-  EXPECT_TRUE(send(0xFFFFFFFE));
-  EXPECT_FALSE(send(0xFFFFFFFE));
-  EXPECT_FALSE(send(0xFFFFFFFD));
-  EXPECT_TRUE(send(1)); // the counter went round
-  EXPECT_FALSE(send(0xFFFFFFFF));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  EXPECT_TRUE(send(0)) << "after a second of silence the sender may have been started anew";
+    EXPECT_TRUE(arrived()) << sequence;
+  }
 }
 
 TEST_F(PointerTravel, WhatIsNoPointerIsPassedOver) {
@@ -122,7 +113,7 @@ TEST_F(PointerTravel, TheStreamBesideItPassesUntouched) {
   EXPECT_TRUE(passed) << "only pointers are taken";
 }
 
-TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfTheFrame) {
+TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfTheVideo) {
   gst_harness_push_event(injected.get(), gst_event_new_eos());
   EXPECT_EQ(gst_harness_push(inject.get(), gst_buffer_new()), GST_FLOW_OK);
 }
@@ -130,14 +121,12 @@ TEST_F(PointerTravel, TheEndOfThePointerIsNotTheEndOfTheFrame) {
 TEST_F(PointerTravel, TheEndOfTheTrackEndsThePointer) {
   gst_harness_push_event(extract.get(), gst_event_new_eos());
   bool ended = false;
-  for (int i = 0; i < 200 && !ended; ++i) {
-    while (GstEvent *event = gst_harness_try_pull_event(extracted.get())) {
-      ended = ended || GST_EVENT_TYPE(event) == GST_EVENT_EOS;
-      gst_event_unref(event);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (!ended) {
+    GstEvent *event = gst_harness_pull_event(extracted.get()); // none after a minute
+    ASSERT_NE(event, nullptr);
+    ended = GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+    gst_event_unref(event);
   }
-  EXPECT_TRUE(ended);
 }
 
 TEST(PointerElements, StartAndStopAtOnceManyTimes) {

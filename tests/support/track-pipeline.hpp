@@ -104,7 +104,7 @@ private:
     return packet;
   }
   void wait(Outcome &outcome) {
-    look_at_messages(outcome, 20 * GST_SECOND);
+    look_at_messages(outcome, 60 * GST_SECOND);
     if (!over_)
       outcome.error = "it does not end";
   }
