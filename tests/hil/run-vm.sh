@@ -136,7 +136,7 @@ trap 'rm -rf "$scratch"' EXIT
 # What the machine runs once it sees the files. The last thing it says on the second serial port is
 # the exit status; without it the machine did not get so far.
 {
-  for name in FEELING_WIND_BUILD GST_REGISTRY HIL_SECONDS HIL_SLOWEST; do
+  for name in FEELING_WIND_BUILD GST_REGISTRY HIL_SECONDS; do
     [ -z "${!name:-}" ] || printf 'export %s=%q\n' "$name" "${!name}"
   done
   printf 'cd %q\n' "$PWD"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # In the virtual machine: libspidar on a USB bus of the kernel, both controllers, with faults.
 #
-# HIL_SECONDS: how long each controller is driven, 3. With 60 or more on a quick machine the rate must be
-# 1000 ticks in every second and no exchange lost; less is too little to tell from what else a machine does.
+# HIL_SECONDS: how long each controller is driven, 3. With 60 or more this is a measurement: 1000 ticks in every
+# second, no exchange lost, and the motors of a killed program at rest in 100 ms. With less the times are printed only.
 
 source "$(dirname "$0")/vm-support.sh"
 seconds=${HIL_SECONDS:-3}
@@ -12,25 +12,24 @@ start_emulator --controller simple:10 --controller sh4:3
 promise "the kernel sees a USB2.0 Simple" attach 1 0203
 promise "the kernel sees a USB2.0 SH4" attach 2 0205
 measure_the_bus
-least_rate=10 most_lost=$((seconds * 5))
-if [ "$quick" = yes ]; then
-  least_rate=300
-  if [ "$seconds" -ge 60 ]; then
-    least_rate=1000 most_lost=0
-  fi
+least_rate=1 most_lost=$((seconds * 1000)) most_after=1000000
+if [ "$seconds" -ge 60 ]; then
+  least_rate=1000 most_lost=0 most_after=100
 fi
 
 driven() {
   local line
   line=$(chrt -f 50 "$usb_ticks" "$seconds" "$1") || return
   echo "$line"
-  [ "$(value slowest-second "$line")" -ge "$least_rate" ] && [ "$(value lost "$line")" -le "$most_lost" ]
+  [ "$(value rate "$line")" -ge 1 ] && [ "$(value lost-at-the-end "$line")" = 0 ] &&
+    [ "$(value lost "$line")" -le "$most_lost" ] &&
+    { [ "$least_rate" = 1 ] || [ "$(value slowest-second "$line")" -ge "$least_rate" ]; }
 }
-promise "the USB2.0 Simple is driven at $least_rate Hz or more" driven 10
-promise "the USB2.0 SH4 is driven at $least_rate Hz or more" driven 3
+promise "the USB2.0 Simple is driven" driven 10
+promise "the USB2.0 SH4 is driven" driven 3
 promise "both are left at minimum tension" told "rows > 50 && largest <= least"
 
-# Until the program that was started has told the motors something.
+# Returns once the program has set D/A words.
 start_driving() {
   local before
   before=$(wc -l <"$words")
@@ -72,7 +71,7 @@ killed() {
   sleep 0.5
   told "rows > 0 && largest > least" || return
   kill -9 "$program"
-  told "largest <= least && after <= 100"
+  told "largest <= least && after <= $most_after"
 }
 if [ -n "$(find "$build/spidar" -name spidar-guardian -type f)" ]; then
   promise "the motors of a killed program go to minimum tension" killed 10
