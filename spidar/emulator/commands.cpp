@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "commands.hpp"
 
-#include "spidar/error.hpp"
+#include "fail.hpp"
 
 #include <charconv>
 #include <functional>
@@ -27,8 +27,8 @@ namespace {
 using Act = std::function<void(Unit &, Time, std::vector<Completion> &)>;
 
 [[noreturn]] void refuse(const std::string &line, const std::string &reason) {
-  throw spidar::Error(spidar::Cause::argument,
-                      "'" + line + "': " + reason + ". Known are:\n" + kCommandHelp);
+  spidar::fail(spidar::Cause::argument, spidar::messages::kEmulatorCommand, line.c_str(),
+               reason.c_str(), kCommandHelp);
 }
 
 class Words {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-emulator: a SPIDAR-G on the network, for the kernel's USB/IP client to attach.
 #include "commands.hpp"
+#include "fail.hpp"
 #include "server.hpp"
-#include "spidar/error.hpp"
 #include "spidar/geometry.hpp"
 #include "word-log.hpp"
 
@@ -15,7 +15,8 @@ namespace {
 
 using emulator::Model;
 using spidar::Cause;
-using spidar::Error;
+using spidar::fail;
+namespace messages = spidar::messages;
 
 constexpr int kMostUnits = 8; // the ports of one virtual hub
 
@@ -97,16 +98,16 @@ Options parse(int argc, char **argv) {
   take(options.server.address, listen);
   take(options.server.control, control);
   if (!parsed)
-    throw Error(Cause::argument, std::string(error->message) + "; see --help");
+    fail(Cause::argument, messages::kEmulatorOption, error->message);
   if (argc > 1)
-    throw Error(Cause::argument, std::string("'") + argv[1] + "' is no option; see --help");
+    fail(Cause::argument, messages::kEmulatorArgument, argv[1]);
   if (port < 0 || port > 65535)
-    throw Error(Cause::argument, "--port must be from 0 to 65535.");
+    fail(Cause::argument, messages::kEmulatorPort);
   options.server.port = static_cast<std::uint16_t>(port);
   if (options.controllers.empty())
     options.controllers = {"simple"};
   if (options.controllers.size() > kMostUnits)
-    throw Error(Cause::argument, "At most 8 units, please.");
+    fail(Cause::argument, messages::kEmulatorUnits);
   return options;
 }
 
@@ -119,10 +120,10 @@ std::pair<Model, int> parse_controller(const std::string &text, int number) {
     const char *last = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data() + colon + 1, last, id);
     if (error != std::errc() || end != last || id < 0 || id > 15)
-      throw Error(Cause::argument, "--controller " + text + ": the rotary switch is 0 to 15.");
+      fail(Cause::argument, messages::kEmulatorSwitch, text.c_str());
   }
   if (model != "simple" && model != "sh4")
-    throw Error(Cause::argument, "--controller " + text + ": known are simple and sh4.");
+    fail(Cause::argument, messages::kEmulatorModel, text.c_str());
   return {model == "simple" ? Model::simple : Model::sh4, id};
 }
 

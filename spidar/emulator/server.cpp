@@ -2,7 +2,7 @@
 #include "server.hpp"
 
 #include "commands.hpp"
-#include "spidar/error.hpp"
+#include "fail.hpp"
 
 #include <algorithm>
 #include <array>
@@ -207,7 +207,7 @@ public:
       pump_all();
       return "ok\n";
     } catch (const spidar::Error &error) {
-      return std::string("error: ") + error.what();
+      return std::string("error: ") + error.what() + "\n";
     }
   }
 
@@ -339,20 +339,16 @@ void Server::listen_tcp(const ServerOptions &options) {
   const Owned<GSocketAddress> wanted(
       g_inet_socket_address_new_from_string(options.address.c_str(), options.port));
   if (!wanted)
-    throw spidar::Error(spidar::Cause::argument,
-                        "'" + options.address +
-                            "' is no address to listen on. Give a number like 127.0.0.1 or 0.0.0.0 "
-                            "or ::1.");
+    spidar::fail(spidar::Cause::argument, spidar::messages::kEmulatorAddress,
+                 options.address.c_str());
   GSocketAddress *effective = nullptr;
   g_socket_listener_add_address(G_SOCKET_LISTENER(service_.get()), wanted.get(),
                                 G_SOCKET_TYPE_STREAM, G_SOCKET_PROTOCOL_TCP, nullptr, &effective,
                                 &raw);
   const GErrorPtr error(raw);
   if (error)
-    throw spidar::Error(spidar::Cause::busy, "Cannot listen on " + options.address + " port " +
-                                                 std::to_string(options.port) + " (" +
-                                                 error->message +
-                                                 "). Give another --port or --listen.");
+    spidar::fail(spidar::Cause::busy, spidar::messages::kEmulatorListen, options.address.c_str(),
+                 options.port, error->message);
   const Owned<GSocketAddress> got(effective);
   const unsigned port = g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(got.get()));
   const auto incoming =
@@ -382,10 +378,8 @@ void Server::listen_control(const std::string &path) {
   const GErrorPtr error(raw);
   if (error) {
     control_service_.reset();
-    throw spidar::Error(spidar::Cause::busy, "Cannot make the control socket '" + path + "' (" +
-                                                 error->message +
-                                                 "). Remove it if nobody uses it, or give another "
-                                                 "--control.");
+    spidar::fail(spidar::Cause::busy, spidar::messages::kEmulatorControl, path.c_str(),
+                 error->message);
   }
   control_path_ = path;
   const auto incoming =

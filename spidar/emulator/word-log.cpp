@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "word-log.hpp"
 
-#include "spidar/error.hpp"
+#include "fail.hpp"
 
 #include <cerrno>
 #include <system_error>
@@ -10,9 +10,8 @@ namespace emulator {
 
 WordLog::WordLog(const std::string &path) : file_(std::fopen(path.c_str(), "we")) {
   if (!file_)
-    throw spidar::Error(spidar::Cause::argument, "The log '" + path + "' cannot be written (" +
-                                                     std::generic_category().message(errno) +
-                                                     "). Give another --log.");
+    spidar::fail(spidar::Cause::argument, spidar::messages::kEmulatorLog, path.c_str(),
+                 std::generic_category().message(errno).c_str());
   std::fputs("time,unit,event,d0,d1,d2,d3,d4,d5,d6,d7\n", file_.get());
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/calibration.hpp"
 
-#include "spidar/error.hpp"
+#include "fail.hpp"
 
 #include <array>
 #include <cerrno>
@@ -30,25 +30,17 @@ std::string shortest(const Vector3 &vector) {
   return shortest(vector.x()) + ";" + shortest(vector.y()) + ";" + shortest(vector.z());
 }
 
-[[noreturn]] void refuse(const std::string &message) {
-  throw Error(Cause::argument, message);
-}
-
-void check_factor(double factor, const std::string &what) {
+void check_factor(double factor, const char *what) {
   if (!(factor > 1 / kLargestFactor && factor < kLargestFactor))
-    refuse(what + " would be " + shortest(factor) +
-           " times that of the geometry to begin with. Is the unit right, and the geometry that of "
-           "this device?");
+    fail(Cause::argument, messages::kScaleTooFar, what, shortest(factor).c_str());
 }
 
 } // namespace
 
 Geometry with_measured_counts(Geometry geometry, const Counts &centre, const Counts &there,
                               int axis, double moved) {
-  const std::string name = kAxes[axis];
   if (!std::isfinite(moved) || std::abs(moved) < kLeastMove)
-    refuse("Move the grip by at least 5 mm along " + name +
-           ", and say by how many metres: a tenth of the frame is good.");
+    fail(Cause::argument, messages::kMoveTooSmall, kAxes[axis]);
   Pose pose;
   pose.position[axis] = moved;
   const StringLengths expected = string_lengths(geometry, pose) - string_lengths(geometry, {});
@@ -56,14 +48,12 @@ Geometry with_measured_counts(Geometry geometry, const Counts &centre, const Cou
   for (std::size_t i = 0; i < kStrings; ++i)
     seen[i] = (static_cast<double>(there[i]) - centre[i]) * geometry.metres_per_count[i];
   if (seen.norm() < kLeastMove / 10)
-    refuse("The counters have not moved. Is the grip in your hand, and the device switched on?");
+    fail(Cause::argument, messages::kCountersStill);
   // One factor for all strings: their drums are alike.
   const double factor = seen.dot(expected) / seen.squaredNorm();
   const double rest = (expected - factor * seen).norm() / expected.norm();
   if (!(factor > 0) || rest > kWorstFit)
-    refuse("The strings have not moved as they do when the grip goes along " + name +
-           " without turning. Keep it upright, move it along one axis, and mind its direction; if "
-           "that does not help, this is not the geometry of this device.");
+    fail(Cause::argument, messages::kMovedOtherwise, kAxes[axis]);
   check_factor(factor, "The length of a count");
   for (double &metres : geometry.metres_per_count)
     metres *= factor;
@@ -72,7 +62,7 @@ Geometry with_measured_counts(Geometry geometry, const Counts &centre, const Cou
 
 Geometry with_measured_force(Geometry geometry, double commanded, double measured) {
   if (!(std::isfinite(measured) && measured > 0 && commanded > 0))
-    refuse("The force must be a number of newtons greater than zero.");
+    fail(Cause::argument, messages::kForceNotPositive);
   const double factor = commanded / measured;
   check_factor(factor, "The voltage for a newton");
   for (double &volts : geometry.volts_per_newton)
@@ -106,9 +96,7 @@ void save_geometry(const Geometry &geometry, const std::string &path) {
          << "\nvolts-per-newton=" << shortest(geometry.volts_per_newton[i]) << "\n";
   file.close();
   if (!file)
-    throw Error(Cause::not_found, "The geometry file " + path +
-                                      " cannot be written: " + std::strerror(errno) +
-                                      ". Choose another place with --output.");
+    fail(Cause::not_found, messages::kGeometryUnwritable, path.c_str(), std::strerror(errno));
 }
 
 } // namespace spidar

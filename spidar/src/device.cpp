@@ -2,7 +2,7 @@
 #include "spidar/device.hpp"
 
 #include "drive-scale.hpp"
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "spidar/pose-solver.hpp"
 #include "spidar/tension-solver.hpp"
 #include "string-kinematics.hpp"
@@ -149,9 +149,7 @@ struct Device::Implementation {
     for (double time = 0; time < kLongestSettling && still < kSettleWindow; time += period) {
       if (!controller->exchange(words, counts)) {
         if (++silent >= kMostSilentTicks)
-          throw Error(Cause::io, "The " + controller->description() +
-                                     " does not answer. Switch it off and on, and plug it into "
-                                     "another USB port if that does not help.");
+          fail(Cause::io, messages::kUsbSilent, controller->description().c_str());
       } else if (moved_since(before)) {
         before = counts;
         still = 0;
@@ -181,9 +179,9 @@ struct Device::Implementation {
 
 Device::Device(std::unique_ptr<Controller> controller, Geometry geometry, double period) {
   if (!controller)
-    throw Error(Cause::argument, "A device needs a controller.");
+    fail(Cause::argument, messages::kNoController);
   if (!(period >= 1e-5 && period <= 0.1))
-    throw Error(Cause::argument, "The device's period must be from 0.00001 to 0.1 s.");
+    fail(Cause::argument, messages::kPeriod, "device");
   check_geometry(geometry);
   implementation_ =
       std::make_unique<Implementation>(std::move(controller), std::move(geometry), period);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a Geometry from a GKeyFile and finds the file for a name.
 #include "builtin-geometries.hpp"
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "spidar/geometry.hpp"
 
 #include <cmath>
@@ -36,7 +36,7 @@ public:
     geometry.digits_per_volt = number("digits-per-volt");
     const double limit = number("dac-limit");
     if (limit != std::floor(limit) || std::abs(limit) > 32767)
-      fail("dac-limit must be a whole number from 1 to 32767");
+      fail(Cause::geometry, messages::kGeometryLimit, where_.c_str(), group_.c_str());
     geometry.dac_limit = static_cast<int>(limit);
     geometry.tension_min = number("tension-min");
     geometry.tension_max = number("tension-max");
@@ -54,16 +54,12 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string &reason) const {
-    throw Error(Cause::geometry, where_ + ": [" + group_ + "] " + reason + ".");
-  }
-
   std::string text(const char *key) {
     known_.insert(group_ + "/" + key);
     const std::unique_ptr<char, Unref> value(
         g_key_file_get_value(file_.get(), group_.c_str(), key, nullptr));
     if (!value)
-      fail(std::string(key) + " is missing");
+      fail(Cause::geometry, messages::kGeometryKeyMissing, where_.c_str(), group_.c_str(), key);
     return value.get();
   }
 
@@ -73,7 +69,7 @@ private:
     while (end != text && g_ascii_isspace(*end))
       ++end;
     if (end == text || *end != '\0' || !std::isfinite(value))
-      fail(std::string(key) + " has '" + text + "' where a number is expected");
+      fail(Cause::geometry, messages::kGeometryNumber, where_.c_str(), group_.c_str(), key, text);
     return value;
   }
 
@@ -85,7 +81,8 @@ private:
       value.pop_back();
     const std::unique_ptr<char *, Unref> parts(g_strsplit(value.c_str(), ";", -1));
     if (g_strv_length(parts.get()) != 3)
-      fail(std::string(key) + " must be three numbers separated by ';', not '" + value + "'");
+      fail(Cause::geometry, messages::kGeometryVector, where_.c_str(), group_.c_str(), key,
+           value.c_str());
     return {parse(key, parts.get()[0]), parse(key, parts.get()[1]), parse(key, parts.get()[2])};
   }
 
@@ -98,7 +95,8 @@ private:
           g_key_file_get_keys(file_.get(), *group, nullptr, nullptr));
       for (char **key = keys.get(); key != nullptr && *key != nullptr; ++key)
         if (known_.count(group_ + "/" + *key) == 0)
-          fail(std::string(*key) + " is not a key of a geometry file");
+          fail(Cause::geometry, messages::kGeometryKeyUnknown, where_.c_str(), group_.c_str(),
+               *key);
     }
   }
 
@@ -124,8 +122,8 @@ Geometry load_file(const fs::path &path) {
   if (!g_key_file_load_from_file(file.get(), path.c_str(), G_KEY_FILE_NONE, &raw)) {
     const std::unique_ptr<GError, Unref> error(raw);
     const bool missing = g_error_matches(raw, G_FILE_ERROR, G_FILE_ERROR_NOENT);
-    throw Error(missing ? Cause::not_found : Cause::geometry,
-                "Cannot read the geometry file " + path.string() + ": " + error->message + ".");
+    fail(missing ? Cause::not_found : Cause::geometry, messages::kGeometryUnreadable, path.c_str(),
+         error->message);
   }
   return finish(std::move(file), path.string(), path.stem().string());
 }
@@ -135,7 +133,7 @@ Geometry load_builtin(const std::string &name, std::string_view text) {
   GError *raw = nullptr;
   if (!g_key_file_load_from_data(file.get(), text.data(), text.size(), G_KEY_FILE_NONE, &raw)) {
     const std::unique_ptr<GError, Unref> error(raw);
-    throw Error(Cause::geometry, "Built-in geometry " + name + ": " + error->message + ".");
+    fail(Cause::geometry, messages::kGeometryBroken, name.c_str(), error->message);
   }
   return finish(std::move(file), "Built-in geometry", name);
 }
@@ -181,10 +179,8 @@ Geometry load_geometry(const std::string &name_or_file) {
   std::string names;
   for (const std::string &name : builtin_geometries())
     names += (names.empty() ? "" : ", ") + name;
-  throw Error(Cause::not_found, "No geometry '" + name_or_file + "'. Known are " + names +
-                                    "; or give the path of a file, or put " + file_name +
-                                    " into a directory of SPIDAR_GEOMETRY_PATH or into " +
-                                    SPIDAR_GEOMETRY_DIR + ".");
+  fail(Cause::not_found, messages::kNoGeometry, name_or_file.c_str(), names.c_str(),
+       SPIDAR_GEOMETRY_DIR);
 }
 
 } // namespace spidar

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/geometry.hpp"
 
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "string-kinematics.hpp"
 #include "wrench-closure.hpp"
 
@@ -70,7 +70,8 @@ private:
 
   void require(bool holds, const std::string &key, const std::string &reason) const {
     if (!holds)
-      throw Error(Cause::geometry, "Geometry " + geometry_.name + ": " + key + " " + reason + ".");
+      fail(Cause::geometry, messages::kGeometryValue, geometry_.name.c_str(), key.c_str(),
+           reason.c_str());
   }
   void positive(const char *key, double value) const {
     require(std::isfinite(value) && value > 0, key, "must be a number greater than zero");
@@ -89,10 +90,7 @@ void check_geometry(const Geometry &geometry) {
   check.workspace();
   const std::string missing = unreachable_directions(geometry);
   if (!missing.empty())
-    throw Error(Cause::geometry,
-                "Geometry " + geometry.name +
-                    ": the strings cannot pull in every direction; missing: " + missing +
-                    ". Check the signs and the order of motor and attachment.");
+    fail(Cause::geometry, messages::kGeometryClosure, geometry.name.c_str(), missing.c_str());
 }
 
 StringLengths string_lengths(const Geometry &geometry, const Pose &pose) {

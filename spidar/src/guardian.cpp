@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "guardian.hpp"
 
+#include "fail.hpp"
 #include "guardian-protocol.hpp"
-#include "spidar/error.hpp"
 
 #include <cerrno>
 #include <cstdlib>
@@ -39,9 +39,7 @@ struct SpawnActions {
 };
 
 [[noreturn]] void refuse(const std::string &reason) {
-  throw Error(Cause::io, "The guardian " + guardian_path() + " cannot be started (" + reason +
-                             "), and without it nobody would let go of the motors if this program "
-                             "died. Install it, or say where it is with SPIDAR_GUARDIAN.");
+  fail(Cause::io, messages::kGuardian, guardian_path().c_str(), reason.c_str());
 }
 
 bool readable(int descriptor, int milliseconds) noexcept {

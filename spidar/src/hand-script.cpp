@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "spidar/simulator.hpp"
 
 #include <algorithm>
@@ -13,10 +13,6 @@
 namespace spidar {
 
 namespace {
-
-constexpr const char *kAccepted =
-    "Accepted are hold:X,Y,Z and circle:RADIUS,PERIOD and file:PATH and free, with X, Y, Z and "
-    "RADIUS from -1 to 1 (of the half workspace) and PERIOD in seconds";
 
 std::string_view trimmed(std::string_view text) {
   constexpr const char *kBlank = " \t\r";
@@ -110,35 +106,31 @@ private:
 std::unique_ptr<HandScript> read_file(const std::string &path) {
   std::ifstream file(path);
   if (!file)
-    throw Error(Cause::not_found, "Cannot open the hand script '" + path +
-                                      "'. Give the path of a text file with lines t,x,y,z.");
+    fail(Cause::not_found, messages::kHandScriptMissing, path.c_str());
   std::vector<Recorded::Point> points;
   std::size_t number = 0;
-  const auto fail = [&](const char *reason) {
-    std::string message = "Hand script '" + path + "', line ";
-    message += std::to_string(number);
-    throw Error(Cause::argument, message.append(": ").append(reason));
+  const auto refuse = [&](const char *reason) {
+    fail(Cause::argument, messages::kHandScriptLine, path.c_str(), number, reason);
   };
   std::array<char, 512> line; // what is longer is no hand script
   while (file.getline(line.data(), line.size()) || file.gcount() > 0) {
     ++number;
     if (!file && !file.eof())
-      fail("too long.");
+      refuse("too long");
     const std::string_view text = trimmed(line.data());
     if (text.empty() || text.front() == '#')
       continue;
     const std::vector<double> values = numbers(text);
     if (values.size() != 4)
-      fail("expected four numbers t,x,y,z.");
+      refuse("expected four numbers t,x,y,z");
     if (!points.empty() && values[0] <= points.back().time)
-      fail("the time must be later than in the line before.");
+      refuse("the time must be later than in the line before");
     if (!std::all_of(values.begin() + 1, values.end(), within_workspace))
-      fail("x, y and z must be from -1 to 1 (of the half workspace).");
+      refuse("x, y and z must be from -1 to 1");
     points.push_back({values[0], {values[1], values[2], values[3]}});
   }
   if (file.bad() || points.empty())
-    throw Error(Cause::argument,
-                "Hand script '" + path + "' has no readable line; it needs lines t,x,y,z.");
+    fail(Cause::argument, messages::kHandScriptEmpty, path.c_str());
   return std::make_unique<Recorded>(std::move(points));
 }
 
@@ -146,7 +138,7 @@ std::unique_ptr<HandScript> read_file(const std::string &path) {
 
 std::unique_ptr<HandScript> parse_hand_script(const std::string &text) {
   const auto refuse = [&](const std::string &reason) {
-    throw Error(Cause::argument, "Hand script '" + text + "': " + reason + ". " + kAccepted + ".");
+    fail(Cause::argument, messages::kHandScript, text.c_str(), reason.c_str());
   };
   if (text == "free")
     return std::make_unique<Free>();

@@ -2,7 +2,7 @@
 #include "spidar/simulator.hpp"
 
 #include "drive-scale.hpp"
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "string-kinematics.hpp"
 
 #include <cmath>
@@ -115,9 +115,9 @@ Simulator::Simulator(const Geometry &geometry, std::unique_ptr<HandScript> hand,
     : state_(std::make_unique<State>()) {
   check_geometry(geometry);
   if (!hand)
-    throw Error(Cause::argument, "The simulator needs a hand script.");
+    fail(Cause::argument, messages::kNoHand);
   if (!(period >= 1e-5 && period <= 0.1))
-    throw Error(Cause::argument, "The simulator's period must be from 0.00001 to 0.1 s.");
+    fail(Cause::argument, messages::kPeriod, "simulator");
   state_->geometry = geometry;
   state_->hand = std::move(hand);
   state_->period = period;

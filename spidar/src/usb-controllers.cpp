@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "usb-controllers.hpp"
 
+#include "fail.hpp"
 #include "guardian.hpp"
-#include "spidar/error.hpp"
 #include "usb-protocol.hpp"
 
 #include <algorithm>
@@ -24,15 +24,14 @@ constexpr int kOpenAttempts = 3;
 
 // A bus behind a network or in an emulated machine answers later than a bus on the board.
 std::chrono::milliseconds exchange_timeout() {
-  const char *told = std::getenv("SPIDAR_USB_TIMEOUT");
-  if (!told)
+  const char *value = std::getenv("SPIDAR_USB_TIMEOUT");
+  if (!value)
     return std::chrono::milliseconds(kExchangeTimeout);
   int time = 0;
-  const char *end = told + std::strlen(told);
-  if (const auto [rest, error] = std::from_chars(told, end, time);
+  const char *end = value + std::strlen(value);
+  if (const auto [rest, error] = std::from_chars(value, end, time);
       error != std::errc() || rest != end || time < 1 || time > 1000)
-    throw Error(Cause::argument, "SPIDAR_USB_TIMEOUT is '" + std::string(told) +
-                                     "'. Give the time that an exchange may take, 1 to 1000 ms.");
+    fail(Cause::argument, messages::kUsbTimeout, value);
   return std::chrono::milliseconds(time);
 }
 
@@ -102,8 +101,7 @@ public:
         return;
       }
     }
-    throw Error(Cause::io, "The " + description() +
-                               " does not answer. Switch it off and on, and plug it in again.");
+    fail(Cause::io, messages::kUsbSilent, description().c_str());
   }
 
   int rotary_switch() const noexcept override { return rotary_switch_; }

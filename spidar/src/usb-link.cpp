@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "usb-link.hpp"
 
-#include "spidar/error.hpp"
+#include "fail.hpp"
 #include "usb-holder.hpp"
 #include "usb-protocol.hpp"
 
@@ -22,23 +22,16 @@ constexpr auto kCancelTime = std::chrono::milliseconds(2);     // the kernel doe
 constexpr auto kCloseTime = std::chrono::milliseconds(50);
 
 [[noreturn]] void refuse(const UsbPlace &place, int error) {
-  const std::string device = "The SPIDAR-G on USB " + place.text();
+  const std::string where = place.text();
   switch (error) {
   case LIBUSB_ERROR_ACCESS:
-    throw Error(Cause::permission,
-                device + " may not be opened by this user. Put the line\n"
-                         "  SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0cec\", "
-                         "ATTR{idProduct}==\"0201|0203|0205\", TAG+=\"uaccess\"\n"
-                         "into /etc/udev/rules.d/70-spidar.rules, then run 'sudo udevadm control "
-                         "--reload' and plug the device in again.");
+    fail(Cause::permission, messages::kUsbForbidden, where.c_str());
   case LIBUSB_ERROR_BUSY:
-    throw Error(Cause::busy, device + " is in use by " + holder_of(place.node()) +
-                                 ". Close that program first.");
+    fail(Cause::busy, messages::kUsbBusy, where.c_str(), holder_of(place.node()).c_str());
   case LIBUSB_ERROR_NO_DEVICE:
-    throw Error(Cause::not_found, device + " has been unplugged. Plug it in and try again.");
+    fail(Cause::not_found, messages::kUsbUnplugged, where.c_str());
   default:
-    throw Error(Cause::io, device + " cannot be opened (" + libusb_strerror(error) +
-                               "). Unplug it, switch it off and on, and plug it in again.");
+    fail(Cause::io, messages::kUsbNotOpened, where.c_str(), libusb_strerror(error));
   }
 }
 
@@ -61,8 +54,7 @@ int libusb_error_of(int error_number) {
 UsbContext make_usb_context() {
   libusb_context *context = nullptr;
   if (const int error = libusb_init(&context); error != 0)
-    throw Error(Cause::io, std::string("USB cannot be used (") + libusb_strerror(error) +
-                               "). Is /dev/bus/usb there and readable?");
+    fail(Cause::io, messages::kUsbUnusable, libusb_strerror(error));
   return UsbContext(context);
 }
 
@@ -146,15 +138,13 @@ int UsbLink::find_endpoints() {
       }
     }
   }
-  throw Error(Cause::io, "The device on USB " + place_.text() +
-                             " calls itself a SPIDAR-G but has no bulk endpoints 0x02 and 0x86. "
-                             "Switch it off and on, and plug it in again.");
+  fail(Cause::io, messages::kUsbEndpoints, place_.text().c_str());
 }
 
 void UsbLink::prepare(Slot &slot, unsigned char endpoint) {
   slot.transfer.reset(libusb_alloc_transfer(0));
   if (!slot.transfer)
-    throw Error(Cause::io, "There is no memory left for USB transfers. Close other programs.");
+    fail(Cause::io, messages::kUsbMemory);
   const auto landed = [](libusb_transfer *transfer) {
     static_cast<Slot *>(transfer->user_data)->flying = false;
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Finds the controllers on USB and opens the wanted one.
+#include "fail.hpp"
 #include "spidar/usb.hpp"
 #include "usb-controllers.hpp"
 #include "usb-protocol.hpp"
@@ -33,18 +34,16 @@ struct Findings {
 std::vector<Kind> known_kinds() {
   std::vector<Kind> kinds = {{kVendor, kSimpleProduct, UsbModel::simple},
                              {kVendor, kSh4Product, UsbModel::sh4}};
-  if (const char *told = std::getenv("SPIDAR_USB_ID")) {
+  if (const char *value = std::getenv("SPIDAR_USB_ID")) {
     Kind kind{};
     std::array<char, 8> model{};
     int end = 0;
-    const bool parsed = std::sscanf(told, "%4hx:%4hx=%7s%n", &kind.vendor, &kind.product,
+    const bool parsed = std::sscanf(value, "%4hx:%4hx=%7s%n", &kind.vendor, &kind.product,
                                     model.data(), &end) == 3 &&
-                        static_cast<std::size_t>(end) == std::strlen(told);
+                        static_cast<std::size_t>(end) == std::strlen(value);
     const bool simple = std::strcmp(model.data(), "simple") == 0;
     if (!parsed || (!simple && std::strcmp(model.data(), "sh4") != 0))
-      throw Error(Cause::argument, "SPIDAR_USB_ID is '" + std::string(told) +
-                                       "'. It must be vendor, product and model such as "
-                                       "04b4:8613=simple or 04b4:8613=sh4.");
+      fail(Cause::argument, messages::kUsbId, value);
     kind.model = simple ? UsbModel::simple : UsbModel::sh4;
     kinds.push_back(kind);
   }
@@ -94,9 +93,7 @@ std::optional<int> parse_switch(const std::string &id) {
   const char *last = id.data() + id.size();
   if (const auto [end, error] = std::from_chars(id.data(), last, number);
       error != std::errc() || end != last || number < 0 || number > 15)
-    throw Error(Cause::argument, "'" + id +
-                                     "' is no position of a rotary switch. Give a number from 0 to "
-                                     "15 (A on the switch is 10, F is 15).");
+    fail(Cause::argument, messages::kUsbSwitch, id.c_str());
   return number;
 }
 
@@ -127,10 +124,8 @@ std::unique_ptr<UsbController> only_one_at(int wanted, const Findings &findings,
       if (controller->rotary_switch() != wanted) {
         others.seen += " Found: " + controller->description() + ".";
       } else if (result) {
-        throw Error(Cause::argument, "Two SPIDAR-Gs have their rotary switch at " +
-                                         std::to_string(wanted) + ": the " + result->description() +
-                                         ", and the " + controller->description() +
-                                         ". Turn the switch of one of them, and plug it in again.");
+        fail(Cause::argument, messages::kUsbSameSwitch, wanted, result->description().c_str(),
+             controller->description().c_str());
       } else {
         result = std::move(controller);
       }
@@ -168,9 +163,7 @@ std::unique_ptr<Controller> open_usb(const std::string &id) {
   auto controller = wanted ? only_one_at(*wanted, findings, others) : first_of(findings, others);
   if (controller) {
     if (!controller->reset())
-      throw Error(Cause::io, "The " + controller->description() +
-                                 " does not take commands. Switch it off and on, and plug it in "
-                                 "again.");
+      fail(Cause::io, messages::kUsbRefuses, controller->description().c_str());
     return controller;
   }
   if (others.refused)
@@ -178,10 +171,7 @@ std::unique_ptr<Controller> open_usb(const std::string &id) {
   if (findings.old_controller)
     others.seen += " There is a USB 1 controller (0cec:0201), which cannot be driven.";
   const std::string which = wanted ? " with its rotary switch at " + std::to_string(*wanted) : "";
-  throw Error(Cause::not_found, "No SPIDAR-G" + which +
-                                    " found on USB. Plug it in and switch it on; 'lsusb' should "
-                                    "list 0cec:0203 or 0cec:0205." +
-                                    others.seen);
+  fail(Cause::not_found, messages::kNotOnUsb, which.c_str(), others.seen.c_str());
 }
 
 bool usb_present() noexcept {

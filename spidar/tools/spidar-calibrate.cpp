@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Asks a person to hold, to watch and to measure, and writes what comes out as a geometry file.
+#include "fail.hpp"
 #include "tool.hpp"
 
 #include <array>
@@ -16,6 +17,7 @@
 using namespace spidar_tools;
 using namespace std::chrono_literals;
 using spidar::Vector3;
+namespace messages = spidar::messages;
 
 namespace {
 
@@ -46,8 +48,7 @@ public:
   spidar::Counts counts() {
     const std::lock_guard lock(mutex_);
     if (silent_ > 100)
-      throw spidar::Error(spidar::Cause::io,
-                          "The device does not answer any more. Check its cable and power.");
+      spidar::fail(spidar::Cause::io, messages::kToolSilent);
     return device_->state().counts;
   }
 
@@ -79,7 +80,7 @@ std::string ask(const std::string &question) {
   std::cout << question << std::endl;
   std::string answer;
   if (!std::getline(std::cin, answer))
-    throw spidar::Error(spidar::Cause::argument, "No answer: nothing has been written.");
+    spidar::fail(spidar::Cause::argument, messages::kToolNoAnswer);
   answer.erase(0, answer.find_first_not_of(" \t"));
   answer.erase(answer.find_last_not_of(" \t\r") + 1);
   return answer;
@@ -92,7 +93,7 @@ double ask_number(const std::string &question) {
     const double number = std::strtod(answer.c_str(), &end);
     if (end != answer.c_str() && *end == '\0' && std::isfinite(number))
       return number;
-    std::cout << "'" << answer << "' is no number. With a point, such as 20.5." << std::endl;
+    std::cout << spidar::formatted(messages::kToolNumber, answer.c_str()) << std::endl;
   }
 }
 
@@ -106,7 +107,7 @@ std::optional<std::size_t> ask_direction() {
         return i;
     if (answer == "none")
       return std::nullopt;
-    std::cout << "'" << answer << "' is none of them." << std::endl;
+    std::cout << spidar::formatted(messages::kToolDirection, answer.c_str()) << std::endl;
   }
 }
 
@@ -119,15 +120,10 @@ bool check_axis(Session &session, int axis) {
   const std::optional<std::size_t> seen = ask_direction();
   session.pull(Vector3::Zero());
   if (!seen)
-    throw spidar::Error(spidar::Cause::argument,
-                        "The motors do not pull. Is their power on, and no emergency stop "
-                        "pressed? Nothing has been written.");
+    spidar::fail(spidar::Cause::argument, messages::kToolNoPull);
   if (*seen / 2 != forwards / 2)
-    throw spidar::Error(spidar::Cause::argument,
-                        std::string("It should pull ") + kDirections[forwards] + " or " +
-                            kDirections[forwards + 1] +
-                            ". The device stands turned, or --geometry names another "
-                            "one: 'spidar-info --help'. Nothing has been written.");
+    spidar::fail(spidar::Cause::argument, messages::kToolOtherPull, kDirections[forwards],
+                 kDirections[forwards + 1]);
   return *seen == forwards;
 }
 
@@ -177,12 +173,9 @@ int main(int argc, char **argv) {
     return kUsage;
   return run([&] {
     if (!output)
-      throw spidar::Error(spidar::Cause::argument,
-                          "Say where the geometry goes, such as --output my-spidar.ini.");
+      spidar::fail(spidar::Cause::argument, messages::kToolNoOutput);
     if (!overwrite && std::filesystem::exists(output))
-      throw spidar::Error(spidar::Cause::argument, std::string(output) +
-                                                       " exists already. Choose another name, or "
-                                                       "overwrite it with --force.");
+      spidar::fail(spidar::Cause::argument, messages::kToolExists, output);
     const Choice choice = options.choice();
     const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
     Session session(open_device(choice));

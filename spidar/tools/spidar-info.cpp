@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Lists the controllers found, or shows what one of them measures.
+#include "fail.hpp"
 #include "tool.hpp"
 
 #include <atomic>
@@ -11,6 +12,7 @@
 
 using namespace spidar_tools;
 using namespace std::chrono_literals;
+namespace messages = spidar::messages;
 
 namespace {
 
@@ -22,8 +24,8 @@ std::atomic<bool> interrupted = false;
 ExitStatus list() {
   const std::vector<spidar::UsbUnit> units = spidar::list_usb();
   if (units.empty()) {
-    std::printf("No SPIDAR-G found on USB. Plug it in and switch it on; 'lsusb' should list "
-                "0cec:0203 or 0cec:0205.\nTo try without one: --device sim --watch\n");
+    std::printf(messages::kNotOnUsb, "", "");
+    std::printf("\nTo try without one: --device sim --watch\n");
     return kNotFound;
   }
   ExitStatus worst = kFine;
@@ -38,8 +40,7 @@ ExitStatus list() {
     }
     for (const spidar::UsbUnit &other : units)
       if (&other != &unit && unit.switch_at && other.switch_at == unit.switch_at) {
-        std::printf("  Another one has its switch there too. Turn the switch of one of them, and "
-                    "plug it in again.\n");
+        std::printf("  %s\n", messages::kToolSameSwitch);
         worst = worst == kFine ? kUsage : worst;
       }
   }
@@ -84,8 +85,7 @@ ExitStatus watch(const Choice &choice, double seconds) {
     std::this_thread::sleep_until(begin + tick * kTick);
     silent = device->exchange() ? 0 : silent + 1;
     if (!device->connected() || silent >= 100)
-      throw spidar::Error(spidar::Cause::io,
-                          "The device does not answer any more. Check its cable and power.");
+      spidar::fail(spidar::Cause::io, messages::kToolSilent);
     device->command({});
     if (tick % kTicksPerLine == 0)
       show(static_cast<double>(tick) * 1e-3, *device);

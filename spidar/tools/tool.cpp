@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tool.hpp"
 
+#include "fail.hpp"
+
 #include <clocale>
 #include <spidar/simulator.hpp>
 #include <spidar/usb.hpp>
 
 namespace spidar_tools {
+
+namespace messages = spidar::messages;
+
+namespace {
+
+void print_error(const char *format, const char *argument) {
+  std::fprintf(stderr, "%s\n", spidar::formatted(format, argument).c_str());
+}
+
+} // namespace
 
 ExitStatus status_of(const spidar::Error &error) {
   switch (error.cause()) {
@@ -36,9 +48,7 @@ std::unique_ptr<spidar::Device> open_device(const Choice &choice) {
   else if (choice.device.starts_with("usb:") && choice.device.size() > 4)
     controller = spidar::open_usb(choice.device.substr(4));
   else
-    throw spidar::Error(spidar::Cause::argument, "The device '" + choice.device +
-                                                     "' is not known. Use usb, usb:ID (its rotary "
-                                                     "switch) or sim.");
+    spidar::fail(spidar::Cause::argument, messages::kToolDevice, choice.device.c_str());
   return std::make_unique<spidar::Device>(std::move(controller), geometry);
 }
 
@@ -65,9 +75,9 @@ bool Options::parse(int &argc, char **&argv) {
   GError *error = nullptr;
   const bool parsed = g_option_context_parse(context_.get(), &argc, &argv, &error);
   if (!parsed)
-    std::fprintf(stderr, "%s; --help names the options.\n", error->message);
+    print_error(messages::kToolOption, error->message);
   else if (argc > 1)
-    std::fprintf(stderr, "'%s' is not understood; --help names the options.\n", argv[1]);
+    print_error(messages::kToolArgument, argv[1]);
   g_clear_error(&error);
   return parsed && argc == 1;
 }

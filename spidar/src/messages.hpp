@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Every message that this room shows a user, with its cure: library, tools, emulator.
+// docs/troubleshooting.md is made from it.
+#pragma once
+
+// MESSAGE(name, text, cure): printf formats; the cure takes no arguments.
+#define SPIDAR_MESSAGES(MESSAGE)                                                                   \
+  /* Geometry files: file, section, key */                                                         \
+  MESSAGE(kNoGeometry, "No geometry '%s'. Known are %s, and the files in %s.",                     \
+          "Give one of these names, the path of a file, or put a file NAME.ini into a directory "  \
+          "of SPIDAR_GEOMETRY_PATH.")                                                              \
+  MESSAGE(kGeometryUnreadable, "Cannot read the geometry file %s: %s.",                            \
+          "Give the path of a geometry file; docs/formats/geometry.md explains the format.")       \
+  MESSAGE(kGeometryUnwritable, "The geometry file %s cannot be written: %s.",                      \
+          "Choose another place with --output.")                                                   \
+  MESSAGE(kGeometryBroken, "Built-in geometry %s: %s.",                                            \
+          "This is a mistake in libspidar: report it.")                                            \
+  MESSAGE(kGeometryKeyMissing, "%s: [%s] %s is missing.",                                          \
+          "Add it; docs/formats/geometry.md explains every key.")                                  \
+  MESSAGE(kGeometryKeyUnknown, "%s: [%s] %s is not a key of a geometry file.",                     \
+          "Remove it, or correct its spelling.")                                                   \
+  MESSAGE(kGeometryNumber, "%s: [%s] %s has '%s' where a number is expected.",                     \
+          "Write one number, with a decimal point.")                                               \
+  MESSAGE(kGeometryVector, "%s: [%s] %s must be three numbers separated by ';', not '%s'.",        \
+          "Write them in metres, such as 0.1;0;-0.1.")                                             \
+  MESSAGE(kGeometryLimit, "%s: [%s] dac-limit must be a whole number from 1 to 32767.",            \
+          "Correct it; 4095 fits a D/A of 12 bits.")                                               \
+  MESSAGE(kGeometryValue, "Geometry %s: %s %s.",                                                   \
+          "Correct the value; docs/formats/geometry.md explains every key.")                       \
+  MESSAGE(kGeometryClosure,                                                                        \
+          "Geometry %s: the strings cannot pull in every direction; missing: %s.",                 \
+          "Check the signs and the order of motor and attachment.")                                \
+  /* Measuring a device */                                                                         \
+  MESSAGE(kMoveTooSmall, "The grip has moved too little along %s.",                                \
+          "Move it by at least 5 mm, and say by how many metres: a tenth of the frame is good.")   \
+  MESSAGE(kCountersStill, "The counters have not moved.",                                          \
+          "Take the grip in your hand, and switch the device on.")                                 \
+  MESSAGE(kMovedOtherwise,                                                                         \
+          "The strings have not moved as they do when the grip goes along %s without turning.",    \
+          "Keep it upright, move it along one axis, and mind its direction; if that does not "     \
+          "help, this is not the geometry of this device.")                                        \
+  MESSAGE(kScaleTooFar, "%s would be %s times that of the geometry to begin with.",                \
+          "Check the unit of your answer, and that the geometry is that of this device.")          \
+  MESSAGE(kForceNotPositive, "The force must be a number of newtons greater than zero.",           \
+          "Give the number that the balance shows.")                                               \
+  /* Programs that use the library */                                                              \
+  MESSAGE(kNoController, "A device needs a controller.",                                           \
+          "Give the one that open_usb() returns, or a Simulator.")                                 \
+  MESSAGE(kPeriod, "The %s's period must be from 0.00001 to 0.1 s.", "Give 0.001 for 1 kHz.")      \
+  MESSAGE(kNoHand, "The simulator needs a hand script.",                                           \
+          "Give the one that parse_hand_script() returns.")                                        \
+  /* Hand scripts */                                                                               \
+  MESSAGE(kHandScript, "Hand script '%s': %s.",                                                    \
+          "Accepted are hold:X,Y,Z and circle:RADIUS,PERIOD and file:PATH and free, with X, Y, Z " \
+          "and RADIUS from -1 to 1 (of the half workspace) and PERIOD in seconds.")                \
+  MESSAGE(kHandScriptMissing, "Cannot open the hand script '%s'.",                                 \
+          "Give the path of a text file with lines t,x,y,z.")                                      \
+  MESSAGE(kHandScriptLine, "Hand script '%s', line %zu: %s.",                                      \
+          "A line is t,x,y,z: t in s, x, y and z from -1 to 1 (of the half workspace).")           \
+  MESSAGE(kHandScriptEmpty, "Hand script '%s' has no readable line.", "It needs lines t,x,y,z.")   \
+  /* USB */                                                                                        \
+  MESSAGE(kNotOnUsb, "No SPIDAR-G%s found on USB.%s",                                              \
+          "Plug it in and switch it on; 'lsusb' should list 0cec:0203 or 0cec:0205.")              \
+  MESSAGE(kUsbUnusable, "USB cannot be used (%s).",                                                \
+          "Make sure that /dev/bus/usb is there and readable.")                                    \
+  MESSAGE(kUsbForbidden, "The SPIDAR-G on USB %s may not be opened by this user.",                 \
+          "Put the line\n"                                                                         \
+          "  SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0cec\", "                                       \
+          "ATTR{idProduct}==\"0201|0203|0205\", TAG+=\"uaccess\"\n"                                \
+          "into /etc/udev/rules.d/70-spidar.rules, then run 'sudo udevadm control --reload' and "  \
+          "plug the device in again.")                                                             \
+  MESSAGE(kUsbBusy, "The SPIDAR-G on USB %s is in use by %s.", "Close that program first.")        \
+  MESSAGE(kUsbUnplugged, "The SPIDAR-G on USB %s has been unplugged.",                             \
+          "Plug it in and try again.")                                                             \
+  MESSAGE(kUsbNotOpened, "The SPIDAR-G on USB %s cannot be opened (%s).",                          \
+          "Unplug it, switch it off and on, and plug it in again.")                                \
+  MESSAGE(kUsbEndpoints,                                                                           \
+          "The device on USB %s calls itself a SPIDAR-G but has no bulk endpoints 0x02 and 0x86.", \
+          "Switch it off and on, and plug it in again.")                                           \
+  MESSAGE(kUsbMemory, "There is no memory left for USB transfers.", "Close other programs.")       \
+  MESSAGE(kUsbSilent, "The %s does not answer.",                                                   \
+          "Switch it off and on, and plug it in again, into another USB port if that does not "    \
+          "help.")                                                                                 \
+  MESSAGE(kUsbRefuses, "The %s does not take commands.",                                           \
+          "Switch it off and on, and plug it in again.")                                           \
+  MESSAGE(kUsbSwitch, "'%s' is no position of a rotary switch.",                                   \
+          "Give a number from 0 to 15 (A on the switch is 10, F is 15).")                          \
+  MESSAGE(kUsbSameSwitch, "Two SPIDAR-Gs have their rotary switch at %d: the %s, and the %s.",     \
+          "Turn the switch of one of them, and plug it in again.")                                 \
+  MESSAGE(kUsbId, "SPIDAR_USB_ID is '%s'.",                                                        \
+          "It must be vendor, product and model such as 04b4:8613=simple or 04b4:8613=sh4.")       \
+  MESSAGE(kUsbTimeout, "SPIDAR_USB_TIMEOUT is '%s'.",                                              \
+          "Give the time that an exchange may take, 1 to 1000 ms.")                                \
+  MESSAGE(kGuardian,                                                                               \
+          "The guardian %s cannot be started (%s), and without it nobody would let go of the "     \
+          "motors if this program died.",                                                          \
+          "Install it, or say where it is with SPIDAR_GUARDIAN.")                                  \
+  /* spidar-info, spidar-calibrate */                                                              \
+  MESSAGE(kToolOption, "%s.", "--help names the options.")                                         \
+  MESSAGE(kToolArgument, "'%s' is not understood.", "--help names the options.")                   \
+  MESSAGE(kToolDevice, "The device '%s' is not known.",                                            \
+          "Use usb, usb:ID (its rotary switch) or sim.")                                           \
+  MESSAGE(kToolSilent, "The device does not answer any more.", "Check its cable and power.")       \
+  MESSAGE(kToolSameSwitch, "Another one has its switch there too.",                                \
+          "Turn the switch of one of them, and plug it in again.")                                 \
+  MESSAGE(kToolNoAnswer, "No answer: nothing has been written.",                                   \
+          "Start again, and answer every question.")                                               \
+  MESSAGE(kToolNumber, "'%s' is no number.", "Write it with a point, such as 20.5.")               \
+  MESSAGE(kToolDirection, "'%s' is none of them.", "Write one of the words in brackets.")          \
+  MESSAGE(kToolNoPull, "The motors do not pull. Nothing has been written.",                        \
+          "Switch their power on, and release the emergency stop.")                                \
+  MESSAGE(kToolOtherPull, "It should pull %s or %s. Nothing has been written.",                    \
+          "The device stands turned, or --geometry names another one: see 'spidar-info --help'.")  \
+  MESSAGE(kToolNoOutput, "Nothing says where the geometry goes.",                                  \
+          "Give a file, such as --output my-spidar.ini.")                                          \
+  MESSAGE(kToolExists, "%s exists already.", "Choose another name, or overwrite it with --force.") \
+  /* spidar-emulator */                                                                            \
+  MESSAGE(kEmulatorOption, "%s.", "See --help.")                                                   \
+  MESSAGE(kEmulatorArgument, "'%s' is no option.", "See --help.")                                  \
+  MESSAGE(kEmulatorPort, "--port must be from 0 to 65535.", "Give such a number.")                 \
+  MESSAGE(kEmulatorUnits, "At most 8 units, please.", "Give fewer --controller.")                  \
+  MESSAGE(kEmulatorModel, "--controller %s: known are simple and sh4.", "Give one of these.")      \
+  MESSAGE(kEmulatorSwitch, "--controller %s: the rotary switch is 0 to 15.",                       \
+          "Give such a number after the colon.")                                                   \
+  MESSAGE(kEmulatorLog, "The log '%s' cannot be written (%s).", "Give another --log.")             \
+  MESSAGE(kEmulatorAddress, "'%s' is no address to listen on.",                                    \
+          "Give a number like 127.0.0.1 or 0.0.0.0 or ::1.")                                       \
+  MESSAGE(kEmulatorListen, "Cannot listen on %s port %d (%s).",                                    \
+          "Give another --port or --listen.")                                                      \
+  MESSAGE(kEmulatorControl, "Cannot make the control socket '%s' (%s).",                           \
+          "Remove it if nobody uses it, or give another --control.")                               \
+  MESSAGE(kEmulatorCommand, "'%s': %s. Known are:\n%s", "Write one of these lines.")
+
+namespace spidar::messages {
+#define DEFINE_MESSAGE(name, text, cure) inline constexpr char name[] = text " " cure;
+SPIDAR_MESSAGES(DEFINE_MESSAGE)
+#undef DEFINE_MESSAGE
+} // namespace spidar::messages
