@@ -74,6 +74,90 @@ bool finite(const Wrench &wrench, const Pose &pose) noexcept {
          pose.rotation.allFinite();
 }
 
+/// Minimise |W^1/2 (A t - w)|² + eps |t - t_min|²: half of it is 1/2 t'Ht - g't and a constant,
+/// with H = A'WA + eps I and g = A'Ww + eps t_min. A: wrench of each string per newton, torques in
+/// units of the grip radius; W: 1 for forces, kTorqueWeight for torques; eps: kTensionWeight.
+struct Problem {
+  Matrix8 hessian;
+  Tensions gradient;
+  double lower; ///< N
+  double upper; ///< N
+
+  Problem(const Geometry &geometry, const WrenchMatrix &pull, const Wrench &wrench) noexcept
+      : lower(geometry.tension_min), upper(geometry.tension_max) {
+    Vector6 wanted;
+    wanted << wrench.force, wrench.torque / geometry.grip_radius;
+    const double largest = wanted.cwiseAbs().maxCoeff();
+    if (largest > kLargestComponent)
+      wanted *= kLargestComponent / largest;
+    WrenchMatrix weighted = pull;
+    weighted.bottomRows<3>() *= std::sqrt(kTorqueWeight) / geometry.grip_radius;
+    wanted.tail<3>() *= std::sqrt(kTorqueWeight);
+    hessian = weighted.transpose() * weighted;
+    hessian.diagonal().array() += kTensionWeight;
+    gradient = weighted.transpose() * wanted;
+    gradient.array() += kTensionWeight * lower;
+  }
+};
+
+using ActiveSet = std::array<signed char, kStrings>; ///< -1 at the lower limit, +1 at the upper
+
+/// Moves the free tensions to their optimum, or to the first limit on the way, which becomes
+/// active. True if no limit was met.
+bool move_to_optimum(const Problem &problem, const FreeBlock &block, Tensions &tensions,
+                     ActiveSet &active) noexcept {
+  double share = 1; // of the way
+  std::size_t blocking = kStrings;
+  for (std::size_t k = 0; k < block.size; ++k) {
+    const std::size_t i = block.index[k];
+    const double target = block.optimum[k];
+    if (target >= problem.lower && target <= problem.upper)
+      continue;
+    const double limit = target < problem.lower ? problem.lower : problem.upper;
+    const double reach = (limit - tensions[i]) / (target - tensions[i]);
+    if (reach < share) {
+      share = reach;
+      blocking = i;
+    }
+  }
+  const bool free = blocking == kStrings;
+  for (std::size_t k = 0; k < block.size; ++k) {
+    const std::size_t i = block.index[k];
+    const double target = block.optimum[k];
+    if (i == blocking)
+      active[i] = target < problem.lower ? -1 : 1;
+    const double there = free ? target : tensions[i] + share * (target - tensions[i]);
+    tensions[i] = std::clamp(there, problem.lower, problem.upper); // rounding crosses no limit
+  }
+  if (!free)
+    tensions[blocking] = active[blocking] < 0 ? problem.lower : problem.upper;
+  return free;
+}
+
+/// Frees the tension whose limit costs most; after many iterations the first one that costs, which
+/// ends cycling (Bland's rule). True if there is none: the optimum is reached.
+bool release_limit(const Problem &problem, const Tensions &tensions, ActiveSet &active,
+                   int iterations) noexcept {
+  double worst = kMultiplierSlack;
+  std::size_t release = kStrings;
+  for (std::size_t i = 0; i < kStrings; ++i) {
+    if (active[i] == 0)
+      continue;
+    const double multiplier =
+        active[i] * (problem.hessian.col(i).dot(tensions) - problem.gradient[i]);
+    if (multiplier <= worst)
+      continue;
+    release = i;
+    if (iterations > kSmallestIndexAfter)
+      break;
+    worst = multiplier;
+  }
+  if (release == kStrings)
+    return true;
+  active[release] = 0;
+  return false;
+}
+
 } // namespace
 
 TensionSolver::TensionSolver(const Geometry &geometry)
@@ -82,83 +166,23 @@ TensionSolver::TensionSolver(const Geometry &geometry)
 }
 
 TensionSolver::Result TensionSolver::solve(const Wrench &wrench, const Pose &pose) noexcept {
-  const double lower = geometry_.tension_min;
-  const double upper = geometry_.tension_max;
   if (!finite(wrench, pose)) {
-    tensions_.setConstant(lower);
+    tensions_.setConstant(geometry_.tension_min);
     active_.fill(-1);
     const Pose known = finite({}, pose) ? pose : Pose{};
     return {tensions_, realised_wrench(string_kinematics(geometry_, known).pull, tensions_), false,
             0};
   }
-
   const WrenchMatrix pull = string_kinematics(geometry_, pose).pull;
-  Vector6 wanted;
-  wanted << wrench.force, wrench.torque / geometry_.grip_radius;
-  const double largest = wanted.cwiseAbs().maxCoeff();
-  if (largest > kLargestComponent)
-    wanted *= kLargestComponent / largest;
-  WrenchMatrix weighted = pull;
-  weighted.bottomRows<3>() *= std::sqrt(kTorqueWeight) / geometry_.grip_radius;
-  wanted.tail<3>() *= std::sqrt(kTorqueWeight);
-  Matrix8 hessian = weighted.transpose() * weighted;
-  hessian.diagonal().array() += kTensionWeight;
-  Tensions gradient = weighted.transpose() * wanted;
-  gradient.array() += kTensionWeight * lower;
-
+  const Problem problem(geometry_, pull, wrench);
   FreeBlock block;
   int iterations = 0;
-  while (iterations < kMostPivots) {
+  for (bool done = false; !done && iterations < kMostPivots;) {
     ++iterations;
-    block.solve(hessian, gradient, tensions_, active_);
-
-    double share = 1; // of the way to the optimum of the free block, up to the first limit
-    std::size_t blocking = kStrings;
-    signed char side = 0;
-    for (std::size_t k = 0; k < block.size; ++k) {
-      const std::size_t i = block.index[k];
-      const double target = block.optimum[k];
-      if (target >= lower && target <= upper)
-        continue;
-      const double limit = target < lower ? lower : upper;
-      const double reach = (limit - tensions_[i]) / (target - tensions_[i]);
-      if (reach < share) {
-        share = reach;
-        blocking = i;
-        side = target < lower ? -1 : 1;
-      }
-    }
-    for (std::size_t k = 0; k < block.size; ++k) {
-      const std::size_t i = block.index[k];
-      const double target = blocking == kStrings
-                                ? block.optimum[k]
-                                : tensions_[i] + share * (block.optimum[k] - tensions_[i]);
-      tensions_[i] = std::clamp(target, lower, upper); // rounding must not cross a limit
-    }
-    if (blocking != kStrings) {
-      tensions_[blocking] = side < 0 ? lower : upper;
-      active_[blocking] = side;
-      continue;
-    }
-
-    double worst = kMultiplierSlack;
-    std::size_t release = kStrings;
-    for (std::size_t i = 0; i < kStrings; ++i) {
-      if (active_[i] == 0)
-        continue;
-      const double wish = active_[i] * (hessian.col(i).dot(tensions_) - gradient[i]);
-      if (wish <= worst)
-        continue;
-      release = i;
-      if (iterations > kSmallestIndexAfter)
-        break;
-      worst = wish;
-    }
-    if (release == kStrings)
-      break;
-    active_[release] = 0;
+    block.solve(problem.hessian, problem.gradient, tensions_, active_);
+    done = move_to_optimum(problem, block, tensions_, active_) &&
+           release_limit(problem, tensions_, active_, iterations);
   }
-
   const Wrench realised = realised_wrench(pull, tensions_);
   return {tensions_, realised, (realised.force - wrench.force).norm() <= kFeasible, iterations};
 }
