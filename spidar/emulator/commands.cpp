@@ -57,8 +57,8 @@ public:
     return value;
   }
 
-  /// The number behind a last word @UNIT, which is taken away; 0 without one.
-  int take_unit(int units) {
+  /// Removes a last word @UNIT and returns its number, or 0 if there is none.
+  int remove_unit(int units) {
     if (words_.empty() || words_.back().front() != '@')
       return 0;
     const std::string word = words_.back().substr(1);
@@ -128,7 +128,7 @@ void obey(const std::string &line, const std::vector<std::unique_ptr<Unit>> &uni
   Words words(line);
   if (words.empty())
     return;
-  const int wanted = words.take_unit(static_cast<int>(units.size()));
+  const int wanted = words.remove_unit(static_cast<int>(units.size()));
   const Act act = parse(line, words);
   if (!words.empty())
     refuse(line, "too many values");
@@ -138,7 +138,7 @@ void obey(const std::string &line, const std::vector<std::unique_ptr<Unit>> &uni
       continue;
     act(*units[i], now, done[i]);
     units[i]->firmware().report(line, now);
-    // A reply that waits for time, or for a halt to end, is seen to by the session.
+    // The session sends a reply that waits for time or for the end of a halt.
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Faults as lines of text: `COMMAND [VALUE...] [@UNIT]`.
+// Executes faults given as lines of text: `COMMAND [VALUE...] [@UNIT]`. One thread.
 #pragma once
 
 #include "unit.hpp"
@@ -8,12 +8,12 @@
 
 namespace emulator {
 
-/// What is accepted, a line each, for people.
+/// Text for users: the commands, one a line.
 extern const char *const kCommandHelp;
 
-/// Does what `line` says to one unit or, without @UNIT, to all. Empty lines do nothing. Transfers
-/// that this ends go to `done`, by the unit's number less 1. Throws spidar::Error (argument) and
-/// then has done nothing.
+/// Executes `line` for one unit or, without @UNIT, for all. An empty line does nothing. Appends the
+/// transfers that end to `done`, at the unit's number less 1. Throws spidar::Error (argument) for a
+/// line that it does not know, and then has done nothing.
 void obey(const std::string &line, const std::vector<std::unique_ptr<Unit>> &units, Time now,
           std::vector<std::vector<Completion>> &done);
 

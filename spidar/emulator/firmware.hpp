@@ -51,7 +51,7 @@ constexpr std::uint16_t product_id(Model model) noexcept {
   return model == Model::simple ? 0x0203 : 0x0205; // [1]
 }
 
-/// What goes wrong, until the number is used up or the fault is taken back.
+/// Faults. A number counts down to 0; the others stay until they are changed.
 struct Faults {
   bool refuse_out = false;               ///< the OUT endpoint answers NAK: transfers wait
   bool silent = false;                   ///< takes packets, never replies

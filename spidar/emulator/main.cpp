@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// spidar-emulator: a SPIDAR-G on the network, for the kernel's USB/IP client to attach.
+// spidar-emulator: a USB/IP server with emulated SPIDAR-Gs. Example:
+//   spidar-emulator --controller simple --controller sh4:10 --log words.csv
 #include "commands.hpp"
 #include "fail.hpp"
 #include "server.hpp"
@@ -36,8 +37,8 @@ struct FreeDeleter {
   void operator()(GError *error) const { g_error_free(error); }
 };
 
-/// Moves a text that GOption allocated.
-void take(std::string &to, char *text) {
+/// Moves a text that GOption allocated to a string.
+void move_to(std::string &to, char *text) {
   const std::unique_ptr<char, FreeDeleter> owned(text);
   if (owned)
     to = owned.get();
@@ -92,11 +93,11 @@ Options parse(int argc, char **argv) {
   Options options;
   options.controllers = list(controllers);
   options.commands = list(commands);
-  take(options.hand, hand);
-  take(options.geometry, geometry);
-  take(options.log, log);
-  take(options.server.address, listen);
-  take(options.server.control, control);
+  move_to(options.hand, hand);
+  move_to(options.geometry, geometry);
+  move_to(options.log, log);
+  move_to(options.server.address, listen);
+  move_to(options.server.control, control);
   if (!parsed)
     fail(Cause::argument, messages::kEmulatorOption, error->message);
   if (argc > 1)
@@ -111,7 +112,7 @@ Options parse(int argc, char **argv) {
   return options;
 }
 
-/// `simple` or `sh4`, and the rotary switch: without a number the unit's place in the row.
+/// Parses `simple` or `sh4` with an optional rotary switch, `number` - 1 by default.
 std::pair<Model, int> parse_controller(const std::string &text, int number) {
   const std::size_t colon = text.find(':');
   const std::string model = text.substr(0, colon);

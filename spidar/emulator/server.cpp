@@ -20,7 +20,7 @@ namespace emulator {
 
 namespace {
 
-// A host that takes nothing while it asks for more is not served on.
+// A host that reads nothing while it asks for more is disconnected.
 constexpr std::size_t kMostUnsent = 1 << 22;
 constexpr std::size_t kMostConnections = 64;
 constexpr std::size_t kLongestLine = 1024;
@@ -46,7 +46,7 @@ struct ErrorDeleter {
 };
 using GErrorPtr = std::unique_ptr<GError, ErrorDeleter>;
 
-/// What was received; nothing when the connection ended.
+/// Returns the bytes received, or nothing if the connection has ended.
 std::optional<std::span<const std::uint8_t>> receive(GSocket *socket,
                                                      std::span<std::uint8_t> buffer) {
   GError *raw = nullptr;
@@ -60,7 +60,7 @@ std::optional<std::span<const std::uint8_t>> receive(GSocket *socket,
   return std::nullopt;
 }
 
-/// Takes from `bytes` what could be sent. False when the connection ended.
+/// Sends what it can of `bytes` and removes it. False if the connection has ended.
 bool send(GSocket *socket, usbip::Bytes &bytes) {
   while (!bytes.empty()) {
     GError *raw = nullptr;
@@ -86,7 +86,7 @@ public:
     watch(readable_, G_IO_IN);
   }
   virtual ~Connection() {
-    // In time for the host to see the end as an unplugged device.
+    // At once, so that the host sees an unplugged device.
     g_io_stream_close(G_IO_STREAM(connection_.get()), nullptr, nullptr);
   }
   Connection(const Connection &) = delete;
@@ -99,7 +99,7 @@ protected:
   GSocket *socket() { return socket_; }
   Server &server() { return server_; }
 
-  /// Something can be read. False to end the connection.
+  /// Reads what has come. False to end the connection.
   virtual bool ready() = 0;
 
   /// False to end the connection.
@@ -189,7 +189,7 @@ public:
     connections_.clear();
   }
 
-  /// The answer for the one who gave the command.
+  /// Executes a command and returns the answer.
   std::string command(const std::string &line) {
     try {
       std::vector<std::vector<Completion>> done;
@@ -199,7 +199,7 @@ public:
           if (Session *session = connection->session();
               session && session->unit() == units_[i].get())
             session->complete(done[i]);
-      // An unplugged unit takes its connection along.
+      // The connection of an unplugged unit ends.
       connections_.remove_if([](const auto &connection) {
         Session *session = connection->session();
         return session && session->unit() && !session->unit()->plugged();
@@ -215,7 +215,7 @@ public:
     connections_.remove_if([&](const auto &one) { return one.get() == connection; });
   }
 
-  /// Wakes up for a reply that is late on purpose.
+  /// Calls pump_all() at `time`, for a late reply.
   void wake_at(Time time) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - Clock::now());
     const auto wake = [](gpointer self) -> gboolean {
@@ -266,7 +266,7 @@ class UsbConnection final : public Connection {
 public:
   UsbConnection(Server &server, GSocketConnection *connection)
       : Connection(server, connection), session_(server.units()) {
-    // Many small messages, each waited for.
+    // Many small messages, each of which the host waits for.
     g_socket_set_option(socket(), IPPROTO_TCP, TCP_NODELAY, 1, nullptr);
   }
 
@@ -280,7 +280,7 @@ public:
 
 private:
   bool ready() override {
-    // A host asks several things at once: they are answered together.
+    // A host sends several requests at once: answer them together.
     for (int i = 0; i < kMostReads; ++i) {
       const auto bytes = receive(socket(), buffer_);
       if (!bytes)
@@ -306,7 +306,7 @@ private:
   std::array<std::uint8_t, 16384> buffer_;
 };
 
-/// Someone who gives commands.
+/// A client of the control socket.
 class ControlConnection final : public Connection {
 public:
   using Connection::Connection;
@@ -392,7 +392,7 @@ void Server::listen_control(const std::string &path) {
   g_signal_connect(control_service_.get(), "incoming", G_CALLBACK(incoming), this);
 }
 
-/// False when there will be no more.
+/// False at the end of standard input.
 bool Server::read_input() {
   std::array<char, 512> buffer;
   const ssize_t size = read(STDIN_FILENO, buffer.data(), buffer.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The sockets: USB/IP clients over TCP, commands from standard input and a local socket. One
-// thread, GLib's main loop.
+// Serves USB/IP clients over TCP, and commands from standard input and a local socket. One thread,
+// GLib's main loop.
 #pragma once
 
 #include "session.hpp"
@@ -12,8 +12,8 @@ namespace emulator {
 
 struct ServerOptions {
   std::string address = "127.0.0.1"; ///< to listen on, numeric
-  std::uint16_t port = 3240;         ///< registered for USB/IP; 0 takes any
-  std::string control;               ///< path of a local socket that takes commands; empty: none
+  std::uint16_t port = 3240;         ///< registered for USB/IP; 0 for any free one
+  std::string control;               ///< path of a local socket for commands; empty for none
 };
 
 /// Serves until SIGINT or SIGTERM. `log` may be null. Throws spidar::Error (argument, busy) when it

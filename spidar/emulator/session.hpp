@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One connection of a USB/IP client: bytes in, bytes out. Knows nothing of sockets.
+// One connection of a USB/IP client as a function of bytes, without sockets. One thread.
 #pragma once
 
 #include "unit.hpp"
@@ -13,24 +13,24 @@ using Units = std::vector<std::unique_ptr<Unit>>;
 
 class Session {
 public:
-  /// `units` outlive the session and stay as many.
+  /// `units` must outlive the session, and none may be added or removed.
   explicit Session(Units &units) : units_(units) {}
   ~Session();
   Session(const Session &) = delete;
   Session &operator=(const Session &) = delete;
 
-  /// Takes what the network brought. False when the connection has nothing more to say, or made no
-  /// sense: it is to be closed once output() has been sent.
+  /// Handles bytes of the client. False if the connection is complete or the bytes are malformed:
+  /// send output(), then close it.
   bool receive(std::span<const std::uint8_t> bytes, Time now);
 
-  /// Replies that became due.
+  /// Adds the replies that are due to output().
   void collect(Time now);
   std::optional<Time> due() const;
 
-  /// The unit of this connection, if it has one. Unplugged: close.
+  /// The unit of this connection, or null. If it is unplugged, close the connection.
   Unit *unit() noexcept { return unit_; }
 
-  /// Replies of transfers that the unit gave up on its own.
+  /// Adds the replies of these transfers to output().
   void complete(const std::vector<Completion> &done);
 
   usbip::Bytes &output() noexcept { return output_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The messages of USB/IP, version 1.1.1, as pure functions of bytes:
+// Builds and parses the messages of USB/IP, version 1.1.1: pure functions of bytes. Source:
 // Documentation/usb/usbip_protocol of the Linux kernel. All numbers are big-endian.
 #pragma once
 
@@ -18,12 +18,12 @@ inline constexpr std::size_t kRequestHeader = 8;
 inline constexpr std::size_t kBusId = 32; ///< follows the header of a request to import
 inline constexpr std::size_t kCommand = 48;
 
-/// Larger transfers are refused: nothing that a host has to say to this device takes so much.
+/// Larger transfers are refused: no packet for this device is so large.
 inline constexpr std::uint32_t kLargestTransfer = 1 << 20;
 
 enum class Request { list, import };
 
-/// Nothing for another version or an unknown code.
+/// Returns nothing for another version or an unknown code.
 std::optional<Request> parse_request(std::span<const std::uint8_t, kRequestHeader> bytes) noexcept;
 
 /// The text before the first zero byte, which need not be there.
@@ -58,8 +58,8 @@ struct Command {
   std::array<std::uint8_t, 8> setup{};
 };
 
-/// Nothing for what this device's host cannot mean: unknown commands, isochronous transfers,
-/// endpoint numbers and lengths out of range.
+/// Returns nothing for unknown commands, isochronous transfers, and endpoint numbers or lengths out
+/// of range.
 std::optional<Command> parse_command(std::span<const std::uint8_t, kCommand> bytes) noexcept;
 
 /// `status` is 0 or a negative errno of Linux. `data` only of a transfer to the host.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the motors were told and what happened to the units, one line of CSV each.
+// Writes D/A words and events as CSV. One thread.
 #pragma once
 
 #include "plant.hpp"

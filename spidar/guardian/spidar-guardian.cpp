@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Lets go of the motors when the process that drives them dies, hangs, or is killed: the helper
-// behind guardian.hpp. It depends on nothing but the kernel, allocates nothing while it watches,
-// and has no right but to write to the one device that it was given.
+// spidar-guardian: puts the motors at rest if the process that drives them dies or hangs. Started
+// by guardian.hpp. It uses the kernel only, allocates nothing while it watches, and may do nothing
+// but write to the device that it was given.
 #include "guardian-protocol.hpp"
 
 #include <cerrno>
@@ -26,7 +26,7 @@ using namespace spidar;
 namespace {
 
 constexpr int kRealTimePriority = 51; // above the loop that it watches
-constexpr unsigned kWriteTime = 20;   // ms; a device that does not take it is asked again
+constexpr unsigned kWriteTime = 20;   // ms for one attempt
 constexpr int kAttempts = 50;
 constexpr int kWritesAtTheEnd = 2; // a controller may lose one
 constexpr uid_t kNobody = 65534;
@@ -71,14 +71,14 @@ private:
   bool is_socket_ = false;
 };
 
-// What ends a program from outside is for the one that is watched.
+// Ignores signals.
 void ignore_signals() {
   for (const int number :
        {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR1, SIGUSR2})
     signal(number, SIG_IGN);
 }
 
-// Else a pipe that the program's output goes to would not end with the program.
+// Closes the program's files: a pipe on its output must end with the program.
 void leave_files() {
   const int nothing = open("/dev/null", O_RDWR);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -88,7 +88,7 @@ void leave_files() {
     _exit(1);
 }
 
-// Priority first: it may need what is dropped after it.
+// Sets the priority first: that may need the privileges.
 void drop_privileges() {
   const sched_param priority{.sched_priority = kRealTimePriority};
   sched_setscheduler(0, SCHED_FIFO, &priority); // without it, it is only slower
@@ -99,7 +99,7 @@ void drop_privileges() {
   const rlimit none{0, 0};
   for (const auto resource : {RLIMIT_NPROC, RLIMIT_FSIZE, RLIMIT_CORE})
     setrlimit(resource, &none);
-  const rlimit one{1, 1}; // what poll() asks for; no further descriptor fits below it
+  const rlimit one{1, 1}; // poll() needs one; no further descriptor can be opened
   setrlimit(RLIMIT_NOFILE, &one);
   prctl(PR_SET_DUMPABLE, 0);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
@@ -138,7 +138,7 @@ int main() {
   ignore_signals();
   leave_files();
   if (fork() != 0)
-    _exit(0); // whoever started it has no child to look after
+    _exit(0); // the starting process keeps no child
   Motors motors;
   if (!motors.receive_order())
     return 1;

@@ -17,7 +17,7 @@ namespace spidar {
 
 namespace {
 
-// What a hand does not do: 5 mm in a millisecond, turning counted at the grip radius.
+// No hand moves faster; a turn counts at the grip radius.
 constexpr double kFastest = 5; // m/s
 // Eight lengths fit a pose to the precision of the geometry; worse means slack or a slipped string.
 constexpr double kLargestResidual = 0.005; // m rms
@@ -46,9 +46,9 @@ struct Device::Implementation {
   Counts counts{};
   DacWords words{};
   DeviceState state;
-  Pose last_solved; ///< also when it was not believed
+  Pose last_solved; ///< also if it was rejected
   int ticks_since_valid = 0;
-  bool velocity_known = false; ///< the pose before belongs to the same stretch of movement
+  bool velocity_known = false; ///< the pose before is part of the same movement
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -102,7 +102,7 @@ struct Device::Implementation {
     const double most = kFastest * period;
     const bool continues =
         jump(state.pose, solved.pose, geometry.grip_radius) <= most * (ticks_since_valid + 1);
-    // Twice at the same new place is no glitch: the grip has moved while nobody could see it.
+    // The same new place twice is no error: the grip has moved while no pose was valid.
     const bool confirmed =
         ticks_since_valid > 0 && jump(last_solved, solved.pose, geometry.grip_radius) <= most;
     last_solved = solved.pose;
@@ -141,7 +141,7 @@ struct Device::Implementation {
     return false;
   }
 
-  /// Lets the motors wind up slack string. Without it the centre would be wrong by the slack.
+  /// Waits until the motors have wound up the slack: it would shift the centre.
   void settle() {
     Counts before = counts;
     int silent = 0;
@@ -189,7 +189,7 @@ Device::Device(std::unique_ptr<Controller> controller, Geometry geometry, double
 }
 
 Device::~Device() {
-  // Twice, since a controller may lose one.
+  // Twice: a controller may lose one.
   implementation_->relax();
   implementation_->exchange();
   implementation_->exchange();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tension of one string and the D/A word that makes it.
+// Converts between the tension of a string (N) and its D/A word. Real-time safe.
 #pragma once
 
 #include "spidar/geometry.hpp"
@@ -19,8 +19,8 @@ inline double tension_of_word(const Geometry &geometry, std::size_t string,
   return word / digits_per_newton(geometry, string);
 }
 
-/// The nearest word whose tension is within the geometry's limits, which check_geometry() has found
-/// to exist. The last step before the wire.
+/// The nearest word whose tension is within the geometry's limits; check_geometry() makes sure that
+/// there is one. The last step before the wire.
 inline std::int16_t word_of_tension(const Geometry &geometry, std::size_t string,
                                     double tension) noexcept {
   const double scale = digits_per_newton(geometry, string);

@@ -86,7 +86,7 @@ private:
     return {parse(key, parts.get()[0]), parse(key, parts.get()[1]), parse(key, parts.get()[2])};
   }
 
-  /// A misspelt key would silently leave its meaning to chance.
+  /// Refuses unknown keys: one may be misspelt.
   void refuse_unknown() {
     const std::unique_ptr<char *, Unref> groups(g_key_file_get_groups(file_.get(), nullptr));
     for (char **group = groups.get(); *group != nullptr; ++group) {

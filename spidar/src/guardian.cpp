@@ -51,7 +51,7 @@ bool readable(int descriptor, int milliseconds) noexcept {
   return ready == 1;
 }
 
-/// Above the descriptors that it is to get, so that no dup2() closes another's source.
+/// Duplicates to a number above those that the guardian gets, so that no dup2() closes a source.
 FileDescriptor duplicate(int descriptor) {
   FileDescriptor copy(fcntl(descriptor, F_DUPFD_CLOEXEC, kGuardianDevice + 1));
   if (copy.get() < 0)
@@ -74,7 +74,7 @@ Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint
   {
     const FileDescriptor theirs(ends[1]);
     start(device, theirs.get());
-  } // its end must be its alone, or nobody would hear of its death
+  } // only the guardian may hold its end, or its death would not close the socket
   std::array<std::uint8_t, 1 + kLargestGuardedPacket> order{endpoint};
   std::memcpy(order.data() + 1, packet.data(), packet.size());
   if (send(socket_.get(), order.data(), 1 + packet.size(), MSG_NOSIGNAL) < 0)
@@ -88,7 +88,7 @@ void Guardian::start(int device, int control) {
   SpawnActions spawn;
   posix_spawn_file_actions_adddup2(&spawn.actions, control_copy.get(), kGuardianControl);
   posix_spawn_file_actions_adddup2(&spawn.actions, device_copy.get(), kGuardianDevice);
-  // A session of its own: Ctrl-C in the terminal is for us.
+  // Its own session: the terminal sends it no Ctrl-C.
   posix_spawnattr_setflags(&spawn.attributes, POSIX_SPAWN_SETSID);
   std::string path = guardian_path();
   char *arguments[] = {path.data(), nullptr};
@@ -97,7 +97,7 @@ void Guardian::start(int device, int control) {
                                     arguments, environ);
       error != 0)
     refuse(std::strerror(error));
-  // It goes on in a child of its own, so that no child of ours surprises the program we are in.
+  // It continues in a child of its own: this program gets no child that it does not expect.
   while (waitpid(started, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

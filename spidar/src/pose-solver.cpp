@@ -11,7 +11,7 @@ namespace {
 
 // A step below this leaves an error of about its square over a string length: under 1 nm.
 constexpr double kConverged = 1e-5; // m
-// Far from home the linearisation holds for a few centimetres; garbage must not throw the pose out.
+// The linearisation holds for a few centimetres; wrong lengths must not move the pose far.
 constexpr double kLongestStep = 0.02; // m, rotation counted at the grip radius
 constexpr int kMostSteps = 6;
 constexpr double kLongestString = 100;  // m
@@ -19,6 +19,9 @@ constexpr double kSmallestPivot = 1e-3; // of the largest; 1/30 is usual at the 
 
 } // namespace
 
+// Minimises |l(p, R) - m|² (l: modelled, m: measured lengths) by Gauss-Newton steps: with the pull
+// matrix A (a column per string: direction to the motor, moment / grip radius), dl = -A' x, so that
+// A A' x = A (l - m); p += x_1..3, R = Rot(x_4..6 / grip radius) R.
 PoseSolver::PoseSolver(const Geometry &geometry) : geometry_(geometry) {}
 
 PoseSolver::Result PoseSolver::solve(const StringLengths &lengths,

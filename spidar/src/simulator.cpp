@@ -12,8 +12,8 @@ namespace spidar {
 
 namespace {
 
-// The body. A grip is a cross of some centimetres; a hand adds what moves along with it. Both count
-// as equally heavy about all axes, and gravity is left to the hand.
+// The grip is a cross of some centimetres; a hand adds its moving mass. Equal inertia about all
+// axes, no gravity.
 constexpr double kGripMass = 0.1;       // kg
 constexpr double kGripInertia = 2e-5;   // kg m²
 constexpr double kHandMass = 0.3;       // kg
@@ -23,7 +23,7 @@ constexpr double kHandInertia = 1.5e-4; // kg m²
 constexpr double kHandStiffness = 1000; // N/m
 constexpr double kHandTurning = 1.5;    // N·m/rad
 
-// A string resists its winding, so that also a grip that nobody holds comes to rest.
+// A string resists winding, so that a free grip comes to rest.
 constexpr double kStringDamping = 0.5; // N·s/m
 
 constexpr double kLongestStep = 0.00025; // s

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the eight strings are at one pose: their lengths, and the wrench each exerts per newton.
+// Lengths of the eight strings at a pose, and the wrench of each per newton. Real-time safe.
 #pragma once
 
 #include "spidar/geometry.hpp"

@@ -17,8 +17,7 @@ namespace spidar {
 namespace {
 
 constexpr int kExchangeTimeout = 2; // ms
-// A controller that answers nothing is given up within 0.1 s, so that a busy machine stays within
-// 0.2 s.
+// Per attempt: a silent controller is refused within 0.1 s.
 constexpr auto kOpenTimeout = std::chrono::milliseconds(25);
 constexpr int kOpenAttempts = 3;
 
@@ -44,7 +43,7 @@ public:
     return simple::set_dac(words);
   }
 
-  /// Without touching the motors.
+  /// Reads the rotary switch. The motors stay as they are.
   static std::optional<Reply> identify(UsbLink &link, UsbLink::Deadline deadline) noexcept {
     simple::Packet bytes;
     if (!link.exchange({}, simple::latch_counters(), bytes, deadline))
@@ -72,7 +71,7 @@ public:
 
   static sh4::Packet set_motors(const DacWords &words) noexcept { return sh4::update(words); }
 
-  /// The only known packet sets the motors too: to no tension, as after power-on.
+  /// Reads the rotary switch. The only known packet sets the motors too: no tension.
   static std::optional<Reply> identify(UsbLink &link, UsbLink::Deadline deadline) noexcept {
     return exchange(link, {}, deadline);
   }
@@ -121,10 +120,10 @@ public:
     unguarded_ = guardian_ && !guardian_->watch(words != rest_, now);
     const bool let_go = guardian_ && guardian_->let_go();
     interrupted_ = interrupted_ || let_go;
-    // Whoever computed these words did not know yet that the motors were put at rest.
+    // These words were computed before the guardian put the motors at rest.
     const DacWords &sent = let_go || unguarded_ ? rest_ : words;
     const auto reply = Protocol::exchange(*link_, sent, now + exchange_timeout_);
-    // What comes after its time, or was asked for by another, must not be taken for the next reply.
+    // A late reply, or one to another program, must not count as the next reply.
     const bool foreign = reply && reply->rotary_switch != rotary_switch_;
     behind_ = link_->reply_owed() || foreign;
     if (!reply || foreign || unguarded_)
@@ -152,11 +151,11 @@ private:
   std::unique_ptr<UsbLink> link_;
   std::chrono::milliseconds exchange_timeout_;
   std::chrono::milliseconds open_timeout_;
-  std::optional<Guardian> guardian_; ///< ends before the link lets go of the claim
+  std::optional<Guardian> guardian_; ///< ends before the link releases the claim
   DacWords rest_{};
   int rotary_switch_ = -1;
   Counts counts_{};
-  bool behind_ = false; ///< replies may be on the way that are not for the next exchange
+  bool behind_ = false; ///< replies to earlier requests may still come
   bool unguarded_ = false;
   bool interrupted_ = false;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The two controllers with a known protocol, behind the Controller interface.
+// The USB controllers as spidar::Controller. Threads as there.
 #pragma once
 
 #include "spidar/controller.hpp"
@@ -15,11 +15,11 @@ const char *name_of(UsbModel model) noexcept;
 class UsbController : public Controller {
 public:
   virtual int rotary_switch() const noexcept = 0;
-  /// Makes it ready for use. Until then the counters of another program's device stay as they are.
+  /// Sets direction and zero of the counters, where the model can. False if it did not take it.
   virtual bool reset() noexcept = 0;
 };
 
-/// Reads the rotary switch. Throws Error (io).
+/// Makes the controller and reads its rotary switch. Throws Error (io).
 std::unique_ptr<UsbController> make_usb_controller(UsbModel model, std::unique_ptr<UsbLink> link);
 
 } // namespace spidar

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How often.
+/// How often `process` has `path` open.
 int has_open(const fs::path &process, const std::string &path) {
   int times = 0;
   std::error_code error;
@@ -44,7 +44,7 @@ std::string holder_of(const std::string &path) {
       continue;
     const int times = has_open(entry->path(), path);
     if (number == std::to_string(getpid())) {
-      if (times > 1) // once to be told that it is taken
+      if (times > 1) // the attempt to open it counts as one
         return "this program already";
       continue;
     }
@@ -53,7 +53,7 @@ std::string holder_of(const std::string &path) {
     const std::string name = name_of(entry->path());
     std::string holder = name;
     holder.append(" (process ").append(number).append(")");
-    if (name != "spidar-guardian") // stands behind somebody
+    if (name != "spidar-guardian") // works for another program
       return holder;
     guardian = std::move(holder);
   }

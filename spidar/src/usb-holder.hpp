@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Who has a file open, as far as this user may know.
+// Finds the program that has a file open, as far as this user may see.
 #pragma once
 
 #include <string>
 
 namespace spidar {
 
-/// "vlc (process 1234)", or words for somebody who cannot be seen.
+/// Name and number, "vlc (process 1234)", or a text for a process that is not visible.
 std::string holder_of(const std::string &path);
 
 } // namespace spidar

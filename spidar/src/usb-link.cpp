@@ -93,7 +93,7 @@ UsbLink::UsbLink(UsbPlace place) : place_(std::move(place)), context_(make_usb_c
 UsbLink::~UsbLink() {
   cancel();
   if (!wait(std::chrono::steady_clock::now() + kCloseTime)) {
-    // libusb still uses them: better lost than used after they are gone.
+    // libusb still uses them: leak them rather than free them.
     for (Slot *slot : {&first_, &second_, &reply_})
       if (slot->flying)
         static_cast<void>(slot->transfer.release());
@@ -102,7 +102,7 @@ UsbLink::~UsbLink() {
     libusb_release_interface(handle_.get(), interface_);
 }
 
-// Not by libusb_open(), which keeps the descriptor to itself: the guardian needs a duplicate.
+// libusb_open() does not give the descriptor, of which the guardian needs a duplicate.
 void UsbLink::open_handle() {
   file_.reset(open(place_.node().c_str(), O_RDWR | O_CLOEXEC));
   if (file_.get() < 0)
@@ -113,7 +113,7 @@ void UsbLink::open_handle() {
   handle_.reset(handle);
 }
 
-/// By address: nobody knows what else the device has. Returns the alternate setting.
+/// Finds the endpoints by their addresses, as others may exist. Returns the alternate setting.
 int UsbLink::find_endpoints() {
   libusb_config_descriptor *raw = nullptr;
   if (const int error = libusb_get_active_config_descriptor(libusb_get_device(handle_.get()), &raw);

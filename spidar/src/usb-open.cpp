@@ -97,7 +97,7 @@ std::optional<int> parse_switch(const std::string &id) {
   return number;
 }
 
-/// What is there instead of the wanted one.
+/// Controllers found instead of the wanted one.
 struct Others {
   std::string seen;
   std::optional<Error> refused; ///< the first reason why one could not be had
@@ -115,7 +115,7 @@ std::unique_ptr<UsbController> first_of(const Findings &findings, Others &others
   return nullptr;
 }
 
-/// All are asked, since two with the same switch would be taken for each other.
+/// Opens all, to refuse two with the same switch.
 std::unique_ptr<UsbController> only_one_at(int wanted, const Findings &findings, Others &others) {
   std::unique_ptr<UsbController> result;
   for (const Found &found : findings.units) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The packets of the USB controllers, as pure functions of bytes.
+// Builds and parses the packets of the USB controllers: pure functions of bytes, real-time safe.
 //
 // "USB2.0 Simple" (0cec:0203): 32-byte packets; 24-bit counters that count as the geometry says.
 // "USB2.0 SH4" (0cec:0205): 512-byte packets, one exchange does all; 16-bit counters that count the
@@ -20,7 +20,7 @@ inline constexpr std::uint16_t kSh4Product = 0x0205;
 inline constexpr unsigned char kEndpointOut = 0x02;
 inline constexpr unsigned char kEndpointIn = 0x86;
 
-/// What a reply says: counters as wide as they are on the wire, and the rotary switch.
+/// Content of a reply: counters in their width on the wire, and the rotary switch.
 struct Reply {
   std::array<std::uint32_t, kStrings> counters{};
   int rotary_switch = 0; ///< 0..15

@@ -65,7 +65,7 @@ std::string directions_out_of_reach(const WrenchMatrix &pull) {
                                            "pull along -y", "pull along +z", "pull along -z",
                                            "turn about +x", "turn about -x", "turn about +y",
                                            "turn about -y", "turn about +z", "turn about -z"};
-  // A direction against which every string pulls takes others down with it, since they cannot be
+  // A direction against which every string pulls makes others impossible, since they cannot be
   // had without it; then only the culprit is worth naming.
   constexpr double kReached = 1e-6;
   std::string culprits;

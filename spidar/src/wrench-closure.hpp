@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Whether strings can pull in every direction, decided exactly by non-negative least squares.
+// Finds the directions in which strings cannot pull, by non-negative least squares.
 #pragma once
 
 #include "string-kinematics.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Asks a person to hold, to watch and to measure, and writes what comes out as a geometry file.
+// spidar-calibrate: measures a SPIDAR-G with the help of its user, and writes a geometry file.
 #include "fail.hpp"
 #include "tool.hpp"
 
@@ -29,7 +29,7 @@ constexpr auto kTick = 1ms;
 
 constexpr const char *kDirections[] = {"right", "left", "up", "down", "towards", "away"};
 
-/// Keeps the device going while a person thinks.
+/// Exchanges with the device in a thread while the user answers.
 class Session {
 public:
   explicit Session(std::unique_ptr<spidar::Device> device) : device_(std::move(device)) {

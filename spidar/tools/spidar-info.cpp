@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Lists the controllers found, or shows what one of them measures.
+// spidar-info: lists the controllers found, or shows the values that one measures.
 #include "fail.hpp"
 #include "tool.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the tools share: options, the device that they name, and exit statuses.
+// Shared by the tools: options, the device that they name, exit statuses.
 #pragma once
 
 #include <cstdio>

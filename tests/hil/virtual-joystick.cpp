@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A joystick with force feedback that only the kernel sees. Prints what its driver is told, one
-// line each, until its input ends; a line "X Y" (-1..1, y down) there moves the stick.
+// A virtual joystick with force feedback (uinput). Prints the commands to its driver, one a line,
+// until its input ends. A line "X Y" (-1..1, y down) of the input moves the stick.
 //
 //   virtual-joystick
 #include "virtual-joystick.hpp"

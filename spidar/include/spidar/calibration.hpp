@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// From what a person sees and measures to a geometry file.
+// Corrects a geometry by what a person has measured on the device, and writes it to a file.
+// Lengths in m, forces in N, in the workspace frame of types.hpp. Not for the real-time thread.
 #pragma once
 
 #include "spidar/export.hpp"
@@ -9,22 +10,21 @@
 
 namespace spidar {
 
-/// Scale of the strings: the grip was moved by `moved` (m) along `axis` (0 x, 1 y, 2 z) from the
-/// centre, and the counters moved from `centre` to `there`. Throws Error (argument) when the two
-/// do not fit: the hand moved another way, too little to measure, or another unit was meant.
+/// Scales the metres per count: the grip was moved by `moved` (m) along `axis` (0 x, 1 y, 2 z) from
+/// the centre, and the counters went from `centre` to `there`. Throws Error (argument) if the two
+/// contradict each other: another direction, too short a way, or another unit.
 SPIDAR_API Geometry with_measured_counts(Geometry geometry, const Counts &centre,
                                          const Counts &there, int axis, double moved);
 
-/// Scale of the motors: commanded `commanded` (N) along an axis, a spring balance showed
-/// `measured` (N). Throws Error (argument) when the two differ by more than a factor of five.
+/// Scales the volts per newton: a spring balance showed `measured` (N) under the command of
+/// `commanded` (N). Throws Error (argument) if they differ by more than a factor of five.
 SPIDAR_API Geometry with_measured_force(Geometry geometry, double commanded, double measured);
 
-/// The geometry as if the grip were seen in a mirror across `axis`: what pulled towards the one
-/// side pulls towards the other.
+/// Reverses the direction of `axis` (0 x, 1 y, 2 z).
 SPIDAR_API Geometry mirrored(Geometry geometry, int axis);
 
-/// What load_geometry() reads. Throws Error (geometry) for what it would refuse, before anything is
-/// written, and (not_found) for a path that cannot be written.
+/// Writes a file for load_geometry(). Throws Error: geometry if load_geometry() would refuse it,
+/// and then writes nothing; not_found if `path` cannot be written.
 SPIDAR_API void save_geometry(const Geometry &geometry, const std::string &path);
 
 } // namespace spidar

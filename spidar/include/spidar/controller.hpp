@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The border to the motor electronics: D/A words out, encoder counts in, one exchange per tick.
+// Interface of the motor electronics: D/A words out, encoder counts in, one exchange per tick.
+// exchange(), connected() and interrupted() are for the real-time thread, the others are not.
 #pragma once
 
 #include "spidar/export.hpp"
@@ -13,26 +14,26 @@ class SPIDAR_API Controller {
 public:
   virtual ~Controller() = default;
 
-  /// Sends `words` and receives the counts. False when the exchange failed (`counts` is then
-  /// unchanged). Called from the real-time thread: no allocation, lock or log, and no throw.
+  /// Sends `words` and receives `counts`. False if the exchange failed; `counts` is then unchanged.
+  /// Real-time safe: no allocation, lock or log.
   virtual bool exchange(const DacWords &words, Counts &counts) noexcept = 0;
 
-  /// Counts with the grip in the centre, where the controller knows them. A counter that starts
-  /// anywhere at power-on (every USB controller) does not: its user holds the grip in the centre
-  /// while Device is made. The simulator does, so that its hand may start where its script says.
+  /// Sets `counts` to those of the grip in the centre, if the controller knows them. A USB
+  /// controller does not: its user holds the grip in the centre while Device is made. The simulator
+  /// does, so that its hand may start anywhere.
   virtual bool home(Counts & /*counts*/) const noexcept { return false; }
 
-  /// Has somebody else send `rest` should this process die or stop exchanging while it sends other
-  /// words. Not from the real-time thread. Throws Error (io). A simulator needs nobody.
+  /// Starts a guard that sends `rest` if this process dies, or stops to exchange while it sends
+  /// other words. Throws Error (io). A simulator needs none.
   virtual void guard(const DacWords & /*rest*/) {}
 
-  /// False when no further exchange will succeed: only opening the device anew can help.
+  /// False if no further exchange will succeed: open the device again.
   virtual bool connected() const noexcept { return true; }
 
-  /// Whether the motors were put at rest by somebody else since this was last asked.
+  /// Whether the guard has sent `rest` since the call before.
   virtual bool interrupted() noexcept { return false; }
 
-  /// For people: model, identity, where it is connected.
+  /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
 };
 

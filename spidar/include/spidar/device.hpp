@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A SPIDAR-G as its user sees it: pose out, wrench in, limits kept.
+// A SPIDAR-G: measures the pose of the grip, and exerts a wrench within the geometry's limits.
+// Units, frame and threads as in haptic-device.hpp.
 #pragma once
 
 #include "spidar/controller.hpp"
@@ -14,17 +15,16 @@ namespace spidar {
 
 class SPIDAR_API Device final : public HapticDevice {
 public:
-  /// Has the motors guarded against the end of this process (Controller::guard()), and starts with
-  /// minimum tension in all strings. The centre is where the controller knows it to be
-  /// (Controller::home()), else where the grip is once the strings are taut (calibrate()): within
-  /// 1 s, normally 50 ms. `period` is the time between two calls of exchange(), s. Throws Error
+  /// Guards the motors (Controller::guard()), and sets minimum tension. The centre is that of
+  /// Controller::home(), or else the place of the grip once the strings are taut: after 50 ms
+  /// normally, 1 s at most. `period` is the time between two calls of exchange(), s. Throws Error
   /// (geometry, argument, io).
   Device(std::unique_ptr<Controller> controller, Geometry geometry, double period = 0.001);
   ~Device() override; ///< leaves minimum tension behind
 
   bool exchange() noexcept override;
   bool connected() const noexcept override;
-  /// Tensions for `wrench` at the present pose. They never leave the geometry's limits.
+  /// Computes the tensions for `wrench` at the present pose, within the geometry's limits.
   void command(const Wrench &wrench) noexcept override;
   void calibrate() noexcept override;
   const DeviceState &state() const noexcept override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What can go wrong outside the real-time loop. Inside it nothing throws.
+// The exception of the library. Nothing that is marked real-time safe throws.
 #pragma once
 
 #include "spidar/export.hpp"
@@ -18,7 +18,7 @@ enum class Cause {
   io,         ///< the device answers wrongly or not at all
 };
 
-/// what() tells the user what happened and what to do about it.
+/// what() is for the user: what happened, and the cure. All texts are in src/messages.hpp.
 class SPIDAR_API Error : public std::runtime_error {
 public:
   Error(Cause cause, const std::string &message) : std::runtime_error(message), cause_(cause) {}

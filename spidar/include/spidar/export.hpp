@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Everything else in the library is hidden.
+// SPIDAR_API marks what the shared library exports. Everything else is hidden.
 #pragma once
 
 #define SPIDAR_API __attribute__((visibility("default")))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The constants of one SPIDAR-G: data that its user can measure and edit, never code.
+// The constants of one SPIDAR-G, from a file that its user can edit (docs/formats/geometry.md). SI
+// units; frame of types.hpp. Not for the real-time thread.
 #pragma once
 
 #include "spidar/export.hpp"
@@ -28,24 +29,23 @@ struct Geometry {
 /// Name of the geometry used when none is given.
 inline constexpr const char *kDefaultGeometry = "spidar-g6x3r";
 
-/// Names that load_geometry() knows without a file.
+/// Names of the built-in geometries.
 SPIDAR_API std::vector<std::string> builtin_geometries();
 
-/// `name_or_file` is a path to a GKeyFile (docs/formats/geometry.md) if it has a slash or ends in
-/// ".ini"; else a name, looked up as NAME.ini in the directories of $SPIDAR_GEOMETRY_PATH, among
-/// the built-in ones, and in the installed geometry directory, in this order. Throws Error:
-/// not_found, or geometry with the file, key and reason, also when check_geometry() refuses it.
+/// Reads a geometry. `name_or_file` is a path if it has a slash or ends in ".ini"; else a name,
+/// looked up as NAME.ini in the directories of $SPIDAR_GEOMETRY_PATH, among the built-in ones, and
+/// in the installed directory, in this order. Throws Error: not_found; geometry, with file, key and
+/// reason, also if check_geometry() refuses it.
 SPIDAR_API Geometry load_geometry(const std::string &name_or_file);
 
-/// Refuses a geometry that cannot be driven: values that are not finite or contradict each other,
-/// and strings without wrench closure (the message says which direction cannot be pulled). Throws
-/// Error (geometry).
+/// Throws Error (geometry) if a device with this geometry cannot be driven: values that are not
+/// finite or contradict each other, or strings without wrench closure.
 SPIDAR_API void check_geometry(const Geometry &geometry);
 
-/// String lengths at a pose.
+/// String lengths at a pose, m.
 SPIDAR_API StringLengths string_lengths(const Geometry &geometry, const Pose &pose);
 
-/// Directions in which the strings cannot pull at the centre, in words ("turn about +y"), empty if
+/// Names the directions in which the strings cannot pull at the centre ("turn about +y"). Empty if
 /// the geometry has wrench closure: every wrench is a positive combination of string pulls.
 SPIDAR_API std::string unreachable_directions(const Geometry &geometry);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What anything that a hand holds can do: pose out, wrench in.
+// Interface of a haptic device: it measures a pose and exerts a wrench. SI units; frame of
+// types.hpp.
 #pragma once
 
 #include "spidar/export.hpp"
@@ -9,7 +10,7 @@
 
 namespace spidar {
 
-/// What one tick found and did. What a device does not have stays as it is here.
+/// Result of one tick. A device leaves what it does not have as it is here.
 struct DeviceState {
   Pose pose;
   Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
@@ -18,21 +19,21 @@ struct DeviceState {
   Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
   Wrench realised;                      ///< what these tensions do at this pose
   bool feasible = true;                 ///< the commanded wrench was within the limits
-  bool valid = false;                   ///< the pose can be trusted
-  bool interrupted = false; ///< since the exchange before, the guardian had put the motors at rest
+  bool valid = false;                   ///< the pose was measured
+  bool interrupted = false;             ///< the guardian has set minimum tension meanwhile
 };
 
-/// Not thread-safe: exchange() and command() belong to one thread; everything else before that
-/// thread starts or after it ended.
+/// Not thread-safe: call exchange(), command() and calibrate() from one thread, everything else
+/// before that thread starts or after it has ended.
 class SPIDAR_API HapticDevice {
 public:
   virtual ~HapticDevice() = default; ///< leaves no force behind
 
-  /// One tick: sends what was last commanded, receives the pose. False when the device did not
+  /// One tick: sends the last command, receives the pose. False if the device did not
   /// answer; the state then keeps its last pose with valid = false. Real-time safe.
   virtual bool exchange() noexcept = 0;
 
-  /// False when the device has gone for good (unplugged, its guardian dead): make another one.
+  /// False if no exchange will succeed any more (unplugged, guardian dead): make another object.
   virtual bool connected() const noexcept = 0;
 
   /// The wrench that the next exchange sends, within the device's limits. One that is not finite
@@ -47,11 +48,11 @@ public:
   /// m from the centre; equation 1 maps it to the frame.
   virtual const Vector3 &workspace_half() const noexcept = 0;
 
-  /// Whether a grip that is let go of flies through the air, so that one that is too fast must lose
-  /// its force until the user has it again. A stick on a joint does not.
+  /// Whether a released grip can move freely, so that a grip that is too fast must lose its force.
+  /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
 
-  /// For people: model, identity, where it is connected.
+  /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Pose of the grip from eight string lengths: Gauss-Newton, rotation scaled by the grip radius.
+// Computes the pose of the grip from eight string lengths: Gauss-Newton on the differences between
+// measured and modelled lengths, rotation in units of the grip radius. SI units; frame of
+// types.hpp.
 #pragma once
 
 #include "spidar/geometry.hpp"
@@ -16,7 +18,7 @@ public:
     bool singular = false; ///< the strings do not determine the pose; it was kept
   };
 
-  /// `start` is the pose of the tick before. Real-time safe.
+  /// `lengths` in m; `start` is the pose of the tick before. Real-time safe.
   Result solve(const StringLengths &lengths, const Pose &start) const noexcept;
 
 private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A SPIDAR-G without the hardware: encoders and D/A with their real resolution, a grip with mass,
-// strings that only pull, and a hand that holds the grip.
+// A simulated SPIDAR-G: encoders and D/A with their real resolution, a grip with mass, strings that
+// only pull, and a hand that holds the grip. SI units; frame of types.hpp; one thread.
 #pragma once
 
 #include "spidar/controller.hpp"
@@ -11,14 +11,15 @@
 
 namespace spidar {
 
-/// Where the hand wants the grip to be: `hold:X,Y,Z`, `circle:RADIUS,PERIOD` (about the centre,
-/// from (RADIUS, 0, 0) counter-clockwise as the user sees it), `file:PATH` (lines `t,x,y,z`,
-/// interpolated; stays at the last one; empty lines and lines that begin with # are skipped) or
-/// `free` (nobody holds it). X, Y, Z and RADIUS in -1..1 of the half workspace, PERIOD and t in s.
+/// The place to which the hand pulls the grip: `hold:X,Y,Z`, `circle:RADIUS,PERIOD` (about the
+/// centre, from (RADIUS, 0, 0) counter-clockwise as the user sees it), `file:PATH` (lines
+/// `t,x,y,z`, interpolated; stays at the last one; empty lines and lines that begin with # are
+/// skipped) or `free` (nobody holds it). X, Y, Z and RADIUS in -1..1 of the half workspace, PERIOD
+/// and t in s.
 class SPIDAR_API HandScript {
 public:
   virtual ~HandScript() = default;
-  /// False when nobody holds the grip. `time` in s from the start; `target` in m.
+  /// Sets `target` (m) for `time` (s from the start). False if no hand holds the grip.
   virtual bool target(double time, const Vector3 &workspace_half,
                       Vector3 &target) const noexcept = 0;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tensions from a wrench: box-constrained least squares by a primal active set, warm-started.
+// Computes string tensions (N) for a wrench: box-constrained least squares by a primal active set
+// with a warm start. SI units; frame of types.hpp.
 #pragma once
 
 #include "spidar/geometry.hpp"
