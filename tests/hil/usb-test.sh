@@ -37,13 +37,16 @@ start_driving() {
   within 20 more_lines $((before + 20)) "$words"
 }
 
+# `survives ID FAULT...`: exchanges are lost, and the last ones before the program ends are not.
 survives() {
-  start_driving 5 "$1" || return
+  start_driving 60 "$1" || return
   shift
   for fault; do
     tell "$fault"
     sleep 0.3
   done
+  within 20 more_lines $(($(wc -l <"$words") + 20)) "$words"
+  kill -TERM "$program"
   wait "$program" || return
   cat "$work/line"
   [ "$(value lost "$(cat "$work/line")")" -gt 0 ] && [ "$(value lost-at-the-end "$(cat "$work/line")")" = 0 ]

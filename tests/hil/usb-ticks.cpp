@@ -2,7 +2,8 @@
 // How fast a SPIDAR-G on USB can be driven: one tick after the other, each an exchange, the pose, a
 // force that turns round and its tensions.
 //
-// Usage: usb-ticks SECONDS [ID]   ID: rotary switch. Prints one line NAME VALUE NAME VALUE ...:
+// Usage: usb-ticks SECONDS [ID]   ID: rotary switch. SIGTERM ends it early. Prints one line
+//                                 NAME VALUE NAME VALUE ...:
 //                                 ticks, ticks a second on average and in the slowest second, lost
 //                                 exchanges, of these at the end, poses not believed, and the
 //                                 duration of a tick in µs
@@ -18,6 +19,7 @@
 #include <array>
 #include <charconv>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <libusb.h>
@@ -29,8 +31,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Microseconds = std::chrono::duration<double, std::micro>;
 
-constexpr double kForce = 0.5; // N
-constexpr auto kGone = std::chrono::milliseconds(500);
+constexpr double kForce = 0.5;                             // N
+constexpr auto kLongestSilence = std::chrono::seconds(10); // a slow machine injects faults slowly
+
+volatile std::sig_atomic_t ended = 0;
 
 double quantile(const std::vector<double> &sorted, std::size_t percent) {
   return sorted[(sorted.size() - 1) * percent / 100];
@@ -47,7 +51,7 @@ int run(int seconds, const std::string &id) {
   const auto start = Clock::now();
   auto answered = start;
   bool gone = false;
-  for (auto now = start; now - start < std::chrono::seconds(seconds) && !gone;) {
+  for (auto now = start; now - start < std::chrono::seconds(seconds) && !gone && !ended;) {
     if (device.exchange()) {
       lost_at_the_end = 0;
       answered = now;
@@ -56,7 +60,7 @@ int run(int seconds, const std::string &id) {
     } else {
       ++lost;
       ++lost_at_the_end;
-      gone = now - answered > kGone;
+      gone = !device.connected() || now - answered > kLongestSilence;
     }
     const double angle = std::chrono::duration<double>(now - start).count();
     device.command({kForce * spidar::Vector3(std::cos(angle), std::sin(angle), 0), {0, 0, 0}});
@@ -111,6 +115,7 @@ int main(int argc, char **argv) {
     std::fprintf(stderr, "usage: usb-ticks SECONDS [ID] | usb-ticks probe\n");
     return 1;
   }
+  std::signal(SIGTERM, [](int) { ended = 1; });
   try {
     if (!wants_probe)
       return run(seconds, argc > 2 ? argv[2] : "");
