@@ -73,6 +73,7 @@ killed() {
   sleep 0.5
   told "rows > 0 && largest > least" || return
   kill -9 "$program"
+  within 20 told "largest <= least"
   told "largest <= least && after <= $most_after"
 }
 if [ -n "$(find "$build/spidar" -name spidar-guardian -type f)" ]; then
