@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Runs a pipeline and writes down what the element called `tracker`, a roitracker, measures in it
-// and where it is pointed at, for the paper's figures.
+// Runs a pipeline and logs the patches and the pointer events of its roitracker, which is named
+// `tracker`. paper.sh draws the paper's figures from these logs.
 //
 // Usage: motion-log FOLDER LAUNCH-LINE
-//   FOLDER/patches.csv   one row per patch: frame, time (s), region and patch in px, displacement
-//   in px FOLDER/pointers.csv  one row per pointer event from downstream: time (s), x and y (0..1)
-//   FOLDER/earlier.grey, FOLDER/later.grey, FOLDER/pair.csv
-//                        the pair of frames that moved most: luma, row by row; their number and
-//                        size
+//   FOLDER/patches.csv   one row per patch: frame, time (s), region and patch (px), displacement
+//   (px) FOLDER/pointers.csv  one row per upstream pointer event: time (s), x and y (0..1)
+//   FOLDER/earlier.grey, FOLDER/later.grey
+//                        the pair of frames with the largest mean displacement: luma, row by row
+//   FOLDER/pair.csv      frame number and size of that pair
 // Frames must be GRAY8 at the tracker.
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
@@ -40,16 +40,17 @@ struct Log {
   bool complete() { return patches.flush() && pointers.flush(); }
 
   const std::string folder;
-  std::ofstream patches; // streaming thread
-  std::mutex mutex;      // for what is below: hapticsink's pointer thread writes
-  std::ofstream pointers;
 
   // Streaming thread.
+  std::ofstream patches;
   GstSegment segment{};
   long number = 0;
-  Frame before;
-  double most_moved = 0; // px, the mean of the pair that was kept
-  bool kept = true;      // false: a pair could not be written
+  Frame previous;
+  double largest_displacement = 0; // px, mean over the patches of the pair on disk
+  bool pair_written = true;
+
+  std::mutex mutex;
+  std::ofstream pointers; // under the mutex: hapticsink's pointer thread writes
 };
 
 double seconds(GstClockTime time) {
@@ -82,11 +83,11 @@ bool write_grey(const std::string &path, const Frame &frame) {
   return static_cast<bool>(file.flush());
 }
 
-void take_frame(Log &log, GstPad *pad, GstBuffer *buffer) {
+void log_frame(Log &log, GstPad *pad, GstBuffer *buffer) {
   ++log.number;
   auto frame = luma(pad, buffer);
   const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
-  double moved = 0;
+  double displacement = 0; // px, mean
   if (meta) {
     const double time =
         seconds(gst_segment_to_running_time(&log.segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer)));
@@ -95,25 +96,25 @@ void take_frame(Log &log, GstPad *pad, GstBuffer *buffer) {
       log.patches << log.number << ',' << time << ',' << meta->region_x << ',' << meta->region_y
                   << ',' << meta->region_width << ',' << meta->region_height << ',' << p.x << ','
                   << p.y << ',' << p.dx << ',' << p.dy << '\n';
-      moved += std::hypot(double{p.dx}, double{p.dy}) / meta->n_patches;
+      displacement += std::hypot(double{p.dx}, double{p.dy}) / meta->n_patches;
     }
   }
-  constexpr guint kEnough = 5; // patches for a frame of the flow
-  if (frame && !log.before.grey.empty() && meta && meta->n_patches >= kEnough &&
-      moved > log.most_moved) {
-    log.most_moved = moved;
+  constexpr guint kFewestPatches = 5; // fewer make no figure of the flow
+  if (frame && !log.previous.grey.empty() && meta && meta->n_patches >= kFewestPatches &&
+      displacement > log.largest_displacement) {
+    log.largest_displacement = displacement;
     std::ofstream pair(log.folder + "/pair.csv");
     pair << "frame,width,height\n"
          << log.number << ',' << frame->width << ',' << frame->height << '\n';
-    log.kept = pair.flush() && write_grey(log.folder + "/earlier.grey", log.before) &&
-               write_grey(log.folder + "/later.grey", *frame);
+    log.pair_written = pair.flush() && write_grey(log.folder + "/earlier.grey", log.previous) &&
+                       write_grey(log.folder + "/later.grey", *frame);
   }
   if (frame)
-    log.before = std::move(*frame);
+    log.previous = std::move(*frame);
 }
 
 GstPadProbeReturn on_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  take_frame(*static_cast<Log *>(data), pad, GST_PAD_PROBE_INFO_BUFFER(info));
+  log_frame(*static_cast<Log *>(data), pad, GST_PAD_PROBE_INFO_BUFFER(info));
   return GST_PAD_PROBE_OK;
 }
 
@@ -146,10 +147,10 @@ int run(const std::string &folder, const char *line) {
   if (error)
     return fail(error->message);
   if (!pipeline || !GST_IS_BIN(pipeline.get()))
-    return fail("the line is not a pipeline");
+    return fail("the launch line is no pipeline; separate at least two elements with !");
   const haptic::ElementPtr tracker(gst_bin_get_by_name(GST_BIN(pipeline.get()), "tracker"));
   if (!tracker)
-    return fail("no element of the line is called tracker");
+    return fail("no element of the line is named tracker; write roitracker name=tracker");
   Log log(folder);
   const haptic::PadPtr pad(gst_element_get_static_pad(tracker.get(), "src"));
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, on_buffer, &log, nullptr);
@@ -171,10 +172,10 @@ int run(const std::string &folder, const char *line) {
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   if (!reason.empty())
     return fail(reason);
-  if (!log.complete() || !log.kept)
-    return fail("'" + folder + "' cannot be written to");
-  if (log.most_moved <= 0)
-    return fail("nothing moved under the pointer");
+  if (!log.complete() || !log.pair_written)
+    return fail("'" + folder + "' cannot be written; give another folder");
+  if (log.largest_displacement <= 0)
+    return fail("nothing moved under the pointer; use another video or another hand");
   return 0;
 }
 
