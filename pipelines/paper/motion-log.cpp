@@ -3,8 +3,8 @@
 // `tracker`. paper.sh draws the paper's figures from these logs.
 //
 // Usage: motion-log FOLDER LAUNCH-LINE
-//   FOLDER/patches.csv   one row per patch: frame, time (s), region and patch (px), displacement
-//   (px) FOLDER/pointers.csv  one row per upstream pointer event: time (s), x and y (0..1)
+//   FOLDER/patches.csv   one row per patch: frame, time (s), region and patch (px), dx and dy (px)
+//   FOLDER/pointers.csv  one row per upstream pointer event: time (s), x and y (0..1)
 //   FOLDER/earlier.grey, FOLDER/later.grey
 //                        the pair of frames with the largest mean displacement: luma, row by row
 //   FOLDER/pair.csv      frame number and size of that pair

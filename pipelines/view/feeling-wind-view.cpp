@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Runs a pipeline in a window of its own, with a strip of velocity and force below the video and
-// keys that steer it. pipelines/view.sh makes the line.
+// Runs a pipeline in a window, draws velocity and force below the video, and handles keys.
+// pipelines/view.sh writes the command line:
 //
 //   feeling-wind-view [--verbose] ELEMENT ! ELEMENT ...
 //
-// The line is that of gst-launch-1.0 and holds a roitracker, a velocityavg with post-messages=true,
-// a hapticsink and a gtksink. The exit status is 0 when the user ends it, and 1 after an error.
+// The pipeline has gst-launch-1.0's syntax and contains a roitracker, a velocityavg with
+// post-messages=true, a hapticsink and a gtksink. Returns 0 when the user quits, 1 after an error.
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "playback.hpp"
@@ -32,33 +32,35 @@ using haptic::ErrorPtr;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char *kKeys =
-    "space pause, - slower, + faster, r reverse, [ ] region, 0 its usual size, l law, s force off "
-    "and on, q quit";
+    "space pause, - slower, + faster, r reverse, [ ] region size, 0 default size, l force law, "
+    "s force off and on, q quit";
 constexpr int kWindowWidth = 800;
 constexpr int kVideoHeight = 500;
 constexpr int kStripHeight = 150;
 constexpr double kRegionStep = 1.25;
-constexpr double kLongestPause = 0.5; // s on the strip, however long the pause
+constexpr double kLongestGap = 0.5; // s; a longer pause takes no more room on the strip
 
-void complain(const std::string &text) {
+void print_error(const std::string &text) {
   std::fprintf(stderr, "feeling-wind-view: %s\n", text.c_str());
 }
 
-// Why nothing is seen, with what helps where GStreamer's words do not say it.
-std::string no_frame(const GError &error) {
+// The message when an error comes before the first frame. GStreamer's own text names no cure for
+// stream errors.
+std::string no_frame_message(const GError &error) {
   const bool of_stream = error.domain == GST_STREAM_ERROR;
   return std::string("no frame can be shown: ") + error.message +
          (of_stream ? " Is it a video, and is its decoder installed (gstreamer1.0-libav)?" : "");
 }
 
+// Returns the first element that `factory` made, or nothing.
 ElementPtr find(GstElement *pipeline, const char *factory) {
   GstIterator *elements = gst_bin_iterate_recurse(GST_BIN(pipeline));
   GValue item = G_VALUE_INIT;
   GstElement *found = nullptr;
   while (!found && gst_iterator_next(elements, &item) == GST_ITERATOR_OK) {
     auto *element = GST_ELEMENT(g_value_get_object(&item));
-    const GstElementFactory *made_by = gst_element_get_factory(element);
-    if (made_by && std::strcmp(GST_OBJECT_NAME(made_by), factory) == 0)
+    const GstElementFactory *maker = gst_element_get_factory(element);
+    if (maker && std::strcmp(GST_OBJECT_NAME(maker), factory) == 0)
       found = GST_ELEMENT(gst_object_ref(element));
     g_value_reset(&item);
   }
@@ -67,12 +69,12 @@ ElementPtr find(GstElement *pipeline, const char *factory) {
   return ElementPtr(found);
 }
 
-// One run, from the line to the exit status. All of it in the main thread.
+// The window and its pipeline. Main thread only.
 class View {
 public:
-  View(ElementPtr pipeline, bool verbose, Clock::time_point began)
+  View(ElementPtr pipeline, bool verbose, Clock::time_point start)
       : pipeline_(std::move(pipeline)), playback_(pipeline_.get()), verbose_(verbose),
-        began_(began) {}
+        start_(start) {}
   ~View() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
   View(const View &) = delete;
   View &operator=(const View &) = delete;
@@ -82,13 +84,13 @@ public:
 private:
   bool find_elements();
   void make_window();
-  void watch();
+  void connect_bus_and_signals();
 
-  gboolean press(guint key);
-  void take(GstMessage *message);
-  void take_motion(const GstStructure *fields);
-  void show_first_frame();
-  void note(const std::string &text);
+  gboolean handle_key(guint key);
+  void handle_message(GstMessage *message);
+  void add_reading(const GstStructure *fields);
+  void note_first_frame();
+  void show_note(const std::string &text);
   void fail(const std::string &text);
 
   int frame_width() const;
@@ -105,9 +107,9 @@ private:
   GtkWidget *window_ = nullptr;
   GtkWidget *strip_ = nullptr;
   const bool verbose_;
-  const Clock::time_point began_;
+  const Clock::time_point start_;
   Clock::time_point last_reading_{};
-  bool shown_ = false; // a frame
+  bool has_shown_frame_ = false;
   view::Reading newest_;
   std::string note_ = kKeys;
   int status_ = EXIT_SUCCESS;
@@ -137,7 +139,7 @@ void View::make_window() {
   g_signal_connect(window_, "destroy", G_CALLBACK(gtk_main_quit), nullptr);
   g_signal_connect(window_, "key-press-event",
                    G_CALLBACK(+[](GtkWidget *, GdkEventKey *event, gpointer self) noexcept {
-                     return static_cast<View *>(self)->press(event->keyval);
+                     return static_cast<View *>(self)->handle_key(event->keyval);
                    }),
                    this);
   g_signal_connect(strip_, "draw",
@@ -150,19 +152,19 @@ void View::make_window() {
                    this);
   g_signal_connect_after(video, "draw",
                          G_CALLBACK(+[](GtkWidget *, cairo_t *, gpointer self) noexcept {
-                           static_cast<View *>(self)->show_first_frame();
+                           static_cast<View *>(self)->note_first_frame();
                            return gboolean{FALSE};
                          }),
                          this);
   gtk_widget_show_all(window_);
 }
 
-void View::watch() {
+void View::connect_bus_and_signals() {
   GstBus *bus = gst_element_get_bus(pipeline_.get());
   gst_bus_add_watch(
       bus,
       [](GstBus *, GstMessage *message, gpointer self) noexcept -> gboolean {
-        static_cast<View *>(self)->take(message);
+        static_cast<View *>(self)->handle_message(message);
         return G_SOURCE_CONTINUE;
       },
       this);
@@ -179,85 +181,86 @@ void View::watch() {
 
 int View::run() {
   if (!find_elements()) {
-    complain("the line needs a roitracker, a hapticsink and a gtksink");
+    print_error(
+        "the pipeline needs a roitracker, a hapticsink and a gtksink; view.sh writes such a line");
     return EXIT_FAILURE;
   }
   make_window();
-  watch();
-  playback_.start(); // what is wrong comes as a message
+  connect_bus_and_signals();
+  playback_.start(); // a failure arrives as a message on the bus
   gtk_main();
   return status_;
 }
 
 void View::fail(const std::string &text) {
-  complain(text);
+  print_error(text);
   status_ = EXIT_FAILURE;
   gtk_main_quit();
 }
 
-void View::note(const std::string &text) {
+void View::show_note(const std::string &text) {
   note_ = text;
   if (verbose_)
     std::printf("%s\n", text.c_str()), std::fflush(stdout);
   gtk_widget_queue_draw(strip_);
 }
 
-void View::show_first_frame() {
+void View::note_first_frame() {
   GstSample *sample = nullptr;
-  if (shown_)
+  if (has_shown_frame_)
     return;
   g_object_get(sink_.get(), "last-sample", &sample, nullptr);
   if (!sample)
     return;
   gst_sample_unref(sample);
-  shown_ = true;
+  has_shown_frame_ = true;
   if (verbose_) {
     std::printf("first frame after %.2f s\n",
-                std::chrono::duration<double>(Clock::now() - began_).count());
+                std::chrono::duration<double>(Clock::now() - start_).count());
     std::fflush(stdout);
   }
 }
 
-void View::take(GstMessage *message) {
+void View::handle_message(GstMessage *message) {
   GError *error = nullptr;
   switch (GST_MESSAGE_TYPE(message)) {
   case GST_MESSAGE_ERROR: {
     gst_message_parse_error(message, &error, nullptr);
     const ErrorPtr owned(error);
-    fail(shown_ ? error->message : no_frame(*error));
+    fail(has_shown_frame_ ? error->message : no_frame_message(*error));
     break;
   }
   case GST_MESSAGE_WARNING: {
     gst_message_parse_warning(message, &error, nullptr);
     const ErrorPtr owned(error);
-    // An error follows, which is told.
+    // An error message follows.
     if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
       break;
-    complain(error->message);
-    note(error->message);
+    print_error(error->message);
+    show_note(error->message);
     break;
   }
   case GST_MESSAGE_EOS:
-    if (!shown_)
-      fail("the video holds no frames");
-    else if (!playback_.again())
+    if (!has_shown_frame_)
+      fail("the video holds no frames; try another file");
+    else if (!playback_.restart())
       gtk_main_quit();
     break;
   case GST_MESSAGE_ELEMENT:
     if (gst_message_has_name(message, "haptic-motion"))
-      take_motion(gst_message_get_structure(message));
+      add_reading(gst_message_get_structure(message));
     break;
   default:
     break;
   }
 }
 
-void View::take_motion(const GstStructure *fields) {
+void View::add_reading(const GstStructure *fields) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const auto now = Clock::now();
   const double since = std::chrono::duration<double>(now - last_reading_).count();
   last_reading_ = now;
-  newest_ = {std::min(since, kLongestPause), kUnknown, kUnknown, kUnknown, kUnknown};
+  newest_ = {std::min(since, kLongestGap), kUnknown, kUnknown, kUnknown, kUnknown};
   double confidence = 0;
   if (gst_structure_get_double(fields, "confidence", &confidence) && confidence > 0)
     gst_structure_get(fields, "vx", G_TYPE_DOUBLE, &newest_.vx, "vy", G_TYPE_DOUBLE, &newest_.vy,
@@ -275,28 +278,28 @@ void View::take_motion(const GstStructure *fields) {
   gtk_widget_queue_draw(strip_);
 }
 
-gboolean View::press(guint key) {
-  const auto at_rate = [&](bool done) {
+gboolean View::handle_key(guint key) {
+  const auto show_rate = [&](bool done) {
     char text[64];
-    std::snprintf(text, sizeof text, "played at %g times its speed", playback_.rate());
-    note(done ? text : "this video cannot be played that way");
+    std::snprintf(text, sizeof text, "playing at %g times normal speed", playback_.rate());
+    show_note(done ? text : "this video cannot be played at that speed or backwards");
   };
   switch (key) {
   case GDK_KEY_space:
     playback_.toggle_pause();
-    note(playback_.paused() ? "paused" : "playing");
+    show_note(playback_.paused() ? "paused" : "playing");
     break;
   case GDK_KEY_minus:
   case GDK_KEY_KP_Subtract:
-    at_rate(playback_.slower());
+    show_rate(playback_.slower());
     break;
   case GDK_KEY_plus:
   case GDK_KEY_equal:
   case GDK_KEY_KP_Add:
-    at_rate(playback_.faster());
+    show_rate(playback_.faster());
     break;
   case GDK_KEY_r:
-    at_rate(playback_.reverse());
+    show_rate(playback_.reverse());
     break;
   case GDK_KEY_bracketleft:
     scale_region(1 / kRegionStep);
@@ -306,7 +309,7 @@ gboolean View::press(guint key) {
     break;
   case GDK_KEY_0:
     g_object_set(tracker_.get(), "roi-size", 0, nullptr);
-    note("region of the usual size");
+    show_note("region of the default size");
     break;
   case GDK_KEY_l:
     next_law();
@@ -344,7 +347,7 @@ void View::scale_region(double factor) {
   size = static_cast<guint>(std::lround(size * factor));
   size = std::clamp(size, kSmallest, std::max(kSmallest, static_cast<guint>(width) / 2));
   g_object_set(tracker_.get(), "roi-size", size, nullptr);
-  note("region of " + std::to_string(size) + " px");
+  show_note("region of " + std::to_string(size) + " px");
 }
 
 std::string View::law() const {
@@ -363,14 +366,14 @@ void View::next_law() {
       g_object_class_find_property(G_OBJECT_GET_CLASS(haptic_.get()), "force-law"));
   const auto next = static_cast<guint>(value + 1) % spec->enum_class->n_values;
   g_object_set(haptic_.get(), "force-law", spec->enum_class->values[next].value, nullptr);
-  note("force law " + law());
+  show_note("force law " + law());
 }
 
 void View::toggle_force() {
   gboolean armed = FALSE;
   g_object_get(haptic_.get(), "armed", &armed, nullptr);
   g_signal_emit_by_name(haptic_.get(), armed ? "release" : "arm");
-  note(armed ? "force off; s brings it back" : "force on");
+  show_note(armed ? "force off; s brings it back" : "force on");
 }
 
 std::string View::caption() const {
@@ -384,21 +387,21 @@ std::string View::caption() const {
          number("%.2f N", std::hypot(newest_.fx, newest_.fy)) + "   " + note_;
 }
 
-// As gst-launch-1.0 understands its arguments.
+// Parses the arguments as gst-launch-1.0 does. Returns nothing after an error, which it prints.
 ElementPtr parse(char **line) {
   GError *error = nullptr;
   ElementPtr pipeline(gst_parse_launchv_full(const_cast<const gchar **>(line), nullptr,
                                              GST_PARSE_FLAG_FATAL_ERRORS, &error));
   const ErrorPtr owned(error);
   if (error)
-    complain(error->message);
+    print_error(error->message);
   return error ? nullptr : std::move(pipeline);
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
-  const auto began = Clock::now();
+  const auto start = Clock::now();
   gst_init(&argc, &argv);
   bool verbose = false;
   int first = 1;
@@ -407,19 +410,19 @@ int main(int argc, char **argv) {
       verbose = true;
     } else {
       std::printf("Usage: feeling-wind-view [--verbose] ELEMENT ! ELEMENT ...\n"
-                  "pipelines/view.sh makes the line. Keys: %s\n",
+                  "pipelines/view.sh writes the pipeline. Keys: %s\n",
                   kKeys);
       return std::strcmp(argv[first], "--help") == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
     }
   }
   if (first == argc) {
-    complain("what should be played? See --help");
+    print_error("no pipeline given; see --help");
     return EXIT_FAILURE;
   }
   if (!gtk_init_check(&argc, &argv)) {
-    complain("there is no display for the window");
+    print_error("there is no display for the window; run it in a graphical session");
     return EXIT_FAILURE;
   }
   ElementPtr pipeline = parse(argv + first);
-  return pipeline ? View(std::move(pipeline), verbose, began).run() : EXIT_FAILURE;
+  return pipeline ? View(std::move(pipeline), verbose, start).run() : EXIT_FAILURE;
 }

@@ -23,7 +23,7 @@ bool Playback::play_at(double rate) {
          gst_element_query_position(pipeline_, GST_FORMAT_TIME, &position) && seek(rate, position);
 }
 
-bool Playback::again() {
+bool Playback::restart() {
   gint64 duration = 0;
   if (rate_ > 0)
     return seek(rate_, 0);
@@ -32,7 +32,7 @@ bool Playback::again() {
 
 bool Playback::seek(double rate, gint64 position) {
   const auto flags = static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE);
-  // Backwards a segment is played from its stop to its start.
+  // With a negative rate, a segment plays from its stop to its start.
   const gint64 start = rate > 0 ? position : 0;
   const gint64 stop = rate > 0 ? -1 : position;
   if (!gst_element_seek(pipeline_, rate, GST_FORMAT_TIME, flags, GST_SEEK_TYPE_SET, start,

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How a pipeline is played: paused, slower, faster, backwards, from its end back to its beginning.
+// Pauses a pipeline, changes its speed and direction, and starts it again at its end.
 #pragma once
 
 #include <gst/gst.h>
 
 namespace view {
 
-/// The main thread only.
+/// Main thread only.
 class Playback {
 public:
-  /// The pipeline outlives it.
+  /// `pipeline` must outlive this object.
   explicit Playback(GstElement *pipeline) : pipeline_(pipeline) {}
 
-  /// False if the pipeline cannot.
+  /// These return false if the pipeline refuses.
   bool start() { return set_paused(false); }
   bool toggle_pause() { return set_paused(!paused_); }
   bool slower() { return play_at(rate_ / 2); }
   bool faster() { return play_at(rate_ * 2); }
   bool reverse() { return play_at(-rate_); }
-  /// Once more, after the end has been reached.
-  bool again();
+  /// Seeks to the beginning, or to the end when it plays backwards.
+  bool restart();
 
   double rate() const { return rate_; }
   bool paused() const { return paused_; }

@@ -9,15 +9,16 @@
 namespace view {
 namespace {
 
-constexpr double kSpan = 8;           // s
-constexpr double kLeastVelocity = 20; // px/s, and
-constexpr double kLeastForce = 0.1;   // N: what noise should not fill the strip below
-constexpr double kText = 12;          // px
+constexpr double kSpan = 8; // s
+// Smallest full scale of the axes, so that noise does not fill the strip.
+constexpr double kLeastVelocity = 20; // px/s
+constexpr double kLeastForce = 0.1;   // N
+constexpr double kText = 12;          // px, font size
 
 struct Color {
   double r, g, b;
 };
-// Those of hapticoverlay; the blue is lighter, for the dark ground.
+// The colours of hapticoverlay; the blue is lighter, for the dark background.
 constexpr Color kVelocity{0.90, 0.62, 0};
 constexpr Color kForce{0.34, 0.71, 0.91};
 
@@ -25,7 +26,7 @@ struct Lane {
   const char *name;
   const char *unit;
   Color color;
-  double least;
+  double least;                                // smallest full scale
   std::array<double Reading::*, 2> components; // x solid, y dashed
   double down;                                 // 1: positive y is drawn downwards
 };
@@ -58,7 +59,7 @@ void StripChart::add(const Reading &reading) {
 void StripChart::draw(cairo_t *cairo, double width, double height,
                       const std::string &caption) const {
   cairo_rectangle(cairo, 0, 0, width, height);
-  cairo_clip_preserve(cairo); // the surface is that of the whole window
+  cairo_clip_preserve(cairo); // the surface covers the whole window
   cairo_set_source_rgb(cairo, 0.1, 0.1, 0.1);
   cairo_fill(cairo);
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);

@@ -8,9 +8,9 @@
 
 namespace view {
 
-/// Of one frame. What is not finite was not measured.
+/// Motion and force of one frame. A value that was not measured is not finite.
 struct Reading {
-  double duration = 0; ///< s since the reading before
+  double duration = 0; ///< s since the previous reading
   double vx = 0;       ///< px/s, to the right
   double vy = 0;       ///< px/s, down
   double fx = 0;       ///< N, to the right
@@ -21,8 +21,8 @@ class StripChart {
 public:
   void add(const Reading &reading);
 
-  /// Fills width x height px. The newest reading is at the right border, so that the strip stands
-  /// still while none come.
+  /// Fills width x height px. The newest reading is at the right border: without new readings the
+  /// strip does not move.
   void draw(cairo_t *cairo, double width, double height, const std::string &caption) const;
 
 private:
