@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Whether confidence means something, and what each kind of scene costs.
+# Reliability and ROC curve of the confidence, and the time of each kind of scene.
 #
-#   gnuplot -c confidence.gp FOLDER PICTURE    (FOLDER holds reliability.csv, roc.csv and streams.csv)
-if (ARGC != 2) { print "usage: gnuplot -c confidence.gp FOLDER PICTURE"; exit status 1 }
+#   gnuplot -c confidence.gp FOLDER CHART.png    (FOLDER contains reliability.csv, roc.csv and streams.csv)
+if (ARGC != 2) { print "usage: gnuplot -c confidence.gp FOLDER CHART.png"; exit status 1 }
 load system("dirname '" . ARG0 . "'") . "/style.gp"
 
 eval(terminal(ARG2, 1500, 560))
@@ -18,11 +18,11 @@ set xrange [0:1]
 set title "Reliability: wrong answers (> 0.15 px)"
 set xlabel "confidence"
 set ylabel "share that is wrong"
-unset key # that of the middle
+unset key # the middle panel has it
 plot for [m = 5:1:-1] ARG1 . "/reliability.csv" using (of(word(methods, m), column("cases") >= 5 ? column("confidence") : NaN)):(column("wrong")) \
   pointtype symbol[number(word(methods, m))] linecolor rgb colour[number(word(methods, m))] \
   linewidth (m == 1 ? 2.5 : 1.2) title word(methods, m)
-set title "Telling errors above 0.3 px by low confidence"
+set title "ROC: errors above 0.3 px found by low confidence"
 set xlabel "good answers rejected"
 set ylabel "bad answers rejected"
 set key on bottom right

@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The lab runs from one command and leaves every table and chart. What is fast here and now is not
-# judged: time cannot be tested.
+# The lab runs from one command and writes every table and chart. No measured time is asserted.
 set -euo pipefail
 
 work=$(mktemp -d)
@@ -11,7 +10,7 @@ here=$(dirname "$0")
 status=0
 "$here/run.sh" --quick --output "$work/out" || status=$?
 [ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
-for file in {pareto,series,confidence}.{svg,png} {sweep,series,streams,reliability,roc,scenes,clips,fields}.csv \
+for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields}.csv \
   lab.json results.md; do
   [ -s "$work/out/$file" ] || { echo "NOT OK: there is no $file"; exit 1; }
 done

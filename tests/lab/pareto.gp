@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Speed against accuracy: one panel per stratum, one point per configuration.
 #
-#   gnuplot -c pareto.gp FOLDER PICTURE    (FOLDER holds sweep.csv; PICTURE ends with .svg or .png)
-if (ARGC != 2) { print "usage: gnuplot -c pareto.gp FOLDER PICTURE"; exit status 1 }
+#   gnuplot -c pareto.gp FOLDER CHART.png    (FOLDER contains sweep.csv)
+if (ARGC != 2) { print "usage: gnuplot -c pareto.gp FOLDER CHART.png"; exit status 1 }
 load system("dirname '" . ARG0 . "'") . "/style.gp"
 table = ARG1 . "/sweep.csv"
 
 strata = system("tail -n +2 '" . table . "' | cut -d, -f1 | tr -d '\"' | awk '!seen[$0]++' | tr '\\n' ' '")
-# "default" is a column and a stratum's heading is a sentence.
 heading(stratum) = stratum eq "translation" ? "Translation within ±3 px, noise 1.5" : \
   stratum eq "wide" ? "Translation within ±12 px" : \
   stratum eq "pairs" ? "Real pairs with true flow" : "Hard scenes, one by one in the table"
@@ -15,13 +14,13 @@ heading(stratum) = stratum eq "translation" ? "Translation within ±3 px, noise 
 eval(terminal(ARG2, 1400, 1120))
 set format x "%g"
 set format y "%g"
-set datafile missing NaN # lines go on to the next point of theirs
+set datafile missing NaN # lines continue at the next valid point
 set xlabel "median time from luma to velocity (µs)"
-set ylabel "mean end-point error (px per picture)"
+set ylabel "mean end-point error (px per frame)"
 set y2label "force error (mN)" textcolor rgb "#666666"
 unset key
 
-# The rows of a stratum in one thread; a column's value or nothing.
+# where: the value in the rows of a stratum with one thread, else NaN. of: the same for one group.
 where(stratum, value) = strcol("stratum") eq stratum && column("threads") == 1 && \
   group(strcol("method")) > 0 ? value : NaN
 of(stratum, g, value) = where(stratum, group(strcol("method")) == g ? value : NaN)
@@ -37,7 +36,7 @@ do for [n = 1:words(strata)] {
   high = STATS_max * 1.6
   set yrange [low:high]
   set y2range [low:high]
-  # Millinewtons at places of the error axis.
+  # Force in mN at round values of the error axis.
   set logscale xy
   set logscale y2
   set xrange [1:10000]
@@ -58,7 +57,7 @@ do for [n = 1:words(strata)] {
       with points pointtype 3 pointsize 2.6 linewidth 2.5 linecolor rgb "#000000" notitle
 }
 
-# The key of all panels.
+# One key for all panels.
 unset logscale; unset xlabel; unset ylabel; unset y2label; unset title; unset border; unset tics; unset y2tics; unset grid
 set lmargin at screen 0.05; set rmargin at screen 0.95; set bmargin at screen 0.005; set tmargin at screen 0.09
 set key center center horizontal maxcols 5 samplen 1 width -2

@@ -233,8 +233,8 @@ void write_strata(const Report &report, std::ostream &out) {
          "|---|---|---|---|---|---|---|\n";
   const auto line = [&](const char *role, const SweepRow &r) {
     out << "| " << r.stratum << " | " << role << name_of(r) << " | " << rounded(r.error) << " | "
-        << rounded(r.error_95.low) << " – " << rounded(r.error_95.high) << " | "
-        << rounded(100 * r.gross) << " % | " << rounded(r.time) << " | " << rounded(r.time_99)
+        << rounded(r.error_95.low) << "–" << rounded(r.error_95.high) << " | "
+        << rounded(100 * r.gross) << "% | " << rounded(r.time) << " | " << rounded(r.time_99)
         << " |\n";
   };
   for (const std::string &stratum : strata_of(report.sweep)) {
@@ -256,38 +256,34 @@ void write_strata(const Report &report, std::ostream &out) {
   }
 }
 
+// The row of a method as its authors ship it, or nothing.
+const SweepRow *shipped(const Report &report, const std::string &stratum, const std::string &method,
+                        bool one_thread) {
+  const auto found = std::ranges::find_if(report.sweep, [&](const SweepRow &r) {
+    return r.stratum == stratum && r.method == method && r.is_default &&
+           (r.threads == 1) == one_thread;
+  });
+  return found != report.sweep.end() ? &*found : nullptr;
+}
+
 void write_shipped(const Report &report, std::ostream &out) {
-  out << "| stratum | method as shipped | mean error (px) | p50 (µs) | times the default's p50 | "
-         "p50, all threads (µs) |\n|---|---|---|---|---|---|\n";
-  for (const std::string &stratum : {std::string("translation"), std::string("pairs")}) {
-    double own = 0;
-    for (const SweepRow &row : report.sweep)
-      if (row.stratum == stratum && is_ours(row))
-        own = row.time;
-    for (const SweepRow &row : report.sweep) {
-      if (row.stratum != stratum || !row.is_default || row.threads != 1)
-        continue;
-      const auto threaded = std::ranges::find_if(report.sweep, [&](const SweepRow &other) {
-        return other.stratum == stratum && other.method == row.method &&
-               other.parameters == row.parameters && other.threads > 1;
-      });
-      out << "| " << stratum << " | " << name_of(row) << " | " << rounded(row.error) << " | "
-          << rounded(row.time) << " | " << (own > 0 ? rounded(row.time / own) : "") << " | "
-          << (threaded != report.sweep.end() ? rounded(threaded->time) : "") << " |\n";
-    }
+  out << "| method as shipped | translation: error (px) | pairs: error (px) | p50 (µs) | times the "
+         "default's | all threads (µs) |\n|---|---|---|---|---|---|\n";
+  const SweepRow *own = shipped(report, "translation", "fast", true);
+  for (const SweepRow &row : report.sweep) {
+    if (row.stratum != "translation" || !row.is_default || row.threads != 1)
+      continue;
+    const SweepRow *pairs = shipped(report, "pairs", row.method, true);
+    const SweepRow *threaded = shipped(report, "translation", row.method, false);
+    out << "| " << row.method << " | " << rounded(row.error) << " | "
+        << (pairs ? rounded(pairs->error) : "–") << " | " << rounded(row.time) << " | "
+        << (own && own->time > 0 ? rounded(row.time / own->time) : "–") << " | "
+        << (threaded ? rounded(threaded->time) : "–") << " |\n";
   }
 }
 
-void write_fronts(const Report &report, std::ostream &out) {
-  out << "| stratum | configuration | p50 (µs) | mean error (px) |\n|---|---|---|---|\n";
-  for (const SweepRow &row : report.sweep)
-    if (row.on_front)
-      out << "| " << row.stratum << " | " << name_of(row) << " | " << rounded(row.time) << " | "
-          << rounded(row.error) << " |\n";
-}
-
-// Where the most accurate configuration of a peer beats the default beyond chance, or a scene is
-// got better by a peer as shipped.
+// Strata in which the most accurate configuration of a peer has a smaller error than the default,
+// with 95 % intervals that do not overlap.
 void write_ahead(const Report &report, std::ostream &out) {
   bool any = false;
   for (const std::string &stratum : strata_of(report.sweep)) {
@@ -301,97 +297,99 @@ void write_ahead(const Report &report, std::ostream &out) {
     if (!best)
       continue;
     any = true;
-    out << "* " << stratum << ": " << name_of(*best) << " errs by " << rounded(best->error)
-        << " px in " << rounded(best->time) << " µs, the default by " << rounded(own->error)
-        << " px in " << rounded(own->time) << " µs.\n";
+    out << "* " << stratum << ": " << name_of(*best) << ", " << rounded(best->error) << " px in "
+        << rounded(best->time) << " µs\n";
   }
-  for (const SceneRow &own : report.scenes) {
-    if (own.method != "fast")
-      continue;
-    const SceneRow *best = nullptr;
-    for (const SceneRow &row : report.scenes)
-      if (row.scene == own.scene && row.method != "fast" && row.method != "method=opencv" &&
-          row.method != "always zero" && (!best || row.error < best->error))
-        best = &row;
-    constexpr double kNegligible = 0.01; // px
-    if (!best || best->error + kNegligible > own.error)
-      continue;
-    any = true;
-    out << "* scene “" << own.scene << "”: " << best->method << " " << rounded(best->error)
-        << " px, the default " << rounded(own.error) << " px.\n";
-  }
-  if (!any)
-    out << "Nowhere in this run.\n";
+  out << (any ? "" : "In no stratum of this run.\n")
+      << "\nSee also [scene by scene](#scene-by-scene).\n";
+}
+
+// The peer with the smallest error in the scene of `own`, or nothing.
+const SceneRow *best_peer(const Report &report, const SceneRow &own) {
+  const SceneRow *best = nullptr;
+  for (const SceneRow &row : report.scenes)
+    if (row.scene == own.scene && row.method != "fast" && row.method != "method=opencv" &&
+        row.method != "always zero" && (!best || row.error < best->error))
+      best = &row;
+  return best;
 }
 
 void write_scenes(const Report &report, std::ostream &out) {
-  std::vector<std::string> methods;
-  for (const SceneRow &row : report.scenes)
-    if (std::ranges::find(methods, row.method) == methods.end())
-      methods.push_back(row.method);
-  out << "| scene | bound |";
-  for (const std::string &method : methods)
-    out << ' ' << method << " |";
-  out << "\n|---|---|";
-  for (std::size_t i = 0; i < methods.size(); ++i)
-    out << "---|";
-  std::string scene;
-  for (const SceneRow &row : report.scenes) {
-    if (row.scene != scene)
-      out << "\n| " << row.scene << " | " << (row.bound < 1 ? rounded(row.bound) : "–") << " |";
-    scene = row.scene;
-    out << ' ' << rounded(row.error) << " |";
+  constexpr double kNegligible = 0.01; // px
+  out << "| scene | bound | default | method=opencv | best peer |\n|---|---|---|---|---|\n";
+  for (const SceneRow &own : report.scenes) {
+    if (own.method != "fast")
+      continue;
+    const auto reference = std::ranges::find_if(report.scenes, [&](const SceneRow &r) {
+      return r.scene == own.scene && r.method == "method=opencv";
+    });
+    const SceneRow *best = best_peer(report, own);
+    const char *bold = best && best->error + kNegligible < own.error ? "**" : "";
+    out << "| " << own.scene << " | " << (own.bound < 1 ? rounded(own.bound) : "–") << " | "
+        << rounded(own.error) << " | "
+        << (reference != report.scenes.end() ? rounded(reference->error) : "–") << " | " << bold
+        << (best ? rounded(best->error) + " " + best->method : "–") << bold << " |\n";
   }
-  out << "\n";
 }
 
 void write_clips(const Report &report, std::ostream &out) {
   out << "| clip | method | regions | answered | shift: median (px) | p95 (px) | reversal: median "
          "(px) |\n|---|---|---|---|---|---|---|\n";
   for (const ClipRow &r : report.clips)
-    out << "| " << r.clip << " | " << r.method << " | " << r.cases << " | "
-        << rounded(100 * r.answered) << " % | " << rounded(r.shift_error) << " | "
-        << rounded(r.shift_95) << " | " << rounded(r.reversal_error) << " |\n";
+    if (r.method == "fast" || r.method == "method=opencv" || r.method == "PyrLK crop")
+      out << "| " << r.clip << " | " << r.method << " | " << r.cases << " | "
+          << rounded(100 * r.answered) << "% | " << rounded(r.shift_error) << " | "
+          << rounded(r.shift_95) << " | " << rounded(r.reversal_error) << " |\n";
 }
 
 void write_fields(const Report &report, std::ostream &out) {
   out << "32 columns, one thread, from the luma of both frames to the cells. Dense flow is "
          "averaged "
-         "over the same cells. The field is sure where its confidence is 0.5 or more; elsewhere "
-         "what "
-         "it says counts in the first column, silence as no motion.\n\n"
-         "| pair | method | cells | mean error (px) | cells that the field is sure of | mean error "
-         "there (px) | p95 there (px) | time (ms) |\n|---|---|---|---|---|---|---|---|\n";
+         "over the same cells. A cell is sure where the field's confidence is 0.5 or more. A field "
+         "without an answer counts as no motion.\n\n"
+         "| pair | method | error (px) | sure | error there (px) | p95 there (px) | time "
+         "(ms) |\n|---|---|---|---|---|---|---|\n";
   for (const FieldRow &r : report.fields)
-    out << "| " << r.pair << " | " << r.method << " | " << r.cells << " | " << rounded(r.error)
-        << " | " << rounded(100 * r.answered) << " % | " << rounded(r.error_answered) << " | "
+    out << "| " << r.pair << " | " << r.method << " | " << rounded(r.error) << " | "
+        << rounded(100 * r.answered) << "% | " << rounded(r.error_answered) << " | "
         << rounded(r.p95_answered) << " | " << rounded(r.time) << " |\n";
 }
 
 void write_page(const Report &report, const fs::path &path) {
   File file(path);
   std::ostream &out = file.text();
-  out << "# Results of the lab\n\nWritten by `tests/lab/run.sh`; see [the lab](lab.md).\n\n";
-  for (const auto &[name, value] : report.circumstances)
-    out << "* " << name << ": " << value << "\n";
+  out << "# Results of the lab\n\n"
+         "Written by `tests/lab/run.sh`; [the lab](lab.md) explains the terms. All rows are in the "
+         "CSV files that the command writes to `build-lab/results/`.\n\n";
+  const char *separator = "";
+  for (const auto &[name, value] : report.circumstances) {
+    out << separator << name << ": " << value;
+    separator = "; ";
+  }
+  out << ".\n";
   out << "\n## Speed and accuracy\n\n";
   write_strata(report, out);
   out << "\n## Where a peer is ahead\n\n";
   write_ahead(report, out);
-  out << "\n## The fronts\n\n";
-  write_fronts(report, out);
   out << "\n## Everything as shipped\n\n";
   write_shipped(report, out);
-  out << "\n## Scene by scene\n\nMean error in px of each method as shipped. The bound is that of "
-         "Cramér and Rao for one translation, from the pixels of the region alone.\n\n";
+  out << "\n## Scene by scene\n\nMean error in px, each method as shipped. The bound is that of "
+         "Cramér and Rao for one translation, from the pixels of the region alone. Bold: a peer is "
+         "more accurate than the default by more than 0.01 px.\n\n";
   write_scenes(report, out);
-  out << "\n## Time of the default by scene, in a stream\n\n| scene | p50 (µs) | p99 (µs) |\n"
-         "|---|---|---|\n";
-  for (const StreamRow &r : report.streams)
-    out << "| " << r.scene << " | " << rounded(r.time) << " | " << rounded(r.time_99) << " |\n";
-  out << "\n## Confidence\n\n| method | area under the curve, errors > 0.3 px |\n|---|---|\n";
-  for (const auto &[method, area] : report.area)
-    out << "| " << method << " | " << rounded(area) << " |\n";
+  out << "\n## Time of the default by scene, in a stream\n\nMedian and 99th percentile in µs: ";
+  separator = "";
+  for (const StreamRow &r : report.streams) {
+    out << separator << r.scene << " " << rounded(r.time) << " and " << rounded(r.time_99);
+    separator = ", ";
+  }
+  out << ".\n\n## Confidence\n\nArea under the ROC curve, for errors above 0.3 px: ";
+  separator = "";
+  for (const auto &[method, area] : report.area) {
+    out << separator << method << " " << rounded(area);
+    separator = ", ";
+  }
+  out << ".\n";
   if (!report.fields.empty()) {
     out << "\n## The field of a whole frame\n\n";
     write_fields(report, out);

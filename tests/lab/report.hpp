@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What was found, as CSV for the charts, as JSON for machines and as tables for the page.
+// The results: CSV for the charts, JSON for programs, tables for docs/lab-results.md.
 #pragma once
 
 #include "statistics.hpp"
@@ -30,7 +30,7 @@ struct SweepRow {
   bool on_front = false;
 };
 
-/// One method at one place of a series.
+/// One method at one point of a series.
 struct SeriesRow {
   std::string series;
   std::string method;
@@ -81,12 +81,12 @@ struct ClipRow {
 struct FieldRow {
   std::string pair;
   std::string method;
-  std::size_t cells = 0;     ///< whose true motion is known
-  double error = 0;          ///< px, mean over all of them; no answer counts as no motion
-  double answered = 0;       ///< share of the cells that the field is sure of
-  double error_answered = 0; ///< px, mean over these
+  std::size_t cells = 0;     ///< cells with a known true motion
+  double error = 0;          ///< px, mean over all cells; no answer counts as no motion
+  double answered = 0;       ///< share of the cells with a confidence of 0.5 or more
+  double error_answered = 0; ///< px, mean over these cells
   double p95_answered = 0;   ///< px
-  double time = 0;           ///< ms, the least of some passes
+  double time = 0;           ///< ms, minimum of some passes
 };
 
 struct Report {
@@ -96,13 +96,13 @@ struct Report {
   std::vector<StreamRow> streams;
   std::vector<ReliabilityRow> reliability;
   std::vector<RocRow> roc;
-  std::map<std::string, double> area; ///< under the curve, by method
+  std::map<std::string, double> area; ///< under the ROC curve, by method
   std::vector<SceneRow> scenes;
   std::vector<ClipRow> clips;
   std::vector<FieldRow> fields;
 };
 
-/// Marks the fronts, one per stratum, of what ran in one thread.
+/// Marks the Pareto front of each stratum, from the rows with one thread.
 void mark_fronts(std::vector<SweepRow> &sweep);
 
 /// Peers that are at least as fast and at least as accurate as the default on some stratum.

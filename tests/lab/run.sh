@@ -9,8 +9,8 @@
 #   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
 #                    KITTI (default: ../shared/data/middlebury, if there)
 #   --clips FOLDER   videos (default: ../shared/data/video, if there)
-#   --output FOLDER  where tables and charts go; without it into docs/: images/lab/ and
-#                    lab-results.md
+#   --output FOLDER  where tables and charts go. Without it they go to build-lab/results/, and the
+#                    charts and the results page are copied to docs/
 
 source "$(dirname "$0")/../../pipelines/common.sh"
 source "$(dirname "$0")/../../pipelines/packages.sh"
@@ -57,7 +57,7 @@ if [ -z "${FEELING_WIND_BUILD:-}" ]; then
 fi
 [ -x "$build/tests/lab/lab" ] || fail "there is no '$build/tests/lab/lab'; was it built with -Dbenchmarks=enabled?"
 
-results=${output:-$root/docs/images/lab}
+results=${output:-$root/build-lab/results}
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null) || commit=unknown
 status=0
 "$build/tests/lab/lab" ${quick[@]+"${quick[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
@@ -65,12 +65,11 @@ status=0
 [ "$status" -le 1 ] || exit "$status"
 
 for chart in pareto series confidence; do
-  for ending in svg png; do
-    gnuplot -c "$here/$chart.gp" "$results" "$results/$chart.$ending"
-  done
+  gnuplot -c "$here/$chart.gp" "$results" "$results/$chart.png"
 done
 if [ -z "$output" ]; then
-  mv "$results/results.md" "$root/docs/lab-results.md"
+  cp "$results"/{pareto,series,confidence}.png "$root/docs/images/lab/"
+  cp "$results/results.md" "$root/docs/lab-results.md"
 fi
 echo "Tables and charts are in $results"
 exit "$status"

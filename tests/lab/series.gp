@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What grows with what: cost with the sizes and the points, error with points, displacement, phase,
-# noise and contrast.
+# Cost against frame size, region size and number of points; error against number of points,
+# displacement, phase, noise and contrast.
 #
-#   gnuplot -c series.gp FOLDER PICTURE    (FOLDER holds series.csv; PICTURE ends with .svg or .png)
-if (ARGC != 2) { print "usage: gnuplot -c series.gp FOLDER PICTURE"; exit status 1 }
+#   gnuplot -c series.gp FOLDER CHART.png    (FOLDER contains series.csv)
+if (ARGC != 2) { print "usage: gnuplot -c series.gp FOLDER CHART.png"; exit status 1 }
 load system("dirname '" . ARG0 . "'") . "/style.gp"
 table = ARG1 . "/series.csv"
 
@@ -12,12 +12,13 @@ unset key
 set datafile missing NaN
 
 of(series, method, value) = strcol("series") eq series && strcol("method") eq method ? value : NaN
-# One line per method as shipped; the presets of DIS but the fastest are left out.
+# One line per method as shipped. Of DIS, only the preset "fast".
 methods = "'fast' 'method=opencv' 'PyrLK crop' 'PyrLK frame' 'RLOF' 'DIS fast' 'Farneback' 'phase correlation' 'ECC' 'block search'"
 
-curves = 'for [g = told:1:-1] table using (of(series, word(methods, g), column("x"))):(column(what)) ' . \
+curves = 'for [g = shown:1:-1] table using (of(series, word(methods, g), column("x"))):(column(what)) ' . \
   'pointtype symbol[g] pointsize 0.8 linecolor rgb colour[g] linewidth (g == 1 ? 2.5 : 1.2) notitle'
-# Not drawn where it is no bound: even a loop from 1 to 0 would stretch the axis down to it.
+# The Cramér-Rao bound is plotted by a separate command: a `for` loop with no pass would still scale
+# the axis.
 bound = 'table using (of(series, "bound", column("x"))):(column("error")) ' . \
   'with lines dashtype 2 linecolor rgb "#444444" linewidth 1.5 notitle'
 
@@ -32,16 +33,16 @@ do for [panel in "frame region points accuracy displacement phase noise contrast
   set logscale y
   if (panel eq "frame" || panel eq "region" || panel eq "contrast") { set logscale x }
   set ylabel what eq "us_p50" ? "median time (µs)" : what eq "bias" ? "length of the mean error (px)" : "mean error (px)"
-  if (panel eq "frame") { set title "Cost against the size of the picture, region 30 px"; set xlabel "million pixels" }
+  if (panel eq "frame") { set title "Cost against the size of the frame, region 30 px"; set xlabel "million pixels" }
   if (panel eq "region") { set title "Cost against the side of the region"; set xlabel "px" }
   if (series eq "points") { set logscale x 2; set xlabel "most points" }
   if (panel eq "points") { set title "Cost against the number of points, region 60 px that turns by 5°" }
   if (panel eq "accuracy") { set title "Error against the number of points, the same" }
-  if (panel eq "displacement") { set title "Error against displacement"; set xlabel "px per picture" }
+  if (panel eq "displacement") { set title "Error against displacement"; set xlabel "px per frame" }
   if (panel eq "phase") { set title "Bias against the fraction of a pixel"; set xlabel "px" }
   if (panel eq "noise") { set title "Error against noise"; set xlabel "standard deviation (grey levels)" }
   if (panel eq "contrast") { set title "Error against contrast, noise 1.5"; set xlabel "of full contrast" }
-  told = series eq "points" ? 3 : 10 # the first three can be told how many
+  shown = series eq "points" ? 3 : 10 # only the first three have a number of points
   eval("plot " . curves . (what eq "error" && series ne "points" ? ", " . bound : ""))
 }
 

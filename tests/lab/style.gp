@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What the charts of the lab share. The palette is that of Okabe and Ito: told apart by all kinds of
-# colour vision; each method also has a symbol of its own.
+# Settings of all charts of the lab. The palette of Okabe and Ito suits every kind of colour vision;
+# each method also has its own symbol.
 set datafile separator ","
 set datafile columnheaders
 set encoding utf8
@@ -8,12 +8,9 @@ set border 3 linecolor rgb "#444444"
 set tics nomirror out
 set grid linecolor rgb "#DDDDDD" linewidth 1
 
-# `terminal(FILE, WIDTH, HEIGHT)` is the command that opens a picture by the ending of its name.
+# `terminal(FILE, WIDTH, HEIGHT)` returns the commands that open a PNG file for output.
 terminal(file, width, height) = \
-  (file[strlen(file) - 3:] eq ".svg" \
-    ? sprintf("set terminal svg size %d,%d dynamic font 'DejaVu Sans,13' background '#ffffff'", width, height) \
-    : sprintf("set terminal pngcairo size %d,%d font 'DejaVu Sans,12' background '#ffffff'", width, height)) \
-  . sprintf("; set output '%s'", file)
+  sprintf("set terminal pngcairo size %d,%d font 'DejaVu Sans,12' background '#ffffff'; set output '%s'", width, height, file)
 
 # Methods in groups, a colour and a symbol each.
 titles = "'fast' 'method=opencv' 'PyrLK on the crop' 'PyrLK on the frame' 'RLOF' 'DIS' 'Farneback' 'phase correlation' 'ECC' 'block search'"
