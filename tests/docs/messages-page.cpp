@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "messages-page.hpp"
+
+#include <cinttypes>
+#include <gst/gst.h>
+#include <regex>
+#include <stdexcept>
+
+#if __has_include("gst-plugins/common/messages.hpp")
+#include "gst-plugins/common/messages.hpp"
+#endif
+#if __has_include("gst-plugins/vision/messages.hpp")
+#include "gst-plugins/vision/messages.hpp"
+#endif
+#if __has_include("gst-plugins/device/messages.hpp")
+#include "gst-plugins/device/messages.hpp"
+#endif
+#if __has_include("gst-plugins/track/messages.hpp")
+#include "gst-plugins/track/messages.hpp"
+#endif
+#if __has_include("spidar/src/messages.hpp")
+#include "spidar/src/messages.hpp"
+#endif
+
+namespace docs {
+namespace {
+
+constexpr const char *kBegin = "<!-- messages: begin -->\n";
+constexpr const char *kEnd = "<!-- messages: end -->\n";
+
+// Replaces each printf conversion by an ellipsis.
+std::string readable(const std::string &format) {
+  static const std::regex conversion(
+      R"(%[-+ #0]*[0-9*]*(\.[0-9*]+)?(hh|h|ll|l|z|j|t|L)?[diouxXeEfgGcsp])");
+  static const std::regex percent("%%");
+  return std::regex_replace(std::regex_replace(format, conversion, "…"), percent, "%");
+}
+
+// Escapes the characters with a meaning in Markdown or HTML.
+std::string escaped(const std::string &text) {
+  static const std::regex special(R"([\\`*_\[\]<>|])");
+  return std::regex_replace(text, special, R"(\$&)");
+}
+
+struct Extent {
+  std::size_t begin;
+  std::size_t end;
+};
+
+Extent find_generated_part(const std::string &page) {
+  const std::size_t begin = page.find(kBegin);
+  const std::size_t end = page.find(kEnd);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    throw std::runtime_error("the page lacks the markers of the generated section");
+  return {begin + std::string(kBegin).size(), end};
+}
+
+} // namespace
+
+std::vector<Room> message_tables() {
+#define ROW(name, text, cure) {#name, text, cure},
+  return {
+#ifdef DEVICE_MESSAGES
+      {"Device and force", {DEVICE_MESSAGES(ROW)}},
+#endif
+#ifdef SPIDAR_MESSAGES
+      {"SPIDAR-G and its tools", {SPIDAR_MESSAGES(ROW)}},
+#endif
+#ifdef VISION_MESSAGES
+      {"Video and motion", {VISION_MESSAGES(ROW)}},
+#endif
+#ifdef TRACK_MESSAGES
+      {"Tracks, haptic-track and the network", {TRACK_MESSAGES(ROW)}},
+#endif
+#ifdef COMMON_MESSAGES
+      {"Every element", {COMMON_MESSAGES(ROW)}},
+#endif
+  };
+#undef ROW
+}
+
+std::string messages_section(const std::vector<Room> &rooms) {
+  std::string section;
+  for (const Room &room : rooms) {
+    section += "\n### " + room.heading + "\n\n";
+    for (const Message &message : room.messages)
+      section += "* *" + escaped(readable(message.text)) + "* " + escaped(message.cure) + "\n";
+  }
+  return section + "\n";
+}
+
+std::string generated_part(const std::string &page) {
+  const Extent part = find_generated_part(page);
+  return page.substr(part.begin, part.end - part.begin);
+}
+
+std::string with_generated_part(const std::string &page, const std::string &section) {
+  const Extent part = find_generated_part(page);
+  return page.substr(0, part.begin) + section + page.substr(part.end);
+}
+
+} // namespace docs
