@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Motion fields for many videos, on several machines at once. The videos lie in folders that all machines see
-# under the same names; the copies come beside them, as haptic-track author makes them.
+# Authors motion fields for many videos on several machines. All machines must see the videos under the same
+# names. For each video it runs, on one core,
 #
-#   haptic-track author --jobs 1 FILE          is what runs for each, on one core
+#   haptic-track author --jobs 1 FILE
 #
-# With GNU parallel, which keeps a process running on each core of each machine:
+# With GNU parallel, one process on each core of each machine:
 #
 #   pipelines/author-cluster.sh --machines :,wind,8/sea FILE...
 #
@@ -15,11 +15,11 @@
 #
 # Usage: pipelines/author-cluster.sh [--machines LOGIN,...] [--output FOLDER] FILE...
 #        pipelines/author-cluster.sh [--output FOLDER] --list LIST
-#   --machines  as parallel's --sshlogin: names of machines, N/NAME for N processes there; : is this one, and all
-#               there is unless named
-#   --list      the file in the line $SLURM_ARRAY_TASK_ID of this list
-#   --output    folder of the copies; otherwise that of each video
-# Run again, it goes on where it was stopped. The exit status is 0 if all copies are there.
+#   --machines  as parallel's --sshlogin: names of machines, N/NAME for N processes there; : is this machine
+#               (default)
+#   --list      the video is in line $SLURM_ARRAY_TASK_ID of this file
+#   --output    folder of the copies (default: that of each video)
+# A second run continues where the first was stopped. The exit status is 0 if all copies exist.
 
 source "$(dirname "$0")/common.sh"
 
@@ -43,19 +43,19 @@ done
 
 use_elements motionfield hapticconvert
 author=$build/gst-plugins/track/tools/haptic-track
-[ -x "$author" ] || author=$(command -v haptic-track) || fail "haptic-track is neither built nor installed"
+[ -x "$author" ] || author=$(command -v haptic-track) || fail "haptic-track is neither built nor installed; run ./pipelines/demo.sh"
 
 if [ -n "$list" ]; then
-  [ $# -eq 0 ] || fail "the files are in the list; see --help"
+  [ $# -eq 0 ] || fail "give either --list or files, not both; see --help"
   need_file "$list"
   [[ ${SLURM_ARRAY_TASK_ID:-} =~ ^[1-9][0-9]*$ ]] ||
-    fail "SLURM_ARRAY_TASK_ID does not say which line of '$list'; it is started by sbatch --array, see --help"
+    fail "SLURM_ARRAY_TASK_ID does not say which line of '$list'; start it with sbatch --array, see --help"
   file=$(sed -n "${SLURM_ARRAY_TASK_ID}p" "$list")
-  [ -n "$file" ] || fail "'$list' has no line $SLURM_ARRAY_TASK_ID"
+  [ -n "$file" ] || fail "'$list' has no line $SLURM_ARRAY_TASK_ID; use sbatch --array=1-$(wc -l <"$list")"
   exec "$author" author --jobs 1 "${output[@]}" -- "$file"
 fi
 
 [ $# -gt 0 ] || fail "which videos? See --help"
-command -v parallel >/dev/null || fail "GNU parallel is not installed (package parallel)"
+command -v parallel >/dev/null || fail "GNU parallel is not installed; as root run: apt-get install parallel"
 exec parallel --will-cite --sshlogin "$machines" --env GST_PLUGIN_PATH --env GST_REGISTRY --workdir "$PWD" \
   --line-buffer "$author" author --jobs 1 "${output[@]}" -- {} ::: "$@"

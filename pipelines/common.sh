@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034 # its variables are read by the scripts that source it
-# What the scripts of this folder share. To be sourced, not run.
+# Functions and settings of all scripts in this folder. To be sourced, not run.
 set -euo pipefail
 
-# Numbers are written with a point whatever the language of the user.
+# A decimal point in every language.
 export LC_ALL=C.UTF-8
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-# Where the plugins are built. FEELING_WIND_BUILD names another, finished build to use as it is.
+# The build folder. FEELING_WIND_BUILD names a finished build to use unchanged.
 build=${FEELING_WIND_BUILD:-$root/build}
 
-# One sentence on stderr that says what is wrong and what to do about it, and a nonzero exit.
+# `fail MESSAGE` prints what is wrong and its cure, and ends the script with status 1.
 fail() {
   echo "${0##*/}: $*" >&2
   exit 1
 }
 
-# The comment at the top of the running script is its help.
+# Prints the comment at the top of the running script.
 show_help() {
   sed -n '3,/^[^#]/ s/^# \{0,1\}//p' "$0"
 }
@@ -39,7 +39,7 @@ read_arguments() {
       ;;
     -*) fail "unknown option '$1'; see --help" ;;
     *)
-      [ -z "$input" ] || fail "one input only; options of hapticsink come after --, see --help"
+      [ -z "$input" ] || fail "one input only; write options of hapticsink after --, see --help"
       input=$1
       shift
       ;;
@@ -47,7 +47,7 @@ read_arguments() {
   done
 }
 
-# `quoted TEXT` is TEXT as a value in a gst-launch line, whatever characters it holds.
+# `quoted TEXT` prints TEXT as a value for a gst-launch line, with any characters in it escaped.
 quoted() {
   local text=${1//\\/\\\\}
   if [[ $1 =~ ^[[:alnum:]_.,:/-]+$ ]]; then
@@ -59,9 +59,9 @@ quoted() {
 
 need_file() {
   [ -n "$1" ] || fail "which video file? See --help"
-  [ -e "$1" ] || fail "there is no file '$1'"
-  [ ! -d "$1" ] || fail "'$1' is a folder, not a video file"
-  [ -r "$1" ] || fail "the file '$1' may not be read by this user"
+  [ -e "$1" ] || fail "there is no file '$1'; check the name"
+  [ ! -d "$1" ] || fail "'$1' is a folder, not a video file; give a file in it"
+  [ -r "$1" ] || fail "the file '$1' may not be read by this user; run: chmod +r '$1'"
 }
 
 need_camera() {
@@ -69,11 +69,11 @@ need_camera() {
   if [ ! -e "$1" ]; then
     found=$(echo /dev/video*)
     [ "$found" != '/dev/video*' ] || found=none
-    fail "there is no camera '$1' (cameras here: $found)"
+    fail "there is no camera '$1' (cameras here: $found); plug one in, or give another"
   fi
-  [ -c "$1" ] || fail "'$1' is not a camera"
+  [ -c "$1" ] || fail "'$1' is not a camera; use /dev/videoN"
   if [ ! -r "$1" ] || [ ! -w "$1" ]; then
-    fail "the camera '$1' may not be used by this user; as root run: usermod -aG video $(id -un)"
+    fail "the camera '$1' may not be used by this user; as root run: usermod -aG video $(id -un), then log in again"
   fi
 }
 
@@ -82,35 +82,35 @@ has_display() {
 }
 
 need_display() {
-  has_display || fail "there is no display for the window (DISPLAY is not set)"
+  has_display || fail "there is no display for the window; set DISPLAY, or use play-file.sh"
 }
 
-# Raw or Motion-JPEG pictures of a camera. Cameras offer their largest pictures at a few pictures a
-# second; motion wants more. The leaky queue keeps the tracker at the newest picture.
-camera_pictures=(
+# Decodes raw or Motion-JPEG frames of a camera. Cameras offer their largest frames at a few frames a
+# second; the tracker needs at least 15. The leaky queue drops all but the newest frame.
+camera_frames=(
   capsfilter 'caps="video/x-raw,framerate=[15/1,120/1];image/jpeg,framerate=[15/1,120/1]"'
   ! queue leaky=downstream max-size-buffers=1 ! decodebin ! videoconvert
 )
 
-# Parts of a gst-launch line between roitracker and velocityavg that show the picture in a window, the first
-# with what is measured and felt.
-# Each branch of the tee needs a queue of its own, otherwise the pipeline never starts.
+# The part of a gst-launch line between roitracker and velocityavg that shows the video in a window, with
+# motion and force drawn over it. Each branch of the tee needs its own queue, otherwise the pipeline
+# never starts.
 window_branch=(tee name=t t. ! queue ! videoconvert ! hapticoverlay ! autovideosink t. ! queue !)
 
-# Of a file, which is read as fast as the window takes it: longer queues would let the tracker run ahead
-# of what is seen, and what the hand points at would be felt a second later.
+# The same for a file, without the drawing. A file is read as fast as the window shows it: with longer
+# queues the tracker would be ahead of the window, and the hand would feel a pointer move a second late.
 file_window_branch=(
   tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink
   t. ! queue max-size-buffers=1 !
 )
 
-# Configures (the first time) and builds the plugins in $build. What the tools say goes to a log.
+# Configures (the first time) and builds the plugins in $build, with a log in build.log.
 build_plugins() {
   local log=$build/build.log
-  mkdir -p "$build" || fail "the folder '$build' cannot be made"
+  mkdir -p "$build" || fail "the folder '$build' cannot be made; check the permissions of its parent"
   if [ ! -f "$build/build.ninja" ]; then
     echo "Building the plugins in $build (a minute or two, once) ..."
-    rm -rf "$build/meson-private" "$build/meson-info" # of a setup that was broken off
+    rm -rf "$build/meson-private" "$build/meson-info" # left by an interrupted setup
     meson setup "$build" "$root" --buildtype=release -Dvision=enabled -Ddevice=enabled -Dtrack=enabled \
       -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
   fi
@@ -119,11 +119,11 @@ build_plugins() {
 
 build_failed() {
   tail -n 20 "$1" >&2
-  fail "the build failed (log: $1)"
+  fail "the build failed; read the log $1"
 }
 
-# Makes GStreamer find the elements: those of $build, if there is one, otherwise installed ones. Those named,
-# or the three that every other pipeline has, must be there.
+# `use_elements [ELEMENT...]` lets GStreamer find the elements of $build, or else the installed ones. Fails
+# if one of the given elements (default: the usual three) is missing.
 use_elements() {
   local element needed=("$@")
   [ ${#needed[@]} -gt 0 ] || needed=(roitracker velocityavg hapticsink)
@@ -133,15 +133,15 @@ use_elements() {
     export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
   fi
   command -v gst-inspect-1.0 >/dev/null ||
-    fail "GStreamer's tools are not installed; ./pipelines/demo.sh installs and builds everything"
+    fail "GStreamer's tools are not installed; run ./pipelines/demo.sh, which installs and builds everything"
   for element in "${needed[@]}"; do
-    # Without a version gst-inspect asks for GStreamer's own.
+    # By default gst-inspect requires GStreamer's own version number.
     gst-inspect-1.0 --exists --atleast-version=0.1 "$element" ||
-      fail "GStreamer does not find the element $element; ./pipelines/demo.sh installs and builds everything"
+      fail "GStreamer does not find the element $element; run ./pipelines/demo.sh, which installs and builds everything"
   done
 }
 
-# Shows a command so that it can be pasted into a shell.
+# Prints a command, quoted for a shell.
 show_line() {
   local word
   for word; do
@@ -151,18 +151,18 @@ show_line() {
   printf '\n'
 }
 
-# Elements of this project that launch() needs; none: the usual three.
+# Elements of this project that launch() requires; if empty, the usual three.
 elements=()
 
-# Becomes gst-launch-1.0 with this pipeline, after showing it. -e: Ctrl-C ends the stream properly,
-# so that the force fades out and the log is complete.
+# Prints the gst-launch-1.0 line and replaces this shell by it. With -e, Ctrl-C ends the stream properly:
+# the force fades out and the log is complete.
 launch() {
   use_elements "${elements[@]}"
   show_line gst-launch-1.0 -e "$@"
   exec gst-launch-1.0 -e "$@"
 }
 
-# What comes with the packages gstreamer1.0-plugins-bad and -ugly, which not everybody has.
+# Fails if one of the given elements of gstreamer1.0-plugins-bad or -ugly is missing.
 need_packaged_elements() {
   local element
   for element; do
@@ -171,24 +171,27 @@ need_packaged_elements() {
   done
 }
 
-# The program haptic-track, of $build or installed.
+# Runs haptic-track of $build, or else the installed one.
 haptic_track() {
   local program=$build/gst-plugins/track/tools/haptic-track
   [ -x "$program" ] || program=haptic-track
   "$program" "$@"
 }
 
-# `pictures_of INPUT`: the beginning of a line, in the array $pictures, for a video file or --test-source. A
+# A live test video that moves to the left at 60 px/s.
+test_source=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
+  ! "video/x-raw,width=352,height=288,framerate=30/1")
+
+# `frames_of INPUT` sets the array $frames to the first part of a line, for a video file or --test-source. A
 # file is read at its own speed.
-pictures_of() {
+frames_of() {
   if [ "$1" = --test-source ]; then
-    pictures=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
-      ! "video/x-raw,width=352,height=288,framerate=30/1")
+    frames=("${test_source[@]}")
   else
     need_file "$1"
-    pictures=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync)
+    frames=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync)
   fi
 }
 
-# H.264 without delay: an encoder that looks ahead would hold the haptic branch back.
+# H.264 without delay: an encoder with look-ahead would delay the haptic branch.
 h264=(videoconvert ! "video/x-raw,format=I420" ! x264enc tune=zerolatency key-int-max=30)

@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Sets everything up on a Debian 12 and runs the paper's system: a hand wanders over a video of a
-# tree in the wind and feels it move. Leaves in demo-output/
+# Sets everything up on Debian 12 or 13 and runs the paper's system: a simulated hand moves over a video
+# of a tree in the wind and feels it move. Writes to demo-output/
 #   trace.csv  one row per millisecond: hand, velocity, force, string tensions
 #   trace.png  velocity and force over time, as the paper's figure 11
-# and prints a summary. Installs Debian packages and builds the plugins the first time (it says
-# which); later runs take as long as the video, 30 s. Ctrl-C ends it early and keeps the results.
+# and prints a summary. The first run installs Debian packages, which it lists, and builds the plugins;
+# later runs take as long as the video, 30 s. Ctrl-C ends it early and keeps the results.
 #
 # Usage: pipelines/demo.sh [OPTION...]
 #   --video FILE          a video of your own instead of the tree
-#   --camera /dev/videoN  a camera instead of a file; "--camera test" is a live test picture
+#   --camera /dev/videoN  a camera instead of a file; "--camera test" is a live test video
 #   --seconds N           end after N seconds (a camera: 30; a file: at its end)
-#   --device DEVICE       sim (default): a simulated SPIDAR-G whose hand wanders about
-#                         usb or usb:ID: a real one; auto: a real one if there is one
-#   --show                show the picture in a window, with what is measured and felt, where there is a display
+#   --device DEVICE       sim (default): a simulated SPIDAR-G with a moving hand
+#                         usb or usb:ID: a real one; auto: a real one, or else a simulated one
+#   --show                show the video in a window, with motion and force drawn over it
 #   --output DIR          where the results go (demo-output)
 #   --help
 
@@ -52,14 +52,14 @@ read_options() {
 }
 
 check_options() {
-  [ -z "$video" ] || [ -z "$camera" ] || fail "either --video or --camera, not both"
+  [ -z "$video" ] || [ -z "$camera" ] || fail "give either --video or --camera, not both"
   [ -z "$video" ] || need_file "$video"
   [ -z "$camera" ] || [ "$camera" = test ] || need_camera "$camera"
   [ -z "$camera" ] || seconds=${seconds:-30}
   [[ ${seconds:-1} =~ ^[1-9][0-9]{0,5}$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
   [[ $device =~ ^(sim|auto|usb|usb:.+)$ ]] || fail "--device is sim, usb, usb:ID or auto, not '$device'"
   if [ "$show" = yes ] && ! has_display; then
-    echo "There is no display: going on without a window."
+    echo "There is no display: continuing without a window."
     show=no
   fi
   if ! mkdir -p "$output" 2>/dev/null || ! : 2>/dev/null >"$output/trace.csv"; then
@@ -67,7 +67,7 @@ check_options() {
   fi
 }
 
-# Packages and build, unless the caller brought a finished build.
+# Installs packages and builds, unless FEELING_WIND_BUILD names a finished build.
 set_up() {
   if [ -z "${FEELING_WIND_BUILD:-}" ]; then
     install_packages "${run_packages[@]}" "${build_packages[@]}"
@@ -80,7 +80,7 @@ set_up() {
   fi
 }
 
-# What the first error in a log of gst-launch tells the user; failing that, its last line.
+# Prints the first error in a log of gst-launch, or else its last line.
 reason() {
   local text
   text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' "$1" |
@@ -92,16 +92,15 @@ need_video() {
   local log=$output/gst-launch.log
   timeout 30 gst-launch-1.0 -q filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert \
     ! fakesink num-buffers=1 >"$log" 2>&1 ||
-    fail "'$video' is not a video that GStreamer can play ($(reason "$log"))"
+    fail "'$video' is not a video that GStreamer can play; try another one ($(reason "$log"))"
 }
 
-# Puts the gst-launch line into $line.
+# Sets $line to the gst-launch line.
 make_line() {
   if [ "$camera" = test ]; then
-    line=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
-      ! "video/x-raw,width=352,height=288,framerate=30/1" ! "${camera_pictures[@]}")
+    line=("${test_source[@]}" ! "${camera_frames[@]}")
   elif [ -n "$camera" ]; then
-    line=(v4l2src "device=$(quoted "$camera")" ! "${camera_pictures[@]}")
+    line=(v4l2src "device=$(quoted "$camera")" ! "${camera_frames[@]}")
   else
     line=(filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert)
   fi
@@ -111,11 +110,11 @@ make_line() {
     "log-location=$(quoted "$output/trace.csv")")
 }
 
-# Reads what gst-launch -m says, after a first line with its process id. Keeps it in the log given,
+# `follow LOG` reads a process id and then the output of that gst-launch -m. Writes the output to LOG,
 # shows progress and warnings, and interrupts gst-launch after $seconds, if set.
 follow() {
-  local log=$1 process text rest='' began=$SECONDS asked=no
-  trap '' INT # Ctrl-C is for gst-launch alone; its last words matter
+  local log=$1 process text rest='' began=$SECONDS interrupted=no
+  trap '' INT # Ctrl-C ends gst-launch; its last output is still read
   read -r process
   while true; do
     if IFS= read -r -t 1 text; then
@@ -128,8 +127,8 @@ follow() {
       break
     fi
     if [ -n "$seconds" ] && [ $((SECONDS - began)) -ge "$seconds" ]; then
-      if [ $asked = no ]; then
-        asked=yes
+      if [ $interrupted = no ]; then
+        interrupted=yes
         kill -INT "$process" 2>/dev/null || true
       elif [ $((SECONDS - began)) -ge $((seconds + 15)) ]; then
         kill -KILL "$process" 2>/dev/null || true
@@ -159,18 +158,18 @@ show_event() {
   esac
 }
 
-# A number from the last element message of this name in the log.
+# `statistic LOG MESSAGE FIELD` prints a number from the last element message of that name.
 statistic() {
   sed -n "s/.*(element): $2, \(.* \)\?$3=([a-z0-9]*)\([^,;]*\).*/\2/p" "$1" | tail -n 1
 }
 
 summarise() {
   local log=$1 trace=$output/trace.csv
-  picture() { statistic "$log" roitracker-stats "$1"; }
+  tracker() { statistic "$log" roitracker-stats "$1"; }
   loop() { statistic "$log" hapticsink-stats "$1"; }
   echo
-  awk -F, -v frames="$(picture frames)" -v measured="$(picture measured)" \
-    -v still="$(picture still)" -v repeated="$(picture duplicates)" -v points="$(picture points)" \
+  awk -F, -v frames="$(tracker frames)" -v measured="$(tracker measured)" \
+    -v still="$(tracker still)" -v repeated="$(tracker duplicates)" -v points="$(tracker points)" \
     -v ticks="$(loop ticks)" -v late="$(loop late-ticks)" -v missed="$(loop missed-ticks)" \
     -v start50="$(loop jitter-p50)" -v start99="$(loop jitter-p99)" -v start="$(loop jitter-max)" \
     -v body50="$(loop loop-p50)" -v body99="$(loop loop-p99)" '
@@ -185,8 +184,8 @@ summarise() {
     }
     END {
       if (frames != "") {
-        printf "Pictures    %d: %d measured, %d still, %d repeated\n", frames, measured, still, repeated
-        printf "Points      %.1f in a measured picture\n", points
+        printf "Frames      %d: %d measured, %d still, %d repeated\n", frames, measured, still, repeated
+        printf "Points      %.1f in a measured frame\n", points
       }
       if (rows == 0) { print "The log holds no rows."; exit }
       printf "Velocity    at most %.0f px/s\n", fastest
@@ -203,11 +202,11 @@ draw() {
   local name=${camera:+camera $camera}
   if [ "$(wc -l <"$output/trace.csv")" -lt 3 ]; then
     rm -f "$output/trace.png"
-    echo "Files       $output/trace.csv (too short for a picture)"
+    echo "Files       $output/trace.csv (too short for a plot)"
     return
   fi
   gnuplot -c "$root/pipelines/trace.gp" "$output/trace.csv" "$output/trace.png" \
-    "${name:-${video##*/}}" || fail "gnuplot could not draw $output/trace.png"
+    "${name:-${video##*/}}" || fail "gnuplot could not draw $output/trace.png; install gnuplot-nox"
   echo "Files       $output/trace.csv, $output/trace.png"
 }
 
@@ -217,7 +216,7 @@ run() {
   make_line
   echo "Running, with the log in $log:"
   show_line gst-launch-1.0 -e -m "${line[@]}"
-  trap : INT # the summary still follows
+  trap : INT # the summary is still printed
   set +e
   {
     echo "$BASHPID"

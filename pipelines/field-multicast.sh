@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Send the motion of a whole picture to any number of receivers at once; each hand chooses what it feels.
+# Send the motion of the whole frame to any number of receivers; each hand selects what it feels.
 #
 #   gst-launch-1.0 -e v4l2src device=/dev/video0 ! videoconvert ! motionfield ! hapticconvert ! meta/x-klv \
 #       ! rtpklvpay ! udpsink host=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true sync=false async=false
@@ -9,19 +9,19 @@
 #         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
 #       ! rtpjitterbuffer latency=30 ! rtpklvdepay ! hapticconvert ! hapticsink
 #
-# No pointer goes back, so that one more receiver costs the sender nothing. Nothing of this is encrypted or
-# signed: use it in a network that you trust. No track from the network exceeds hapticsink's max-force.
+# No pointer goes back: a receiver costs the sender nothing. Nothing is encrypted or signed: use it in a
+# network that you trust. No track from the network exceeds hapticsink's max-force.
 #
 # Usage: pipelines/field-multicast.sh [--group ADDRESS] [--port PORT] [--interface NAME] INPUT
 #        pipelines/field-multicast.sh --receive [--group ADDRESS] [--port PORT] [--interface NAME]
 #            [--latency MS] [-- OPTION=VALUE...]
-#   INPUT        a video file, a camera such as /dev/video0, or --test-source: a live test picture that moves to
+#   INPUT        a video file, a camera such as /dev/video0, or --test-source: a live test video that moves to
 #                the left at 60 px/s
-#   --receive    feel what is sent; as many at once as there are hands
+#   --receive    feel what is sent
 #   --group      multicast address (239.255.43.1)
-#   --port       (5010)
-#   --interface  of the network (lo: this machine only)
-#   --latency    how long packets that come late or in another order are waited for (30)
+#   --port       UDP port (5010)
+#   --interface  network interface (lo: this machine only)
+#   --latency    ms to wait for late or reordered packets (30)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
 source "$(dirname "$0")/common.sh"
@@ -49,12 +49,12 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
   esac
   shift
 done
-# Of 224.0.0.0/4, what is left to everybody's own use.
+# RFC 2365: 239.0.0.0/8 is for private use.
 [[ $group =~ ^239(\.[0-9]{1,3}){3}$ ]] || fail "--group needs an address from 239.0.0.0 to 239.255.255.255, not '$group'"
 [[ $port =~ ^[1-9][0-9]{0,4}$ ]] || fail "--port needs a number, not '$port'"
 [[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
 [ -e "/sys/class/net/$interface" ] ||
-  fail "there is no network interface '$interface' (here: $(cd /sys/class/net && echo *))"
+  fail "there is no network interface '$interface'; use one of: $(cd /sys/class/net && echo *)"
 
 if [ -n "$receives" ]; then
   [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
@@ -66,15 +66,15 @@ if [ -n "$receives" ]; then
     ! rtpjitterbuffer "latency=$latency" ! rtpklvdepay ! hapticconvert ! hapticsink "${sink_options[@]}"
 fi
 
-[ $# -eq 0 ] || fail "options of hapticsink are for --receive; see --help"
+[ $# -eq 0 ] || fail "options of hapticsink go with --receive; see --help"
 [ -n "$video" ] || fail "which video? See --help"
 if [[ $video = /dev/* ]]; then
   need_camera "$video"
-  pictures=(v4l2src "device=$(quoted "$video")" ! "${camera_pictures[@]}")
+  frames=(v4l2src "device=$(quoted "$video")" ! "${camera_frames[@]}")
 else
-  pictures_of "$video"
+  frames_of "$video"
 fi
 elements=(motionfield hapticconvert)
 need_packaged_elements rtpklvpay
-launch "${pictures[@]}" ! motionfield ! hapticconvert ! meta/x-klv ! rtpklvpay \
+launch "${frames[@]}" ! motionfield ! hapticconvert ! meta/x-klv ! rtpklvpay \
   ! udpsink "host=$group" "port=$port" "multicast-iface=$interface" auto-multicast=true sync=false async=false

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Moves the pointer over a video from left to right and back, and prints what moves beneath it.
+"""Moves the pointer over a video from left to right and back, and prints the motion under it.
 
 Shows how the elements, their properties and their messages are used from Python (package python3-gi).
 
@@ -25,7 +25,7 @@ def main(arguments):
         return __doc__
     video = pathlib.Path(arguments[1])
     if not video.is_file():
-        return f"there is no file '{video}'"
+        return f"there is no file '{video}'; check the name"
 
     Gst.init(None)
     try:

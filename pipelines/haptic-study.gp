@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws the weighted average values of haptic-study.sh as the paper's figure 12.
 #
-#   gnuplot -c haptic-study.gp TABLE.csv PICTURE.png
-if (ARGC != 2) { print "usage: gnuplot -c haptic-study.gp TABLE.csv PICTURE.png"; exit status 1 }
+#   gnuplot -c haptic-study.gp TABLE.csv PLOT.png
+if (ARGC != 2) { print "usage: gnuplot -c haptic-study.gp TABLE.csv PLOT.png"; exit status 1 }
 
 set terminal pngcairo size 900,600 font "DejaVu Sans,15" background "white"
 set output ARG2
@@ -21,7 +21,7 @@ set ylabel "weighted average value"
 at(aspect) = aspect eq "interactivity" ? 0 : aspect eq "sensitivity" ? 1 : 2
 is(word, column) = strcol(column) eq word
 
-# Of Okabe and Ito: told apart by all kinds of colour vision.
+# The palette of Okabe and Ito suits every kind of colour vision.
 plot ARG1 using (is("without", 2) ? at(strcol(1)) - 0.2 : NaN):"WAV" with boxes linecolor rgb "#999999" title "without force", \
      "" using (is("with", 2) ? at(strcol(1)) + 0.2 : NaN):"WAV" with boxes linecolor rgb "#0072B2" title "with force", \
      "" using (at(strcol(1)) + (is("with", 2) ? 0.2 : -0.2)):9:(sprintf("%s\nn = %s", strcol(9), strcol(3))) every ::1 with labels offset 0,1.7 notitle

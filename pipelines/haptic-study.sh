@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Repeats the paper's experiment (section 4): a person watches a video with and without force, in random order,
-# points where they like, and rates three aspects each time on the paper's scale of five steps.
+# points anywhere, and rates three aspects each time on the paper's scale of five steps.
 #
 #   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
 #
 # Usage: pipelines/haptic-study.sh run [OPTION...] VIDEO... [-- OPTION=VALUE...]
-#        pipelines/haptic-study.sh report ANSWERS.csv [PICTURE.png]
-#   run      one session with one of the videos, chosen by chance. Answers are appended as soon as they are given.
+#        pipelines/haptic-study.sh report ANSWERS.csv [PLOT.png]
+#   run      one session with a random video. Each answer is written at once.
 #     --participant NAME  letters, digits, _ and - (anonymous)
-#     --answers FILE      where the answers go (answers.csv)
-#     --seconds N         play at most so long each time
-#     --no-window         the video is shown elsewhere
-#     --seed N            the same choices again, to rehearse
+#     --answers FILE      file of the answers (answers.csv)
+#     --seconds N         play at most N seconds each time
+#     --no-window         do not open a window
+#     --seed N            seed of the random choices
 #     What follows -- goes to hapticsink, both times.
 #   report   prints the counts and the weighted average value (equation 6) of each aspect with and without force,
 #            and draws them as the paper's figure 12
@@ -24,7 +24,7 @@ source "$(dirname "$0")/common.sh"
 header=session,time,participant,video,round,force,interactivity,sensitivity,reality
 scale=(Bad Poor Average Good 'Very good')
 
-# What the paper means by each aspect.
+# The paper's meaning of each aspect.
 questions=(
   'Interactivity: could you interact with the things in the video as you wished?'
   'Sensitivity: did you get a real feeling of the scene?'
@@ -78,20 +78,20 @@ prepare_answers() {
   fi
 }
 
-# `play VIDEO MAX-FORCE`; without force, the grip still points.
+# `play VIDEO MAX-FORCE`. With 0 the grip still points.
 play() {
   local line=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync ! roitracker !) status=0
   [ "$window" = no ] || line+=("${file_window_branch[@]}")
   line+=(velocityavg ! hapticsink "${sink_options[@]}" "max-force=$2")
-  # Ctrl-C ends the video and not the session.
+  # Ctrl-C ends the video, not the session.
   trap : INT
   timeout --foreground --preserve-status -k 20 -s INT "${seconds:-0}" gst-launch-1.0 -q -e "${line[@]}" ||
     status=$?
   trap - INT
-  [ "$status" = 0 ] || [ "$status" = 130 ] || fail "'$1' could not be played to its end; nothing was asked about it"
+  [ "$status" = 0 ] || [ "$status" = 130 ] || fail "'$1' could not be played to its end; try another video (no question was asked about it)"
 }
 
-# `ask QUESTION` sets $rating.
+# `ask QUESTION` sets $rating to the answer.
 ask() {
   local i
   echo
@@ -101,7 +101,7 @@ ask() {
   done
   echo
   while true; do
-    read -r -p '1 to 5: ' rating || fail "the session was broken off; what was answered before is in '$answers'"
+    read -r -p '1 to 5: ' rating || fail "the session was broken off; start a new one (what was answered before is in '$answers')"
     [[ ! $rating =~ ^[1-5]$ ]] || return 0
     echo "Please type a number from 1 (${scale[0]}) to 5 (${scale[4]})."
   done
@@ -117,7 +117,7 @@ run_session() {
   [ "$first" = 1 ] && order=(yes no) || order=(no yes)
   for round in 0 1; do
     echo
-    echo "The video is shown for the $([ "$round" = 0 ] && echo first || echo second) time. Point at what you like."
+    echo "The video is shown for the $([ "$round" = 0 ] && echo first || echo second) time. Point anywhere."
     play "$video" "$([ "${order[round]}" = yes ] && echo 1 || echo 0)"
     ratings=()
     for question in "${questions[@]}"; do
@@ -127,14 +127,14 @@ run_session() {
     (
       IFS=,
       echo "$session,$(date -u +%FT%TZ),$participant,${video##*/},$((round + 1)),${order[round]},${ratings[*]}"
-    ) >>"$answers" || fail "'$answers' cannot be written"
+    ) >>"$answers" || fail "'$answers' cannot be written; give another with --answers"
   done
   echo
   echo "Thank you. The answers are in $answers; see '$0 report $answers'."
 }
 
-# `weigh ANSWERS TABLE` says how many there are, and writes the counts of each answer and the weighted average
-# value as CSV.
+# `weigh ANSWERS TABLE` prints how many answers there are, and writes to TABLE the count of each answer and the
+# weighted average value (equation 6) as CSV.
 weigh() {
   awk -F, -v header="$header" -v table="$2" '
     NR == 1 { if ($0 != header) { print "the first line is not \"" header "\"" >"/dev/stderr"; exit bad = 1 }; split($0, aspect); next }
@@ -166,17 +166,17 @@ weigh() {
 
 report() {
   [ $# -gt 0 ] || fail "which answers? See --help"
-  [ -f "$1" ] || fail "there is no file '$1'"
+  [ -f "$1" ] || fail "there is no file '$1'; check the name"
   table=$(mktemp)
   trap 'rm -f "$table"' EXIT
-  weigh "$1" "$table" || fail "'$1' cannot be used"
+  weigh "$1" "$table" || fail "'$1' cannot be used; give a file that 'haptic-study.sh run' wrote"
   awk -F, '{ printf "%-14s %-8s", $1, $2; for (i = 3; i <= NF; i++) printf " %9s", $i; print "" }' "$table"
-  [ $# = 1 ] || gnuplot -c "$root/pipelines/haptic-study.gp" "$table" "$2" || fail "gnuplot could not draw '$2'"
+  [ $# = 1 ] || gnuplot -c "$root/pipelines/haptic-study.gp" "$table" "$2" || fail "gnuplot could not draw '$2'; install gnuplot-nox, or give another name"
 }
 
 case ${1:-} in
 run) shift && case ${1:-} in --help | -h) show_help && exit ;; esac && read_run_options "$@" && run_session ;;
 report) shift && report "$@" ;;
 --help | -h) show_help ;;
-*) fail "either run or report; see --help" ;;
+*) fail "give run or report; see --help" ;;
 esac

@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The mouse instead of the device: it points over the video window, and hapticsink computes the force
-# that a hand there would feel. Without further options the force goes nowhere but into the log.
+# The mouse replaces the device: it points over the video window, and hapticsink computes the force
+# that a hand would feel. By default the force goes to the log only.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
 #       ! roitracker pointer-source=navigation ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=none log-location=trace.csv
 #
-# X11 windows look at the mouse 20 times a second; glimagesink, where it is installed, follows at once.
+# X11 windows report the mouse 20 times a second; glimagesink, where it is installed, reports at once.
 #
 # Usage: pipelines/mouse.sh [FILE] [-- OPTION=VALUE...]
-#   FILE is a video, the tree of the demonstration if none is given. What follows -- goes to
-#   hapticsink, for example log-location=trace.csv, or device=usb to point with the mouse and feel
-#   with the other hand. Ctrl-C stops.
+#   FILE is a video (default: the tree of the demonstration). What follows -- goes to hapticsink, for
+#   example log-location=trace.csv, or device=usb: point with the mouse, feel with the other hand.
+#   Ctrl-C stops.
 
 source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/packages.sh"

@@ -1,19 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Makes the moving picture of the README (WebP, 320 px wide, some 3 s): a video with what is measured and felt drawn
-# over it.
+# Makes the animation of the README (WebP, 320 px wide, some 3 s): a video with motion and force drawn over it.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! clocksync ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! hapticoverlay ! ... \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=sim latency-mode=immediate
 #
-# It runs in real time, since the force that is drawn is the one that the simulated device has just felt.
+# It runs in real time: the overlay draws the force that the simulated device currently feels.
 #
 # Usage: pipelines/moving-picture.sh [VIDEO] OUTPUT
-#   VIDEO   the beginning of a video, felt in its middle. If none is given: the tree of the demonstration, at a
-#           twig. It shows 2.4 pictures a second; here it plays six times as fast, ffmpeg interpolates the
-#           pictures between, and arrows and force are enlarged (scale, alpha), as its leaves move by a few px.
-#   OUTPUT  the file, named .webp
+#   VIDEO   its beginning is used, with the pointer in the middle. Default: the tree of the demonstration, at a
+#           twig. The tree's film shows 2.4 frames a second; it plays six times as fast, ffmpeg interpolates
+#           frames, and arrows and force are enlarged (scale, alpha), because its leaves move by a few px.
+#   OUTPUT  the file, with the ending .webp
 
 source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/packages.sh"
@@ -28,7 +27,7 @@ case $# in
 2) video=$1 output=$2 ;;
 *) fail "into which file? See --help" ;;
 esac
-[[ $output = *.webp ]] || fail "the name of the moving picture must end in .webp, not '$output'"
+[[ $output = *.webp ]] || fail "the name of the output must end in .webp, not '$output'"
 command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"
 use_elements roitracker velocityavg hapticsink hapticoverlay
 need_packaged_elements y4mdec
@@ -40,7 +39,7 @@ if [ -n "$video" ]; then
 else
   video=$(tree_video)
   tracker=(roi-size=60) overlay=(scale=2) sink=("sim-hand=hold:0,0.28,0" alpha=0.15)
-  # The last seconds, in which a hand comes before the lens, are left out.
+  # Without the last seconds, in which a hand covers the lens.
   cut=(-ss 4 -t 19.5)
   film="crop=216:162:52:0,mpdecimate=max=0,setpts=(PTS-STARTPTS)/6,minterpolate=fps=30:mi_mode=mci:mc_mode=aobmc:me_mode=bidir:vsbmc=1"
 fi
@@ -51,13 +50,13 @@ trap 'rm -rf "$work"' EXIT
 
 ffmpeg -v error "${cut[@]}" -i "$video" -an -t "$seconds" -pix_fmt yuv420p \
   -vf "$film,scale=320:2*round(160/dar),setsar=1" "$work/film.y4m" </dev/null 2>"$work/log" ||
-  fail "'$video' is not a video that ffmpeg can play ($(tail -n 1 "$work/log"))"
+  fail "'$video' is not a video that ffmpeg can play; try another one ($(tail -n 1 "$work/log"))"
 gst-launch-1.0 -q filesrc "location=$work/film.y4m" ! y4mdec ! videoconvert ! clocksync \
   ! roitracker "${tracker[@]}" ! tee name=t \
   t. ! queue max-size-buffers=1 ! hapticoverlay "${overlay[@]}" ! videoconvert ! video/x-raw,format=I420 \
   ! videorate drop-only=true ! video/x-raw,framerate=15/1 ! y4menc ! filesink "location=$work/drawn.y4m" \
   t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=sim latency-mode=immediate "${sink[@]}" ||
-  fail "'$video' could not be felt; what GStreamer says is above"
+  fail "'$video' could not be played; see GStreamer's message above"
 ffmpeg -v error -y -i "$work/drawn.y4m" -c:v libwebp_anim -loop 0 -quality 60 "$output" </dev/null ||
-  fail "ffmpeg could not write '$output'"
+  fail "ffmpeg could not write '$output'; give another name"
 echo "$output"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# What this project takes from Debian 12: the one list of packages, and the film of the demonstration. To be
-# sourced after common.sh.
+# The only list of Debian packages of this project, and the film of the demonstration. To be sourced after
+# common.sh.
 
 # To run the pipelines.
 run_packages=(
@@ -12,7 +12,7 @@ run_packages=(
   gstreamer1.0-plugins-ugly # x264enc
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
   gstreamer1.0-x            # video windows
-  gnuplot-nox               # the picture of a trace
+  gnuplot-nox               # the plot of a trace
 )
 
 # To build the plugins.
@@ -45,9 +45,9 @@ test_packages=(
   libgtest-dev
   libbenchmark-dev
   gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0
-  libumockdev-dev # a USB bus without a bus
+  libumockdev-dev # a mocked USB bus
   umockdev        # umockdev-wrapper
-  libopencv-calib3d-dev # what the benchmark of the motion models compares with
+  libopencv-calib3d-dev # the benchmark of the motion models compares with it
   clang-format
   clang-tidy
   shellcheck
@@ -57,7 +57,7 @@ test_packages=(
   python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording; moving-picture.sh
   parallel # runs author-cluster.sh
-  libopencv-imgcodecs-dev # JPEG in the stability suite, pictures of the lab
+  libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
 )
 
@@ -71,12 +71,12 @@ vm_packages=(
   usbutils # lsusb
 )
 
-# The lab can do without: only for the peer RLOF.
+# Optional for the lab: the peer RLOF.
 lab_packages=(
   libopencv-contrib-dev
 )
 
-# The given packages that are not installed, one a line.
+# Prints those of the given packages that are not installed, one a line.
 missing_packages() {
   local installed package
   installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null |
@@ -97,7 +97,7 @@ as_root() {
   fi
 }
 
-# Runs apt-get without questions; its output goes to the log named by the first argument.
+# `quiet_apt_get LOG ARGUMENT...` runs apt-get without questions and appends its output to LOG.
 quiet_apt_get() {
   local log=$1
   shift
@@ -105,12 +105,11 @@ quiet_apt_get() {
     apt-get -y -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "$@" >>"$log" 2>&1
 }
 
-# Installs what is missing of the given packages and says so. Does nothing, and asks nobody, when
-# nothing is missing.
+# Installs those of the given packages that are missing, and lists them. Needs no root where none is missing.
 install_packages() {
   local missing log
   if ! command -v dpkg-query >/dev/null; then
-    echo "This is not a Debian system. Taking it that these are installed by other means: $*"
+    echo "This is not a Debian system. Assuming that these are installed: $*"
     return
   fi
   mapfile -t missing < <(missing_packages "$@")
@@ -123,14 +122,13 @@ install_packages() {
   if ! quiet_apt_get "$log" update ||
     ! quiet_apt_get "$log" install --no-install-recommends "${missing[@]}"; then
     tail -n 20 "$log" >&2
-    fail "apt-get could not install the packages (log: $log)"
+    fail "apt-get could not install the packages; check the network and read the log $log"
   fi
   rm -f "$log"
 }
 
-# The path of tree.avi, a tree in the wind. It comes with the Debian package opencv-doc; where that
-# is not installed (274 MB) or was told to leave its files out, the package is fetched and only this
-# file is taken from it.
+# Prints the path of tree.avi, a tree in the wind, from the Debian package opencv-doc. Where that file is not
+# installed (the package takes 274 MB), the package is fetched and only this file is extracted.
 tree_video() {
   found_tree_video || { fetch_tree_video >&2 && found_tree_video; }
 }
@@ -145,9 +143,9 @@ found_tree_video() {
 
 fetch_tree_video() {
   local kept=$root/build-data/tree.avi folder
-  mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made"
+  mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made; check the permissions of its parent"
   folder=$(mktemp -d "${kept%/*}/fetch.XXXXXX")
-  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to take tree.avi out of it ..."
+  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to extract tree.avi ..."
   if download_package opencv-doc "$folder" &&
     dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb |
       tar -xO ./usr/share/doc/opencv-doc/examples/data/tree.avi \
@@ -157,13 +155,13 @@ fetch_tree_video() {
   else
     tail -n 5 "$folder/log" >&2
     rm -rf "$folder"
-    fail "the package opencv-doc could not be fetched; give a video of your own"
+    fail "the package opencv-doc could not be fetched; check the network, or give a video of your own"
   fi
 }
 
-# `download_package NAME FOLDER` fetches a package without installing it; what apt-get says goes to FOLDER/log.
+# `download_package NAME FOLDER` fetches a package without installing it, with a log in FOLDER/log.
 download_package() {
   (cd "$2" && apt-get download "$1" >log 2>&1) && return
-  # Fresh systems have no list of packages yet.
+  # A fresh system has no list of packages.
   quiet_apt_get "$2/log" update && (cd "$2" && apt-get download "$1" >>log 2>&1)
 }

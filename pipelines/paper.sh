@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Draws the paper's figures 6 and 8 to 11 from a real video, a tree in the wind, as this project measures them;
-# docs/paper.md shows them beside what the paper reports. (Figure 12 needs people: haptic-study.sh.)
+# Draws the paper's figures 6 and 8 to 11 from a real video, a tree in the wind. docs/paper.md compares them with
+# the paper. (Figure 12 needs people: haptic-study.sh.)
 #
-# The hand goes round in a circle for figure 6 and stays on a twig for the others; the line of those is
+# The hand moves in a circle for figure 6 and rests on a twig for the others, which run
 #   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! videorate rate=SPEED ! video/x-raw,format=GRAY8 \
 #       ! roitracker method=opencv ! velocityavg average=mean ! hapticsink force-law=arctan log-location=trace.csv
 #
 # Usage: pipelines/paper.sh [--video FILE] [--speed SPEED] [--hand HAND] [FOLDER]
-#   FOLDER        where the pictures go (docs/images/paper)
-#   --video FILE  instead of the tree
-#   --speed SPEED of the video (1; the tree's own file shows 2.4 pictures a second, and is played 8 times as fast)
-#   --hand HAND   what holds the grip, as hapticsink's sim-hand (the twig of the tree)
+#   FOLDER        folder of the figures (docs/images/paper)
+#   --video FILE  another video than the tree
+#   --speed SPEED playback speed (1; the tree's file shows 2.4 frames a second and is played 8 times as fast)
+#   --hand HAND   motion of the grip, as hapticsink's sim-hand (default: on the twig of the tree)
 #
-# Takes the programs from build/, which needs the option -Dtests=enabled.
+# Needs build/ configured with -Dtests=enabled.
 
 source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/packages.sh"
@@ -38,7 +38,7 @@ while [ $# -gt 0 ]; do
 done
 program=$build/pipelines/motion-log
 [ -x "$program" ] ||
-  fail "'$program' is not built: meson configure $build -Dtests=enabled && meson compile -C $build"
+  fail "'$program' is not built; run: meson configure $build -Dtests=enabled && meson compile -C $build"
 [ -n "$video" ] || { video=$(tree_video) && speed=${speed:-8}; }
 speed=${speed:-1}
 [[ $speed =~ ^[0-9]*\.?[0-9]+$ ]] || fail "--speed needs a number, not '$speed'"
@@ -48,7 +48,7 @@ mkdir -p "$output" || fail "the folder '$output' cannot be made; give another"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# `measure NAME HAND LAW` runs the whole loop with the paper's methods, and keeps what flowed in $work/NAME.
+# `measure NAME HAND LAW` runs the whole loop with the paper's methods and writes its logs to $work/NAME.
 measure() {
   mkdir "$work/$1"
   "$program" "$work/$1" "filesrc location=$(quoted "$video") ! decodebin ! videoconvert ! videorate rate=$speed
@@ -57,7 +57,7 @@ measure() {
     ! hapticsink device=sim sim-hand=$(quoted "$2") force-law=$3 log-location=$(quoted "$work/$1/trace.csv")"
 }
 
-# Each pointer event with the grip's position at its time: x,y in mm, pointer 0..1.
+# Prints each pointer event with the grip's position at its time: x,y in mm, pointer 0..1.
 join_pointers() {
   echo x,y,pointer_x,pointer_y
   awk -F, '
@@ -66,26 +66,26 @@ join_pointers() {
     { t = int($1 * 1000 + 0.5); if (t in x) print x[t] "," y[t] "," $2 "," $3 }' "$1/trace.csv" "$1/pointers.csv"
 }
 
-echo "Measuring in ${video##*/}: the hand on its way round, on the twig, and there with the linear law ..."
+echo "Measuring in ${video##*/}: the hand in a circle, on the twig, and on the twig with the linear law ..."
 measure round circle:0.9,4 arctan &
 measure twig "$hand" arctan &
 measure linear "$hand" linear &
-for _ in 1 2 3; do wait -n || fail "the video could not be measured"; done
+for _ in 1 2 3; do wait -n || fail "the video could not be measured; see the message above"; done
 
 join_pointers "$work/round" >"$work/mapping.csv"
-IFS=, read -r picture width height < <(tail -n 1 "$work/twig/pair.csv")
-awk -F, -v picture="$picture" 'NR == 1 || $1 == picture' "$work/twig/patches.csv" >"$work/flow.csv"
+IFS=, read -r frame width height < <(tail -n 1 "$work/twig/pair.csv")
+awk -F, -v frame="$frame" 'NR == 1 || $1 == frame' "$work/twig/patches.csv" >"$work/flow.csv"
 for figure in mapping features flow gain trace; do
   gnuplot -e "figure='$figure'; work='$work'; width=$width; height=$height" "$root/pipelines/paper/figures.gp" \
-    >"$work/$figure.png" || fail "gnuplot could not draw $figure.png"
+    >"$work/$figure.png" || fail "gnuplot could not draw $figure.png; install gnuplot-nox"
   mv "$work/$figure.png" "$output/$figure.png"
 done
 
-awk -F, -v picture="$picture" '
+awk -F, -v frame="$frame" '
   NR > 1 { n++; length_ = sqrt($9 ^ 2 + $10 ^ 2); sum += length_; x += $9; y += $10; if (length_ > most) most = length_ }
   END {
-    printf "Picture %d: %d features, displaced by %.2f px in the mean, %.2f px at most; their mean displacement is (%.2f, %.2f) px\n",
-      picture, n, sum / n, most, x / n, y / n
+    printf "Frame %d: %d features, displaced by %.2f px in the mean, %.2f px at most; their mean displacement is (%.2f, %.2f) px\n",
+      frame, n, sum / n, most, x / n, y / n
   }' "$work/flow.csv"
 awk -F, '
   NR > 1 { v = sqrt($5 ^ 2 + $6 ^ 2); f = sqrt($8 ^ 2 + $9 ^ 2); if (v > fastest) fastest = v; if (f > strongest) strongest = f }

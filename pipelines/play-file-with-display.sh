@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Feel a video file and see it in a window beside it.
+# Feel a video file and see it in a window.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \

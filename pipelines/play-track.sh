@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Play a recording with its haptic track: nothing is measured, and OpenCV is not needed.
+# Play a recording with its haptic track. Nothing is measured, and OpenCV is not needed.
 #
 #   gst-launch-1.0 filesrc location=FILE ! tsdemux name=d \
 #       d. ! queue ! h264parse ! avdec_h264 ! videoconvert ! autovideosink \
 #       d. ! meta/x-klv ! queue ! hapticconvert ! hapticsink
 #
-# Without a display the video is not shown; a file without video is felt alone.
+# Without a display the video is not shown; a file without video plays its track only.
 #
 # Usage: pipelines/play-track.sh FILE [-- OPTION=VALUE...]
 #   FILE  a recording of record.sh, or a track: .ts, .mkv, .klv, .txt, .hmpg or .hjif
@@ -24,7 +24,7 @@ case $(head -n 1 <<<"$about") in
 *'in MPEG-TS') demuxer=(tsdemux name=d) track=meta/x-klv ;;
 *'in Matroska') demuxer=(matroskademux name=d) track=text/x-raw ;;
 *)
-  # A bare track: in a container it has time stamps.
+  # A bare track has no time stamps; in a container it has.
   folder=$(mktemp -d)
   trap 'rm -rf "$folder"' EXIT
   haptic_track convert "$input" "$folder/track.mkv"

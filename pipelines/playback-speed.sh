@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Feel a video file at half its speed, at its own, and at twice its speed: slow motion feels softer and
-# fast motion stronger.
+# Feel a video file at half, normal and double speed: slow motion feels softer, fast motion stronger.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
 #       ! videorate rate=SPEED ! video/x-raw,framerate=FRAME-RATE-TIMES-SPEED \
@@ -11,8 +10,8 @@
 #   --speed SPEED  only at this speed, for example 0.25
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 #
-# videorate writes new time stamps, so that to hapticsink slow motion is what was filmed. An application
-# that seeks with a rate can choose what is felt (rate-law).
+# videorate writes new time stamps: hapticsink cannot distinguish slow motion from a slow scene. An
+# application that seeks with a rate can choose (rate-law).
 
 source "$(dirname "$0")/common.sh"
 
@@ -25,21 +24,21 @@ fi
 read_arguments "$@"
 need_file "$input"
 
-# The frame rate as a fraction; 30/1 where the file does not tell.
+# Prints the frame rate as a fraction, or 30/1 if it is unknown.
 frame_rate() {
-  local told
-  told=$(gst-launch-1.0 -v filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
+  local rate
+  rate=$(gst-launch-1.0 -v filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
     ! identity eos-after=1 ! fakesink 2>/dev/null |
     sed -n 's|.*framerate=(fraction)\([1-9][0-9]*/[1-9][0-9]*\).*|\1|p' | head -n 1) || true
-  echo "${told:-30/1}"
+  echo "${rate:-30/1}"
 }
 
-trap exit INT # not on to the next speed
+trap exit INT # instead of the next speed
 
-# Each picture is to be shown once: repeated ones would make an even motion uneven.
+# The new frame rate shows each frame once: repeated frames would make a uniform motion uneven.
 rate=$(frame_rate)
 for speed in "${speeds[@]}"; do
-  echo "at $speed times its speed"
+  echo "at $speed times normal speed"
   played=$(awk -v "rate=$rate" -v "speed=$speed" \
     'BEGIN { split(rate, f, "/"); printf "%d/%d", f[1] * speed * 1000 + 0.5, f[2] * 1000 }')
   (launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \

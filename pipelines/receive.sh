@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Show and feel what another machine sends, and choose with the hand what is felt.
+# Show and feel the video that another machine sends with send.sh; the hand here points.
 #
 #   gst-launch-1.0 -e udpsrc port=5000 caps=application/x-rtp,media=video,clock-rate=90000,encoding-name=H264 \
 #         ! rtpjitterbuffer latency=30 ! rtph264depay ! avdec_h264 ! videoconvert ! autovideosink \
@@ -12,8 +12,8 @@
 #
 # Usage: pipelines/receive.sh [--from HOST] [--port PORT] [--latency MS] [-- OPTION=VALUE...]
 #   --from     the machine where send.sh runs (127.0.0.1)
-#   --port     where the video comes in (5000), as in send.sh
-#   --latency  how long packets that come late or in another order are waited for (30)
+#   --port     UDP port of the video (5000), as in send.sh
+#   --latency  ms to wait for late or reordered packets (30)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
 source "$(dirname "$0")/common.sh"

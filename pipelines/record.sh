@@ -12,7 +12,7 @@
 #       mpegtsmux name=mux ! filesink location=OUTPUT
 #
 # Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
-#   INPUT   a video file, or --test-source: a live test picture that moves to the left at 60 px/s
+#   INPUT   a video file, or --test-source: a live test video that moves to the left at 60 px/s
 #   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
 #   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
 
@@ -32,11 +32,11 @@ case $input in
 *) fail "the name of the recording must end in .ts or .mkv, not '$input'" ;;
 esac
 [ ! -e "$input" ] || fail "'$input' exists; give another name, or remove it"
-pictures_of "$video"
+frames_of "$video"
 elements=(roitracker velocityavg hapticconvert hapticsink)
 need_packaged_elements "$mux" x264enc h264parse
 
-launch "${pictures[@]}" ! roitracker ! tee name=t \
+launch "${frames[@]}" ! roitracker ! tee name=t \
   t. ! queue ! "${h264[@]}" ! h264parse ! queue ! mux. \
   t. ! queue ! velocityavg ! tee name=h \
   h. ! queue ! hapticconvert ! "$track" ! mux. \

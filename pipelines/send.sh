@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Send a video and its haptic track to another machine, and let the hand over there choose what is felt.
+# Send a video and its haptic track to another machine, whose hand points.
 #
 #   gst-launch-1.0 filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \
 #       ! roitracker ! pointerinject name=in ! tee name=t \
@@ -11,13 +11,12 @@
 #       udpsrc port=5004 caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
 #         ! rtpklvdepay ! in.pointer
 #
-# Nothing of this is encrypted or signed: use it in a network that you trust, or through a tunnel.
+# Nothing is encrypted or signed: use it in a network that you trust, or through a tunnel.
 #
 # Usage: pipelines/send.sh [--to HOST] [--port PORT] INPUT
-#   INPUT   a video file, or --test-source: a live test picture that moves to the left at 60 px/s
+#   INPUT   a video file, or --test-source: a live test video that moves to the left at 60 px/s
 #   --to    the machine where receive.sh runs (127.0.0.1)
-#   --port  of the video there (5000); the track takes the next but one, and the pointer comes back to
-#           the next but three here
+#   --port  UDP port of the video there (5000); the track uses PORT+2 there, the pointer PORT+4 here
 #   Ctrl-C stops.
 
 source "$(dirname "$0")/common.sh"
@@ -37,11 +36,11 @@ while [ $# -gt 0 ]; do
 done
 [ -n "$video" ] || fail "which video? See --help"
 [[ $port =~ ^[1-9][0-9]{0,4}$ ]] || fail "--port needs a number, not '$port'"
-pictures_of "$video"
+frames_of "$video"
 elements=(roitracker velocityavg hapticconvert pointerinject)
 need_packaged_elements x264enc rtph264pay rtpklvpay rtpklvdepay
 
-launch "${pictures[@]}" ! roitracker ! pointerinject name=in ! tee name=t \
+launch "${frames[@]}" ! roitracker ! pointerinject name=in ! tee name=t \
   t. ! queue ! "${h264[@]}" ! rtph264pay config-interval=1 \
   ! udpsink "host=$host" "port=$port" sync=false async=false \
   t. ! queue ! velocityavg ! hapticconvert ! meta/x-klv ! rtpklvpay \

@@ -2,15 +2,15 @@
 # Draws the trace of hapticsink: velocity under the hand and force on it, over time, as the paper's
 # figure 11. In both panels up and right are positive (the log counts vy downwards).
 #
-#   gnuplot -c trace.gp TRACE.csv PICTURE.png TITLE
-if (ARGC != 3) { print "usage: gnuplot -c trace.gp TRACE.csv PICTURE.png TITLE"; exit status 1 }
+#   gnuplot -c trace.gp TRACE.csv PLOT.png TITLE
+if (ARGC != 3) { print "usage: gnuplot -c trace.gp TRACE.csv PLOT.png TITLE"; exit status 1 }
 
 set terminal pngcairo size 1200,800 font "DejaVu Sans,15" background "white"
 set output ARG2
 set datafile separator ","
 set datafile columnheaders
 
-# Blue and vermillion of Okabe and Ito: told apart by all kinds of colour vision, and by their width.
+# Blue and vermillion of Okabe and Ito, which suit every kind of colour vision, in two widths.
 set linetype 1 linecolor rgb "#0072B2" linewidth 2.5
 set linetype 2 linecolor rgb "#D55E00" linewidth 1.5
 set border 3 linecolor rgb "#444444"

@@ -4,7 +4,7 @@ set terminal pngcairo size 1100,620 font "DejaVu Sans,14" background "white"
 set datafile separator ","
 set datafile columnheaders
 
-# Of Okabe and Ito: told apart by all kinds of colour vision, and by their width.
+# The palette of Okabe and Ito suits every kind of colour vision; widths differ too.
 set linetype 1 linecolor rgb "#0072B2" linewidth 2.5 pointtype 7 pointsize 0.8
 set linetype 2 linecolor rgb "#D55E00" linewidth 1.5 pointtype 6 pointsize 1.4
 set linetype 3 linecolor rgb "#999999" linewidth 1.5 pointtype 7 pointsize 0.3
@@ -13,7 +13,7 @@ set tics nomirror out
 set grid linecolor rgb "#CCCCCC" linewidth 1
 set key outside top right horizontal samplen 3
 
-half = 25.0       # mm, of the workspace of the default geometry
+half = 25.0       # mm, half the workspace of the default geometry
 f_max = 1.0       # N
 alpha = 0.01      # s/px
 reference = 352.0 # px, the width that alpha is meant for
@@ -23,11 +23,11 @@ if (figure eq "mapping") {
   set multiplot layout 1,2
   set xrange [-half:half]
   set xlabel "x of the grip (mm, to the right)"
-  set ylabel "w in the picture (px)"
+  set ylabel "w in the frame (px)"
   plot width / 2.0 + width / (2 * half) * x with lines linetype 3 title "equation (1a)", \
        data("mapping.csv") using "x":(column("pointer_x") * width) with points linetype 1 title "pointer events"
   set xlabel "y of the grip (mm, upwards)"
-  set ylabel "h in the picture (px)"
+  set ylabel "h in the frame (px)"
   plot height / 2.0 - height / (2 * half) * x with lines linetype 3 title "equation (1b)", \
        data("mapping.csv") using "y":(column("pointer_y") * height) with points linetype 1 title "pointer events"
   unset multiplot
@@ -64,7 +64,7 @@ if (figure eq "flow") {
 }
 
 if (figure eq "gain") {
-  set xlabel "speed (px/s in a picture 352 px wide)"
+  set xlabel "speed (px/s in a frame 352 px wide)"
   set ylabel "force (N)"
   speed = "sqrt(column('vx') ** 2 + column('vy') ** 2) * reference / width"
   force = "sqrt(column('fx') ** 2 + column('fy') ** 2)"

@@ -18,7 +18,7 @@ here=$root/tests/lab
 
 # Absolute, since the lab may be started from any folder.
 folder() {
-  [ -d "$1" ] || fail "there is no folder '$1'"
+  [ -d "$1" ] || fail "there is no folder '$1'; check the name"
   (cd "$1" && pwd)
 }
 
@@ -52,10 +52,10 @@ if [ -z "${FEELING_WIND_BUILD:-}" ]; then
     :
   else
     tail -n 40 "$build/build.log" >&2
-    fail "the lab could not be built (log: $build/build.log)"
+    fail "the lab could not be built; read the log $build/build.log"
   fi
 fi
-[ -x "$build/tests/lab/lab" ] || fail "there is no '$build/tests/lab/lab'; was it built with -Dbenchmarks=enabled?"
+[ -x "$build/tests/lab/lab" ] || fail "there is no '$build/tests/lab/lab'; run: meson configure $build -Dbenchmarks=enabled, then build again"
 
 results=${output:-$root/build-lab/results}
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null) || commit=unknown

@@ -8,7 +8,7 @@ results() {
   promise "the log is sound" sound_log "$1/trace.csv" 1 3
   promise "the picture of the trace shows both components" has_colour "$1/trace.png" '00 72 b2' 500
   promise "in two colours" has_colour "$1/trace.png" 'd5 5e 00' 500
-  promise "the summary names the pictures" grep -qE '^Pictures +[1-9][0-9]*: [1-9]' "$1/output"
+  promise "the summary counts the frames" grep -qE '^Frames +[1-9][0-9]*: [1-9]' "$1/output"
   promise "the points" grep -qE '^Points +[1-9][0-9.]* in' "$1/output"
   promise "the force" grep -qE '^Force +x -?[0-9.]+ to' "$1/output"
   promise "the timing of the loop" grep -qE '^1 kHz loop +[1-9][0-9]* ticks' "$1/output"
