@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs what the pages tell the reader to type: every line that begins with "$ " in a ```console
-# block, with its continuation lines. Each must succeed; one that does not end by itself is
-# interrupted after some seconds, as a reader would with Ctrl-C, and must then end well.
+# Runs every command of the pages: each line that begins with "$ " in a ```console block, with its
+# continuation lines. A command must succeed. One that does not end within some seconds is interrupted,
+# as with Ctrl-C, and must then exit with status 0.
 #
-# A block right below a line `<!-- not run: REASON -->` is left out.
+# A block below a line `<!-- not run: REASON -->` is skipped.
 #
-# The commands find in.mp4 beside the repository's folders, and a window system.
+# The commands run in a copy of the repository with in.mp4, and with a window system.
 
 source "$(dirname "$0")/../pipelines/support.sh"
 need_window_system

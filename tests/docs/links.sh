@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Every link between the pages leads to a file, and to a heading in it where it names one.
+# Every link between the pages leads to an existing file and, where it names one, an existing heading.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-# Headings of a page as link targets: small letters, no punctuation, dashes for blanks.
+# Prints the headings of a page as link targets: lower case, no punctuation, dashes for spaces.
 anchors() {
   sed -n 's/^#\+ \+//p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^a-z0-9 _-]//g; s/ /-/g'
 }
@@ -35,5 +35,5 @@ while IFS= read -r page; do
   done < <(grep -o '](\([^)]*\))' "$page" | sed 's/^](//; s/)$//')
 done < <(printf '%s\n' *.md; find docs -name '*.md')
 
-echo "$count links looked at"
+echo "$count links checked"
 [ "$count" -gt 0 ] && [ "$broken" = 0 ]

@@ -47,5 +47,5 @@ for room in gst-plugins/common gst-plugins/vision gst-plugins/track gst-plugins/
   done < <(find "$room" -name "*.[ch]pp" -o -name "*.h")
 done
 
-echo "$count names looked up, $wrong wrong"
+echo "$count names checked, $wrong wrong"
 [ "$count" -gt 50 ] && [ "$wrong" = 0 ]

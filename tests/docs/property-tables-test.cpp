@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// docs/elements/NAME.md tells the truth about the properties of each element.
+// The property tables in docs/elements/ match the elements.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 
 namespace {
 
-// Name of each property of the element itself (not of its parents) and its default.
+// Name and default of each property of the element itself, without its parents' properties.
 using Properties = std::map<std::string, std::string>;
 
 std::string number_text(double number) {
@@ -71,7 +71,7 @@ std::vector<std::string> cells_of(const std::string &line) {
   std::vector<std::string> cells;
   std::istringstream stream(line);
   std::string cell;
-  std::getline(stream, cell, '|'); // what stands before the first bar
+  std::getline(stream, cell, '|'); // text before the first bar
   while (std::getline(stream, cell, '|')) {
     const auto first = cell.find_first_not_of(' ');
     const auto last = cell.find_last_not_of(' ');
@@ -80,7 +80,7 @@ std::vector<std::string> cells_of(const std::string &line) {
   return cells;
 }
 
-// A default as people write it: `20`, 1.0, `"sim"`, NULL or a dash for none.
+// Normalises a default from a page: `20`, 1.0, `"sim"`, NULL or a dash for none.
 std::string default_of_cell(const std::string &cell) {
   const std::string text = without(cell, "`\"");
   if (text == "NULL" || text == "-" || text == "–" || text == "—") {
@@ -91,7 +91,7 @@ std::string default_of_cell(const std::string &cell) {
   return !text.empty() && *end == '\0' ? number_text(number) : text;
 }
 
-// The table whose head begins `| property | type | range/unit | default | meaning |`.
+// Reads the table with the head `| property | type | range/unit | default | meaning |`.
 Properties properties_of_page(const std::string &name) {
   Properties properties;
   std::ifstream page(std::string(SOURCE_ROOT "/docs/elements/") + name + ".md");

@@ -46,8 +46,8 @@ CaseSet hard_set(int per_scene) {
   return all;
 }
 
-// Regions on a raster; nothing where a part of the flow is unknown, except where the truth is
-// sparse as a whole.
+// Regions on a raster. Leaves out a region with a part of unknown flow, unless the whole truth is
+// sparse.
 CaseSet pairs_set(const std::vector<TruePair> &pairs, int raster) {
   constexpr int kFromBorder = 4;       // px
   constexpr int kBlock = 60;           // px; regions this far apart have nothing in common
@@ -198,7 +198,7 @@ std::vector<Stream> streams(bool quick) {
   add("affine", scene_named(scenes, "affine").make);
   add("two motions", scene_named(scenes, "two motions").make);
   add("bars", scene_named(scenes, "aperture").make);
-  // Every frame another scene.
+  // Each frame shows another scene.
   add("cuts", [](Random &r) {
     const std::uint64_t seed = r.bits();
     return Movie{.light = [seed](double time) {
@@ -210,7 +210,7 @@ std::vector<Stream> streams(bool quick) {
 }
 
 std::vector<ClipCase> clip_cases(const std::vector<Clip> &clips) {
-  // Means over 2x2 pixels: then a shift by one pixel of the original is half of one, and exact.
+  // Means over 2x2 pixels: a shift by one original pixel is then exactly half a pixel.
   constexpr int kFiner = 2;
   constexpr int kMost = 3 * kFiner; // original pixels
   constexpr int kRaster = 60;

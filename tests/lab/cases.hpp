@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the methods are asked: frames, place, and the right answer.
+// The test cases: two frames, a position, and the true velocity.
 #pragma once
 
 #include "methods.hpp"
@@ -26,13 +26,13 @@ struct CaseSet {
   double x = 0; ///< of a series: what is varied
 };
 
-/// Seeds follow from the name of what is made, so that no set changes when another is added.
+/// A seed is a hash of the set's name, so that no set changes when another is added.
 std::uint64_t seed_of(const std::string &name);
 
 /// "translation", "wide", "hard", and "pairs" unless there are none.
 std::vector<CaseSet> strata(bool quick, const std::vector<TruePair> &pairs);
 
-/// Sets that differ in one thing.
+/// Sets that differ in one parameter.
 struct Series {
   std::string name;
   std::vector<CaseSet> sets;
@@ -42,10 +42,11 @@ struct Series {
 /// "region" (px).
 std::vector<Series> all_series(bool quick);
 
-/// For the cost of points: a turn, which one patch does not explain, in a region that holds 64.
+/// For the cost of points: a rotation, which one patch does not explain, in a region for 64
+/// patches.
 CaseSet points_set(bool quick);
 
-/// Frames of a stream, for the cost of what an element does all day.
+/// Frames of a stream, for the cost in normal operation.
 struct Stream {
   std::string name;
   std::vector<cv::Mat> frames;
@@ -53,8 +54,8 @@ struct Stream {
 
 std::vector<Stream> streams(bool quick);
 
-/// Pairs whose second frame is moved by a known shift, and the same the other way round in time:
-/// what must follow needs no truth.
+/// Pairs whose second frame is moved by a known shift, and the same pairs reversed in time. The
+/// expected change of the answer is known without the true motion.
 struct ClipCase {
   std::string clip;
   Task plain;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads videos with GStreamer: nothing more is needed than what the elements need themselves.
+// Reads videos with GStreamer, so that the lab needs no further library.
 #include "frame-sample.hpp"
 #include "pairs.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Empty where the file is no video.
+// Returns nothing if the file is no video.
 std::vector<cv::Mat> frames_of(const fs::path &file) {
   constexpr std::size_t kMost = 250;
   GstElement *pipeline = gst_parse_launch(

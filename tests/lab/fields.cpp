@@ -19,7 +19,7 @@ haptic::LumaView view(const cv::Mat &frame) {
   return {frame.data, frame.cols, frame.rows, static_cast<std::ptrdiff_t>(frame.step)};
 }
 
-// Mean over each cell of what is known, where that is at least half of it.
+// Mean of the known flow over each cell, if at least half of the cell is known.
 std::vector<std::optional<cv::Vec2d>> means(const cv::Mat2f &flow,
                                             const haptic::FieldShape &shape) {
   std::vector<std::optional<cv::Vec2d>> cells;
@@ -44,7 +44,7 @@ std::vector<std::optional<cv::Vec2d>> means(const cv::Mat2f &flow,
   return cells;
 }
 
-// ms of the fastest pass.
+// Time of the fastest pass in ms.
 double time_of(const std::function<void()> &work) {
   double least = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < kPasses; ++pass) {

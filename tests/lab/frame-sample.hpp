@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Frames out of GStreamer.
+// Copies frames out of GStreamer samples.
 #pragma once
 
 #include <gst/gst.h>
@@ -17,7 +17,7 @@ struct Unref {
 };
 using Sample = std::unique_ptr<GstSample, Unref<gst_sample_unref>>;
 
-/// A copy of the luma. Throws std::runtime_error where the sample holds no frame.
+/// A copy of the luma. Throws std::runtime_error if the sample holds no frame.
 cv::Mat luma_of(GstSample *sample);
 
 } // namespace lab

@@ -20,7 +20,7 @@ bool is_installed(const char *element) {
   return factory != nullptr;
 }
 
-// The colour planes are grey.
+// The chroma planes are grey.
 GstBuffer *buffer_of(const cv::Mat &luma) {
   GstVideoInfo info;
   gst_video_info_set_format(&info, GST_VIDEO_FORMAT_I420, static_cast<guint>(luma.cols),
@@ -43,8 +43,8 @@ bool has_h264() {
 
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf) {
   gst_init(nullptr, nullptr);
-  // One thread and no algorithm that depends on the processor: the same frames everywhere. Tuned
-  // for latency there are no B frames, and no look-ahead whose effect a short clip distorts.
+  // One thread and no processor-specific algorithm: the same frames on every machine. zerolatency
+  // has no B frames, and no look-ahead, whose effect would depend on the clip's length.
   const std::string line =
       "appsrc name=in format=time caps=video/x-raw,format=I420,framerate=30/1,width=" +
       std::to_string(clip.front().cols) + ",height=" + std::to_string(clip.front().rows) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is left of frames that went through H.264.
+// Frames after encoding and decoding with H.264.
 #pragma once
 
 #include <opencv2/core.hpp>

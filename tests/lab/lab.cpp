@@ -58,7 +58,7 @@ Options parse(int argc, char **argv) {
   return options;
 }
 
-// What, how much of it is done, and when it will be: one line that is written over on a terminal.
+// Progress: the step, its share done and the time left, on one line of a terminal.
 class Progress {
 public:
   Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total) {}
@@ -71,7 +71,7 @@ public:
   Progress &operator=(const Progress &) = delete;
 
   void step(const std::string &name) {
-    // A file shall not fill with it.
+    // Not in a log file.
     if (on_terminal_ || done_ % (total_ / 10 + 1) == 0) {
       std::cerr << (on_terminal_ ? "\r\33[K" : "") << what_ << ": " << done_ << '/' << total_;
       if (done_ > 0)
@@ -103,7 +103,7 @@ std::string today() {
   return text;
 }
 
-// Whole frames cost so much that every fourth case has to do.
+// Methods on whole frames are slow: only every fourth case.
 std::size_t stride_of(const Configuration &configuration) {
   return configuration.method.starts_with("PyrLK frame") ? 4 : 1;
 }
@@ -233,7 +233,7 @@ void run_streams(bool quick, Report &report) {
     report.streams.push_back({name, percentile(times[name], 0.5), percentile(times[name], 0.99)});
 }
 
-// On everything rendered: there the truth is known for every kind of failure, and shown.
+// On the rendered cases: they contain every kind of failure, with the truth.
 void run_confidence(const std::vector<Configuration> &defaults, const std::vector<CaseSet> &sets,
                     Report &report) {
   constexpr double kBad = 0.3;    // px

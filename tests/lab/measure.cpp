@@ -34,7 +34,7 @@ std::vector<Answer> measure(const Configuration &configuration, const CaseSet &s
     answers.push_back({cv::norm(difference), reading.confidence, time, difference});
     total += time;
   }
-  // Whole passes, so that other cases have been through the caches in between.
+  // Whole passes, so that other cases use the caches in between.
   for (int pass = 1; pass < kPasses && total < kShort; ++pass)
     for (std::size_t i = 0; i < answers.size(); ++i) {
       method->forget();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Puts the questions to a method and times each answer.
+// Runs a method on all cases and times each.
 #pragma once
 
 #include "cases.hpp"
@@ -16,11 +16,11 @@ struct Answer {
 };
 
 /// Every `stride`-th case, each timed on its own from the whole luma to the velocity. An answer
-/// without confidence counts as zero velocity: that is what the hand would feel.
+/// without confidence counts as zero velocity, as the hand feels it.
 std::vector<Answer> measure(const Configuration &configuration, const CaseSet &set,
                             std::size_t stride = 1);
 
-/// µs of each frame of a stream after the first pair.
+/// Time in µs of each frame of a stream after the first pair.
 std::vector<double> measure(Method &method, const Stream &stream);
 
 struct Equivariance {

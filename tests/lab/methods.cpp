@@ -27,7 +27,7 @@ std::unique_ptr<Method> make_fast(const Knobs &knobs) {
   return std::make_unique<TrackerMethod>(std::move(tracker), knobs.average, knobs.choice);
 }
 
-// The text of a number without zeros at its end.
+// A number as text, without trailing zeros.
 std::string text(float value) {
   std::string digits = std::to_string(value);
   digits.erase(digits.find_last_not_of('0') + 1);
@@ -111,7 +111,7 @@ std::vector<Configuration> configurations(bool quick) {
   add_fast(list, "always-grid", {.options = {.always_grid = true}});
   add_fast(list, "spacing=10", {.options = {.spacing = 10}});
   if (!quick) {
-    // Pairs of knobs that trade speed for accuracy together, then each other knob on its own.
+    // Two parameters that trade speed for accuracy are swept together, each other one alone.
     for (const bool always_grid : {false, true})
       for (const float spacing : {4.0F, 5.0F, 6.0F, 7.5F, 10.0F, 15.0F})
         for (const int iterations : {1, 2, 3, 4, 6, 10}) {

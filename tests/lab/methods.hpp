@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is compared: the project's trackers and their peers, from two frames and a pointer to one
-// velocity.
+// The methods that are compared: the project's trackers and their peers. Each computes one velocity
+// from two frames and a pointer.
 #pragma once
 
 #include "motion-sample.hpp"
@@ -16,7 +16,7 @@
 
 namespace lab {
 
-/// What a method is given: the whole luma of both frames.
+/// The input of a method: the whole luma of both frames.
 struct Task {
   cv::Mat previous;
   cv::Mat current;
@@ -33,12 +33,12 @@ struct Reading {
   haptic::MotionModel model = haptic::MotionModel::none;
 };
 
-/// One instance sees one stream.
+/// One instance per stream.
 class Method {
 public:
   virtual ~Method() = default;
   virtual Reading measure(const Task &task) = 0;
-  /// Another stream begins.
+  /// Forgets the stream.
   virtual void forget() {}
 };
 
@@ -50,7 +50,7 @@ struct Configuration {
   std::function<std::unique_ptr<Method>()> make;
 };
 
-/// A tracker of the project followed by the average over its patches, as the elements do it.
+/// A tracker of the project and the average over its patches, as in the elements.
 class TrackerMethod final : public Method {
 public:
   explicit TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker,
@@ -72,13 +72,13 @@ std::unique_ptr<Method> make_default();
 /// Every configuration of the sweep; `quick`: the defaults and a few more.
 std::vector<Configuration> configurations(bool quick);
 
-/// The peers among them.
+/// Only the peers.
 std::vector<Configuration> peer_configurations(bool quick);
 
-/// As shipped, but for the number of points: those that can be told.
+/// As shipped except for the number of points; only methods with that parameter.
 std::vector<Configuration> configurations_of(int points);
 
-/// PyrLK on the crop among them.
+/// Includes PyrLK on the crop.
 Configuration lucas_kanade_of(int points);
 
 } // namespace lab

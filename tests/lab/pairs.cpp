@@ -34,7 +34,7 @@ cv::Mat2f read_flo(const fs::path &path) {
   file.read(reinterpret_cast<char *>(size), sizeof size);
   if (!file || tag != kTag || std::min(size[0], size[1]) < 1)
     throw std::runtime_error("'" + path.string() + "' is not a .flo file");
-  // Before memory is taken for what a few bytes claim.
+  // Check the size in the header before allocating.
   const auto bytes = static_cast<std::uintmax_t>(size[0]) * static_cast<std::uintmax_t>(size[1]) *
                      sizeof(cv::Vec2f);
   if (fs::file_size(path) != sizeof tag + sizeof size + bytes)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Real frames from a folder: pairs with true flow, and clips without any.
+// Reads real frames from a folder: pairs with true flow, and clips without.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace lab {
 
-/// Two frames and where each pixel of the first has gone, NaN where nobody knows.
+/// Two frames and the displacement of each pixel of the first, NaN if unknown.
 struct TruePair {
   std::string name;
   cv::Mat previous; ///< 8-bit luma
@@ -20,7 +20,7 @@ struct TruePair {
 /// In a folder, in one of the two usual layouts:
 /// NAME_gt.flo (or NAME.flo) beside two frames whose names begin with NAME, in alphabetical
 /// order (Middlebury); or image_2|image_0/NUMBER_10.png, NUMBER_11.png and flow_occ/NUMBER_10.png
-/// (KITTI). Throws std::runtime_error, with the file's name, for what cannot be read.
+/// (KITTI). Throws std::runtime_error, with the file's name, if a file cannot be read.
 std::vector<TruePair> read_pairs(const std::filesystem::path &folder);
 
 struct Clip {

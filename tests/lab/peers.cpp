@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The peers: what OpenCV offers, each given the pixels that the fast tracker is given.
+// The peers: OpenCV's methods, each with the same pixels as the fast tracker.
 #include "methods.hpp"
 #include "region.hpp"
 
@@ -14,14 +14,14 @@
 namespace lab {
 namespace {
 
-// The part of both frames that a method looks at.
+// The part of both frames that a method reads.
 struct Part {
   cv::Mat previous;
   cv::Mat current;
   cv::Rect region; // in the part
 };
 
-// As much around the region as the fast tracker is given.
+// The same margin around the region as the fast tracker's.
 Part crop(const Task &task) {
   static const auto reference = haptic::make_fast_tracker();
   const int width = task.previous.cols;
@@ -76,8 +76,8 @@ std::vector<cv::Point2f> places(const Part &part, int corners) {
   return points;
 }
 
-// The mean of the points that were found; with a check forward and backward the median of those
-// that came back to within half a pixel.
+// The mean of the found points. With forward–backward check, the median of the points that return
+// to within half a pixel.
 template <typename Track>
 Reading follow(const Part &part, int corners, bool back_check, const Track &track) {
   std::vector<cv::Point2f> start = places(part, corners);
@@ -152,8 +152,8 @@ public:
     parameters_->setSmallWinSize(std::min(9, knobs.window));
     parameters_->setMaxLevel(knobs.top_level);
     parameters_->setUseIlluminationModel(knobs.illumination);
-    // Its prior for the motion of the whole frame costs 58 ms, a hundred times the rest; crosses
-    // need colour.
+    // The global motion prior costs 58 ms, a hundred times the rest; cross-shaped supports need
+    // colour.
     parameters_->setUseGlobalMotionPrior(false);
     parameters_->setSupportRegionType(cv::optflow::SR_FIXED);
   }
@@ -186,7 +186,7 @@ public:
   Reading measure(const Task &task) override {
     const Part part = crop(task);
     flow_.release(); // else it begins with the flow of the frames before
-    // It takes only rows that follow one another without gaps.
+    // It accepts only contiguous rows.
     dis_->calc(part.previous.clone(), part.current.clone(), flow_);
     return mean_over(flow_, part.region);
   }
@@ -272,7 +272,7 @@ private:
   int blur_;
 };
 
-// Every whole displacement in reach, then a parabola through the best and its neighbours.
+// Every integer displacement in reach, then a parabola through the best and its neighbours.
 class BlockSearch final : public Method {
 public:
   BlockSearch(int reach, int measure) : reach_(reach), measure_(measure) {}

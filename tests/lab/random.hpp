@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Random numbers that are the same on every machine: the standard fixes the generator but not its
-// distributions.
+// Random numbers that are the same on every machine: the C++ standard specifies the generators but
+// not the distributions' algorithms.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ public:
 
   std::uint64_t bits() { return generator_(); }
 
-  /// Less than `end`; the bias of the remainder is below 1e-12 for the small numbers in use.
+  /// Uniform in 0..end-1; the bias of the remainder is below 1e-12 for the small numbers in use.
   std::size_t index(std::size_t end) { return static_cast<std::size_t>(bits() % end); }
 
   double uniform(double from, double to) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Every way in which trackers fail, as far as it concerns the tracker and the average over its
-// patches, with the bound that the default must keep. Errors are end-point errors of the velocity
-// of the region in pixels per frame, means over random scenes unless said otherwise.
+// One test for each way in which trackers fail (tracker and average over its patches), with the
+// bound that the default must keep. Errors are end-point errors of the velocity of the region in
+// pixels per frame, means over random scenes unless said otherwise.
 #include "h264.hpp"
 #include "methods.hpp"
 #include "region.hpp"
@@ -72,7 +72,7 @@ std::vector<Shot> pairs(const std::string &scene, std::uint64_t seed = 1, int ca
   return pairs_of(scene_named(hard_scenes(kSide), scene).make, seed, cases);
 }
 
-// One instance sees a whole movie; the first frame gives no shot.
+// One tracker for a whole video; the first frame gives no measurement.
 std::vector<Shot> stream(const Movie &movie, int frames, Random &random) {
   const auto method = make_default();
   std::vector<Shot> shots;

@@ -80,7 +80,7 @@ std::vector<RocPoint> roc(std::span<const double> confidences, const std::vector
   double good_below = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     (bad[order[i]] ? bad_below : good_below) += 1;
-    // Equal confidences fall together.
+    // Equal confidences share one threshold.
     if (i + 1 == order.size() || confidences[order[i + 1]] > confidences[order[i]])
       curve.push_back({confidences[order[i]], total_good > 0 ? good_below / total_good : 1,
                        total_bad > 0 ? bad_below / total_bad : 1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// From single measurements to what the charts show.
+// Statistics of the charts from single measurements.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct Interval {
   double high;
 };
 
-/// 95 % bootstrap interval of the mean. Values of one block are drawn together, because what
-/// neighbouring regions of one frame show is not independent. Same result on every machine.
+/// 95 % bootstrap interval of the mean. Values of one block are drawn together, because
+/// neighbouring regions of one frame are not independent. Same result on every machine.
 Interval bootstrap(std::span<const double> values, std::span<const int> blocks, std::uint64_t seed);
 
 struct SpeedAndError {
@@ -30,7 +30,7 @@ struct SpeedAndError {
 /// Whether `a` is at least as good as `b` in both and better in one.
 bool dominates(const SpeedAndError &a, const SpeedAndError &b);
 
-/// For each: whether nothing dominates it.
+/// For each point, whether no other dominates it.
 std::vector<bool> pareto_front(std::span<const SpeedAndError> all);
 
 struct RocPoint {
@@ -39,7 +39,7 @@ struct RocPoint {
   double detections;   ///< share of the bad answers that fall below it
 };
 
-/// How well low confidence tells bad answers; from (0, 0) to (1, 1).
+/// ROC curve of low confidence as a detector of bad answers, from (0, 0) to (1, 1).
 std::vector<RocPoint> roc(std::span<const double> confidences, const std::vector<bool> &bad);
 
 /// Area under the curve, 0.5 for guessing, 1 for always right.
