@@ -3,6 +3,7 @@
 
 #include <cinttypes>
 #include <gst/gst.h>
+#include <map>
 #include <regex>
 #include <stdexcept>
 
@@ -42,6 +43,27 @@ std::string escaped(const std::string &text) {
   return std::regex_replace(text, special, R"(\$&)");
 }
 
+// The text up to its first full stop, semicolon or colon that follows at least three words.
+std::string first_sentence(const std::string &text) {
+  static const std::regex sentence(R"(^(\S+ ){2}.*?[.;:](?= ))");
+  std::smatch match;
+  if (!std::regex_search(text, match, sentence))
+    return text;
+  std::string result = match.str();
+  result.back() = '.';
+  return result;
+}
+
+std::string on_one_line(const std::string &text) {
+  static const std::regex line_break(R"(\s*\n\s*)");
+  return std::regex_replace(text, line_break, " ");
+}
+
+// spidar's table holds the messages of its tools too.
+bool is_of_tool(const Message &message) {
+  return message.name.starts_with("kTool") || message.name.starts_with("kEmulator");
+}
+
 struct Extent {
   std::size_t begin;
   std::size_t end;
@@ -57,34 +79,48 @@ Extent find_generated_part(const std::string &page) {
 
 } // namespace
 
-std::vector<Room> message_tables() {
+std::vector<Table> message_tables() {
 #define ROW(name, text, cure) {#name, text, cure},
-  return {
+  std::vector<Table> tables{
 #ifdef DEVICE_MESSAGES
       {"Device and force", {DEVICE_MESSAGES(ROW)}},
 #endif
 #ifdef SPIDAR_MESSAGES
-      {"SPIDAR-G and its tools", {SPIDAR_MESSAGES(ROW)}},
+      {"SPIDAR-G", {SPIDAR_MESSAGES(ROW)}},
 #endif
 #ifdef VISION_MESSAGES
       {"Video and motion", {VISION_MESSAGES(ROW)}},
 #endif
 #ifdef TRACK_MESSAGES
-      {"Tracks, haptic-track and the network", {TRACK_MESSAGES(ROW)}},
+      {"Haptic tracks", {TRACK_ELEMENT_MESSAGES(ROW)}},
+      {"", {TRACK_TOOL_MESSAGES(ROW)}},
 #endif
 #ifdef COMMON_MESSAGES
       {"Every element", {COMMON_MESSAGES(ROW)}},
 #endif
   };
 #undef ROW
+  return tables;
 }
 
-std::string messages_section(const std::vector<Room> &rooms) {
+std::string messages_section(const std::vector<Table> &tables) {
   std::string section;
-  for (const Room &room : rooms) {
-    section += "\n### " + room.heading + "\n\n";
-    for (const Message &message : room.messages)
-      section += "* *" + escaped(readable(message.text)) + "* " + escaped(message.cure) + "\n";
+  for (const Table &table : tables) {
+    if (table.heading.empty())
+      continue;
+    section += "\n### " + table.heading + "\n\n";
+    std::vector<std::string> cures; // in the order of their first message
+    std::map<std::string, std::string> texts;
+    for (const Message &message : table.messages) {
+      if (is_of_tool(message))
+        continue;
+      std::string &line = texts[message.cure];
+      if (line.empty())
+        cures.push_back(message.cure);
+      line += "*" + escaped(first_sentence(readable(message.text))) + "* ";
+    }
+    for (const std::string &cure : cures)
+      section += "* " + texts[cure] + escaped(on_one_line(cure)) + "\n";
   }
   return section + "\n";
 }

@@ -13,16 +13,17 @@ struct Message {
   std::string cure;
 };
 
-struct Room {
-  std::string heading;
+struct Table {
+  std::string heading; ///< empty: messages of command line tools, which the page leaves out
   std::vector<Message> messages;
 };
 
 /// The tables of all rooms, in the order of the page.
-std::vector<Room> message_tables();
+std::vector<Table> message_tables();
 
-/// The Markdown between the two markers: one line per message, arguments shown as "…".
-std::string messages_section(const std::vector<Room> &rooms);
+/// The Markdown between the two markers: the first sentence of each message, with its arguments as
+/// "…", and the cure. Messages with the same cure share a line.
+std::string messages_section(const std::vector<Table> &tables);
 
 /// Returns the text between the markers of a page. Throws std::runtime_error if one is missing.
 std::string generated_part(const std::string &page);
