@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # The files that docs/architecture.md names exist, and so do the functions of its list "Find the line".
-# Every source file of the rooms is in one of its tables.
+# Every source file of the rooms but messages.hpp is in one of its tables.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 page=docs/architecture.md
@@ -44,7 +44,7 @@ for room in gst-plugins/common gst-plugins/vision gst-plugins/track gst-plugins/
   while read -r file; do
     file=${file#"$room"/}
     words "$named" | grep -qxF -e "$file" -e "${file%.*}" || complain "$room/$file is not in the table"
-  done < <(find "$room" -name "*.[ch]pp" -o -name "*.h")
+  done < <(find "$room" ! -name messages.hpp \( -name "*.[ch]pp" -o -name "*.h" \))
 done
 
 echo "$count names checked, $wrong wrong"
