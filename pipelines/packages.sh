@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# The only list of Debian packages of this project, and the film of the demonstration. To be sourced after
-# common.sh.
+# What this project takes from Debian, 12 and 13 alike: the one list of packages, and the film of the demonstration. To be
+# sourced after common.sh.
 
 # To run the pipelines.
 run_packages=(

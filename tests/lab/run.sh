@@ -7,8 +7,8 @@
 # Usage: tests/lab/run.sh [--quick] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
 #   --quick          a minute, and few cases: to see whether all works, not to be believed
 #   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
-#                    KITTI (default: ../shared/data/middlebury, if there)
-#   --clips FOLDER   videos (default: ../shared/data/video, if there)
+#                    KITTI; without it the tables of pairs are left out
+#   --clips FOLDER   videos; without it the tables of clips are left out
 #   --output FOLDER  where tables and charts go. Without it they go to build-lab/results/, and the
 #                    charts and the results page are copied to docs/
 
@@ -37,9 +37,6 @@ while [ $# -gt 0 ]; do
   esac
   shift 2
 done
-data=$root/../shared/data
-[ -n "$pairs" ] || [ ! -d "$data/middlebury" ] || pairs=$(folder "$data/middlebury")
-[ -n "$clips" ] || [ ! -d "$data/video" ] || clips=$(folder "$data/video")
 
 if [ -z "${FEELING_WIND_BUILD:-}" ]; then
   install_packages "${run_packages[@]}" "${build_packages[@]}" "${test_packages[@]}" "${lab_packages[@]}"

@@ -111,8 +111,8 @@ promise "keys and mouse steer it, and q ends it well" \
   in_window_system "$0" steer "$root/pipelines/view.sh" "$work/clip.mkv" "$work"
 cat "$work/said"
 # shellcheck disable=SC2016 # $4 is awk's
-promise "the first frame comes within a second" \
-  awk '/^first frame after/ { soon = $4 <= 1 } END { exit !soon }' "$work/said"
+promise "the first picture comes within a second" \
+  awk '/^first picture after/ { soon = $4 <= 1 } END { exit !soon }' "$work/said"
 
 # `color SHOT NAME`: how many pixels of 200x200 have this colour, and their mean row.
 color() {
