@@ -1,22 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Installs what is missing on a Debian 12 (it says what), builds, runs every test and check, and
-# closes with one line: N passed, N failed, N skipped. The exit status is 0 only when nothing
-# failed. Each check of format, style or scripts counts as one test.
+# Installs missing Debian packages (it prints which), builds, runs the tests, and ends with one line:
+# N passed, N failed, N skipped. The exit status is 0 only when nothing failed. Each check of format,
+# style or scripts counts as one test. Without an option it takes at most ten minutes on two processors.
 #
-# Usage: tests/run.sh [--quick | --all]
-#   --quick  without the sanitizers
-#   --all    with clang-tidy and a build of the demonstration from nothing, which takes ten minutes more
+# Usage: tests/run.sh [--all]
+#   --all  every test there is, in at most an hour: also the long tests, the sanitizers, the virtual
+#          machine, the lab, clang-tidy, the demonstration built from nothing, and the other Debian
 #
-# Builds in build-tests/ and build-sanitized/, the demonstration of --all in build/.
+# Builds in build-tests/, and with --all in build-sanitized/ too.
 
 source "$(dirname "$0")/../pipelines/common.sh"
 source "$(dirname "$0")/../pipelines/packages.sh"
 
-quick=no all=no
+all=no
 case ${1:-} in
 '') ;;
---quick) quick=yes ;;
 --all) all=yes ;;
 --help | -h) show_help && exit ;;
 *) fail "unknown option '$1'; see --help" ;;
@@ -24,14 +23,27 @@ esac
 
 cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
-passed=0 failed=0 skipped=0
+scratch=$(mktemp -d)
+results=$scratch/results # the lines that summary.py counts
+: >"$results"
+
+# `record OUTCOME NAME SECONDS REASON`
+record() {
+  (IFS=$'\t' && printf '%s\n' "$*") >>"$results"
+}
 
 # However the script ends, the closing line is printed, and an early end counts as a failure.
 finish() {
-  [ "$1" = 0 ] || [ "$failed" -gt 0 ] || failed=1
-  echo
-  echo "$passed passed, $failed failed, $skipped skipped"
-  [ "$failed" = 0 ] || exit 1
+  [ "$1" = 0 ] || record failed "tests/run.sh" 0 "it ended early with status $1"
+  local status=0
+  if command -v python3 >/dev/null; then
+    python3 tests/summary.py close "$results" || status=1
+  else
+    echo "0 passed, 1 failed, 0 skipped"
+    status=1
+  fi
+  rm -rf "$scratch"
+  exit "$status"
 }
 trap 'finish $?' EXIT
 
@@ -39,19 +51,19 @@ step() {
   printf '\n== %s\n' "$*"
 }
 
-# Runs a command as one test.
+# `check NAME COMMAND...` runs a command as one test. Exit status 77 means skipped.
 check() {
-  local name=$1
+  local name=$1 status=0 start=$SECONDS output
   shift
+  output=$(mktemp -p "$scratch")
   step "$name"
-  if "$@"; then
-    echo "ok: $name"
-    passed=$((passed + 1))
-  else
-    echo "FAILED: $name"
-    failed=$((failed + 1))
-    return 1
-  fi
+  "$@" 2>&1 </dev/null | tee "$output" || status=$?
+  case $status in
+  0) record passed "$name" $((SECONDS - start)) OK ;;
+  77) record skipped "$name" $((SECONDS - start)) "$(sed -nE 's/^SKIP(PED)?: *//p' "$output" | head -n 1)" ;;
+  *) record failed "$name" $((SECONDS - start)) "exit status $status" ;;
+  esac
+  return "$status"
 }
 
 set_up() {
@@ -75,51 +87,62 @@ build_in() {
   fi
 }
 
+# The lab and the benchmarks, which only --all needs, are a fifth of the whole build.
+build_plain() {
+  local lab=disabled
+  [ "$all" = no ] || lab=enabled
+  build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=$lab \
+    -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
+}
+
+# Without precompiled headers, which hide a missing #include. Less optimised, which halves the time to compile.
 build_sanitized() {
-  build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false \
-    -Doptimization=1 -Ddebug=false `# half the time to compile` \
+  build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false -Db_pch=false \
+    -Doptimization=1 -Ddebug=false \
     -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
 }
 
-# With what the processors have left beside the tests, most of which wait for real time.
+# With the processor time that the tests leave, most of which wait for real time.
 in_idle_time() {
   chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
   "$@"
 }
 
-# `run_meson_tests FOLDER OPTION...` adds up what meson counted. What failed among the tests that play in real time runs
-# once more, alone, without a build beside it: on a shared processor a picture may come too late to be felt in full.
-# A wrong force is wrong again.
+# Cases that repeat for statistics or for hours what others check once, or that only measure time. They run
+# once, with --all, without a sanitizer.
+long_cases=(
+  '*.F20_*' '*.F27_*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
+  'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
+  '*TrackerLimits.AfterTheFirstPicturesNothingIsAllocated' 'FastTracker.ChangesOfGainAndOffsetDoNotMoveAnything'
+  'PoseSolver.TheOrientationStaysARotation*' 'TensionSolver.AgreesWithBruteForce*'
+  'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
+  '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
+)
+without_long_cases="-$(IFS=: && echo "${long_cases[*]}")"
+
+# `run_meson_tests PREFIX FOLDER OPTION...` records each test of a build folder. Twice as many at once as there
+# are processors, since most wait for real time. The time limits are meant for a machine with other work.
 run_meson_tests() {
-  local folder=$1 report=$1/test-report.txt before=$failed status=0 again
-  shift
-  meson test -C "$folder" --no-rebuild --print-errorlogs "$@" 2>&1 | tee "$report" || status=1
-  add_up "$report"
-  mapfile -t again < <(sed -nE \
-    's|^ *[0-9]+/[0-9]+ feeling-wind:(elements\|faults\|usb\|pipelines\|docs) / ([^ ]+) +(FAIL\|TIMEOUT).*|\2|p' "$report" | sort -u)
-  if [ ${#again[@]} -gt 0 ]; then
-    while [ -n "${sanitized:-}" ] && kill -0 "$sanitized" 2>/dev/null; do sleep 1; done # what builds meanwhile
-    step "Once more, alone: ${again[*]}"
-    meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes 1 "$@" "${again[@]}" 2>&1 | tee "$report" ||
-      true
-    failed=$((failed - ${#again[@]}))
-    add_up "$report"
-    [ "$failed" -gt "$before" ] || status=0
+  local prefix=$1 folder=$2 log=$2/meson-logs/testlog.json status=0
+  shift 2
+  rm -f "$log"
+  meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes $((2 * $(nproc))) "$@" </dev/null || status=$?
+  python3 tests/summary.py collect "$prefix" "$log" >"$scratch/collected" || status=1
+  cat "$scratch/collected" >>"$results"
+  # A run that went wrong without a failed test is a failure too.
+  if [ "$status" != 0 ] && ! grep -q ^failed "$scratch/collected"; then
+    record failed "${prefix}meson test" 0 "exit status $status"
   fi
-  # A run that went wrong without a count of failures still is one.
-  [ "$status" = 0 ] || [ "$failed" -gt "$before" ] || failed=$((failed + 1))
 }
 
-add_up() {
-  passed=$((passed + $(reported "$1" Ok) + $(reported "$1" 'Expected Fail')))
-  skipped=$((skipped + $(reported "$1" Skipped)))
-  failed=$((failed + $(reported "$1" Fail) + $(reported "$1" 'Unexpected Pass') + $(reported "$1" Timeout)))
-}
-
-reported() {
-  local number
-  number=$(sed -n "s/^$2: *\([0-9]\+\).*/\1/p" "$1" | tail -n 1)
-  echo "${number:-0}"
+run_plain_tests() {
+  step "Tests"
+  if [ "$all" = yes ]; then
+    run_meson_tests '' build-tests --timeout-multiplier 3
+  else
+    GTEST_FILTER=$without_long_cases \
+      run_meson_tests '' build-tests --timeout-multiplier 3 --no-suite long --no-suite hil
+  fi
 }
 
 # Whether LeakSanitizer works here: some containers forbid what it needs.
@@ -128,19 +151,9 @@ leaks_can_be_found() {
     grep -q 'LeakSanitizer has encountered a fatal error'
 }
 
-# They repeat for statistics or for hours what others do once, or only measure time: nothing more for a
-# sanitizer to see.
-statistics=(
-  '*.F20_*' '*.F27_*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
-  'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
-  '*TrackerLimits.AfterTheFirstPicturesNothingIsAllocated' 'FastTracker.ChangesOfGainAndOffsetDoNotMoveAnything'
-  'PoseSolver.TheOrientationStaysARotation*' 'TensionSolver.AgreesWithBruteForce*'
-  'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
-  '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
-)
-
 run_sanitized_tests() {
   local leaks=1
+  step "Tests with sanitizers"
   if ! leaks_can_be_found; then
     leaks=0
     echo "LeakSanitizer does not work here: leaks are not looked for."
@@ -149,9 +162,9 @@ run_sanitized_tests() {
   ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0 \
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-    GTEST_FILTER="-$(IFS=: && echo "${statistics[*]}")" \
-    run_meson_tests build-sanitized --suite unit --suite elements --suite faults --suite usb --suite fuzz \
-    --timeout-multiplier 4
+    GTEST_FILTER=$without_long_cases \
+    run_meson_tests 'sanitized ' build-sanitized --suite unit --suite elements --suite faults --suite usb \
+    --suite fuzz --timeout-multiplier 10
 }
 
 check_format() {
@@ -159,10 +172,10 @@ check_format() {
     xargs -0 clang-format --dry-run --Werror
 }
 
+# With the commands of the sanitized build: clang cannot read GCC's precompiled headers.
 check_style() {
-  run-clang-tidy -p build-tests -quiet -j "$(nproc)" "$root/(gst-plugins|spidar)/" \
-    >build-tests/clang-tidy.log 2>&1 ||
-    { grep -E -A 5 'warning:|error:' build-tests/clang-tidy.log; return 1; }
+  run-clang-tidy -p build-sanitized -quiet -j "$(nproc)" "$root/(gst-plugins|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
+    { grep -E -A 5 'warning:|error:' build-sanitized/clang-tidy.log; return 1; }
 }
 
 check_scripts() {
@@ -170,32 +183,41 @@ check_scripts() {
     xargs -0 shellcheck -x -P SCRIPTDIR
 }
 
+# In a copy without a build folder. The fetched film is the only thing that it shares.
+check_demonstration() {
+  local copy=$scratch/demonstration
+  mkdir "$copy"
+  tar --exclude='./build*' --exclude=./.git -cf - . | tar -xf - -C "$copy"
+  [ ! -d build-data ] || ln -s "$root/build-data" "$copy/build-data"
+  "$copy/pipelines/demo.sh" --output "$copy/demo-output"
+}
+
+# What needs only processor time, beside the tests that wait.
+check_in_background() {
+  check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized &&
+    check "clang-tidy finds nothing" check_style
+}
+
 set_up
 check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
-
-if check "Everything builds without a warning" \
-  build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=enabled \
-  -Dvision=enabled -Ddevice=enabled -Dtrack=enabled; then
-  if [ "$quick" = no ]; then
-    in_idle_time build_sanitized >build-tests/sanitized.log 2>&1 &
-    sanitized=$!
-  fi
-  step "Unit, element, pipeline and documentation tests"
-  run_meson_tests build-tests
+if check "Everything builds without a warning" build_plain; then
   if [ "$all" = yes ]; then
-    check "clang-tidy finds nothing" check_style || true
+    in_idle_time check_in_background >build-tests/background.log 2>&1 &
+    background=$!
   fi
-  if [ "$quick" = no ]; then
-    if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" wait "$sanitized"; then
-      step "Unit, element, USB, fault and fuzz tests with sanitizers"
+  run_plain_tests
+  if [ "$all" = yes ]; then
+    wait "$background" || true
+    cat build-tests/background.log
+    if grep -q '^passed.*AddressSanitizer' "$results"; then
       run_sanitized_tests
-    else
-      cat build-tests/sanitized.log
     fi
   fi
 fi
 if [ "$all" = yes ]; then
-  check "The demonstration runs as a user starts it" \
-    pipelines/demo.sh --output build-tests/demo-output || true
+  check "The demonstration runs as a user starts it" check_demonstration || true
+  if [ -x tests/other-debian.sh ]; then
+    check "It builds and runs on the other Debian" tests/other-debian.sh || true
+  fi
 fi

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Counts results for tests/run.sh.
+
+Usage: tests/summary.py collect PREFIX TESTLOG >>RESULTS   one line per test of a JSON log of meson
+       tests/summary.py close RESULTS                      prints what failed, why tests were skipped, and the counts
+
+A line of RESULTS is `passed`, `failed` or `skipped`, the name, the duration in seconds and the reason, with
+tabs between them. `close` ends with status 1 if a test failed or none ran.
+"""
+import collections
+import json
+import re
+import sys
+
+OUTCOMES = {'OK': 'passed', 'EXPECTEDFAIL': 'passed', 'SKIP': 'skipped'}
+SLOWEST = 10
+
+
+def skip_reason(output):
+    found = re.search(r'^SKIP(?:PED)?: *(.+)$', output, re.MULTILINE)
+    return found[1].strip() if found else 'no reason given'
+
+
+def collect(prefix, path):
+    with open(path, encoding='utf-8') as log:
+        for line in log:
+            test = json.loads(line)
+            outcome = OUTCOMES.get(test['result'], 'failed')
+            reason = test['result']
+            if outcome == 'skipped':
+                reason = skip_reason((test.get('stdout') or '') + '\n' + (test.get('stderr') or ''))
+            name = prefix + test['name'].split(' / ')[-1]
+            print(outcome, name, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
+
+
+def close(path):
+    with open(path, encoding='utf-8') as file:
+        results = [line.rstrip('\n').split('\t') for line in file]
+    counts = collections.Counter(outcome for outcome, *_ in results)
+    reasons = collections.Counter(reason for outcome, _, _, reason in results if outcome == 'skipped')
+    print('\nThe slowest, in seconds:')
+    for _, name, duration, _ in sorted(results, key=lambda result: -float(result[2]))[:SLOWEST]:
+        print(f'{float(duration):8.1f}  {name}')
+    for outcome, name, _, reason in results:
+        if outcome == 'failed':
+            print(f'failed: {name} ({reason})')
+    if reasons:
+        print(f"skipped {counts['skipped']}: " +
+              ', '.join(f'{reason} ({count})' for reason, count in reasons.most_common()))
+    print(f"\n{counts['passed']} passed, {counts['failed']} failed, {counts['skipped']} skipped")
+    return 1 if counts['failed'] or not counts['passed'] else 0
+
+
+if __name__ == '__main__':
+    if len(sys.argv) == 4 and sys.argv[1] == 'collect':
+        collect(*sys.argv[2:])
+    elif len(sys.argv) == 3 and sys.argv[1] == 'close':
+        sys.exit(close(sys.argv[2]))
+    else:
+        sys.exit(__doc__)
