@@ -8,7 +8,11 @@
 #
 # The commands run in a copy of the repository with in.mp4, and with a window system.
 
+# `console-blocks.sh PART PARTS` runs the commands of every PARTSth page, beginning with number PART. (A command may
+# need the files of the one before it on the same page.)
+
 source "$(dirname "$0")/../pipelines/support.sh"
+part=${1:-1} parts=${2:-1}
 need_window_system
 
 scratch=$work/checkout
@@ -37,8 +41,10 @@ commands() {
   ' "$1"
 }
 
-count=0 wrong=0
+count=0 wrong=0 pages=0
 while IFS= read -r page; do
+  pages=$((pages + 1))
+  [ $((pages % parts)) = $((part % parts)) ] || continue
   while IFS=$'\t' read -r number command; do
     count=$((count + 1))
     echo "$page:$number: $command"
@@ -50,7 +56,7 @@ while IFS= read -r page; do
       wrong=$((wrong + 1))
     fi
   done < <(commands "$root/$page")
-done < <(cd "$root" && printf '%s\n' ./*.md && find docs -name '*.md')
+done < <(cd "$root" && printf '%s\n' ./*.md && find docs -name '*.md' | sort)
 
 echo "$count commands run, $wrong failed"
 [ "$count" -gt 0 ] && [ "$wrong" = 0 ]

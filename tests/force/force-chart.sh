@@ -25,7 +25,7 @@ trap 'rm -rf "$work"' EXIT
 clip=$1
 if [ $# = 1 ]; then
   clip=$work/leaf.mkv
-  "$build/tests/pipelines/make-clip" 352 288 30 20 leaf |
+  "$build/tests/make-clip" 352 288 30 20 leaf |
     gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 width=352 height=288 framerate=30/1 \
       ! videoconvert ! jpegenc quality=95 ! matroskamux ! filesink "location=$clip"
 fi

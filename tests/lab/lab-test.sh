@@ -7,8 +7,13 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 here=$(dirname "$0")
 
+mkdir "$work/clips"
+"$MAKE_CLIP" 640 360 30 2 leaf |
+  gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 width=640 height=360 framerate=30/1 \
+    ! videoconvert ! avenc_mpeg4 bitrate=4000000 ! mp4mux ! filesink "location=$work/clips/leaf.mp4"
+
 status=0
-"$here/run.sh" --quick --output "$work/out" || status=$?
+"$here/run.sh" --quick --clips "$work/clips" --output "$work/out" || status=$?
 [ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
 for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields}.csv \
   lab.json results.md; do

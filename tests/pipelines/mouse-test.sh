@@ -3,19 +3,29 @@
 # The mouse over the window points: moved from one object to the other, the force turns round.
 
 # Runs mouse.sh inside the window system: `mouse-test.sh move SCRIPT VIDEO LOG`.
+# shellcheck disable=SC2016 # $9 is awk's
 if [ "${1:-}" = move ]; then
   set -euo pipefail
   "$2" "$3" -- "log-location=$4" &
   process=$!
   trap 'kill $process 2>/dev/null || true' EXIT
-  window=$(timeout 30 xdotool search --sync --onlyvisible --pid "$process" | tail -n 1)
-  for place in 88 264; do
-    # To two places side by side: the window tells of moves, not of a mouse at rest.
-    xdotool mousemove --window "$window" $((place - 8)) 144
-    sleep 1
-    xdotool mousemove --window "$window" "$place" 144
-    sleep 2
-  done
+  # `rows AWK-CONDITION`: how many rows of the log fulfil it.
+  rows() { awk -F, "NR > 1 && $1 { n++ } END { print n + 0 }" "$log"; }
+  # `stay X AWK-CONDITION`: the mouse stays about there until 500 rows more fulfil it.
+  stay() {
+    local wanted=$(($(rows "$2") + 500))
+    while kill -0 "$process" && [ "$(rows "$2")" -lt "$wanted" ]; do
+      # To two places side by side: the window reports moves, not a mouse at rest.
+      xdotool mousemove --window "$window" $(($1 - 8)) 144
+      sleep 0.2
+      xdotool mousemove --window "$window" "$1" 144
+      sleep 0.2
+    done
+  }
+  log=$4
+  window=$(timeout 60 xdotool search --sync --onlyvisible --pid "$process" | tail -n 1)
+  stay 88 '$9 > 0.48'
+  stay 264 '$9 < -0.48'
   wait "$process"
   exit
 fi
@@ -24,19 +34,17 @@ source "$(dirname "$0")/support.sh"
 need_window_system
 command -v xdotool >/dev/null || skip "xdotool is not installed"
 
-clip "$work/apart.mkv" 352 288 30 9 halves:0,-100,0,100
+clip "$work/apart.mkv" 352 288 30 15 halves:0,-100,0,100
 promise "the mouse moves over a playing video" \
   in_window_system "$0" move "$root/pipelines/mouse.sh" "$work/apart.mkv" "$work/log.csv"
-promise "the log is sound" sound_log "$work/log.csv" 1 8
-# For more than a second at a stretch up, then down to the end. (The middle of the picture, where the
-# pointer begins, belongs to neither.)
+promise "the log is sound" sound_log "$work/log.csv" 1 15
+# First up, then down to the end. (The middle of the frame, where the pointer begins, belongs to neither.)
 turned_round() {
   awk -F, '
     NR == 1 { next }
-    { up = $9 > 0.48 ? up + 1 : 0; down = $9 < -0.48 ? down + 1 : 0 }
-    up > 1000 { left = 1 }
-    left && down > 1000 { right = 1 }
-    right && $9 > 0 { wrong = 1 }
-    END { print left + 0, right + 0, wrong + 0; exit !(left && right && !wrong) }' "$work/log.csv"
+    $9 > 0.48 { up++ }
+    $9 < -0.48 && up >= 500 { down++ }
+    down >= 500 && $9 > 0 { wrong = 1 }
+    END { print up + 0 " rows up, then " down + 0 " rows down"; exit up < 500 || down < 500 || wrong }' "$work/log.csv"
 }
 promise "the force is that of the object under the mouse" turned_round

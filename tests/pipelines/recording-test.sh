@@ -6,21 +6,18 @@ source "$(dirname "$0")/support.sh"
 
 clip "$work/in.mkv" 352 288 30 3 uniform:60,0
 
-felt() {
-  in_log "$1" 'time < 1 || time > 2.3 || (abs(fx - 2 / pi * atan(0.6)) <= 0.02 && abs(fy) <= 0.02)' \
-    pi=3.141592653589793
-}
+read -r fx fy < <(force_of 60 0)
 
 for ending in ts mkv; do
   recording=$work/session.$ending
   promise "a video is recorded into .$ending" \
     "$root/pipelines/record.sh" "$work/in.mkv" "$recording" -- device=sim "log-location=$work/log.csv"
-  promise "and felt while it is" felt "$work/log.csv"
+  promise "and felt while it is" felt "$work/log.csv" "$fx" "$fy"
   promise "haptic-track says what is inside" \
     grep -q '^  samples    90$' <(haptic_track info "$recording")
   promise "the recording plays without a tracker" \
     "$root/pipelines/play-track.sh" "$recording" -- device=sim "log-location=$work/log.csv"
-  promise "and is felt as the video was" felt "$work/log.csv"
+  promise "and is felt as the video was" felt "$work/log.csv" "$fx" "$fy"
 done
 
 for ending in klv txt hmpg hjif; do
@@ -28,7 +25,7 @@ for ending in klv txt hmpg hjif; do
     haptic_track convert "$work/session.ts" "$work/track.$ending"
   promise "and plays" \
     "$root/pipelines/play-track.sh" "$work/track.$ending" -- device=sim "log-location=$work/log.csv"
-  promise "and is felt as the video was" felt "$work/log.csv"
+  promise "and is felt as the video was" felt "$work/log.csv" "$fx" "$fy"
 done
 
 promise "a part is cut out" haptic_track cut --from 1 --to 2 "$work/session.ts" "$work/part.txt"

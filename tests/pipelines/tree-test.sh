@@ -28,7 +28,7 @@ plausible_velocities() {
 }
 promise "leaves move by some pixels from picture to picture, not more" plausible_velocities
 
-promise "tree.avi plays in real time" interrupted_after 5 \
+promise "tree.avi plays in real time" "$interrupt_at" "$work/log.csv" 4 \
   "$root/pipelines/play-file.sh" "$tree" \
   -- device=sim "sim-hand=file:$root/pipelines/tree-hand.csv" "log-location=$work/log.csv"
 promise "its log is sound" sound_log "$work/log.csv" 1 3
