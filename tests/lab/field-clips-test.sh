@@ -10,7 +10,7 @@ if [ -z "${FIELD_CLIPS:-}" ]; then
   for scene in leaf uniform:40,-20 halves:40,-60,-80,20; do
     "$MAKE_CLIP" 640 360 30 2 "$scene" |
       gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 width=640 height=360 framerate=30/1 \
-        ! videoconvert ! avenc_mpeg4 bitrate=4000000 ! mp4mux ! filesink "location=$FIELD_CLIPS/${scene%%:*}.mp4"
+        ! videoconvert ! x264enc tune=zerolatency speed-preset=veryfast bitrate=4000 ! h264parse ! mp4mux ! filesink "location=$FIELD_CLIPS/${scene%%:*}.mp4"
   done
 fi
 "$1"

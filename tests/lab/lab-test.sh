@@ -10,7 +10,7 @@ here=$(dirname "$0")
 mkdir "$work/clips"
 "$MAKE_CLIP" 640 360 30 2 leaf |
   gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 width=640 height=360 framerate=30/1 \
-    ! videoconvert ! avenc_mpeg4 bitrate=4000000 ! mp4mux ! filesink "location=$work/clips/leaf.mp4"
+    ! videoconvert ! x264enc tune=zerolatency speed-preset=veryfast bitrate=4000 ! h264parse ! mp4mux ! filesink "location=$work/clips/leaf.mp4"
 
 status=0
 "$here/run.sh" --quick --clips "$work/clips" --output "$work/out" || status=$?

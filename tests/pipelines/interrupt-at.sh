@@ -7,11 +7,15 @@ set -euo pipefail
 log=$1 seconds=$2
 shift 2
 
+reached() {
+  tail -n 1 "$log" | awk -F, -v "at=$seconds" '{ there = NF >= 22 && $1 + 0 >= at } END { exit !there }'
+}
+
 set -m # the command gets a process group of its own, as in a terminal
 "$@" &
 process=$!
 while kill -0 "$process" 2>/dev/null; do
-  if [ -f "$log" ] && tail -n 1 "$log" | awk -F, -v "at=$seconds" '{ exit !(NF >= 22 && $1 + 0 >= at) }'; then
+  if [ -f "$log" ] && reached; then
     kill -INT -- "-$process" 2>/dev/null || true
     break
   fi

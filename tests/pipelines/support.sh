@@ -15,10 +15,10 @@ trap 'rm -rf "$work"' EXIT
 
 # `clip FILE WIDTH HEIGHT FRAMES-PER-SECOND SECONDS SCENE` writes a video of known motion; see
 # make-clip.cpp for the scenes. The ending of FILE chooses the container: mkv (Motion JPEG of high
-# quality) or mp4 (MPEG-4, for the pages).
+# quality) or mp4 (H.264).
 clip() {
   local encoder=(jpegenc quality=95 ! matroskamux)
-  [[ $1 != *.mp4 ]] || encoder=(avenc_mpeg4 bitrate=4000000 ! mp4mux)
+  [[ $1 != *.mp4 ]] || encoder=(x264enc tune=zerolatency speed-preset=veryfast bitrate=4000 ! h264parse ! mp4mux)
   "$MAKE_CLIP" "$2" "$3" "$4" "$5" "$6" |
     gst-launch-1.0 -q fdsrc ! rawvideoparse format=gray8 "width=$2" "height=$3" "framerate=$4/1" \
       ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
