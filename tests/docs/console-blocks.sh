@@ -11,7 +11,25 @@
 # `console-blocks.sh PART PARTS` runs the commands of every PARTSth page, beginning with number PART. (A command may
 # need the files of the one before it on the same page.)
 
+# Runs inside the window system: `console-blocks.sh run COMMAND OUTPUT`. A command that does not end is
+# interrupted 7 s after it began to play, or else after 40 s.
+if [ "${1:-}" = run ]; then
+  set -m # the command gets a process group of its own, as in a terminal
+  bash -o pipefail -c "$2" </dev/null &
+  process=$!
+  playing=0
+  for ((tenths = 0; tenths < 400 && playing < 70; tenths++)); do
+    kill -0 "$process" 2>/dev/null || break
+    ! grep -q PLAYING "$3" || playing=$((playing + 1))
+    sleep 0.1
+  done
+  kill -INT -- "-$process" 2>/dev/null || true
+  wait "$process"
+  exit
+fi
+
 source "$(dirname "$0")/../pipelines/support.sh"
+self=$(realpath "$0")
 part=${1:-1} parts=${2:-1}
 need_window_system
 
@@ -48,8 +66,8 @@ while IFS= read -r page; do
   while IFS=$'\t' read -r number command; do
     count=$((count + 1))
     echo "$page:$number: $command"
-    if ! (cd "$scratch" && in_window_system timeout --foreground --preserve-status -k 10 -s INT 8 \
-      bash -o pipefail -c "$command" </dev/null) >"$work/output" 2>&1 ||
+    # shellcheck disable=SC2094 # it reads there what the command has written so far
+    if ! (cd "$scratch" && in_window_system "$self" run "$command" "$work/output") >"$work/output" 2>&1 ||
       grep -qE '^(ERROR|erroneous pipeline)|CRITICAL \*\*' "$work/output"; then
       echo "FAILED"
       tail -n 20 "$work/output"

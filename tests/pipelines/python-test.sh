@@ -12,7 +12,7 @@ clip "$work/clip.mkv" 352 288 30 3 uniform:60,-30
 true_motion() {
   awk '/px\/s/ { n++; if ($5 < 57 || $5 > 63 || $6 < -33 || $6 > -27) { print; exit bad = 1 } } END { exit bad || n < 60 }' "$work/output"
 }
-promise "every picture tells the motion of the clip" true_motion
+promise "every frame has the motion of the clip" true_motion
 promise "wherever the pointer is" test "$(sed -n 's/.* at \(.*\):.*/\1/p' "$work/output" | sort -u | wc -l)" -gt 10
 promise "the counters of the sink are read" grep -q '^The sink says: hapticsink-stats, ticks=(guint64)[1-9]' "$work/output"
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash
-# How a test that is a script tells what it found. To be sourced.
+# What a test that is a script prints. To be sourced.
 
 skip() {
   echo "SKIPPED: $*"
