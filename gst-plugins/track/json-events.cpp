@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json-events.hpp"
 
+#include <cstdint>
 #include <string_view>
 
 namespace haptic {
