@@ -61,6 +61,14 @@ test_packages=(
   libjson-glib-dev        # the lab
 )
 
+# To build the Debian package and look at it.
+package_packages=(
+  build-essential
+  debhelper
+  help2man # the manual pages
+  lintian
+)
+
 # The tests in a virtual machine (tests/hil).
 vm_packages=(
   qemu-system-x86

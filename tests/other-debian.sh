@@ -1,0 +1,276 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Makes a chroot of the Debian that this machine does not run (13 on Debian 12, 12 on Debian 13), builds the
+# project there without a warning, runs the unit, element and pipeline tests there, and builds the Debian
+# package there and here. Closes with one line: N passed, N failed, N skipped. The exit status is 0 only when
+# nothing failed.
+#
+# Usage: tests/other-debian.sh [--fresh] [--cache FOLDER]
+#   --fresh         makes the chroot anew; without it, one that is there is used again
+#   --cache FOLDER  where the chroot is kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
+#
+# Needs root. The packages come from the archive that apt uses on this machine, with apt's settings. Builds and
+# tests have no network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
+
+source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/packages.sh"
+source "$(dirname "$0")/support/promise.sh"
+
+fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
+
+read_options() {
+  while [ $# -gt 0 ]; do
+    case $1 in
+    --help | -h) show_help && exit ;;
+    --fresh) fresh=yes ;;
+    --cache)
+      cache=${2:-}
+      [ -n "$cache" ] || fail "--cache needs a folder; see --help"
+      shift
+      ;;
+    *) fail "unknown option '$1'; see --help" ;;
+    esac
+    shift
+  done
+}
+
+# Puts the other version into $version.
+choose_version() {
+  local id number
+  id=$(sed -n 's/^ID=//p' /etc/os-release)
+  number=$(sed -n 's/^VERSION_ID="\?\([0-9]*\)"\?$/\1/p' /etc/os-release)
+  case $id-$number in
+  debian-12) version=13 ;;
+  debian-13) version=12 ;;
+  *) skip "this machine runs neither Debian 12 nor Debian 13" ;;
+  esac
+}
+
+# Everything that is mounted or started after this goes away with the script, however it ends.
+enter_namespaces() {
+  local child
+  [ "${OTHER_DEBIAN_NAMESPACES:-}" != yes ] || return 0
+  [ "$(id -u)" = 0 ] || skip "a chroot needs root; as root run: tests/other-debian.sh"
+  unshare --mount --pid --net --fork --mount-proc true 2>/dev/null ||
+    skip "this machine does not allow namespaces and mounts"
+  OTHER_DEBIAN_NAMESPACES=yes \
+    unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$0" "$@" &
+  child=$!
+  trap 'kill -KILL "$child"; exit 130' INT TERM
+  wait "$child"
+  exit
+}
+
+passed=0 failed=0 skipped=0
+
+finish() {
+  [ "$1" = 0 ] || [ "$failed" -gt 0 ] || failed=1
+  rm -rf "$work"
+  echo
+  echo "$passed passed, $failed failed, $skipped skipped"
+  [ "$failed" = 0 ] || exit 1
+}
+
+# Runs a command as one test. Its output goes to a log, whose end is shown when it fails.
+check() {
+  local name=$1 log=$cache/log/$2.txt began=$SECONDS
+  shift
+  printf '\n== %s\n' "$name"
+  if "$@" >"$log" 2>&1 </dev/null; then
+    echo "ok: $name ($((SECONDS - began)) s)"
+    passed=$((passed + 1))
+  else
+    tail -n 40 "$log"
+    echo "FAILED: $name (log: $log)"
+    failed=$((failed + 1))
+    return 1
+  fi
+}
+
+# The archive of Debian that apt uses on this machine.
+find_archive() {
+  local archives
+  # shellcheck disable=SC2016 # for apt
+  mapfile -t archives < <(apt-get indextargets --format '$(REPO_URI)' \
+    'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 'Component: main')
+  archive=${archives[0]:-}
+  archive=${archive%/}
+}
+
+# Puts the code name of the wanted version into $codename. The archive knows it by an alias that changes with time.
+find_codename() {
+  local alias
+  for alias in stable oldstable oldoldstable; do
+    /usr/lib/apt/apt-helper download-file "$archive/dists/$alias/Release" "$work/Release" || continue
+    if grep -q "^Version: $version\(\.\|$\)" "$work/Release"; then
+      codename=$(sed -n 's/^Codename: //p' "$work/Release")
+      return
+    fi
+  done
+  echo "The archive $archive has no Debian $version."
+  return 1
+}
+
+# The proxy that apt uses for the archive, or nothing.
+proxy_of_archive() {
+  local scheme=${archive%%:*} host=${archive#*://} key proxy=''
+  host=${host%%[:/]*}
+  for key in "Acquire::$scheme::Proxy::$host" "Acquire::$scheme::Proxy" "Acquire::http::Proxy"; do
+    [ -n "$proxy" ] || eval "$(apt-config shell proxy "$key")"
+  done
+  [ -n "$proxy" ] ||
+    proxy=$(/usr/lib/apt/apt-helper auto-detect-proxy "$archive" | sed -n "s/^Using proxy '\(.*\)' for.*/\1/p")
+  [ "$proxy" = DIRECT ] || echo "$proxy"
+}
+
+# `copy_settings FOLDER PROXY` gives a chroot the machine's settings of name service, apt and certificates.
+copy_settings() {
+  local settings=$1/etc/apt/apt.conf.d/90machine file
+  cp -L /etc/resolv.conf /etc/hosts "$1/etc/"
+  cp -rL --parents /etc/ssl/certs /usr/local/share/ca-certificates "$1/" 2>/dev/null || true
+  apt-config dump --no-empty --format '%F "%v";%n' |
+    grep '^Acquire::' | grep -viE '^Acquire::(Changelogs|IndexTargets|cdrom)|Proxy-?Auto-?Detect' \
+    >"$settings" || true
+  [ -z "$2" ] || echo "Acquire::http::Proxy \"$2\";" >>"$settings"
+  sed -nE 's/^Acquire::.*::(CaInfo|CaPath|SslCert|SslKey|CrlFile) "(.*)";/\2/Ip' \
+    "$settings" | while read -r file; do
+    cp -rL --parents "$file" "$1/"
+  done
+}
+
+make_chroot() {
+  local proxy
+  [ "$fresh" = no ] || rm -rf --one-file-system "$chroot"
+  if [ ! -d "$chroot" ]; then
+    find_archive
+    if [ -z "$archive" ]; then
+      quiet_apt_get "$work/update.log" update || true # a fresh machine has no lists yet
+      find_archive
+    fi
+    [ -n "$archive" ] || { echo "apt's sources name no archive of Debian."; return 1; }
+    find_codename || return
+    proxy=$(proxy_of_archive)
+    rm -rf --one-file-system "$chroot.part"
+    env ${proxy:+http_proxy=$proxy https_proxy=$proxy} debootstrap --variant=minbase --force-check-gpg \
+      --arch="$(dpkg --print-architecture)" "$codename" "$chroot.part" "$archive" || return
+    echo force-unsafe-io >"$chroot.part/etc/dpkg/dpkg.cfg.d/unsafe-io" # twice as fast
+    copy_settings "$chroot.part" "$proxy" || return
+    mv "$chroot.part" "$chroot"
+  fi
+  rm -rf --one-file-system "${chroot:?}"/tmp/* "$chroot/tmp/".[!.]*
+  mount -t proc proc "$chroot/proc" && mount --rbind /sys "$chroot/sys" && mount --rbind /dev "$chroot/dev"
+}
+
+# Runs a command in the chroot, in the folder of the source.
+in_chroot() {
+  # shellcheck disable=SC2016 # for the inner shell
+  "${enter[@]}" 'cd /feeling-wind && exec "$@"' in_chroot "$@"
+}
+
+# The same, where there is no network but the machine itself.
+offline_in_chroot() {
+  # shellcheck disable=SC2016 # for the inner shell
+  unshare --net "${enter[@]}" \
+    'ip link set lo up && ip route add 224.0.0.0/4 dev lo && cd /feeling-wind && exec "$@"' in_chroot "$@"
+}
+
+# Copies the working tree, without what git ignores.
+copy_tree() {
+  local file
+  rm -rf "$1"
+  mkdir -p "$1"
+  git -C "$root" -c safe.directory="$root" ls-files -z --cached --others --exclude-standard --deduplicate |
+    while IFS= read -r -d '' file; do
+      [ ! -e "$root/$file" ] || printf '%s\0' "$file"
+    done | tar -C "$root" --null --no-recursion -T - -c | tar -C "$1" -x
+}
+
+copy_tree_and_film() {
+  local film
+  copy_tree "$chroot/feeling-wind" && film=$(tree_video) || return
+  mkdir "$chroot/feeling-wind/build-data" && cp "$film" "$chroot/feeling-wind/build-data/"
+}
+
+# By the project's own script, as on any machine.
+install_in_chroot() {
+  local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}" iproute2)
+  local package
+  for package in "${test_packages[@]}"; do
+    case $package in
+    clang-* | shellcheck) ;; # they look at the source, which is the same
+    *) packages+=("$package") ;;
+    esac
+  done
+  # shellcheck disable=SC2016 # for the inner shell
+  in_chroot bash -c 'source pipelines/common.sh && source pipelines/packages.sh && install_packages "$@" && apt-get clean' \
+    install "${packages[@]}"
+}
+
+build_in_chroot() {
+  local again=()
+  [ ! -f "$chroot/build/build.ninja" ] || again=(--reconfigure)
+  offline_in_chroot meson setup /build "${again[@]}" -Dwerror=true -Ddebug=false -Dtests=enabled \
+    -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled -Dview=enabled &&
+    offline_in_chroot ninja -C /build -k 0 # shows every fault
+}
+
+# Counts what meson wrote down: one line of JSON for each test.
+run_tests_in_chroot() {
+  local report=$chroot/build/meson-logs/testlog.json before=$failed status=0
+  printf '\n== Unit, element and pipeline tests on Debian %s\n' "$version"
+  rm -f "$report"
+  offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs \
+    --suite unit --suite elements --suite pipelines </dev/null || status=1
+  passed=$((passed + $(results "$report" 'OK|EXPECTEDFAIL')))
+  skipped=$((skipped + $(results "$report" 'SKIP|IGNORED')))
+  failed=$((failed + $(results "$report" 'FAIL|TIMEOUT|INTERRUPT|ERROR|UNEXPECTEDPASS')))
+  # A run that went wrong without a count of failures still is one.
+  [ "$status" = 0 ] || [ "$failed" -gt "$before" ] || failed=$((failed + 1))
+}
+
+results() {
+  grep -cE "\"result\": \"($2)\"" "$1" 2>/dev/null || true
+}
+
+# `build_package COMMAND...` builds the Debian package and looks at it, both by COMMAND, which knows where.
+build_package() {
+  "$@" env DEB_BUILD_OPTIONS="noautodbgsym parallel=$(nproc)" dpkg-buildpackage -us -uc -b &&
+    "$@" sh -c 'lintian --fail-on error,warning ../feeling-wind_*.changes'
+}
+
+package_there() {
+  rm -f "$chroot"/feeling-wind[-_]*
+  build_package offline_in_chroot
+}
+
+in_copy() {
+  (cd "$work/feeling-wind" && unshare --net "$@")
+}
+
+package_here() {
+  install_packages "${package_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" &&
+    copy_tree "$work/feeling-wind" && build_package in_copy
+}
+
+read_options "$@"
+choose_version
+enter_namespaces "$@"
+
+mkdir -p "$cache/log" || fail "the folder '$cache' cannot be made; give another with --cache"
+cache=$(cd "$cache" && pwd)
+exec 9>"$cache/lock"
+flock --nonblock 9 || skip "another run uses the chroot in $cache"
+(install_packages debootstrap) || skip "debootstrap is missing; as root run: apt-get install debootstrap"
+work=$(mktemp -d)
+trap 'finish $?' EXIT
+chroot=$cache/debian-$version
+enter=(chroot "$chroot" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb sh -c)
+
+check "A chroot of Debian $version is there" make_chroot
+check "The tree is copied" copy_tree_and_film
+check "The packages are installed on Debian $version" install_in_chroot
+if check "Everything builds without a warning on Debian $version" build_in_chroot; then
+  run_tests_in_chroot
+fi
+check "The Debian package builds on Debian $version" package_there || true
+check "The Debian package builds on this machine" package_here || true
