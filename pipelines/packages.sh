@@ -69,6 +69,12 @@ package_packages=(
   lintian
 )
 
+# The tests on the other Debian (tests/other-debian.sh).
+chroot_packages=(
+  debootstrap
+  iproute2 # a network for tests that is this machine alone
+)
+
 # The tests in a virtual machine (tests/hil).
 vm_packages=(
   qemu-system-x86

@@ -193,7 +193,8 @@ copy_tree_and_film() {
 
 # By the project's own script, as on any machine.
 install_in_chroot() {
-  local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}" iproute2)
+  local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}"
+    "${chroot_packages[@]}")
   local package
   for package in "${test_packages[@]}"; do
     case $package in
@@ -260,8 +261,10 @@ mkdir -p "$cache/log" || fail "the folder '$cache' cannot be made; give another 
 cache=$(cd "$cache" && pwd)
 exec 9>"$cache/lock"
 flock --nonblock 9 || skip "another run uses the chroot in $cache"
-(install_packages debootstrap) || skip "debootstrap is missing; as root run: apt-get install debootstrap"
-work=$(mktemp -d)
+(install_packages "${chroot_packages[@]}") || skip "packages are missing: ${chroot_packages[*]}"
+work=$cache/work
+rm -rf "$work"
+mkdir "$work"
 trap 'finish $?' EXIT
 chroot=$cache/debian-$version
 enter=(chroot "$chroot" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb sh -c)
