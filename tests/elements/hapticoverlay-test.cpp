@@ -99,6 +99,18 @@ protected:
     gst_harness_push_upstream_event(harness.get(), haptic::make_pointer_event(position).release());
   }
 
+  // The second frame or a later one, with a force that the device reported just before.
+  BufferPtr pass_with_force(Shift step, double x, double y) {
+    pass(0, step);
+    int i = 0;
+    BufferPtr out;
+    test::within_a_second([&] {
+      push_force(x, y);
+      out = pass(++i, step);
+    });
+    return out;
+  }
+
   Texture texture{1, 5, 15};
   VideoHarness harness{"roitracker roi-size=40 ! hapticoverlay"};
   ElementPtr overlay = harness.element("hapticoverlay");
@@ -168,9 +180,7 @@ TEST_F(HapticOverlay, AStillVideoHasARegionAndNoArrow) {
 }
 
 TEST_F(HapticOverlay, TheForceArrowPointsWhereTheForceDoes) {
-  push_force(0.0, 0.4); // up
-  pass(0, {2, 0});
-  const BufferPtr out = pass(1, {2, 0});
+  const BufferPtr out = pass_with_force({2, 0}, 0.0, 0.4); // up
   const Spot force = spot(out, is_blue);
   EXPECT_GT(force.count, 20);
   // A newton is a quarter of the height.
@@ -183,9 +193,7 @@ TEST_F(HapticOverlay, OnPixelsThatAreNotSquareDirectionsAreThoseOnTheScreen) {
   gst_harness_set_src_caps_str(harness.get(),
                                "video/x-raw,format=RGB,width=320,height=240,framerate=30/1,"
                                "pixel-aspect-ratio=2/1,interlace-mode=progressive");
-  push_force(0.5, 0.5);
-  pass(0, {0, 2});
-  const Spot force = spot(pass(1, {0, 2}), is_blue);
+  const Spot force = spot(pass_with_force({0, 2}, 0.5, 0.5), is_blue);
   EXPECT_GT(force.count, 20);
   // Half as many of the wide pixels to the right as up; the arrow is drawn a little aside.
   EXPECT_NEAR(force.centre.x, 0.5 * kHeight / 4 / 2 / 2, 3);
@@ -194,9 +202,7 @@ TEST_F(HapticOverlay, OnPixelsThatAreNotSquareDirectionsAreThoseOnTheScreen) {
 
 TEST_F(HapticOverlay, ColoursAreThoseThatWereSet) {
   g_object_set(overlay.get(), "velocity-color", 0xff00ff00U, "force-color", 0xffff00ffU, nullptr);
-  push_force(0.4, 0.4);
-  pass(0, {2, 0});
-  const BufferPtr out = pass(1, {2, 0});
+  const BufferPtr out = pass_with_force({2, 0}, 0.4, 0.4);
   EXPECT_GT(spot(out, [](Color c) { return c.g > 200 && c.r < 60 && c.b < 60; }).count, 15);
   EXPECT_GT(spot(out, [](Color c) { return c.g < 60 && c.r > 200 && c.b > 200; }).count, 15);
 }
