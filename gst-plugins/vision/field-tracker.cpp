@@ -249,7 +249,7 @@ void FieldTracker::align_coarse_patch(int row, int column) {
 // Aligns one patch in the middle of a cell, one level below the finest.
 void FieldTracker::align_cell_patch(int row, int column) {
   const std::size_t level = levels_ > 1 ? 1 : 0;
-  const float from_coarsest = static_cast<float>(1 << (levels_ - 1 - level));
+  const auto from_coarsest = static_cast<float>(1 << (levels_ - 1 - level));
   const auto scale = static_cast<float>(1 << level);
   Cell &own = at(row, column);
   own.coarse = {};

@@ -7,9 +7,13 @@
 
 namespace haptic {
 
+// With the energy E (mean squared difference about its mean) and J = sum g g^T, m = sum g D of
+// measure_change: the least squares displacement d = J^-1 m explains d^T J d of the squared
+// differences. If only noise changed, (d^T J d / 2) / E has the F distribution with 2 degrees of
+// freedom above and as many as pixels below.
 ChangeFinding find_change(const LumaView &previous, const LumaView &current, float noise) {
   constexpr float kOverNoise = 1.3F;
-  constexpr float kSignificant = 7; // F distribution with 2 degrees of freedom: 1 in 1000
+  constexpr float kSignificant = 7; // by chance 1 in 1000
   const auto sums = measure_change(previous, current);
   if (sums.squares == 0)
     return {};
@@ -21,8 +25,8 @@ ChangeFinding find_change(const LumaView &previous, const LumaView &current, flo
   const Displacement moved = solve(sums.structure, sums.moment, 1);
   if (quadratic(sums.structure, moved) > 2 * kSignificant * energy)
     return {Change::some, energy};
-  // Nothing can be said of a region whose texture could hide such a motion. (A plain central
-  // difference of white noise of variance 1 has variance 1/2.)
+  // A region without enough texture could hide a motion. (A central difference of white noise of
+  // variance 1 has variance 1/2.)
   constexpr float kHidden = 0.15F; // px
   const float texture = eigenvalues(sums.structure).least - 0.5F * noise * pixels;
   return {texture > 2 * noise / (kHidden * kHidden) ? Change::none : Change::unseen, energy};

@@ -9,7 +9,7 @@ namespace haptic {
 enum class Change {
   none,   ///< a motion would have been seen
   unseen, ///< no more than noise, but so little texture that it could hide a motion
-  some,
+  some,   ///< something moved, or more than noise changed
 };
 
 struct ChangeFinding {
@@ -17,8 +17,8 @@ struct ChangeFinding {
   float energy = 0; ///< mean squared difference about its mean, grey levels squared
 };
 
-/// Nothing, if the differences are no larger than noise (variance of a pixel) and do not line up
-/// with the gradients: a translation would make them do so. The views have one size, at least 3x3.
+/// Returns `some` if the differences are larger than noise (variance of a pixel), or correlated
+/// with the gradients as a translation makes them. The views have one size, at least 3x3.
 ChangeFinding find_change(const LumaView &previous, const LumaView &current, float noise);
 
 } // namespace haptic
