@@ -38,6 +38,7 @@ namespace {
 using namespace std::chrono_literals;
 using haptic::guarded;
 using haptic::ObjectLock;
+using haptic::SinkSettings;
 
 constexpr auto kEndFade = 150ms; // the fade at the end of the stream, and some ticks
 
@@ -59,7 +60,7 @@ private:
 struct State {
   explicit State(GstHapticSink *self) : client(self), session(client) {}
 
-  haptic::SinkSettings settings; // the object's lock
+  SinkSettings settings; // the object's lock
   Client client;
   haptic::HapticSession session; // its members have their threads
 
@@ -91,9 +92,10 @@ State &state_of(gpointer object) {
   return *GST_HAPTIC_SINK(object)->state;
 }
 
-haptic::SinkSettings settings_of(gpointer object) {
+template <typename Value>
+Value setting_of(gpointer object, Value SinkSettings::*member) {
   const ObjectLock lock(object);
-  return state_of(object).settings;
+  return state_of(object).settings.*member;
 }
 
 GstBaseSinkClass *parent_class() {
@@ -252,7 +254,7 @@ bool is_live(GstHapticSink *self) {
 }
 
 bool is_immediate(GstHapticSink *self) {
-  return haptic::is_immediate(settings_of(self).latency_mode,
+  return haptic::is_immediate(setting_of(self, &SinkSettings::latency_mode),
                               gst_base_sink_get_sync(GST_BASE_SINK(self)),
                               [self] { return is_live(self); });
 }
@@ -308,12 +310,11 @@ void end_pointer_thread(State &state) {
 
 bool start_threads(GstHapticSink *self) {
   State &state = *self->state;
-  const haptic::SinkSettings settings = settings_of(self);
   const auto post_status = [self](GstStreamStatusType type) {
     guarded(self, [&] { post_stream_status(self, type); });
   };
-  if (!state.session.prepare({.choice = settings.choice,
-                              .log_location = settings.log_location,
+  if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
+                              .log_location = setting_of(self, &SinkSettings::log_location),
                               .entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); },
                               .left = [=] { post_status(GST_STREAM_STATUS_TYPE_LEAVE); }}))
     return false;
@@ -380,7 +381,7 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   set_running_time(self);
   const haptic::Presentation presentation{.time = presentation_time(self, GST_BUFFER_PTS(buffer)),
                                           .playback = playback_of(sink->segment),
-                                          .rate_law = settings_of(self).rate_law};
+                                          .rate_law = setting_of(self, &SinkSettings::rate_law)};
   GstMapInfo map{};
   const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
   self->state->session.accept(std::span<const std::uint8_t>(map.data, map.size),
@@ -566,8 +567,9 @@ void install_object_functions(GObjectClass *klass) {
 
 void install_sink_functions(GstBaseSinkClass *klass) {
   klass->start = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE,
-                   [&] { return gboolean{state_of(sink).session.open(settings_of(sink).choice)}; });
+    return guarded(sink, FALSE, [&] {
+      return gboolean{state_of(sink).session.open(setting_of(sink, &SinkSettings::choice))};
+    });
   };
   klass->stop = [](GstBaseSink *sink) -> gboolean {
     return guarded(sink, FALSE, [&] {

@@ -27,6 +27,9 @@ struct MotionAt {
 /// from its arrival. One thread; real-time safe; times in ns of one steady clock, which may jump.
 class MotionInterpolator {
 public:
+  static constexpr std::size_t kCapacity = 128; ///< more than a second ahead at 120 frames/s
+  static_assert(kCapacity < FieldPool::kSlots);
+
   void add(TimedMotion motion, std::int64_t now) noexcept;
   /// Returns the motion at `now`; in fields at `place` of the frame.
   const MotionAt &at(std::int64_t now, const PointerPosition &place = {}) noexcept;
@@ -34,8 +37,6 @@ public:
   void clear() noexcept;
 
 private:
-  static constexpr std::size_t kCapacity = 128; // more than a second ahead at 120 frames/s
-
   TimedMotion &pending(std::size_t i) noexcept { return pending_[(first_ + i) % kCapacity]; }
   void pop_front() noexcept;
   void interpolate_to_next(std::int64_t now, const PointerPosition &place) noexcept;

@@ -617,7 +617,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   push_motion(100, 0, 0.5);
   push_end();
   set(GST_STATE_PLAYING);
-  int told = 0;
+  int posted = 0;
   for (;;) {
     const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
     ASSERT_TRUE(found);
@@ -625,7 +625,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
       break;
     const GstStructure *s = gst_message_get_structure(found.get());
     ASSERT_STREQ(gst_structure_get_name(s), "hapticsink-stats");
-    ++told;
+    ++posted;
     for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples",
                              "gaps", "faults", "log-rows-lost"})
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
@@ -634,7 +634,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
     EXPECT_EQ(gst_structure_n_fields(s), 17);
   }
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(posted, 1);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 0U);
   EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
@@ -644,7 +644,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
 
 TEST_F(HapticSink, AnnouncesItsThread) {
   build("device=sim");
-  std::vector<GstStreamStatusType> told;
+  std::vector<GstStreamStatusType> posted;
   push_motion(100, 0, 0.2);
   GstBus *bus = gst_element_get_bus(pipeline_.get());
   gst_bus_set_sync_handler(
@@ -661,26 +661,26 @@ TEST_F(HapticSink, AnnouncesItsThread) {
         }
         return GST_BUS_PASS;
       },
-      &told, nullptr);
+      &posted, nullptr);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") > 0; }));
   stop();
   gst_bus_set_sync_handler(bus, nullptr, nullptr, nullptr);
   gst_object_unref(bus);
-  EXPECT_EQ(told, (std::vector{GST_STREAM_STATUS_TYPE_CREATE, GST_STREAM_STATUS_TYPE_ENTER,
-                               GST_STREAM_STATUS_TYPE_LEAVE}));
+  EXPECT_EQ(posted, (std::vector{GST_STREAM_STATUS_TYPE_CREATE, GST_STREAM_STATUS_TYPE_ENTER,
+                                 GST_STREAM_STATUS_TYPE_LEAVE}));
 }
 
 // ---- errors -------------------------------------------------------------------------------------
 
 class HapticSinkErrors : public HapticSink {
 protected:
-  struct Told {
+  struct Report {
     GQuark domain = 0;
     int code = 0;
     std::string text;
   };
-  Told told(GstMessageType type) {
+  Report next_report(GstMessageType type) {
     const auto found = message(type, GST_SECOND);
     if (!found)
       return {};
@@ -689,13 +689,13 @@ protected:
       gst_message_parse_error(found.get(), &error, nullptr);
     else
       gst_message_parse_warning(found.get(), &error, nullptr);
-    Told t{error->domain, error->code, error->message};
+    Report t{error->domain, error->code, error->message};
     g_error_free(error);
     return t;
   }
-  Told failure(GstState state) {
+  Report failure(GstState state) {
     EXPECT_EQ(gst_element_set_state(pipeline_.get(), state), GST_STATE_CHANGE_FAILURE);
-    return told(GST_MESSAGE_ERROR);
+    return next_report(GST_MESSAGE_ERROR);
   }
 };
 
@@ -743,13 +743,13 @@ TEST_F(HapticSinkErrors, WithoutADeviceUsbIsAnErrorAndAutoASimulatedOneWithAWarn
   build("device=usb");
   if (gst_element_set_state(pipeline_.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE)
     GTEST_SKIP() << "a SPIDAR-G is plugged in";
-  const auto error = told(GST_MESSAGE_ERROR);
+  const auto error = next_report(GST_MESSAGE_ERROR);
   EXPECT_EQ(error.domain, GST_RESOURCE_ERROR);
   EXPECT_EQ(error.code, GST_RESOURCE_ERROR_NOT_FOUND);
   stop();
   build("");
   wait_for(GST_STATE_READY);
-  const auto warning = told(GST_MESSAGE_WARNING);
+  const auto warning = next_report(GST_MESSAGE_WARNING);
   EXPECT_EQ(warning.code, GST_RESOURCE_ERROR_NOT_FOUND);
   EXPECT_NE(warning.text.find("simulated"), std::string::npos) << warning.text;
 }

@@ -25,7 +25,7 @@ TEST(SampleRing, NothingIsLostOrTornBetweenTwoThreads) {
     int a = 0;
     int b = 0;
   };
-  constexpr int kCount = 100'000;
+  constexpr int kCount = 10'000;
   haptic::SampleRing<Pair, 16> ring;
   std::jthread writer([&] {
     for (int i = 0; i < kCount;)
