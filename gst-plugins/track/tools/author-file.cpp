@@ -6,6 +6,7 @@
 #include "pipeline.hpp"
 #include "text-line.hpp"
 #include "track-caps.hpp"
+#include "track-file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,17 +29,17 @@ namespace fs = std::filesystem;
 constexpr char kTransportStream[] = ".ts";
 constexpr char kMatroska[] = ".mkv";
 
-// What may wait: as much as the decoder holds back, which the muxer needs the track to.
+// Limits of the queues. The muxer waits for the track, which waits for what the decoder holds back.
 constexpr guint kVideoBytes = 48 << 20;
 constexpr guint kAudioBytes = 16 << 20;
-// A file is taken to end early where it lacks this share of its length, and this much.
+// A file ends early if it lacks more than this share of its length and more than this time.
 constexpr double kMissingShare = 0.02;
 constexpr GstClockTime kMissing = GST_SECOND;
 constexpr gint64 kLongestShow = 10 * G_USEC_PER_SEC; // us, from the first stream to the last
 
 // ---- the file that is written -------------------------------------------------------------------
 
-// Whether it begins as a copy with motion fields does: they are there from the first frame on.
+// Returns whether motion fields are in the first 16 MiB. A copy has them from the first frame on.
 bool holds_fields(const std::string &path) {
   std::string begin(16 << 20, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -48,7 +49,7 @@ bool holds_fields(const std::string &path) {
   return begin.find(kTextFieldStart) != std::string::npos || begin.find(key) != std::string::npos;
 }
 
-// Written under another name, which no other process writes to at the same time.
+// A file under another name, locked against other processes. It is removed unless it is kept.
 class PartFile {
 public:
   explicit PartFile(std::string path) : path_(std::move(path)) {
@@ -70,7 +71,7 @@ public:
 
   const std::string &path() const { return path_; }
 
-  // All of it is on the disk before it has its name, and so is the name when this returns.
+  // Writes the content to the disk before it renames the file, and then the name.
   void keep_as(const std::string &path) {
     if (fsync(fd_) != 0 || std::rename(path_.c_str(), path.c_str()) != 0)
       throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
@@ -90,7 +91,7 @@ private:
 
 // ---- the pipeline -------------------------------------------------------------------------------
 
-// What the streaming threads find in the video, and what is made of it.
+// The state of one video that is authored.
 struct Work {
   const std::string &path;
   const AuthorOptions &options;
@@ -98,7 +99,7 @@ struct Work {
   GstElement *pipeline = nullptr;
   GstElement *field = nullptr;
 
-  // The source's streaming thread until all streams are known, the main thread from then on.
+  // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams; // each held by a probe
   std::atomic<std::size_t> shown = 0;
   GstPad *video = nullptr;
@@ -124,7 +125,7 @@ CapsPtr caps_of(GstPad *pad) {
   return caps ? std::move(caps) : CapsPtr(gst_pad_query_caps(pad, nullptr));
 }
 
-// The parser that knows the stream in all its forms.
+// Returns the parser that converts between the forms of the stream, or nothing.
 const char *parser_of(const GstCaps *caps) {
   constexpr std::array<std::pair<const char *, const char *>, 2> kParsers = {
       {{"video/x-h264", "h264parse"}, {"video/x-h265", "h265parse"}}};
@@ -136,7 +137,7 @@ const char *parser_of(const GstCaps *caps) {
   return g_str_equal(name_of(caps), "audio/mpeg") && version > 1 ? "aacparse" : nullptr;
 }
 
-// What parsers see to is left out.
+// Returns the caps without the fields that a parser can change.
 CapsPtr without_form(GstCaps *caps) {
   CapsPtr essence(gst_caps_copy(caps));
   for (guint i = 0; i < gst_caps_get_size(essence.get()); ++i)
@@ -156,7 +157,7 @@ bool has_place(const char *mux, GstPad *pad) {
     auto *pads = static_cast<GstStaticPadTemplate *>(item->data);
     const CapsPtr all(gst_static_pad_template_get_caps(pads));
     const CapsPtr taken = without_form(all.get());
-    // A parser that has not yet seen a frame names all that it may give.
+    // The caps of a parser are not fixed before its first frame.
     has = has || (pads->direction == GST_PAD_SINK &&
                   (is_known ? gst_caps_is_subset(caps.get(), taken.get())
                             : gst_caps_can_intersect(caps.get(), taken.get())));
@@ -183,7 +184,7 @@ void link_pad(GstPad *pad, GstElement *to) {
     throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 
-// The stream as it is, from `from` into the muxer.
+// Links the stream of `from` to the muxer without a change.
 void link_untouched(const Work &work, GstElement *from, GstCaps *caps, GstElement *mux) {
   const char *parser = parser_of(caps);
   GstElement *last = parser ? add_element(work.pipeline, parser) : from;
@@ -219,7 +220,7 @@ GstPadProbeReturn watch_size(GstPad *, GstPadProbeInfo *info, gpointer data) {
   return GST_PAD_PROBE_DROP;
 }
 
-// To where a buffer ends, if that is later.
+// Moves the position to the end of a buffer, if that is later.
 void advance(std::atomic<GstClockTime> &position, GstPadProbeInfo *info) {
   const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
   if (!GST_BUFFER_PTS_IS_VALID(buffer))
@@ -242,8 +243,7 @@ void watch_position(Work &work, GstPad *pad) {
       &work, nullptr);
 }
 
-// frames -> motionfield -> hapticconvert -> muxer; the decoder is linked when it knows what it
-// gives.
+// Adds frames -> motionfield -> hapticconvert -> muxer. The decoder is linked when it has a pad.
 void add_track(Work &work, GstElement *decoder, GstElement *mux) {
   GstElement *convert = add_element(work.pipeline, "videoconvert");
   work.field = add_element(work.pipeline, "motionfield");
@@ -251,8 +251,8 @@ void add_track(Work &work, GstElement *decoder, GstElement *mux) {
     g_object_set(work.field, "field-columns", work.options.columns, nullptr);
   GstElement *track = add_element(work.pipeline, "hapticconvert");
   GstElement *form = add_element(work.pipeline, "capsfilter");
-  const CapsPtr caps(gst_caps_from_string(
-      work.ending == kTransportStream ? HAPTIC_KLV_CAPS : "text/x-raw, format=(string)utf8"));
+  const CapsPtr caps(
+      gst_caps_from_string(work.ending == kTransportStream ? HAPTIC_KLV_CAPS : HAPTIC_TEXT_CAPS));
   g_object_set(form, "caps", caps.get(), nullptr);
   GstElement *queue = add_queue(work.pipeline, kAudioBytes);
   link_elements(convert, work.field);
@@ -282,13 +282,13 @@ void add_track(Work &work, GstElement *decoder, GstElement *mux) {
 }
 
 bool is_matroska(const std::string &path) {
-  char head[4] = {};
+  char head[kMatroskaMagic.size()] = {};
   std::ifstream(path, std::ios::binary).read(head, sizeof head);
-  return std::memcmp(head, "\x1a\x45\xdf\xa3", sizeof head) == 0;
+  return std::string_view(head, sizeof head) == kMatroskaMagic;
 }
 
-// The muxer: MPEG-TS where all that is there has a place in it, but what came out of Matroska,
-// which has no decoding times, goes back into Matroska.
+// Returns the muxer: that of MPEG-TS if it has a place for all streams. Streams from Matroska have
+// no decoding times and go back into Matroska.
 const char *choose_muxer(Work &work) {
   const auto all_fit = [&](const char *mux) {
     return std::ranges::all_of(work.audio, [&](GstPad *pad) { return has_place(mux, pad); });
@@ -303,7 +303,8 @@ const char *choose_muxer(Work &work) {
   return "matroskamux";
 }
 
-// Matroska has numbers that are drawn by lot, and the date. The same video gives the same copy.
+// Matroska holds random numbers and the date. With these settings the same video gives the same
+// copy.
 void make_output_deterministic(const Work &work, GstElement *mux) {
   const std::string name = fs::path(work.path).filename().string();
   g_random_set_seed(g_str_hash(name.c_str()));
@@ -358,8 +359,8 @@ void build(Work &work) {
   gst_bin_sync_children_states(GST_BIN(work.pipeline));
 }
 
-// Nothing flows before there is a muxer, whose streams must all be known at its start.
-void hold_stream(GstElement *, GstPad *pad, gpointer data) {
+// Blocks a new stream: the muxer must know all streams when it starts.
+void block_stream(GstElement *, GstPad *pad, gpointer data) {
   const auto hold = [](GstPad *, GstPadProbeInfo *, gpointer) { return GST_PAD_PROBE_OK; };
   const gulong probe =
       gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BLOCK_DOWNSTREAM, hold, nullptr, nullptr);
@@ -384,13 +385,13 @@ void sort_streams(Work &work) {
                 work.unknown.empty() ? "" : (" that is understood, only " + work.unknown).c_str());
 }
 
-// A decoder with a thread for each core holds frames for each of them.
+// Limits the memory: a decoder holds frames for each of its threads.
 void limit_threads(GstBin *, GstBin *, GstElement *element, gpointer) {
   if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "max-threads"))
     g_object_set(element, "max-threads", 2, nullptr);
 }
 
-// The first message of this type. Throws what went wrong instead.
+// Returns the first message of this type. Throws the error of the pipeline instead.
 MessagePtr wait_for(Work &work, GstMessageType wanted,
                     const std::function<void(const AuthorProgress &)> &report) {
   const BusPtr bus(gst_element_get_bus(work.pipeline));
@@ -418,7 +419,7 @@ MessagePtr wait_for(Work &work, GstMessageType wanted,
   }
 }
 
-// parsebin tells how many streams there are, and then shows them all.
+// parsebin posts the number of streams and then adds a pad for each.
 void wait_for_streams(Work &work, const std::function<void(const AuthorProgress &)> &report) {
   const MessagePtr message = wait_for(work, GST_MESSAGE_STREAM_COLLECTION, report);
   GstStreamCollection *collection = nullptr;
@@ -482,7 +483,7 @@ Authored author_file(const std::string &path, const AuthorOptions &options,
   GstElement *parse = add_element(pipeline.get(), "parsebin");
   g_object_set(source, "location", path.c_str(), nullptr);
   gst_element_link(source, parse);
-  g_signal_connect(parse, "pad-added", G_CALLBACK(hold_stream), &work);
+  g_signal_connect(parse, "pad-added", G_CALLBACK(block_stream), &work);
   g_signal_connect(parse, "unknown-type",
                    G_CALLBACK(+[](GstElement *, GstPad *, GstCaps *caps, gpointer data) {
                      static_cast<Work *>(data)->unknown = name_of(caps);

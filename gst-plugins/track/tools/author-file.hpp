@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One video: a copy of it with the motion of its whole frame beside it.
+// Authors one video: makes a copy with the motion of its whole frame beside it.
 #pragma once
 
 #include <cstdint>
@@ -27,16 +27,16 @@ struct Authored {
 };
 
 /// Writes NAME.haptic.ts, or NAME.haptic.mkv where MPEG-TS has no place for the video. The copy
-/// appears under its name only when it is whole and on the disk; one that is there is left as it
-/// is. `report` is called some times a second. Throws TrackFileError. Initializes GStreamer, and
-/// seeds GLib's random numbers: to be called in a process of its own.
+/// appears under its name only when it is whole and on the disk. A copy that exists stays as it is.
+/// `report` is called some times a second. Throws TrackFileError. Initializes GStreamer and seeds
+/// GLib's random numbers: call it in a process of its own.
 Authored author_file(const std::string &path, const AuthorOptions &options,
                      const std::function<void(const AuthorProgress &)> &report);
 
-/// The name of the copy without its ending: two videos may not have the same one.
+/// Returns the name of the copy without its ending. Two videos may not have the same one.
 std::string author_stem(const std::string &path, const AuthorOptions &options);
 
-/// What author_file() writes into before it is whole.
+/// Returns the name of the file that author_file() writes before the copy is whole.
 std::string author_part(const std::string &path, const AuthorOptions &options);
 
 } // namespace haptic

@@ -39,12 +39,12 @@ std::string single_line(std::string text) {
 
 // ---- the process of one video -------------------------------------------------------------------
 
-// What it says, one line each: "P done frames", and at the end "D|S frames path" or "E why";
-// "R remark" before.
+// Authors one video and writes lines to `out`: "P done frames" (progress) again and again, "R
+// remark", and at the end "D frames path" (done), "S frames path" (it was there) or "E error".
 int work_on(const std::string &path, const AuthorOptions &options, int out) {
   const auto send_line = [&](const std::string &line) {
     const std::string whole = single_line(line) + "\n";
-    // The other end is gone: so will this process be.
+    // Nobody reads the lines any more.
     if (write(out, whole.data(), whole.size()) < 0)
       _exit(EXIT_FAILURE);
   };
@@ -156,7 +156,7 @@ public:
 private:
   void begin_next() {
     const std::string &path = files_[next_++];
-    // Of two videos of one name the first is done: the second would take its copy for its own.
+    // A second video of the same name would be taken for done when the first one is.
     const auto [other, is_new] = stems_.emplace(author_stem(path, options_), path);
     if (!is_new && other->second != path) {
       report_failure(formatted(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
@@ -180,7 +180,7 @@ private:
       }
   }
 
-  // False when the process has said all.
+  // Returns false at the end of the lines.
   bool read_lines(Job &job) {
     char bytes[4096];
     const ssize_t count = read(job.in, bytes, sizeof bytes);

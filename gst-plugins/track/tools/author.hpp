@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Many videos: one process for each, some at a time, and what the user sees of it.
+// Authors many videos: one process for each, some at a time, with a progress bar.
 #pragma once
 
 #include "author-file.hpp"
@@ -9,8 +9,8 @@
 
 namespace haptic {
 
-/// The exit status: 0 if all copies are there. GStreamer must not have been initialized: this
-/// process forks.
+/// Returns the exit status: 0 if all copies are there. Forks, so GStreamer must not have been
+/// initialized.
 int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs);
 
 } // namespace haptic

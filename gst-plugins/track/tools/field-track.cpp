@@ -19,7 +19,7 @@ void for_each_field(std::span<const CodedField> track,
 
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to) {
-  // Those before the first key field depend on others that are gone: they are coded anew.
+  // Fields before the first key field depend on fields that are cut off: they are coded anew.
   const auto is_within = [&](std::uint64_t time) { return time >= from && time < to; };
   const auto key = std::ranges::find_if(track, [&](const CodedField &coded) {
     return coded.time >= from && is_key_field(coded.bytes);

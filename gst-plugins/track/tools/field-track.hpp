@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What can be said of a track of motion fields, and its parts.
+// Tracks of motion fields: decoding, cutting, and the amount of motion.
 #pragma once
 
 #include "field-codec.hpp"
@@ -11,16 +11,16 @@
 
 namespace haptic {
 
-/// Calls for every field that can be decoded, with its time.
+/// Calls `call` for every field that can be decoded, with its time in ns.
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call);
 
-/// The fields of these times (ns), which begin anew at 0, with a key field.
+/// Returns the fields in [from, to) ns. Their times begin at 0, and the first one is a key field.
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to);
 
-/// How much moves in a frame: the mean over its cells of the square of the speed, by confidence,
-/// in (frame widths a second)^2.
+/// Returns the amount of motion in a frame: the mean over its cells of confidence times speed
+/// squared, in (frame widths a second)^2.
 double field_energy(const MotionField &field);
 
 } // namespace haptic

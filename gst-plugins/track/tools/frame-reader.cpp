@@ -8,8 +8,8 @@
 namespace haptic {
 namespace {
 
-// A transport stream cannot be sought to a key frame: what is decoded is wrong until the next
-// one, which encoders put there each 250 frames.
+// A seek in a transport stream does not find a key frame. Frames are wrong until the next one,
+// which usual encoders write every 250 frames.
 constexpr GstClockTime kBeforeAKey = 20 * GST_SECOND;
 constexpr GstClockTime kPatience = 5 * GST_SECOND;
 

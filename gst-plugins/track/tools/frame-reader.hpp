@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Single frames out of a video.
+// Reads single frames of a video.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ struct Frame {
   std::vector<std::uint8_t> rgb; ///< width * height * 3, row by row from the top; empty: none
 };
 
-/// One for each of these times (ns, rising); none where the file has no video, or it has ended.
+/// Returns a frame for each of these times (ns, rising). It is empty where the file has no video or
+/// the video has ended.
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
                                int width, int height);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Looks into haptic tracks, converts, cuts, plots and authors them. docs/haptic-track.md.
+// Shows, converts, cuts, plots and authors haptic tracks. See docs/haptic-track.md.
 #include "author.hpp"
 #include "field-track.hpp"
 #include "force-curve.hpp"
@@ -34,7 +34,7 @@ constexpr char kUsage[] =
     "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
     "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
-    "Looks into haptic tracks, converts, cuts and plots them. FILE may be a recording (.ts, "
+    "Shows, converts, cuts and plots haptic tracks. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
     "written. Only the track is written: a video beside it stays where it is.\n"
@@ -170,6 +170,34 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
 }
 
+void info_of_samples(const std::vector<TrackSample> &samples) {
+  const auto &first = samples.front();
+  std::size_t measured = 0;
+  double fastest = 0;
+  double strongest = 0;
+  double sum = 0;
+  for (const auto &sample : samples) {
+    const auto &s = sample.motion;
+    if (!(s.confidence > 0))
+      continue;
+    ++measured;
+    const double speed = std::hypot(s.velocity_x, s.velocity_y);
+    const auto force = haptic::force_of_motion(s);
+    sum += speed;
+    fastest = std::max(fastest, speed);
+    strongest = std::max(strongest, std::hypot(force.x, force.y));
+  }
+  info_of_times(first.time, samples.back().time, samples.size());
+  std::printf("  measured   %.1f %% of the samples\n",
+              100.0 * static_cast<double>(measured) / static_cast<double>(samples.size()));
+  std::printf("  frame      %u x %u px, pixels %u:%u\n", first.motion.frame_width,
+              first.motion.frame_height, first.motion.pixel_aspect_n, first.motion.pixel_aspect_d);
+  if (measured > 0)
+    std::printf("  speed      %.1f px/s on average, %.1f at most\n",
+                sum / static_cast<double>(measured), fastest);
+  std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
+}
+
 void info(const std::string &path) {
   const TrackFile track = haptic::read_track_file(path);
   std::printf("%s: %s\n", path.c_str(), track.form.c_str());
@@ -181,35 +209,8 @@ void info(const std::string &path) {
   } else {
     std::printf("  samples    %zu\n", track.samples.size());
   }
-  if (!track.samples.empty()) {
-    const auto &first = track.samples.front();
-    const auto &last = track.samples.back();
-    std::size_t measured = 0;
-    double fastest = 0;
-    double strongest = 0;
-    double sum = 0;
-    for (const auto &sample : track.samples) {
-      const auto &s = sample.motion;
-      if (!(s.confidence > 0))
-        continue;
-      ++measured;
-      const double speed = std::hypot(s.velocity_x, s.velocity_y);
-      const auto force = haptic::force_of_motion(s);
-      sum += speed;
-      fastest = std::max(fastest, speed);
-      strongest = std::max(strongest, std::hypot(force.x, force.y));
-    }
-    info_of_times(first.time, last.time, track.samples.size());
-    std::printf("  measured   %.1f %% of the samples\n",
-                100.0 * static_cast<double>(measured) / static_cast<double>(track.samples.size()));
-    std::printf("  frame      %u x %u px, pixels %u:%u\n", first.motion.frame_width,
-                first.motion.frame_height, first.motion.pixel_aspect_n,
-                first.motion.pixel_aspect_d);
-    if (measured > 0)
-      std::printf("  speed      %.1f px/s on average, %.1f at most\n",
-                  sum / static_cast<double>(measured), fastest);
-    std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
-  }
+  if (!track.samples.empty())
+    info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
     std::printf("  remark     %s\n", remark.c_str());
 }

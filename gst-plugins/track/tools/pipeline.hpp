@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Pipelines of the tools, and their errors in the user's words.
+// Pipelines of haptic-track and their errors.
 #pragma once
 
 #include "gst-raii.hpp"
@@ -29,7 +29,7 @@ inline std::string error_of(GstMessage *message) {
   gchar *details = nullptr;
   gst_message_parse_error(message, &error, &details);
   std::string text = error->message;
-  // "Internal data stream error" alone helps nobody.
+  // "Internal data stream error" needs its reason beside it.
   const char *reason = details ? std::strstr(details, "reason ") : nullptr;
   if (reason)
     text += std::string(" (") + reason + ")";

@@ -147,7 +147,7 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   track.samples = std::move(read.samples);
 }
 
-// What is in a container: the track goes to `convert`, the rest is named and thrown away.
+// The streams of a container: the track is linked to `convert`, the others to a fakesink.
 struct Container {
   GstElement *pipeline = nullptr;
   GstElement *convert = nullptr;
@@ -162,8 +162,8 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   if (!caps)
     return;
   const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
-  const bool is_track = gst_structure_has_name(structure, "meta/x-klv") ||
-                        gst_structure_has_name(structure, "text/x-raw");
+  const bool is_track = gst_structure_has_name(structure, HAPTIC_KLV_TYPE) ||
+                        gst_structure_has_name(structure, HAPTIC_TEXT_TYPE);
   GstElement *next = nullptr;
   if (is_track && !container.has_track) {
     container.has_track = true;
@@ -208,7 +208,7 @@ void append_buffer(GstSample *sample, TrackFile &track) {
   gst_buffer_unmap(buffer, &map);
 }
 
-// Takes what is on the bus: warnings become remarks, an error `failure`. True at the end.
+// Reads the bus: warnings become remarks, an error becomes `failure`. Returns true at the end.
 bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
   bool over = false;
   while (GstMessage *message = gst_bus_timed_pop(bus, GST_MSECOND)) {
@@ -226,8 +226,8 @@ bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
   return over || !failure.empty();
 }
 
-// The track is asked for in the form that the container does not hold: hapticconvert, which gives
-// back lost times and tells what is damaged, lets the other one through as it is.
+// `form` is the one that the container does not hold: hapticconvert passes the same form on
+// untouched, and only a conversion recovers times and finds damage.
 void read_container(const std::string &path, const char *demuxer, const char *form,
                     TrackFile &track) {
   const ElementPtr pipeline = make_pipeline();
@@ -251,7 +251,7 @@ void read_container(const std::string &path, const char *demuxer, const char *fo
                    &container);
   const BusPtr bus(gst_element_get_bus(pipeline.get()));
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-  // Without a track nothing reaches the appsink: the bus tells the end.
+  // Without a track nothing reaches the appsink: the end is on the bus.
   std::string failure;
   for (bool over = false; !over;) {
     while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
@@ -389,8 +389,8 @@ TrackFile read_track_file(const std::string &path) {
     read_hjif_file(path, track);
   } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
     track.form = "KLV in MPEG-TS";
-    read_container(path, "tsdemux", "text/x-raw", track);
-  } else if (begins_with(head, "\x1a\x45\xdf\xa3")) {
+    read_container(path, "tsdemux", HAPTIC_TEXT_TYPE, track);
+  } else if (begins_with(head, kMatroskaMagic)) {
     track.form = "text lines in Matroska";
     read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track);
   } else {

@@ -1,30 +1,34 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Haptic tracks as files, in all forms there are.
+// Reads and writes haptic tracks as files of every form.
 #pragma once
 
 #include "track-error.hpp"
 #include "track-sample.hpp"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace haptic {
 
+/// EBML header: what a Matroska file begins with.
+inline constexpr std::string_view kMatroskaMagic = "\x1a\x45\xdf\xa3";
+
 struct TrackFile {
   std::string form;                 ///< for people to read
   std::vector<std::string> beside;  ///< caps of the other streams in the file
-  std::vector<std::string> remarks; ///< what was left out or guessed, and why
+  std::vector<std::string> remarks; ///< what was left out, and why
   std::vector<TrackSample> samples; ///< with times; or else
   std::vector<CodedField> fields;   ///< with times
 
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
 };
 
-/// By content, whatever the name. Throws TrackFileError.
+/// Reads a file by its content, whatever its name. Throws TrackFileError.
 TrackFile read_track_file(const std::string &path);
 
-/// By the ending: .ts, .mkv, .klv, .txt, .hmpg, .hjif. Appears under its name only when it is
-/// whole. Throws TrackFileError.
+/// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
+/// under its name when it is whole. Throws TrackFileError.
 void write_track_file(const std::string &path, const TrackFile &track);
 
 } // namespace haptic

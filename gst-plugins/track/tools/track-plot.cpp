@@ -114,7 +114,7 @@ struct Overview {
   int height = 0;
 };
 
-Overview look_over(const TrackFile &track, int width) {
+Overview overview_of(const TrackFile &track, int width) {
   Overview all;
   all.width = width;
   std::vector<float> speeds;
@@ -127,7 +127,7 @@ Overview look_over(const TrackFile &track, int width) {
                      16, 4 * width);
     all.times.push_back(time);
     all.energies.push_back(field_energy(field));
-    // The fastest of each frame: a few fast leaves are not lost among all that rests.
+    // The fastest cell of each frame, so that a few fast leaves count among cells at rest.
     float fastest = 0;
     for (const FieldCell &cell : field.cells)
       if (cell.confidence >= kLeastConfidence)
@@ -144,7 +144,7 @@ Overview look_over(const TrackFile &track, int width) {
   return all;
 }
 
-// The fields that are shown at these times: for each the last one before it.
+// Returns for each of these times the last field before it.
 std::vector<MotionField> fields_at(const TrackFile &track,
                                    const std::vector<std::uint64_t> &times) {
   std::vector<MotionField> shown(times.size());
@@ -204,15 +204,15 @@ void draw_energy(Gnuplot &out, const Overview &all, const std::vector<std::uint6
   out.line("e");
 }
 
-// Where a panel stands, as shares of the whole from its lower left corner.
+// Sets the place of a panel, in shares of the picture from its lower left corner.
 void place(Gnuplot &out, double left, double bottom, double width, double height) {
   out.line("set lmargin at screen %.4f; set rmargin at screen %.4f; "
            "set bmargin at screen %.4f; set tmargin at screen %.4f",
            left, left + width, bottom, bottom + height);
 }
 
-// The liveliest moment of each part of the track.
-std::vector<std::uint64_t> lively_moments(const Overview &all) {
+// Returns the time with the most motion in each part of the track.
+std::vector<std::uint64_t> liveliest_times(const Overview &all) {
   std::vector<std::uint64_t> moments;
   const std::size_t count = std::min(kStills, all.times.size());
   for (std::size_t part = 0; part < count; ++part) {
@@ -225,8 +225,8 @@ std::vector<std::uint64_t> lively_moments(const Overview &all) {
 }
 
 void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) {
-  const Overview all = look_over(track, kStillWidth);
-  const auto times = lively_moments(all);
+  const Overview all = overview_of(track, kStillWidth);
+  const auto times = liveliest_times(all);
   const auto frames = read_frames(path, times, all.width, all.height);
   const auto fields = fields_at(track, times);
   const std::size_t columns = std::min(kStillsInARow, times.size());
@@ -247,8 +247,8 @@ void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) 
 }
 
 void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out) {
-  const Overview all = look_over(track, kPreviewWidth);
-  // Around the liveliest moment, within the track.
+  const Overview all = overview_of(track, kPreviewWidth);
+  // Around the time with the most motion, within the track.
   const auto most = std::ranges::max_element(all.energies) - all.energies.begin();
   const std::uint64_t middle = all.times[static_cast<std::size_t>(most)];
   const std::uint64_t begin = std::max(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Frames of tracks, drawn by gnuplot.
+// Pictures of tracks, drawn by gnuplot.
 #pragma once
 
 #include "track-file.hpp"
@@ -8,9 +8,9 @@
 
 namespace haptic {
 
-/// Of points: velocity, force and confidence over time, as .png. Of fields: arrows over frames of
-/// the video beside them, or over grey, and how much moves over time, as .png; the liveliest
-/// seconds of it as a moving .gif. `path` is where the track was read. Throws TrackFileError.
+/// Draws a track as .png. Of points: velocity, force and confidence over time. Of fields: arrows
+/// over frames of the video at `path`, or over grey, and the amount of motion over time; as .gif
+/// the seconds with the most motion. Throws TrackFileError.
 void plot_track(const std::string &path, const TrackFile &track, const std::string &output);
 
 } // namespace haptic
