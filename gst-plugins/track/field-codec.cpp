@@ -34,7 +34,7 @@ constexpr std::size_t kCheckSize = 2; // bytes
 // Speed in px per frame of the number n on the scale:
 //   n kStep                                          for n <= kEvenSteps,
 //   kEven exp((n - kEvenSteps) / kEvenSteps)         beyond.
-// Above kEven the step is 6 % of the speed; a hand tells forces apart from 7 % on.
+// Above kEven the step is 6 % of the speed. A hand feels differences of a force from 7 % on.
 constexpr float kStep = 1.F / 4;
 constexpr float kEven = 4;
 constexpr int kEvenSteps = 16;
@@ -463,7 +463,7 @@ std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &f
     return std::nullopt;
   }
   const std::uint64_t interval = rounded_interval(field.interval);
-  const bool tells_interval = key || interval != state_.field.interval;
+  const bool has_interval = key || interval != state_.field.interval;
   if (key) {
     state_.field = field;
     state_.unit = unit_of(field);
@@ -479,10 +479,10 @@ std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &f
   const bool ends_rest = rested_ && !is_rest(next);
   std::vector<std::uint8_t> bytes;
   bytes.push_back(static_cast<std::uint8_t>((key ? kKey : 0) | (ends_rest ? kRested : 0) |
-                                            (tells_interval ? kInterval : 0) |
+                                            (has_interval ? kInterval : 0) |
                                             (field.flags & kFlags) << kFlagShift));
   bytes.push_back(state_.sequence);
-  if (tells_interval)
+  if (has_interval)
     put_number(bytes, interval / kMicrosecond);
   if (key)
     for (std::uint32_t number :

@@ -136,7 +136,7 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
   return result.release();
 }
 
-// Only its samples say whether a file holds points or fields. The layout that came last is
+// The caps of KLV and text do not show whether points or fields come. The layout that came last is
 // expected.
 GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *othercaps) {
   CapsPtr caps(othercaps);
@@ -183,7 +183,7 @@ void complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &tim
 
 // ---- output -------------------------------------------------------------------------------------
 
-void queue_output(GstHapticConvert *self, haptic::TrackOutput output) {
+void queue_output(GstHapticConvert *self, const haptic::TrackOutput &output) {
   State &state = *self->state;
   for (const TrackProblem &problem : output.problems)
     report(self, problem);
@@ -195,7 +195,7 @@ void queue_output(GstHapticConvert *self, haptic::TrackOutput output) {
       GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
     if (packet.header)
       GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
-    // Units say themselves what they depend on.
+    // Units carry the flags of their dependency themselves.
     if (state.out != Form::hmpg && std::exchange(state.discont, false))
       GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
     state.ready.push_back(std::move(buffer));
@@ -207,7 +207,7 @@ void push_remaining(GstHapticConvert *self) {
   if (state.writer) {
     haptic::TrackOutput output;
     state.writer->finish(output);
-    queue_output(self, std::move(output));
+    queue_output(self, output);
   }
   while (!state.ready.empty()) {
     GstBuffer *buffer = state.ready.front().release();
@@ -262,7 +262,7 @@ struct ItemConverter {
     ++state.samples;
     haptic::TrackOutput output;
     state.writer->write(item, output);
-    queue_output(self, std::move(output));
+    queue_output(self, output);
   }
 
   void operator()(haptic::TimedField &item) const {
@@ -274,7 +274,7 @@ struct ItemConverter {
     haptic::TrackOutput output;
     if (state.writer->write(item, output))
       ++state.samples;
-    queue_output(self, std::move(output));
+    queue_output(self, output);
   }
 
   // A gap event takes the place of the field, so that no muxer waits for it.
@@ -336,7 +336,7 @@ void restart_stream(State &state) {
 }
 
 // A demuxer sends gap events when its other streams run ahead, so that nobody waits for the first
-// buffer. Samples of a track say themselves where nothing was measured.
+// buffer. A track has samples of its own where nothing was measured.
 bool is_false_gap(const State &state) {
   return state.in != Form::raw && state.begun;
 }

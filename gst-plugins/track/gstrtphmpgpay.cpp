@@ -196,8 +196,8 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   g_object_class_install_property(
       object_class, kConfigInterval,
       g_param_spec_uint("config-interval", "Config Interval",
-                        "The initialization unit is sent again after so many seconds, for those "
-                        "who come late; 0: never",
+                        "Seconds after which the initialization unit is sent again, for late "
+                        "receivers; 0: never",
                         0, kLongestConfigInterval, kDefaultConfigInterval,
                         static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                                  GST_PARAM_MUTABLE_PLAYING)));

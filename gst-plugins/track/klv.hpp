@@ -22,7 +22,7 @@ inline constexpr std::array<std::uint8_t, 4> kKlvDesignator = {0x06, 0x0E, 0x2B,
 using KlvKey = std::array<std::uint8_t, 16>;
 
 /// Keys of local sets with one-byte tags and BER lengths, of the class that ST 336 leaves for
-/// experiments (0F). They are not registered; the last byte tells our sets apart.
+/// experiments (0F). They are not registered; the last byte is the kind of set.
 inline constexpr KlvKey kMotionKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
                                       0x0F, 'H',  'A',  'P',  'T',  'I',  'C',  0x01};
 inline constexpr KlvKey kPointerKey = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
@@ -41,8 +41,8 @@ enum class KlvKind {
   motion,        ///< a motion sample
   field,         ///< a coded motion field
   foreign,       ///< a key of other origin, which is no error
-  other_version, ///< ours, of a version this reader does not know
-  other_sample,  ///< ours, of a kind of sample this reader does not know
+  other_version, ///< a set of this project, of an unknown version
+  other_sample,  ///< the same, of an unknown kind of sample
   damaged        ///< see `error` and `offset`
 };
 

@@ -19,8 +19,8 @@ public:
 
   /// Returns whether the pointer is to be used, and then remembers it. Numbers go round.
   bool accept(std::uint32_t sequence, Time now) noexcept {
-    const bool newer = !last_ || now - arrived_ > kForgotten ||
-                       static_cast<std::int32_t>(sequence - *last_) > 0;
+    const bool newer =
+        !last_ || now - arrived_ > kForgotten || static_cast<std::int32_t>(sequence - *last_) > 0;
     if (newer) {
       last_ = sequence;
       arrived_ = now;

@@ -35,7 +35,7 @@ constexpr std::uint64_t ns_of(std::int64_t ticks, std::uint32_t timescale) noexc
   return whole / timescale * kSecond + (whole % timescale * kSecond + timescale / 2) / timescale;
 }
 
-/// Returns today's date in UTC, as in ISO 8601: what an experience says of its making.
+/// Returns today's date in UTC, as in ISO 8601.
 std::string today();
 
 } // namespace haptic

@@ -21,22 +21,30 @@ expect() {
   fi
 }
 
-# Answers with time to move between them: `answers TEXT...`.
+# `answers TEXT...`: from the first question on, which the tool asks when its device runs. The grip has moved
+# before the second empty answer, which says that it is there.
 answers() {
-  local answer
+  local answer empty=0
+  for _ in {1..1200}; do
+    grep -q 'press Enter' "$work/heard" && break
+    sleep 0.05
+  done
   for answer; do
-    sleep 0.4
+    [ -n "$answer" ] || empty=$((empty + 1))
+    [ -n "$answer" ] || [ "$empty" != 2 ] || sleep 3.5
     echo "$answer"
   done
 }
 
 dialogue() {
   rm -f "$work/measured.ini"
-  answers "$@" | "$calibrate" --device sim --sim-hand "file:$work/hand" --output "$work/measured.ini"
+  : >"$work/heard"
+  answers "$@" | "$calibrate" --device sim --sim-hand "file:$work/hand" --output "$work/measured.ini" 2>&1 | tee "$work/heard"
+  return "${PIPESTATUS[1]}"
 }
 
-# The grip stays in the centre while the forces are shown, then goes 20 mm to the right and stays.
-printf '%s\n' 0,0,0,0 1.7,0,0,0 1.9,0.8,0,0 >"$work/hand"
+# The grip stays in the centre for 2 s after the device has started, then goes 20 mm to the right and stays.
+printf '%s\n' 0,0,0,0 2,0,0,0 2.2,0.8,0,0 >"$work/hand"
 
 expect 0 'Usage' "$info" --help
 expect 0 'Exit status' "$calibrate" --help

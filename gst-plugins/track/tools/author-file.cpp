@@ -106,7 +106,7 @@ struct Work {
   std::vector<GstPad *> audio;
   std::string ending;
   std::vector<std::string> remarks;
-  std::string unknown; // a stream that nobody can take apart
+  std::string unknown; // caps of a stream that no parser knows
   gint width = 0;      // px, of the decoded frames; its streaming thread
   gint height = 0;
 

@@ -197,13 +197,13 @@ void append_buffer(GstSample *sample, TrackFile &track) {
   const std::uint64_t time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
   const std::size_t fields = track.fields.size();
-  bool taken = false;
+  bool is_item = false;
   if (begins_with(bytes, kTextName))
-    taken =
+    is_item =
         append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
   else if (const auto item = KlvReader(bytes).next())
-    taken = append_item(*item, track);
-  if (taken)
+    is_item = append_item(*item, track);
+  if (is_item)
     (track.fields.size() > fields ? track.fields.back().time : track.samples.back().time) = time;
   gst_buffer_unmap(buffer, &map);
 }
