@@ -28,13 +28,13 @@ promise "the USB2.0 Simple is driven" driven 10
 promise "the USB2.0 SH4 is driven" driven 3
 promise "both are left at minimum tension" told "rows > 50 && largest <= least"
 
-# Returns once the program has set D/A words.
+# Returns once the program drives with a force: before that it waits for taut strings and forgives faults.
 start_driving() {
   local before
   before=$(wc -l <"$words")
   chrt -f 50 "$usb_ticks" "$@" >"$work/line" &
   program=$!
-  within 20 more_lines $((before + 20)) "$words"
+  within 20 more_lines $((before + 20)) "$words" && within 20 told "largest > least"
 }
 
 # `survives ID FAULT...`: exchanges are lost, and the last ones before the program ends are not.
