@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// On videos the field agrees with the tracker of a region at the same place. FIELD_CLIPS names their folder.
+// On videos the field agrees with the tracker of a region at the same place. FIELD_CLIPS names
+// their folder.
 #include "field-agreement.hpp"
 #include "pairs.hpp"
 
