@@ -7,21 +7,11 @@
 #include <regex>
 #include <stdexcept>
 
-#if __has_include("gst-plugins/common/messages.hpp")
 #include "gst-plugins/common/messages.hpp"
-#endif
-#if __has_include("gst-plugins/vision/messages.hpp")
-#include "gst-plugins/vision/messages.hpp"
-#endif
-#if __has_include("gst-plugins/device/messages.hpp")
 #include "gst-plugins/device/messages.hpp"
-#endif
-#if __has_include("gst-plugins/track/messages.hpp")
 #include "gst-plugins/track/messages.hpp"
-#endif
-#if __has_include("spidar/src/messages.hpp")
+#include "gst-plugins/vision/messages.hpp"
 #include "spidar/src/messages.hpp"
-#endif
 
 namespace docs {
 namespace {
@@ -82,22 +72,12 @@ Extent find_generated_part(const std::string &page) {
 std::vector<Table> message_tables() {
 #define ROW(name, text, cure) {#name, text, cure},
   std::vector<Table> tables{
-#ifdef DEVICE_MESSAGES
       {"Device and force", {DEVICE_MESSAGES(ROW)}},
-#endif
-#ifdef SPIDAR_MESSAGES
       {"SPIDAR-G", {SPIDAR_MESSAGES(ROW)}},
-#endif
-#ifdef VISION_MESSAGES
       {"Video and motion", {VISION_MESSAGES(ROW)}},
-#endif
-#ifdef TRACK_MESSAGES
       {"Haptic tracks", {TRACK_ELEMENT_MESSAGES(ROW)}},
       {"", {TRACK_TOOL_MESSAGES(ROW)}},
-#endif
-#ifdef COMMON_MESSAGES
       {"Every element", {COMMON_MESSAGES(ROW)}},
-#endif
   };
 #undef ROW
   return tables;

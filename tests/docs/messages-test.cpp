@@ -23,11 +23,8 @@ std::string contents(const fs::path &path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-bool has_table(const fs::path &room) {
-  return fs::exists(kRoot / room / "messages.hpp");
-}
-
-TEST(Messages, EveryTableHasSome) {
+TEST(Messages, EveryRoomHasSome) {
+  EXPECT_EQ(docs::message_tables().size(), 6U); // five rooms, one of them with tools
   for (const docs::Table &table : docs::message_tables())
     EXPECT_FALSE(table.messages.empty()) << table.heading;
 }
@@ -57,14 +54,14 @@ TEST(Messages, TroubleshootingShowsTheTables) {
       << "Write it again: build/tests/docs/messages-page docs/troubleshooting.md";
 }
 
-// The text is the first argument in the second pair of parentheses. "%s" hands on another's text.
+// GST_ELEMENT_ERROR(element, domain, code, (text, ...), (debug text, ...)). The text "%s" hands on
+// another's text.
 TEST(Messages, NoElementPostsALiteralText) {
   static const std::regex literal(
-      R"re(GST_ELEMENT_(?:ERROR|WARNING|INFO)\s*\((?:[^()"]|\([^()"]*\))*\(\s*"((?:[^"\\]|\\.)*)")re");
+      R"re(GST_ELEMENT_(?:ERROR|WARNING|INFO)\s*\([^,]*,\s*\w+,\s*\w+,\s*\(\s*"((?:[^"\\]|\\.)*)")re");
   for (const auto &entry : fs::recursive_directory_iterator(kRoot / "gst-plugins")) {
     const fs::path &path = entry.path();
-    const fs::path room = "gst-plugins" / *fs::relative(path, kRoot / "gst-plugins").begin();
-    if ((path.extension() != ".cpp" && path.extension() != ".hpp") || !has_table(room))
+    if (path.extension() != ".cpp" && path.extension() != ".hpp")
       continue;
     const std::string source = contents(path);
     for (std::sregex_iterator match(source.begin(), source.end(), literal), end; match != end;

@@ -62,7 +62,8 @@ TEST_F(TickLogFile, HasTheHeaderAndTheColumnsInTheirOrder) {
   }
   const auto all = lines();
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0], "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold");
+  EXPECT_EQ(all[0],
+            "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold");
   EXPECT_EQ(all[1], "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24");
 }
 
