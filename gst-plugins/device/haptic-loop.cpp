@@ -317,7 +317,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.slew_rate = settings.slew_rate;
   input.damping = settings.damping;
   input.dt = dt;
-  const spidar::Wrench wrench = run_.chain.step(input);
+  spidar::Wrench wrench = run_.chain.step(input);
   if (run_.chain.found_non_finite())
     add<std::uint64_t>(run_.statistics.non_finite);
   return wrench;

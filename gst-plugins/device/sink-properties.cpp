@@ -85,7 +85,7 @@ struct Property {
 };
 
 // clang-format off
-#define AT(MEMBER) [](SinkSettings &s) -> auto & { return s.MEMBER; }
+#define AT(MEMBER) ([](SinkSettings &s) -> auto & { return s.MEMBER; })
 
 const Property kProperties[] = {
     {"device", "Device", kReady, Text(AT(choice.device)), {},
@@ -141,7 +141,8 @@ Overloaded(Functions...) -> Overloaded<Functions...>;
 
 GParamSpec *make_spec(const Property &p) {
   SinkSettings defaults;
-  const auto [lowest, highest] = p.range;
+  const double lowest = p.range.lowest;
+  const double highest = p.range.highest;
   const auto text_spec = [&](Text member) {
     const std::string &text = member(defaults);
     return g_param_spec_string(p.name, p.nick, p.blurb, text.empty() ? nullptr : text.c_str(),
