@@ -749,14 +749,7 @@ TEST_F(RoiTracker, StartsAndStopsTwoHundredTimes) {
   const ElementPtr pipeline(gst_parse_launch(
       "videotestsrc horizontal-speed=2 ! video/x-raw,width=64,height=48 ! roitracker ! fakesink",
       nullptr));
-  for (int i = 0; i < 200; ++i) {
-    gst_element_set_state(pipeline.get(), i % 2 ? GST_STATE_PLAYING : GST_STATE_PAUSED);
-    ASSERT_EQ(gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE),
-              GST_STATE_CHANGE_SUCCESS);
-    ASSERT_EQ(gst_element_set_state(pipeline.get(), i % 3 ? GST_STATE_NULL : GST_STATE_READY),
-              GST_STATE_CHANGE_SUCCESS);
-  }
-  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  test::start_and_stop(pipeline.get(), 200);
 }
 
 // The force

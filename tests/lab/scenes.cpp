@@ -335,6 +335,29 @@ Movie camera_shake(Random &random, int side) {
           .spin = angle};
 }
 
+Movie textureless(Random &) {
+  return {.light = [](double) { return cv::Mat1f(kWindow, kWindow, 120.0F); }, .is_unseen = true};
+}
+
+Movie low_contrast(Random &random) {
+  return moved(leaves(random), random_velocity(random),
+               [](const cv::Mat1f &frame, double) { return computed(0.05 * frame + 120); });
+}
+
+Movie affine(Random &random) {
+  cv::Matx22d m;
+  for (double &value : m.val)
+    value = random.uniform(0.03, 0.09) * (random.uniform(-1, 1) < 0 ? -1 : 1);
+  return linear(random, m, random_velocity(random, 1));
+}
+
+Movie scene_cut(Random &random) {
+  auto before = leaves(random);
+  auto after = leaves(random);
+  return {.light = [=](double time) { return (time < 1 ? before : after)->render({}); },
+          .is_unseen = true};
+}
+
 } // namespace
 
 DeadLeaves::DeadLeaves(Random &random, int window) : window_(window) {
@@ -485,16 +508,8 @@ std::vector<Scene> hard_scenes(int side) {
       {"still noise 1.5", still(1.5)},
       {"still noise 5", still(5)},
       {"still noise 10", still(10)},
-      {"textureless",
-       [](Random &) {
-         return Movie{.light = [](double) { return cv::Mat1f(kWindow, kWindow, 120.0F); },
-                      .is_unseen = true};
-       }},
-      {"low contrast",
-       [](Random &r) {
-         return moved(leaves(r), random_velocity(r),
-                      [](const cv::Mat1f &frame, double) { return computed(0.05 * frame + 120); });
-       }},
+      {"textureless", textureless},
+      {"low contrast", low_contrast},
       {"aperture", grating},
       {"periodic", [](Random &r) { return periodic(r, 5); }},
       {"noise 10", [](Random &r) { return uniform_translation(r, 3, 10); }},
@@ -516,26 +531,14 @@ std::vector<Scene> hard_scenes(int side) {
        [](Random &r) {
          return linear(r, {0.05, 0, 0, 0.05});
        }},
-      {"affine",
-       [](Random &r) {
-         cv::Matx22d m;
-         for (double &value : m.val)
-           value = r.uniform(0.03, 0.09) * (r.uniform(-1, 1) < 0 ? -1 : 1);
-         return linear(r, m, random_velocity(r, 1));
-       }},
+      {"affine", affine},
       {"curl", [=](Random &r) { return curl(r, side); }},
       {"two motions", two_motions},
       {"mover", [=](Random &r) { return mover(r, side); }},
       {"overlay", overlay},
       {"jpeg moving", [](Random &r) { return saved_as_jpeg(uniform_translation(r, 3)); }},
       {"jpeg still", [](Random &r) { return saved_as_jpeg(translation(r, {})); }},
-      {"scene cut",
-       [](Random &r) {
-         auto before = leaves(r);
-         auto after = leaves(r);
-         return Movie{.light = [=](double time) { return (time < 1 ? before : after)->render({}); },
-                      .is_unseen = true};
-       }},
+      {"scene cut", scene_cut},
       {"interlaced", interlaced},
       {"rolling shutter", rolling_shutter},
       {"camera shake", [=](Random &r) { return camera_shake(r, side); }},

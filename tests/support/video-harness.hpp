@@ -10,6 +10,7 @@
 #include <functional>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
+#include <gtest/gtest.h>
 #include <optional>
 #include <string>
 #include <vector>
@@ -186,6 +187,18 @@ inline void flip_every_property(GstElement *element, int rounds) {
       }
     }
   g_free(list);
+}
+
+/// Starts and stops a pipeline so many times, through each of the states in between.
+inline void start_and_stop(GstElement *pipeline, int times) {
+  for (int i = 0; i < times; ++i) {
+    gst_element_set_state(pipeline, i % 2 ? GST_STATE_PLAYING : GST_STATE_PAUSED);
+    ASSERT_EQ(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+              GST_STATE_CHANGE_SUCCESS);
+    ASSERT_EQ(gst_element_set_state(pipeline, i % 3 ? GST_STATE_NULL : GST_STATE_READY),
+              GST_STATE_CHANGE_SUCCESS);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
 }
 
 } // namespace test
