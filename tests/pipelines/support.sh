@@ -72,7 +72,7 @@ in_log() {
     function abs(x) { return x < 0 ? -x : x }
     function atan(x) { return atan2(x, 1) }
     NR == 1 {
-      if ($0 != "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7") {
+      if (index($0, "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7") != 1) {
         print "the header is " $0; bad = 1; exit
       }
       columns = NF
