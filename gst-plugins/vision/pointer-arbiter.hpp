@@ -35,7 +35,7 @@ public:
 
   /// `force`: on the device, as it reported with its position.
   void point_haptic(Pointer pointer, Time now, std::optional<Force> force = std::nullopt) {
-    haptic_ = Dated{pointer, now, force};
+    haptic_.emplace(pointer, now, force); // in place: no copy of an unset force
   }
   /// In px of a frame of this size; clamped at its borders.
   void point_navigation(double x, double y, int frame_width, int frame_height) {
@@ -71,6 +71,8 @@ private:
   }
 
   struct Dated {
+    Dated(Pointer pointer_now, Time now, std::optional<Force> force_now)
+        : pointer(pointer_now), arrived(now), force(force_now) {}
     Pointer pointer;
     Time arrived;
     std::optional<Force> force;
