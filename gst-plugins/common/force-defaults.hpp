@@ -6,8 +6,8 @@
 namespace haptic {
 
 /// Size of the paper's frame (section 3.2.1), px. Velocities are scaled to this width.
-inline constexpr int kReferenceWidth = 352;
-inline constexpr int kReferenceHeight = 288;
+inline constexpr double kReferenceWidth = 352;
+inline constexpr double kReferenceHeight = 288;
 
 /// Steepness of the force law (paper, equation 5), s/px in a frame kReferenceWidth wide.
 inline constexpr double kDefaultAlpha = 0.01;

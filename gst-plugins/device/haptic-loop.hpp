@@ -36,10 +36,10 @@ std::int64_t monotonic_now() noexcept;
 struct LoopSettings {
   std::size_t law = 0; ///< index into force_laws()
   LawSettings law_settings;
-  unsigned reference_width = kReferenceWidth; ///< px, 0: native
-  double slew_rate = 20;                      ///< N/s
-  double damping = 1;                         ///< N·s/m
-  double smooth_hz = 0;                       ///< Hz, 0: off
+  unsigned reference_width = static_cast<unsigned>(kReferenceWidth); ///< px, 0: native
+  double slew_rate = 20;                                             ///< N/s
+  double damping = 1;                                                ///< N·s/m
+  double smooth_hz = 0;                                              ///< Hz, 0: off
 };
 
 /// Where the hand is, for the pointer.

@@ -552,7 +552,7 @@ FieldDecoder::Result FieldDecoder::push(std::span<const std::uint8_t> bytes) {
   }
   state_.sequence = sequence;
   state_.field.flags = head >> kFlagShift;
-  const std::uint16_t check = static_cast<std::uint16_t>(in.byte() | in.byte() << 8);
+  const auto check = static_cast<std::uint16_t>(in.byte() | in.byte() << 8);
   if (in.failed())
     return break_off(Result::damaged);
   Decoder code(in.rest());

@@ -49,8 +49,8 @@ CurveForce force_of_motion(const MotionSample &s) noexcept {
 
 MotionSample motion_of_force(CurveForce force) noexcept {
   MotionSample s;
-  s.frame_width = kReferenceWidth;
-  s.frame_height = kReferenceHeight;
+  s.frame_width = static_cast<std::uint32_t>(kReferenceWidth);
+  s.frame_height = static_cast<std::uint32_t>(kReferenceHeight);
   s.confidence = 1;
   s.points = 1;
   s.model = MotionModel::still;

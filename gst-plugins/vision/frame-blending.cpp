@@ -4,6 +4,7 @@
 #include "mapped-frame.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace haptic {
@@ -27,11 +28,11 @@ GstVideoFrame part_of(const GstVideoFrame &frame, const Rectangle &rectangle, in
     gint components[GST_VIDEO_MAX_COMPONENTS];
     gst_video_format_info_component(format, plane, components);
     const auto component = static_cast<guint>(components[0]);
+    const std::ptrdiff_t rows = GST_VIDEO_FORMAT_INFO_SCALE_HEIGHT(format, component, top);
+    const std::ptrdiff_t columns = GST_VIDEO_FORMAT_INFO_SCALE_WIDTH(format, component, left);
     part.data[plane] = static_cast<guint8 *>(frame.data[plane]) +
-                       GST_VIDEO_FORMAT_INFO_SCALE_HEIGHT(format, component, top) *
-                           GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) +
-                       GST_VIDEO_FORMAT_INFO_SCALE_WIDTH(format, component, left) *
-                           GST_VIDEO_FORMAT_INFO_PSTRIDE(format, component);
+                       rows * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) +
+                       columns * GST_VIDEO_FORMAT_INFO_PSTRIDE(format, component);
   }
   return part;
 }

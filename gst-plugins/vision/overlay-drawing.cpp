@@ -107,8 +107,8 @@ OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &loo
   if (look.style == OverlayStyle::full) {
     const double times = scene.interval > 0 ? kPatchScale * look.scale / scene.interval : 0;
     for (const GstHapticPatch &patch : scene.patches) {
-      const double dx = static_cast<double>(patch.dx);
-      const double dy = static_cast<double>(patch.dy);
+      const auto dx = static_cast<double>(patch.dx);
+      const auto dy = static_cast<double>(patch.dy);
       const Point now =
           square(static_cast<double>(patch.x) + dx, static_cast<double>(patch.y) + dy);
       patches_.push_back(arrow(now, dx * aspect_ * times, dy * times).value_or(Arrow{now, now}));

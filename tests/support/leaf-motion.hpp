@@ -36,13 +36,14 @@ struct Shown {
 inline std::vector<Shown> film_leaf(double fps, double seconds, std::optional<double> look_ahead,
                                     double noise = 0) {
   std::mt19937 random(11);
-  std::normal_distribution<double> error(0, noise);
+  std::normal_distribution<double> normal; // a standard deviation of 0 is not allowed
+  const auto error = [&] { return noise * normal(random); };
   std::vector<Shown> frames;
-  double before = Leaf::position(0) + error(random);
+  double before = Leaf::position(0) + error();
   const double interval = 1 / fps;
   for (int n = 1; n * interval < seconds; ++n) {
     const double pts = n * interval;
-    const double now = Leaf::position(pts) + error(random);
+    const double now = Leaf::position(pts) + error();
     Shown shown{.sample = seen((now - before) / interval, interval)};
     before = now;
     shown.told = std::llround((pts - look_ahead.value_or(0) * interval) * 1e9);

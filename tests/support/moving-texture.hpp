@@ -149,9 +149,10 @@ private:
 
 /// Gaussian noise of a camera, standard deviation in grey levels.
 inline void add_noise(Frame &frame, double sigma, std::mt19937 &random) {
-  std::normal_distribution<double> noise(0, sigma);
+  std::normal_distribution<double> normal; // a standard deviation of 0 is not allowed
   for (auto &pixel : frame.pixels)
-    pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise(random)), 0.0, 255.0));
+    pixel = static_cast<std::uint8_t>(
+        std::clamp(std::round(pixel + sigma * normal(random)), 0.0, 255.0));
 }
 
 } // namespace test

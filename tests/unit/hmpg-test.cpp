@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "force-curve.hpp"
 #include "hjif.hpp"
 #include "hmpg-rtp.hpp"
 #include "hmpg-track.hpp"
@@ -8,6 +9,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <numbers>
 
 namespace {
 
@@ -46,6 +48,24 @@ void append(std::vector<CodedUnit> &units, std::vector<CodedUnit> more) {
 }
 
 // ---- bytes --------------------------------------------------------------------------------------
+
+TEST(ForceCurve, ScalesTheVelocityToTheReferenceWidth) {
+  haptic::MotionSample sample;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
+  sample.velocity_x = 30;
+  sample.velocity_y = -40;
+  sample.confidence = 1;
+  const auto narrow = haptic::force_of_motion(sample);
+  EXPECT_NEAR(std::hypot(narrow.x, narrow.y), 2 / std::numbers::pi * std::atan(0.5), 1e-12);
+  EXPECT_GT(narrow.y, 0) << "up is positive";
+  sample.frame_width = 1920;
+  sample.velocity_x *= 1920 / 352.0F;
+  sample.velocity_y *= 1920 / 352.0F;
+  const auto wide = haptic::force_of_motion(sample);
+  EXPECT_NEAR(wide.x, narrow.x, 1e-6);
+  EXPECT_NEAR(wide.y, narrow.y, 1e-6);
+}
 
 TEST(Hmpg, ASilentUnitIsItsHeader) {
   // type 3 in 6 bits, 2 + 4 of zero, 24 of duration, 32 of length, 4 of zero

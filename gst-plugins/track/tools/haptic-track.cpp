@@ -86,7 +86,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string &word = words[i];
-    if (options_end) {
+    const bool is_option = !options_end && word.starts_with("-");
+    if (options_end || (!is_option && !arguments.command.empty())) {
       arguments.files.push_back(word);
     } else if (word == "--") {
       options_end = true;
@@ -105,12 +106,10 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         arguments.author.columns = parse_count(word, words[i], 4, 96);
       else
         arguments.jobs = parse_count(word, words[i], 1, 1024);
-    } else if (word.starts_with("-")) {
+    } else if (is_option) {
       throw_error(messages::kOptionIsUnknown, word.c_str());
-    } else if (arguments.command.empty()) {
-      arguments.command = word;
     } else {
-      arguments.files.push_back(word);
+      arguments.command = word;
     }
   }
   return arguments;
