@@ -113,7 +113,7 @@ make_line() {
 # `follow LOG` reads a process id and then the output of that gst-launch -m. Writes the output to LOG,
 # shows progress and warnings, and interrupts gst-launch after $seconds, if set.
 follow() {
-  local log=$1 process text rest='' began=$SECONDS interrupted=no
+  local log=$1 process text rest='' began=$SECONDS interrupted=no starting=30
   trap '' INT # Ctrl-C ends gst-launch; its last output is still read
   read -r process
   while true; do
@@ -121,16 +121,18 @@ follow() {
       text=$rest$text rest=''
       printf '%s\n' "$text" >>"$log"
       show_event "$text"
+      # Some window systems need seconds before the first frame.
+      [[ $text != 'Setting pipeline to PLAYING'* ]] || began=$SECONDS starting=0
     elif [ $? -gt 128 ]; then
       rest+=$text
     else
       break
     fi
-    if [ -n "$seconds" ] && [ $((SECONDS - began)) -ge "$seconds" ]; then
+    if [ -n "$seconds" ] && [ $((SECONDS - began)) -ge $((seconds + starting)) ]; then
       if [ $interrupted = no ]; then
         interrupted=yes
         kill -INT "$process" 2>/dev/null || true
-      elif [ $((SECONDS - began)) -ge $((seconds + 15)) ]; then
+      elif [ $((SECONDS - began)) -ge $((seconds + starting + 15)) ]; then
         kill -KILL "$process" 2>/dev/null || true
       fi
     fi

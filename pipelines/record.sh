@@ -9,7 +9,7 @@
 #       t. ! queue ! velocityavg ! tee name=h \
 #       h. ! queue ! hapticconvert ! meta/x-klv ! mux. \
 #       h. ! queue ! hapticsink \
-#       mpegtsmux name=mux ! filesink location=OUTPUT
+#       mpegtsmux name=mux latency=1000000000 ! filesink location=OUTPUT
 #
 # Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
 #   INPUT   a video file, or --test-source: a live test video that moves to the left at 60 px/s
@@ -27,18 +27,20 @@ shift
 read_arguments "$@"
 [ -n "$input" ] || fail "into which file? See --help"
 case $input in
-*.ts) track=meta/x-klv mux=mpegtsmux ;;
-*.mkv) track=text/x-raw mux=matroskamux ;;
+# mpegtsmux waits up to 1 s for the encoder. Otherwise the file would begin without the video stream, and a
+# reader would take the track for another one when the video joins.
+*.ts) track=meta/x-klv mux=(mpegtsmux latency=1000000000) ;;
+*.mkv) track=text/x-raw mux=(matroskamux) ;;
 *) fail "the name of the recording must end in .ts or .mkv, not '$input'" ;;
 esac
 [ ! -e "$input" ] || fail "'$input' exists; give another name, or remove it"
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert hapticsink)
-need_packaged_elements "$mux" x264enc h264parse
+need_packaged_elements "${mux[0]}" x264enc h264parse
 
 launch "${frames[@]}" ! roitracker ! tee name=t \
   t. ! queue ! "${h264[@]}" ! h264parse ! queue ! mux. \
   t. ! queue ! velocityavg ! tee name=h \
   h. ! queue ! hapticconvert ! "$track" ! mux. \
   h. ! queue ! hapticsink "${sink_options[@]}" \
-  "$mux" name=mux ! filesink "location=$(quoted "$input")"
+  "${mux[@]}" name=mux ! filesink "location=$(quoted "$input")"

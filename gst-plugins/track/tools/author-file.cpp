@@ -35,7 +35,8 @@ constexpr guint kAudioBytes = 16 << 20;
 // A file ends early if it lacks more than this share of its length and more than this time.
 constexpr double kMissingShare = 0.02;
 constexpr GstClockTime kMissing = GST_SECOND;
-constexpr gint64 kLongestShow = 10 * G_USEC_PER_SEC; // us, from the first stream to the last
+constexpr gint64 kLongestShow =
+    gint64{10} * G_USEC_PER_SEC; // us, from the first stream to the last
 
 // ---- the file that is written -------------------------------------------------------------------
 
@@ -149,9 +150,10 @@ CapsPtr without_form(GstCaps *caps) {
 bool has_place(const char *mux, GstPad *pad) {
   const CapsPtr caps = without_form(caps_of(pad).get());
   const bool is_known = gst_caps_is_fixed(caps.get());
-  GstElementFactory *factory = gst_element_factory_find(mux);
+  const std::unique_ptr<GstElementFactory, decltype(&gst_object_unref)> factory(
+      gst_element_factory_find(mux), gst_object_unref);
   bool has = false;
-  for (const GList *item = factory ? gst_element_factory_get_static_pad_templates(factory)
+  for (const GList *item = factory ? gst_element_factory_get_static_pad_templates(factory.get())
                                    : nullptr;
        item; item = item->next) {
     auto *pads = static_cast<GstStaticPadTemplate *>(item->data);
@@ -162,7 +164,6 @@ bool has_place(const char *mux, GstPad *pad) {
                   (is_known ? gst_caps_is_subset(caps.get(), taken.get())
                             : gst_caps_can_intersect(caps.get(), taken.get())));
   }
-  g_clear_object(&factory);
   return has;
 }
 

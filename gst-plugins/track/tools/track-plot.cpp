@@ -181,10 +181,10 @@ void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, cons
     const double down = scale * cell.velocity_y;
     if (cell.confidence < kLeastConfidence || std::hypot(right, down) < kLeastLength * cell_width)
       continue;
-    const auto column = static_cast<double>(i % field.columns);
-    const auto row = static_cast<double>(i / field.columns);
-    out.line("%.1f %.1f %.2f %.2f", (column + 0.5) * cell_width,
-             all.height - (row + 0.5) * cell_height, right, -down);
+    const std::size_t row = i / field.columns;
+    const std::size_t column = i % field.columns;
+    out.line("%.1f %.1f %.2f %.2f", (static_cast<double>(column) + 0.5) * cell_width,
+             all.height - (static_cast<double>(row) + 0.5) * cell_height, right, -down);
   }
   out.line("1e9 1e9 0 0"); // outside: gnuplot wants one
   out.line("e");
@@ -238,8 +238,10 @@ void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) 
   const double wide = 1.0 / static_cast<double>(columns);
   const double high = static_cast<double>(all.height) / height;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    place(out, wide * static_cast<double>(i % columns),
-          1 - high * static_cast<double>(i / columns + 1), wide, high);
+    const std::size_t row = i / columns;
+    const std::size_t column = i % columns;
+    place(out, wide * static_cast<double>(column), 1 - high * static_cast<double>(row + 1), wide,
+          high);
     draw_field(out, frames[i], fields[i], all);
   }
   place(out, 0.02, 50.0 / height, 0.96, (kStripHeight - 55.0) / height);
