@@ -14,6 +14,8 @@ const char *const kCommandHelp =
     "  replug               it is there again, switched on anew\n"
     "  stall in|out         the endpoint is halted until the host clears it\n"
     "  short [N]            the next N replies (1) are cut to 7 bytes\n"
+    "  refuse               the OUT endpoint takes nothing: every packet waits (NAK)\n"
+    "  accept               and takes what waits\n"
     "  late MS              replies come so many milliseconds late; late 0 ends it\n"
     "  freeze STRING        the counter of string 0..7 stands still\n"
     "  thaw                 and counts again\n"
@@ -95,6 +97,10 @@ Act parse(const std::string &line, Words &words) {
     return
         [replies](Unit &unit, Time, auto &) { unit.firmware().faults().short_replies = replies; };
   }
+  if (command == "refuse" || command == "accept")
+    return [refuse_out = command == "refuse"](Unit &unit, Time, auto &) {
+      unit.firmware().faults().refuse_out = refuse_out;
+    };
   if (command == "late") {
     const std::chrono::milliseconds time(words.number(0, kMostMilliseconds));
     return [time](Unit &unit, Time, auto &) { unit.firmware().faults().late_by = time; };

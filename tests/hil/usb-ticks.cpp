@@ -2,7 +2,8 @@
 // How fast a SPIDAR-G on USB can be driven: one tick after the other, each an exchange, the pose, a
 // force that turns round and its tensions.
 //
-// Usage: usb-ticks SECONDS [ID]   ID: rotary switch. SIGTERM ends it early. Prints one line
+// Usage: usb-ticks SECONDS [ID]   ID: rotary switch. SIGTERM ends it early. Prints
+//                                 "driving" when it begins to measure, and at the end one line
 //                                 NAME VALUE NAME VALUE ...:
 //                                 ticks, ticks a second on average and in the slowest second, lost
 //                                 exchanges, of these at the end, poses not believed, and the
@@ -48,6 +49,8 @@ int run(int seconds, const std::string &id) {
   std::size_t lost = 0;
   std::size_t lost_at_the_end = 0;
   std::size_t not_believed = 0;
+  std::printf("driving\n"); // what happens before is not measured
+  std::fflush(stdout);
   const auto start = Clock::now();
   auto answered = start;
   bool gone = false;

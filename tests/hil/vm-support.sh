@@ -60,10 +60,10 @@ on_the_bus() {
   lsusb -d "0cec:$1"
 }
 
+# Sets exchange_time, µs.
 measure_the_bus() {
-  local median
-  median=$("$usb_ticks" probe) || fail "the probe failed"
-  echo "an exchange of two transfers takes $median µs (median); more than 500 µs is too slow for 1 kHz"
+  exchange_time=$("$usb_ticks" probe) || fail "the probe failed"
+  echo "an exchange of two transfers takes $exchange_time µs (median); more than 500 µs is too slow for 1 kHz"
 }
 
 # `value NAME LINE`: of a line NAME VALUE NAME VALUE ...
