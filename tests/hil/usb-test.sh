@@ -58,7 +58,12 @@ survives() {
   [ "$(value lost "$(cat "$work/line")")" -gt 0 ] && [ "$(value lost-at-the-end "$(cat "$work/line")")" = 0 ]
 }
 promise "short replies are survived" survives 10 "short 3 @1"
-promise "late replies are survived" survives 3 "late 200 @2" "late 0 @2"
+# On a machine so slow, the emulator gets too little time to be late by a given time.
+if [ "$exchange_time" -lt 8000 ]; then
+  promise "late replies are survived" survives 3 "late 200 @2" "late 0 @2"
+else
+  echo "not tested: late replies, since an exchange takes more than 8 ms here"
+fi
 promise "a halted endpoint is survived" survives 10 "stall in @1"
 
 gone() {
