@@ -59,10 +59,10 @@ survives() {
 }
 promise "short replies are survived" survives 10 "short 3 @1"
 # On a machine so slow, the emulator gets too little time to be late by a given time.
-if [ "$exchange_time" -lt 8000 ]; then
+if [ "$exchange_time" -lt 6000 ]; then
   promise "late replies are survived" survives 3 "late 200 @2" "late 0 @2"
 else
-  echo "not tested: late replies, since an exchange takes more than 8 ms here"
+  echo "not tested: late replies, since an exchange takes more than 6 ms here"
 fi
 promise "a halted endpoint is survived" survives 10 "stall in @1"
 
