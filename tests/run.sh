@@ -82,7 +82,8 @@ build_in() {
     set -- --reconfigure "$@"
   fi
   if ! meson setup "$folder" "$@" >"$log" 2>&1 || ! meson compile -C "$folder" >>"$log" 2>&1; then
-    tail -n 40 "$log"
+    # Other commands were still running when one failed: its message is not the last.
+    grep -A 30 '^FAILED:' "$log" || tail -n 40 "$log"
     return 1
   fi
 }

@@ -6,25 +6,29 @@
 source "$(dirname "$0")/support.sh"
 use_elements roitracker velocityavg motionfield hapticconvert hapticsink
 
-# `force CLIP HAND LOG ELEMENTS`: what a hand resting there feels.
+# `force CLIP HAND LOG ELEMENTS`: what a hand resting there feels. The sink begins 2 s late, and ELEMENTS have a queue
+# that is large enough for all: a busy machine delays the measurement and not the force.
 force() {
   local clip=$1 hand=$2 log=$3
   shift 3
   gst-launch-1.0 -q filesrc "location=$clip" ! decodebin ! videoconvert ! "$@" \
-    ! hapticsink device=sim "sim-hand=hold:$hand,0" "log-location=$log"
+    ! hapticsink device=sim "sim-hand=hold:$hand,0" "log-location=$log" ts-offset=2000000000
 }
+queue=(queue max-size-buffers=0 max-size-bytes=0 max-size-time=0)
 
-# Both at once, which share the video's time.
+# Both at once, which share the video's time. What is measured before the queue cannot ask the hand for its place.
 compare() {
-  local clip=$1 hand=$2
-  force "$clip" "$hand" "$work/direct.csv" roitracker ! velocityavg &
-  force "$clip" "$hand" "$work/field.csv" motionfield ! hapticconvert ! meta/x-klv ! hapticconvert || return 1
+  local clip=$1 hand=$2 pointer
+  pointer=$(awk -F, '{ print "pointer-x=" (1 + $1) / 2, "pointer-y=" (1 - $2) / 2 }' <<<"$hand")
+  # shellcheck disable=SC2086 # two words
+  force "$clip" "$hand" "$work/direct.csv" roitracker pointer-source=property $pointer ! velocityavg ! "${queue[@]}" &
+  force "$clip" "$hand" "$work/field.csv" motionfield ! hapticconvert ! meta/x-klv ! "${queue[@]}" ! hapticconvert || return 1
   wait $! || return 1
   awk -F, '
     FNR == 1 { next }
     NR == FNR { x[int($1 * 1000 + 0.5)] = $8; y[int($1 * 1000 + 0.5)] = $9; next }
     { t = int($1 * 1000 + 0.5) }
-    t in x { n++; off += ($8 - x[t]) ^ 2 + ($9 - y[t]) ^ 2; felt += x[t] ^ 2 + y[t] ^ 2 }
+    t > 2000 && t in x { n++; off += ($8 - x[t]) ^ 2 + ($9 - y[t]) ^ 2; felt += x[t] ^ 2 + y[t] ^ 2 }
     END {
       off = sqrt(off / n); felt = sqrt(felt / n)
       printf "%.1f %% of the full force apart, where %.1f %% are felt\n", 100 * off, 100 * felt
