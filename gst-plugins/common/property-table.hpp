@@ -3,9 +3,9 @@
 // read.
 #pragma once
 
+#include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 
-#include <span>
 #include <type_traits>
 
 namespace haptic {
@@ -65,28 +65,26 @@ auto member_row(GParamSpec *spec) {
       [](const Settings &s, GValue *value) { write_value(value, s.*kMember); }};
 }
 
-/// Row i becomes the property with the number i + 1.
-template <typename Settings>
-void install_properties(GObjectClass *klass, std::span<const Property<Settings>> table) {
+/// Declares the properties of `kTable()`, a span of Property<Settings>, and reads and writes them.
+/// Row i becomes the property with the number i + 1. `SettingsOf` is a captureless lambda that
+/// returns the settings of an element.
+template <auto kTable, typename SettingsOf>
+void install_properties(GObjectClass *klass, SettingsOf) {
+  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      const ObjectLock lock(object);
+      kTable()[id - 1].set(SettingsOf{}(object), value);
+    });
+  };
+  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
+    guarded(object, [&] {
+      const ObjectLock lock(object);
+      kTable()[id - 1].get(SettingsOf{}(object), value);
+    });
+  };
   guint id = 0;
-  for (const Property<Settings> &row : table)
+  for (const auto &row : kTable())
     g_object_class_install_property(klass, ++id, row.spec);
-}
-
-/// For GObjectClass::set_property.
-template <typename Settings>
-void set_property(GObject *object, guint id, const GValue *value,
-                  std::span<const Property<Settings>> table, Settings &settings) {
-  const ObjectLock lock(object);
-  table[id - 1].set(settings, value);
-}
-
-/// For GObjectClass::get_property.
-template <typename Settings>
-void get_property(GObject *object, guint id, GValue *value,
-                  std::span<const Property<Settings>> table, const Settings &settings) {
-  const ObjectLock lock(object);
-  table[id - 1].get(settings, value);
 }
 
 inline constexpr auto kReadOnly =

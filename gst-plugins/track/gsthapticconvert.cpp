@@ -17,6 +17,7 @@
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "messages.hpp"
+#include "property-table.hpp"
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
 #include "track-clock.hpp"
@@ -28,6 +29,7 @@
 #include <atomic>
 #include <deque>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -46,8 +48,6 @@ using haptic::TrackForm;
 using haptic::TrackLayout;
 using haptic::TrackProblem;
 using haptic::TrackProblemKind;
-
-enum PropertyId : guint { kUnitDuration = 1, kStats };
 
 constexpr guint kDefaultUnitDuration = 100; // ms
 constexpr guint kLongestUnitDuration = 4000;
@@ -445,38 +445,22 @@ haptic::StructurePtr make_stats(const State &state) {
   return stats;
 }
 
-void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-  const ObjectLock lock(object);
-  if (id == kUnitDuration)
-    state_of(object).unit_duration = g_value_get_uint(value);
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-}
-
-void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-  const State &state = state_of(object);
-  if (id == kStats) {
-    g_value_take_boxed(value, make_stats(state).release());
-  } else if (id == kUnitDuration) {
-    const ObjectLock lock(object);
-    g_value_set_uint(value, state.unit_duration);
-  } else {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
-}
-
-void install_properties(GObjectClass *object_class) {
-  g_object_class_install_property(
-      object_class, kUnitDuration,
-      g_param_spec_uint("unit-duration", "Unit Duration",
-                        "Length of the units of haptics/hmpg, ms; a unit is sent when it is over",
-                        1, kLongestUnitDuration, kDefaultUnitDuration,
-                        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                 GST_PARAM_MUTABLE_READY)));
-  g_object_class_install_property(
-      object_class, kStats,
-      g_param_spec_boxed("stats", "Statistics", "Counters since the last start", GST_TYPE_STRUCTURE,
-                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+std::span<const haptic::Property<State>> properties() {
+  static const haptic::Property<State> table[] = {
+      haptic::member_row<&State::unit_duration>(g_param_spec_uint(
+          "unit-duration", "Unit Duration",
+          "Length of the units of haptics/hmpg, ms; a unit is sent when it is over", 1,
+          kLongestUnitDuration, kDefaultUnitDuration,
+          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                   GST_PARAM_MUTABLE_READY))),
+      {g_param_spec_boxed("stats", "Statistics", "Counters since the last start",
+                          GST_TYPE_STRUCTURE, haptic::kReadOnly),
+       nullptr,
+       [](const State &state, GValue *value) {
+         g_value_take_boxed(value, make_stats(state).release());
+       }},
+  };
+  return table;
 }
 
 void finalize(GObject *object) {
@@ -497,15 +481,9 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
 
-  object_class->set_property = [](GObject *object, guint id, const GValue *value,
-                                  GParamSpec *pspec) {
-    guarded(object, [&] { set_property(object, id, value, pspec); });
-  };
-  object_class->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { get_property(object, id, value, pspec); });
-  };
   object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
-  install_properties(object_class);
+  haptic::install_properties<properties>(
+      object_class, [](GObject *object) -> State & { return state_of(object); });
 
   gst_element_class_set_static_metadata(
       element_class, "Haptic track converter", "Codec/Converter/Haptics",

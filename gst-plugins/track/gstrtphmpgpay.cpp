@@ -15,11 +15,13 @@
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
 #include "messages.hpp"
+#include "property-table.hpp"
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
 
 #include <cstring>
 #include <gst/rtp/gstrtpbuffer.h>
+#include <span>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_pay_debug);
@@ -31,8 +33,6 @@ using haptic::BufferPtr;
 using haptic::guarded;
 using haptic::ObjectLock;
 using haptic::UnitType;
-
-enum PropertyId : guint { kConfigInterval = 1 };
 
 constexpr guint kDefaultConfigInterval = 1; // s
 constexpr guint kLongestConfigInterval = 3600;
@@ -154,20 +154,15 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 
 // ---- properties ---------------------------------------------------------------------------------
 
-void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-  const ObjectLock lock(object);
-  if (id == kConfigInterval)
-    GST_RTP_HMPG_PAY(object)->state->config_interval = g_value_get_uint(value);
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-}
-
-void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-  const ObjectLock lock(object);
-  if (id == kConfigInterval)
-    g_value_set_uint(value, GST_RTP_HMPG_PAY(object)->state->config_interval);
-  else
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+std::span<const haptic::Property<State>> properties() {
+  static const haptic::Property<State> table[] = {
+      haptic::member_row<&State::config_interval>(
+          g_param_spec_uint("config-interval", "Config Interval",
+                            "Seconds after which the initialization unit is sent again, for late "
+                            "receivers; 0: never",
+                            0, kLongestConfigInterval, kDefaultConfigInterval, haptic::kReadWrite)),
+  };
+  return table;
 }
 
 void finalize(GObject *object) {
@@ -185,22 +180,9 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *payload_class = GST_RTP_BASE_PAYLOAD_CLASS(klass);
-  object_class->set_property = [](GObject *object, guint id, const GValue *value,
-                                  GParamSpec *pspec) {
-    guarded(object, [&] { set_property(object, id, value, pspec); });
-  };
-  object_class->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { get_property(object, id, value, pspec); });
-  };
   object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
-  g_object_class_install_property(
-      object_class, kConfigInterval,
-      g_param_spec_uint("config-interval", "Config Interval",
-                        "Seconds after which the initialization unit is sent again, for late "
-                        "receivers; 0: never",
-                        0, kLongestConfigInterval, kDefaultConfigInterval,
-                        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                 GST_PARAM_MUTABLE_PLAYING)));
+  haptic::install_properties<properties>(
+      object_class, [](GObject *object) -> State & { return *GST_RTP_HMPG_PAY(object)->state; });
   gst_element_class_set_static_metadata(
       element_class, "RTP MPEG haptics payloader", "Codec/Payloader/Network/RTP",
       "Sends MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");

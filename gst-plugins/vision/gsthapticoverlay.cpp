@@ -249,19 +249,9 @@ static void gst_haptic_overlay_finalize(GObject *object) {
 
 static void install_object_vfuncs(GObjectClass *klass) {
   klass->finalize = gst_haptic_overlay_finalize;
-  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::set_property(object, id, value, properties(),
-                           GST_HAPTIC_OVERLAY(object)->state->look);
-    });
-  };
-  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::get_property(object, id, value, properties(),
-                           GST_HAPTIC_OVERLAY(object)->state->look);
-    });
-  };
-  haptic::install_properties(klass, properties());
+  haptic::install_properties<properties>(klass, [](GObject *object) -> OverlayLook & {
+    return GST_HAPTIC_OVERLAY(object)->state->look;
+  });
 }
 
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {

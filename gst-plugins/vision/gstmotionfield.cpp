@@ -243,19 +243,9 @@ static void gst_motion_field_finalize(GObject *object) {
 
 static void install_object_vfuncs(GObjectClass *klass) {
   klass->finalize = gst_motion_field_finalize;
-  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::set_property(object, id, value, properties(),
-                           GST_MOTION_FIELD(object)->state->settings);
-    });
-  };
-  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::get_property(object, id, value, properties(),
-                           GST_MOTION_FIELD(object)->state->settings);
-    });
-  };
-  haptic::install_properties(klass, properties());
+  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
+    return GST_MOTION_FIELD(object)->state->settings;
+  });
 }
 
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {

@@ -497,17 +497,8 @@ static void gst_roi_tracker_finalize(GObject *object) {
 
 static void install_object_vfuncs(GObjectClass *klass) {
   klass->finalize = gst_roi_tracker_finalize;
-  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::set_property(object, id, value, properties(), GST_ROI_TRACKER(object)->state->shared);
-    });
-  };
-  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
-    guarded(object, [&] {
-      haptic::get_property(object, id, value, properties(), GST_ROI_TRACKER(object)->state->shared);
-    });
-  };
-  haptic::install_properties(klass, properties());
+  haptic::install_properties<properties>(
+      klass, [](GObject *object) -> Shared & { return GST_ROI_TRACKER(object)->state->shared; });
 }
 
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {

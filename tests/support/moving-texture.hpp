@@ -155,4 +155,25 @@ inline void add_noise(Frame &frame, double sigma, std::mt19937 &random) {
         std::clamp(std::round(pixel + sigma * normal(random)), 0.0, 255.0));
 }
 
+/// Calls `body(before, after, truth)` for displacements of 4 to 16 px in random directions, with
+/// noise, of a square frame. Returns how many they were.
+template <typename Body>
+int for_large_displacements(int side, Body body) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> turn(0, 2 * std::numbers::pi);
+  int cases = 0;
+  for (const double distance : {4.0, 8.0, 12.0, 13.33, 16.0})
+    for (int i = 0; i < 40; ++i, ++cases) {
+      const Texture texture(static_cast<unsigned>(random()));
+      const double direction = turn(random);
+      const Shift truth{distance * std::cos(direction), distance * std::sin(direction)};
+      Frame before = texture.frame(side, side, {});
+      Frame after = texture.frame(side, side, truth);
+      add_noise(before, 1.5, random);
+      add_noise(after, 1.5, random);
+      body(before, after, truth);
+    }
+  return cases;
+}
+
 } // namespace test

@@ -93,22 +93,12 @@ TEST_F(FastTracker, EverySixteenthOfAPixelHasTheSameSmallBias) {
 }
 
 TEST_F(FastTracker, HoldsUpToSixteenPixels) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> turn(0, 2 * std::numbers::pi);
   int gross = 0;
-  int cases = 0;
-  for (const double distance : {4.0, 8.0, 12.0, 13.33, 16.0})
-    for (int i = 0; i < 40; ++i, ++cases) {
-      const Texture texture(static_cast<unsigned>(random()));
-      const double direction = turn(random);
-      const Shift truth{distance * std::cos(direction), distance * std::sin(direction)};
-      Frame before = texture.frame(kFrame, kFrame, {});
-      Frame after = texture.frame(kFrame, kFrame, truth);
-      add_noise(before, 1.5, random);
-      add_noise(after, 1.5, random);
-      const Measurement &found = track(before, after);
-      gross += found.count == 0 || error(found, truth) > 0.5;
-    }
+  const int cases =
+      test::for_large_displacements(kFrame, [&](Frame &before, Frame &after, Shift truth) {
+        const Measurement &found = track(before, after);
+        gross += found.count == 0 || error(found, truth) > 0.5;
+      });
   EXPECT_LE(gross, cases / 100);
 }
 
