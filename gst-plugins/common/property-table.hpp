@@ -19,6 +19,9 @@ struct Property {
   void (*get)(const Settings &, GValue *);
 };
 
+template <typename T>
+concept Enumeration = std::is_enum_v<T>;
+
 inline void read_value(const GValue *value, bool &to) {
   to = g_value_get_boolean(value) != FALSE;
 }
@@ -28,8 +31,7 @@ inline void read_value(const GValue *value, guint &to) {
 inline void read_value(const GValue *value, double &to) {
   to = g_value_get_double(value);
 }
-template <typename Enum>
-requires std::is_enum_v<Enum>
+template <Enumeration Enum>
 void read_value(const GValue *value, Enum &to) {
   to = static_cast<Enum>(g_value_get_enum(value));
 }
@@ -43,8 +45,7 @@ inline void write_value(GValue *value, guint from) {
 inline void write_value(GValue *value, double from) {
   g_value_set_double(value, from);
 }
-template <typename Enum>
-requires std::is_enum_v<Enum>
+template <Enumeration Enum>
 void write_value(GValue *value, Enum from) {
   g_value_set_enum(value, static_cast<gint>(from));
 }

@@ -142,6 +142,10 @@ GstStructure *to_structure(const haptic::TrackingStatistics &s) {
                            "time-mean-us", G_TYPE_DOUBLE, s.mean_tracker_time(), nullptr);
 }
 
+void write_statistics(const Shared &shared, GValue *value) {
+  g_value_take_boxed(value, to_structure(shared.statistics));
+}
+
 // Setting a pointer property moves the property's own pointer; reading it gives the one in use.
 template <double Pointer::*kAxis>
 haptic::Property<Shared> pointer_row(const char *name, const char *nick, const char *blurb) {
@@ -188,9 +192,7 @@ std::span<const haptic::Property<Shared>> properties() {
            "Frames so far, how many of them were measured, still or duplicates, mean number of "
            "points and mean time in the tracker",
            GST_TYPE_STRUCTURE, haptic::kReadOnly),
-       nullptr,
-       [](const Shared &shared,
-          GValue *value) { g_value_take_boxed(value, to_structure(shared.statistics)); }},
+       nullptr, write_statistics},
   };
   return table;
 }

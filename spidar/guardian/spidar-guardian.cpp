@@ -41,7 +41,7 @@ public:
     endpoint_ = order[0];
     size_ = static_cast<unsigned>(size - 1);
     std::memcpy(packet_, order + 1, size_);
-    struct stat status {};
+    struct stat status = {};
     is_socket_ = fstat(kGuardianDevice, &status) == 0 && S_ISSOCK(status.st_mode);
     return true;
   }

@@ -74,7 +74,7 @@ void show(double time, const spidar::Device &device) {
 ExitStatus watch(const Choice &choice, double seconds) {
   const auto device = open_device(choice);
   std::printf("%s\n", device->description().c_str());
-  struct sigaction action {};
+  struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

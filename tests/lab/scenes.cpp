@@ -344,6 +344,10 @@ Movie low_contrast(Random &random) {
                [](const cv::Mat1f &frame, double) { return computed(0.05 * frame + 120); });
 }
 
+Movie zoom(Random &random) {
+  return linear(random, {0.05, 0, 0, 0.05});
+}
+
 Movie affine(Random &random) {
   cv::Matx22d m;
   for (double &value : m.val)
@@ -527,10 +531,7 @@ std::vector<Scene> hard_scenes(int side) {
       {"displacement 16", displaced(16)},
       {"displacement 24", displaced(24)},
       {"rotation", [](Random &r) { return rotation(r, 5); }},
-      {"zoom",
-       [](Random &r) {
-         return linear(r, {0.05, 0, 0, 0.05});
-       }},
+      {"zoom", zoom},
       {"affine", affine},
       {"curl", [=](Random &r) { return curl(r, side); }},
       {"two motions", two_motions},

@@ -247,7 +247,7 @@ std::string MockBus::root() const {
 }
 
 std::optional<int> MockBus::ioctl(int descriptor, unsigned long request, void *argument) {
-  struct stat file {};
+  struct stat file = {};
   if (_IOC_TYPE(request) != 'U' || fstat(descriptor, &file) != 0)
     return std::nullopt;
   Socket *wanted = nullptr;
@@ -321,7 +321,7 @@ int MockBus::plug(std::shared_ptr<MockUnit> unit, std::uint16_t vendor, std::uin
   umockdev_testbed_attach_ioctl(testbed_, node(device).c_str(), socket->handler, nullptr);
   show(*socket, vendor, product);
   const std::lock_guard lock(mutex_);
-  struct stat file {};
+  struct stat file = {};
   stat((root() + node(device)).c_str(), &file);
   socket->inode = file.st_ino;
   sockets_[device] = std::move(socket);

@@ -309,7 +309,7 @@ const char *choose_muxer(Work &work) {
 void make_output_deterministic(const Work &work, GstElement *mux) {
   const std::string name = fs::path(work.path).filename().string();
   g_random_set_seed(g_str_hash(name.c_str()));
-  struct stat status {};
+  struct stat status = {};
   stat(work.path.c_str(), &status);
   GDateTime *date = g_date_time_new_from_unix_utc(status.st_mtime);
   if (g_object_class_find_property(G_OBJECT_GET_CLASS(mux), "creation-time"))

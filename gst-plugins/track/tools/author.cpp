@@ -342,7 +342,7 @@ private:
 int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
   if (!options.folder.empty() && !std::filesystem::is_directory(options.folder))
     throw_error(messages::kFolderIsMissing, options.folder.c_str());
-  struct sigaction action {};
+  struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
