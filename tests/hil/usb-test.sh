@@ -66,6 +66,26 @@ else
 fi
 promise "a halted endpoint is survived" survives 10 "stall in @1"
 
+# The endpoint takes nothing while there is a force. What it takes first then are rest words.
+rests_first() {
+  start_driving 60 10 || return
+  some_exchanges
+  tell "refuse @1"
+  sleep 1
+  tell "accept @1"
+  some_exchanges
+  kill -TERM "$program"
+  wait "$program" || return
+  awk -F, -v least="$least_word" '
+    $3 == "accept @1" { accepted = 1; next }
+    accepted == 1 && $2 == 1 && $3 == "words" {
+      accepted = 2
+      for (i = 4; i <= 11; i++) if ($i > least + 0 || -$i > least + 0) above = 1
+    }
+    END { exit !(accepted == 2 && !above) }' "$words"
+}
+promise "an endpoint that takes data again gets rest words first" rests_first
+
 gone() {
   local status=0
   start_driving 60 10 || return
