@@ -150,12 +150,13 @@ struct Device::Implementation {
       if (!controller->exchange(words, counts)) {
         if (++silent >= kMostSilentTicks)
           fail(Cause::io, messages::kUsbSilent, controller->description().c_str());
-      } else if (moved_since(before)) {
-        before = counts;
-        still = 0;
       } else {
         silent = 0;
         still += period;
+        if (moved_since(before)) {
+          before = counts;
+          still = 0;
+        }
       }
       std::this_thread::sleep_for(std::chrono::duration<double>(period));
     }
