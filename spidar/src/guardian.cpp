@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 
 extern char **environ;
@@ -22,6 +23,8 @@ namespace {
 constexpr auto kBetweenWords = std::chrono::milliseconds(3); // three of them within its patience
 constexpr int kStartTime = 2000;                             // ms; a loaded machine starts slowly
 constexpr int kEndTime = 200;                                // ms
+constexpr int kMostUnanswered = 3;
+constexpr int kMostNotices = 32; // a call
 
 struct SpawnActions {
   posix_spawn_file_actions_t actions{};
@@ -40,6 +43,10 @@ struct SpawnActions {
 
 [[noreturn]] void refuse(const std::string &reason) {
   fail(Cause::io, messages::kGuardian, guardian_path().c_str(), reason.c_str());
+}
+
+FileDescriptor make_socket() {
+  return FileDescriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
 }
 
 bool readable(int descriptor, int milliseconds) noexcept {
@@ -67,22 +74,64 @@ std::string guardian_path() {
 }
 
 Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet) {
+  const GuardianOrder head{.endpoint = endpoint};
+  std::array<std::uint8_t, sizeof head + kLargestGuardedPacket> bytes{};
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::memcpy(bytes.data() + sizeof head, packet.data(), packet.size());
+  const std::span<const std::uint8_t> order(bytes.data(), sizeof head + packet.size());
+  if (connect_to_service(device, order))
+    return;
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
     refuse(std::strerror(errno));
   socket_.reset(ends[0]);
   {
     const FileDescriptor theirs(ends[1]);
-    start(device, theirs.get());
+    start_helper(device, theirs.get());
   } // only the guardian may hold its end, or its death would not close the socket
-  std::array<std::uint8_t, 1 + kLargestGuardedPacket> order{endpoint};
-  std::memcpy(order.data() + 1, packet.data(), packet.size());
-  if (send(socket_.get(), order.data(), 1 + packet.size(), MSG_NOSIGNAL) < 0)
-    refuse("it ended at once");
-  await_ready();
+  if (send(socket_.get(), order.data(), order.size(), MSG_NOSIGNAL) < 0 || !await_ready())
+    fail(Cause::io, messages::kGuardianEnded, guardian_path().c_str());
 }
 
-void Guardian::start(int device, int control) {
+/// False if the user runs no such service, or it does not watch. A program that says which helper
+/// it wants gets that one.
+bool Guardian::connect_to_service(int device, std::span<const std::uint8_t> order) {
+  const char *folder = secure_getenv("XDG_RUNTIME_DIR");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string path = std::string(folder ? folder : "") + "/" + kGuardianSocket;
+  if (!folder || secure_getenv("SPIDAR_GUARDIAN") || path.size() >= sizeof address.sun_path)
+    return false;
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  socket_ = make_socket();
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (connect(socket_.get(), reinterpret_cast<const sockaddr *>(&address), sizeof address) != 0 ||
+      getsockopt(socket_.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0 ||
+      (peer.uid != geteuid() && peer.uid != 0))
+    return false;
+  iovec part{.iov_base = const_cast<std::uint8_t *>(order.data()), .iov_len = order.size()};
+  alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(sizeof(int))> extra{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = extra.data();
+  message.msg_controllen = extra.size();
+  cmsghdr *header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof device);
+  std::memcpy(CMSG_DATA(header), &device, sizeof device);
+  if (sendmsg(socket_.get(), &message, MSG_NOSIGNAL) < 0)
+    return false;
+  try {
+    return await_ready();
+  } catch (const Error &) { // of another version, or too slow
+    return false;
+  }
+}
+
+void Guardian::start_helper(int device, int control) {
   const FileDescriptor device_copy = duplicate(device);
   const FileDescriptor control_copy = duplicate(control);
   SpawnActions spawn;
@@ -102,38 +151,61 @@ void Guardian::start(int device, int control) {
   }
 }
 
-void Guardian::await_ready() {
-  std::array<std::uint8_t, 1 + sizeof process_> answer{};
-  if (!readable(socket_.get(), kStartTime) ||
-      recv(socket_.get(), answer.data(), answer.size(), 0) != static_cast<ssize_t>(answer.size()) ||
-      answer[0] != kWatching)
-    refuse("it does not answer");
-  std::memcpy(&process_, answer.data() + 1, sizeof process_);
+/// False if it has ended. Throws Error (io) if it is of no use.
+bool Guardian::await_ready() {
+  GuardianNotice notice;
+  if (!readable(socket_.get(), kStartTime))
+    fail(Cause::io, messages::kGuardianSilent, guardian_path().c_str());
+  const ssize_t size = recv(socket_.get(), &notice, sizeof notice, 0);
+  if (size <= 0)
+    return false;
+  if (size != sizeof notice || notice.kind != kWatching || notice.version != kGuardianVersion)
+    fail(Cause::io, messages::kGuardianVersion, guardian_path().c_str());
+  process_ = static_cast<int>(notice.value);
+  return true;
 }
 
 Guardian::~Guardian() {
   shutdown(socket_.get(), SHUT_WR);
-  std::uint8_t word = 0;
-  while (readable(socket_.get(), kEndTime) && recv(socket_.get(), &word, 1, 0) > 0) {
+  GuardianNotice notice;
+  while (readable(socket_.get(), kEndTime) && recv(socket_.get(), &notice, sizeof notice, 0) > 0) {
   }
 }
 
-bool Guardian::watch(bool force, Clock::time_point now) noexcept {
-  std::uint8_t word = 0;
-  const ssize_t received = recv(socket_.get(), &word, 1, MSG_DONTWAIT);
-  let_go_ = let_go_ || (received == 1 && word == kLetGo);
-  if (received == 0 || (received < 0 && errno == ECONNRESET))
-    dead_ = true;
-  if (dead_ || (force == force_ && now - last_word_ < kBetweenWords))
-    return !dead_;
-  const std::uint8_t state = force ? kForce : kRest;
-  if (send(socket_.get(), &state, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1) {
-    last_word_ = now;
-    force_ = force;
-  } else if (errno == EPIPE || errno == ECONNRESET) {
-    dead_ = true;
+void Guardian::read_notices() noexcept {
+  for (int i = 0; i < kMostNotices && !dead_; ++i) {
+    GuardianNotice notice;
+    const ssize_t size = recv(socket_.get(), &notice, sizeof notice, MSG_DONTWAIT);
+    if (size == 0 || (size < 0 && errno == ECONNRESET))
+      dead_ = true;
+    if (size != sizeof notice)
+      return;
+    unanswered_ = 0;
+    writing_ = notice.kind == kWriting;
+    let_go_ = let_go_ || notice.kind == kLetGo;
+    delivered_ += notice.value - std::exchange(delivered_before_, notice.value);
   }
-  return !dead_;
+}
+
+Guardian::Watch Guardian::watch(bool force, Clock::time_point now) noexcept {
+  read_notices();
+  if (!dead_ && (force != force_ || now - last_word_ >= kBetweenWords)) {
+    const std::uint8_t state = force ? kForce : kRest;
+    const bool sent = send(socket_.get(), &state, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
+    if (!sent && (errno == EPIPE || errno == ECONNRESET))
+      dead_ = true;
+    // One that reads no more fills its socket: that is no answer either.
+    if (unanswered_++ == 0)
+      first_unanswered_ = now;
+    last_word_ = now;
+    force_ = sent ? force : !force;
+  }
+  if (dead_)
+    return Watch::dead;
+  // Several, so that a process that stood still itself reads the answer before it judges.
+  const bool silent = unanswered_ >= kMostUnanswered &&
+                      now - first_unanswered_ >= std::chrono::milliseconds(kGuardianPatience);
+  return silent ? Watch::silent : Watch::kept;
 }
 
 } // namespace spidar

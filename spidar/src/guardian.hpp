@@ -2,7 +2,8 @@
 // The process that puts the motors at rest if this process dies or hangs.
 //
 // It holds a duplicate of the device's file descriptor, so that the claim outlives this process,
-// and a socket: a message there shows that this process lives, its end that it has died.
+// and a socket: a message there shows that this process lives, its end that it has died. The
+// guardian answers each, so that one that was stopped is noticed too.
 #pragma once
 
 #include "usb-link.hpp"
@@ -14,36 +15,57 @@ public:
   using Clock = std::chrono::steady_clock;
 
   /// `device` is a descriptor of usbfs, or a datagram socket that stands for one; `packet`, written
-  /// to `endpoint`, puts the motors at rest. Returns once the guardian watches. Throws Error (io).
+  /// to `endpoint`, puts the motors at rest. Returns once the guardian watches: the user's service
+  /// if there is one, else a helper program. Throws Error (io).
   Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet);
   /// Lets the guardian put the motors at rest and end, and waits for it: it shares the claim.
   ~Guardian();
   Guardian(const Guardian &) = delete;
   Guardian &operator=(const Guardian &) = delete;
 
-  /// Sends a sign of life; call it before every exchange. With `force`, the guardian puts the
-  /// motors at rest after kGuardianPatience without one. False if the guardian is dead. Real-time
-  /// safe: two system calls at most.
-  bool watch(bool force, Clock::time_point now) noexcept;
+  enum class Watch {
+    kept,   ///< it watches
+    silent, ///< it has not answered for kGuardianPatience, and may again
+    dead
+  };
+
+  /// Reads what the guardian has sent, and sends it a sign of life if it is time for one; call it
+  /// before every exchange. `force`: the motors have, or may have, more than minimum tension. Then
+  /// the guardian puts them at rest after kGuardianPatience without a sign. Real-time safe: only
+  /// system calls that do not wait.
+  Watch watch(bool force, Clock::time_point now) noexcept;
 
   /// Whether the guardian has put the motors at rest since the call before. Call watch() first.
   bool let_go() noexcept { return std::exchange(let_go_, false); }
 
+  /// Rest packets of the guardian that were delivered since the call before.
+  int delivered() noexcept { return static_cast<int>(std::exchange(delivered_, 0)); }
+
+  /// Whether the guardian is writing to the device now, or tries to.
+  bool writing() const noexcept { return writing_; }
+
   int process() const noexcept { return process_; }
 
 private:
-  void start(int device, int control);
-  void await_ready();
+  bool connect_to_service(int device, std::span<const std::uint8_t> order);
+  void start_helper(int device, int control);
+  bool await_ready();
+  void read_notices() noexcept;
 
   FileDescriptor socket_;
   Clock::time_point last_word_{};
+  Clock::time_point first_unanswered_{};
+  int unanswered_ = 0; ///< signs of life
+  std::uint32_t delivered_before_ = 0;
+  std::uint32_t delivered_ = 0;
   int process_ = 0;
   bool force_ = false;
   bool let_go_ = false;
+  bool writing_ = false;
   bool dead_ = false;
 };
 
-/// Path of the program: $SPIDAR_GUARDIAN, or where it was installed.
+/// Path of the helper program: $SPIDAR_GUARDIAN, or where it was installed.
 std::string guardian_path();
 
 } // namespace spidar

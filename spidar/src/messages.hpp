@@ -95,6 +95,14 @@
           "The guardian %s cannot be started (%s), and without it nobody would let go of the "     \
           "motors if this program died.",                                                          \
           "Install it, or say where it is with SPIDAR_GUARDIAN.")                                  \
+  MESSAGE(kGuardianVersion, "The guardian %s is of another version than libspidar.",               \
+          "Install both from the same package, and set SPIDAR_GUARDIAN only to the one that was "  \
+          "built with this library.")                                                              \
+  MESSAGE(kGuardianEnded, "The guardian %s ended while it started.",                               \
+          "Start the program again; if that does not help, make sure that SPIDAR_GUARDIAN names "  \
+          "spidar-guardian, and that the machine has memory left ('journalctl -k').")              \
+  MESSAGE(kGuardianSilent, "The guardian %s does not answer.",                                     \
+          "Make sure that SPIDAR_GUARDIAN names spidar-guardian, and that no debugger stops it.")  \
   /* spidar-info, spidar-calibrate */                                                              \
   MESSAGE(kToolOption, "%s.", "--help names the options.")                                         \
   MESSAGE(kToolArgument, "'%s' is not understood.", "--help names the options.")                   \

@@ -39,6 +39,8 @@ public:
   static constexpr int kCounterBits = simple::kCounterBits;
   static constexpr UsbModel kModel = UsbModel::simple;
 
+  static constexpr int kRepliesToMotors = 0;
+
   static simple::Packet set_motors(const DacWords &words) noexcept {
     return simple::set_dac(words);
   }
@@ -46,19 +48,19 @@ public:
   /// Reads the rotary switch. The motors stay as they are.
   static std::optional<Reply> identify(UsbLink &link, UsbLink::Deadline deadline) noexcept {
     simple::Packet bytes;
-    if (!link.exchange({}, simple::latch_counters(), bytes, deadline))
+    if (!link.exchange({}, {simple::latch_counters(), 1}, bytes, deadline))
       return std::nullopt;
     return simple::parse(bytes);
   }
 
   static bool reset(UsbLink &link, UsbLink::Deadline deadline) noexcept {
-    return link.exchange(simple::count_direction(), simple::clear_counters(), {}, deadline);
+    return link.exchange({simple::count_direction()}, {simple::clear_counters()}, {}, deadline);
   }
 
   static std::optional<Reply> exchange(UsbLink &link, const DacWords &words,
                                        UsbLink::Deadline deadline) noexcept {
     simple::Packet bytes;
-    if (!link.exchange(set_motors(words), simple::latch_counters(), bytes, deadline))
+    if (!link.exchange({set_motors(words)}, {simple::latch_counters(), 1}, bytes, deadline))
       return std::nullopt;
     return simple::parse(bytes);
   }
@@ -68,6 +70,8 @@ class Sh4 {
 public:
   static constexpr int kCounterBits = sh4::kCounterBits;
   static constexpr UsbModel kModel = UsbModel::sh4;
+
+  static constexpr int kRepliesToMotors = 1;
 
   static sh4::Packet set_motors(const DacWords &words) noexcept { return sh4::update(words); }
 
@@ -81,7 +85,7 @@ public:
   static std::optional<Reply> exchange(UsbLink &link, const DacWords &words,
                                        UsbLink::Deadline deadline) noexcept {
     sh4::Packet bytes;
-    if (!link.exchange(set_motors(words), {}, bytes, deadline))
+    if (!link.exchange({set_motors(words), kRepliesToMotors}, {}, bytes, deadline))
       return std::nullopt;
     return sh4::parse(bytes);
   }
@@ -109,24 +113,25 @@ public:
 
   void guard(const DacWords &rest) override {
     rest_ = rest;
+    const auto packet = Protocol::set_motors(rest);
+    link_->set_rest({packet, Protocol::kRepliesToMotors});
     guardian_.reset();
-    guardian_.emplace(link_->file_descriptor(), kEndpointOut, Protocol::set_motors(rest));
+    guardian_.emplace(link_->file_descriptor(), kEndpointOut, packet);
   }
 
   bool exchange(const DacWords &words, Counts &counts) noexcept override {
-    if (behind_)
-      link_->drain();
     const Clock::time_point now = Clock::now();
-    unguarded_ = guardian_ && !guardian_->watch(words != rest_, now);
-    const bool let_go = guardian_ && guardian_->let_go();
-    interrupted_ = interrupted_ || let_go;
-    // These words were computed before the guardian put the motors at rest.
-    const DacWords &sent = let_go || unguarded_ ? rest_ : words;
+    // A force is told before it is sent, its end when the rest words were delivered.
+    force_ = force_ || is_force(words, rest_);
+    // Words of before the guardian put the motors at rest are too old.
+    const DacWords &sent = ask_guardian(now) ? words : rest_;
+    const bool shared = guardian_ && guardian_->writing();
     const auto reply = Protocol::exchange(*link_, sent, now + exchange_timeout_);
-    // A late reply, or one to another program, must not count as the next reply.
-    const bool foreign = reply && reply->rotary_switch != rotary_switch_;
-    behind_ = link_->reply_owed() || foreign;
-    if (!reply || foreign || unguarded_)
+    note_delivery(sent);
+    ask_guardian(Clock::now());
+    // Else the reply may be to a packet of the guardian.
+    const bool ours = !shared && !guardian_wrote_;
+    if (!reply || !ours || unguarded_ || reply->rotary_switch != rotary_switch_)
       return false;
     for (std::size_t i = 0; i < kStrings; ++i)
       counts_[i] = extended(counts_[i], reply->counters[i], Protocol::kCounterBits);
@@ -148,6 +153,31 @@ public:
 private:
   using Clock = Guardian::Clock;
 
+  /// Exchanges messages with the guardian. Whether a force may be sent: it watches, and has not put
+  /// the motors at rest since the call before.
+  bool ask_guardian(Clock::time_point now) noexcept {
+    if (!guardian_)
+      return true;
+    const Guardian::Watch watch = guardian_->watch(force_, now);
+    unguarded_ = watch == Guardian::Watch::dead;
+    const bool silent = watch == Guardian::Watch::silent;
+    const bool let_go = guardian_->let_go();
+    interrupted_ = interrupted_ || let_go || silent != std::exchange(silent_, silent);
+    link_->expect_replies(guardian_->delivered() * Protocol::kRepliesToMotors);
+    link_->set_shared(guardian_->writing());
+    guardian_wrote_ = let_go || guardian_->writing();
+    return watch == Guardian::Watch::kept && !guardian_wrote_;
+  }
+
+  void note_delivery(const DacWords &sent) noexcept {
+    const bool rested = link_->rested();
+    interrupted_ = interrupted_ || rested;
+    if (link_->first_went_out())
+      force_ = is_force(sent, rest_);
+    else if (rested)
+      force_ = false;
+  }
+
   std::unique_ptr<UsbLink> link_;
   std::chrono::milliseconds exchange_timeout_;
   std::chrono::milliseconds open_timeout_;
@@ -155,12 +185,21 @@ private:
   DacWords rest_{};
   int rotary_switch_ = -1;
   Counts counts_{};
-  bool behind_ = false; ///< replies to earlier requests may still come
+  bool force_ = false; ///< the motors have, or may have, more than rest_
+  bool guardian_wrote_ = false;
+  bool silent_ = false; ///< the guardian is
   bool unguarded_ = false;
   bool interrupted_ = false;
 };
 
 } // namespace
+
+bool is_force(const DacWords &words, const DacWords &rest) noexcept {
+  for (std::size_t i = 0; i < kStrings; ++i)
+    if (std::abs(words[i]) > std::abs(rest[i]) + 1)
+      return true;
+  return false;
+}
 
 const char *name_of(UsbModel model) noexcept {
   return model == UsbModel::sh4 ? "USB2.0 SH4" : "USB2.0 Simple";

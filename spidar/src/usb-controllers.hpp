@@ -11,6 +11,9 @@ enum class UsbModel { simple, sh4 };
 
 const char *name_of(UsbModel model) noexcept;
 
+/// Whether a word pulls more than its rest word, by more than the D/A rounds.
+bool is_force(const DacWords &words, const DacWords &rest) noexcept;
+
 /// A controller whose rotary switch is known.
 class UsbController : public Controller {
 public:

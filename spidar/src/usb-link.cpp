@@ -20,6 +20,9 @@ constexpr int kMostStaleReplies = 16;
 constexpr auto kStaleReplyTime = std::chrono::milliseconds(1); // what waits is there at once
 constexpr auto kCancelTime = std::chrono::milliseconds(2);     // the kernel does it at once
 constexpr auto kCloseTime = std::chrono::milliseconds(50);
+// After so many exchanges with a reply owed only listening tells a late reply from a lost one.
+constexpr int kMostOutOfStep = 3;
+constexpr auto kLatestReply = std::chrono::milliseconds(20); // or two exchanges, if that is longer
 
 [[noreturn]] void refuse(const UsbPlace &place, int error) {
   const std::string where = place.text();
@@ -58,6 +61,18 @@ UsbContext make_usb_context() {
   return UsbContext(context);
 }
 
+UsbContext make_usb_context_of_one_device() {
+#if LIBUSB_API_VERSION >= 0x0100010A
+  const libusb_init_option option{.option = LIBUSB_OPTION_NO_DEVICE_DISCOVERY, .value = {}};
+  libusb_context *context = nullptr;
+  if (const int error = libusb_init_context(&context, &option, 1); error != 0)
+    fail(Cause::io, messages::kUsbUnusable, libusb_strerror(error));
+  return UsbContext(context);
+#else // the option would apply to every context of the program
+  return make_usb_context();
+#endif
+}
+
 std::string UsbPlace::node() const {
   std::array<char, 64> path;
   std::snprintf(path.data(), path.size(), "/dev/bus/usb/%03d/%03d", bus, address);
@@ -74,7 +89,8 @@ void FileDescriptor::reset(int value) noexcept {
   value_ = value;
 }
 
-UsbLink::UsbLink(UsbPlace place) : place_(std::move(place)), context_(make_usb_context()) {
+UsbLink::UsbLink(UsbPlace place)
+    : place_(std::move(place)), context_(make_usb_context_of_one_device()) {
   open_handle();
   const int alternate = find_endpoints();
   libusb_set_auto_detach_kernel_driver(handle_.get(), 1); // no harm where there is no such thing
@@ -85,16 +101,28 @@ UsbLink::UsbLink(UsbPlace place) : place_(std::move(place)), context_(make_usb_c
     if (const int error = libusb_set_interface_alt_setting(handle_.get(), interface_, alternate);
         error != 0)
       refuse(place_, error);
-  prepare(first_, kEndpointOut);
-  prepare(second_, kEndpointOut);
-  prepare(reply_, kEndpointIn);
+  const auto landed = [](libusb_transfer *transfer) {
+    static_cast<Slot *>(transfer->user_data)->flying = false;
+  };
+  for (Slot *slot : {&first_, &second_, &rest_})
+    prepare(*slot, kEndpointOut, landed, slot);
+  const auto replied = [](libusb_transfer *transfer) {
+    static_cast<UsbLink *>(transfer->user_data)->on_reply();
+  };
+  prepare(reply_, kEndpointIn, replied, this);
 }
 
 UsbLink::~UsbLink() {
-  cancel();
-  if (!wait(std::chrono::steady_clock::now() + kCloseTime)) {
+  closing_ = true;
+  const std::array slots{&first_, &second_, &rest_, &reply_};
+  for (Slot *slot : slots)
+    cancel(*slot);
+  const auto all_landed = [&] {
+    return std::none_of(slots.begin(), slots.end(), [](const Slot *slot) { return slot->flying; });
+  };
+  if (!wait(std::chrono::steady_clock::now() + kCloseTime, all_landed)) {
     // libusb still uses them: leak them rather than free them.
-    for (Slot *slot : {&first_, &second_, &reply_})
+    for (Slot *slot : slots)
       if (slot->flying)
         static_cast<void>(slot->transfer.release());
   }
@@ -141,15 +169,13 @@ int UsbLink::find_endpoints() {
   fail(Cause::io, messages::kUsbEndpoints, place_.text().c_str());
 }
 
-void UsbLink::prepare(Slot &slot, unsigned char endpoint) {
+void UsbLink::prepare(Slot &slot, unsigned char endpoint, libusb_transfer_cb_fn landed,
+                      void *data) {
   slot.transfer.reset(libusb_alloc_transfer(0));
   if (!slot.transfer)
     fail(Cause::io, messages::kUsbMemory);
-  const auto landed = [](libusb_transfer *transfer) {
-    static_cast<Slot *>(transfer->user_data)->flying = false;
-  };
   libusb_fill_bulk_transfer(slot.transfer.get(), handle_.get(), endpoint, slot.buffer.data(), 0,
-                            landed, &slot, 0); // who waits watches the time
+                            landed, data, 0); // who waits watches the time
 }
 
 bool UsbLink::submit(Slot &slot, int size) noexcept {
@@ -163,90 +189,204 @@ bool UsbLink::submit(Slot &slot, int size) noexcept {
   return false;
 }
 
-bool UsbLink::submit(Slot &slot, Bytes bytes) noexcept {
-  std::copy(bytes.begin(), bytes.end(), slot.buffer.begin());
-  return bytes.empty() || submit(slot, static_cast<int>(bytes.size()));
+bool UsbLink::submit(Slot &slot, const Request &request) noexcept {
+  std::copy(request.bytes.begin(), request.bytes.end(), slot.buffer.begin());
+  return request.bytes.empty() || submit(slot, static_cast<int>(request.bytes.size()));
 }
 
-bool UsbLink::flying() const noexcept {
-  return first_.flying || second_.flying || reply_.flying;
+/// With room for a whole packet, a reply that is too long is seen as such and not as an overflow.
+void UsbLink::listen() noexcept {
+  if (!reply_.flying && !in_stalled_ && !closing_ && !gone_)
+    submit(reply_, kLargestPacket);
 }
 
-bool UsbLink::wait(Deadline deadline) noexcept {
+void UsbLink::on_reply() noexcept {
+  reply_.flying = false;
+  switch (reply_.transfer->status) {
+  case LIBUSB_TRANSFER_COMPLETED:
+    add_reply(reply_.transfer->actual_length);
+    listen();
+    break;
+  case LIBUSB_TRANSFER_STALL: // in the place of a reply
+    add_reply(-1);
+    in_stalled_ = true;
+    break;
+  case LIBUSB_TRANSFER_OVERFLOW:
+    add_reply(-1);
+    break;
+  case LIBUSB_TRANSFER_NO_DEVICE:
+    gone_ = true;
+    break;
+  default:
+    break;
+  }
+}
+
+void UsbLink::add_reply(int length) noexcept {
+  ++replies_;
+  --owed_;
+  newest_length_ = length;
+  if (length > 0)
+    std::copy_n(reply_.buffer.begin(), length, newest_.begin());
+  last_on_the_wire_ = std::chrono::steady_clock::now();
+}
+
+/// Handles what happens until `done` or the deadline. True if done.
+template <class Done>
+bool UsbLink::wait(Deadline deadline, Done done) noexcept {
   using std::chrono::ceil, std::chrono::microseconds;
-  while (flying()) {
-    const auto left = ceil<microseconds>(deadline - std::chrono::steady_clock::now()).count();
-    if (left <= 0)
-      return false;
+  while (!done()) {
+    const auto left = std::max<std::int64_t>(
+        0, ceil<microseconds>(deadline - std::chrono::steady_clock::now()).count());
     timeval time{.tv_sec = left / 1'000'000, .tv_usec = left % 1'000'000};
-    if (const int error = libusb_handle_events_timeout_completed(context_.get(), &time, nullptr);
-        error != 0 && error != LIBUSB_ERROR_INTERRUPTED)
-      return false;
+    const int error = libusb_handle_events_timeout_completed(context_.get(), &time, nullptr);
+    if (left == 0 || (error != 0 && error != LIBUSB_ERROR_INTERRUPTED))
+      return done();
   }
   return true;
 }
 
-void UsbLink::cancel() noexcept {
-  for (Slot *slot : {&first_, &second_, &reply_})
-    if (slot->flying)
-      libusb_cancel_transfer(slot->transfer.get());
+/// Receives the replies that have come since the last exchange.
+void UsbLink::collect() noexcept {
+  timeval none{};
+  libusb_handle_events_timeout_completed(context_.get(), &none, nullptr);
+  clear_stalled_in();
+  listen();
+  if (!shared_)
+    owed_ = std::max(owed_, 0); // nobody asked for them
 }
 
-bool UsbLink::succeeded(Slot &slot, std::size_t size) noexcept {
+void UsbLink::cancel(Slot &slot) noexcept {
+  if (slot.flying)
+    libusb_cancel_transfer(slot.transfer.get());
+}
+
+void UsbLink::clear_stalled_in() noexcept {
+  if (!std::exchange(in_stalled_, false))
+    return;
+  libusb_clear_halt(handle_.get(), kEndpointIn);
+  listen();
+}
+
+/// Whether the packet of a landed transfer reached the controller, which then owes its replies.
+bool UsbLink::went_out(Slot &slot, const Request &request) noexcept {
+  if (request.bytes.empty())
+    return true;
   switch (slot.transfer->status) {
-  case LIBUSB_TRANSFER_COMPLETED:
-    return static_cast<std::size_t>(slot.transfer->actual_length) == size;
   case LIBUSB_TRANSFER_STALL:
     libusb_clear_halt(handle_.get(), slot.transfer->endpoint);
     return false;
   case LIBUSB_TRANSFER_NO_DEVICE:
     gone_ = true;
     return false;
+  case LIBUSB_TRANSFER_COMPLETED:
+  case LIBUSB_TRANSFER_CANCELLED: // it may have gone out just before
+    if (static_cast<std::size_t>(slot.transfer->actual_length) != request.bytes.size())
+      return false;
+    last_on_the_wire_ = std::chrono::steady_clock::now();
+    return true;
   default:
     return false;
   }
 }
 
-bool UsbLink::exchange(Bytes first, Bytes second, std::span<std::uint8_t> reply,
-                       Deadline deadline) noexcept {
-  reply_owed_ = !reply.empty();
-  // A transfer that could not be cancelled in time blocks its slot until it lands.
-  if (gone_ || (flying() && !wait(deadline)))
-    return false;
-  // With room for a whole packet, a reply that is too long is seen as such and not as an overflow.
-  const bool under_way = submit(first_, first) && submit(second_, second) &&
-                         (reply.empty() || submit(reply_, kLargestPacket));
-  if (!under_way || !wait(deadline)) {
-    cancel();
-    wait(std::chrono::steady_clock::now() + kCancelTime);
-    if (!under_way)
-      return false;
+void UsbLink::set_rest(Request packet) noexcept {
+  std::copy(packet.bytes.begin(), packet.bytes.end(), rest_packet_.begin());
+  rest_request_ = {{rest_packet_.data(), packet.bytes.size()}, packet.replies};
+}
+
+/// Leaves the rest packet to the kernel, so that it goes out as soon as the endpoint takes it, even
+/// if this thread does not come back before.
+void UsbLink::start_resting() noexcept {
+  if (rest_request_.bytes.empty() || rest_.flying || gone_ || !submit(rest_, rest_request_))
+    return;
+  resting_ = true;
+  owed_ += rest_request_.replies;
+}
+
+void UsbLink::finish_resting(Deadline deadline) noexcept {
+  if (!wait(deadline, [this] { return !rest_.flying && !out_flying(); }) ||
+      !std::exchange(resting_, false))
+    return;
+  rested_ = went_out(rest_, rest_request_);
+  if (!rested_) {
+    owed_ -= rest_request_.replies;
+    start_resting();
   }
-  if (flying())
+}
+
+/// Waits for late replies, without asking for more. Replies that do not come are lost.
+void UsbLink::listen_only(Deadline deadline) noexcept {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::uint64_t before = replies_;
+  wait(deadline, [this] { return owed_ <= 0 || !reply_.flying; });
+  clear_stalled_in();
+  const auto now = std::chrono::steady_clock::now();
+  const auto latest = std::max<Deadline::duration>(kLatestReply, 2 * (deadline - begin));
+  if (owed_ > 0 && (replies_ != before || now - last_on_the_wire_ < latest))
+    return;
+  owed_ = std::min(owed_, 0);
+  out_of_step_ = 0;
+}
+
+bool UsbLink::exchange(Request first, Request second, std::span<std::uint8_t> reply,
+                       Deadline deadline) noexcept {
+  first_went_out_ = false;
+  collect();
+  if (gone_)
     return false;
-  reply_owed_ = !reply.empty() && reply_.transfer->status == LIBUSB_TRANSFER_CANCELLED;
+  if (resting_ || out_flying()) {
+    finish_resting(deadline);
+    return false; // the packets of this exchange are older than the rest
+  }
+  if (out_of_step_ >= kMostOutOfStep) {
+    listen_only(deadline);
+    return false;
+  }
+  listen();
+  const std::uint64_t before = replies_;
+  // Owed from now on: a reply may be reported before its request.
+  owed_ += first.replies + second.replies;
+  const bool first_submitted = submit(first_, first);
+  const bool second_submitted = first_submitted && submit(second_, second);
+  const bool landed = wait(
+      deadline, [&] { return !out_flying() && (reply.empty() || owed_ <= 0 || !reply_.flying); });
+  if (out_flying()) {
+    cancel(first_);
+    cancel(second_);
+    wait(std::chrono::steady_clock::now() + kCancelTime, [this] { return !out_flying(); });
+    start_resting();
+  }
   // Each is looked at, so that whatever stalled is made ready.
-  const bool first_sent = first.empty() || succeeded(first_, first.size());
-  const bool second_sent = second.empty() || succeeded(second_, second.size());
-  const bool answered = reply.empty() || succeeded(reply_, reply.size());
-  if (!first_sent || !second_sent || !answered)
+  first_went_out_ = first_submitted && !first_.flying && went_out(first_, first);
+  const bool second_went_out = second_submitted && !second_.flying && went_out(second_, second);
+  owed_ -= (first_went_out_ ? 0 : first.replies) + (second_went_out ? 0 : second.replies);
+  clear_stalled_in();
+  out_of_step_ = owed_ > 0 ? out_of_step_ + 1 : 0;
+  if (out_of_step_ == kMostOutOfStep)
+    start_resting(); // nothing else is sent while it listens
+  if (!landed || !first_went_out_ || !second_went_out)
     return false;
-  std::copy_n(reply_.buffer.begin(), reply.size(), reply.begin());
+  if (reply.empty())
+    return true;
+  if (owed_ != 0 || replies_ == before || newest_length_ != static_cast<int>(reply.size()))
+    return false;
+  std::copy_n(newest_.begin(), reply.size(), reply.begin());
   return true;
 }
 
 void UsbLink::drain() noexcept {
-  for (int i = 0; i < kMostStaleReplies && !gone_ && !flying(); ++i) {
-    if (!submit(reply_, kLargestPacket))
-      return;
-    const bool came = wait(std::chrono::steady_clock::now() + kStaleReplyTime);
-    if (!came) {
-      cancel();
-      wait(std::chrono::steady_clock::now() + kCancelTime);
-    }
-    if (flying() || (!succeeded(reply_, 0) && reply_.transfer->actual_length == 0))
-      return;
+  for (int i = 0; i < kMostStaleReplies && !gone_; ++i) {
+    clear_stalled_in();
+    listen();
+    const std::uint64_t before = replies_;
+    wait(std::chrono::steady_clock::now() + kStaleReplyTime,
+         [&] { return replies_ != before || !reply_.flying; });
+    if (replies_ == before)
+      break;
   }
+  owed_ = 0;
+  out_of_step_ = 0;
 }
 
 } // namespace spidar

@@ -12,13 +12,17 @@
 
 #include <array>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <optional>
 #include <poll.h>
 #include <random>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -28,6 +32,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace spidar;
+using Watch = Guardian::Watch;
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned char kEndpoint = 0x02;
@@ -100,7 +105,7 @@ void write(int device, const std::array<std::uint8_t, 32> &packet) {
   const test::AsTheLoop priority;
   for (auto next = Clock::now();; next += 1ms) {
     std::this_thread::sleep_until(next);
-    if (!guardian.watch(true, Clock::now()))
+    if (guardian.watch(true, Clock::now()) == Guardian::Watch::dead)
       _exit(1);
     write(wire.device.get(), guardian.let_go() ? kNoticed : kForcePacket);
   }
@@ -127,12 +132,16 @@ double milliseconds(Clock::duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
+int rounds_wanted(int without) {
+  const char *wanted = std::getenv("FEELING_WIND_KILLS");
+  return wanted ? std::atoi(wanted) : without;
+}
+
 /// Stops the driver at a random instant, round by round: nothing but the rest packet may be on the
 /// wire in the end. Returns the time to it in the slowest round, ms. For the sake of that time, a
 /// round in which the hypervisor took the processors away is played again.
 double slowest_rest(int signal_number, unsigned seed) {
-  const char *wanted = std::getenv("FEELING_WIND_KILLS");
-  const int rounds = wanted ? std::atoi(wanted) : 40;
+  const int rounds = rounds_wanted(40);
   std::mt19937 random(seed);
   const test::AsTheLoop priority; // the watch in the test must not be what is late
   double slowest = 0;
@@ -166,6 +175,169 @@ std::string status_line(int process, const std::string &key) {
   return "";
 }
 
+void fill(int device) {
+  while (send(device, kForcePacket.data(), kForcePacket.size(), MSG_NOSIGNAL | MSG_DONTWAIT) > 0) {
+  }
+}
+
+/// Calls watch() at the same force until `wanted()`. False if it never is.
+template <class Wanted>
+bool watch_until(Guardian &guardian, bool force, Wanted wanted) {
+  for (const auto end = Clock::now() + kForEver; Clock::now() < end;) {
+    guardian.watch(force, Clock::now());
+    if (wanted())
+      return true;
+    std::this_thread::sleep_for(1ms);
+  }
+  return false;
+}
+
+bool is_stopped(int process) {
+  for (int i = 0; i < 10'000; ++i) {
+    if (status_line(process, "State").starts_with("T"))
+      return true;
+    std::this_thread::sleep_for(1ms);
+  }
+  return false;
+}
+
+/// A program in the guardian's place, for the time of a test.
+class Helper {
+public:
+  explicit Helper(const std::string &path) : real_(guardian_path()) {
+    setenv("SPIDAR_GUARDIAN", path.c_str(), 1);
+  }
+  ~Helper() { setenv("SPIDAR_GUARDIAN", real_.c_str(), 1); }
+  Helper(const Helper &) = delete;
+  Helper &operator=(const Helper &) = delete;
+
+  static std::string script(const std::string &lines) {
+    std::string path = "/tmp/guardian-XXXXXX";
+    const FileDescriptor file(mkstemp(path.data()));
+    const std::string text = "#!/bin/sh\n" + lines + "\n";
+    EXPECT_EQ(::write(file.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    fchmod(file.get(), 0700);
+    return path;
+  }
+
+private:
+  std::string real_;
+};
+
+std::string refusal_by(const std::string &path) {
+  const Wire wire;
+  const Helper helper(path);
+  try {
+    const Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
+  } catch (const Error &error) {
+    EXPECT_EQ(error.cause(), Cause::io);
+    EXPECT_NE(std::string(error.what()).find(path), std::string::npos);
+    return error.what();
+  }
+  ADD_FAILURE() << path;
+  return "";
+}
+
+/// Plays systemd: starts the guardian for one connection to the user's socket.
+class Service {
+public:
+  Service() : real_(guardian_path()) {
+    std::string folder = "/tmp/guardian-service-XXXXXX";
+    folder_ = mkdtemp(folder.data());
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::snprintf(address.sun_path, sizeof address.sun_path, "%s/%s", folder_.c_str(),
+                  kGuardianSocket);
+    listener_.reset(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(bind(listener_.get(), reinterpret_cast<sockaddr *>(&address), sizeof address), 0);
+    EXPECT_EQ(listen(listener_.get(), 4), 0);
+    setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
+    unsetenv("SPIDAR_GUARDIAN");
+    systemd_ = fork();
+    if (systemd_ == 0)
+      serve();
+    listener_.reset();
+  }
+  ~Service() {
+    kill(systemd_, SIGKILL);
+    waitpid(systemd_, nullptr, 0);
+    unsetenv("XDG_RUNTIME_DIR");
+    setenv("SPIDAR_GUARDIAN", real_.c_str(), 1);
+    std::filesystem::remove_all(folder_);
+  }
+  Service(const Service &) = delete;
+  Service &operator=(const Service &) = delete;
+
+private:
+  [[noreturn]] void serve() const {
+    signal(SIGCHLD, SIG_IGN);
+    for (;;) {
+      const int connection = accept(listener_.get(), nullptr, nullptr);
+      if (fork() != 0) {
+        close(connection);
+        continue;
+      }
+      setsid();
+      if (connection != kGuardianControl)
+        dup2(connection, kGuardianControl);
+      close_range(kGuardianControl + 1, ~0U, 0);
+      setenv("LISTEN_FDS", "1", 1);
+      setenv("LISTEN_PID", std::to_string(getpid()).c_str(), 1);
+      execl(real_.c_str(), real_.c_str(), nullptr);
+      _exit(1);
+    }
+  }
+
+  std::string real_;
+  std::string folder_;
+  FileDescriptor listener_;
+  pid_t systemd_ = 0;
+};
+
+/// A cgroup of version 2 with room for the program and, beside it, the guardian.
+class Cgroups {
+public:
+  Cgroups() {
+    for (const char *mount : {"/sys/fs/cgroup", "/sys/fs/cgroup/unified"}) {
+      const std::string group =
+          std::string(mount) + own_path() + "/guardian-test-" + std::to_string(getpid());
+      if (std::filesystem::exists(std::string(mount) + "/cgroup.procs") &&
+          mkdir(group.c_str(), 0755) == 0)
+        group_ = group;
+    }
+    usable_ = !group_.empty() && mkdir((group_ + "/program").c_str(), 0755) == 0 &&
+              access((group_ + "/program/cgroup.kill").c_str(), W_OK) == 0;
+  }
+  ~Cgroups() {
+    for (const char *name : {"/program", "/spidar-guardian", ""})
+      for (int i = 0; i < 2000 && rmdir((group_ + name).c_str()) != 0 && errno == EBUSY; ++i)
+        std::this_thread::sleep_for(1ms);
+  }
+  Cgroups(const Cgroups &) = delete;
+  Cgroups &operator=(const Cgroups &) = delete;
+
+  bool usable() const noexcept { return usable_; }
+  bool enter() const { return put("/program/cgroup.procs", "0"); }
+  bool kill_program() const { return put("/program/cgroup.kill", "1"); }
+
+private:
+  static std::string own_path() {
+    std::ifstream file("/proc/self/cgroup");
+    for (std::string line; std::getline(file, line);)
+      if (line.starts_with("0::/"))
+        return line == "0::/" ? "" : line.substr(3);
+    return "";
+  }
+  bool put(const char *name, const char *text) const {
+    std::ofstream file(group_ + name);
+    file << text << std::flush;
+    return file.good();
+  }
+
+  std::string group_;
+  bool usable_ = false;
+};
+
 } // namespace
 
 TEST(Guardian, F1_KilledAtFullForceTheMotorsEndAtRest) {
@@ -197,16 +369,127 @@ TEST(Guardian, F3_ADeadGuardianIsNoticed) {
   const Wire wire;
   Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
   const test::AsTheLoop priority;
-  ASSERT_TRUE(guardian.watch(true, Clock::now()));
+  ASSERT_EQ(guardian.watch(true, Clock::now()), Watch::kept);
   kill(guardian.process(), SIGKILL);
   const auto begin = Clock::now();
-  bool alive = true;
-  while (alive && Clock::now() - begin < kForEver) {
+  Watch watch = Watch::kept;
+  while (watch != Watch::dead && Clock::now() - begin < kForEver) {
     std::this_thread::sleep_for(1ms);
-    alive = guardian.watch(true, Clock::now());
+    watch = guardian.watch(true, Clock::now());
   }
-  EXPECT_FALSE(alive);
+  EXPECT_EQ(watch, Watch::dead);
   test::report("dead-guardian-noticed-ms", milliseconds(Clock::now() - begin));
+}
+
+TEST(Guardian, F3_AStoppedGuardianIsNoticedWithinElevenTicks) {
+  const Wire wire;
+  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
+  ASSERT_TRUE(watch_until(guardian, false, [] { return true; }));
+  kill(guardian.process(), SIGSTOP);
+  ASSERT_TRUE(is_stopped(guardian.process()));
+  // Time is that of the ticks: 1 ms each.
+  int ticks = 0;
+  Clock::time_point now = Clock::now();
+  while (guardian.watch(true, now) != Watch::silent && ticks < 1000) {
+    now += 1ms;
+    ++ticks;
+  }
+  EXPECT_LE(ticks, 11);
+  test::report("stopped-guardian-noticed-ticks", ticks);
+  for (int tick = 0; tick < 2000; ++tick)
+    ASSERT_EQ(guardian.watch(false, now += 1ms), Watch::silent);
+  kill(guardian.process(), SIGCONT);
+  EXPECT_TRUE(watch_until(guardian, false,
+                          [&] { return guardian.watch(false, Clock::now() + 1h) == Watch::kept; }));
+}
+
+TEST(Guardian, ItTriesUntilTheDeviceTakesThePacketAndOnlyThenSaysSo) {
+  const Wire wire;
+  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
+  fill(wire.device.get());
+  guardian.watch(true, Clock::now());
+  std::this_thread::sleep_for(150ms); // more than it once had attempts for
+  EXPECT_EQ(guardian.watch(true, Clock::now()), Watch::kept);
+  EXPECT_FALSE(guardian.let_go());
+  EXPECT_TRUE(guardian.writing());
+  EXPECT_EQ(guardian.delivered(), 0);
+  EXPECT_TRUE(wire.read_until(kRestPacket));
+  EXPECT_TRUE(watch_until(guardian, true, [&] { return guardian.delivered() > 0; }));
+  EXPECT_TRUE(guardian.let_go());
+}
+
+TEST(Guardian, KilledWhileTheDeviceTakesNothingTheMotorsEndAtRest) {
+  Wire wire;
+  const pid_t driver = fork();
+  if (driver == 0) {
+    Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
+    guardian.watch(true, Clock::now());
+    fill(wire.device.get());
+    kill(getpid(), SIGSTOP);
+  }
+  ASSERT_TRUE(is_stopped(driver));
+  wire.device.reset();
+  kill_and_wait(driver);
+  std::this_thread::sleep_for(200ms); // more than it once had attempts for
+  EXPECT_TRUE(wire.time_of_rest());
+}
+
+/// Kills the cgroup of a program at full force, with whatever else is in it.
+void expect_rest_after_killing_the_cgroup(const Cgroups &groups, const std::string &name) {
+  Wire wire;
+  const pid_t driver = fork();
+  if (driver == 0) {
+    wire.motors.reset();
+    if (!groups.enter())
+      _exit(1);
+    drive(wire);
+  }
+  wire.device.reset();
+  ASSERT_TRUE(wire.read_until(kForcePacket));
+  const auto begin = Clock::now();
+  ASSERT_TRUE(groups.kill_program());
+  const auto rest = wire.time_of_rest();
+  ASSERT_TRUE(rest);
+  test::report(name, milliseconds(*rest - begin));
+  waitpid(driver, nullptr, 0);
+}
+
+TEST(Guardian, TheHelperOutlivesTheProgramsCgroupWhereItMayLeaveIt) {
+  const Cgroups groups;
+  if (!groups.usable())
+    GTEST_SKIP() << "no cgroup of version 2 may be made here";
+  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round)
+    expect_rest_after_killing_the_cgroup(groups, "cgroup-kill-to-rest-ms");
+}
+
+TEST(Guardian, TheUsersServiceOutlivesTheProgramsCgroup) {
+  const Cgroups groups;
+  if (!groups.usable())
+    GTEST_SKIP() << "no cgroup of version 2 may be made here";
+  const Service service;
+  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round)
+    expect_rest_after_killing_the_cgroup(groups, "service-cgroup-kill-to-rest-ms");
+}
+
+TEST(Guardian, TheUsersServiceIsPreferredAndOutlivesTheProgramsSession) {
+  const Service service;
+  for (int round = 0; round < rounds_wanted(5); ++round) {
+    Wire wire;
+    const pid_t driver = fork();
+    if (driver == 0) {
+      wire.motors.reset();
+      setsid();
+      drive(wire);
+    }
+    wire.device.reset();
+    ASSERT_TRUE(wire.read_until(kForcePacket));
+    const auto begin = Clock::now();
+    kill(-driver, SIGKILL);
+    const auto rest = wire.time_of_rest();
+    ASSERT_TRUE(rest);
+    test::report("service-kill-to-rest-ms", milliseconds(*rest - begin));
+    waitpid(driver, nullptr, 0);
+  }
 }
 
 TEST(Guardian, TheMotorsAreAtRestWhenItIsSentAway) {
@@ -224,10 +507,10 @@ TEST(Guardian, TheMotorsAreAtRestWhenItIsSentAway) {
 TEST(Guardian, ItDoesNotMeddleWhileThereIsNoForce) {
   const Wire wire;
   Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
-  ASSERT_TRUE(guardian.watch(false, Clock::now()));
+  ASSERT_EQ(guardian.watch(false, Clock::now()), Watch::kept);
   std::uint8_t second = 0;
   EXPECT_EQ(wire.read(kQuiet, second), kSilence);
-  EXPECT_TRUE(guardian.watch(false, Clock::now()));
+  EXPECT_EQ(guardian.watch(false, Clock::now()), Watch::kept);
   EXPECT_FALSE(guardian.let_go());
 }
 
@@ -237,7 +520,7 @@ TEST(Guardian, SignalsOfTheTerminalAreNotForIt) {
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
     kill(guardian.process(), number);
   std::this_thread::sleep_for(20ms);
-  EXPECT_TRUE(guardian.watch(false, Clock::now()));
+  EXPECT_EQ(guardian.watch(false, Clock::now()), Watch::kept);
   EXPECT_NE(getsid(guardian.process()), getsid(0));
 }
 
@@ -258,18 +541,14 @@ TEST(Guardian, LeavesNoChildToTheProgram) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-TEST(Guardian, ThatIsNoneOrSaysNothingIsRefused) {
-  const Wire wire;
-  const std::string real = guardian_path();
-  for (const char *path : {"/nowhere", "/bin/true"}) {
-    setenv("SPIDAR_GUARDIAN", path, 1);
-    try {
-      const Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
-      ADD_FAILURE() << path;
-    } catch (const Error &error) {
-      EXPECT_EQ(error.cause(), Cause::io);
-      EXPECT_NE(std::string(error.what()).find(path), std::string::npos);
-    }
-  }
-  setenv("SPIDAR_GUARDIAN", real.c_str(), 1);
+TEST(Guardian, ThatIsMissingOrEndsOrIsOfAnotherVersionIsRefusedWithACure) {
+  EXPECT_NE(refusal_by("/nowhere").find("Install it"), std::string::npos);
+  EXPECT_NE(refusal_by("/bin/true").find("Start the program again"), std::string::npos);
+  const std::string killed = Helper::script("kill -9 $$");
+  EXPECT_NE(refusal_by(killed).find("ended while it started"), std::string::npos);
+  // What version 1 answers: a byte, and its process number.
+  const std::string older = Helper::script("printf '\\003\\001\\000\\000\\000' >&3; sleep 1 &");
+  EXPECT_NE(refusal_by(older).find("same package"), std::string::npos);
+  std::filesystem::remove(killed);
+  std::filesystem::remove(older);
 }

@@ -24,6 +24,8 @@ measure() {
   if "$@" >>"$log" 2>&1; then passed[$name]=yes; else passed[$name]=no; fi
 }
 measure guardian "$build/tests/faults/faults-guardian" --gtest_filter='*F1_*:*F2_*:*F3_*'
+measure group "$build/tests/faults/faults-guardian" --gtest_filter='*Cgroup*:*Service*'
+measure guarded umockdev-wrapper "$build/tests/usb/usb-guarded"
 measure fuzz umockdev-wrapper "$build/tests/usb/usb-fuzz"
 measure tick umockdev-wrapper "$build/tests/usb/usb-tick"
 measure unplug umockdev-wrapper "$build/tests/usb/usb-unplug"
@@ -60,6 +62,11 @@ row "of it our own part, without USB" "p99 ≤ 15 µs" "$(largest own-part-p99-u
 row "kill -9 at full force → minimum tension, slowest of 200" "≤ 5 ms" "$(largest kill-to-rest-ms) ms" guardian 5
 row "SIGSTOP → minimum tension, slowest of 200" "≤ 15 ms" "$(largest stop-to-rest-ms) ms" guardian 15
 row "dead guardian noticed" "≤ 10 ms" "$(largest dead-guardian-noticed-ms) ms" guardian 10
+row "stopped guardian noticed" "≤ 11 ticks of 1 ms" "$(largest stopped-guardian-noticed-ticks) ticks" guardian 11
+row "cgroup killed → minimum tension" "≤ 5 ms" "$(largest cgroup-kill-to-rest-ms) ms" group 5
+row "cgroup killed, user service → minimum tension" "≤ 5 ms" "$(largest service-cgroup-kill-to-rest-ms) ms" group 5
+row "session killed, user service → minimum tension" "≤ 5 ms" "$(largest service-kill-to-rest-ms) ms" group 5
+row "replies behind after random faults" "0" "0" guarded
 row "unplugged at random instants, 200 for the library, until noticed" "≤ 10 ms" "$(largest unplug-noticed-ms) ms" unplug 10
 row "unplugged at random instants, 200 in a pipeline whose film goes on, until faulted" "≤ 10 ms" "$(largest unplug-faulted-ms) ms" sink 10
 row "plugged in again → opened, disarmed" "≤ 2 s" "$(largest replug-reopened-ms) ms" sink 2000

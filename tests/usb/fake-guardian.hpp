@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The user's guardian service, played by the test: it does what the test says, when it says it.
+// The real one could not write to a device on MockBus, which only this process sees.
+#pragma once
+
+#include "guardian-protocol.hpp"
+#include "mock-unit.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <thread>
+#include <unistd.h>
+
+namespace test {
+
+class FakeGuardian {
+public:
+  FakeGuardian() {
+    std::string folder = "/tmp/fake-guardian-XXXXXX";
+    folder_ = mkdtemp(folder.data());
+    if (const char *helper = std::getenv("SPIDAR_GUARDIAN"))
+      helper_ = helper;
+    unsetenv("SPIDAR_GUARDIAN");
+    setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strcpy(address.sun_path, (folder_ + "/" + spidar::kGuardianSocket).c_str());
+    listener_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr *>(&address), sizeof address), 0);
+    EXPECT_EQ(listen(listener_, 1), 0);
+    thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+  }
+  ~FakeGuardian() {
+    thread_ = {};
+    close(listener_);
+    std::filesystem::remove_all(folder_);
+    unsetenv("XDG_RUNTIME_DIR");
+    setenv("SPIDAR_GUARDIAN", helper_.c_str(), 1);
+  }
+  FakeGuardian(const FakeGuardian &) = delete;
+  FakeGuardian &operator=(const FakeGuardian &) = delete;
+
+  /// As if it was stopped: it reads and answers nothing.
+  void stop() { stopped_ = true; }
+  void go_on() { stopped_ = false; }
+
+  /// What the driver has told last. Waits until it is `word`.
+  bool is_told(std::uint8_t word) const {
+    for (int i = 0; i < 100'000 && told_ != word; ++i)
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    return told_ == word;
+  }
+
+  // The parts of an intervention.
+  void announce() { notify(spidar::kWriting); }
+  void write(MockUnit &unit) {
+    unit.use([&](emulator::Unit &u) { u.firmware().receive(rest_, emulator::Clock::now()); });
+    ++delivered_;
+  }
+  void finish() { notify(spidar::kLetGo); }
+  void intervene(MockUnit &unit, int packets = 1) {
+    for (int i = 0; i < packets; ++i) {
+      announce();
+      write(unit);
+      finish();
+    }
+  }
+
+private:
+  void notify(std::uint8_t kind, std::uint32_t value) {
+    const spidar::GuardianNotice notice{.kind = kind, .value = value};
+    send(control_, &notice, sizeof notice, MSG_NOSIGNAL);
+  }
+  void notify(std::uint8_t kind) {
+    writing_ = kind == spidar::kWriting;
+    notify(kind, delivered_);
+  }
+
+  static bool readable(int socket) {
+    pollfd wanted{.fd = socket, .events = POLLIN, .revents = 0};
+    return poll(&wanted, 1, 0) == 1;
+  }
+
+  void run(const std::stop_token &stop) {
+    while (!stop.stop_requested()) {
+      if (control_ < 0 ? !readable(listener_) : stopped_ || !readable(control_))
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      else if (control_ < 0)
+        accept_process();
+      else
+        read_word();
+    }
+    if (control_ >= 0)
+      close(control_);
+  }
+
+  void accept_process() {
+    delivered_ = 0;
+    const int control = accept(listener_, nullptr, nullptr);
+    std::array<std::uint8_t, 600> order{};
+    const ssize_t size = recv(control, order.data(), order.size(), 0);
+    const auto *begin = order.data() + sizeof(spidar::GuardianOrder);
+    rest_.assign(begin, static_cast<const std::uint8_t *>(order.data()) + size);
+    control_ = control;
+    notify(spidar::kWatching, static_cast<std::uint32_t>(getpid()));
+  }
+
+  void read_word() {
+    std::uint8_t word = 0;
+    if (recv(control_, &word, 1, 0) == 1) {
+      told_ = word;
+      notify(writing_ ? spidar::kWriting : spidar::kHere, delivered_);
+      return;
+    }
+    close(control_);
+    control_ = -1;
+  }
+
+  std::string folder_;
+  std::string helper_;
+  int listener_ = -1;
+  std::atomic<int> control_ = -1;
+  std::atomic<bool> stopped_ = false;
+  std::atomic<bool> writing_ = false;
+  std::atomic<int> told_ = -1;
+  std::atomic<std::uint32_t> delivered_ = 0;
+  Bytes rest_;
+  std::jthread thread_;
+};
+
+} // namespace test

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What reaches the motors when the guardian, the endpoint or the replies misbehave.
+#include "direct-fixture.hpp"
+#include "fake-guardian.hpp"
+
+#include <random>
+
+namespace {
+
+using namespace test;
+using spidar::Counts;
+using spidar::DacWords;
+
+constexpr DacWords kRestWords = {46, 46, 46, 46, 46, 46, 46, 46};
+constexpr DacWords kForceWords = {900, 46, 46, 46, 46, 46, 46, 46};
+
+class Guarded : public DirectlyOnBusOf {
+protected:
+  void SetUp() override {
+    DirectlyOnBusOf::SetUp();
+    if (IsSkipped())
+      return;
+    plug(GetParam(), 4);
+    guardian_ = std::make_unique<FakeGuardian>();
+  }
+  void TearDown() override {
+    controller_.reset();
+    guardian_.reset();
+    DirectlyOnBusOf::TearDown();
+  }
+
+  void open() {
+    controller_ = spidar::open_usb("4");
+    controller_->guard(kRestWords);
+  }
+
+  /// Packets that set the motors, from now on: whether each had rest words.
+  void watch_words() {
+    unit_->faults([this](Faults &faults) {
+      faults.watch = [this](std::span<const std::uint8_t> packet) {
+        const bool sh4 = GetParam() == Model::sh4;
+        if (packet[0] == (sh4 ? 0x01 : 0x52))
+          rested_.push_back(packet[sh4 ? 2 : 1] == 46 && packet[sh4 ? 3 : 2] == 0);
+      };
+    });
+  }
+
+  std::unique_ptr<FakeGuardian> guardian_;
+  std::unique_ptr<spidar::Controller> controller_;
+  std::vector<bool> rested_;
+};
+INSTANTIATE_TEST_SUITE_P(Both, Guarded, ::testing::Values(Model::simple, Model::sh4),
+                         name_of_model);
+
+TEST_P(Guarded, AStoppedGuardianIsNoticedAndTheMotorsStayAtRestUntilItAnswers) {
+  open();
+  Counts counts{};
+  guardian_->stop();
+  int exchanges = 0;
+  do {
+    std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(controller_->exchange(kForceWords, counts));
+  } while (unit_->words() == kForceWords && ++exchanges < 100);
+  EXPECT_LE(exchanges, 15);
+  EXPECT_TRUE(controller_->interrupted());
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(controller_->exchange(kForceWords, counts));
+    ASSERT_EQ(unit_->words(), kRestWords);
+  }
+  EXPECT_TRUE(controller_->connected());
+  EXPECT_FALSE(controller_->interrupted());
+
+  guardian_->go_on();
+  for (int i = 0; i < 10'000 && unit_->words() != kForceWords; ++i) {
+    std::this_thread::sleep_for(1ms);
+    controller_->exchange(kForceWords, counts);
+  }
+  EXPECT_EQ(unit_->words(), kForceWords);
+  EXPECT_TRUE(controller_->interrupted()) << "the force must begin anew, from zero";
+}
+
+TEST_P(Guarded, TheGuardianIsToldWhatWasDelivered) {
+  allow_exchanges(5ms);
+  open();
+  Counts counts{};
+  controller_->exchange(kForceWords, counts);
+  EXPECT_TRUE(guardian_->is_told(spidar::kForce));
+  unit_->faults([](Faults &faults) { faults.refuse_out = true; });
+  for (int i = 0; i < 10; ++i)
+    EXPECT_FALSE(controller_->exchange(kRestWords, counts));
+  EXPECT_TRUE(guardian_->is_told(spidar::kForce)) << "the motors still have it";
+  unit_->faults([](Faults &faults) { faults.refuse_out = false; });
+  for (int i = 0; i < 5; ++i)
+    controller_->exchange(kRestWords, counts);
+  EXPECT_TRUE(guardian_->is_told(spidar::kRest));
+}
+
+TEST_P(Guarded, AnEndpointThatTakesDataAgainGetsRestWordsFirst) {
+  allow_exchanges(5ms);
+  open();
+  Counts counts{};
+  for (int round = 0; round < 20; ++round) {
+    for (int i = 0; i < 1000 && unit_->words() != kForceWords; ++i)
+      controller_->exchange(kForceWords, counts);
+    ASSERT_EQ(unit_->words(), kForceWords);
+    watch_words();
+    unit_->faults([](Faults &faults) { faults.refuse_out = true; });
+    for (int i = 0; i <= round % 4; ++i)
+      EXPECT_FALSE(controller_->exchange(kForceWords, counts));
+    ASSERT_TRUE(rested_.empty());
+    controller_->interrupted();
+    unit_->faults([](Faults &faults) { faults.refuse_out = false; });
+    controller_->exchange(kForceWords, counts);
+    ASSERT_FALSE(rested_.empty());
+    EXPECT_TRUE(rested_.front());
+    EXPECT_EQ(unit_->words(), kRestWords) << "the words of this exchange are older than the rest";
+    EXPECT_TRUE(controller_->interrupted());
+    rested_.clear();
+    unit_->faults([](Faults &faults) { faults.watch = nullptr; });
+  }
+}
+
+/// The counts carry the number of the request: the model latches them when it gets one.
+class Stamped : public Guarded {
+protected:
+  static constexpr int kStep = 40;
+
+  void open() {
+    Guarded::open();
+    for (int i = 0; i < 500; ++i) // until the grip stands still
+      controller_->exchange(kRestWords, start_);
+  }
+
+  /// Exchanges behind the newest request, or nothing if there was no answer.
+  std::optional<int> lag() {
+    ++request_;
+    unit_->faults([this](Faults &faults) { faults.offset.fill(request_ * kStep); });
+    Counts counts{};
+    if (!controller_->exchange(kRestWords, counts))
+      return std::nullopt;
+    const auto moved = static_cast<std::int16_t>(counts[3] - start_[3]);
+    const auto behind = static_cast<std::int16_t>(request_ * kStep - moved);
+    return (behind + (behind < 0 ? -kStep / 2 : kStep / 2)) / kStep;
+  }
+
+  /// Injects one fault.
+  void inject(unsigned what, int count) {
+    switch (what) {
+    case 0:
+      unit_->faults([&](Faults &faults) { faults.held_replies = count; });
+      break;
+    case 1:
+      unit_->faults([&](Faults &faults) { faults.short_replies = count; });
+      break;
+    case 2:
+      unit_->faults([&](Faults &faults) { faults.stalled_replies = count; });
+      break;
+    case 3:
+      for (int i = 0; i < count; ++i)
+        unit_->leave_reply(Bytes(packet_size(), static_cast<std::uint8_t>(0x40 + i)));
+      break;
+    case 4:
+      guardian_->intervene(*unit_, count);
+      break;
+    case 5: // one that is told only after an exchange
+      guardian_->announce();
+      guardian_->write(*unit_);
+      lag();
+      guardian_->finish();
+      break;
+    case 6:
+      unit_->faults([](Faults &faults) { faults.late_by = 12ms; });
+      lag();
+      unit_->faults([](Faults &faults) { faults.late_by = 0ms; });
+      break;
+    default:
+      unit_->faults([](Faults &faults) { faults.silent = true; });
+      lag();
+      unit_->faults([](Faults &faults) { faults.silent = false; });
+    }
+  }
+
+  /// Whether one of the next exchanges is answered.
+  bool recovers() {
+    for (int i = 0; i < 200; ++i)
+      if (lag())
+        return true;
+    return false;
+  }
+
+  Counts start_{};
+  int request_ = 0;
+};
+INSTANTIATE_TEST_SUITE_P(Both, Stamped, ::testing::Values(Model::simple, Model::sh4),
+                         name_of_model);
+
+TEST_P(Stamped, NoSeriesOfFaultsLeavesTheRepliesBehind) {
+  allow_exchanges(8ms);
+  open();
+  std::mt19937 random(GetParam() == Model::sh4 ? 205 : 203);
+  for (int series = 0; series < 60 && !HasFatalFailure(); ++series) {
+    const auto faults = 1 + random() % 4;
+    std::string story;
+    for (unsigned i = 0; i < faults; ++i) {
+      const auto what = static_cast<unsigned>(random() % 8);
+      const int count = static_cast<int>(1 + random() % 3);
+      story += " " + std::to_string(what) + "x" + std::to_string(count);
+      inject(what, count);
+      for (auto k = random() % 3; k > 0; --k)
+        lag();
+    }
+    unit_->faults([](Faults &f) { f.held_replies = f.short_replies = f.stalled_replies = 0; });
+    ASSERT_TRUE(recovers()) << series << story;
+    ASSERT_TRUE(recovers()) << series << story;
+    for (int i = 0; i < 20; ++i)
+      EXPECT_EQ(lag().value_or(0), 0) << series << story;
+  }
+}
+
+TEST_P(Stamped, ALateReplyIsNeverTakenForAnother) {
+  allow_exchanges(20ms);
+  open();
+  for (int round = 0; round < 50; ++round) {
+    unit_->faults([](Faults &faults) { faults.held_replies = 1; });
+    EXPECT_FALSE(lag().has_value()) << "it was not there";
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(lag(), 0) << round;
+  }
+}
+
+TEST_P(Stamped, PacketsOfTheGuardianLeaveNoReplyBehind) {
+  open();
+  for (int round = 0; round < 50; ++round) {
+    guardian_->intervene(*unit_, 1 + round % 3);
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(lag().value_or(0), 0) << round;
+    ASSERT_TRUE(recovers());
+    EXPECT_EQ(lag(), 0) << round;
+  }
+}
+
+} // namespace
