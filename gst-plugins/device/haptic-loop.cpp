@@ -136,8 +136,8 @@ void HapticLoop::run(const std::stop_token &stop) noexcept {
 
   if (spidar::HapticDevice *device = run_.environment.device) {
     device->command({});
-    device->exchange();
-    device->exchange();
+    device->exchange(monotonic_now());
+    device->exchange(monotonic_now());
   }
   run_.silent = true;
   back_to_normal_priority();
@@ -234,7 +234,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (faulted && now < run_.retry_at)
     return;
   run_.retry_at = now + kRetryFaultedDevice;
-  const bool answered = device->exchange();
+  const bool answered = device->exchange(now);
   const bool gone = !answered && !device->connected();
   if (answered) {
     run_.failed_exchanges = 0;

@@ -7,10 +7,12 @@
 #include "spidar/tension-solver.hpp"
 #include "string-kinematics.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <thread>
 
 namespace spidar {
@@ -22,11 +24,21 @@ constexpr double kFastest = 5; // m/s
 // Eight lengths fit a pose to the precision of the geometry; worse means slack or a slipped string.
 constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
+constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
 
 constexpr double kSettleWindow = 0.05; // s without movement: the strings are taut
 constexpr double kLongestSettling = 1; // s
 constexpr std::int32_t kSettledCounts = 3;
 constexpr int kMostSilentTicks = 10; // while starting
+
+double seconds(std::int64_t nanoseconds) noexcept {
+  return static_cast<double>(nanoseconds) * 1e-9;
+}
+
+// Share of a new value in a first-order low-pass after `elapsed` s.
+double low_pass_share(double cutoff, double elapsed) noexcept {
+  return 1 - std::exp(-2 * std::numbers::pi * cutoff * elapsed);
+}
 
 double jump(const Pose &from, const Pose &to, double grip_radius) noexcept {
   const double angle = Eigen::AngleAxisd(Matrix3(from.rotation.transpose() * to.rotation)).angle();
@@ -46,9 +58,11 @@ struct Device::Implementation {
   Counts counts{};
   DacWords words{};
   DeviceState state;
-  Pose last_solved; ///< also if it was rejected
-  int ticks_since_valid = 0;
-  bool velocity_known = false; ///< the pose before is part of the same movement
+  Pose last_solved;                         ///< also if it was rejected
+  std::optional<std::int64_t> exchanged_at; ///< ns, monotonic
+  double since_exchange = 0;                ///< s, between the last two exchanges
+  double since_valid = 0;                   ///< s, from the last valid pose to the last exchange
+  bool velocity_known = false;              ///< the pose before is part of the same movement
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -76,35 +90,37 @@ struct Device::Implementation {
                                                geometry.metres_per_count[i];
   }
 
+  // v' = (x_n - x_n-1) / dt and w' = rotation vector of (R_n R_n-1^T) / dt, each low-passed, with
+  // the measured dt.
   void accept(const Pose &pose) noexcept {
-    if (velocity_known) {
-      const double elapsed = period * (ticks_since_valid + 1);
-      const double share = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * elapsed);
-      state.velocity += share * ((pose.position - state.pose.position) / elapsed - state.velocity);
-    } else {
+    if (!velocity_known) {
       state.velocity.setZero();
+      state.angular_velocity.setZero();
+    } else if (since_valid > 0) {
+      const Vector3 velocity = (pose.position - state.pose.position) / since_valid;
+      const Eigen::AngleAxisd turn(Matrix3(pose.rotation * state.pose.rotation.transpose()));
+      const Vector3 turning = turn.angle() / since_valid * turn.axis();
+      state.velocity += low_pass_share(kVelocityCutoff, since_valid) * (velocity - state.velocity);
+      state.angular_velocity +=
+          low_pass_share(kTurningCutoff, since_valid) * (turning - state.angular_velocity);
     }
     velocity_known = true;
-    ticks_since_valid = 0;
+    since_valid = 0;
     state.pose = pose;
     state.valid = true;
   }
 
-  void reject() noexcept {
-    ++ticks_since_valid;
-    state.valid = false;
-  }
+  void reject() noexcept { state.valid = false; }
 
   void update_pose() noexcept {
     const PoseSolver::Result solved = pose_solver.solve(state.lengths, state.pose);
     if (solved.singular || solved.residual > kLargestResidual)
       return reject();
-    const double most = kFastest * period;
     const bool continues =
-        jump(state.pose, solved.pose, geometry.grip_radius) <= most * (ticks_since_valid + 1);
+        jump(state.pose, solved.pose, geometry.grip_radius) <= kFastest * since_valid;
     // The same new place twice is no error: the grip has moved while no pose was valid.
-    const bool confirmed =
-        ticks_since_valid > 0 && jump(last_solved, solved.pose, geometry.grip_radius) <= most;
+    const bool confirmed = !state.valid && jump(last_solved, solved.pose, geometry.grip_radius) <=
+                                               kFastest * since_exchange;
     last_solved = solved.pose;
     if (!continues && !confirmed)
       return reject();
@@ -113,9 +129,14 @@ struct Device::Implementation {
     accept(solved.pose);
   }
 
-  bool exchange() noexcept {
+  bool exchange(std::int64_t now) noexcept {
+    since_exchange = exchanged_at ? std::max(seconds(now - *exchanged_at), 0.0) : period;
+    since_valid += since_exchange;
+    exchanged_at = now;
+    controller->set_time(now);
     const bool answered = controller->exchange(words, counts);
     state.interrupted = controller->interrupted();
+    state.pressed = answered && controller->pressed();
     if (!answered) {
       reject();
       return false;
@@ -130,7 +151,6 @@ struct Device::Implementation {
     update_lengths();
     state.pose = last_solved = {};
     velocity_known = false;
-    ticks_since_valid = 0;
     accept({});
   }
 
@@ -164,10 +184,11 @@ struct Device::Implementation {
 
   void start() {
     if (controller->home(home_counts)) {
-      exchange();
       // The first pose may be anywhere in the workspace; there is none before it to jump from.
+      if (!controller->exchange(words, counts))
+        return;
+      update_lengths();
       const PoseSolver::Result solved = pose_solver.solve(state.lengths, {});
-      ticks_since_valid = 0;
       last_solved = solved.pose;
       if (!solved.singular)
         accept(solved.pose);
@@ -190,14 +211,14 @@ Device::Device(std::unique_ptr<Controller> controller, Geometry geometry, double
 }
 
 Device::~Device() {
-  // Twice: a controller may lose one.
-  implementation_->relax();
-  implementation_->exchange();
-  implementation_->exchange();
+  Implementation &device = *implementation_;
+  device.relax();
+  for (int i = 0; i < 2; ++i) // a controller may lose one
+    device.controller->exchange(device.words, device.counts);
 }
 
-bool Device::exchange() noexcept {
-  return implementation_->exchange();
+bool Device::exchange(std::int64_t now) noexcept {
+  return implementation_->exchange(now);
 }
 
 void Device::command(const Wrench &wrench) noexcept {

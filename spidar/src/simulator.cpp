@@ -5,8 +5,11 @@
 #include "fail.hpp"
 #include "string-kinematics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 namespace spidar {
 
@@ -27,6 +30,7 @@ constexpr double kHandTurning = 1.5;    // N·m/rad
 constexpr double kStringDamping = 0.5; // N·s/m
 
 constexpr double kLongestStep = 0.00025; // s
+constexpr double kLongestSilence = 1;    // s; more would take the next exchange too long
 constexpr double kLargestTurn = 80 * std::numbers::pi / 180;
 
 // Counters do not start at zero when the power comes on.
@@ -43,7 +47,9 @@ struct Simulator::State {
   Geometry geometry;
   std::unique_ptr<HandScript> hand;
   double period;
-  double time = 0; ///< s, since the first exchange
+  double time = 0;                   ///< s, since the first exchange
+  double step_left = 0;              ///< s, that the next exchange advances
+  std::optional<std::int64_t> clock; ///< ns, of the last set_time()
   bool started = false;
   double reach = 0; ///< m; the grip cannot get farther from the centre
   DacWords words{}; ///< at the motors
@@ -103,11 +109,14 @@ struct Simulator::State {
     Vector3 from = Vector3::Zero();
     Vector3 to = Vector3::Zero();
     hand->target(time, geometry.workspace_half, from);
-    time += period;
+    const double elapsed = std::exchange(step_left, period);
+    if (elapsed <= 0)
+      return;
+    time += elapsed;
     const bool held = hand->target(time, geometry.workspace_half, to);
-    const int steps = std::max(1, static_cast<int>(std::ceil(period / kLongestStep - 1e-9)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(elapsed / kLongestStep - 1e-9)));
     for (int i = 1; i <= steps; ++i)
-      step(period / steps, held, from + (to - from) * i / steps, (to - from) / period);
+      step(elapsed / steps, held, from + (to - from) * i / steps, (to - from) / elapsed);
   }
 };
 
@@ -121,6 +130,7 @@ Simulator::Simulator(const Geometry &geometry, std::unique_ptr<HandScript> hand,
   state_->geometry = geometry;
   state_->hand = std::move(hand);
   state_->period = period;
+  state_->step_left = period;
   double nearest = geometry.motors[0].norm();
   for (const Vector3 &motor : geometry.motors)
     nearest = std::min(nearest, motor.norm());
@@ -132,6 +142,13 @@ Simulator::Simulator(const Geometry &geometry, std::unique_ptr<HandScript> hand,
 }
 
 Simulator::~Simulator() = default;
+
+void Simulator::set_time(std::int64_t now) noexcept {
+  if (state_->clock)
+    state_->step_left =
+        std::clamp(static_cast<double>(now - *state_->clock) * 1e-9, 0.0, kLongestSilence);
+  state_->clock = now;
+}
 
 bool Simulator::exchange(const DacWords &words, Counts &counts) noexcept {
   if (state_->started)

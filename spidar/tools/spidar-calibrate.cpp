@@ -59,7 +59,7 @@ private:
       next += kTick;
       std::this_thread::sleep_until(next);
       const std::lock_guard lock(mutex_);
-      silent_ = device_->exchange() ? 0 : silent_ + 1;
+      silent_ = device_->exchange(spidar::monotonic_time()) ? 0 : silent_ + 1;
       if (device_->state().interrupted || device_->state().velocity.norm() > kGripLetGo)
         force_ = wanted_ = Vector3::Zero();
       const Vector3 change = wanted_ - force_;

@@ -83,7 +83,7 @@ ExitStatus watch(const Choice &choice, double seconds) {
   for (long tick = 0; !interrupted && (seconds <= 0 || static_cast<double>(tick) < seconds * 1e3);
        ++tick) {
     std::this_thread::sleep_until(begin + tick * kTick);
-    silent = device->exchange() ? 0 : silent + 1;
+    silent = device->exchange(spidar::monotonic_time()) ? 0 : silent + 1;
     if (!device->connected() || silent >= 100)
       spidar::fail(spidar::Cause::io, messages::kToolSilent);
     device->command({});

@@ -138,7 +138,7 @@ void whole_tick(benchmark::State &state) {
   Device device(std::make_unique<Simulator>(geometry, parse_hand_script("circle:0.8,4")), geometry);
   time_calls(state, [&](std::size_t i) {
     const double angle = 0.007 * static_cast<double>(i);
-    device.exchange();
+    device.exchange(static_cast<std::int64_t>(i) * 1'000'000);
     device.command({Vector3(std::cos(angle), std::sin(angle), 0), Vector3::Zero()});
   });
 }

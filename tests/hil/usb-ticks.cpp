@@ -55,7 +55,7 @@ int run(int seconds, const std::string &id) {
   auto answered = start;
   bool gone = false;
   for (auto now = start; now - start < std::chrono::seconds(seconds) && !gone && !ended;) {
-    if (device.exchange()) {
+    if (device.exchange(spidar::monotonic_time())) {
       lost_at_the_end = 0;
       answered = now;
       ++per_second[static_cast<std::size_t>((now - start) / std::chrono::seconds(1))];

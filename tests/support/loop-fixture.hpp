@@ -9,6 +9,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
+#include <optional>
 #include <spidar/device.hpp>
 #include <spidar/simulator.hpp>
 #include <string>
@@ -30,6 +31,11 @@ public:
       : geometry_(spidar::load_geometry(spidar::kDefaultGeometry)),
         simulator_(geometry_, spidar::parse_hand_script(hand)) {}
 
+  void set_time(std::int64_t now) noexcept override {
+    dt_ = now_ ? static_cast<double>(now - *now_) * 1e-9 : 0.001;
+    now_ = now;
+    simulator_.set_time(now);
+  }
   bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
     ++exchanges;
     last_words = words;
@@ -41,7 +47,7 @@ public:
       counts[0] += slip;
       return answered;
     }
-    thrown_.position.x() += thrown_speed * 0.001;
+    thrown_.position.x() += thrown_speed * dt_;
     const spidar::StringLengths change =
         string_lengths(geometry_, thrown_) - string_lengths(geometry_, {});
     home(counts);
@@ -68,6 +74,8 @@ private:
   spidar::Geometry geometry_;
   spidar::Simulator simulator_;
   spidar::Pose thrown_;
+  std::optional<std::int64_t> now_; // ns
+  double dt_ = 0.001;               // s
 };
 
 inline MotionSample moving(float vx, float vy) {

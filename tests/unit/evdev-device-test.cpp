@@ -31,7 +31,7 @@ protected:
   static void ticks(spidar::HapticDevice &device, const spidar::Vector3 &force, int ms) {
     for (int i = 0; i < ms; ++i, std::this_thread::sleep_for(1ms)) {
       device.command({.force = force});
-      device.exchange();
+      device.exchange(spidar::monotonic_time());
     }
   }
   static bool eventually(const std::function<bool()> &condition) {
@@ -73,13 +73,13 @@ TEST_F(Evdev, TheStickIsThePointer) {
   EXPECT_EQ(device->state().pose.position.norm(), 0);
   stick.move(0.5, 1); // right and towards the user, which is down on the screen
   ASSERT_TRUE(eventually([&] {
-    device->exchange();
+    device->exchange(spidar::monotonic_time());
     return device->state().pose.position.y() < -0.9 * device->workspace_half().y();
   }));
   EXPECT_NEAR(device->state().pose.position.x(), 0.5 * device->workspace_half().x(), 1e-6);
   EXPECT_EQ(device->state().pose.position.z(), 0);
   device->calibrate();
-  device->exchange();
+  device->exchange(spidar::monotonic_time());
   EXPECT_NEAR(device->state().pose.position.norm(), 0, 1e-9);
 }
 
@@ -118,7 +118,7 @@ TEST_F(Evdev, WhenTheLoopStandsStillTheForceIsTakenOff) {
   ticks(*device, {1, 1, 0}, 200);
   EXPECT_TRUE(plays_at_the_end(stick));
   EXPECT_TRUE(eventually([&] { return !plays_at_the_end(stick); }));
-  EXPECT_TRUE(device->exchange());
+  EXPECT_TRUE(device->exchange(spidar::monotonic_time()));
 }
 
 TEST_F(Evdev, ClosedItLeavesNoEffectBehind) {
@@ -179,12 +179,13 @@ TEST_F(Evdev, UnpluggedItIsGoneAndCanBeOpenedAgainOnceItIsBack) {
   auto device = open_evdev(stick->path(), 0.001);
   ticks(*device, {1, 0, 0}, 100);
   stick.reset();
-  EXPECT_TRUE(eventually([&] { return !device->exchange() && !device->connected(); }));
+  EXPECT_TRUE(eventually(
+      [&] { return !device->exchange(spidar::monotonic_time()) && !device->connected(); }));
   EXPECT_FALSE(device->state().valid);
   device.reset();
   EXPECT_EQ(refusal("").cause(), Cause::not_found);
   stick = std::make_unique<VirtualJoystick>();
-  EXPECT_TRUE(open_evdev("", 0.001)->exchange());
+  EXPECT_TRUE(open_evdev("", 0.001)->exchange(spidar::monotonic_time()));
 }
 
 TEST_F(Evdev, TheFirstWithForceFeedbackIsTaken) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
 #include <sstream>
@@ -109,6 +110,39 @@ TEST_F(Loop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
   play_motion(100, 0, 1000);
   EXPECT_NEAR(realised().x(), 0.5, 0.02);
   EXPECT_EQ(loop_.statistics().device_faults, 1U);
+}
+
+// A hand at 0.7 m/s, and one tick in twenty up to 19 ms late, in a sequence of fixed seed.
+// LATE_TICKS=1000000 runs the number that is promised.
+TEST_F(Loop, LateTicksDoNotMakeAHandTooFast) {
+  const char *wanted = std::getenv("LATE_TICKS");
+  const int count = wanted ? std::atoi(wanted) : 100'000;
+  open("circle:1,0.252");
+  play();
+  std::mt19937 random(5);
+  std::uniform_int_distribution<std::int64_t> how_late(1, 19 * kMs);
+  std::uniform_int_distribution<int> of_twenty(1, 20);
+  std::int64_t scheduled = now_;
+  std::int64_t sampled = 0;
+  double fastest = 0;
+  double sum = 0;
+  for (int tick = 0; tick < count; ++tick) {
+    now_ = scheduled + (of_twenty(random) == 1 ? how_late(random) : kMs / 50);
+    if (now_ - sampled > 10 * kMs) {
+      loop_.submit(moving(100, 0), now_);
+      sampled = now_;
+    }
+    loop_.tick(scheduled, now_);
+    scheduled += (1 + (now_ - scheduled) / kMs) * kMs; // as run() skips what is past
+    const double speed = device_->state().velocity.norm();
+    sum += speed;
+    fastest = std::max(fastest, speed);
+  }
+  EXPECT_NEAR(sum / count, 0.7, 0.03);
+  EXPECT_LT(fastest, 0.9);
+  EXPECT_EQ(loop_.statistics().overspeeds, 0U);
+  EXPECT_FALSE(is_held(haptic::kHoldOverspeed));
+  EXPECT_FALSE(loop_.silent());
 }
 
 TEST_F(Loop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
@@ -417,7 +451,7 @@ TEST_F(Loop, ItsThreadTicksAndLeavesMinimumTensionBehind) {
   Wire *fresh = wire.get();
   spidar::Device other(std::move(wire), spidar::load_geometry(spidar::kDefaultGeometry));
   other.command({});
-  other.exchange();
+  other.exchange(now_);
   for (std::size_t i = 0; i < spidar::kStrings; ++i)
     EXPECT_NEAR(wire_->last_words[i], fresh->last_words[i], 40) << i; // 0.1 N at 4 V/N
   const auto ticks = loop_.statistics().ticks.load();

@@ -38,7 +38,7 @@ public:
   explicit FakeDevice(Bench &bench) : bench_(bench) { ++bench_.alive; }
   ~FakeDevice() override { --bench_.alive; }
 
-  bool exchange() noexcept override {
+  bool exchange(std::int64_t /*now*/) noexcept override {
     connected_ = connected_ && bench_.plugged;
     state_.valid = connected_ && bench_.answers;
     if (state_.valid)

@@ -37,6 +37,12 @@ std::atomic<long> allocations = 0;
 
 namespace {
 
+/// Time of the next tick, ns: one each millisecond.
+std::int64_t next_tick() {
+  static std::int64_t now = 0;
+  return now += 1'000'000;
+}
+
 /// Between device and simulator: remembers the words, hides the home counts, breaks things.
 struct Wire {
   std::vector<DacWords> sent;
@@ -59,6 +65,7 @@ public:
       counts[i] += wire_.disturbance[i];
     return answered;
   }
+  void set_time(std::int64_t now) noexcept override { inner_->set_time(now); }
   bool home(Counts &counts) const noexcept override {
     return wire_.knows_home && inner_->home(counts);
   }
@@ -79,7 +86,7 @@ Device device_with(const std::string &hand, Wire &wire,
 
 void run(Device &device, int ticks, const Wrench &wrench = {}) {
   for (int tick = 0; tick < ticks; ++tick) {
-    ASSERT_TRUE(device.exchange());
+    ASSERT_TRUE(device.exchange(next_tick()));
     device.command(wrench);
   }
 }
@@ -168,7 +175,7 @@ TEST(Device, ReportsTheTensionsThatItSends) {
   Device device = device_with("hold:0.2,0.3,-0.4", wire);
   run(device, 20, push(0.3, -0.5, 0.2));
   const Tensions reported = device.state().tensions;
-  device.exchange();
+  device.exchange(next_tick());
   for (std::size_t i = 0; i < kStrings; ++i)
     EXPECT_DOUBLE_EQ(tension(device.geometry(), i, wire.sent.back()[i]), reported[i]);
 }
@@ -242,17 +249,55 @@ TEST(Device, VelocityIsThatOfTheHand) {
   EXPECT_NEAR(device.state().velocity.x(), 0, 0.1 * speed);
 }
 
+// Ticks come up to 19 ms late, as on a busy machine: 5 % of them in this sequence of fixed seed.
+TEST(Device, VelocityIsThatOfTheHandHoweverLateTheTicksCome) {
+  Wire wire;
+  Device device = device_with("circle:1,0.4", wire); // 0.39 m/s
+  Random random(11);
+  std::int64_t now = next_tick();
+  for (int tick = 0; tick < 20'000; ++tick) {
+    now += static_cast<std::int64_t>(
+        1e6 * (random.between(0, 1) < 0.05 ? random.between(1, 20) : random.between(0.1, 1.9)));
+    ASSERT_TRUE(device.exchange(now));
+    device.command({});
+    ASSERT_TRUE(device.state().valid);
+    if (tick > 500) {
+      ASSERT_NEAR(device.state().velocity.norm(), 2 * std::numbers::pi * 0.025 / 0.4, 0.05) << tick;
+      ASSERT_LT(device.state().angular_velocity.norm(), 1) << tick; // the grain of the counts
+    }
+  }
+}
+
+TEST(Device, AngularVelocityIsThatOfTheGrip) {
+  Wire wire;
+  Device device = device_with("hold:0,0,0", wire);
+  // A turn of a hundredth of a radian each tick, as the strings would show it.
+  run(device, 10);
+  const Geometry &geometry = device.geometry();
+  for (int tick = 1; tick <= 50; ++tick) {
+    Pose turned;
+    turned.rotation = Eigen::AngleAxisd(0.004 * tick, Vector3::UnitZ()).toRotationMatrix();
+    const StringLengths change = string_lengths(geometry, turned) - string_lengths(geometry, {});
+    for (std::size_t i = 0; i < kStrings; ++i)
+      wire.disturbance[i] =
+          static_cast<std::int32_t>(std::lround(change[i] / geometry.metres_per_count[i]));
+    run(device, 1);
+  }
+  EXPECT_NEAR(device.state().angular_velocity.z(), 4, 0.5);
+  EXPECT_NEAR(device.state().angular_velocity.x(), 0, 0.5);
+}
+
 TEST(Device, ASilentTickKeepsThePoseAndIsNotValid) {
   Wire wire;
   Device device = device_with("hold:0.5,0,0", wire);
   run(device, 10);
   const Pose before = device.state().pose;
   wire.silent_exchanges = 2;
-  EXPECT_FALSE(device.exchange());
+  EXPECT_FALSE(device.exchange(next_tick()));
   EXPECT_FALSE(device.state().valid);
   EXPECT_EQ(device.state().pose.position, before.position);
-  EXPECT_FALSE(device.exchange());
-  EXPECT_TRUE(device.exchange());
+  EXPECT_FALSE(device.exchange(next_tick()));
+  EXPECT_TRUE(device.exchange(next_tick()));
   EXPECT_TRUE(device.state().valid);
 }
 
@@ -263,11 +308,11 @@ TEST(Device, AnEncoderGlitchOfOneTickDoesNotMoveThePose) {
   for (std::size_t i = 0; i < kStrings; ++i) {
     const Vector3 before = device.state().pose.position;
     wire.disturbance[i] = 3000; // 50 mm of string
-    device.exchange();
+    device.exchange(next_tick());
     EXPECT_FALSE(device.state().valid) << i;
     EXPECT_EQ(device.state().pose.position, before) << i;
     wire.disturbance[i] = 0;
-    device.exchange();
+    device.exchange(next_tick());
     EXPECT_TRUE(device.state().valid) << i;
     EXPECT_LT(device.state().velocity.norm(), 0.05) << i;
   }
@@ -280,7 +325,7 @@ TEST(Device, GarbageCountsNeverGiveAPoseThatIsNone) {
   for (int tick = 0; tick < 2000; ++tick) {
     for (auto &disturbance : wire.disturbance)
       disturbance = static_cast<std::int32_t>(random.between(-2e9, 2e9));
-    device.exchange();
+    device.exchange(next_tick());
     device.command(push(1, 0, 0));
     ASSERT_TRUE(device.state().pose.position.allFinite());
     ASSERT_TRUE(device.state().tensions.allFinite());
@@ -297,7 +342,7 @@ TEST(Device, ATickTakesNoMemory) {
   Device device(std::make_unique<Simulator>(geometry, parse_hand_script("circle:1,1")), geometry);
   const long before = allocations;
   for (int tick = 0; tick < 1000; ++tick) {
-    device.exchange();
+    device.exchange(next_tick());
     device.command(push(std::sin(tick), tick % 7 == 0 ? std::nan("") : 20, 0));
     if (tick % 100 == 0)
       device.calibrate();
@@ -318,9 +363,9 @@ TEST(Device, AMoveWhileNobodyLookedIsBelievedWhenItLasts) {
   for (std::size_t i = 0; i < kStrings; ++i)
     wire.disturbance[i] =
         static_cast<std::int32_t>(std::lround(change[i] / geometry.metres_per_count[i]));
-  device.exchange();
+  device.exchange(next_tick());
   EXPECT_FALSE(device.state().valid);
-  device.exchange();
+  device.exchange(next_tick());
   EXPECT_TRUE(device.state().valid);
   EXPECT_NEAR(device.state().pose.position.x(), elsewhere.position.x(), 0.001);
   EXPECT_LT(device.state().velocity.norm(), 0.5);

@@ -40,7 +40,7 @@ TEST_P(Fuzz, RepliesNeverMoveThePoseAwayOrTheTensionsOutOfTheirLimits) {
   });
   const spidar::Geometry &geometry = device->geometry();
   for (int i = 0; i < replies; ++i) {
-    device->exchange();
+    device->exchange((i + 1) * std::int64_t{1'000'000});
     device->command({{1, 0, 0}, spidar::Vector3::Zero()});
     const spidar::DeviceState &state = device->state();
     ASSERT_TRUE(state.pose.position.allFinite());

@@ -113,9 +113,10 @@ private:
   bool exists_ = false;
 };
 
-std::int64_t now_ns() noexcept {
-  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
-}
+struct StickState {
+  spidar::Vector3 place = spidar::Vector3::Zero(); // -1..1, y up
+  bool pressed = false;                            // any of its buttons
+};
 
 class EvdevDevice final : public spidar::HapticDevice {
 public:
@@ -138,12 +139,11 @@ public:
       throw Error(Cause::argument, format_text(messages::kNoStick, description_of(unit_).c_str()));
     if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
       throw Error(Cause::busy, format_text(messages::kJoystickBusy, description_of(unit_).c_str()));
-    decay_ = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * period);
-    period_ = period;
+    exchanged_at_ = spidar::monotonic_time() - std::llround(period * 1e9);
     upload(spidar::Vector3::Zero()); // fails now if the driver refuses effects
     publish_position();
-    round_at_ = tick_at_ = now_ns();
-    exchange();
+    round_at_ = tick_at_ = spidar::monotonic_time();
+    exchange(tick_at_);
     state_.velocity.setZero();
     driver_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
   }
@@ -156,24 +156,30 @@ public:
 
   // ---- the loop's thread ------------------------------------------------------------------------
 
-  bool exchange() noexcept override {
-    const std::int64_t now = now_ns();
+  bool exchange(std::int64_t now) noexcept override {
     tick_at_.store(now);
     const bool answered =
         connected() && now - round_at_.load() < std::chrono::nanoseconds(kDriverStands).count();
     state_.valid = answered;
+    state_.pressed = state_.pressed && answered;
     if (!answered)
       return false;
     stick_.refresh();
-    const spidar::Vector3 position = kStickHalf * (stick_.value() - centre_);
-    state_.velocity += decay_ * ((position - state_.pose.position) / period_ - state_.velocity);
+    const StickState &stick = stick_.value();
+    const spidar::Vector3 position = kStickHalf * (stick.place - centre_);
+    if (const double dt = static_cast<double>(now - exchanged_at_) * 1e-9; dt > 0) {
+      const double share = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * dt);
+      state_.velocity += share * ((position - state_.pose.position) / dt - state_.velocity);
+    }
+    exchanged_at_ = now;
     state_.pose.position = position;
+    state_.pressed = stick.pressed;
     return true;
   }
   bool connected() const noexcept override { return !gone_.load(); }
   void command(const spidar::Wrench &wrench) noexcept override { force_.write(wrench.force); }
   void calibrate() noexcept override {
-    centre_ = stick_.value();
+    centre_ = stick_.value().place;
     state_.pose.position.setZero();
     state_.velocity.setZero();
   }
@@ -190,11 +196,11 @@ private:
       read_events();
       publish_position();
       force_.refresh();
-      const bool loop_stands =
-          now_ns() - tick_at_.load() > std::chrono::nanoseconds(kLoopStands).count();
+      const bool loop_stands = spidar::monotonic_time() - tick_at_.load() >
+                               std::chrono::nanoseconds(kLoopStands).count();
       const spidar::Vector3 none = spidar::Vector3::Zero();
       if (play(loop_stands ? none : force_.value()))
-        round_at_.store(now_ns());
+        round_at_.store(spidar::monotonic_time());
       std::this_thread::sleep_for(kRound);
     }
     if (!gone_)
@@ -222,7 +228,14 @@ private:
   }
 
   void publish_position() noexcept {
-    stick_.write({x_.value(evdev_.get()), -y_.value(evdev_.get()), 0});
+    stick_.write({{x_.value(evdev_.get()), -y_.value(evdev_.get()), 0}, is_pressed()});
+  }
+
+  bool is_pressed() const noexcept {
+    for (unsigned button = BTN_JOYSTICK; button < BTN_DIGI; ++button) // sticks, gamepads, wheels
+      if (libevdev_get_event_value(evdev_.get(), EV_KEY, button) != 0)
+        return true;
+    return false;
   }
 
   // Returns false if the driver refuses. The present effect then ends by itself.
@@ -275,12 +288,10 @@ private:
   CloseFile file_;
   EvdevUnit unit_;
   ForceKind kind_ = ForceKind::constant;
-  double decay_ = 1;
-  double period_ = 0.001; // s
   const spidar::Vector3 workspace_half_ = spidar::Vector3::Constant(kStickHalf);
 
   // Between the two threads.
-  NewestSlot<spidar::Vector3> stick_; // -1..1, y up: driver's thread -> loop
+  NewestSlot<StickState> stick_;      // driver's thread -> loop
   NewestSlot<spidar::Vector3> force_; // N: loop -> driver's thread
   std::atomic<std::int64_t> round_at_ = 0;
   std::atomic<std::int64_t> tick_at_ = 0;
@@ -289,6 +300,7 @@ private:
   // The loop's thread.
   spidar::DeviceState state_;
   spidar::Vector3 centre_ = spidar::Vector3::Zero();
+  std::int64_t exchanged_at_ = 0; // ns
 
   // The driver's thread.
   std::unique_ptr<libevdev, FreeEvdev> evdev_;

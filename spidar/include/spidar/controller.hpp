@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Interface of the motor electronics: D/A words out, encoder counts in, one exchange per tick.
-// exchange(), connected() and interrupted() are for the real-time thread, the others are not.
+// Real-time safe functions are for the real-time thread, the others are not.
 #pragma once
 
 #include "spidar/export.hpp"
 #include "spidar/types.hpp"
 
+#include <cstdint>
 #include <string>
 
 namespace spidar {
@@ -27,14 +28,21 @@ public:
   /// other words. Throws Error (io). A simulator needs none.
   virtual void guard(const DacWords & /*rest*/) {}
 
-  /// False if no further exchange will succeed: open the device again.
+  /// False if no further exchange will succeed: open the device again. Real-time safe.
   virtual bool connected() const noexcept { return true; }
 
-  /// Whether the guard has sent `rest` since the call before.
+  /// Whether the guard has sent `rest` since the call before. Real-time safe.
   virtual bool interrupted() noexcept { return false; }
 
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
+
+  /// The next exchange() is at `now` (ns, monotonic). For a simulator, which has no time of its
+  /// own; real-time safe.
+  virtual void set_time(std::int64_t /*now*/) noexcept {}
+
+  /// Whether a button of the grip is pressed, as of the last exchange. Real-time safe.
+  virtual bool pressed() const noexcept { return false; }
 };
 
 } // namespace spidar

@@ -17,12 +17,12 @@ class SPIDAR_API Device final : public HapticDevice {
 public:
   /// Guards the motors (Controller::guard()), and sets minimum tension. The centre is that of
   /// Controller::home(), or else the place of the grip once the strings are taut: after 50 ms
-  /// normally, 1 s at most. `period` is the time between two calls of exchange(), s. Throws Error
-  /// (geometry, argument, io).
+  /// normally, 1 s at most. `period` is the time from here to the first call of exchange(), s.
+  /// Throws Error (geometry, argument, io).
   Device(std::unique_ptr<Controller> controller, Geometry geometry, double period = 0.001);
   ~Device() override; ///< leaves minimum tension behind
 
-  bool exchange() noexcept override;
+  bool exchange(std::int64_t now) noexcept override;
   bool connected() const noexcept override;
   /// Computes the tensions for `wrench` at the present pose, within the geometry's limits.
   void command(const Wrench &wrench) noexcept override;

@@ -6,6 +6,8 @@
 #include "spidar/export.hpp"
 #include "spidar/types.hpp"
 
+#include <chrono>
+#include <cstdint>
 #include <string>
 
 namespace spidar {
@@ -16,12 +18,20 @@ struct DeviceState {
   Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
   Counts counts{};
   StringLengths lengths = StringLengths::Zero();
-  Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
-  Wrench realised;                      ///< what these tensions do at this pose
-  bool feasible = true;                 ///< the commanded wrench was within the limits
-  bool valid = false;                   ///< the pose was measured
-  bool interrupted = false;             ///< the guardian has set minimum tension meanwhile
+  Tensions tensions = Tensions::Zero();       ///< N, as last commanded, with the D/A's resolution
+  Wrench realised;                            ///< what these tensions do at this pose
+  bool feasible = true;                       ///< the commanded wrench was within the limits
+  bool valid = false;                         ///< the pose was measured
+  bool interrupted = false;                   ///< the guardian has set minimum tension meanwhile
+  Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
+  bool pressed = false;                       ///< a button of the grip or stick
 };
+
+/// Returns the monotonic clock, ns: what exchange() is called with.
+inline std::int64_t monotonic_time() noexcept {
+  // steady_clock is CLOCK_MONOTONIC.
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// Not thread-safe: call exchange(), command() and calibrate() from one thread, everything else
 /// before that thread starts or after it has ended.
@@ -29,9 +39,10 @@ class SPIDAR_API HapticDevice {
 public:
   virtual ~HapticDevice() = default; ///< leaves no force behind
 
-  /// One tick: sends the last command, receives the pose. False if the device did not
-  /// answer; the state then keeps its last pose with valid = false. Real-time safe.
-  virtual bool exchange() noexcept = 0;
+  /// One tick at `now` (ns, monotonic): sends the last command, receives the pose. Velocities are
+  /// changes of the pose by the time between two calls, however late they come. False if the
+  /// device did not answer; the state then keeps its last pose with valid = false. Real-time safe.
+  virtual bool exchange(std::int64_t now) noexcept = 0;
 
   /// False if no exchange will succeed any more (unplugged, guardian dead): make another object.
   virtual bool connected() const noexcept = 0;

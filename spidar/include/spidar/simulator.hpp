@@ -6,6 +6,7 @@
 #include "spidar/controller.hpp"
 #include "spidar/geometry.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -29,12 +30,14 @@ SPIDAR_API std::unique_ptr<HandScript> parse_hand_script(const std::string &text
 
 class SPIDAR_API Simulator final : public Controller {
 public:
-  /// Each exchange after the first advances the simulated time by `period` seconds, the D/A words
-  /// of the exchange before at the motors. The grip starts at the hand's first target (`free`: in
-  /// the centre). Throws Error (geometry, argument).
+  /// Each exchange after the first advances the simulated time to that of set_time(), or by
+  /// `period` seconds if it was not called; the D/A words of the exchange before are at the motors.
+  /// A silence of more than a second counts as one. The grip starts at the hand's first target
+  /// (`free`: in the centre). Throws Error (geometry, argument).
   Simulator(const Geometry &geometry, std::unique_ptr<HandScript> hand, double period = 0.001);
   ~Simulator() override;
 
+  void set_time(std::int64_t now) noexcept override;
   bool exchange(const DacWords &words, Counts &counts) noexcept override;
   /// The counters' value at the centre: not zero, as after the power-on of a real controller.
   bool home(Counts &counts) const noexcept override;
