@@ -21,6 +21,8 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -29,6 +31,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
 #define GST_CAT_DEFAULT haptic_sink_debug
@@ -57,12 +60,36 @@ private:
   GstHapticSink *self_;
 };
 
+// Calls of application code (handlers of `notify`, of bus messages) on behalf of the threads that a
+// state change joins: the handler may change the state. In order, from a thread of GStreamer's
+// pool.
+class CallQueue {
+public:
+  using Call = std::function<void()>;
+
+  void add(GstHapticSink *self, Call call);
+  /// Makes the calls that are left, in the present thread.
+  void drain(GstHapticSink *self);
+
+private:
+  std::optional<Call> next(bool in_pool);
+
+  std::mutex mutex_;
+  std::deque<Call> calls_; // mutex_
+  bool in_pool_ = false;   // mutex_; a thread of the pool drains
+};
+
+// Whether this thread is one that a state change to READY joins.
+thread_local bool is_joined = false;
+
 struct State {
   explicit State(GstHapticSink *self) : client(self), session(client) {}
 
   SinkSettings settings; // the object's lock
   Client client;
   haptic::HapticSession session; // its members have their threads
+  CallQueue calls;
+  std::atomic<bool> armed = false; // as of the last notification
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
 
@@ -156,16 +183,67 @@ MessageLevel message_level(haptic::Severity severity) {
   return {GST_MESSAGE_INFO, GST_LEVEL_DEBUG};
 }
 
+std::optional<CallQueue::Call> CallQueue::next(bool in_pool) {
+  const std::lock_guard lock(mutex_);
+  if (calls_.empty()) {
+    in_pool_ = in_pool_ && !in_pool;
+    return std::nullopt;
+  }
+  Call call = std::move(calls_.front());
+  calls_.pop_front();
+  return call;
+}
+
+void CallQueue::add(GstHapticSink *self, Call call) {
+  {
+    const std::lock_guard lock(mutex_);
+    calls_.push_back(std::move(call));
+    if (std::exchange(in_pool_, true))
+      return;
+  }
+  gst_element_call_async(
+      GST_ELEMENT(self),
+      [](GstElement *element, gpointer) {
+        CallQueue &queue = state_of(element).calls;
+        while (const std::optional<Call> next = queue.next(true))
+          guarded(element, [&] { (*next)(); });
+      },
+      nullptr, nullptr);
+}
+
+void CallQueue::drain(GstHapticSink *self) {
+  while (const std::optional<Call> call = next(false))
+    guarded(self, [&] { (*call)(); });
+}
+
+void post_notice(GstHapticSink *self, const haptic::Notice &notice) {
+  const ErrorCode code = error_code(*notice.cause);
+  gchar *detail = notice.detail.empty() ? nullptr : g_strdup(notice.detail.c_str());
+  gst_element_message_full(GST_ELEMENT(self), message_level(notice.severity).message, code.domain,
+                           code.code, g_strdup(notice.text.c_str()), detail, __FILE__, GST_FUNCTION,
+                           __LINE__);
+}
+
+// Whether `armed` has another value than at the last notification.
+bool armed_has_changed(State &state) {
+  const bool armed = state.session.is_armed();
+  return state.armed.exchange(armed) != armed;
+}
+
+void notify_armed(GstHapticSink *self) {
+  g_object_notify_by_pspec(G_OBJECT(self), armed_property);
+}
+
 void Client::on_notice(const haptic::Notice &notice) {
   const MessageLevel level = message_level(notice.severity);
   if (!notice.cause) {
     GST_CAT_LEVEL_LOG(GST_CAT_DEFAULT, level.log, self_, "%s", notice.text.c_str());
     return;
   }
-  const ErrorCode code = error_code(*notice.cause);
-  gchar *detail = notice.detail.empty() ? nullptr : g_strdup(notice.detail.c_str());
-  gst_element_message_full(GST_ELEMENT(self_), level.message, code.domain, code.code,
-                           g_strdup(notice.text.c_str()), detail, __FILE__, GST_FUNCTION, __LINE__);
+  if (is_joined)
+    self_->state->calls.add(self_, [self = self_, notice] { post_notice(self, notice); });
+  else
+    post_notice(self_, notice);
 }
 
 bool Client::on_point(const haptic::PointerPosition &point) {
@@ -176,7 +254,8 @@ bool Client::on_point(const haptic::PointerPosition &point) {
 }
 
 void Client::on_armed_changed() {
-  g_object_notify_by_pspec(G_OBJECT(self_), armed_property);
+  if (armed_has_changed(*self_->state))
+    self_->state->calls.add(self_, [self = self_] { notify_armed(self); });
 }
 
 // Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
@@ -303,9 +382,11 @@ void set_running_time(GstHapticSink *self) {
     self->state->session.set_running_time(*reading);
 }
 
-void end_pointer_thread(State &state) {
+void end_pointer_thread(GstHapticSink *self) {
+  State &state = *self->state;
   state.pointer_thread = {};
   state.session.end_run();
+  state.calls.drain(self); // before the bus is emptied
 }
 
 bool start_threads(GstHapticSink *self) {
@@ -313,16 +394,19 @@ bool start_threads(GstHapticSink *self) {
   const auto post_status = [self](GstStreamStatusType type) {
     guarded(self, [&] { post_stream_status(self, type); });
   };
+  post_status(GST_STREAM_STATUS_TYPE_CREATE); // its handler may change the state
   if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
                               .log_location = setting_of(self, &SinkSettings::log_location),
-                              .entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); },
-                              .left = [=] { post_status(GST_STREAM_STATUS_TYPE_LEAVE); }}))
+                              .entered = [=] {
+                                is_joined = true;
+                                post_status(GST_STREAM_STATUS_TYPE_ENTER);
+                              }}))
     return false;
   state.liveness = Liveness::unknown;
-  post_status(GST_STREAM_STATUS_TYPE_CREATE);
   try {
     state.session.start_loop();
     state.pointer_thread = std::jthread([self](const std::stop_token &stop) {
+      is_joined = true;
       guarded(self, [&] { self->state->session.run_rounds(stop); });
     });
   } catch (const std::system_error &) {
@@ -349,19 +433,26 @@ GstStateChangeReturn change_parent_state(GstElement *element, GstStateChange tra
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   GstHapticSink *self = GST_HAPTIC_SINK(element);
   State &state = *self->state;
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY && is_joined) {
+    GST_ERROR_OBJECT(self, "a thread of the element cannot end itself: change the state elsewhere");
+    return GST_STATE_CHANGE_FAILURE;
+  }
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !start_threads(self))
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
     state.session.pause();
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) {
     state.session.stop_loop();
+    // Here and not in the loop's thread, whose end this one has waited for.
+    post_stream_status(self, GST_STREAM_STATUS_TYPE_LEAVE);
+  }
 
   const GstStateChangeReturn result = change_parent_state(element, transition);
   const bool failed = result == GST_STATE_CHANGE_FAILURE;
 
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && failed) {
     state.session.stop_loop();
-    end_pointer_thread(state);
+    end_pointer_thread(self);
   }
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && !failed) {
     set_running_time(self);
@@ -370,7 +461,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   // After the parent, which ends the streaming thread: the pointer thread may be in an element that
   // waits for that thread.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
-    end_pointer_thread(state);
+    end_pointer_thread(self);
   return result;
 }
 
@@ -512,12 +603,14 @@ void install_properties(GObjectClass *klass) {
 
 void arm(GstHapticSink *self) {
   self->state->session.arm();
-  g_object_notify_by_pspec(G_OBJECT(self), armed_property);
+  if (armed_has_changed(*self->state))
+    notify_armed(self);
 }
 
 void release(GstHapticSink *self) {
   self->state->session.release();
-  g_object_notify_by_pspec(G_OBJECT(self), armed_property);
+  if (armed_has_changed(*self->state))
+    notify_armed(self);
 }
 
 void install_action(GObjectClass *klass, const char *name, void (*action)(GstHapticSink *)) {
@@ -568,12 +661,17 @@ void install_object_functions(GObjectClass *klass) {
 void install_sink_functions(GstBaseSinkClass *klass) {
   klass->start = [](GstBaseSink *sink) -> gboolean {
     return guarded(sink, FALSE, [&] {
-      return gboolean{state_of(sink).session.open(setting_of(sink, &SinkSettings::choice))};
+      State &state = state_of(sink);
+      const bool opened = state.session.open(setting_of(sink, &SinkSettings::choice));
+      state.client.on_armed_changed();
+      return gboolean{opened};
     });
   };
   klass->stop = [](GstBaseSink *sink) -> gboolean {
     return guarded(sink, FALSE, [&] {
-      state_of(sink).session.close();
+      State &state = state_of(sink);
+      state.session.close();
+      state.client.on_armed_changed();
       return TRUE;
     });
   };

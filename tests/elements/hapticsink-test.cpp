@@ -8,6 +8,7 @@
 #include <gst/check/gstharness.h>
 #include <gst/check/gsttestclock.h>
 #include <limits>
+#include <list>
 #include <random>
 
 namespace {
@@ -298,15 +299,18 @@ TEST_F(HapticSink, IsArmedWhenItsDeviceIsOpen) {
 TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
   build_logging();
   push_motion(100, 0, 60);
-  set(GST_STATE_PLAYING);
-  ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
   std::atomic<int> notified = 0;
-  g_signal_connect(sink_.get(), "notify::armed",
-                   G_CALLBACK(+[](GObject *, GParamSpec *, std::atomic<int> *n) { ++*n; }),
-                   &notified);
+  const gulong handler = g_signal_connect(
+      sink_.get(), "notify::armed",
+      G_CALLBACK(+[](GObject *, GParamSpec *, std::atomic<int> *n) { ++*n; }), &notified);
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") >= 10 && notified >= 1; }));
+  EXPECT_EQ(notified, 1);
   g_signal_emit_by_name(sink_.get(), "release");
   EXPECT_FALSE(armed());
-  EXPECT_GE(notified, 1);
+  std::this_thread::sleep_for(50ms); // several rounds of the pointer thread
+  EXPECT_EQ(notified, 2);
+  g_signal_handler_disconnect(sink_.get(), handler);
   EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
   std::this_thread::sleep_for(100ms);
   EXPECT_EQ(newest_row()->force(), 0);
@@ -314,6 +318,69 @@ TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
   EXPECT_TRUE(armed());
   EXPECT_TRUE(eventually([&] { return newest_row()->fx > 0.5 - 1e-6; }));
   expect_fade(stop_and_read_log(), kHeldReleased, 0.05);
+}
+
+struct StateChange {
+  StateChange(GstElement *of, GstElement *from, GstState to)
+      : pipeline(of), sink(from), state(to) {}
+  GstElement *pipeline;
+  GstElement *sink;
+  GstState state;
+  std::atomic<bool> begun = false;
+  std::atomic<bool> done = false;
+  void make() {
+    if (begun.exchange(true))
+      return;
+    gst_element_set_state(pipeline, state);
+    done = true;
+  }
+};
+
+// The grip flies off: the loop disarms, and the pointer thread finds it.
+constexpr const char *kFliesOff = "device=sim sim-hand=free max-force=5 slew-rate=1000 damping=0";
+
+TEST_F(HapticSink, TheStateMayBeChangedFromTheHandlerOfArmed) {
+  std::list<StateChange> changes; // outlives the handlers
+  for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL}) {
+    build(kFliesOff);
+    pts_ = 0;
+    push_motion(1000, 0, 60);
+    StateChange &change = changes.emplace_back(pipeline_.get(), sink_.get(), state);
+    set(GST_STATE_PLAYING);
+    ASSERT_TRUE(eventually([&] { return armed(); }));
+    g_signal_connect(sink_.get(), "notify::armed",
+                     G_CALLBACK(+[](GstElement *, GParamSpec *, StateChange *c) { c->make(); }),
+                     &change);
+    EXPECT_TRUE(eventually([&] { return change.done.load(); })) << state;
+    g_signal_handlers_disconnect_by_data(sink_.get(), &change);
+    stop();
+  }
+}
+
+TEST_F(HapticSink, TheStateMayBeChangedFromTheHandlerOfAMessage) {
+  std::list<StateChange> changes;
+  for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL}) {
+    build(kFliesOff);
+    pts_ = 0;
+    push_motion(1000, 0, 60);
+    StateChange &change = changes.emplace_back(pipeline_.get(), sink_.get(), state);
+    GstBus *bus = gst_element_get_bus(pipeline_.get());
+    gst_bus_set_sync_handler(
+        bus,
+        [](GstBus *, GstMessage *message, gpointer data) {
+          auto *c = static_cast<StateChange *>(data);
+          if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING &&
+              GST_MESSAGE_SRC(message) == GST_OBJECT(c->sink))
+            c->make();
+          return GST_BUS_PASS;
+        },
+        &change, nullptr);
+    set(GST_STATE_PLAYING);
+    EXPECT_TRUE(eventually([&] { return change.done.load(); })) << state;
+    gst_bus_set_sync_handler(bus, nullptr, nullptr, nullptr);
+    gst_object_unref(bus);
+    stop();
+  }
 }
 
 TEST_F(HapticSink, AReleaseOutlivesTheNextStart) {
