@@ -7,6 +7,7 @@
 #include "spidar/export.hpp"
 #include "spidar/geometry.hpp"
 #include "spidar/haptic-device.hpp"
+#include "spidar/layout.hpp"
 
 #include <memory>
 #include <string>

@@ -12,10 +12,12 @@ namespace spidar {
 
 inline constexpr std::size_t kStrings = 8;
 
-using Vector3 = Eigen::Vector3d;
+// Not aligned: Eigen's own alignment depends on the processor that is compiled for (16 bytes for
+// SSE, 32 for AVX), and library and user may be compiled for different ones. layout.hpp checks it.
+using Vector3 = Eigen::Vector3d; // 24 and 72 bytes: Eigen never aligns these
 using Matrix3 = Eigen::Matrix3d;
-using StringLengths = Eigen::Matrix<double, kStrings, 1>; ///< m, motor to grip
-using Tensions = Eigen::Matrix<double, kStrings, 1>;      ///< N, never negative
+using StringLengths = Eigen::Matrix<double, kStrings, 1, Eigen::DontAlign>; ///< m, motor to grip
+using Tensions = Eigen::Matrix<double, kStrings, 1, Eigen::DontAlign>;      ///< N, never negative
 
 /// Position and orientation of the grip.
 struct Pose {
