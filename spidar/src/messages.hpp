@@ -49,6 +49,27 @@
   MESSAGE(kPeriod, "The %s's period must be from 0.00001 to 0.1 s.", "Give 0.001 for 1 kHz.")      \
   MESSAGE(kNoHand, "The simulator needs a hand script.",                                           \
           "Give the one that parse_hand_script() returns.")                                        \
+  /* C API: what a code means */                                                                   \
+  MESSAGE(kCodeNotFound, "There is no such device, geometry or file.",                             \
+          "Plug the device in and switch it on, or check the name.")                               \
+  MESSAGE(kCodePermission, "The device may not be opened by this user.",                           \
+          "Read spidar_open_error(): it has the line for udev.")                                   \
+  MESSAGE(kCodeBusy, "Another program uses the device.", "Close that program first.")              \
+  MESSAGE(kCodeGeometry, "The geometry cannot be used.",                                           \
+          "Read spidar_open_error(): it names the key to correct.")                                \
+  MESSAGE(kCodeArgument, "A value makes no sense.",                                                \
+          "Read spidar_open_error(): it names the value.")                                         \
+  MESSAGE(                                                                                         \
+      kCodeIo, "The device does not answer.",                                                      \
+      "Check its cable and power; if spidar_state.connected is 0, close it and open it again.")    \
+  MESSAGE(kCodeNull, "A pointer is null.",                                                         \
+          "Give the address of an object; a device is what spidar_open() stored.")                 \
+  MESSAGE(kCodeVersion, "A struct has another size than in this libspidar.",                       \
+          "Begin with SPIDAR_OPTIONS_INIT or SPIDAR_STATE_INIT, and compile the program again "    \
+          "with the headers of the installed library.")                                            \
+  MESSAGE(kCodeMemory, "The system has no memory or threads left.", "Close other programs.")       \
+  MESSAGE(kCodeUnknown, "This is no code of libspidar.",                                           \
+          "Give what one of its functions returned.")                                              \
   /* Hand scripts */                                                                               \
   MESSAGE(kHandScript, "Hand script '%s': %s.",                                                    \
           "Accepted are hold:X,Y,Z and circle:RADIUS,PERIOD and file:PATH and free, with X, Y, Z " \

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tool.hpp"
 
+#include "device-name.hpp"
 #include "fail.hpp"
 
 #include <clocale>
-#include <spidar/simulator.hpp>
-#include <spidar/usb.hpp>
 
 namespace spidar_tools {
 
@@ -39,16 +38,7 @@ ExitStatus status_of(const spidar::Error &error) {
 
 std::unique_ptr<spidar::Device> open_device(const Choice &choice) {
   const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
-  std::unique_ptr<spidar::Controller> controller;
-  if (choice.device == "sim")
-    controller =
-        std::make_unique<spidar::Simulator>(geometry, spidar::parse_hand_script(choice.sim_hand));
-  else if (choice.device == "usb")
-    controller = spidar::open_usb("");
-  else if (choice.device.starts_with("usb:") && choice.device.size() > 4)
-    controller = spidar::open_usb(choice.device.substr(4));
-  else
-    spidar::fail(spidar::Cause::argument, messages::kToolDevice, choice.device.c_str());
+  auto controller = spidar::open_controller(choice.device, geometry, choice.sim_hand);
   return std::make_unique<spidar::Device>(std::move(controller), geometry);
 }
 

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later
+ * Holds the grip at the centre with a spring, for a second. Example:
+ *   cc -std=c11 hold.c $(pkg-config --cflags --libs spidar) -o hold && ./hold usb */
+#define _POSIX_C_SOURCE 200809L
+#include <spidar/spidar.h>
+#include <stdio.h>
+#include <time.h>
+
+static const double kStiffness = 40;  /* N/m */
+static const double kLargest = 0.5;   /* N per axis */
+static const int kTicks = 1000;       /* one second */
+static const long kPeriod = 1000000L; /* ns */
+
+static void wait_for(struct timespec *next) {
+  next->tv_nsec += kPeriod;
+  if (next->tv_nsec >= 1000000000L) {
+    next->tv_nsec -= 1000000000L;
+    ++next->tv_sec;
+  }
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, next, NULL);
+}
+
+/* The force that pulls back to the centre; none where the pose is not known. */
+static void spring(const spidar_state *state, double force[3]) {
+  for (int axis = 0; axis < 3; ++axis) {
+    force[axis] = state->valid ? -kStiffness * state->position[axis] : 0;
+    if (force[axis] > kLargest)
+      force[axis] = kLargest;
+    if (force[axis] < -kLargest)
+      force[axis] = -kLargest;
+  }
+}
+
+static int hold(spidar_device *device) {
+  const double torque[3] = {0, 0, 0};
+  double force[3] = {0, 0, 0};
+  spidar_state state = SPIDAR_STATE_INIT;
+  struct timespec next;
+  clock_gettime(CLOCK_MONOTONIC, &next);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    int code = spidar_exchange(device);
+    if (code == SPIDAR_OK)
+      code = spidar_get_state(device, &state);
+    if (code != SPIDAR_OK)
+      return code;
+    spring(&state, force);
+    spidar_command(device, force, torque);
+    wait_for(&next);
+  }
+  printf("grip at %.1f %.1f %.1f mm, force %.2f %.2f %.2f N\n", 1e3 * state.position[0],
+         1e3 * state.position[1], 1e3 * state.position[2], state.force[0], state.force[1],
+         state.force[2]);
+  return SPIDAR_OK;
+}
+
+int main(int argc, char **argv) {
+  spidar_options options = SPIDAR_OPTIONS_INIT;
+  options.device = argc > 1 ? argv[1] : "usb";
+  options.sim_hand = argc > 2 ? argv[2] : NULL;
+  spidar_device *device = NULL;
+  if (spidar_open(&options, &device) != SPIDAR_OK) {
+    fprintf(stderr, "%s\n", spidar_open_error());
+    return 1;
+  }
+  const char *name = "";
+  spidar_describe(device, &name);
+  printf("%s, libspidar %s\n", name, spidar_version());
+  const int code = hold(device);
+  if (code != SPIDAR_OK)
+    fprintf(stderr, "%s\n", spidar_error_text(code));
+  spidar_close(device);
+  return code == SPIDAR_OK ? 0 : 1;
+}
