@@ -36,7 +36,7 @@ public:
   const Geometry &geometry() const noexcept;
 
 private:
-  struct Implementation;
+  struct SPIDAR_HIDDEN Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
 

@@ -47,7 +47,7 @@ public:
   const Pose &pose() const noexcept;
 
 private:
-  struct State;
+  struct SPIDAR_HIDDEN State;
   std::unique_ptr<State> state_;
 };
 
