@@ -124,7 +124,7 @@
           "spidar-guardian, and that the machine has memory left ('journalctl -k').")              \
   MESSAGE(kGuardianSilent, "The guardian %s does not answer.",                                     \
           "Make sure that SPIDAR_GUARDIAN names spidar-guardian, and that no debugger stops it.")  \
-  /* spidar-info, spidar-calibrate */                                                              \
+  /* spidar-info, spidar-calibrate, spidar-check */                                                \
   MESSAGE(kToolOption, "%s.", "--help names the options.")                                         \
   MESSAGE(kToolArgument, "'%s' is not understood.", "--help names the options.")                   \
   MESSAGE(kToolDevice, "The device '%s' is not known.",                                            \
@@ -143,6 +143,21 @@
   MESSAGE(kToolNoOutput, "Nothing says where the geometry goes.",                                  \
           "Give a file, such as --output my-spidar.ini.")                                          \
   MESSAGE(kToolExists, "%s exists already.", "Choose another name, or overwrite it with --force.") \
+  /* spidar-check */                                                                               \
+  MESSAGE(kCheckForce, "--force must be from 0.05 to 1 N.", "0.2 N is felt and harmless.")         \
+  MESSAGE(kCheckReport, "The report %s cannot be written: %s.",                                    \
+          "Choose another place with --report.")                                                   \
+  MESSAGE(kCheckPose, "The string lengths fit no pose.",                                           \
+          "Hold the grip in the centre at the start, see that no string hangs loose, and run "     \
+          "spidar-calibrate.")                                                                     \
+  MESSAGE(kCheckOtherWay, "That is the other way.",                                                \
+          "Do not arm it: see that the device stands upright, and run spidar-calibrate.")          \
+  MESSAGE(kCheckForceOff, "The strings cannot give that force here.",                              \
+          "Hold the grip in the centre at the start; else run spidar-calibrate.")                  \
+  MESSAGE(kCheckGuardian, "The guardian has not let go.",                                          \
+          "Do not use this device with a force; report it with what spidar-check --report wrote.") \
+  MESSAGE(kCheckDefect, "This breaks a promise of libspidar.",                                     \
+          "Do not use this device with a force; report it with what spidar-check --report wrote.") \
   /* spidar-emulator */                                                                            \
   MESSAGE(kEmulatorOption, "%s.", "See --help.")                                                   \
   MESSAGE(kEmulatorArgument, "'%s' is no option.", "See --help.")                                  \

@@ -42,7 +42,8 @@ std::unique_ptr<spidar::Device> open_device(const Choice &choice) {
   return std::make_unique<spidar::Device>(std::move(controller), geometry);
 }
 
-Options::Options(const char *arguments, const char *summary, const GOptionEntry *own)
+Options::Options(const char *arguments, const char *summary, const GOptionEntry *own,
+                 const char *exit_statuses)
     : context_(g_option_context_new(arguments)) {
   std::setlocale(LC_ALL, "");
   std::setlocale(LC_NUMERIC, "C"); // numbers look the same everywhere
@@ -56,7 +57,7 @@ Options::Options(const char *arguments, const char *summary, const GOptionEntry 
        "HAND"},
       {}};
   g_option_context_set_summary(context_.get(), summary);
-  g_option_context_set_description(context_.get(), kExitStatuses);
+  g_option_context_set_description(context_.get(), exit_statuses);
   g_option_context_add_main_entries(context_.get(), own, nullptr);
   g_option_context_add_main_entries(context_.get(), common, nullptr);
 }

@@ -46,7 +46,8 @@ struct Free {
 /// Options of a tool: its own, and --device, --geometry, --sim-hand.
 class Options {
 public:
-  Options(const char *arguments, const char *summary, const GOptionEntry *own);
+  Options(const char *arguments, const char *summary, const GOptionEntry *own,
+          const char *exit_statuses = kExitStatuses);
   /// False for a mistake, which has been reported.
   bool parse(int &argc, char **&argv);
   Choice choice() const;

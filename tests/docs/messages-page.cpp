@@ -49,9 +49,12 @@ std::string on_one_line(const std::string &text) {
   return std::regex_replace(text, line_break, " ");
 }
 
-// spidar's table holds the messages of its tools too.
+// spidar's table holds the messages of its tools and its C API too.
 bool is_of_tool(const Message &message) {
-  return message.name.starts_with("kTool") || message.name.starts_with("kEmulator");
+  for (const char *prefix : {"kTool", "kEmulator", "kCheck", "kCode"})
+    if (message.name.starts_with(prefix))
+      return true;
+  return false;
 }
 
 struct Extent {

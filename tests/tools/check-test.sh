@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# spidar-check as a person uses it, with the simulated device.
+# Usage: check-test.sh SPIDAR-CHECK
+check=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# `expect STATUS COMMAND...`; what it prints is kept for `says`.
+expect() {
+  local status=0 wanted=$1
+  shift
+  "$@" >"$work/output" 2>&1 </dev/null || status=$?
+  [ "$status" = "$wanted" ] || complain "$*: status $status instead of $wanted"
+}
+
+says() {
+  local text
+  for text; do
+    grep -qE -- "$text" "$work/output" || complain "'$text' is missing"
+  done
+}
+
+complain() {
+  echo "FAILED: $1"
+  sed 's/^/  | /' "$work/output"
+  failed=1
+}
+
+expect 0 "$check" --help
+says 'Exit status' '--report' '--ask'
+expect 2 "$check" --colour
+expect 2 "$check" more
+expect 2 "$check" --device serial --yes
+says "'serial' is not known"
+expect 2 "$check" --device sim --force 0
+says '0.05 to 1 N'
+expect 2 "$check" --device sim --force nan
+expect 2 "$check" --device sim --force 1.5
+
+expect 0 "$check" --device sim --yes --report "$work/report"
+says '^spidar-check [0-9.]+, libspidar [0-9.]+, ' '^simulated SPIDAR-G' \
+  '^pass +the device answers: 500 of 500 exchanges' \
+  '^pass +the pose is known' \
+  '^pass +the force is the commanded one: 0.20 N' \
+  '^pass +the grip goes where the force points' \
+  '^pass +a force that is not a number counts as zero' \
+  '^pass +tensions stay within the limits' \
+  '^pass +closing leaves minimum tension' \
+  '^not testable +the guardian lets go when the program is killed: a simulated' \
+  '^[0-9]+ pass, 0 fail, [0-9]+ not testable$'
+diff "$work/output" "$work/report" || complain 'the report is not what was printed'
+
+# Nobody answers: it does not pull.
+expect 0 "$check" --device sim
+says 'Press Enter when you are ready' 'the force is the commanded one: it may not pull'
+
+expect 2 "$check" --device sim --yes --report "$work/none/report"
+says 'cannot be written'
+
+# A hand that moves when it is asked to: right, up, towards.
+printf '%s\n' 0,0,0,0 0.7,0,0,0 0.9,0.8,0,0 1.5,0.8,0.8,0 2.2,0.8,0.8,0.8 >"$work/hand"
+printf '\n\n\nn\n' >"$work/answers"
+if ! "$check" --device sim --ask --sim-hand "file:$work/hand" <"$work/answers" >"$work/output" 2>&1; then
+  complain 'the pose follows the hand'
+fi
+says '^pass +the pose follows the hand to the right .* x \+8' '^pass +the pose follows the hand up .* y \+8' \
+  '^pass +the pose follows the hand towards you .* z \+8'
+# A hand that goes the other way.
+printf '%s\n' 0,0,0,0 0.7,0,0,0 0.9,-0.8,0,0 1.5,-0.8,0.8,0 2.2,-0.8,0.8,0.8 >"$work/hand"
+status=0
+"$check" --device sim --ask --sim-hand "file:$work/hand" <"$work/answers" >"$work/output" 2>&1 || status=$?
+[ "$status" = 1 ] || complain "status $status instead of 1"
+says '^FAIL +the pose follows the hand to the right .* x -8.*spidar-calibrate'
+[ "$failed" = 0 ]
