@@ -38,7 +38,7 @@ static int hold(spidar_device *device) {
   struct timespec next;
   clock_gettime(CLOCK_MONOTONIC, &next);
   for (int tick = 0; tick < kTicks; ++tick) {
-    int code = spidar_exchange(device);
+    int code = spidar_exchange(device, 1000000000LL * next.tv_sec + next.tv_nsec);
     if (code == SPIDAR_OK)
       code = spidar_get_state(device, &state);
     if (code != SPIDAR_OK)

@@ -19,7 +19,7 @@ using namespace spidar;
 // Programs are compiled with these sizes: a new member changes them, and then also SONAME or a way
 // to read the old struct is needed.
 static_assert(sizeof(void *) < 8 || sizeof(spidar_options) == 40);
-static_assert(sizeof(void *) < 8 || sizeof(spidar_state) == 352);
+static_assert(sizeof(void *) < 8 || sizeof(spidar_state) == 376);
 
 int code_of(Cause cause) noexcept {
   switch (cause) {
@@ -143,10 +143,10 @@ int spidar_describe(const spidar_device *device, const char **text) {
   return SPIDAR_OK;
 }
 
-int spidar_exchange(spidar_device *device) {
+int spidar_exchange(spidar_device *device, int64_t now) {
   if (!device)
     return SPIDAR_E_NULL;
-  return device->device.exchange() ? SPIDAR_OK : SPIDAR_E_IO;
+  return device->device.exchange(now) ? SPIDAR_OK : SPIDAR_E_IO;
 }
 
 int spidar_get_state(const spidar_device *device, spidar_state *state) {
@@ -158,6 +158,7 @@ int spidar_get_state(const spidar_device *device, spidar_state *state) {
   copy(from.pose.position, state->position);
   copy(Matrix3(from.pose.rotation.transpose()), state->rotation); // Eigen stores columns
   copy(from.velocity, state->velocity);
+  copy(from.angular_velocity, state->angular_velocity);
   copy(from.lengths, state->lengths);
   copy(from.tensions, state->tensions);
   copy(from.realised.force, state->force);

@@ -50,6 +50,7 @@ public:
     inner_->guard(rest);
   }
   bool connected() const noexcept override { return inner_->connected(); }
+  void set_time(std::int64_t now) noexcept override { inner_->set_time(now); }
   bool interrupted() noexcept override { return inner_->interrupted(); }
   std::string description() const override { return inner_->description(); }
 
@@ -69,7 +70,8 @@ Unit::Unit(const spidar_tools::Choice &choice) : paced_(choice.device != "sim") 
 }
 
 bool Unit::exchange() {
-  const bool answered = device_->exchange();
+  const bool answered =
+      device_->exchange(paced_ ? spidar::monotonic_time() : simulated_ += 1000000);
   const spidar::DeviceState &state = device_->state();
   valid_ticks_ += state.valid ? 1 : 0;
   lowest_ = std::min(lowest_, state.tensions.minCoeff());

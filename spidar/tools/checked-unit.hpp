@@ -58,6 +58,7 @@ private:
   std::unique_ptr<spidar::Device> device_;
   bool paced_;
   Clock::time_point next_ = Clock::now();
+  std::int64_t simulated_ = 0; ///< ns
   spidar::Vector3 force_ = spidar::Vector3::Zero();
   double lowest_ = 1e9;
   double highest_ = 0;

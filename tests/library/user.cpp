@@ -38,9 +38,9 @@ int main() {
   spidar::Device device(
       std::make_unique<spidar::Simulator>(geometry, spidar::parse_hand_script("hold:0.5,0.25,0")),
       geometry);
-  for (int tick = 0; tick < 20; ++tick) {
+  for (std::int64_t tick = 1; tick <= 20; ++tick) {
     device.command(wrench);
-    device.exchange();
+    device.exchange(1000000 * tick);
   }
   const spidar::DeviceState &state = device.state();
   std::printf("position %.6f %.6f %.6f\n", state.pose.position.x(), state.pose.position.y(),

@@ -25,7 +25,7 @@ protected:
   spidar_state state_under(const double (&force)[3]) {
     for (int tick = 0; tick < 100; ++tick) {
       EXPECT_EQ(spidar_command(device_, force, kNothing), SPIDAR_OK);
-      EXPECT_EQ(spidar_exchange(device_), SPIDAR_OK);
+      EXPECT_EQ(spidar_exchange(device_, now_ += 1000000), SPIDAR_OK);
     }
     spidar_state state = SPIDAR_STATE_INIT;
     EXPECT_EQ(spidar_get_state(device_, &state), SPIDAR_OK);
@@ -41,6 +41,7 @@ protected:
 
   spidar_options options_ = SPIDAR_OPTIONS_INIT;
   spidar_device *device_ = nullptr;
+  std::int64_t now_ = 0; // ns
 };
 
 TEST_F(CApi, MeasuresThePose) {
@@ -111,7 +112,7 @@ TEST_F(CApi, RefusesNullPointers) {
   const char *text = nullptr;
   double half[3] = {};
   EXPECT_EQ(spidar_close(nullptr), SPIDAR_E_NULL);
-  EXPECT_EQ(spidar_exchange(nullptr), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_exchange(nullptr, 0), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_calibrate(nullptr), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_get_state(nullptr, &state), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_describe(nullptr, &text), SPIDAR_E_NULL);

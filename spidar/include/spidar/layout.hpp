@@ -33,7 +33,9 @@ static_assert(offsetof(DeviceState, realised) == 280);
 static_assert(offsetof(DeviceState, feasible) == 328);
 static_assert(offsetof(DeviceState, valid) == 329);
 static_assert(offsetof(DeviceState, interrupted) == 330);
-static_assert(is<DeviceState>(336));
+static_assert(offsetof(DeviceState, angular_velocity) == 336);
+static_assert(offsetof(DeviceState, pressed) == 360);
+static_assert(is<DeviceState>(368));
 
 // From its first number: the size of std::string before it depends on the standard library.
 static_assert(offsetof(Geometry, attachments) - offsetof(Geometry, motors) == 192);

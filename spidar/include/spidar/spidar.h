@@ -54,10 +54,11 @@ typedef struct spidar_state {
   double force[3];                 /* N, what these tensions do at this pose */
   double torque[3];                /* N m, the same */
   int32_t counts[SPIDAR_STRINGS];
-  int32_t valid;       /* 1: the pose was measured */
-  int32_t feasible;    /* 1: the commanded wrench was within the limits */
-  int32_t interrupted; /* 1: the guardian has set minimum tension meanwhile */
-  int32_t connected;   /* 0: no exchange will succeed any more; close and open again */
+  int32_t valid;              /* 1: the pose was measured */
+  int32_t feasible;           /* 1: the commanded wrench was within the limits */
+  int32_t interrupted;        /* 1: the guardian has set minimum tension meanwhile */
+  int32_t connected;          /* 0: no exchange will succeed any more; close and open again */
+  double angular_velocity[3]; /* rad/s, low-passed */
 } spidar_state;
 
 #ifdef __cplusplus
@@ -91,9 +92,10 @@ SPIDAR_C_API int spidar_close(spidar_device *device);
 /* "SPIDAR-G, controller USB2.0 SH4, switch 2, USB 1-5". Valid until spidar_close(). */
 SPIDAR_C_API int spidar_describe(const spidar_device *device, const char **text);
 
-/* One tick: sends the last command, receives the pose. SPIDAR_E_IO if the device did not answer.
- * Call it once a period: it does not wait. Real-time safe. */
-SPIDAR_C_API int spidar_exchange(spidar_device *device);
+/* One tick at `now` (ns, of CLOCK_MONOTONIC; for a simulated device, of a clock of your own): sends
+ * the last command, receives the pose. SPIDAR_E_IO if the device did not answer. Call it once a
+ * period: it does not wait. Real-time safe. */
+SPIDAR_C_API int spidar_exchange(spidar_device *device, int64_t now);
 
 /* The state after the last exchange. Real-time safe. */
 SPIDAR_C_API int spidar_get_state(const spidar_device *device, spidar_state *state);
