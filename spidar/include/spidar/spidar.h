@@ -61,17 +61,16 @@ typedef struct spidar_state {
   double angular_velocity[3]; /* rad/s, low-passed */
 } spidar_state;
 
+/* Versions of clang-format disagree here. */
+/* clang-format off */
 #ifdef __cplusplus
-#define SPIDAR_OPTIONS_INIT                                                                        \
-  { sizeof(spidar_options) }
-#define SPIDAR_STATE_INIT                                                                          \
-  { sizeof(spidar_state) }
+#define SPIDAR_OPTIONS_INIT {sizeof(spidar_options)}
+#define SPIDAR_STATE_INIT {sizeof(spidar_state)}
 #else
-#define SPIDAR_OPTIONS_INIT                                                                        \
-  { .struct_size = sizeof(spidar_options) }
-#define SPIDAR_STATE_INIT                                                                          \
-  { .struct_size = sizeof(spidar_state) }
+#define SPIDAR_OPTIONS_INIT {.struct_size = sizeof(spidar_options)}
+#define SPIDAR_STATE_INIT {.struct_size = sizeof(spidar_state)}
 #endif
+/* clang-format on */
 
 /* "0.1.0": of the library, where SPIDAR_VERSION is that of the headers. */
 SPIDAR_C_API const char *spidar_version(void);
