@@ -25,11 +25,11 @@ TEST_P(CApi, DrivesTheUnitUntilItIsUnplugged) {
   constexpr double kTorque[3] = {0, 0, 0};
   const spidar::DacWords rest = unit_->words();
   ASSERT_EQ(spidar_command(device, kForce, kTorque), SPIDAR_OK);
-  ASSERT_EQ(spidar_exchange(device), SPIDAR_OK);
+  ASSERT_EQ(spidar_exchange(device, spidar::monotonic_time()), SPIDAR_OK);
   EXPECT_NE(unit_->words(), rest);
 
   bus_->unplug(device_number_);
-  EXPECT_EQ(spidar_exchange(device), SPIDAR_E_IO);
+  EXPECT_EQ(spidar_exchange(device, spidar::monotonic_time()), SPIDAR_E_IO);
   spidar_state state = SPIDAR_STATE_INIT;
   ASSERT_EQ(spidar_get_state(device, &state), SPIDAR_OK);
   EXPECT_EQ(state.valid, 0);
@@ -46,7 +46,7 @@ TEST_P(CApi, LeavesTheMotorsAtRest) {
   constexpr double kForce[3] = {0.5, 0, 0};
   constexpr double kTorque[3] = {0, 0, 0};
   spidar_command(device, kForce, kTorque);
-  spidar_exchange(device);
+  spidar_exchange(device, spidar::monotonic_time());
   EXPECT_EQ(spidar_close(device), SPIDAR_OK);
   EXPECT_EQ(unit_->words(), rest);
 }
