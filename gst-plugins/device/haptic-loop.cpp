@@ -135,7 +135,7 @@ void HapticLoop::run(const std::stop_token &stop) noexcept {
   }
 
   if (spidar::HapticDevice *device = run_.environment.device) {
-    device->command({});
+    device->rest(); // else the guardian misses the ticks that no longer come
     device->exchange(monotonic_now());
     device->exchange(monotonic_now());
   }

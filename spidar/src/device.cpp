@@ -229,6 +229,10 @@ void Device::command(const Wrench &wrench) noexcept {
   implementation_->state.feasible = result.feasible;
 }
 
+void Device::rest() noexcept {
+  implementation_->relax();
+}
+
 void Device::calibrate() noexcept {
   implementation_->calibrate();
 }

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <thread>
@@ -47,8 +48,12 @@ public:
   FakeGuardian(const FakeGuardian &) = delete;
   FakeGuardian &operator=(const FakeGuardian &) = delete;
 
-  /// As if it was stopped: it reads and answers nothing.
-  void stop() { stopped_ = true; }
+  /// As if it was stopped: from the return on it reads and answers nothing.
+  void stop() {
+    stopped_ = true;
+    while (!quiet_)
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
   void go_on() { stopped_ = false; }
 
   /// What the driver has told last. Waits until it is `word`.
@@ -73,7 +78,23 @@ public:
     }
   }
 
+  /// From now on it intervenes as the real one does: when it hears nothing under a force.
+  void guard(MockUnit &unit) { guarded_ = &unit; }
+  int interventions() const { return interventions_; }
+
 private:
+  using Clock = std::chrono::steady_clock;
+
+  void intervene_after_silence() {
+    MockUnit *unit = guarded_;
+    if (!unit || control_ < 0 || told_ != spidar::kForce ||
+        Clock::now() - heard_ < std::chrono::milliseconds(spidar::kGuardianPatience))
+      return;
+    intervene(*unit);
+    told_ = spidar::kRest;
+    ++interventions_;
+  }
+
   void notify(std::uint8_t kind, std::uint32_t value) {
     const spidar::GuardianNotice notice{.kind = kind, .value = value};
     send(control_, &notice, sizeof notice, MSG_NOSIGNAL);
@@ -89,10 +110,14 @@ private:
   }
 
   void run(const std::stop_token &stop) {
+    const sched_param priority{.sched_priority = 51}; // as the real one, where it is allowed
+    pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
     while (!stop.stop_requested()) {
-      if (control_ < 0 ? !readable(listener_) : stopped_ || !readable(control_))
+      quiet_ = stopped_.load();
+      if (control_ < 0 ? !readable(listener_) : quiet_ || !readable(control_)) {
+        intervene_after_silence();
         std::this_thread::sleep_for(std::chrono::microseconds(100));
-      else if (control_ < 0)
+      } else if (control_ < 0)
         accept_process();
       else
         read_word();
@@ -116,6 +141,7 @@ private:
     std::uint8_t word = 0;
     if (recv(control_, &word, 1, 0) == 1) {
       told_ = word;
+      heard_ = Clock::now();
       notify(writing_ ? spidar::kWriting : spidar::kHere, delivered_);
       return;
     }
@@ -128,8 +154,12 @@ private:
   int listener_ = -1;
   std::atomic<int> control_ = -1;
   std::atomic<bool> stopped_ = false;
+  std::atomic<bool> quiet_ = false;
   std::atomic<bool> writing_ = false;
   std::atomic<int> told_ = -1;
+  std::atomic<MockUnit *> guarded_ = nullptr;
+  std::atomic<int> interventions_ = 0;
+  Clock::time_point heard_{}; ///< of the thread
   std::atomic<std::uint32_t> delivered_ = 0;
   Bytes rest_;
   std::jthread thread_;

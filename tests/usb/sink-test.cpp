@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink with a controller that is pulled out of its socket while a film plays.
 #include "direct-fixture.hpp"
+#include "fake-guardian.hpp"
 #include "hapticsink-fixture.hpp"
 #include "loop-priority.hpp"
 #include "report-line.hpp"
@@ -47,10 +48,10 @@ protected:
       }
     });
   }
-  bool force_on_the_wire() const {
-    const spidar::DacWords words = unit_->words();
-    return *std::max_element(words.begin(), words.end()) > 60; // minimum tension is 45
+  static int highest(const spidar::DacWords &words) {
+    return *std::max_element(words.begin(), words.end());
   }
+  bool force_on_the_wire() const { return highest(unit_->words()) > 60; } // minimum tension is 45
   void arm() { g_signal_emit_by_name(sink_.get(), "arm"); }
   std::string text_of(GstMessage *message) {
     GError *error = nullptr;
@@ -169,6 +170,34 @@ TEST_F(Sink, F22_TheSecondOfTwoThatWantOneDeviceIsToldWhoHasIt) {
   gst_element_set_state(second.get(), GST_STATE_NULL);
   gst_element_set_bus(second.get(), nullptr);
   gst_object_unref(bus);
+}
+
+// Off the centre a force of zero is not minimum tension, and in READY nobody tells the guardian
+// that the program lives.
+TEST_F(Sink, InReadyTheMotorsAreAtRestWhereverTheGripIsAndTheGuardianKnows) {
+  const char *wanted = std::getenv("FEELING_WIND_READY");
+  const int rounds = wanted ? std::atoi(wanted) : 20;
+  test::FakeGuardian guardian;
+  plug();
+  build("device=usb:6 sync=false");
+  set(GST_STATE_READY);
+  const spidar::DacWords rest = unit_->words();
+  guardian.guard(*unit_);
+  unit_->move_hand({0.8, -0.6, 0.5});
+  std::uint64_t faults = 0;
+  for (int round = 0; round < rounds; ++round) {
+    set(GST_STATE_PAUSED);
+    ASSERT_TRUE(eventually([&] { return highest(unit_->words()) > highest(rest) + 1; })) << round;
+    set(GST_STATE_READY);
+    faults += count("faults");
+    ASSERT_EQ(unit_->words(), rest) << round;
+    ASSERT_TRUE(guardian.is_told(spidar::kRest)) << round;
+    const int before = guardian.interventions();
+    std::this_thread::sleep_for(15ms);
+    ASSERT_EQ(guardian.interventions(), before) << round;
+  }
+  stop();
+  test::report("ready-faults", static_cast<double>(faults)); // ticks may have been late
 }
 
 TEST_F(Sink, ItsEndLeavesMinimumTension) {

@@ -27,6 +27,7 @@ public:
   bool connected() const noexcept override;
   /// Computes the tensions for `wrench` at the present pose, within the geometry's limits.
   void command(const Wrench &wrench) noexcept override;
+  void rest() noexcept override;
   void calibrate() noexcept override;
   const DeviceState &state() const noexcept override;
   const Vector3 &workspace_half() const noexcept override;

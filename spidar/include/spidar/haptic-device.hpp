@@ -51,6 +51,11 @@ public:
   /// counts as zero. Real-time safe.
   virtual void command(const Wrench &wrench) noexcept = 0;
 
+  /// The next exchange leaves the device as it is left behind: a SPIDAR-G with minimum tension in
+  /// each string. Off the centre that is not what command({}) sends, which balances the strings.
+  /// Call it before the exchanges stop: only after this may they stay away. Real-time safe.
+  virtual void rest() noexcept { command({}); }
+
   /// Takes the present grip position as workspace centre and identity orientation. Real-time safe.
   virtual void calibrate() noexcept = 0;
 
