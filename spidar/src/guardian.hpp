@@ -25,7 +25,7 @@ public:
 
   enum class Watch {
     kept,   ///< it watches
-    silent, ///< it has not answered for kGuardianPatience, and may again
+    silent, ///< it has not answered for some milliseconds, and may again
     dead
   };
 

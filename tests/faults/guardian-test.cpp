@@ -381,7 +381,7 @@ TEST(Guardian, F3_ADeadGuardianIsNoticed) {
   test::report("dead-guardian-noticed-ms", milliseconds(Clock::now() - begin));
 }
 
-TEST(Guardian, F3_AStoppedGuardianIsNoticedWithinElevenTicks) {
+TEST(Guardian, F3_AStoppedGuardianIsNoticedWithinTenTicks) {
   const Wire wire;
   Guardian guardian(wire.device.get(), kEndpoint, kRestPacket);
   ASSERT_TRUE(watch_until(guardian, false, [] { return true; }));
@@ -394,7 +394,7 @@ TEST(Guardian, F3_AStoppedGuardianIsNoticedWithinElevenTicks) {
     now += 1ms;
     ++ticks;
   }
-  EXPECT_LE(ticks, 11);
+  EXPECT_LE(ticks, 10);
   test::report("stopped-guardian-noticed-ticks", ticks);
   for (int tick = 0; tick < 2000; ++tick)
     ASSERT_EQ(guardian.watch(false, now += 1ms), Watch::silent);
