@@ -83,6 +83,8 @@ bool HapticSession::open(const DeviceChoice &choice) {
   // A fault ends with the device that had it. What the user asked for (kHoldReleased) does not.
   loop_.unhold(kHoldClosed | kHoldOverspeed | kHoldFaulted | kHoldSuspended);
   note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
+  if (const std::string remark = device_ ? device_->remark() : ""; !remark.empty())
+    client_.on_notice({Severity::warning, NoticeCause::open, remark, {}});
   return true;
 }
 

@@ -257,4 +257,8 @@ std::string Device::description() const {
   return implementation_->controller->description();
 }
 
+std::string Device::remark() const {
+  return implementation_->controller->remark();
+}
+
 } // namespace spidar

@@ -75,13 +75,18 @@ std::string guardian_path() {
   return told ? told : SPIDAR_GUARDIAN_PATH;
 }
 
-Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet) {
+bool guardian_service_wanted() {
+  return !secure_getenv("SPIDAR_GUARDIAN");
+}
+
+Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
+                   bool use_service) {
   const GuardianOrder head{.endpoint = endpoint};
   std::array<std::uint8_t, sizeof head + kLargestGuardedPacket> bytes{};
   std::memcpy(bytes.data(), &head, sizeof head);
   std::memcpy(bytes.data() + sizeof head, packet.data(), packet.size());
   const std::span<const std::uint8_t> order(bytes.data(), sizeof head + packet.size());
-  if (connect_to_service(device, order))
+  if (use_service && connect_to_service(device, order))
     return;
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
@@ -95,23 +100,34 @@ Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint
     fail(Cause::io, messages::kGuardianEnded, guardian_path().c_str());
 }
 
-/// False if the user runs no such service, or it does not watch. A program that says which helper
-/// it wants gets that one.
+/// False if the user has no such service, or it does not watch.
 bool Guardian::connect_to_service(int device, std::span<const std::uint8_t> order) {
   const char *folder = secure_getenv("XDG_RUNTIME_DIR");
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   const std::string path = std::string(folder ? folder : "") + "/" + kGuardianSocket;
-  if (!folder || secure_getenv("SPIDAR_GUARDIAN") || path.size() >= sizeof address.sun_path)
+  if (!folder || path.size() >= sizeof address.sun_path)
     return false;
   std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
   socket_ = make_socket();
+  const bool connected =
+      connect(socket_.get(), reinterpret_cast<const sockaddr *>(&address), sizeof address) == 0;
+  if (!connected && errno == ENOENT)
+    return false;
   ucred peer{};
   socklen_t size = sizeof peer;
-  if (connect(socket_.get(), reinterpret_cast<const sockaddr *>(&address), sizeof address) != 0 ||
-      getsockopt(socket_.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0 ||
-      (peer.uid != geteuid() && peer.uid != 0))
+  if (connected && (getsockopt(socket_.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0 ||
+                    (peer.uid != geteuid() && peer.uid != 0)))
     return false;
+  if (connected && send_order(device, order) && service_watches())
+    return true;
+  if (remark_.empty())
+    remark_ = formatted(messages::kGuardianService, connected ? "it ends" : std::strerror(errno));
+  return false;
+}
+
+/// Sends the order with the device.
+bool Guardian::send_order(int device, std::span<const std::uint8_t> order) const {
   iovec part{.iov_base = const_cast<std::uint8_t *>(order.data()), .iov_len = order.size()};
   alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(sizeof(int))> extra{};
   msghdr message{};
@@ -124,11 +140,14 @@ bool Guardian::connect_to_service(int device, std::span<const std::uint8_t> orde
   header->cmsg_type = SCM_RIGHTS;
   header->cmsg_len = CMSG_LEN(sizeof device);
   std::memcpy(CMSG_DATA(header), &device, sizeof device);
-  if (sendmsg(socket_.get(), &message, MSG_NOSIGNAL) < 0)
-    return false;
+  return sendmsg(socket_.get(), &message, MSG_NOSIGNAL) >= 0;
+}
+
+bool Guardian::service_watches() {
   try {
     return await_ready();
-  } catch (const Error &) { // of another version, or too slow
+  } catch (const Error &) {
+    remark_ = formatted(messages::kGuardianService, "it is of another version, or too slow");
     return false;
   }
 }

@@ -10,6 +10,12 @@
 
 namespace spidar {
 
+/// Path of the helper program: $SPIDAR_GUARDIAN, or where it was installed.
+std::string guardian_path();
+
+/// Whether the user's service is tried first: a program that says which helper it wants gets that.
+bool guardian_service_wanted();
+
 class Guardian {
 public:
   using Clock = std::chrono::steady_clock;
@@ -17,7 +23,8 @@ public:
   /// `device` is a descriptor of usbfs, or a datagram socket that stands for one; `packet`, written
   /// to `endpoint`, puts the motors at rest. Returns once the guardian watches: the user's service
   /// if there is one, else a helper program. Throws Error (io).
-  Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet);
+  Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
+           bool use_service = guardian_service_wanted());
   /// Lets the guardian put the motors at rest and end, and waits for it: it shares the claim.
   ~Guardian();
   Guardian(const Guardian &) = delete;
@@ -46,8 +53,13 @@ public:
 
   int process() const noexcept { return process_; }
 
+  /// If the user has a service that does not watch, what to do; else empty.
+  const std::string &remark() const noexcept { return remark_; }
+
 private:
   bool connect_to_service(int device, std::span<const std::uint8_t> order);
+  bool send_order(int device, std::span<const std::uint8_t> order) const;
+  bool service_watches();
   void start_helper(int device, int control);
   bool await_ready();
   void read_notices() noexcept;
@@ -59,13 +71,11 @@ private:
   std::uint32_t delivered_before_ = 0;
   std::uint32_t delivered_ = 0;
   int process_ = 0;
+  std::string remark_;
   bool force_ = false;
   bool let_go_ = false;
   bool writing_ = false;
   bool dead_ = false;
 };
-
-/// Path of the helper program: $SPIDAR_GUARDIAN, or where it was installed.
-std::string guardian_path();
 
 } // namespace spidar

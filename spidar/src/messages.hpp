@@ -124,6 +124,14 @@
           "spidar-guardian, and that the machine has memory left ('journalctl -k').")              \
   MESSAGE(kGuardianSilent, "The guardian %s does not answer.",                                     \
           "Make sure that SPIDAR_GUARDIAN names spidar-guardian, and that no debugger stops it.")  \
+  MESSAGE(                                                                                         \
+      kGuardianService,                                                                            \
+      "The guardian service of this user does not start (%s), so the guardian is a helper: it "    \
+      "may be killed together with this program's container or control group.",                    \
+      "'systemctl --user status spidar-guardian.socket' shows why. If it is masked, run "          \
+      "'systemctl --user unmask spidar-guardian.socket spidar-guardian@.service' and "             \
+      "'systemctl --user restart spidar-guardian.socket'; if it is of another version, "           \
+      "install it and libspidar from the same package.")                                           \
   /* spidar-info, spidar-calibrate, spidar-check */                                                \
   MESSAGE(kToolOption, "%s.", "--help names the options.")                                         \
   MESSAGE(kToolArgument, "'%s' is not understood.", "--help names the options.")                   \

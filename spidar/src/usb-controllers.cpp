@@ -150,6 +150,8 @@ public:
     return text + ", USB " + link_->place().text();
   }
 
+  std::string remark() const override { return guardian_ ? guardian_->remark() : ""; }
+
 private:
   using Clock = Guardian::Clock;
 

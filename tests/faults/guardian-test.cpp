@@ -238,10 +238,12 @@ std::string refusal_by(const std::string &path) {
   return "";
 }
 
-/// Plays systemd: starts the guardian for one connection to the user's socket.
+/// Plays systemd: starts the guardian, or another program, for each connection to the user's
+/// socket.
 class Service {
 public:
-  Service() : real_(guardian_path()) {
+  explicit Service(const std::string &program = guardian_path())
+      : real_(guardian_path()), program_(program) {
     std::string folder = "/tmp/guardian-service-XXXXXX";
     folder_ = mkdtemp(folder.data());
     sockaddr_un address{};
@@ -259,14 +261,22 @@ public:
     listener_.reset();
   }
   ~Service() {
-    kill(systemd_, SIGKILL);
-    waitpid(systemd_, nullptr, 0);
+    end();
     unsetenv("XDG_RUNTIME_DIR");
     setenv("SPIDAR_GUARDIAN", real_.c_str(), 1);
     std::filesystem::remove_all(folder_);
   }
   Service(const Service &) = delete;
   Service &operator=(const Service &) = delete;
+
+  /// Nobody listens any more; the socket stays in its folder.
+  void end() {
+    if (systemd_ != 0) {
+      kill(systemd_, SIGKILL);
+      waitpid(systemd_, nullptr, 0);
+    }
+    systemd_ = 0;
+  }
 
 private:
   [[noreturn]] void serve() const {
@@ -283,12 +293,13 @@ private:
       close_range(kGuardianControl + 1, ~0U, 0);
       setenv("LISTEN_FDS", "1", 1);
       setenv("LISTEN_PID", std::to_string(getpid()).c_str(), 1);
-      execl(real_.c_str(), real_.c_str(), nullptr);
+      execl(program_.c_str(), program_.c_str(), nullptr);
       _exit(1);
     }
   }
 
   std::string real_;
+  std::string program_;
   std::string folder_;
   FileDescriptor listener_;
   pid_t systemd_ = 0;
@@ -490,6 +501,33 @@ TEST(Guardian, TheUsersServiceIsPreferredAndOutlivesTheProgramsSession) {
     test::report("service-kill-to-rest-ms", milliseconds(*rest - begin));
     waitpid(driver, nullptr, 0);
   }
+}
+
+/// What a program learns whose helper is `helper`, since the service does not watch.
+std::string remark_with_helper(const std::string &helper) {
+  setenv("SPIDAR_GUARDIAN", helper.c_str(), 1);
+  const Wire wire;
+  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket, true);
+  EXPECT_EQ(guardian.watch(false, Clock::now()), Watch::kept) << "the helper watches";
+  return guardian.remark();
+}
+
+TEST(Guardian, AServiceThatDoesNotStartIsReplacedByTheHelperWithARemark) {
+  const std::string real = guardian_path();
+  const std::string older = Helper::script("printf '\\003\\001\\000\\000\\000' >&3; sleep 1");
+  for (const std::string &program : {std::string("/nowhere"), std::string("/bin/false"), older}) {
+    const Service service(program); // with a masked template systemd closes the connection too
+    EXPECT_NE(remark_with_helper(real).find("unmask"), std::string::npos) << program;
+  }
+  std::filesystem::remove(older);
+  Service service;
+  EXPECT_EQ(remark_with_helper(real), "") << "it watches";
+  service.end();
+  EXPECT_NE(remark_with_helper(real).find("Connection refused"), std::string::npos);
+}
+
+TEST(Guardian, WithoutAServiceThereIsNothingToRemark) {
+  EXPECT_EQ(remark_with_helper(guardian_path()), "");
 }
 
 TEST(Guardian, TheMotorsAreAtRestWhenItIsSentAway) {

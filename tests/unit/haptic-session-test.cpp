@@ -31,6 +31,7 @@ struct Bench {
   spidar::Vector3 hand = spidar::Vector3::Zero(); // m
   spidar::Wrench commanded;
   int alive = 0; // devices that exist
+  std::string remark;
 };
 
 class FakeDevice final : public spidar::HapticDevice {
@@ -52,6 +53,7 @@ public:
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
   bool grip_is_free() const noexcept override { return true; }
   std::string description() const override { return "a fake"; }
+  std::string remark() const override { return bench_.remark; }
 
 private:
   Bench &bench_;
@@ -130,6 +132,14 @@ protected:
   std::vector<bool> armed_;
   std::unique_ptr<HapticSession> session_;
 };
+
+TEST_F(Session, WarnsOfWhatTheDeviceRemarks) {
+  bench_.remark = "It is guarded less.";
+  ASSERT_TRUE(session_->open(choice_));
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_EQ(notices_[0].severity, Severity::warning);
+  EXPECT_EQ(notices_[0].text, bench_.remark);
+}
 
 TEST_F(Session, IsFeltAfterItPlaysAndUntilItIsReleased) {
   begin();

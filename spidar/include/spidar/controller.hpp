@@ -37,6 +37,9 @@ public:
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
 
+  /// What its user should know of the guard, with the cure. Empty if nothing.
+  virtual std::string remark() const { return {}; }
+
   /// The next exchange() is at `now` (ns, monotonic). For a simulator, which has no time of its
   /// own; real-time safe.
   virtual void set_time(std::int64_t /*now*/) noexcept {}

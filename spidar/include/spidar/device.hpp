@@ -33,6 +33,7 @@ public:
   const Vector3 &workspace_half() const noexcept override;
   bool grip_is_free() const noexcept override { return true; }
   std::string description() const override;
+  std::string remark() const override;
 
   const Geometry &geometry() const noexcept;
 

@@ -70,6 +70,9 @@ public:
 
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
+
+  /// What its user should know before a hand holds it, with the cure. Empty if nothing.
+  virtual std::string remark() const { return {}; }
 };
 
 } // namespace spidar
