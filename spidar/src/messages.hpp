@@ -164,6 +164,9 @@
           "Hold the grip in the centre at the start; else run spidar-calibrate.")                  \
   MESSAGE(kCheckGuardian, "The guardian has not let go.",                                          \
           "Do not use this device with a force; report it with what spidar-check --report wrote.") \
+  MESSAGE(kCheckLate, "That is too late.",                                                         \
+          "Close other programs, let the user have real-time priority, and run it again; if that " \
+          "does not help, report it with what spidar-check --report wrote.")                       \
   MESSAGE(kCheckDefect, "This breaks a promise of libspidar.",                                     \
           "Do not use this device with a force; report it with what spidar-check --report wrote.") \
   /* spidar-emulator */                                                                            \

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "checked-unit.hpp"
 
-#include "device-name.hpp"
+#include "fail.hpp"
 
 #include <algorithm>
 #include <cstdlib>
-#include <thread>
 
 namespace spidar_check {
 
@@ -21,13 +20,14 @@ constexpr double kLetGoAt = 1.0; // m/s
 /// Hands everything on to another controller, and records it.
 class Recorder final : public spidar::Controller {
 public:
-  Recorder(std::unique_ptr<spidar::Controller> inner, std::shared_ptr<Record> record)
-      : inner_(std::move(inner)), record_(std::move(record)) {}
+  Recorder(std::unique_ptr<spidar::Controller> inner, std::shared_ptr<Record> record,
+           std::shared_ptr<Timer> timer)
+      : inner_(std::move(inner)), record_(std::move(record)), timer_(std::move(timer)) {}
 
   bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
-    const auto begin = Clock::now();
+    const auto begin = timer_->now();
     const bool answered = inner_->exchange(words, counts);
-    const auto end = Clock::now();
+    const auto end = timer_->now();
     Record &record = *record_;
     ++record.exchanges;
     record.last = words;
@@ -37,6 +37,7 @@ public:
     if (answered) {
       record.failed_in_a_row = 0;
       record.longest = std::max(record.longest, end - begin);
+      record.total += end - begin;
       record.answered = end;
     } else {
       ++record.failed;
@@ -52,26 +53,29 @@ public:
   bool connected() const noexcept override { return inner_->connected(); }
   void set_time(std::int64_t now) noexcept override { inner_->set_time(now); }
   bool interrupted() noexcept override { return inner_->interrupted(); }
+  bool pressed() const noexcept override { return inner_->pressed(); }
   std::string description() const override { return inner_->description(); }
 
 private:
   std::unique_ptr<spidar::Controller> inner_;
   std::shared_ptr<Record> record_;
+  std::shared_ptr<Timer> timer_;
 };
 
 } // namespace
 
-Unit::Unit(const spidar_tools::Choice &choice) : paced_(choice.device != "sim") {
-  const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
-  auto controller = spidar::open_controller(choice.device, geometry, choice.sim_hand);
-  device_ = std::make_unique<spidar::Device>(
-      std::make_unique<Recorder>(std::move(controller), record_), geometry);
-  next_ = Clock::now();
-}
+Unit::Unit(std::unique_ptr<spidar::Controller> controller, const spidar::Geometry &geometry,
+           std::shared_ptr<Timer> timer)
+    : timer_(std::move(timer)),
+      device_(std::make_unique<spidar::Device>(
+          std::make_unique<Recorder>(std::move(controller), record_, timer_), geometry)),
+      next_(timer_->now()), exchanged_(next_) {}
 
 bool Unit::exchange() {
-  const bool answered =
-      device_->exchange(paced_ ? spidar::monotonic_time() : simulated_ += 1000000);
+  const auto now = timer_->now();
+  longest_gap_ = std::max(longest_gap_, now - exchanged_);
+  exchanged_ = now;
+  const bool answered = device_->exchange(std::chrono::nanoseconds(now.time_since_epoch()).count());
   const spidar::DeviceState &state = device_->state();
   valid_ticks_ += state.valid ? 1 : 0;
   lowest_ = std::min(lowest_, state.tensions.minCoeff());
@@ -83,21 +87,37 @@ bool Unit::exchange() {
   return answered;
 }
 
+Clock::duration Unit::pause(Clock::duration time) {
+  const auto begin = exchanged_;
+  timer_->wait_until(begin + time);
+  const auto length = timer_->now() - begin;
+  forget_gaps();
+  return length;
+}
+
+void Unit::forget_gaps() {
+  exchanged_ = timer_->now();
+  longest_gap_ = {};
+}
+
 void Unit::tick(const Vector3 &wanted) {
-  if (paced_) {
-    next_ = std::max(next_ + kTick, Clock::now() - kTick); // no burst after a pause
-    std::this_thread::sleep_until(next_);
-  }
+  next_ = std::max(next_ + kTick, timer_->now() - kTick); // no burst after a pause
+  timer_->wait_until(next_);
+  // A person may have been asked something since the exchange before.
+  const double elapsed =
+      std::chrono::duration<double>(std::min<Clock::duration>(timer_->now() - exchanged_, 5ms))
+          .count();
   exchange();
   const spidar::DeviceState &state = device_->state();
   let_go_ = let_go_ || (state.velocity.norm() > kLetGoAt && force_.norm() > 0);
   const Vector3 change = (let_go_ ? Vector3(Vector3::Zero()) : wanted) - force_;
-  force_ += change * std::min(1.0, kRamp * 1e-3 / std::max(change.norm(), 1e-9));
+  force_ += change * std::min(1.0, kRamp * elapsed / std::max(change.norm(), 1e-9));
   device_->command({force_, Vector3::Zero()});
 }
 
 void Unit::run(double seconds, const Vector3 &wanted) {
-  for (int i = 0; i < static_cast<int>(seconds * 1e3); ++i) {
+  const auto end = timer_->now() + std::chrono::duration<double>(seconds);
+  while (timer_->now() < end) {
     tick(wanted);
     if (!connected())
       spidar::fail(spidar::Cause::io, spidar::messages::kToolSilent);

@@ -5,8 +5,9 @@
 
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <limits>
-#include <thread>
+#include <optional>
 
 namespace spidar_check {
 
@@ -18,16 +19,6 @@ namespace messages = spidar::messages;
 namespace {
 
 constexpr const char *kAxes[] = {"x", "y", "z"};
-
-double milliseconds(Clock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
-Finding verdict(const char *promise, bool holds, const std::string &figure, const char *failure) {
-  if (holds)
-    return {promise, Verdict::pass, figure};
-  return {promise, Verdict::fail, figure + ". " + failure};
-}
 
 Vector3 along(int axis, double length) {
   Vector3 vector = Vector3::Zero();
@@ -102,7 +93,7 @@ Finding tensions_are_limited(const Unit &unit) {
   const bool holds = unit.lowest_tension() >= geometry.tension_min - kOneWord &&
                      unit.highest_tension() <= geometry.tension_max + kOneWord &&
                      record.largest_word <= geometry.dac_limit;
-  return verdict("tensions stay within the limits of the geometry", holds,
+  return verdict("the tension of each string is within the limits of the geometry", holds,
                  formatted("%.2f to %.2f N of %.2f to %.2f N, D/A words up to %d of %d",
                            unit.lowest_tension(), unit.highest_tension(), geometry.tension_min,
                            geometry.tension_max, record.largest_word, geometry.dac_limit),
@@ -118,7 +109,7 @@ Finding not_a_number_is_zero(Unit &unit, double force) {
   unit.command({});
   const double difference = (unit.state().tensions - under_nan).cwiseAbs().maxCoeff();
   unit.run(kPhase, Vector3::Zero());
-  return verdict("a force that is not a number counts as zero", difference <= kOneWord,
+  return verdict("a number that is not finite counts as zero", difference <= kOneWord,
                  formatted("tensions differ by %.3f N from those of no force", difference),
                  messages::kCheckDefect);
 }
@@ -131,32 +122,76 @@ int change(const spidar::Counts &from, const spidar::Counts &to) {
   return largest;
 }
 
+// ---- The guardian
+
+constexpr const char *kHangs = "the program hangs under a force";
+constexpr const char *kInStep = "a reply belongs to the exchange that asked for it";
+constexpr const char *kGuardianHangs = "the guardian hangs";
+constexpr const char *kGuardianDies = "the guardian is killed";
+constexpr const char *kNotOurs = "there is no guardian that this program may signal: it is a user "
+                                 "service, or the device needs none";
+
 /// The guardian lets the grip move during a pause. The first reply after it must show that, not the
 /// second one.
-Finding replies_are_in_step(Unit &unit, double force) {
-  constexpr const char *kPromise = "a reply belongs to the exchange that asked for it";
+Finding replies_are_in_step(Unit &unit, const spidar::Counts &before) {
   constexpr int kVisible = 3; // counts
-  unit.run(kPhase, along(0, force));
-  const spidar::Counts before = unit.state().counts;
-  std::this_thread::sleep_for(100ms);
   const bool first_answered = unit.exchange();
   const spidar::Counts first = unit.state().counts;
   const bool second_answered = unit.exchange();
   const int at_once = change(before, first);
   const int later = change(first, unit.state().counts);
-  unit.run(kPhase, Vector3::Zero());
   const std::string figure =
       formatted("after a pause, %d counts at once and %d one reply later", at_once, later);
   if (!first_answered || !second_answered)
-    return {kPromise, Verdict::not_testable, "an exchange after the pause was not answered"};
+    return {kInStep, Verdict::not_testable, "an exchange after the pause was not answered"};
   if (std::max(at_once, later) < kVisible)
-    return {kPromise, Verdict::not_testable, figure + ": the grip did not move meanwhile"};
-  return verdict(kPromise, at_once > later, figure, messages::kCheckDefect);
+    return {kInStep, Verdict::not_testable, figure + ": the grip did not move meanwhile"};
+  return verdict(kInStep, at_once > later, figure, messages::kCheckDefect);
+}
+
+/// Ticks under `wanted` until `done`, for a second at most. Returns the time, or nothing.
+std::optional<Clock::duration> time_until(Unit &unit, const Vector3 &wanted,
+                                          const std::function<bool()> &done) {
+  constexpr auto kLongest = 1s;
+  const auto begin = unit.now();
+  unit.forget_gaps();
+  while (unit.now() - begin < kLongest) {
+    unit.tick(wanted);
+    if (done())
+      return unit.now() - begin;
+  }
+  return std::nullopt;
 }
 
 } // namespace
 
-void check_answers(Unit &unit, const Report &report) {
+double milliseconds(Clock::duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+Finding verdict(const char *promise, bool holds, const std::string &figure, const char *failure) {
+  if (holds)
+    return {promise, Verdict::pass, figure};
+  return {promise, Verdict::fail, figure + ". " + failure};
+}
+
+Finding in_time(const char *promise, Clock::duration taken, Clock::duration most,
+                Clock::duration mean_exchange, Clock::duration gap) {
+  const std::string figure =
+      formatted("after %.1f ms, %.0f ms promised", milliseconds(taken), milliseconds(most));
+  if (taken <= most)
+    return {promise, Verdict::pass, figure};
+  if (mean_exchange >= 1ms)
+    return {promise, Verdict::pass,
+            figure + formatted("; not judged, since an exchange takes %.1f ms here",
+                               milliseconds(mean_exchange))};
+  if (gap > 5ms)
+    return {promise, Verdict::not_testable,
+            figure + formatted("; this program itself was %.1f ms late", milliseconds(gap))};
+  return verdict(promise, false, figure, messages::kCheckLate);
+}
+
+bool check_answers(Unit &unit, const Report &report) {
   constexpr double kTime = 0.5; // s
   constexpr int kFault = 3;     // failures in a row
   const Record before = unit.record();
@@ -166,12 +201,16 @@ void check_answers(Unit &unit, const Report &report) {
   const long ticks = record.exchanges - before.exchanges;
   const long failed = record.failed - before.failed;
   const long valid = unit.valid_ticks() - valid_before;
-  report(verdict("the device answers", record.most_failed_in_a_row < kFault,
-                 formatted("%ld of %ld exchanges, the longest took %.2f ms", ticks - failed, ticks,
-                           milliseconds(record.longest)),
-                 messages::kToolSilent));
-  report(verdict("the pose is known", valid * 10 >= ticks * 9,
-                 formatted("in %ld of %ld exchanges", valid, ticks), messages::kCheckPose));
+  const bool answers = record.most_failed_in_a_row < kFault && ticks > failed;
+  const bool known = valid * 10 >= ticks * 9;
+  report(
+      verdict("the device answers", answers,
+              formatted("%ld of %ld exchanges, %.2f ms on average, %.2f ms at most", ticks - failed,
+                        ticks, milliseconds(record.mean()), milliseconds(record.longest)),
+              messages::kToolSilent));
+  report(verdict("the pose is known", known, formatted("in %ld of %ld exchanges", valid, ticks),
+                 messages::kCheckPose));
+  return answers && known;
 }
 
 void check_hand(Unit &unit, const Ask &ask, const Report &report) {
@@ -195,10 +234,9 @@ void check_hand(Unit &unit, const Ask &ask, const Report &report) {
 }
 
 void check_force(Unit &unit, double force, const Report &report) {
+  const int before = unit.interruptions();
   const Pulls pulls = pull_each_way(unit, force);
-  const Finding not_number = not_a_number_is_zero(unit, force);
-  const Finding in_step = replies_are_in_step(unit, force);
-  if (unit.let_go() || unit.interruptions() > 1) { // one is meant, during the pause
+  if (unit.let_go() || unit.interruptions() > before) {
     const char *why = unit.let_go() ? "the grip was faster than 1 m/s, so the force went off"
                                     : "the guardian intervened: this machine was late";
     report({"the force is the commanded one", Verdict::not_testable, why});
@@ -209,30 +247,95 @@ void check_force(Unit &unit, double force, const Report &report) {
         messages::kCheckForceOff));
     report(grip_goes_along(pulls));
   }
-  report(not_number);
-  report(in_step);
+  report(not_a_number_is_zero(unit, force));
   report(tensions_are_limited(unit));
 }
 
+void check_hang(Unit &unit, double force, const Report &report) {
+  constexpr auto kPromised = 15ms;
+  constexpr Clock::duration kPauses[] = {14ms, 100ms}; // just in time; more than long enough
+  std::optional<Clock::duration> rested;
+  Clock::duration late{};
+  Finding in_step{};
+  for (const auto pause : kPauses) {
+    unit.run(kPhase, along(0, force));
+    const int before = unit.interruptions();
+    const spidar::Counts counts = unit.state().counts;
+    const auto paused = unit.pause(pause);
+    in_step = replies_are_in_step(unit, counts);
+    if (unit.interruptions() > before && !rested) {
+      rested = paused;
+      late = paused - pause;
+    }
+  }
+  unit.run(kPhase, Vector3::Zero());
+  if (rested)
+    report(in_time(kHangs, *rested, kPromised, unit.record().mean(), late));
+  else
+    report(verdict(kHangs, false, "the guardian did nothing for 100 ms", messages::kCheckGuardian));
+  report(in_step);
+}
+
+void check_guardian_hangs(Unit &unit, double force, const SignalGuardian &signal,
+                          const Report &report) {
+  constexpr auto kPromised = 11ms;
+  const Vector3 wanted = along(0, force);
+  unit.run(kPhase, wanted);
+  const int before = unit.interruptions();
+  if (!signal(SIGSTOP))
+    return report({kGuardianHangs, Verdict::not_testable, kNotOurs});
+  const auto noticed = time_until(unit, wanted, [&] { return unit.interruptions() > before; });
+  const auto gap = unit.longest_gap();
+  signal(SIGCONT);
+  const int noticed_at = unit.interruptions();
+  const auto back =
+      time_until(unit, Vector3::Zero(), [&] { return unit.interruptions() > noticed_at; });
+  if (!noticed)
+    report(verdict(kGuardianHangs, false, "the force went on for 1 s", messages::kCheckDefect));
+  else if (!back)
+    report(verdict(kGuardianHangs, false, "it went on, but the force did not return",
+                   messages::kCheckDefect));
+  else
+    report(in_time(kGuardianHangs, *noticed, kPromised, unit.record().mean(), gap));
+}
+
+void check_guardian_dies(Unit &unit, double force, const SignalGuardian &signal,
+                         const Report &report) {
+  constexpr auto kPromised = 10ms;
+  const Vector3 wanted = along(0, force);
+  unit.run(kPhase, wanted);
+  if (!signal(SIGKILL))
+    return report({kGuardianDies, Verdict::not_testable, kNotOurs});
+  const auto noticed = time_until(unit, wanted, [&] { return !unit.connected(); });
+  if (noticed)
+    report(in_time(kGuardianDies, *noticed, kPromised, unit.record().mean(), unit.longest_gap()));
+  else
+    report(verdict(kGuardianDies, false, "the force went on for 1 s", messages::kCheckDefect));
+}
+
 void check_unplug(Unit &unit, const Ask &ask, const Report &report) {
-  constexpr const char *kPromise = "a pulled cable is noticed";
+  constexpr const char *kPromise = "the USB cable is pulled";
+  constexpr auto kPromised = 10ms;
   constexpr int kTimeToPull = 30'000; // ticks
   if (!ask("Press Enter, then pull the USB cable.")) {
     report({kPromise, Verdict::not_testable, "nobody pulled it"});
     return;
   }
+  unit.forget_gaps();
   for (int tick = 0; tick < kTimeToPull && unit.connected(); ++tick)
     unit.tick(Vector3::Zero());
-  if (unit.connected())
+  const auto silent = unit.now() - unit.record().answered;
+  if (!unit.connected())
+    report(in_time(kPromise, silent, kPromised, unit.record().mean(), unit.longest_gap()));
+  else if (unit.record().last_answered)
     report({kPromise, Verdict::not_testable, "every exchange was answered"});
   else
-    report({kPromise, Verdict::pass,
-            formatted("%.1f ms after the last answer",
-                      milliseconds(Clock::now() - unit.record().answered))});
+    report(verdict(kPromise, false, formatted("not noticed for %.0f ms", milliseconds(silent)),
+                   messages::kCheckDefect));
 }
 
 void check_close(const Record &record, const Report &report) {
-  report(verdict("closing leaves minimum tension",
+  report(verdict("closing the device leaves minimum tension",
                  record.last == record.rest && record.last_answered,
                  record.last_answered ? "the last exchange was answered"
                                       : "the last exchange was not answered",

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-check: walks through the promises of docs/safety.md on one device, and writes a report.
-#include "fail.hpp"
-#include "promises.hpp"
+#include "check-guardian.hpp"
+#include "check-report.hpp"
+#include "device-name.hpp"
+#include "tool.hpp"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <ctime>
+#include <csignal>
 #include <iostream>
-#include <spidar/spidar.h>
-#include <sys/utsname.h>
+#include <sched.h>
 
 using namespace spidar_check;
 using spidar_tools::Choice;
@@ -19,6 +18,8 @@ namespace {
 
 constexpr double kLeastForce = 0.05; // N
 constexpr double kMostForce = 1;
+constexpr double kDrive = 30;         // s; a second process is killed long before
+constexpr int kRealTimePriority = 50; // as the loop of hapticsink
 
 enum Status { kAllWell = 0, kFailed = 1, kWrongOptions = 2 };
 
@@ -28,39 +29,8 @@ struct Settings {
   bool may_pull = false;
   bool interactive = false;
   std::string report; ///< file, or empty
-};
 
-/// What is printed, and written to the report in the end.
-class Output {
-public:
-  void line(const std::string &text) {
-    std::cout << text << std::endl;
-    text_ += text + "\n";
-  }
-  void add(const Finding &finding) {
-    constexpr const char *kNames[] = {"pass", "FAIL", "not testable"};
-    const auto verdict = static_cast<std::size_t>(finding.verdict);
-    ++counts_[verdict];
-    line(spidar::formatted("%-12s  %s: %s", kNames[verdict], finding.promise,
-                           finding.figure.c_str()));
-  }
-  void summary() {
-    line(
-        spidar::formatted("%d pass, %d fail, %d not testable", counts_[0], counts_[1], counts_[2]));
-  }
-  bool failed() const { return counts_[1] > 0; }
-
-  void save(const std::string &path) const {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "w"),
-                                                                std::fclose);
-    if (!file || std::fputs(text_.c_str(), file.get()) < 0 || std::fflush(file.get()) != 0)
-      spidar::fail(spidar::Cause::argument, messages::kCheckReport, path.c_str(),
-                   std::strerror(errno));
-  }
-
-private:
-  std::string text_;
-  std::array<int, 3> counts_{};
+  bool simulated() const { return choice.device == "sim"; }
 };
 
 /// False if the answer is "n", or if there is nobody to answer.
@@ -70,87 +40,174 @@ bool ask(const std::string &question) {
   return std::getline(std::cin, answer) && answer != "n" && answer != "no";
 }
 
-void describe(Output &output, const Settings &settings) {
-  std::array<char, 32> time{};
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  std::strftime(time.data(), time.size(), "%Y-%m-%d %H:%M:%S UTC", &parts);
-  utsname system{};
-  uname(&system);
-  output.line(spidar::formatted("spidar-check %s, libspidar %s, %s, %s %s %s", SPIDAR_VERSION,
-                                spidar_version(), time.data(), system.sysname, system.release,
-                                system.machine));
-  output.line(spidar::formatted("device %s, geometry %s, force %.2f N",
-                                settings.choice.device.c_str(), settings.choice.geometry.c_str(),
-                                settings.force));
+/// No Ctrl-C leaves a force behind while there is no guardian.
+class SignalsBlocked {
+public:
+  SignalsBlocked() {
+    sigset_t set;
+    sigemptyset(&set);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+      sigaddset(&set, number);
+    pthread_sigmask(SIG_BLOCK, &set, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked &) = delete;
+  SignalsBlocked &operator=(const SignalsBlocked &) = delete;
+
+private:
+  sigset_t before_{};
+};
+
+Unit open_unit(const Settings &settings) {
+  const Choice &choice = settings.choice;
+  const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
+  std::shared_ptr<Timer> timer = std::make_shared<MachineTime>();
+  if (settings.simulated())
+    timer = std::make_shared<SimulatedTime>();
+  return {spidar::open_controller(choice.device, geometry, choice.sim_hand), geometry, timer};
 }
 
-/// Promises that no program on this device can check, each with the reason.
+/// The guardian of the open unit is the only child.
+bool signal_guardian(int number) {
+  const std::vector<pid_t> guardians = children();
+  return guardians.size() == 1 && kill(guardians.front(), number) == 0;
+}
+
+struct Promise {
+  const char *name;
+  const char *why; ///< nothing was measured
+};
+
+void list(const Report &report, std::initializer_list<Promise> promises) {
+  for (const Promise &promise : promises)
+    report({promise.name, Verdict::not_testable, promise.why});
+}
+
+/// Promises that no program with this device alone can check.
 void list_others(const Report &report) {
-  constexpr const char *kOfSink = "hapticsink does this: meson test --suite faults";
-  for (const char *promise :
-       {"the force fades when the video stops", "the force goes off when the grip is let go",
-        "force, torque, their change and their work are limited",
-        "the force fades after the machine slept"})
-    report({promise, Verdict::not_testable, kOfSink});
+  constexpr const char *kOfSink = "hapticsink does this, its tests check it";
+  constexpr const char *kFault = "needs a fault; spidar-emulator makes it";
+  list(report, {{"force on the grip", kOfSink},
+                {"torque", kOfSink},
+                {"change of the force", kOfSink},
+                {"work on the hand", kOfSink},
+                {"speed of the grip under a force", kOfSink},
+                {"the video stops, stalls, ends, is paused or sought in, shows another scene or "
+                 "nothing measurable",
+                 kOfSink},
+                {"the grip is let go", kOfSink},
+                {"release", kOfSink},
+                {"three exchanges fail", kFault},
+                {"a string slips, counts jump", kFault},
+                {"the device takes no data", kFault},
+                {"the machine slept", kOfSink},
+                {"a tick comes more than 20 ms late", kOfSink}});
 }
 
-/// What needs a real device or an emulated one. None may be open.
-void check_usb(const Settings &settings, const Report &report, bool pulled) {
-  const bool simulated = settings.choice.device == "sim";
-  const char *why = simulated ? "a simulated device has none" : "it may not pull";
-  if (simulated || !pulled) {
-    report({"the guardian lets go when the program hangs", Verdict::not_testable, why});
-    report({"the guardian lets go when the program is killed", Verdict::not_testable, why});
-  } else {
-    check_guardian(settings.choice, settings.force, settings.interactive ? Ask(ask) : Ask(),
-                   report);
-  }
-  if (simulated || !settings.interactive) {
-    report({"a pulled cable is noticed", Verdict::not_testable,
-            simulated ? "a simulated device has none" : "asked for with --ask only"});
-    return;
-  }
-  Unit unit(settings.choice);
-  check_unplug(unit, ask, report);
+/// Promises that need a force, with the reason why there was none.
+void list_without_force(const Report &report, const char *why) {
+  list(report, {{"the force is the commanded one", why},
+                {"the tension of each string", why},
+                {"a number that is not finite counts as zero", why},
+                {"the program hangs under a force", why},
+                {"the guardian hangs", why},
+                {"the guardian is killed", why},
+                {"the program is killed or crashes", why},
+                {"program and guardian are killed together", why}});
 }
 
-/// Returns what the device was sent, also while it was closed. `pulled`: it was allowed to.
-std::shared_ptr<const Record> check_open_unit(const Settings &settings, Output &output,
-                                              const Report &report, bool &pulled) {
-  Unit unit(settings.choice);
-  output.line(unit.description());
-  check_answers(unit, report);
+/// What the checks without and with a force have found out.
+struct Session {
+  std::shared_ptr<const Record> record; ///< of the device, also after it was closed
+  bool pulled = false;                  ///< it was allowed to
+};
+
+Session check_open_unit(const Settings &settings, Output &output, const Report &report) {
+  Unit unit = open_unit(settings);
+  output.describe_unit(unit);
+  const bool usable = check_answers(unit, report);
   if (settings.interactive)
     check_hand(unit, ask, report);
   else
-    report({"the pose follows the hand", Verdict::not_testable, "asked for with --ask only"});
-  pulled = settings.may_pull ||
-           ask(spidar::formatted("Hold the grip in the centre. It will pull with %.2f N in every "
-                                 "direction. Press Enter when you are ready.",
-                                 settings.force));
-  if (pulled)
-    check_force(unit, settings.force, report);
-  else
-    report({"the force is the commanded one", Verdict::not_testable, "it may not pull"});
-  return unit.shared_record();
+    list(report, {{"the pose follows the hand", "asked for with --ask only"}});
+  const bool may =
+      usable &&
+      (settings.may_pull ||
+       ask(spidar::formatted("Hold the grip in the centre. It will pull with %.2f N in every "
+                             "direction. Press Enter when you are ready.",
+                             settings.force)));
+  if (!may) {
+    list_without_force(report, usable ? "it may not pull" : "without a pose it must not pull");
+    return {unit.shared_record(), false};
+  }
+  check_force(unit, settings.force, report);
+  if (!settings.simulated()) {
+    check_hang(unit, settings.force, report);
+    const SignalsBlocked blocked;
+    check_guardian_hangs(unit, settings.force, signal_guardian, report);
+  }
+  return {unit.shared_record(), true};
+}
+
+/// The faults that end with the device closed. None may be open.
+void check_ends(const Settings &settings, const Session &session, const Report &report) {
+  {
+    const SignalsBlocked blocked;
+    Unit unit = open_unit(settings);
+    check_guardian_dies(unit, settings.force, signal_guardian, report);
+  }
+  OtherProgram program;
+  program.drive = [&](const std::function<void()> &pulls) {
+    Unit unit = open_unit(settings);
+    unit.run(0.4, {settings.force, 0, 0});
+    pulls();
+    unit.run(kDrive, {settings.force, 0, 0});
+  };
+  program.open = [&] { open_unit(settings); };
+  program.mean_exchange = session.record->mean();
+  check_kill(program, settings.interactive ? Ask(ask) : Ask(), report);
+}
+
+void check_cable(const Settings &settings, const Report &report) {
+  if (!settings.interactive)
+    return list(report, {{"the USB cable is pulled", "asked for with --ask only"}});
+  Unit unit = open_unit(settings);
+  check_unplug(unit, ask, report);
+}
+
+void check_all(const Settings &settings, Output &output, const Report &report) {
+  constexpr const char *kNone = "a simulated device has none";
+  const Session session = check_open_unit(settings, output, report);
+  check_close(*session.record, report);
+  if (settings.simulated())
+    return list(report, {{"the USB cable is pulled", kNone},
+                         {"the program hangs under a force", kNone},
+                         {"the guardian hangs", kNone},
+                         {"the guardian is killed", kNone},
+                         {"the program is killed or crashes", kNone},
+                         {"program and guardian are killed together", kNone}});
+  if (session.pulled)
+    check_ends(settings, session, report);
+  check_cable(settings, report);
 }
 
 Status check(const Settings &settings) {
   Output output;
   const Report report = [&output](const Finding &finding) { output.add(finding); };
-  describe(output, settings);
-  bool pulled = false;
+  adopt_guardians();
+  const sched_param priority{.sched_priority = kRealTimePriority};
+  if (!settings.simulated())
+    sched_setscheduler(0, SCHED_FIFO, &priority); // without it, it may be late
+  output.describe_machine(
+      spidar::formatted("device %s, force %.2f N", settings.choice.device.c_str(), settings.force));
   try {
-    check_close(*check_open_unit(settings, output, report, pulled), report);
-    check_usb(settings, report, pulled);
-    list_others(report);
+    check_all(settings, output, report);
   } catch (const spidar::Error &error) {
     if (error.cause() == spidar::Cause::argument)
       throw;
     report({"the device can be driven", Verdict::fail, error.what()});
   }
+  list_others(report);
   output.summary();
   if (!settings.report.empty())
     output.save(settings.report);
