@@ -45,12 +45,29 @@ says '^spidar-check [0-9.]+, libspidar [0-9.]+, ' '^simulated SPIDAR-G' \
   '^pass +the pose is known' \
   '^pass +the force is the commanded one: 0.20 N' \
   '^pass +the grip goes where the force points' \
-  '^pass +a force that is not a number counts as zero' \
-  '^pass +tensions stay within the limits' \
-  '^pass +closing leaves minimum tension' \
-  '^not testable +the guardian lets go when the program is killed: a simulated' \
+  '^pass +a number that is not finite counts as zero' \
+  '^pass +the tension of each string is within the limits' \
+  '^pass +closing the device leaves minimum tension' \
+  '^not testable +the program is killed or crashes: a simulated' \
+  '^geometry spidar-g6x3r, dac-limit 4095' '^volts-per-newton( [-0-9.]+){8}$' \
   '^[0-9]+ pass, 0 fail, [0-9]+ not testable$'
 diff "$work/output" "$work/report" || complain 'the report is not what was printed'
+
+# Every promise of the safety page is named: the limits, and the events of the table.
+safety=$(dirname "$0")/../../docs/safety.md
+promises() {
+  sed -n '/^## What limits/,/^## /s/^\* \([^:]*\):.*/\1/p' "$safety"
+  sed -n '/^## What happens/,/^## /s/^| \([^|]*\) |.*/\1/p' "$safety" | sed '1d; s/ *([^)]*)//; s/`//g'
+}
+[ "$(promises | wc -l)" -gt 15 ] || complain 'the promises of docs/safety.md are not found'
+while IFS= read -r promise; do
+  grep -qiF -- "$promise" "$work/report" ||
+    complain "docs/safety.md promises '$promise': add it to spidar/tools/spidar-check.cpp, with a check or the reason why there is none"
+done < <(promises)
+
+# The report has no path into the home folder.
+expect 1 env HOME="$work" "$check" --device sim --geometry "$work/none.ini" --yes
+says ' .~/none.ini|file ~/none.ini'
 
 # Nobody answers: it does not pull.
 expect 0 "$check" --device sim
