@@ -170,7 +170,7 @@ TEST(Checks, AGoodDeviceKeepsEveryPromise) {
 TEST(Checks, ASilentDeviceFailsAndMustNotPull) {
   Checked checked({.silent = true});
   EXPECT_FALSE(check_answers(checked.unit(), checked.report()));
-  checked.expect_fail("the device answers", "0 of 500");
+  checked.expect_fail("the device answers", "0 of ");
 }
 
 TEST(Checks, ADeviceWithoutAPoseFailsAndMustNotPull) {
