@@ -33,6 +33,7 @@ constexpr int kTimeToMove = 10'000; // ticks
 
 /// Which way the grip went along `axis`: 1, -1, or 0 if it did not move enough.
 int direction_moved(Unit &unit, int axis, double &moved) {
+  unit.run(0.02, Vector3::Zero()); // the grip may have moved since the question
   const double begin = unit.state().pose.position[axis];
   for (int tick = 0; tick < kTimeToMove && unit.connected(); ++tick) {
     unit.tick(Vector3::Zero());
