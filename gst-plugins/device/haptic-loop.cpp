@@ -19,6 +19,9 @@ constexpr std::int64_t kSecond = 1'000'000'000;            // ns
 constexpr std::int64_t kTooLate = 20'000'000;              // ns
 constexpr std::int64_t kRetryFaultedDevice = kSecond / 10; // ns
 constexpr double kGripLetGo = 1.0;                         // m/s
+constexpr double kGripTurnedOn = 3;                        // rad/s, while the torque drives it
+constexpr double kGripWhirls = 10;                         // rad/s, whatever drives it
+constexpr double kTurnsFor = 0.0045;                       // s, as the speed's low-pass of 35 Hz
 constexpr int kFailuresToFault = 3;
 constexpr int kRealTimePriority = 50; // above what desktops use, below the kernel's threads
 
@@ -247,7 +250,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
     }
   }
   if (device->state().interrupted) {
-    run_.chain = {}; // the motors are at rest: the force begins anew, from zero
+    run_.chain.restart(); // the motors are at rest
     add<std::uint64_t>(run_.statistics.interruptions);
   }
   if (gone)
@@ -264,7 +267,17 @@ void HapticLoop::update_motion(std::int64_t now) noexcept {
     run_.motion = run_.interpolator.at(run_.running_time.at(now), run_.place);
 }
 
-std::uint32_t HapticLoop::holds_of_tick(bool late) noexcept {
+// Without a force the grip may move and turn as fast as the hand likes.
+bool HapticLoop::is_let_go(const spidar::DeviceState &state, double dt) noexcept {
+  const double turning = state.angular_velocity.norm();
+  const bool turns = turning > kGripWhirls ||
+                     (turning > kGripTurnedOn && run_.chain.drives(state.angular_velocity));
+  run_.turns_for = turns ? run_.turns_for + dt : 0;
+  return !run_.chain.silent() &&
+         (state.velocity.norm() > kGripLetGo || run_.turns_for >= kTurnsFor);
+}
+
+std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   std::uint32_t holds = holds_.load();
   if (late)
     holds |= kHoldLate;
@@ -278,9 +291,7 @@ std::uint32_t HapticLoop::holds_of_tick(bool late) noexcept {
   const spidar::DeviceState &state = device->state();
   if (!state.valid)
     return holds | kHoldNoPose;
-  // Without a force the grip may move as fast as the hand likes.
-  if (device->grip_is_free() && state.velocity.norm() > kGripLetGo && !run_.chain.silent() &&
-      !(holds & kHoldOverspeed)) {
+  if (device->grip_is_free() && is_let_go(state, dt) && !(holds & kHoldOverspeed)) {
     hold(kHoldOverspeed);
     holds |= kHoldOverspeed;
     add<std::uint64_t>(run_.statistics.overspeeds);
@@ -293,10 +304,11 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const LawSettings &law = settings.law_settings;
   const MotionAt &now = run_.motion;
   SafetyChain::Input input;
-  input.holds = holds_of_tick(late);
+  input.holds = holds_of_tick(dt, late);
   PlanarVelocity hand;
   if (const spidar::HapticDevice *device = run_.environment.device) {
     input.hand_velocity = device->state().velocity;
+    input.hand_turning = device->state().angular_velocity;
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }

@@ -62,7 +62,7 @@ struct LoopStatistics {
   SharedValue<std::uint64_t> missed_ticks;  ///< began more than 20 ms late
   SharedValue<std::uint64_t> device_faults; ///< three failed exchanges in a row, or unplugged
   SharedValue<std::uint64_t> interruptions; ///< times that the guardian took the force off
-  SharedValue<std::uint64_t> overspeeds;    ///< grip faster than 1 m/s with a force on it
+  SharedValue<std::uint64_t> overspeeds;    ///< grip let go: too fast with a force on it
   SharedValue<std::uint64_t> non_finite;    ///< ticks silenced by a NaN or an infinity
   SharedValue<std::uint64_t> suspends;      ///< times that the machine slept
   SharedValue<std::uint64_t> log_rows_lost;
@@ -217,6 +217,7 @@ private:
     std::int64_t last_tick = 0; // ns, 0: none yet
     std::int64_t retry_at = 0;  // ns, while faulted
     int failed_exchanges = 0;
+    double turns_for = 0;                  // s, faster than a hand that is in control of the grip
     std::optional<std::int64_t> log_start; // ns, monotonic; of the first row
     bool row_had_force = false;
   };
@@ -228,7 +229,8 @@ private:
   void exchange(std::int64_t now) noexcept;
   void lose_device() noexcept;
   void update_motion(std::int64_t now) noexcept;
-  std::uint32_t holds_of_tick(bool late) noexcept;
+  bool is_let_go(const spidar::DeviceState &state, double dt) noexcept;
+  std::uint32_t holds_of_tick(double dt, bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept;
   TickRow make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;

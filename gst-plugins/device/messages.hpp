@@ -18,8 +18,8 @@
   MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
           "Check its cable and power, then re-arm (signal arm).")                                  \
   MESSAGE(kGripLetGo,                                                                              \
-          "The grip moved faster than 1 m/s, as if it had been let go. The force is off and the "  \
-          "video goes on.",                                                                        \
+          "The grip moved faster than 1 m/s or turned faster than 3 rad/s, as if it had been "     \
+          "let go. The force is off and the video goes on.",                                       \
           "Take the grip and re-arm (signal arm).")                                                \
   MESSAGE(kMachineSlept, "The machine slept. The force is off and the video goes on.",             \
           "Take the grip and re-arm (signal arm).")                                                \

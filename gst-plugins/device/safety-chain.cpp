@@ -41,10 +41,11 @@ constexpr double kWorkToFade = 0.25; // J
 
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
-         input.hand_velocity.allFinite() && std::isfinite(input.confidence) &&
-         std::isfinite(input.age) && std::isfinite(input.interval) &&
-         std::isfinite(input.max_force) && std::isfinite(input.max_torque) &&
-         std::isfinite(input.slew_rate) && std::isfinite(input.damping) && std::isfinite(input.dt);
+         input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
+         std::isfinite(input.confidence) && std::isfinite(input.age) &&
+         std::isfinite(input.interval) && std::isfinite(input.max_force) &&
+         std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
+         std::isfinite(input.damping) && std::isfinite(input.dt);
 }
 
 Vector3 clamp_norm(const Vector3 &v, double limit) {
@@ -68,6 +69,19 @@ Vector3 damped(const Vector3 &force, const SafetyChain::Input &input) {
     return force;
   const double brake = std::min(input.damping * (speed - SafetyChain::kUndamped), force.norm());
   return force - brake / speed * input.hand_velocity;
+}
+
+// tau' = tau - min(b (|w| - w_0), |tau| + r |F|) w / |w| for |w| > w_0 = kUnbraked, with
+// b = kTurnBrake and r = kTorqueArm: away from the centre a force turns the grip, too. It is not
+// slew-limited: a free grip turns up within milliseconds.
+Vector3 braked_torque(const Wrench &wrench, const SafetyChain::Input &input) {
+  const double speed = input.hand_turning.norm();
+  if (speed <= SafetyChain::kUnbraked)
+    return wrench.torque;
+  const double most = wrench.torque.norm() + SafetyChain::kTorqueArm * wrench.force.norm();
+  const double brake = std::min(SafetyChain::kTurnBrake * (speed - SafetyChain::kUnbraked), most);
+  return clamp_norm(wrench.torque - brake / speed * input.hand_turning,
+                    std::max(input.max_torque, wrench.torque.norm()));
 }
 
 } // namespace
@@ -101,9 +115,9 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     gate_ = 0;
 
   account_for_work(input);
-  if (holds)
-    return fade_out(holds, dt);
-  return follow(input);
+  braked_ = holds ? fade_out(holds, dt) : follow(input);
+  braked_.torque = braked_torque(output_, input);
+  return braked_;
 }
 
 Wrench SafetyChain::silence() noexcept {
@@ -111,7 +125,15 @@ Wrench SafetyChain::silence() noexcept {
   gate_ = 0;
   accepted_ = {};
   output_ = {};
+  braked_ = {};
   return output_;
+}
+
+void SafetyChain::restart() noexcept {
+  silence();
+  holds_ = kHoldGap;
+  fade_left_ = 0;
+  fade_in_ = std::max(fade_in_, SafetyChain().fade_in_);
 }
 
 // F(t) = F(0) (1 - t / T): scales down the present command, so that the force falls in a straight
@@ -145,11 +167,12 @@ Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   return output_;
 }
 
-// E += (0.3 W - max(F . v, 0)) dt, 0 <= E <= 0.9 J. Only work that the force did counts: a hand
-// that pushes back does not add to the budget.
+// E += (0.3 W - max(F . v + tau . w, 0)) dt, 0 <= E <= 0.9 J. Only work that the force did counts:
+// a hand that pushes back does not add to the budget.
 void SafetyChain::account_for_work(const Input &input) noexcept {
   const double dt = std::max(input.dt, 0.0);
-  const double power = std::max(output_.force.dot(input.hand_velocity), 0.0);
+  const double power = std::max(
+      braked_.force.dot(input.hand_velocity) + braked_.torque.dot(input.hand_turning), 0.0);
   work_left_ = std::clamp(work_left_ + (kWorkRate - power) * dt, 0.0, kWorkAtOnce);
 }
 
@@ -161,9 +184,8 @@ Wrench SafetyChain::follow(const Input &input) noexcept {
   // A measurement not worth trusting must not turn the force on its way to zero.
   if (confidence_gate(input.confidence) > 0)
     accepted_ = input.wanted;
-  const double share = gate_ * envelope_;
-  const double work_share = std::min(work_left_ / kWorkToFade, 1.0);
-  const Vector3 force = clamp_norm(accepted_.force, input.max_force) * (share * work_share);
+  const double share = gate_ * envelope_ * std::min(work_left_ / kWorkToFade, 1.0);
+  const Vector3 force = clamp_norm(accepted_.force, input.max_force) * share;
   const Vector3 torque = clamp_norm(accepted_.torque, input.max_torque) * share;
 
   const double step = input.slew_rate * dt;

@@ -33,7 +33,7 @@ inline constexpr std::uint32_t kLatches =
     kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
 
 /// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, work limit,
-/// damping, slew limit, norm clamp. One thread; real-time safe.
+/// damping, slew limit, norm clamp, brake of the turning grip. One thread; real-time safe.
 class SafetyChain {
 public:
   /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
@@ -44,6 +44,9 @@ public:
   static constexpr double kUndamped = 0.1; // m/s
   /// About the grip's radius: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
+  /// A grip that turns faster than this one is braked (docs/force.md#turning).
+  static constexpr double kUnbraked = 1;     // rad/s
+  static constexpr double kTurnBrake = 6e-3; // N·m·s
 
   struct Input {
     spidar::Wrench wanted;   ///< N and N·m, from the law
@@ -53,6 +56,7 @@ public:
     double interval = 0;     ///< s between the frames it was measured from
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
+    spidar::Vector3 hand_turning = spidar::Vector3::Zero();  ///< rad/s
     double max_force = 0;                                    ///< N
     double max_torque = 0;                                   ///< N·m
     double slew_rate = 0;                                    ///< N/s; for the torque at kTorqueArm
@@ -65,7 +69,13 @@ public:
   spidar::Wrench step(const Input &input) noexcept;
 
   /// Returns the result of the last step.
-  const spidar::Wrench &wrench() const noexcept { return output_; }
+  const spidar::Wrench &wrench() const noexcept { return braked_; }
+  /// Whether the torque of the last step, before the brake, turns the grip on in this direction.
+  bool drives(const spidar::Vector3 &turning) const noexcept {
+    return output_.torque.dot(turning) > 0;
+  }
+  /// The force begins anew, from zero. The work that is left is kept.
+  void restart() noexcept;
   /// The last step commanded zero.
   bool silent() const noexcept { return output_.force.isZero(0) && output_.torque.isZero(0); }
   /// The last step had a measurement that is not stale.
@@ -81,7 +91,8 @@ private:
   spidar::Wrench follow(const Input &input) noexcept;
   void account_for_work(const Input &input) noexcept;
 
-  spidar::Wrench output_;
+  spidar::Wrench output_;          // before the brake
+  spidar::Wrench braked_;          // the result
   spidar::Wrench accepted_;        // last wanted wrench worth trusting
   std::uint32_t holds_ = kHoldGap; // of the step before
   double envelope_ = 0;            // 0..1

@@ -245,6 +245,7 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
                        +[](SafetyChain::Input &i, double b) { i.confidence = b; },
                        +[](SafetyChain::Input &i, double b) { i.wanted.torque.z() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_velocity.x() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.hand_turning.z() = b; },
                        +[](SafetyChain::Input &i, double b) { i.max_torque = b; },
                        +[](SafetyChain::Input &i, double b) { i.damping = b; },
                        +[](SafetyChain::Input &i, double b) { i.age = b; },
@@ -375,6 +376,64 @@ TEST(SafetyChain, InFiveSecondsTheForceDoesAtMostTwoAndAHalfJoules) {
   }
   EXPECT_LE(work, 2.5);
   EXPECT_NEAR(before.x() * 0.9, SafetyChain::kWorkRate, 0.01); // what remains for ever
+}
+
+TEST(SafetyChain, AGripThatTurnsIsBrakedAtOnceAndAHandThatTurnsItSlowlyIsNot) {
+  auto input = turn(0.02);
+  input.hand_turning = {0, 0, 1};
+  SafetyChain chain = settled(input);
+  EXPECT_EQ(chain.step(input).torque.z(), 0.02);
+  input.hand_turning = {0, 0, 3};
+  EXPECT_NEAR(chain.step(input).torque.z(), 0.02 - 2 * SafetyChain::kTurnBrake, 1e-12);
+  input.hand_turning = {0, 0, 100};
+  EXPECT_NEAR(chain.step(input).torque.z(), 0, 1e-12); // it takes the torque, and no more
+  input.hand_turning.setZero();
+  EXPECT_NEAR(chain.step(input).torque.z(), 0.02, 1e-12);
+}
+
+TEST(SafetyChain, WithoutATorqueOrAForceThereIsNoBrake) {
+  auto input = turn(0);
+  input.hand_turning = {9, -9, 9};
+  SafetyChain chain;
+  for (int i = 0; i < 100; ++i)
+    ASSERT_TRUE(chain.step(input).torque.isZero(0));
+}
+
+TEST(SafetyChain, TheBrakeNeverExceedsTheMaximumTorque) {
+  auto input = push(1);
+  input.hand_turning = {0, 0, 50};
+  SafetyChain chain = settled(push(1));
+  EXPECT_NEAR(chain.step(input).torque.z(), -0.02, 1e-12);
+  input.max_torque = 0;
+  EXPECT_TRUE(chain.step(input).torque.isZero(0));
+}
+
+TEST(SafetyChain, TheTorqueDoesNoMoreWorkThanTheForceMay) {
+  auto input = turn(0.1);
+  input.max_torque = 0.1;
+  input.hand_turning = {0, 0, 8};
+  SafetyChain chain;
+  steps(chain, input, 1000);
+  EXPECT_GT(chain.wrench().torque.z() * 8, 1.4 * SafetyChain::kWorkRate);
+  steps(chain, input, 60'000);
+  EXPECT_NEAR(chain.wrench().torque.z() * 8, SafetyChain::kWorkRate, 0.01);
+}
+
+TEST(SafetyChain, ARestartBeginsFromZeroAndGivesNoWorkBack) {
+  auto input = push(4);
+  input.max_force = 4;
+  input.damping = 0;
+  input.hand_velocity = {0.9, 0, 0};
+  SafetyChain chain;
+  double work = 0;
+  for (int i = 0; i < 5000; ++i) {
+    if (i % 500 == 0) {
+      chain.restart();
+      ASSERT_TRUE(chain.silent());
+    }
+    work += chain.step(input).force.x() * 0.9 * kTick;
+  }
+  EXPECT_LE(work, 2.5);
 }
 
 TEST(SafetyChain, AHandThatHoldsStillGetsTheWholeForceForEver) {
