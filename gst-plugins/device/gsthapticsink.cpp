@@ -303,6 +303,7 @@ haptic::StructurePtr make_stats(const haptic::HapticSession &session) {
                         "sample-age", G_TYPE_DOUBLE, mean_age,                           //
                         "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
                         "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
+                        "force-rms", G_TYPE_DOUBLE, loop.force_rms.load(),               //
                         "faults", G_TYPE_UINT64, loop.faults(),                          //
                         "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(), nullptr));
 }

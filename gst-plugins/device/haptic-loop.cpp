@@ -180,6 +180,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   run_.impulse_slot.write(run_.impulse);
   run_.silent.store(run_.chain.silent());
   raise(run_.statistics.force_max, wrench.force.norm());
+  run_.statistics.force_rms.store(run_.chain.continuous_force().rms(), std::memory_order_relaxed);
 }
 
 void HapticLoop::receive_submissions(std::int64_t now) noexcept {
@@ -325,6 +326,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.age = now.age;
   input.interval = now.interval;
   input.max_force = law.max_force;
+  input.continuous_force = settings.continuous_force;
   input.max_torque = law.max_torque;
   input.slew_rate = settings.slew_rate;
   input.damping = settings.damping;

@@ -40,6 +40,7 @@ struct LoopSettings {
   double slew_rate = 20;                                             ///< N/s
   double damping = 1;                                                ///< N·s/m
   double smooth_hz = 0;                                              ///< Hz, 0: off
+  double continuous_force = 1;                                       ///< N rms, 0: no limit
 };
 
 /// Where the hand is, for the pointer.
@@ -70,6 +71,7 @@ struct LoopStatistics {
   SharedValue<std::int64_t> sample_age_sum; ///< ns from submit() to the first tick with it
   SharedValue<std::int64_t> sample_age_max; ///< ns
   SharedValue<double> force_max;            ///< N
+  SharedValue<double> force_rms;            ///< N, over the last minute
   DurationHistogram lateness;
   DurationHistogram body;
 

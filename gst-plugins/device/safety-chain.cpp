@@ -39,6 +39,9 @@ constexpr double kStaleLongest = 2;    // s
 // The force goes down over the last of the work, so that running out of it is no step.
 constexpr double kWorkToFade = 0.25; // J
 
+// The budget for continuous force is kept also where the slew limit is slower than it falls.
+constexpr double kLimitFalls = 20; // N/s
+
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
          input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
@@ -115,6 +118,8 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     gate_ = 0;
 
   account_for_work(input);
+  force_limit_ = continuous_force_.step(output_.force.norm(), input.continuous_force, dt);
+  limited_ = false;
   braked_ = holds ? fade_out(holds, dt) : follow(input);
   braked_.torque = braked_torque(output_, input);
   return braked_;
@@ -185,11 +190,15 @@ Wrench SafetyChain::follow(const Input &input) noexcept {
   if (confidence_gate(input.confidence) > 0)
     accepted_ = input.wanted;
   const double share = gate_ * envelope_ * std::min(work_left_ / kWorkToFade, 1.0);
-  const Vector3 force = clamp_norm(accepted_.force, input.max_force) * share;
+  const Vector3 wanted = clamp_norm(accepted_.force, input.max_force) * share;
+  const Vector3 force = clamp_norm(wanted, force_limit_);
+  limited_ = wanted.norm() > force_limit_;
   const Vector3 torque = clamp_norm(accepted_.torque, input.max_torque) * share;
 
   const double step = input.slew_rate * dt;
-  output_.force = approach(output_.force, damped(force, input), step, input.max_force);
+  const double fallen = output_.force.norm() - std::max(input.slew_rate, kLimitFalls) * dt;
+  output_.force = clamp_norm(approach(output_.force, damped(force, input), step, input.max_force),
+                             std::max(force_limit_, fallen));
   output_.torque = approach(output_.torque, torque, step * kTorqueArm, input.max_torque);
   return output_;
 }

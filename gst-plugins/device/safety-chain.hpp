@@ -2,6 +2,7 @@
 // The last stage before the device. Every force passes it, whatever law computed it.
 #pragma once
 
+#include "continuous-force.hpp"
 #include "force-defaults.hpp"
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 namespace haptic {
 
 /// Reasons why the force is held at zero, as bits (column `hold` of the log). While any is set the
-/// force fades to zero, and it fades in again when the last one ends.
+/// force fades to zero, and it fades in again when the last one ends. kHoldSpent only limits it.
 enum Hold : std::uint32_t {
   kHoldClosed = 1 << 0,     ///< no device is open
   kHoldPaused = 1 << 1,     ///< the element is not PLAYING
@@ -26,14 +27,16 @@ enum Hold : std::uint32_t {
   kHoldCut = 1 << 11,       ///< another scene began; until the force is zero
   kHoldSuspended = 1 << 12, ///< the machine slept; until `arm`
   kHoldNonFinite = 1 << 13, ///< a number was not finite; this step only (set by the chain)
+  kHoldSpent = 1 << 15,     ///< the budget for continuous force limits the force (set by the chain)
 };
 
 /// The holds that only `arm` ends.
 inline constexpr std::uint32_t kLatches =
     kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
 
-/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, work limit,
-/// damping, slew limit, norm clamp, brake of the turning grip. One thread; real-time safe.
+/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, work limit, budget
+/// for continuous force, damping, slew limit, norm clamp, brake of the turning grip. One thread;
+/// real-time safe.
 class SafetyChain {
 public:
   /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
@@ -58,6 +61,7 @@ public:
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
     spidar::Vector3 hand_turning = spidar::Vector3::Zero();  ///< rad/s
     double max_force = 0;                                    ///< N
+    double continuous_force = 0;                             ///< N rms over a minute; 0: any
     double max_torque = 0;                                   ///< N·m
     double slew_rate = 0;                                    ///< N/s; for the torque at kTorqueArm
     double damping = 0;                                      ///< N·s/m
@@ -74,14 +78,17 @@ public:
   bool drives(const spidar::Vector3 &turning) const noexcept {
     return output_.torque.dot(turning) > 0;
   }
-  /// The force begins anew, from zero. The work that is left is kept.
+  /// The force begins anew, from zero. What is left of work and continuous force is kept.
   void restart() noexcept;
   /// The last step commanded zero.
   bool silent() const noexcept { return output_.force.isZero(0) && output_.torque.isZero(0); }
   /// The last step had a measurement that is not stale.
   bool follows_sample() const noexcept { return follows_sample_; }
   /// Returns the reasons (Hold) why the last step held the force; 0 if it did not.
-  std::uint32_t holds() const noexcept { return non_finite_ ? kHoldNonFinite | holds_ : holds_; }
+  std::uint32_t holds() const noexcept {
+    return holds_ | (non_finite_ ? kHoldNonFinite : 0U) | (limited_ ? kHoldSpent : 0U);
+  }
+  const ContinuousForce &continuous_force() const noexcept { return continuous_force_; }
   /// The input of the last step held a number that is not finite.
   bool found_non_finite() const noexcept { return non_finite_; }
 
@@ -100,6 +107,9 @@ private:
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the confidence
   double work_left_ = kWorkAtOnce; // J
+  ContinuousForce continuous_force_;
+  double force_limit_ = 0; // N, that it leaves
+  bool limited_ = false;   // the last step
   bool follows_sample_ = false;
   bool non_finite_ = false;
 };

@@ -116,6 +116,8 @@ const Property kProperties[] = {
      "The force towards the user that no approach exceeds, N; 0.5 1/s give half of it, 0: none"},
     {"damping", "Damping", kPlaying, Number(AT(loop.damping)), {0, 10},
      "Against the hand's speed above 0.1 m/s, N·s/m; never more than the force itself"},
+    {"continuous-force", "Continuous Force", kPlaying, Number(AT(loop.continuous_force)), {0, kHighestForce},
+     "The rms of the force over any 60 s, N; a stronger force fades to what keeps it; 0: any"},
     {"smooth-hz", "Smooth Hz", kPlaying, Number(AT(loop.smooth_hz)), {0, 500},
      "Cut-off of an additional low-pass on the motion, Hz; 12 for noisy frames, 0: none"},
     {"rate-law", "Rate Law", kPlaying, enumeration<AT(rate_law)>(rate_law_type), {},

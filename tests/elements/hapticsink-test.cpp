@@ -697,9 +697,9 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
                              "gaps", "faults", "log-rows-lost"})
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
     for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
-                             "loop-max", "sample-age", "sample-age-max", "force-max"})
+                             "loop-max", "sample-age", "sample-age-max", "force-max", "force-rms"})
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
-    EXPECT_EQ(gst_structure_n_fields(s), 17);
+    EXPECT_EQ(gst_structure_n_fields(s), 18);
   }
   EXPECT_EQ(posted, 1);
   EXPECT_EQ(count("samples"), 15U);
