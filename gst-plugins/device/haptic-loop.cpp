@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <ctime>
+#include <Eigen/Geometry>
 #include <limits>
 #include <pthread.h>
 #include <sys/mman.h>
@@ -352,27 +353,48 @@ void HapticLoop::log_tick(std::int64_t now, const spidar::Wrench &wrench) noexce
     add<std::uint64_t>(run_.statistics.log_rows_lost);
 }
 
+namespace {
+
+std::array<double, 3> columns(const spidar::Vector3 &v) noexcept {
+  return {v.x(), v.y(), v.z()};
+}
+
+// The quaternion x, y, z, w with w >= 0.
+std::array<double, 4> columns(const spidar::Matrix3 &rotation) noexcept {
+  const Eigen::Quaterniond q(rotation);
+  const double sign = q.w() < 0 ? -1 : 1;
+  return {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()};
+}
+
+void read_state(TickRow &row, const spidar::DeviceState &state) noexcept {
+  row.position = columns(state.pose.position);
+  for (std::size_t i = 0; i < row.tension.size(); ++i)
+    row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
+  row.orientation = columns(state.pose.rotation);
+  row.turning = columns(state.angular_velocity);
+  row.realised_force = columns(state.realised.force);
+  row.realised_torque = columns(state.realised.torque);
+}
+
+} // namespace
+
 TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
   const MotionSample &sample = run_.motion.sample;
   const bool playing = !(holds_.load() & kHoldPaused);
   TickRow row;
   row.time = playing ? run_.running_time.advance(now) : run_.running_time.last();
-  if (run_.environment.device) {
-    const spidar::DeviceState &state = run_.environment.device->state();
-    for (std::size_t i = 0; i < row.position.size(); ++i)
-      row.position[i] = state.pose.position[static_cast<Eigen::Index>(i)];
-    for (std::size_t i = 0; i < row.tension.size(); ++i)
-      row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
-  }
+  if (run_.environment.device)
+    read_state(row, run_.environment.device->state());
   if (!run_.chain.silent() || run_.chain.follows_sample()) {
     row.velocity = {sample.velocity_x, sample.velocity_y};
     row.spin = sample.spin;
   }
-  row.force = {wrench.force.x(), wrench.force.y(), wrench.force.z()};
-  row.torque = {wrench.torque.x(), wrench.torque.y(), wrench.torque.z()};
+  row.force = columns(wrench.force);
+  row.torque = columns(wrench.torque);
   row.confidence = sample.confidence;
   row.mono = static_cast<double>(now - run_.log_start.value_or(now)) / static_cast<double>(kSecond);
   row.hold = run_.chain.holds();
+  row.energy = run_.chain.continuous_force().used();
   return row;
 }
 

@@ -31,21 +31,25 @@ void append_number(std::string &text, double value) {
 } // namespace
 
 void append_row(std::string &text, const TickRow &row) {
+  const auto append = [&text](const auto &values) {
+    for (const double value : values)
+      append_number(text, value);
+  };
   append_number(text, row.time);
-  for (double v : row.position)
-    append_number(text, v);
-  for (double v : row.velocity)
-    append_number(text, v);
+  append(row.position);
+  append(row.velocity);
   append_number(text, row.spin);
-  for (double v : row.force)
-    append_number(text, v);
-  for (double v : row.torque)
-    append_number(text, v);
+  append(row.force);
+  append(row.torque);
   append_number(text, row.confidence);
-  for (double v : row.tension)
-    append_number(text, v);
+  append(row.tension);
   append_number(text, row.mono);
   append_number(text, row.hold);
+  append(row.orientation);
+  append_number(text, row.energy);
+  append(row.turning);
+  append(row.realised_force);
+  append(row.realised_torque);
   text += '\n';
 }
 

@@ -27,11 +27,18 @@ struct TickRow {
   double confidence = 0;            ///< 0..1
   std::array<double, 8> tension{};  ///< N
   double mono = 0;                  ///< s of the monotonic clock since the first row
-  std::uint32_t hold = 0;           ///< Hold: the reasons why the force is held
+  std::uint32_t hold = 0;           ///< Hold (safety-chain.hpp): the reasons why the force is held
+  std::array<double, 4> orientation{0, 0, 0,
+                                    1};   ///< quaternion x, y, z, w: grip frame to workspace frame
+  double energy = 0;                      ///< share of the budget for continuous force that is used
+  std::array<double, 3> turning{};        ///< rad/s, of the grip
+  std::array<double, 3> realised_force{}; ///< N, what the tensions exert
+  std::array<double, 3> realised_torque{}; ///< N·m
 };
 
 inline constexpr const char *kTickLogHeader =
-    "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold";
+    "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold"
+    ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz";
 
 /// Appends one line with its line feed: nine significant digits, "." in every locale. A number that
 /// is not finite is written as 0.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -576,6 +577,30 @@ TEST_F(LoopLog, MonoIsTheTimeOfTheTicksAlsoWhilePausedAndHoldGivesTheReason) {
   EXPECT_EQ(paused, 100);
   EXPECT_NEAR(all[600][kMono] - all[599][kMono], 0.101, 1e-9);
   EXPECT_EQ(all.back()[kHoldColumn], 0);
+}
+
+TEST_F(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
+  make_device();
+  loop_.prepare({.device = device_.get(), .log = log_.get()});
+  play();
+  haptic::LoopSettings settings;
+  settings.law_settings.max_force = 3;
+  loop_.set_settings(settings);
+  play_motion(1e5F, 0, 1000);
+  const spidar::DeviceState state = device_->state();
+  const auto row = rows().back();
+  constexpr std::size_t kQx = kHoldColumn + 1;
+  const Eigen::Quaterniond q(row[kQx + 3], row[kQx], row[kQx + 1], row[kQx + 2]);
+  EXPECT_LT((q.toRotationMatrix() - state.pose.rotation).norm(), 1e-8);
+  EXPECT_NEAR(row[kQx + 4], 9.0 / 60, 0.02); // N²·s of 1 N² for 60 s
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    EXPECT_NEAR(row[kQx + 5 + axis], state.angular_velocity[i], 1e-8);
+    EXPECT_NEAR(row[kQx + 8 + axis], state.realised.force[i], 1e-8);
+    EXPECT_NEAR(row[kQx + 11 + axis], state.realised.torque[i], 1e-8);
+  }
+  EXPECT_NEAR(row[kQx + 8], 3, 0.02);
+  EXPECT_EQ(row.size(), kQx + 14);
 }
 
 TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {
