@@ -11,18 +11,18 @@
  */
 #include "gsthapticsink.h"
 
+#include "call-queue.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-session.hpp"
 #include "motion-field.hpp"
 #include "pointer-event.hpp"
+#include "sink-messages.hpp"
 #include "sink-properties.hpp"
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -60,35 +60,16 @@ private:
   GstHapticSink *self_;
 };
 
-// Calls of application code (handlers of `notify`, of bus messages) on behalf of the threads that a
-// state change joins: the handler may change the state. In order, from a thread of GStreamer's
-// pool.
-class CallQueue {
-public:
-  using Call = std::function<void()>;
-
-  void add(GstHapticSink *self, Call call);
-  /// Makes the calls that are left, in the present thread.
-  void drain(GstHapticSink *self);
-
-private:
-  std::optional<Call> next(bool in_pool);
-
-  std::mutex mutex_;
-  std::deque<Call> calls_; // mutex_
-  bool in_pool_ = false;   // mutex_; a thread of the pool drains
-};
-
 // Whether this thread is one that a state change to READY joins.
 thread_local bool is_joined = false;
 
 struct State {
-  explicit State(GstHapticSink *self) : client(self), session(client) {}
+  explicit State(GstHapticSink *self) : client(self), session(client), calls(GST_ELEMENT(self)) {}
 
   SinkSettings settings; // the object's lock
   Client client;
   haptic::HapticSession session; // its members have their threads
-  CallQueue calls;
+  haptic::CallQueue calls;
   std::atomic<bool> armed = false; // as of the last notification
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
@@ -136,94 +117,6 @@ GParamSpec *armed_property = nullptr;
 
 // ---- messages -----------------------------------------------------------------------------------
 
-struct ErrorCode {
-  GQuark domain;
-  gint code;
-};
-
-ErrorCode error_code(haptic::NoticeCause cause) {
-  using haptic::NoticeCause;
-  switch (cause) {
-  case NoticeCause::not_found:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND};
-  case NoticeCause::busy:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_BUSY};
-  case NoticeCause::settings:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_SETTINGS};
-  case NoticeCause::open:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_OPEN_READ_WRITE};
-  case NoticeCause::open_log:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_OPEN_WRITE};
-  case NoticeCause::write:
-    return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE};
-  case NoticeCause::format:
-    return {GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT};
-  case NoticeCause::failed:
-    break;
-  }
-  return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_FAILED};
-}
-
-struct MessageLevel {
-  GstMessageType message;
-  GstDebugLevel log;
-};
-
-MessageLevel message_level(haptic::Severity severity) {
-  switch (severity) {
-  case haptic::Severity::error:
-    return {GST_MESSAGE_ERROR, GST_LEVEL_ERROR};
-  case haptic::Severity::warning:
-    return {GST_MESSAGE_WARNING, GST_LEVEL_WARNING};
-  case haptic::Severity::info:
-    return {GST_MESSAGE_INFO, GST_LEVEL_INFO};
-  case haptic::Severity::debug:
-    break;
-  }
-  return {GST_MESSAGE_INFO, GST_LEVEL_DEBUG};
-}
-
-std::optional<CallQueue::Call> CallQueue::next(bool in_pool) {
-  const std::lock_guard lock(mutex_);
-  if (calls_.empty()) {
-    in_pool_ = in_pool_ && !in_pool;
-    return std::nullopt;
-  }
-  Call call = std::move(calls_.front());
-  calls_.pop_front();
-  return call;
-}
-
-void CallQueue::add(GstHapticSink *self, Call call) {
-  {
-    const std::lock_guard lock(mutex_);
-    calls_.push_back(std::move(call));
-    if (std::exchange(in_pool_, true))
-      return;
-  }
-  gst_element_call_async(
-      GST_ELEMENT(self),
-      [](GstElement *element, gpointer) {
-        CallQueue &queue = state_of(element).calls;
-        while (const std::optional<Call> next = queue.next(true))
-          guarded(element, [&] { (*next)(); });
-      },
-      nullptr, nullptr);
-}
-
-void CallQueue::drain(GstHapticSink *self) {
-  while (const std::optional<Call> call = next(false))
-    guarded(self, [&] { (*call)(); });
-}
-
-void post_notice(GstHapticSink *self, const haptic::Notice &notice) {
-  const ErrorCode code = error_code(*notice.cause);
-  gchar *detail = notice.detail.empty() ? nullptr : g_strdup(notice.detail.c_str());
-  gst_element_message_full(GST_ELEMENT(self), message_level(notice.severity).message, code.domain,
-                           code.code, g_strdup(notice.text.c_str()), detail, __FILE__, GST_FUNCTION,
-                           __LINE__);
-}
-
 // Whether `armed` has another value than at the last notification.
 bool armed_has_changed(State &state) {
   const bool armed = state.session.is_armed();
@@ -235,15 +128,16 @@ void notify_armed(GstHapticSink *self) {
 }
 
 void Client::on_notice(const haptic::Notice &notice) {
-  const MessageLevel level = message_level(notice.severity);
   if (!notice.cause) {
-    GST_CAT_LEVEL_LOG(GST_CAT_DEFAULT, level.log, self_, "%s", notice.text.c_str());
+    GST_CAT_LEVEL_LOG(GST_CAT_DEFAULT, haptic::log_level(notice.severity), self_, "%s",
+                      notice.text.c_str());
     return;
   }
+  const auto post = [self = self_, notice] { haptic::post_notice(GST_ELEMENT(self), notice); };
   if (is_joined)
-    self_->state->calls.add(self_, [self = self_, notice] { post_notice(self, notice); });
+    self_->state->calls.add(post);
   else
-    post_notice(self_, notice);
+    post();
 }
 
 bool Client::on_point(const haptic::PointerPosition &point) {
@@ -255,7 +149,7 @@ bool Client::on_point(const haptic::PointerPosition &point) {
 
 void Client::on_armed_changed() {
   if (armed_has_changed(*self_->state))
-    self_->state->calls.add(self_, [self = self_] { notify_armed(self); });
+    self_->state->calls.add([self = self_] { notify_armed(self); });
 }
 
 // Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
@@ -278,39 +172,6 @@ std::optional<haptic::ClockReading> Client::read_clocks() {
   }
   gst_object_unref(clock);
   return best;
-}
-
-haptic::StructurePtr make_stats(const haptic::HapticSession &session) {
-  const haptic::LoopStatistics &loop = session.statistics();
-  const haptic::SampleIntake &intake = session.intake();
-  const auto ms = [](auto nanoseconds) { return static_cast<double>(nanoseconds) * 1e-6; };
-  const std::uint64_t used = loop.samples_used;
-  const double mean_age = used ? ms(loop.sample_age_sum.load()) / static_cast<double>(used) : 0;
-  return haptic::StructurePtr(
-      gst_structure_new("hapticsink-stats",                                              //
-                        "ticks", G_TYPE_UINT64, loop.ticks.load(),                       //
-                        "late-ticks", G_TYPE_UINT64, loop.late_ticks.load(),             //
-                        "missed-ticks", G_TYPE_UINT64, loop.missed_ticks.load(),         //
-                        "jitter-p50", G_TYPE_DOUBLE, loop.lateness.percentile_us(0.5),   //
-                        "jitter-p99", G_TYPE_DOUBLE, loop.lateness.percentile_us(0.99),  //
-                        "jitter-max", G_TYPE_DOUBLE, loop.lateness.max_us(),             //
-                        "loop-p50", G_TYPE_DOUBLE, loop.body.percentile_us(0.5),         //
-                        "loop-p99", G_TYPE_DOUBLE, loop.body.percentile_us(0.99),        //
-                        "loop-max", G_TYPE_DOUBLE, loop.body.max_us(),                   //
-                        "samples", G_TYPE_UINT64, intake.samples(),                      //
-                        "bad-samples", G_TYPE_UINT64, intake.bad_samples(),              //
-                        "gaps", G_TYPE_UINT64, intake.gaps(),                            //
-                        "sample-age", G_TYPE_DOUBLE, mean_age,                           //
-                        "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
-                        "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
-                        "force-rms", G_TYPE_DOUBLE, loop.force_rms.load(),               //
-                        "faults", G_TYPE_UINT64, loop.faults(),                          //
-                        "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(), nullptr));
-}
-
-void post_stream_status(GstHapticSink *self, GstStreamStatusType type) {
-  gst_element_post_message(
-      GST_ELEMENT(self), gst_message_new_stream_status(GST_OBJECT(self), type, GST_ELEMENT(self)));
 }
 
 // ---- when a sample is felt ----------------------------------------------------------------------
@@ -387,13 +248,13 @@ void end_pointer_thread(GstHapticSink *self) {
   State &state = *self->state;
   state.pointer_thread = {};
   state.session.end_run();
-  state.calls.drain(self); // before the bus is emptied
+  state.calls.drain(); // before the bus is emptied
 }
 
 bool start_threads(GstHapticSink *self) {
   State &state = *self->state;
   const auto post_status = [self](GstStreamStatusType type) {
-    guarded(self, [&] { post_stream_status(self, type); });
+    guarded(self, [&] { haptic::post_stream_status(GST_ELEMENT(self), type); });
   };
   post_status(GST_STREAM_STATUS_TYPE_CREATE); // its handler may change the state
   if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
@@ -445,7 +306,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) {
     state.session.stop_loop();
     // Here and not in the loop's thread, whose end this one has waited for.
-    post_stream_status(self, GST_STREAM_STATUS_TYPE_LEAVE);
+    haptic::post_stream_status(element, GST_STREAM_STATUS_TYPE_LEAVE);
   }
 
   const GstStateChangeReturn result = change_parent_state(element, transition);
@@ -548,7 +409,7 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
     if (result == GST_FLOW_OK)
       gst_element_post_message(
           GST_ELEMENT(self),
-          gst_message_new_element(GST_OBJECT(self), make_stats(session).release()));
+          gst_message_new_element(GST_OBJECT(self), haptic::make_stats(session).release()));
   }
   return result;
 }
@@ -579,7 +440,7 @@ void set_property(GObject *object, guint id, const GValue *value, GParamSpec *ps
 void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
   State &state = state_of(object);
   if (id == kPropStats) {
-    g_value_take_boxed(value, make_stats(state.session).release());
+    g_value_take_boxed(value, haptic::make_stats(state.session).release());
   } else if (id == kPropArmed) {
     g_value_set_boolean(value, state.session.is_armed());
   } else if (id <= haptic::kSinkProperties) {

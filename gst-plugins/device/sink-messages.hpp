@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What hapticsink posts: notices of the session as messages with their codes, and the statistics.
+#pragma once
+
+#include "gst-raii.hpp"
+#include "haptic-session.hpp"
+
+namespace haptic {
+
+/// Level of a notice in the debug log.
+GstDebugLevel log_level(Severity severity);
+
+/// Posts a notice that has a cause as an error, warning or info.
+void post_notice(GstElement *element, const Notice &notice);
+
+void post_stream_status(GstElement *element, GstStreamStatusType type);
+
+/// Returns the structure of the property `stats`.
+StructurePtr make_stats(const HapticSession &session);
+
+} // namespace haptic
