@@ -12,6 +12,7 @@
 #include "gsthapticsink.h"
 
 #include "call-queue.hpp"
+#include "callback-thread.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-session.hpp"
@@ -30,7 +31,6 @@
 #include <span>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
@@ -43,7 +43,8 @@ using haptic::guarded;
 using haptic::ObjectLock;
 using haptic::SinkSettings;
 
-constexpr auto kEndFade = 150ms; // the fade at the end of the stream, and some ticks
+constexpr auto kEndFade = 150ms;         // the fade at the end of the stream, and some ticks
+constexpr auto kLongestHandler = 1000ms; // that the end of the stream waits for
 
 enum class Liveness { unknown, live, not_live };
 
@@ -60,8 +61,15 @@ private:
   GstHapticSink *self_;
 };
 
-// Whether this thread is one that a state change to READY joins.
-thread_local bool is_joined = false;
+// State changes that this thread is in. Elsewhere handlers are called by the queue.
+thread_local int state_changes = 0;
+
+struct InStateChange {
+  InStateChange() { ++state_changes; }
+  ~InStateChange() { --state_changes; }
+  InStateChange(const InStateChange &) = delete;
+  InStateChange &operator=(const InStateChange &) = delete;
+};
 
 struct State {
   explicit State(GstHapticSink *self) : client(self), session(client), calls(GST_ELEMENT(self)) {}
@@ -74,12 +82,15 @@ struct State {
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
 
-  // Wakes the streaming thread while it waits for the force to fade at the end of the stream.
+  unsigned change = 0; // the element's state lock; number of the last state change
+
+  // Wakes the streaming thread while it waits at the end of the stream.
   std::mutex end_mutex;
   std::condition_variable end_changed;
-  bool unlocked = false; // end_mutex
+  bool unlocked = false;     // end_mutex
+  bool stats_posted = false; // end_mutex
 
-  std::jthread pointer_thread; // last: ends before what it uses
+  haptic::CallbackThread pointer_thread; // last: ends before what it uses
 };
 
 } // namespace
@@ -134,10 +145,10 @@ void Client::on_notice(const haptic::Notice &notice) {
     return;
   }
   const auto post = [self = self_, notice] { haptic::post_notice(GST_ELEMENT(self), notice); };
-  if (is_joined)
-    self_->state->calls.add(post);
-  else
+  if (state_changes)
     post();
+  else
+    self_->state->calls.add(post);
 }
 
 bool Client::on_point(const haptic::PointerPosition &point) {
@@ -246,7 +257,7 @@ void set_running_time(GstHapticSink *self) {
 
 void end_pointer_thread(GstHapticSink *self) {
   State &state = *self->state;
-  state.pointer_thread = {};
+  state.pointer_thread.end();
   state.session.end_run();
   state.calls.drain(); // before the bus is emptied
 }
@@ -256,21 +267,28 @@ bool start_threads(GstHapticSink *self) {
   const auto post_status = [self](GstStreamStatusType type) {
     guarded(self, [&] { haptic::post_stream_status(GST_ELEMENT(self), type); });
   };
-  post_status(GST_STREAM_STATUS_TYPE_CREATE); // its handler may change the state
+  const unsigned change = state.change;
+  post_status(GST_STREAM_STATUS_TYPE_CREATE);
+  if (state.change != change) {
+    GST_WARNING_OBJECT(self, "a handler has changed the state meanwhile");
+    return false;
+  }
+  const haptic::CallbackThread::Keeper keeper = [self] {
+    return std::shared_ptr<void>(gst_object_ref(self), gst_object_unref);
+  };
+  const auto entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); };
   if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
                               .log_location = setting_of(self, &SinkSettings::log_location),
-                              .entered = [=] {
-                                is_joined = true;
-                                post_status(GST_STREAM_STATUS_TYPE_ENTER);
-                              }}))
+                              .entered = entered,
+                              .keeper = keeper}))
     return false;
   state.liveness = Liveness::unknown;
   try {
     state.session.start_loop();
-    state.pointer_thread = std::jthread([self](const std::stop_token &stop) {
-      is_joined = true;
-      guarded(self, [&] { self->state->session.run_rounds(stop); });
-    });
+    state.pointer_thread =
+        haptic::CallbackThread(keeper, [self](haptic::CallbackThread::Self &thread) {
+          guarded(self, [&] { self->state->session.run_rounds(thread); });
+        });
   } catch (const std::system_error &) {
     state.session.stop_loop();
     state.session.end_run();
@@ -295,10 +313,8 @@ GstStateChangeReturn change_parent_state(GstElement *element, GstStateChange tra
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   GstHapticSink *self = GST_HAPTIC_SINK(element);
   State &state = *self->state;
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY && is_joined) {
-    GST_ERROR_OBJECT(self, "a thread of the element cannot end itself: change the state elsewhere");
-    return GST_STATE_CHANGE_FAILURE;
-  }
+  const InStateChange in_state_change;
+  ++state.change;
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !start_threads(self))
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
@@ -370,24 +386,48 @@ gboolean event(GstBaseSink *sink, GstEvent *event) {
   return result;
 }
 
-// The force is zero before the EOS message is posted, because programs then end the pipeline.
-GstFlowReturn fade_at_end(GstBaseSink *sink) {
+// Waits until the condition holds, for at most `limit`. A state change ends the wait or, PAUSED,
+// suspends it: this thread holds the preroll lock, which every state change needs.
+template <typename Condition>
+GstFlowReturn wait_at_end(GstBaseSink *sink, std::chrono::milliseconds limit,
+                          const Condition &condition) {
   State &state = state_of(sink);
-  state.session.end_stream();
-  const auto deadline = std::chrono::steady_clock::now() + kEndFade;
-  while (!state.session.silent() && std::chrono::steady_clock::now() < deadline) {
-    bool unlocked = false;
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (std::chrono::steady_clock::now() < deadline) {
     {
       std::unique_lock lock(state.end_mutex);
-      unlocked = state.end_changed.wait_for(lock, 2ms, [&] { return state.unlocked; });
+      if (condition())
+        return GST_FLOW_OK;
+      if (!state.end_changed.wait_for(lock, 2ms, [&] { return state.unlocked; }))
+        continue;
     }
-    if (!unlocked)
-      continue;
     const GstFlowReturn result = gst_base_sink_wait_preroll(sink);
     if (result != GST_FLOW_OK)
       return result;
   }
   return GST_FLOW_OK;
+}
+
+// The force is zero before the EOS message is posted, because programs then end the pipeline.
+GstFlowReturn fade_at_end(GstBaseSink *sink) {
+  haptic::HapticSession &session = state_of(sink).session;
+  session.end_stream();
+  return wait_at_end(sink, kEndFade, [&] { return session.silent(); });
+}
+
+// Before the EOS message, but from another thread: a handler may change the state.
+GstFlowReturn post_stats(GstHapticSink *self) {
+  State &state = *self->state;
+  {
+    const std::lock_guard lock(state.end_mutex);
+    state.stats_posted = false;
+  }
+  state.calls.add([self] {
+    haptic::post_stats(GST_ELEMENT(self), self->state->session);
+    const std::lock_guard lock(self->state->end_mutex);
+    self->state->stats_posted = true;
+  });
+  return wait_at_end(GST_BASE_SINK(self), kLongestHandler, [&] { return state.stats_posted; });
 }
 
 GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
@@ -407,9 +447,7 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     result = fade_at_end(sink);
     if (result == GST_FLOW_OK)
-      gst_element_post_message(
-          GST_ELEMENT(self),
-          gst_message_new_element(GST_OBJECT(self), haptic::make_stats(session).release()));
+      result = post_stats(self);
   }
   return result;
 }

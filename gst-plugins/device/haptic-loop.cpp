@@ -110,21 +110,23 @@ void HapticLoop::start(Environment environment) {
 }
 
 void HapticLoop::start_thread() {
-  thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
+  thread_ =
+      CallbackThread(run_.environment.keeper, [this](CallbackThread::Self &self) { run(self); });
 }
 
 void HapticLoop::stop() noexcept {
-  thread_ = {};
+  thread_.end();
 }
 
-void HapticLoop::run(const std::stop_token &stop) noexcept {
-  if (run_.environment.entered)
-    run_.environment.entered();
+void HapticLoop::run(CallbackThread::Self &self) noexcept {
+  // A copy: when it stops this run it may begin another one, which has an environment of its own.
+  if (const auto entered = run_.environment.entered; entered && !self.call_out(entered))
+    return;
   run_.memory_error = lock_memory(*this);
   run_.priority_error = request_real_time_priority();
 
   std::int64_t next = monotonic_now() + run_.period;
-  while (!stop.stop_requested()) {
+  while (!self.stop_requested()) {
     sleep_until(next);
     const std::int64_t now = monotonic_now();
     if (run_.suspend.has_slept(now, read_clock(CLOCK_BOOTTIME))) {

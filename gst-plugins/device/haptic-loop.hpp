@@ -3,6 +3,7 @@
 // compiled without GStreamer.
 #pragma once
 
+#include "callback-thread.hpp"
 #include "duration-histogram.hpp"
 #include "field-sampler.hpp"
 #include "force-law.hpp"
@@ -21,8 +22,6 @@
 #include <memory>
 #include <optional>
 #include <spidar/haptic-device.hpp>
-#include <stop_token>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -92,7 +91,9 @@ public:
     bool lost = false;                      ///< it is null only until replace_device()
     TickLog *log = nullptr;                 ///< null: no log; outlives stop()
     double rate = 1000;                     ///< Hz
-    std::function<void()> entered;          ///< called in the thread before the loop proper
+    std::function<void()> entered;          ///< called in the thread before the loop proper; it may
+                                            ///< stop the loop
+    CallbackThread::Keeper keeper;          ///< what lives while `entered` runs
     std::function<void()> left;             ///< and after it
   };
 
@@ -101,7 +102,8 @@ public:
   /// Starts the thread, silent (kHoldPaused). Nothing of the run before is left but the settings
   /// and the holds that the user or a fault set. Throws std::system_error.
   void start(Environment environment);
-  /// Zero wrench, two exchanges, join. Does nothing when not started.
+  /// Zero wrench, two exchanges, join. Does nothing when not started. A thread that has not come
+  /// back from Environment::entered is not waited for; it has touched nothing.
   void stop() noexcept;
   /// As start() without the thread: the caller calls tick(). For tests and measurements.
   void prepare(Environment environment);
@@ -224,7 +226,7 @@ private:
     bool row_had_force = false;
   };
 
-  void run(const std::stop_token &stop) noexcept;
+  void run(CallbackThread::Self &self) noexcept;
   void count_tick(std::int64_t lateness) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
   void adopt_replacement() noexcept;
@@ -245,7 +247,7 @@ private:
 
   Run run_;
 
-  std::jthread thread_; // last: ends before what it uses
+  CallbackThread thread_; // last: ends before what it uses
 };
 
 } // namespace haptic

@@ -128,9 +128,15 @@ bool HapticSession::prepare(const RunSettings &settings) {
   environment.rate = opened_as_.rate;
   environment.entered = settings.entered;
   environment.left = settings.left;
+  environment.keeper = settings.keeper;
   loop_.prepare(std::move(environment));
   loop_.set_running_time(monotonic_now(), 0); // until the client has a clock
   return true;
+}
+
+void HapticSession::end_run() {
+  report();
+  log_.reset();
 }
 
 // ---- streaming ----------------------------------------------------------------------------------
@@ -161,16 +167,28 @@ void HapticSession::accept_gap(std::int64_t time) noexcept {
 
 // ---- pointer thread -----------------------------------------------------------------------------
 
-void HapticSession::run_rounds(const std::stop_token &stop) {
-  while (!stop.stop_requested()) {
-    round(monotonic_now());
+void HapticSession::run_rounds(CallbackThread::Self &self) {
+  while (!self.stop_requested()) {
+    const std::int64_t now = monotonic_now();
+    if (const auto point = work(now)) {
+      bool handled = false;
+      if (!self.call_out(
+              [&client = client_, &point, &handled] { handled = client.on_point(*point); }))
+        return;
+      report_tracker(handled, now);
+    }
     std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, stop, kPointerPeriod, [] { return false; });
+    wake_.wait_for(lock, self.stop_token(), kPointerPeriod, [] { return false; });
   }
-  round(monotonic_now()); // reports what happened since
 }
 
 void HapticSession::round(std::int64_t now) {
+  if (const auto point = work(now))
+    report_tracker(client_.on_point(*point), now);
+}
+
+// Everything of a round but sending the point that it returns.
+std::optional<PointerPosition> HapticSession::work(std::int64_t now) {
   if (!run_.began_at)
     run_.began_at = now;
   const bool playing = !(loop_.holds() & kHoldPaused);
@@ -179,11 +197,15 @@ void HapticSession::round(std::int64_t now) {
     if (const auto reading = client_.read_clocks())
       set_running_time(*reading);
   }
-  if (run_.has_hand)
-    send_point(now, playing);
+  const auto point = run_.has_hand ? next_point(now, playing) : std::nullopt;
+  report();
+  reopen_lost_device(now);
+  return point;
+}
+
+void HapticSession::report() {
   report_priority();
   report_faults();
-  reopen_lost_device(now);
   report_log();
   if (const bool armed = is_armed(); armed != run_.armed) {
     run_.armed = armed;
@@ -199,10 +221,10 @@ void HapticSession::read_description() {
   run_.description = device_->description();
 }
 
-void HapticSession::send_point(std::int64_t now, bool playing) {
+std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool playing) {
   const HandPosition hand = loop_.hand();
   if (!hand.valid)
-    return;
+    return std::nullopt;
   PointerPosition point = map_pointer(hand.position, run_.workspace_half);
   const Impulse impulse = loop_.impulse();
   if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {
@@ -210,13 +232,13 @@ void HapticSession::send_point(std::int64_t now, bool playing) {
     point.force = {mean.x(), mean.y(), mean.z()};
   }
   if (!run_.gate.pass(point, now))
-    return;
+    return std::nullopt;
   run_.last_sent = impulse;
   point.device = run_.description;
   if (playing)
     if (const auto reading = client_.read_clocks(); reading && reading->running >= 0)
       point.timestamp = static_cast<std::uint64_t>(reading->running);
-  report_tracker(client_.on_point(point), now);
+  return point;
 }
 
 void HapticSession::report_tracker(bool handled, std::int64_t now) {

@@ -4,6 +4,7 @@
 // samples and state changes, and posts the notices and points that come out (SessionClient).
 #pragma once
 
+#include "callback-thread.hpp"
 #include "device-choice.hpp"
 #include "haptic-loop.hpp"
 #include "pointer-mapping.hpp"
@@ -18,7 +19,6 @@
 #include <optional>
 #include <span>
 #include <spidar/error.hpp>
-#include <stop_token>
 #include <string>
 
 namespace haptic {
@@ -85,6 +85,7 @@ public:
     std::string log_location;      ///< empty: no log
     std::function<void()> entered; ///< called in the loop's thread before its first tick
     std::function<void()> left;    ///< and after its last
+    CallbackThread::Keeper keeper; ///< what lives while `entered` runs
   };
   /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.
   bool prepare(const RunSettings &settings);
@@ -93,10 +94,11 @@ public:
   void start_loop() { loop_.start_thread(); }
   void play() noexcept { loop_.unhold(kHoldPaused); }
   void pause() noexcept { loop_.hold(kHoldPaused); }
-  /// Zero force, two exchanges, join.
+  /// Zero force, two exchanges, join. Also from RunSettings::entered.
   void stop_loop() noexcept { loop_.stop(); }
-  /// After run_rounds() has returned: completes the log.
-  void end_run() noexcept { log_.reset(); }
+  /// After the loop and the thread of run_rounds() have ended: reports what happened since the last
+  /// round and completes the log.
+  void end_run();
   void close() noexcept;
 
   // Any thread.
@@ -129,8 +131,8 @@ public:
 
   // Pointer thread.
 
-  /// Calls round() 100 times a second, and once more when stopped.
-  void run_rounds(const std::stop_token &stop);
+  /// Does what round() does 100 times a second. SessionClient::on_point may end the thread.
+  void run_rounds(CallbackThread::Self &self);
   /// Sends the pointer, reports what happened since the round before, and opens a lost device
   /// again. `now` in ns of the monotonic clock.
   void round(std::int64_t now);
@@ -174,7 +176,9 @@ private:
 
   bool open_log(const std::string &path);
   void read_description();
-  void send_point(std::int64_t now, bool playing);
+  std::optional<PointerPosition> work(std::int64_t now);
+  std::optional<PointerPosition> next_point(std::int64_t now, bool playing);
+  void report();
   void report_tracker(bool handled, std::int64_t now);
   void report_priority();
   void report_faults();

@@ -70,6 +70,11 @@ void post_stream_status(GstElement *element, GstStreamStatusType type) {
                            gst_message_new_stream_status(GST_OBJECT(element), type, element));
 }
 
+void post_stats(GstElement *element, const HapticSession &session) {
+  gst_element_post_message(
+      element, gst_message_new_element(GST_OBJECT(element), make_stats(session).release()));
+}
+
 StructurePtr make_stats(const HapticSession &session) {
   const LoopStatistics &loop = session.statistics();
   const SampleIntake &intake = session.intake();

@@ -15,6 +15,9 @@ void post_notice(GstElement *element, const Notice &notice);
 
 void post_stream_status(GstElement *element, GstStreamStatusType type);
 
+/// Posts the element message `hapticsink-stats`.
+void post_stats(GstElement *element, const HapticSession &session);
+
 /// Returns the structure of the property `stats`.
 StructurePtr make_stats(const HapticSession &session);
 
