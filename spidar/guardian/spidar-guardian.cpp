@@ -66,6 +66,7 @@ public:
       return false;
     std::memcpy(&order, bytes.data(), sizeof order);
     endpoint_ = order.endpoint;
+    patience_ = order.patience;
     size_ = static_cast<unsigned>(size) - static_cast<unsigned>(sizeof order);
     std::memcpy(packet_, bytes.data() + sizeof order, size_);
     struct stat status = {};
@@ -74,6 +75,7 @@ public:
   }
 
   bool version_matches() const noexcept { return version_matches_; }
+  int patience() const noexcept { return patience_; }
 
   Written rest() noexcept {
     if (write()) {
@@ -127,6 +129,7 @@ private:
   unsigned char packet_[kLargestGuardedPacket]{};
   unsigned size_ = 0;
   unsigned endpoint_ = 0;
+  int patience_ = kGuardianPatience; ///< ms of silence under a force
   std::uint32_t delivered_ = 0;
   bool is_socket_ = false;
   bool version_matches_ = false;
@@ -236,7 +239,7 @@ bool watch(Motors &motors) {
   bool writing = false;
   for (;;) {
     pollfd control{.fd = kGuardianControl, .events = POLLIN, .revents = 0};
-    const int patience = writing ? 0 : kGuardianPatience;
+    const int patience = writing ? 0 : motors.patience();
     const int ready = poll(&control, 1, force ? patience : -1);
     if (ready < 0 && errno == EINTR)
       continue;

@@ -20,14 +20,16 @@ inline constexpr int kGuardianDevice = 4;
 inline constexpr char kGuardianSocket[] = "spidar-guardian";
 
 /// Changes with these messages. Above every endpoint number: version 1 sent that instead.
-inline constexpr std::uint8_t kGuardianVersion = 0x12;
+inline constexpr std::uint8_t kGuardianVersion = 0x13;
 
-inline constexpr int kGuardianPatience = 10; ///< ms of silence under a force
+/// ms of silence under a force, with exchanges of 2 ms
+inline constexpr int kGuardianPatience = 10;
 inline constexpr int kLargestGuardedPacket = 512;
 
 struct GuardianOrder {
   std::uint8_t version = kGuardianVersion;
   std::uint8_t endpoint = 0;
+  std::uint16_t patience = kGuardianPatience; ///< ms
 };
 
 // Of the process: what was delivered to the motors last.

@@ -80,8 +80,10 @@ bool guardian_service_wanted() {
 }
 
 Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
-                   bool use_service) {
-  const GuardianOrder head{.endpoint = endpoint};
+                   std::chrono::milliseconds patience, bool use_service) {
+  static_assert(kPatience.count() == kGuardianPatience);
+  const GuardianOrder head{.endpoint = endpoint,
+                           .patience = static_cast<std::uint16_t>(patience.count())};
   std::array<std::uint8_t, sizeof head + kLargestGuardedPacket> bytes{};
   std::memcpy(bytes.data(), &head, sizeof head);
   std::memcpy(bytes.data() + sizeof head, packet.data(), packet.size());

@@ -20,10 +20,13 @@ class Guardian {
 public:
   using Clock = std::chrono::steady_clock;
 
+  static constexpr auto kPatience = std::chrono::milliseconds(10);
+
   /// `device` is a descriptor of usbfs, or a datagram socket that stands for one; `packet`, written
   /// to `endpoint`, puts the motors at rest. Returns once the guardian watches: the user's service
   /// if there is one, else a helper program. Throws Error (io).
   Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
+           std::chrono::milliseconds patience = kPatience,
            bool use_service = guardian_service_wanted());
   /// Lets the guardian put the motors at rest and end, and waits for it: it shares the claim.
   ~Guardian();
@@ -38,7 +41,7 @@ public:
 
   /// Reads what the guardian has sent, and sends it a sign of life if it is time for one; call it
   /// before every exchange. `force`: the motors have, or may have, more than minimum tension. Then
-  /// the guardian puts them at rest after kGuardianPatience without a sign. Real-time safe: only
+  /// the guardian puts them at rest after its patience without a sign. Real-time safe: only
   /// system calls that do not wait.
   Watch watch(bool force, Clock::time_point now) noexcept;
 

@@ -17,6 +17,10 @@ namespace spidar {
 namespace {
 
 constexpr int kExchangeTimeout = 2; // ms
+// The guardian hears nothing during an exchange; this long between two it waits.
+constexpr auto kBetweenExchanges = std::chrono::milliseconds(8);
+static_assert(Guardian::kPatience ==
+              kBetweenExchanges + std::chrono::milliseconds(kExchangeTimeout));
 // Per attempt: a silent controller is refused within 0.1 s.
 constexpr auto kOpenTimeout = std::chrono::milliseconds(25);
 constexpr int kOpenAttempts = 3;
@@ -116,7 +120,8 @@ public:
     const auto packet = Protocol::set_motors(rest);
     link_->set_rest({packet, Protocol::kRepliesToMotors});
     guardian_.reset();
-    guardian_.emplace(link_->file_descriptor(), kEndpointOut, packet);
+    guardian_.emplace(link_->file_descriptor(), kEndpointOut, packet,
+                      exchange_timeout_ + kBetweenExchanges);
   }
 
   bool exchange(const DacWords &words, Counts &counts) noexcept override {

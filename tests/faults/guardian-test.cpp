@@ -507,7 +507,7 @@ TEST(Guardian, TheUsersServiceIsPreferredAndOutlivesTheProgramsSession) {
 std::string remark_with_helper(const std::string &helper) {
   setenv("SPIDAR_GUARDIAN", helper.c_str(), 1);
   const Wire wire;
-  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket, true);
+  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket, Guardian::kPatience, true);
   EXPECT_EQ(guardian.watch(false, Clock::now()), Watch::kept) << "the helper watches";
   return guardian.remark();
 }
@@ -550,6 +550,15 @@ TEST(Guardian, ItDoesNotMeddleWhileThereIsNoForce) {
   EXPECT_EQ(wire.read(kQuiet, second), kSilence);
   EXPECT_EQ(guardian.watch(false, Clock::now()), Watch::kept);
   EXPECT_FALSE(guardian.let_go());
+}
+
+TEST(Guardian, ADriverWhoseExchangesMayTakeLongerGetsTheTime) {
+  const Wire wire;
+  Guardian guardian(wire.device.get(), kEndpoint, kRestPacket, 1s);
+  ASSERT_EQ(guardian.watch(true, Clock::now()), Watch::kept);
+  std::uint8_t second = 0;
+  EXPECT_EQ(wire.read(kQuiet, second), kSilence);
+  EXPECT_EQ(wire.read(kForEver, second), kRestPacket[0]);
 }
 
 TEST(Guardian, SignalsOfTheTerminalAreNotForIt) {
