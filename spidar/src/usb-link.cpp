@@ -68,7 +68,7 @@ UsbContext make_usb_context_of_one_device() {
   if (const int error = libusb_init_context(&context, &option, 1); error != 0)
     fail(Cause::io, messages::kUsbUnusable, libusb_strerror(error));
   return UsbContext(context);
-#else // the option would apply to every context of the program
+#else // the option would apply to every later context of the program, also another library's
   return make_usb_context();
 #endif
 }

@@ -33,8 +33,10 @@ using UsbDevice = std::unique_ptr<libusb_device, LibusbDeleter>;
 /// Throws Error (io).
 UsbContext make_usb_context();
 
-/// As make_usb_context(), without the thread that watches for devices where libusb can do without:
-/// it takes locks that the real-time thread needs.
+/// As make_usb_context(), but nobody tells it of devices that come and go: libusb's thread for that
+/// takes a mutex of each context, which the real-time thread needs for each transfer. Before libusb
+/// 1.0.27 that cannot be asked for one context alone; a change on the bus may then delay a tick
+/// until that thread of normal priority has linked one message.
 UsbContext make_usb_context_of_one_device();
 
 /// Where a device is plugged in.
