@@ -330,6 +330,9 @@ public:
   bool usable() const noexcept { return usable_; }
   bool enter() const { return put("/program/cgroup.procs", "0"); }
   bool kill_program() const { return put("/program/cgroup.kill", "1"); }
+  bool freeze_program(bool frozen) const {
+    return put("/program/cgroup.freeze", frozen ? "1" : "0");
+  }
 
 private:
   static std::string own_path() {
@@ -445,8 +448,10 @@ TEST(Guardian, KilledWhileTheDeviceTakesNothingTheMotorsEndAtRest) {
   EXPECT_TRUE(wire.time_of_rest());
 }
 
-/// Kills the cgroup of a program at full force, with whatever else is in it.
-void expect_rest_after_killing_the_cgroup(const Cgroups &groups, const std::string &name) {
+enum class Fault { killed, frozen };
+
+/// Kills or freezes the cgroup of a program at full force, with whatever else is in it.
+void expect_rest(const Cgroups &groups, Fault fault, const std::string &name) {
   Wire wire;
   const pid_t driver = fork();
   if (driver == 0) {
@@ -458,19 +463,22 @@ void expect_rest_after_killing_the_cgroup(const Cgroups &groups, const std::stri
   wire.device.reset();
   ASSERT_TRUE(wire.read_until(kForcePacket));
   const auto begin = Clock::now();
-  ASSERT_TRUE(groups.kill_program());
+  ASSERT_TRUE(fault == Fault::killed ? groups.kill_program() : groups.freeze_program(true));
   const auto rest = wire.time_of_rest();
+  groups.freeze_program(false);
+  kill_and_wait(driver);
   ASSERT_TRUE(rest);
   test::report(name, milliseconds(*rest - begin));
-  waitpid(driver, nullptr, 0);
 }
 
 TEST(Guardian, TheHelperOutlivesTheProgramsCgroupWhereItMayLeaveIt) {
   const Cgroups groups;
   if (!groups.usable())
     GTEST_SKIP() << "no cgroup of version 2 may be made here";
-  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round)
-    expect_rest_after_killing_the_cgroup(groups, "cgroup-kill-to-rest-ms");
+  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round) {
+    expect_rest(groups, Fault::killed, "cgroup-kill-to-rest-ms");
+    expect_rest(groups, Fault::frozen, "cgroup-freeze-to-rest-ms");
+  }
 }
 
 TEST(Guardian, TheUsersServiceOutlivesTheProgramsCgroup) {
@@ -478,8 +486,10 @@ TEST(Guardian, TheUsersServiceOutlivesTheProgramsCgroup) {
   if (!groups.usable())
     GTEST_SKIP() << "no cgroup of version 2 may be made here";
   const Service service;
-  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round)
-    expect_rest_after_killing_the_cgroup(groups, "service-cgroup-kill-to-rest-ms");
+  for (int round = 0; round < rounds_wanted(5) && !HasFatalFailure(); ++round) {
+    expect_rest(groups, Fault::killed, "service-cgroup-kill-to-rest-ms");
+    expect_rest(groups, Fault::frozen, "service-cgroup-freeze-to-rest-ms");
+  }
 }
 
 TEST(Guardian, TheUsersServiceIsPreferredAndOutlivesTheProgramsSession) {
