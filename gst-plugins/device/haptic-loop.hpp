@@ -66,6 +66,7 @@ struct LoopStatistics {
   SharedValue<std::uint64_t> non_finite;    ///< ticks silenced by a NaN or an infinity
   SharedValue<std::uint64_t> suspends;      ///< times that the machine slept
   SharedValue<std::uint64_t> log_rows_lost;
+  SharedValue<std::uint64_t> samples_lost; ///< by submit(), which writes this one
   SharedValue<std::uint64_t> samples_used;
   SharedValue<std::int64_t> sample_age_sum; ///< ns from submit() to the first tick with it
   SharedValue<std::int64_t> sample_age_max; ///< ns
@@ -137,9 +138,10 @@ public:
 
   /// `motion` came at `arrival` (ns, monotonic). Its time is running time as set_running_time()
   /// relates it to the monotonic clock, or kAtOnce. A field goes back to its pool by itself.
-  /// The motion is lost if the loop has stood still for seconds and the ring is full.
+  /// The motion is lost, and counted, if the loop has stood still for seconds and the ring is full.
   void submit(TimedMotion motion, std::int64_t arrival = monotonic_now()) noexcept {
-    submissions_.push({std::move(motion), arrival, epoch_.load()});
+    if (!submissions_.push({std::move(motion), arrival, epoch_.load()}))
+      run_.statistics.samples_lost.fetch_add(1);
   }
   void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
@@ -179,6 +181,9 @@ public:
     run_.device_lost.store(false);
     run_.replacement.store(device);
   }
+
+  /// The thread that ticks; any other after stop(). Continues with the device of replace_device().
+  void adopt_replacement() noexcept;
 
 private:
   struct Submission {
@@ -229,7 +234,6 @@ private:
   void run(CallbackThread::Self &self) noexcept;
   void count_tick(std::int64_t lateness) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
-  void adopt_replacement() noexcept;
   void exchange(std::int64_t now) noexcept;
   void lose_device() noexcept;
   void update_motion(std::int64_t now) noexcept;

@@ -135,6 +135,7 @@ bool HapticSession::prepare(const RunSettings &settings) {
 }
 
 void HapticSession::end_run() {
+  loop_.adopt_replacement(); // if no tick has
   report();
   log_.reset();
 }
@@ -206,6 +207,7 @@ std::optional<PointerPosition> HapticSession::work(std::int64_t now) {
 void HapticSession::report() {
   report_priority();
   report_faults();
+  report_losses();
   report_log();
   if (const bool armed = is_armed(); armed != run_.armed) {
     run_.armed = armed;
@@ -276,6 +278,13 @@ void HapticSession::report_faults() {
     run_.non_finite_reported = true;
     note(Severity::warning, "a force that was not finite counted as zero");
   }
+}
+
+void HapticSession::report_losses() {
+  if (run_.loss_reported || loop_.statistics().samples_lost.load() == 0)
+    return;
+  run_.loss_reported = true;
+  client_.on_notice({Severity::warning, NoticeCause::failed, messages::kSamplesLost, {}});
 }
 
 void HapticSession::report_log() {

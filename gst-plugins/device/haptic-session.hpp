@@ -170,6 +170,7 @@ private:
     bool tracker_found = false;
     bool tracker_reported = false;
     bool priority_reported = false;
+    bool loss_reported = false;
     bool non_finite_reported = false;
     bool log_reported = false;
   };
@@ -181,6 +182,7 @@ private:
   void report();
   void report_tracker(bool handled, std::int64_t now);
   void report_priority();
+  void report_losses();
   void report_faults();
   void report_log();
   void report_reopening(const spidar::Error &error);

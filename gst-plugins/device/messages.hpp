@@ -27,6 +27,10 @@
           "A motion sample is damaged and was felt as nothing. Further ones are only counted "     \
           "(stats).",                                                                              \
           "Check the element before hapticsink: it makes wrong samples.")                          \
+  MESSAGE(kSamplesLost,                                                                            \
+          "The loop stood still for seconds and lost motion samples. Further ones are only "       \
+          "counted (stats).",                                                                      \
+          "End programs that keep the processors busy.")                                           \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
           "Allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \

@@ -207,6 +207,26 @@ TEST_F(Session, ADeviceLostInOneRunIsLookedForInTheNext) {
   EXPECT_NE(notices_.back().text.find("is back"), std::string::npos);
 }
 
+TEST_F(Session, ADeviceOpenedAgainAfterTheLastTickIsUsedInTheNextRun) {
+  begin();
+  bench_.plugged = false;
+  refusal_ = spidar::Cause::not_found;
+  run(200);
+  bench_.plugged = true;
+  refusal_.reset();
+  for (int i = 0; i < 100 && bench_.alive == 0; ++i)
+    session_->round(now_ += 10 * kMs); // the loop no longer ticks
+  ASSERT_EQ(bench_.alive, 1);
+  session_->end_run();
+  ASSERT_TRUE(session_->prepare({.choice = choice_}));
+  session_->play();
+  run(200);
+  EXPECT_FALSE(session_->is_armed());
+  session_->arm();
+  run(600);
+  EXPECT_NEAR(bench_.commanded.force.x(), 0.5, 1e-6);
+}
+
 TEST_F(Session, ADeviceThatFailsAndAnswersAgainIsReportedOnceAndKept) {
   begin();
   run(500);
@@ -316,6 +336,17 @@ TEST_F(Session, TheFirstDamagedSampleOfEachRunIsReported) {
     EXPECT_EQ(texts(), std::vector<std::string>(run_number, haptic::messages::kSampleDamaged));
     session_->end_run();
   }
+}
+
+TEST_F(Session, SamplesThatALoopThatStandsStillLosesAreCountedAndReportedOnce) {
+  begin();
+  run(10);
+  const auto bytes = haptic::pack_motion_sample(moving(100));
+  for (int i = 0; i < 300; ++i)
+    session_->accept(bytes, false, {});
+  EXPECT_EQ(session_->statistics().samples_lost, 300U - 256U);
+  run(100);
+  EXPECT_EQ(texts(), std::vector<std::string>{haptic::messages::kSamplesLost});
 }
 
 TEST_F(Session, AFlushDiscardsSamplesAndFades) {
