@@ -24,9 +24,20 @@ std::optional<std::string> after(const std::string &prefix, const std::string &t
   return std::nullopt;
 }
 
-std::unique_ptr<spidar::HapticDevice> open_joystick(const std::string &path, double period) {
+[[noreturn]] void refuse_without_button(const std::string &description) {
+  throw spidar::Error(spidar::Cause::argument,
+                      format_text(messages::kNoButton, description.c_str()));
+}
+
+std::unique_ptr<spidar::HapticDevice> open_joystick([[maybe_unused]] const std::string &path,
+                                                    [[maybe_unused]] const DeviceChoice &choice) {
 #if HAVE_EVDEV
-  return open_evdev(path, period);
+  if (choice.dead_man == DeadMan::none)
+    return open_evdev(path, 1.0 / choice.rate);
+  const std::string found = first_evdev(path);
+  if (!has_button(found))
+    refuse_without_button(found);
+  return open_evdev(found, 1.0 / choice.rate);
 #else
   throw spidar::Error(spidar::Cause::argument, messages::kNoJoysticksBuilt);
 #endif
@@ -52,17 +63,24 @@ std::unique_ptr<spidar::Controller> open_controller(const DeviceChoice &choice,
 
 OpenedDevice open_device(const DeviceChoice &choice) {
   OpenedDevice opened;
-  if (choice.device == "none")
+  const bool needs_button = choice.dead_man == DeadMan::button;
+  if (choice.device == "none") {
+    if (needs_button)
+      refuse_without_button("device=none");
     return opened;
-  const double period = 1.0 / choice.rate;
+  }
   const auto path = after("evdev:", choice.device);
   if (path || choice.device == "evdev") {
-    opened.device = open_joystick(path.value_or(""), period);
+    opened.device = open_joystick(path.value_or(""), choice);
     return opened;
   }
   const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
   auto controller = open_controller(choice, geometry, opened.simulated_instead);
-  opened.device = std::make_unique<spidar::Device>(std::move(controller), geometry, period);
+  // Which of a SPIDAR-G's input pins is a button, and its polarity, is not known.
+  if (needs_button && choice.device != "sim" && !opened.simulated_instead)
+    refuse_without_button(controller->description());
+  opened.device =
+      std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
   return opened;
 }
 

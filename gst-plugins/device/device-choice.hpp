@@ -9,11 +9,18 @@
 
 namespace haptic {
 
+/// What a hand must do to feel a force.
+enum class DeadMan {
+  none,   ///< nothing
+  button, ///< keep a button of the device pressed
+};
+
 struct DeviceChoice {
   std::string device = "auto"; ///< auto, sim, usb, usb:ID, evdev, evdev:PATH or none
   std::string geometry = spidar::kDefaultGeometry;
   std::string sim_hand = "hold:0,0,0"; ///< spidar::parse_hand_script()
   unsigned rate = 1000;                ///< Hz
+  DeadMan dead_man = DeadMan::none;    ///< button: the device must have one
 
   bool operator==(const DeviceChoice &) const = default;
 };

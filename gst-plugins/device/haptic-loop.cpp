@@ -259,7 +259,8 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   }
   if (gone)
     return lose_device();
-  run_.hand.write({device->state().pose.position, device->state().valid});
+  const spidar::DeviceState &state = device->state();
+  run_.hand.write({state.pose.position, state.valid, state.pressed});
 }
 
 void HapticLoop::update_motion(std::int64_t now) noexcept {
@@ -290,6 +291,8 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   if (run_.motion.cut)
     holds |= kHoldCut;
   const spidar::HapticDevice *device = run_.environment.device;
+  if (run_.environment.dead_man && !(device && device->state().pressed))
+    holds |= kHoldDeadMan;
   if (!device)
     return holds;
   const spidar::DeviceState &state = device->state();

@@ -46,6 +46,7 @@ struct LoopSettings {
 struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
   bool valid = false;
+  bool pressed = false; ///< a button of the grip
 };
 
 /// The sum of what was commanded since start(). The mean force between two readings is the
@@ -92,6 +93,7 @@ public:
     bool lost = false;                      ///< it is null only until replace_device()
     TickLog *log = nullptr;                 ///< null: no log; outlives stop()
     double rate = 1000;                     ///< Hz
+    bool dead_man = false;                  ///< force only while a button of the grip is pressed
     std::function<void()> entered;          ///< called in the thread before the loop proper; it may
                                             ///< stop the loop
     CallbackThread::Keeper keeper;          ///< what lives while `entered` runs

@@ -126,6 +126,7 @@ bool HapticSession::prepare(const RunSettings &settings) {
   environment.lost = !device_ && opened_as_.device != "none"; // in a run before this one
   environment.log = log_.get();
   environment.rate = opened_as_.rate;
+  environment.dead_man = opened_as_.dead_man == DeadMan::button;
   environment.entered = settings.entered;
   environment.left = settings.left;
   environment.keeper = settings.keeper;
@@ -228,6 +229,7 @@ std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool 
   if (!hand.valid)
     return std::nullopt;
   PointerPosition point = map_pointer(hand.position, run_.workspace_half);
+  point.pressed = hand.pressed;
   const Impulse impulse = loop_.impulse();
   if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {
     const spidar::Vector3 mean = (impulse.impulse - run_.last_sent.impulse) / elapsed;

@@ -31,6 +31,8 @@
           "The loop stood still for seconds and lost motion samples. Further ones are only "       \
           "counted (stats).",                                                                      \
           "End programs that keep the processors busy.")                                           \
+  MESSAGE(kNoButton, "dead-man=button needs a button, and %s has none that is known.",             \
+          "Set dead-man=none, or choose a joystick or the simulated device.")                      \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
           "Allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \

@@ -5,6 +5,7 @@
 #include "continuous-force.hpp"
 #include "force-defaults.hpp"
 
+#include <array>
 #include <cstdint>
 #include <spidar/types.hpp>
 
@@ -27,7 +28,24 @@ enum Hold : std::uint32_t {
   kHoldCut = 1 << 11,       ///< another scene began; until the force is zero
   kHoldSuspended = 1 << 12, ///< the machine slept; until `arm`
   kHoldNonFinite = 1 << 13, ///< a number was not finite; this step only (set by the chain)
+  kHoldDeadMan = 1 << 14,   ///< `dead-man` is on and its button is not pressed
   kHoldSpent = 1 << 15,     ///< the budget for continuous force limits the force (set by the chain)
+};
+
+struct HoldName {
+  std::uint32_t bit;
+  const char *name;
+};
+/// The names of the reasons for users, in the order of the bits.
+inline constexpr std::array kHoldNames = {
+    HoldName{kHoldClosed, "closed"},       HoldName{kHoldPaused, "paused"},
+    HoldName{kHoldFlushing, "flushing"},   HoldName{kHoldEnded, "ended"},
+    HoldName{kHoldReleased, "released"},   HoldName{kHoldOverspeed, "overspeed"},
+    HoldName{kHoldFaulted, "faulted"},     HoldName{kHoldLate, "late"},
+    HoldName{kHoldNoPose, "no-pose"},      HoldName{kHoldGap, "gap"},
+    HoldName{kHoldStale, "stale"},         HoldName{kHoldCut, "cut"},
+    HoldName{kHoldSuspended, "suspended"}, HoldName{kHoldNonFinite, "non-finite"},
+    HoldName{kHoldDeadMan, "dead-man"},    HoldName{kHoldSpent, "spent"},
 };
 
 /// The holds that only `arm` ends.

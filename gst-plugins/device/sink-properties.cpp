@@ -45,6 +45,16 @@ GType rate_law_type() {
   return type;
 }
 
+GType dead_man_type() {
+  static const GEnumValue values[] = {
+      {static_cast<gint>(DeadMan::none), "Force whenever there is motion", "none"},
+      {static_cast<gint>(DeadMan::button), "Force only while a button of the device is pressed",
+       "button"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstHapticSinkDeadMan", values);
+  return type;
+}
+
 // ---- the table ----------------------------------------------------------------------------------
 
 using Text = std::string &(*)(SinkSettings &);
@@ -129,6 +139,8 @@ const Property kProperties[] = {
     {"sim-hand", "Simulated Hand", kReady, Text(AT(choice.sim_hand)), {},
      "What holds the simulated grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free; X, Y, Z "
      "and RADIUS in -1..1 of the half workspace, PERIOD in s"},
+    {"dead-man", "Dead-Man Switch", kReady, enumeration<AT(choice.dead_man)>(dead_man_type), {},
+     "What a hand must do to feel a force"},
 };
 #undef AT
 // clang-format on

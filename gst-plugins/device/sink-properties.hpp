@@ -19,7 +19,7 @@ struct SinkSettings {
 };
 
 /// Number of the properties in the table; their ids are 1 to kSinkProperties.
-inline constexpr guint kSinkProperties = 19;
+inline constexpr guint kSinkProperties = 20;
 
 /// Installs the properties of the table.
 void install_sink_properties(GObjectClass *klass);

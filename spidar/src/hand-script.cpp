@@ -79,6 +79,7 @@ public:
   struct Point {
     double time;
     Vector3 place;
+    bool presses; ///< from this time on
   };
   explicit Recorded(std::vector<Point> points) : points_(std::move(points)) {}
 
@@ -97,6 +98,11 @@ public:
     }
     target = place.cwiseProduct(half);
     return true;
+  }
+  bool presses(double time) const noexcept override {
+    const auto next = std::upper_bound(points_.begin(), points_.end(), time,
+                                       [](double t, const Point &point) { return t < point.time; });
+    return next != points_.begin() && (next - 1)->presses;
   }
 
 private:
@@ -121,13 +127,16 @@ std::unique_ptr<HandScript> read_file(const std::string &path) {
     if (text.empty() || text.front() == '#')
       continue;
     const std::vector<double> values = numbers(text);
-    if (values.size() != 4)
-      refuse("expected four numbers t,x,y,z");
+    if (values.size() != 4 && values.size() != 5)
+      refuse("expected four numbers t,x,y,z, or five with pressed");
     if (!points.empty() && values[0] <= points.back().time)
       refuse("the time must be later than in the line before");
-    if (!std::all_of(values.begin() + 1, values.end(), within_workspace))
+    if (!std::all_of(values.begin() + 1, values.begin() + 4, within_workspace))
       refuse("x, y and z must be from -1 to 1");
-    points.push_back({values[0], {values[1], values[2], values[3]}});
+    const double presses = values.size() == 5 ? values[4] : 0;
+    if (presses != 0 && presses != 1)
+      refuse("pressed must be 0 or 1");
+    points.push_back({values[0], {values[1], values[2], values[3]}, presses == 1});
   }
   if (file.bad() || points.empty())
     fail(Cause::argument, messages::kHandScriptEmpty, path.c_str());

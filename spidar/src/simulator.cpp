@@ -168,6 +168,10 @@ std::string Simulator::description() const {
   return "simulated SPIDAR-G (" + state_->geometry.name + ")";
 }
 
+bool Simulator::pressed() const noexcept {
+  return state_->hand->presses(state_->time);
+}
+
 const Pose &Simulator::pose() const noexcept {
   return state_->pose;
 }

@@ -137,6 +137,7 @@ TEST_F(SinkFaults, F18_EveryDeviceThatCannotBeOpenedSaysWhy) {
                       {"device=usb:", "usb:ID"},
                       {"device=sim geometry=none-such", "none-such"},
                       {"device=sim sim-hand=wave", "hold:"},
+                      {"device=none dead-man=button", "dead-man=none"},
                       {"device=usb:15", "SPIDAR"}};
   for (const auto &[properties, remedy] : kCases) {
     build(properties);

@@ -97,7 +97,21 @@ TEST(HandScript, WhatIsNotUnderstoodIsRefusedWithWhatIsAccepted) {
   }
 }
 
+TEST(HandScript, AFileMayPressTheButton) {
+  const HandFile file("0,0,0,0\n1,0,0,0,1\n2,0,0,0,0\n");
+  const auto hand = parse_hand_script(file.script());
+  for (const auto &[time, presses] : {std::pair{-1.0, false},
+                                      {0.5, false},
+                                      {1.0, true},
+                                      {1.999, true},
+                                      {2.0, false},
+                                      {100.0, false}})
+    EXPECT_EQ(hand->presses(time), presses) << time;
+  EXPECT_FALSE(parse_hand_script("hold:0,0,0")->presses(1));
+}
+
 TEST(HandScript, FileErrorsNameTheLine) {
+  EXPECT_NE(refusal(HandFile("0,0,0,0,1\n1,0,0,0,2\n").script()).find("line 2"), std::string::npos);
   EXPECT_NE(refusal(HandFile("0,0,0,0\n1,0,0\n").script()).find("line 2"), std::string::npos);
   EXPECT_NE(refusal(HandFile("0,0,0,0\n\n0,0,0,0\n").script()).find("line 3"), std::string::npos);
   EXPECT_NE(refusal(HandFile("# far\n0,0,0,2\n").script()).find("line 2"), std::string::npos);

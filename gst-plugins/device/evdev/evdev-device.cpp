@@ -39,6 +39,10 @@ constexpr auto kDriverStands = 300ms;  // then the device does not answer; its e
 constexpr double kStickHalf = 0.04;    // m, travel of the top of a stick to either side
 constexpr double kVelocityCutoff = 10; // Hz; the stick reports its position some 100 times a second
 
+// Of sticks, gamepads and wheels; not the positions of a gear lever (BTN_GEAR_UP), which stay on.
+constexpr unsigned kFirstButton = BTN_JOYSTICK;
+constexpr unsigned kEndOfButtons = BTN_DIGI;
+
 struct CloseFile {
   int file = -1;
   ~CloseFile() {
@@ -53,19 +57,6 @@ struct FreeEvdev {
 
 std::string description_of(const EvdevUnit &unit) {
   return "\"" + unit.name + "\" (" + unit.path + ")";
-}
-
-// Returns the path, or that of the first joystick if it is empty.
-std::string path_or_first(const std::string &path) {
-  if (!path.empty())
-    return path;
-  const EvdevUnits units = list_evdev();
-  if (!units.with_force.empty())
-    return units.with_force.front().path;
-  std::string others;
-  for (const EvdevUnit &unit : units.without)
-    others += " " + description_of(unit) + " has none.";
-  throw Error(Cause::not_found, format_text(messages::kNoJoystick, others.c_str()));
 }
 
 int open_node(const std::string &path) {
@@ -232,7 +223,7 @@ private:
   }
 
   bool is_pressed() const noexcept {
-    for (unsigned button = BTN_JOYSTICK; button < BTN_DIGI; ++button) // sticks, gamepads, wheels
+    for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
       if (libevdev_get_event_value(evdev_.get(), EV_KEY, button) != 0)
         return true;
     return false;
@@ -315,8 +306,32 @@ private:
 
 } // namespace
 
+std::string first_evdev(const std::string &path) {
+  if (!path.empty())
+    return path;
+  const EvdevUnits units = list_evdev();
+  if (!units.with_force.empty())
+    return units.with_force.front().path;
+  std::string others;
+  for (const EvdevUnit &unit : units.without)
+    others += " " + description_of(unit) + " has none.";
+  throw Error(Cause::not_found, format_text(messages::kNoJoystick, others.c_str()));
+}
+
 std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, double period) {
-  return std::make_unique<EvdevDevice>(path_or_first(path), period);
+  return std::make_unique<EvdevDevice>(first_evdev(path), period);
+}
+
+bool has_button(const std::string &path) {
+  const CloseFile file{open_node(path)};
+  libevdev *device = nullptr;
+  if (libevdev_new_from_fd(file.file, &device) != 0)
+    throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
+  const std::unique_ptr<libevdev, FreeEvdev> owner(device);
+  for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
+    if (libevdev_has_event_code(device, EV_KEY, button))
+      return true;
+  return false;
 }
 
 } // namespace haptic

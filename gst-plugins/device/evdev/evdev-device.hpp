@@ -17,4 +17,11 @@ namespace haptic {
 /// when the process ends. If exchange() is not called for a tenth of a second, the force is zero.
 std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, double period);
 
+/// Returns the path, or that of the first one with force feedback if it is "". Throws
+/// spidar::Error (not_found).
+std::string first_evdev(const std::string &path);
+
+/// Whether the input device has a button that sets DeviceState::pressed. Throws spidar::Error.
+bool has_button(const std::string &path);
+
 } // namespace haptic

@@ -14,15 +14,17 @@ namespace spidar {
 
 /// The place to which the hand pulls the grip: `hold:X,Y,Z`, `circle:RADIUS,PERIOD` (about the
 /// centre, from (RADIUS, 0, 0) counter-clockwise as the user sees it), `file:PATH` (lines
-/// `t,x,y,z`, interpolated; stays at the last one; empty lines and lines that begin with # are
-/// skipped) or `free` (nobody holds it). X, Y, Z and RADIUS in -1..1 of the half workspace, PERIOD
-/// and t in s.
+/// `t,x,y,z` or `t,x,y,z,pressed`, interpolated, with 1 while the hand presses the button, else 0;
+/// stays at the last one; empty lines and lines that begin with # are skipped) or `free` (nobody
+/// holds it). X, Y, Z and RADIUS in -1..1 of the half workspace, PERIOD and t in s.
 class SPIDAR_API HandScript {
 public:
   virtual ~HandScript() = default;
   /// Sets `target` (m) for `time` (s from the start). False if no hand holds the grip.
   virtual bool target(double time, const Vector3 &workspace_half,
                       Vector3 &target) const noexcept = 0;
+  /// Whether the hand presses the button of the grip at `time` (s from the start).
+  virtual bool presses(double /*time*/) const noexcept { return false; }
 };
 
 /// Throws Error (argument, not_found) that names what is accepted.
@@ -42,6 +44,7 @@ public:
   /// The counters' value at the centre: not zero, as after the power-on of a real controller.
   bool home(Counts &counts) const noexcept override;
   std::string description() const override;
+  bool pressed() const noexcept override;
 
   /// The true pose of the simulated grip, for tests.
   const Pose &pose() const noexcept;
