@@ -55,6 +55,7 @@ public:
   void on_notice(const haptic::Notice &notice) override;
   bool on_point(const haptic::PointerPosition &point) override;
   void on_armed_changed() override;
+  void on_session_changed(const haptic::SessionStatus &status) override;
   std::optional<haptic::ClockReading> read_clocks() override;
 
 private:
@@ -79,6 +80,7 @@ struct State {
   haptic::HapticSession session; // its members have their threads
   haptic::CallQueue calls;
   std::atomic<bool> armed = false; // as of the last notification
+  std::atomic<int> notified_state = static_cast<int>(haptic::SessionState::closed); // the same
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
 
@@ -121,10 +123,12 @@ GstBaseSinkClass *parent_class() {
   return GST_BASE_SINK_CLASS(gst_haptic_sink_parent_class);
 }
 
-// The two properties that follow the table's.
+// The properties that follow the table's.
 constexpr guint kPropArmed = 1 + haptic::kSinkProperties;
 constexpr guint kPropStats = 2 + haptic::kSinkProperties;
+constexpr guint kPropSessionState = 3 + haptic::kSinkProperties;
 GParamSpec *armed_property = nullptr;
+GParamSpec *session_state_property = nullptr;
 
 // ---- messages -----------------------------------------------------------------------------------
 
@@ -161,6 +165,15 @@ bool Client::on_point(const haptic::PointerPosition &point) {
 void Client::on_armed_changed() {
   if (armed_has_changed(*self_->state))
     self_->state->calls.add([self = self_] { notify_armed(self); });
+}
+
+void Client::on_session_changed(const haptic::SessionStatus &status) {
+  self_->state->calls.add([self = self_, status] {
+    haptic::post_session(GST_ELEMENT(self), status);
+    const int state = static_cast<int>(status.state);
+    if (self->state->notified_state.exchange(state) != state)
+      g_object_notify_by_pspec(G_OBJECT(self), session_state_property);
+  });
 }
 
 // Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
@@ -481,6 +494,8 @@ void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
     g_value_take_boxed(value, haptic::make_stats(state.session).release());
   } else if (id == kPropArmed) {
     g_value_set_boolean(value, state.session.is_armed());
+  } else if (id == kPropSessionState) {
+    g_value_set_enum(value, static_cast<gint>(state.session.state()));
   } else if (id <= haptic::kSinkProperties) {
     const ObjectLock lock(object);
     haptic::get_sink_property(id, value, state.settings);
@@ -499,6 +514,10 @@ void install_properties(GObjectClass *klass) {
                                   g_param_spec_boxed("stats", "Statistics",
                                                      "Counters and timing since the last start",
                                                      GST_TYPE_STRUCTURE, kReadOnly));
+  session_state_property = g_param_spec_enum(
+      "session-state", "Session State", "Whether and why a force is possible",
+      haptic::session_state_type(), static_cast<gint>(haptic::SessionState::closed), kReadOnly);
+  g_object_class_install_property(klass, kPropSessionState, session_state_property);
 }
 
 void arm(GstHapticSink *self) {

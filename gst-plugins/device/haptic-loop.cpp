@@ -24,6 +24,9 @@ constexpr double kGripTurnedOn = 3;                        // rad/s, while the t
 constexpr double kGripWhirls = 10;                         // rad/s, whatever drives it
 constexpr double kTurnsFor = 0.0045;                       // s, as the speed's low-pass of 35 Hz
 constexpr int kFailuresToFault = 3;
+// The holds that a tick finds for itself. The others are in holds_.
+constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
+                                     kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan;
 constexpr int kRealTimePriority = 50; // above what desktops use, below the kernel's threads
 
 // Only the loop writes its counters, so no read-modify-write instruction is needed.
@@ -146,6 +149,7 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
     device->exchange(monotonic_now());
   }
   run_.silent = true;
+  run_.tick_holds = 0;
   back_to_normal_priority();
   if (run_.environment.left)
     run_.environment.left();
@@ -182,6 +186,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   run_.impulse.time += dt;
   run_.impulse_slot.write(run_.impulse);
   run_.silent.store(run_.chain.silent());
+  run_.tick_holds.store(run_.chain.holds() & kTickHolds);
   raise(run_.statistics.force_max, wrench.force.norm());
   run_.statistics.force_rms.store(run_.chain.continuous_force().rms(), std::memory_order_relaxed);
 }
@@ -220,12 +225,14 @@ void HapticLoop::adopt_replacement() noexcept {
   run_.environment.device = device;
   run_.failed_exchanges = 0;
   run_.retry_at = 0;
+  homed_.store(false);
   hold(kHoldFaulted); // an `arm` while the device was lost does not count
   unhold(kHoldClosed);
 }
 
 void HapticLoop::lose_device() noexcept {
   hold(kHoldFaulted | kHoldClosed);
+  homed_.store(false);
   run_.hand.write({});
   run_.environment.device = nullptr;
   run_.device_lost.store(true);
@@ -260,6 +267,8 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (gone)
     return lose_device();
   const spidar::DeviceState &state = device->state();
+  if (state.valid)
+    homed_.store(true);
   run_.hand.write({state.pose.position, state.valid, state.pressed});
 }
 

@@ -120,6 +120,11 @@ public:
   void hold(std::uint32_t holds) noexcept { holds_.fetch_or(holds); }
   void unhold(std::uint32_t holds) noexcept { holds_.fetch_and(~holds); }
   std::uint32_t holds() const noexcept { return holds_.load(); }
+  /// The same, with those that only the last tick knew.
+  std::uint32_t reasons() const noexcept { return holds_.load() | run_.tick_holds.load(); }
+  /// Whether the pose was known since the device was opened, or there is no hand.
+  bool homed() const noexcept { return homed_.load(); }
+  void set_homed(bool homed) noexcept { homed_.store(homed); }
   /// Discards every sample submitted so far.
   void drop_samples() noexcept { epoch_.fetch_add(1); }
   void calibrate() noexcept { run_.calibrate.store(true); }
@@ -202,6 +207,7 @@ private:
     // Between threads.
     SharedValue<bool> calibrate;
     SharedValue<bool> silent = true;
+    SharedValue<std::uint32_t> tick_holds;
     SharedValue<int> priority_error = -1;
     SharedValue<int> memory_error;
     SharedValue<bool> device_lost;
@@ -247,6 +253,7 @@ private:
 
   // Outlive a run.
   std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused; // any thread
+  std::atomic<bool> homed_ = false;                              // loop, thread that opens
   std::atomic<std::uint32_t> epoch_ = 0;                         // of the samples; any thread
   SampleRing<Submission, 256> submissions_;                      // streaming thread -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop

@@ -19,6 +19,8 @@ constexpr std::int64_t kTrackerGrace = 1000 * kMs;
 constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled with each attempt
 constexpr std::int64_t kLastReopening = 500 * kMs;
 
+constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
+
 // The faults that are reported whenever their counter has changed.
 struct FaultReport {
   SharedValue<std::uint64_t> LoopStatistics::*counter;
@@ -80,17 +82,37 @@ bool HapticSession::open(const DeviceChoice &choice) {
     client_.on_notice({Severity::warning, NoticeCause::not_found, messages::kSimulatedInstead, {}});
   device_ = std::move(opened.device);
   opened_as_ = choice;
-  // A fault ends with the device that had it. What the user asked for (kHoldReleased) does not.
-  loop_.unhold(kHoldClosed | kHoldOverspeed | kHoldFaulted | kHoldSuspended);
+  loop_.set_homed(!device_);
+  loop_.unhold(kHoldClosed | kFaults);
+  state_.set_device(device_ ? device_->description() : "");
+  update_state();
   note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
   if (const std::string remark = device_ ? device_->remark() : ""; !remark.empty())
     client_.on_notice({Severity::warning, NoticeCause::open, remark, {}});
   return true;
 }
 
-void HapticSession::close() noexcept {
+void HapticSession::close() {
   loop_.hold(kHoldClosed);
+  // A fault ends with the device that had it. What the user asked for (kHoldReleased) does not.
+  loop_.unhold(kFaults);
   device_.reset();
+  update_state();
+}
+
+void HapticSession::arm() {
+  loop_.unhold(kLatches);
+  update_state();
+}
+
+void HapticSession::release() {
+  loop_.hold(kHoldReleased);
+  update_state();
+}
+
+void HapticSession::update_state() {
+  state_.update(loop_.reasons(), loop_.homed(),
+                [this](const SessionStatus &status) { client_.on_session_changed(status); });
 }
 
 bool HapticSession::open_log(const std::string &path) {
@@ -210,6 +232,7 @@ void HapticSession::report() {
   report_faults();
   report_losses();
   report_log();
+  update_state();
   if (const bool armed = is_armed(); armed != run_.armed) {
     run_.armed = armed;
     client_.on_armed_changed();
@@ -323,6 +346,7 @@ void HapticSession::reopen_lost_device(std::int64_t now) {
   }
   reopening.waiting = false;
   loop_.replace_device(device_.get());
+  state_.set_device(device_->description());
   client_.on_notice({Severity::info,
                      NoticeCause::open,
                      format_text(messages::kDeviceIsBack, device_->description().c_str()),

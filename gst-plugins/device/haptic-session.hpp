@@ -9,6 +9,7 @@
 #include "haptic-loop.hpp"
 #include "pointer-mapping.hpp"
 #include "sample-intake.hpp"
+#include "session-state.hpp"
 
 #include <array>
 #include <condition_variable>
@@ -60,6 +61,8 @@ public:
   virtual bool on_point(const PointerPosition &point) = 0;
   /// Pointer thread.
   virtual void on_armed_changed() = 0;
+  /// Any thread but the loop's, in order. It must not call back into the session.
+  virtual void on_session_changed(const SessionStatus & /*status*/) {}
   /// Pointer thread. Returns nothing without a clock.
   virtual std::optional<ClockReading> read_clocks() = 0;
 };
@@ -99,14 +102,15 @@ public:
   /// After the loop and the thread of run_rounds() have ended: reports what happened since the last
   /// round and completes the log.
   void end_run();
-  void close() noexcept;
+  void close();
 
   // Any thread.
 
-  void arm() noexcept { loop_.unhold(kLatches); }
-  void release() noexcept { loop_.hold(kHoldReleased); }
+  void arm();
+  void release();
   void calibrate() noexcept { loop_.calibrate(); }
   bool is_armed() const noexcept { return !(loop_.holds() & (kHoldClosed | kLatches)); }
+  SessionState state() const { return state_.state(); }
   bool silent() const noexcept { return loop_.silent(); }
   const LoopStatistics &statistics() const noexcept { return loop_.statistics(); }
   const SampleIntake &intake() const noexcept { return run_.intake; } ///< its counters
@@ -181,6 +185,7 @@ private:
   std::optional<PointerPosition> next_point(std::int64_t now, bool playing);
   void report();
   void report_tracker(bool handled, std::int64_t now);
+  void update_state();
   void report_priority();
   void report_losses();
   void report_faults();
@@ -197,6 +202,7 @@ private:
   DeviceChoice opened_as_;
   std::unique_ptr<spidar::HapticDevice> device_;
   std::unique_ptr<TickLog> log_;
+  SessionStateMachine state_; // any thread
 
   FieldPool fields_; // before the run and the loop, which give fields back
   Run run_;

@@ -70,6 +70,15 @@ void post_stream_status(GstElement *element, GstStreamStatusType type) {
                            gst_message_new_stream_status(GST_OBJECT(element), type, element));
 }
 
+void post_session(GstElement *element, const SessionStatus &status) {
+  GstStructure *structure =
+      gst_structure_new("haptic-session",                               //
+                        "state", G_TYPE_STRING, name_of(status.state),  //
+                        "reason", G_TYPE_STRING, status.reason.c_str(), //
+                        "device", G_TYPE_STRING, status.device.c_str(), nullptr);
+  gst_element_post_message(element, gst_message_new_element(GST_OBJECT(element), structure));
+}
+
 void post_stats(GstElement *element, const HapticSession &session) {
   gst_element_post_message(
       element, gst_message_new_element(GST_OBJECT(element), make_stats(session).release()));
@@ -100,7 +109,9 @@ StructurePtr make_stats(const HapticSession &session) {
                         "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
                         "force-rms", G_TYPE_DOUBLE, loop.force_rms.load(),               //
                         "faults", G_TYPE_UINT64, loop.faults(),                          //
-                        "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(), nullptr));
+                        "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(),       //
+                        "samples-lost", G_TYPE_UINT64, loop.samples_lost.load(),         //
+                        "state", G_TYPE_STRING, name_of(session.state()), nullptr));
 }
 
 } // namespace haptic

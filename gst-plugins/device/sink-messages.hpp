@@ -15,6 +15,9 @@ void post_notice(GstElement *element, const Notice &notice);
 
 void post_stream_status(GstElement *element, GstStreamStatusType type);
 
+/// Posts the element message `haptic-session`.
+void post_session(GstElement *element, const SessionStatus &status);
+
 /// Posts the element message `hapticsink-stats`.
 void post_stats(GstElement *element, const HapticSession &session);
 

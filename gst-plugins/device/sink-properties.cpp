@@ -177,11 +177,23 @@ GParamSpec *make_spec(const Property &p) {
 
 } // namespace
 
+GType session_state_type() {
+  static const GType type = [] {
+    static std::vector<GEnumValue> values;
+    for (const auto &state : kSessionStates)
+      values.push_back({static_cast<gint>(state.state), state.description, state.name});
+    values.push_back({0, nullptr, nullptr});
+    return g_enum_register_static("GstHapticSinkSessionState", values.data());
+  }();
+  return type;
+}
+
 void install_sink_properties(GObjectClass *klass) {
   guint id = 0;
   for (const Property &property : kProperties)
     g_object_class_install_property(klass, ++id, make_spec(property));
-  for (const GType type : {force_law_type(), latency_mode_type(), rate_law_type()})
+  for (const GType type : {force_law_type(), latency_mode_type(), rate_law_type(), dead_man_type(),
+                           session_state_type()})
     gst_type_mark_as_plugin_api(type, static_cast<GstPluginAPIFlags>(0));
 }
 

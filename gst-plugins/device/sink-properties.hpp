@@ -21,6 +21,9 @@ struct SinkSettings {
 /// Number of the properties in the table; their ids are 1 to kSinkProperties.
 inline constexpr guint kSinkProperties = 20;
 
+/// The type of the property `session-state`.
+GType session_state_type();
+
 /// Installs the properties of the table.
 void install_sink_properties(GObjectClass *klass);
 

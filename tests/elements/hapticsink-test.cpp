@@ -691,15 +691,18 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
     if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
       break;
     const GstStructure *s = gst_message_get_structure(found.get());
+    if (gst_structure_has_name(s, "haptic-session"))
+      continue;
     ASSERT_STREQ(gst_structure_get_name(s), "hapticsink-stats");
     ++posted;
     for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples",
-                             "gaps", "faults", "log-rows-lost"})
+                             "gaps", "faults", "log-rows-lost", "samples-lost"})
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
     for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
                              "loop-max", "sample-age", "sample-age-max", "force-max", "force-rms"})
       EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
-    EXPECT_EQ(gst_structure_n_fields(s), 18);
+    EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
+    EXPECT_EQ(gst_structure_n_fields(s), 20);
   }
   EXPECT_EQ(posted, 1);
   EXPECT_EQ(count("samples"), 15U);
@@ -707,6 +710,80 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
   EXPECT_GT(number("loop-p99"), 0);
   EXPECT_GT(number("sample-age"), 0);
+}
+
+TEST_F(HapticSink, PostsItsStateWithTheReasonAndTheDevice) {
+  build("device=sim");
+  push_motion(100, 0, 0.5);
+  push_end();
+  set(GST_STATE_PLAYING);
+  std::vector<std::string> states;
+  std::string reason;
+  for (;;) {
+    const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
+    ASSERT_TRUE(found);
+    if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
+      break;
+    const GstStructure *s = gst_message_get_structure(found.get());
+    if (!gst_structure_has_name(s, "haptic-session"))
+      continue;
+    reason = gst_structure_get_string(s, "reason");
+    const std::string device = gst_structure_get_string(s, "device");
+    EXPECT_NE(device.find("simulated SPIDAR-G"), std::string::npos) << device;
+    if (const char *state = gst_structure_get_string(s, "state");
+        states.empty() || states.back() != state)
+      states.push_back(state);
+  }
+  ASSERT_GE(states.size(), 4U);
+  EXPECT_EQ(states[0], "open");
+  EXPECT_EQ(states[1], "homed");
+  EXPECT_EQ(states[2], "armed");
+  EXPECT_EQ(states.back(), "held");
+  EXPECT_NE(reason.find("ended"), std::string::npos) << reason;
+}
+
+TEST_F(HapticSink, TheStateIsAPropertyWithNotification) {
+  build("device=sim");
+  const auto state = [&] {
+    gint value = -1;
+    g_object_get(sink_.get(), "session-state", &value, nullptr);
+    return value;
+  };
+  std::atomic<int> notified = 0;
+  const gulong handler = g_signal_connect(
+      sink_.get(), "notify::session-state",
+      G_CALLBACK(+[](GObject *, GParamSpec *, std::atomic<int> *n) { ++*n; }), &notified);
+  EXPECT_EQ(state(), 0); // closed
+  wait_for(GST_STATE_READY);
+  EXPECT_EQ(state(), 1); // open
+  EXPECT_TRUE(eventually([&] { return notified == 1; }));
+  push_motion(100, 0, 20);
+  set(GST_STATE_PLAYING);
+  EXPECT_TRUE(eventually([&] { return state() == 3; })); // armed
+  g_signal_emit_by_name(sink_.get(), "release");
+  EXPECT_EQ(state(), 2); // homed
+  stop();
+  EXPECT_EQ(state(), 0);
+  EXPECT_TRUE(eventually([&] { return notified >= 5; }));
+  g_signal_handler_disconnect(sink_.get(), handler);
+}
+
+TEST_F(HapticSink, WithADeadManSwitchThereIsAForceOnlyWhileTheButtonIsPressed) {
+  for (const int pressed : {0, 1}) {
+    const auto hand = directory_ / "hand.csv";
+    std::ofstream(hand) << "0,0,0,0," << pressed << "\n";
+    build("device=sim dead-man=button sim-hand=file:" + hand.string());
+    pts_ = 0;
+    push_motion(100, 0, 0.6);
+    push_end();
+    set(GST_STATE_PLAYING);
+    wait_for_end();
+    if (pressed)
+      EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
+    else
+      EXPECT_EQ(number("force-max"), 0);
+    stop();
+  }
 }
 
 TEST_F(HapticSink, AnnouncesItsThread) {

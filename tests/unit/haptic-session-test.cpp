@@ -28,6 +28,7 @@ constexpr std::int64_t kMs = 1'000'000; // ns
 struct Bench {
   bool answers = true;
   bool plugged = true;
+  bool pressed = false;
   spidar::Vector3 hand = spidar::Vector3::Zero(); // m
   spidar::Wrench commanded;
   int alive = 0; // devices that exist
@@ -44,6 +45,7 @@ public:
     state_.valid = connected_ && bench_.answers;
     if (state_.valid)
       state_.pose.position = bench_.hand;
+    state_.pressed = state_.valid && bench_.pressed;
     return state_.valid;
   }
   bool connected() const noexcept override { return connected_; }
@@ -83,6 +85,10 @@ protected:
     return true;
   }
   void on_armed_changed() override { armed_.push_back(session_->is_armed()); }
+  void on_session_changed(const haptic::SessionStatus &status) override {
+    states_.push_back(name_of(status.state) + (status.reason.empty() ? "" : ": " + status.reason));
+    device_ = status.device;
+  }
   std::optional<haptic::ClockReading> read_clocks() override {
     return haptic::ClockReading{now_, now_ - 1000 * kMs};
   }
@@ -130,6 +136,8 @@ protected:
   std::vector<Notice> notices_;
   std::vector<PointerPosition> points_;
   std::vector<bool> armed_;
+  std::vector<std::string> states_; // with their reasons
+  std::string device_;
   std::unique_ptr<HapticSession> session_;
 };
 
@@ -283,6 +291,70 @@ TEST_F(Session, ALogThatCannotBeWrittenIsAnErrorThatNamesIt) {
   EXPECT_FALSE(session_->prepare({.choice = choice_, .log_location = "/no/such/log.csv"}));
   EXPECT_EQ(notices_.back().cause, NoticeCause::open_log);
   EXPECT_NE(notices_.back().text.find("/no/such/log.csv"), std::string::npos);
+}
+
+// ---- the dead-man switch ------------------------------------------------------------------------
+
+TEST_F(Session, WithADeadManSwitchTheForceLastsAsLongAsTheButtonIsPressed) {
+  choice_.dead_man = haptic::DeadMan::button;
+  begin();
+  run(500);
+  EXPECT_TRUE(session_->silent());
+  EXPECT_TRUE(session_->is_armed());
+  EXPECT_EQ(states_.back(), "held: dead-man");
+  for (int i = 0; i < 3; ++i) {
+    bench_.pressed = true;
+    run(300);
+    EXPECT_NEAR(force(), 0.5, 1e-6);
+    EXPECT_TRUE(points_.back().pressed);
+    EXPECT_EQ(states_.back(), "armed");
+    bench_.pressed = false;
+    for (double before = force(); !session_->silent(); before = force()) {
+      run(1);
+      ASSERT_LT(force(), before); // fades without a step
+      ASSERT_GT(force(), before - 0.011);
+    }
+    run(300);
+    EXPECT_TRUE(session_->silent());
+    EXPECT_FALSE(points_.back().pressed);
+  }
+}
+
+TEST_F(Session, ADeviceThatDoesNotAnswerDoesNotCountAsPressed) {
+  choice_.dead_man = haptic::DeadMan::button;
+  bench_.pressed = true;
+  begin();
+  run(500);
+  bench_.answers = false;
+  run(100);
+  EXPECT_TRUE(session_->silent());
+}
+
+// ---- states -------------------------------------------------------------------------------------
+
+TEST_F(Session, TheStatesOfASessionAreReportedInOrderWithTheirReasons) {
+  EXPECT_EQ(session_->state(), haptic::SessionState::closed);
+  begin();
+  EXPECT_EQ(states_, (std::vector<std::string>{"open"}));
+  EXPECT_EQ(device_, "a fake");
+  run(300);
+  EXPECT_EQ(states_[1], "homed");
+  EXPECT_EQ(session_->state(), haptic::SessionState::armed);
+  states_.clear();
+  session_->pause();
+  run(100);
+  session_->play();
+  run(100);
+  session_->release();
+  session_->arm();
+  session_->loop().hold(haptic::kHoldOverspeed);
+  run(10);
+  session_->arm();
+  run(10);
+  session_->close();
+  EXPECT_EQ(states_, (std::vector<std::string>{"held: paused", "armed", "homed: released", "armed",
+                                               "faulted: overspeed", "homed", "armed", "closed"}));
+  EXPECT_EQ(device_, "");
 }
 
 // ---- the pointer --------------------------------------------------------------------------------

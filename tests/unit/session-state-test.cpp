@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The states of a session: no other transitions than those that docs/elements/hapticsink.md draws.
+#include "session-state.hpp"
+
+#include "safety-chain.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <random>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+using haptic::SessionState;
+using haptic::SessionStateMachine;
+using haptic::SessionStatus;
+using haptic::SessionTransition;
+using Names = std::vector<std::string>;
+
+std::string text_of(const SessionTransition &t) {
+  return std::string(name_of(t.from)) + " --> " + name_of(t.to);
+}
+
+// The names of the states on the way.
+Names way(SessionStateMachine &machine, std::uint32_t holds, bool homed) {
+  Names names;
+  machine.update(holds, homed,
+                 [&](const SessionStatus &status) { names.push_back(name_of(status.state)); });
+  return names;
+}
+
+TEST(SessionState, FollowsTheHolds) {
+  SessionStateMachine machine;
+  EXPECT_EQ(way(machine, haptic::kHoldClosed | haptic::kHoldPaused, false), Names{});
+  EXPECT_EQ(way(machine, haptic::kHoldPaused, false), Names{"open"});
+  EXPECT_EQ(way(machine, haptic::kHoldPaused, true), (Names{"homed", "armed", "held"}));
+  EXPECT_EQ(way(machine, 0, true), Names{"armed"});
+  EXPECT_EQ(way(machine, haptic::kHoldReleased, true), Names{"homed"});
+  EXPECT_EQ(way(machine, haptic::kHoldFaulted | haptic::kHoldReleased, true), Names{"faulted"});
+  EXPECT_EQ(way(machine, haptic::kHoldFaulted | haptic::kHoldClosed, false), Names{"faulted"});
+  EXPECT_EQ(way(machine, haptic::kHoldClosed, false), Names{"closed"});
+}
+
+TEST(SessionState, ALostDeviceIsAFaultAndNeedsArm) {
+  SessionStateMachine machine;
+  way(machine, 0, true);
+  EXPECT_EQ(way(machine, haptic::kHoldFaulted | haptic::kHoldClosed, false), Names{"faulted"});
+  EXPECT_EQ(way(machine, haptic::kHoldFaulted, true), Names{}); // opened again
+  EXPECT_EQ(way(machine, 0, true), (Names{"homed", "armed"}));
+}
+
+TEST(SessionState, TheReasonNamesTheHolds) {
+  using haptic::session_reason;
+  constexpr std::uint32_t kHolds = haptic::kHoldPaused | haptic::kHoldDeadMan;
+  EXPECT_EQ(session_reason(kHolds, SessionState::held), "paused,dead-man");
+  EXPECT_EQ(session_reason(kHolds | haptic::kHoldOverspeed, SessionState::faulted), "overspeed");
+  EXPECT_EQ(session_reason(kHolds, SessionState::armed), "");
+  for (const auto &hold : haptic::kHoldNames)
+    EXPECT_EQ(session_reason(hold.bit, SessionState::held), hold.name);
+}
+
+TEST(SessionState, EveryReasonHasAName) {
+  std::uint32_t named = 0;
+  for (const auto &hold : haptic::kHoldNames)
+    named |= hold.bit;
+  EXPECT_EQ(named, 2 * haptic::kHoldSpent - 1); // the last one
+}
+
+TEST(SessionState, WhateverHappensOnlyTheTransitionsOfTheTableHappen) {
+  std::mt19937 random(14);
+  SessionStateMachine machine;
+  SessionState before = machine.state();
+  for (int i = 0; i < 20'000; ++i) {
+    const std::uint32_t holds = random() & random() & (2 * haptic::kHoldSpent - 1);
+    const bool homed = random() % 4 != 0;
+    machine.update(holds, homed, [&](const SessionStatus &status) {
+      const SessionTransition step{before, status.state};
+      if (status.state != before) {
+        ASSERT_NE(std::ranges::find(haptic::kSessionTransitions, step),
+                  haptic::kSessionTransitions.end())
+            << text_of(step);
+      }
+      before = status.state;
+    });
+    ASSERT_EQ(machine.state(), haptic::session_state(holds, homed));
+  }
+}
+
+TEST(SessionState, ThePageDrawsTheSameStatesAndTransitions) {
+  std::ifstream page(SOURCE_ROOT "/docs/elements/hapticsink.md");
+  const std::regex arrow(R"(^\s*(\w+ --> \w+)(:.*)?$)");
+  Names drawn;
+  for (std::string line; std::getline(page, line);)
+    if (std::smatch match; std::regex_match(line, match, arrow))
+      drawn.push_back(match[1]);
+  Names coded;
+  for (const SessionTransition &transition : haptic::kSessionTransitions)
+    coded.push_back(text_of(transition));
+  std::ranges::sort(drawn);
+  std::ranges::sort(coded);
+  EXPECT_EQ(drawn, coded);
+}
+
+} // namespace
