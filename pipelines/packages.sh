@@ -30,6 +30,7 @@ build_packages=(
   libhwy-dev
   libusb-1.0-0-dev
   libcairo2-dev
+  libglib2.0-dev # D-Bus: real-time priority, a moment before the machine sleeps
   libevdev-dev # joysticks with force feedback
   rapidjson-dev # MPEG haptics as JSON
 )
@@ -47,6 +48,7 @@ test_packages=(
   gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0
   libumockdev-dev # a mocked USB bus
   umockdev        # umockdev-wrapper
+  dbus-daemon     # a bus of a test
   libopencv-calib3d-dev # the benchmark of the motion models compares with it
   clang-format
   clang-tidy

@@ -12,6 +12,7 @@
 #include <pthread.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 namespace haptic {
 namespace {
@@ -125,6 +126,7 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
   // A copy: when it stops this run it may begin another one, which has an environment of its own.
   if (const auto entered = run_.environment.entered; entered && !self.call_out(entered))
     return;
+  run_.thread_number = gettid();
   run_.memory_error = lock_memory(*this);
   run_.priority_error = request_real_time_priority();
 

@@ -179,6 +179,8 @@ public:
   }
   /// 0 with real-time priority, else the errno of the refusal; -1 until the thread runs.
   int priority_error() const noexcept { return run_.priority_error.load(); }
+  /// Kernel's number of the loop's thread, once priority_error() is not -1.
+  int thread_number() const noexcept { return run_.thread_number.load(); }
   /// 0 when the memory of the loop cannot be swapped out, else the errno of the refusal.
   int memory_error() const noexcept { return run_.memory_error.load(); }
   /// The device has gone for good, the loop no longer uses it, and it may be destroyed.
@@ -208,6 +210,7 @@ private:
     SharedValue<bool> calibrate;
     SharedValue<bool> silent = true;
     SharedValue<std::uint32_t> tick_holds;
+    SharedValue<int> thread_number;
     SharedValue<int> priority_error = -1;
     SharedValue<int> memory_error;
     SharedValue<bool> device_lost;

@@ -13,6 +13,7 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000; // ns
+constexpr std::int64_t kSecond = 1000 * kMs;
 constexpr auto kPointerPeriod = std::chrono::milliseconds(10);
 constexpr std::int64_t kClockPeriod = 100 * kMs;
 constexpr std::int64_t kTrackerGrace = 1000 * kMs;
@@ -20,6 +21,7 @@ constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled w
 constexpr std::int64_t kLastReopening = 500 * kMs;
 
 constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
+constexpr auto kLongestFade = std::chrono::milliseconds(500); // before a sleep
 
 // The faults that are reported whenever their counter has changed.
 struct FaultReport {
@@ -157,9 +159,15 @@ bool HapticSession::prepare(const RunSettings &settings) {
   return true;
 }
 
+void HapticSession::start_loop() {
+  loop_.start_thread();
+  services_ = std::make_unique<SystemServices>([this] { on_sleep(); });
+}
+
 void HapticSession::end_run() {
   loop_.adopt_replacement(); // if no tick has
   report();
+  services_.reset();
   log_.reset();
 }
 
@@ -277,9 +285,18 @@ void HapticSession::report_tracker(bool handled, std::int64_t now) {
 }
 
 void HapticSession::report_priority() {
-  const int error = loop_.priority_error();
+  int error = loop_.priority_error();
   if (run_.priority_reported || error < 0)
     return;
+  if (error > 0 && services_) {
+    if (!std::exchange(run_.priority_requested, true))
+      services_->request_real_time(loop_.thread_number());
+    const RealTimeAnswer answer = services_->real_time_answer();
+    if (answer == RealTimeAnswer::pending)
+      return;
+    if (answer == RealTimeAnswer::granted)
+      error = 0;
+  }
   run_.priority_reported = true;
   const int memory_error = loop_.memory_error();
   if (error == 0 && memory_error == 0)
@@ -320,6 +337,19 @@ void HapticSession::report_log() {
                      NoticeCause::write,
                      format_text(messages::kLogStopped, error_text(log_->error()).c_str()),
                      {}});
+}
+
+// ---- before the machine sleeps ------------------------------------------------------------------
+
+// A thread of the services. The machine sleeps once this returns.
+void HapticSession::on_sleep() {
+  loop_.hold(kHoldSuspended);
+  client_.on_notice({Severity::info, NoticeCause::failed, messages::kAboutToSleep, {}});
+  const auto deadline = std::chrono::steady_clock::now() + kLongestFade;
+  while (!loop_.silent() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  // The next exchange sends what the last tick has computed.
+  std::this_thread::sleep_for(std::chrono::nanoseconds(3 * kSecond / opened_as_.rate));
 }
 
 // ---- opening a lost device again ----------------------------------------------------------------

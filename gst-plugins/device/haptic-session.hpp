@@ -10,6 +10,7 @@
 #include "pointer-mapping.hpp"
 #include "sample-intake.hpp"
 #include "session-state.hpp"
+#include "system-services.hpp"
 
 #include <array>
 #include <condition_variable>
@@ -94,7 +95,7 @@ public:
   bool prepare(const RunSettings &settings);
   /// After prepare(): starts the loop's thread, silent until play(). Then run_rounds() belongs on a
   /// thread of its own. Throws std::system_error. Tests call loop().tick() and round() instead.
-  void start_loop() { loop_.start_thread(); }
+  void start_loop();
   void play() noexcept { loop_.unhold(kHoldPaused); }
   void pause() noexcept { loop_.hold(kHoldPaused); }
   /// Zero force, two exchanges, join. Also from RunSettings::entered.
@@ -173,6 +174,7 @@ private:
     std::array<std::uint64_t, 3> faults{};     // reported so far, as in kFaultReports
     bool tracker_found = false;
     bool tracker_reported = false;
+    bool priority_requested = false;
     bool priority_reported = false;
     bool loss_reported = false;
     bool non_finite_reported = false;
@@ -186,6 +188,7 @@ private:
   void report();
   void report_tracker(bool handled, std::int64_t now);
   void update_state();
+  void on_sleep();
   void report_priority();
   void report_losses();
   void report_faults();
@@ -210,6 +213,8 @@ private:
 
   std::mutex mutex_; // only to sleep on
   std::condition_variable_any wake_;
+
+  std::unique_ptr<SystemServices> services_; // last: its thread ends before what it uses
 };
 
 } // namespace haptic

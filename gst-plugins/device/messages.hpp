@@ -27,6 +27,8 @@
           "A motion sample is damaged and was felt as nothing. Further ones are only counted "     \
           "(stats).",                                                                              \
           "Check the element before hapticsink: it makes wrong samples.")                          \
+  MESSAGE(kAboutToSleep, "The machine is about to sleep. The force is off.",                       \
+          "Once it is awake, take the grip and re-arm (signal arm).")                              \
   MESSAGE(kSamplesLost,                                                                            \
           "The loop stood still for seconds and lost motion samples. Further ones are only "       \
           "counted (stats).",                                                                      \
@@ -35,7 +37,7 @@
           "Set dead-man=none, or choose a joystick or the simulated device.")                      \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
-          "Allow them with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \
+          "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
   MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
           "Install libevdev-dev and build it again.")                                              \

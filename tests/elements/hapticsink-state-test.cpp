@@ -199,6 +199,7 @@ protected:
     SCOPED_TRACE(name);
     const Watchdog watchdog(name);
     build(callback.properties);
+    ASSERT_TRUE(sink_);
     pts_ = 0;
     // Never destroyed: a handler may still be running.
     static std::list<Change> changes;
