@@ -88,6 +88,7 @@ void list_others(const Report &report) {
   constexpr const char *kOfSink = "hapticsink does this, its tests check it";
   constexpr const char *kFault = "needs a fault; spidar-emulator makes it";
   list(report, {{"force on the grip", kOfSink},
+                {"force over any minute", kOfSink},
                 {"torque", kOfSink},
                 {"change of the force", kOfSink},
                 {"work on the hand", kOfSink},
