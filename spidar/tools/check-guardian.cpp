@@ -199,6 +199,11 @@ std::vector<pid_t> children() {
   return found;
 }
 
+bool signal_guardian(int number) {
+  const std::vector<pid_t> guardians = children();
+  return guardians.size() == 1 && kill(guardians.front(), number) == 0;
+}
+
 std::optional<End> await_end(pid_t child, std::chrono::milliseconds patience) {
   const auto descriptor = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
   pollfd ended{.fd = descriptor, .events = POLLIN, .revents = 0};

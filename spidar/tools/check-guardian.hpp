@@ -14,6 +14,8 @@ namespace spidar_check {
 void adopt_guardians();
 /// Living children of this process.
 std::vector<pid_t> children();
+/// Sends a signal to the guardian of the open unit, the only child. False if there is none.
+bool signal_guardian(int number);
 
 /// How a process ended.
 struct End {

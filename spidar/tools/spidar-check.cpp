@@ -67,12 +67,6 @@ Unit open_unit(const Settings &settings) {
   return {spidar::open_controller(choice.device, geometry, choice.sim_hand), geometry, timer};
 }
 
-/// The guardian of the open unit is the only child.
-bool signal_guardian(int number) {
-  const std::vector<pid_t> guardians = children();
-  return guardians.size() == 1 && kill(guardians.front(), number) == 0;
-}
-
 struct Promise {
   const char *name;
   const char *why; ///< nothing was measured

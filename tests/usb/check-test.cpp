@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What spidar-check finds out about controllers on USB, good ones and broken ones. Its own time is
-// simulated. No guardian: guarded-test.cpp and tools-checks have those.
+// simulated, and there is no guardian, but for the last test.
+#include "check-guardian.hpp"
 #include "direct-fixture.hpp"
 #include "promises.hpp"
 
@@ -43,7 +44,10 @@ protected:
                                       std::make_shared<SimulatedTime>());
   }
   Report report() {
-    return [this](const Finding &finding) { verdicts_[finding.promise] = finding.verdict; };
+    return [this](const Finding &finding) {
+      verdicts_[finding.promise] = finding.verdict;
+      figure_ = finding.figure;
+    };
   }
   /// Opens a good unit, breaks it, and expects that it may not pull.
   template <class Break>
@@ -58,6 +62,7 @@ protected:
 
   std::unique_ptr<Unit> checked_;
   std::map<std::string, Verdict> verdicts_;
+  std::string figure_; ///< of the last finding
 };
 INSTANTIATE_TEST_SUITE_P(Both, Check, ::testing::Values(Model::simple, Model::sh4), name_of_model);
 
@@ -107,6 +112,20 @@ TEST_P(Check, ForgivesTwoLostReplies) {
   unit_->faults([](Faults &faults) { faults.short_replies = 2; });
   EXPECT_TRUE(check_answers(*checked_, report()));
   EXPECT_EQ(verdicts_["the device answers"], Verdict::pass);
+}
+
+// The times are not asserted: what is noticed has a time in its figure, what is not has none.
+TEST_P(Check, StopsAndKillsTheRealGuardian) {
+  adopt_guardians();
+  checked_ =
+      std::make_unique<Unit>(spidar::open_usb(""), spidar::load_geometry(spidar::kDefaultGeometry),
+                             std::make_shared<MachineTime>());
+  check_guardian_hangs(*checked_, 0.2, signal_guardian, report());
+  EXPECT_NE(figure_.find("ms promised"), std::string::npos) << figure_;
+  EXPECT_TRUE(checked_->connected());
+  check_guardian_dies(*checked_, 0.2, signal_guardian, report());
+  EXPECT_NE(figure_.find("ms promised"), std::string::npos) << figure_;
+  EXPECT_FALSE(checked_->connected());
 }
 
 } // namespace
