@@ -85,6 +85,7 @@ public:
   double highest_tension() const { return highest_; } ///< N
   int interruptions() const { return interruptions_; }
   bool let_go() const { return let_go_; }
+  double force() const { return force_.norm(); } ///< N, as commanded last
   /// Longest time between two exchanges of tick() so far, and since forget_gaps().
   Clock::duration longest_gap() const { return longest_gap_; }
   void forget_gaps();

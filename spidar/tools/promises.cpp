@@ -131,6 +131,8 @@ constexpr const char *kGuardianHangs = "the guardian hangs";
 constexpr const char *kGuardianDies = "the guardian is killed";
 constexpr const char *kNotOurs = "there is no guardian that this program may signal: it is a user "
                                  "service, or the device needs none";
+constexpr const char *kNoForce =
+    "this machine is too late to keep a force: the guardian intervenes before";
 
 /// The guardian lets the grip move during a pause. The first reply after it must show that, not the
 /// second one.
@@ -263,6 +265,8 @@ void check_hang(Unit &unit, double force, const Report &report) {
   Finding in_step{};
   for (const auto pause : kPauses) {
     unit.run(kPhase, along(0, force));
+    if (unit.force() < force / 2)
+      return report({kHangs, Verdict::not_testable, kNoForce});
     const int before = unit.interruptions();
     const spidar::Counts counts = unit.state().counts;
     const auto paused = unit.pause(pause);
@@ -286,6 +290,8 @@ void check_guardian_hangs(Unit &unit, double force, const SignalGuardian &signal
   const Vector3 wanted = along(0, force);
   unit.run(kPhase, wanted);
   const int before = unit.interruptions();
+  if (unit.force() < force / 2)
+    return report({kGuardianHangs, Verdict::not_testable, kNoForce});
   if (!signal(SIGSTOP))
     return report({kGuardianHangs, Verdict::not_testable, kNotOurs});
   const auto noticed = time_until(unit, wanted, [&] { return unit.interruptions() > before; });

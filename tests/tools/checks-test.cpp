@@ -200,6 +200,14 @@ TEST(Checks, AGuardianThatDoesNothingFails) {
   checked.expect_fail("the program hangs under a force", "nothing for 100 ms");
 }
 
+TEST(Checks, AMachineThatCannotKeepAForceIsNotTested) {
+  Checked checked({.rests = 500us}); // within every tick
+  check_hang(checked.unit(), kForce, checked.report());
+  check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
+  checked.expect("the program hangs under a force", Verdict::not_testable, "too late");
+  checked.expect("the guardian hangs", Verdict::not_testable, "too late");
+}
+
 TEST(Checks, AGuardianThatIsLateFails) {
   Checked checked({.rests = 40ms});
   check_hang(checked.unit(), kForce, checked.report());
