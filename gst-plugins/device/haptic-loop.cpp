@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "haptic-loop.hpp"
 
-#include "pointer-mapping.hpp"
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -178,6 +176,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   receive_submissions(now);
   adopt_replacement();
   exchange(now);
+  update_hand(dt);
   update_motion(now);
   const spidar::Wrench wrench = next_wrench(dt, lateness > kTooLate);
   if (run_.environment.device)
@@ -244,8 +243,10 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   spidar::HapticDevice *device = run_.environment.device;
   if (!device)
     return;
-  if (run_.calibrate.exchange(false))
+  if (run_.calibrate.exchange(false)) {
     device->calibrate();
+    run_.wash_out.reset();
+  }
   const bool faulted = holds_.load() & kHoldFaulted;
   if (faulted && now < run_.retry_at)
     return;
@@ -267,17 +268,25 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
     add<std::uint64_t>(run_.statistics.interruptions);
   }
   if (gone)
-    return lose_device();
+    lose_device();
+}
+
+// A device that was not asked on this tick keeps the hand as it was.
+void HapticLoop::update_hand(double dt) noexcept {
+  const spidar::HapticDevice *device = run_.environment.device;
+  if (!device)
+    return;
   const spidar::DeviceState &state = device->state();
-  if (state.valid)
+  const spidar::Vector3 &half = device->workspace_half();
+  if (state.valid) {
     homed_.store(true);
-  run_.hand.write({state.pose.position, state.valid, state.pressed});
+    run_.wash_out.step(state.pose.position, state.velocity, half, settings_.value().wash_out, dt);
+    run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
+  }
+  run_.hand.write({state.pose.position, state.valid, state.pressed, run_.wash_out.shift()});
 }
 
 void HapticLoop::update_motion(std::int64_t now) noexcept {
-  const spidar::HapticDevice *device = run_.environment.device;
-  if (device && device->state().valid)
-    run_.place = map_pointer(device->state().pose.position, device->workspace_half());
   // While the pipeline is paused its time stands still.
   if (run_.flushed || !(holds_.load() & kHoldPaused))
     run_.motion = run_.interpolator.at(run_.running_time.at(now), run_.place);

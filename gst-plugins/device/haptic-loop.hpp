@@ -10,6 +10,7 @@
 #include "motion-conditioning.hpp"
 #include "motion-interpolator.hpp"
 #include "newest-slot.hpp"
+#include "pointer-mapping.hpp"
 #include "running-time.hpp"
 #include "safety-chain.hpp"
 #include "sample-ring.hpp"
@@ -40,6 +41,7 @@ struct LoopSettings {
   double damping = 1;                                                ///< N·s/m
   double smooth_hz = 0;                                              ///< Hz, 0: off
   double continuous_force = 1;                                       ///< N rms, 0: no limit
+  double wash_out = 0;                                               ///< 1/s, 0: off
 };
 
 /// Where the hand is, for the pointer.
@@ -47,6 +49,7 @@ struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
   bool valid = false;
   bool pressed = false; ///< a button of the grip
+  FrameShift shift; ///< of the frame, by the wash-out
 };
 
 /// The sum of what was commanded since start(). The mean force between two readings is the
@@ -228,6 +231,7 @@ private:
     MotionConditioner conditioner;
     SafetyChain chain;
     SuspendDetector suspend;
+    WashOut wash_out;
     PointerPosition place; // of the hand, as last known
     MotionAt motion;       // at the time of this tick
     bool broken = false;   // a sample held a number that is not finite
@@ -246,6 +250,7 @@ private:
   void count_tick(std::int64_t lateness) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
   void exchange(std::int64_t now) noexcept;
+  void update_hand(double dt) noexcept;
   void lose_device() noexcept;
   void update_motion(std::int64_t now) noexcept;
   bool is_let_go(const spidar::DeviceState &state, double dt) noexcept;

@@ -259,7 +259,7 @@ std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool 
   const HandPosition hand = loop_.hand();
   if (!hand.valid)
     return std::nullopt;
-  PointerPosition point = map_pointer(hand.position, run_.workspace_half);
+  PointerPosition point = map_pointer(hand.position, run_.workspace_half, hand.shift);
   point.pressed = hand.pressed;
   const Impulse impulse = loop_.impulse();
   if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {

@@ -19,15 +19,41 @@ bool differs(const PointerPosition &a, const PointerPosition &b) noexcept {
       return true;
   return false;
 }
+
+// Equation 1 about the centre: parts of the frame, y down.
+FrameShift from_centre(const spidar::Vector3 &hand,
+                       const spidar::Vector3 &workspace_half) noexcept {
+  return {hand.x() / (2 * workspace_half.x()), -hand.y() / (2 * workspace_half.y())};
+}
 } // namespace
 
-PointerPosition map_pointer(const spidar::Vector3 &hand,
-                            const spidar::Vector3 &workspace_half) noexcept {
+PointerPosition map_pointer(const spidar::Vector3 &hand, const spidar::Vector3 &workspace_half,
+                            const FrameShift &shift) noexcept {
+  const FrameShift place = from_centre(hand, workspace_half);
   PointerPosition position;
-  position.x = std::clamp(0.5 + hand.x() / (2 * workspace_half.x()), 0.0, 1.0);
-  position.y = std::clamp(0.5 - hand.y() / (2 * workspace_half.y()), 0.0, 1.0);
+  position.x = std::clamp(0.5 + place.x + shift.x, 0.0, 1.0);
+  position.y = std::clamp(0.5 + place.y + shift.y, 0.0, 1.0);
   position.z = std::clamp(hand.z() / workspace_half.z(), -1.0, 1.0);
   return position;
+}
+
+// s' = d min(1, m (|u'| - u_0) / |d|) for |u'| > u_0: u is the hand in parts of the frame, d = k u
+// the wash-out of first order of a motion platform with the rate k (or d = -s / 1 s when it is
+// off), m = kMostDrift, u_0 = kResting.
+void WashOut::step(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
+                   const spidar::Vector3 &workspace_half, double rate, double dt) noexcept {
+  const FrameShift speed = from_centre(velocity, workspace_half);
+  const double moving = std::hypot(speed.x, speed.y) - kResting;
+  const FrameShift place = from_centre(hand, workspace_half);
+  const FrameShift drift =
+      rate > 0 ? FrameShift{rate * place.x, rate * place.y} : FrameShift{-shift_.x, -shift_.y};
+  const double length = std::hypot(drift.x, drift.y);
+  if (!(length > 0) || !(moving > 0)) // also for NaN
+    return;
+  const double share = std::min(1.0, kMostDrift * moving / length) * dt;
+  // At 0.5 the hand in the centre points at the border of the frame.
+  shift_.x = std::clamp(shift_.x + share * drift.x, -0.5, 0.5);
+  shift_.y = std::clamp(shift_.y + share * drift.y, -0.5, 0.5);
 }
 
 bool PointerGate::pass(const PointerPosition &position, std::int64_t now) noexcept {

@@ -130,6 +130,9 @@ const Property kProperties[] = {
      "The rms of the force over any 60 s, N; a stronger force fades to what keeps it; 0: any"},
     {"smooth-hz", "Smooth Hz", kPlaying, Number(AT(loop.smooth_hz)), {0, 500},
      "Cut-off of an additional low-pass on the motion, Hz; 12 for noisy frames, 0: none"},
+    {"wash-out", "Wash-out", kPlaying, Number(AT(loop.wash_out)), {0, 10},
+     "How fast the frame moves under a hand that points away from its centre, 1/s, by at most 5 % of "
+     "the hand's movement; 0: the workspace is the frame"},
     {"rate-law", "Rate Law", kPlaying, enumeration<AT(rate_law)>(rate_law_type), {},
      "What a film played slower or faster feels like"},
     {"geometry", "Geometry", kReady, Text(AT(choice.geometry)), {},

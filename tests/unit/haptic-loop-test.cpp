@@ -295,6 +295,28 @@ TEST_F(Loop, CalibrateMakesThePresentPositionTheCentre) {
   EXPECT_NEAR(loop_.hand().position.x(), 0, 0.0005);
 }
 
+TEST_F(Loop, AWashOutShiftsTheFrameUnderTheHandUntilItIsCalibrated) {
+  open("circle:0.8,1");
+  ticks(2000);
+  EXPECT_EQ(loop_.hand().shift.x, 0);
+  haptic::LoopSettings settings;
+  settings.wash_out = 1;
+  loop_.set_settings(settings);
+  double most = 0;
+  double before = 0;
+  for (int ms = 0; ms < 2000; ++ms) {
+    ticks(1);
+    const double shift = loop_.hand().shift.x;
+    ASSERT_LT(std::abs(shift - before), 1e-3);
+    before = shift;
+    most = std::max(most, std::abs(shift));
+  }
+  EXPECT_GT(most, 0.005);
+  loop_.calibrate();
+  ticks(1);
+  EXPECT_LT(std::abs(loop_.hand().shift.x), 1e-3);
+}
+
 TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
   loop_.prepare({});
   loop_.unhold(haptic::kHoldClosed);
