@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-calibrate: measures a SPIDAR-G with the help of its user, and writes a geometry file.
+#include "calibration-pull.hpp"
 #include "fail.hpp"
 #include "tool.hpp"
 
@@ -23,7 +24,6 @@ namespace {
 
 constexpr double kGentle = 0.5;    // N
 constexpr double kMeasured = 1;    // N
-constexpr double kRamp = 2;        // N/s
 constexpr double kGripLetGo = 1.0; // m/s
 constexpr auto kTick = 1ms;
 
@@ -38,7 +38,12 @@ public:
 
   void pull(const Vector3 &force) {
     const std::lock_guard lock(mutex_);
-    wanted_ = force;
+    pull_.want(force);
+  }
+  /// The geometry has this axis the other way round: pulls the other way from now on.
+  void mirror(int axis) {
+    const std::lock_guard lock(mutex_);
+    pull_.mirror(axis);
   }
   void calibrate() {
     const std::lock_guard lock(mutex_);
@@ -61,17 +66,14 @@ private:
       const std::lock_guard lock(mutex_);
       silent_ = device_->exchange(spidar::monotonic_time()) ? 0 : silent_ + 1;
       if (device_->state().interrupted || device_->state().velocity.norm() > kGripLetGo)
-        force_ = wanted_ = Vector3::Zero();
-      const Vector3 change = wanted_ - force_;
-      force_ += change * std::min(1.0, kRamp * 1e-3 / std::max(change.norm(), 1e-9));
-      device_->command({force_, Vector3::Zero()});
+        pull_.release();
+      device_->command({pull_.step(1e-3), Vector3::Zero()});
     }
   }
 
   std::mutex mutex_;
   std::unique_ptr<spidar::Device> device_;
-  Vector3 wanted_ = Vector3::Zero(); ///< N
-  Vector3 force_ = Vector3::Zero();
+  spidar::CalibrationPull pull_;
   int silent_ = 0;
   std::jthread thread_;
 };
@@ -138,6 +140,7 @@ spidar::Geometry dialogue(Session &session, spidar::Geometry geometry) {
       continue;
     std::cout << "  The geometry has it the other way round; it is turned over." << std::endl;
     geometry = spidar::mirrored(std::move(geometry), axis);
+    session.mirror(axis);
   }
 
   ask("Move the grip straight to the right, without turning it, hold it there, and press Enter.");

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/calibration.hpp"
+
+#include "calibration-pull.hpp"
+#include "spidar/device.hpp"
 #include "spidar/error.hpp"
+#include "spidar/simulator.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -123,4 +127,57 @@ TEST(Calibration, AGeometryThatCannotBeDrivenIsNotWritten) {
   EXPECT_NE(refusal(Cause::not_found, [&] { save_geometry(builtin(), "/nowhere/a.ini"); })
                 .find("--output"),
             std::string::npos);
+}
+
+// ---- the pull of spidar-calibrate ---------------------------------------------------------------
+
+namespace {
+
+/// Where the hand of a unit is pulled, m. The device believes in the built-in geometry.
+Vector3 pulled(const Geometry &truth, CalibrationPull &pull) {
+  auto unit = std::make_unique<Simulator>(truth, parse_hand_script("hold:0,0,0"));
+  const Simulator &grip = *unit;
+  Device device(std::move(unit), builtin());
+  for (std::int64_t tick = 1; tick <= 1500; ++tick) {
+    device.exchange(tick * 1'000'000);
+    device.command({pull.step(0.001), Vector3::Zero()});
+  }
+  return grip.pose().position;
+}
+
+} // namespace
+
+TEST(CalibrationPull, PullsTheOtherWayOnceTheAxisIsMirrored) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Geometry truth = mirrored(builtin(), axis);
+    Vector3 force = Vector3::Zero();
+    force[axis] = 1;
+    CalibrationPull pull;
+    pull.want(force);
+    EXPECT_LT(pulled(truth, pull)[axis], -0.0008) << axis; // 1 N against 1000 N/m
+    pull.mirror(axis);
+    const Vector3 place = pulled(truth, pull);
+    EXPECT_GT(place[axis], 0.0008) << axis;
+    EXPECT_LT((place - place[axis] * force).norm(), 0.0002) << axis;
+  }
+}
+
+TEST(CalibrationPull, NeverStepsNotEvenWhenAnAxisIsMirrored) {
+  CalibrationPull pull;
+  pull.want({0.5, 0, 0});
+  Vector3 before = Vector3::Zero();
+  for (int tick = 0; tick < 2000; ++tick) {
+    if (tick == 700)
+      pull.mirror(0);
+    if (tick == 1500)
+      pull.want(Vector3::Zero());
+    const Vector3 force = pull.step(0.001);
+    ASSERT_LE((force - before).norm(), 0.002 + 1e-12) << tick;
+    before = force;
+  }
+  EXPECT_EQ(before, Vector3::Zero());
+  pull.want({0.5, 0, 0});
+  pull.step(0.001);
+  pull.release();
+  EXPECT_EQ(pull.step(0.001), Vector3::Zero());
 }
