@@ -38,7 +38,7 @@ PoseSolver::Result PoseSolver::solve(const StringLengths &lengths,
     // conditioned and needs no damping.
     WrenchMatrix scaled = strings.pull;
     scaled.bottomRows<3>() /= geometry_.grip_radius;
-    const Eigen::LLT<Matrix6> cholesky(Matrix6(scaled * scaled.transpose()));
+    const Eigen::LLT<Matrix6> cholesky(Matrix6(scaled.lazyProduct(scaled.transpose())));
     const auto pivots = cholesky.matrixLLT().diagonal();
     if (cholesky.info() != Eigen::Success ||
         !(pivots.minCoeff() > kSmallestPivot * pivots.maxCoeff()))

@@ -93,7 +93,7 @@ struct Problem {
     WrenchMatrix weighted = pull;
     weighted.bottomRows<3>() *= std::sqrt(kTorqueWeight) / geometry.grip_radius;
     wanted.tail<3>() *= std::sqrt(kTorqueWeight);
-    hessian = weighted.transpose() * weighted;
+    hessian = weighted.transpose().lazyProduct(weighted);
     hessian.diagonal().array() += kTensionWeight;
     gradient = weighted.transpose() * wanted;
     gradient.array() += kTensionWeight * lower;
