@@ -49,7 +49,7 @@ struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
   bool valid = false;
   bool pressed = false; ///< a button of the grip
-  FrameShift shift; ///< of the frame, by the wash-out
+  FrameShift shift;     ///< of the frame, by the wash-out
 };
 
 /// The sum of what was commanded since start(). The mean force between two readings is the
