@@ -37,7 +37,8 @@
           "Set dead-man=none, or choose a joystick or the simulated device.")                      \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
-          "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - memlock 8192\" in " \
+          "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - " \
+          "memlock 8192\" in "                                                                     \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
   MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
           "Install libevdev-dev and build it again.")                                              \

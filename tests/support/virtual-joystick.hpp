@@ -68,6 +68,10 @@ public:
     emit(EV_ABS, ABS_Y, static_cast<int>(y * kFull));
     emit(EV_SYN, SYN_REPORT, 0);
   }
+  void press(bool pressed) {
+    emit(EV_KEY, BTN_JOYSTICK, pressed);
+    emit(EV_SYN, SYN_REPORT, 0);
+  }
   void unplug() {
     driver_ = {};
     if (file_ >= 0)

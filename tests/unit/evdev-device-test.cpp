@@ -97,6 +97,20 @@ TEST_F(Evdev, TheStickIsThePointer) {
   EXPECT_NEAR(device->state().pose.position.norm(), 0, 1e-9);
 }
 
+TEST_F(Evdev, AButtonOfTheStickIsPressedUntilItIsReleased) {
+  VirtualJoystick stick;
+  EXPECT_TRUE(haptic::has_button(stick.path()));
+  const auto device = open_evdev(stick.path(), 0.001);
+  EXPECT_FALSE(device->state().pressed);
+  for (const bool pressed : {true, false, true}) {
+    stick.press(pressed);
+    EXPECT_TRUE(eventually([&] {
+      device->exchange(spidar::monotonic_time());
+      return device->state().pressed == pressed;
+    }));
+  }
+}
+
 TEST_F(Evdev, AForceIsPlayedInItsDirectionAndKeptAliveButSoonOverByItself) {
   VirtualJoystick stick;
   const auto device = open_evdev(stick.path(), 0.001);
