@@ -345,11 +345,14 @@ void check_unplug(Unit &unit, const Ask &ask, const Report &report) {
 }
 
 void check_close(const Record &record, const Report &report) {
-  report(verdict("closing the device leaves minimum tension",
-                 record.last == record.rest && record.last_answered,
-                 record.last_answered ? "the last exchange was answered"
-                                      : "the last exchange was not answered",
-                 messages::kCheckDefect));
+  constexpr const char *kPromise = "closing the device leaves minimum tension";
+  if (record.last != record.rest)
+    report(verdict(kPromise, false, "the last words were others", messages::kCheckDefect));
+  else if (!record.last_answered)
+    report({kPromise, Verdict::not_testable,
+            "the last exchange was not answered; its guardian repeats it"});
+  else
+    report({kPromise, Verdict::pass, "the last exchange was answered"});
 }
 
 } // namespace spidar_check

@@ -293,7 +293,7 @@ TEST(Checks, TheLastWordsMustBeThoseOfMinimumTension) {
   record.last_answered = true;
   EXPECT_EQ(verdict_of(), Verdict::pass);
   record.last_answered = false;
-  EXPECT_EQ(verdict_of(), Verdict::fail);
+  EXPECT_EQ(verdict_of(), Verdict::not_testable) << "only its guardian can know";
   record.last_answered = true;
   record.last[3] = 900;
   EXPECT_EQ(verdict_of(), Verdict::fail);
