@@ -27,6 +27,7 @@ driven() {
 promise "the USB2.0 Simple is driven" driven 10
 promise "the USB2.0 SH4 is driven" driven 3
 promise "both are left at minimum tension" told "rows > 50 && largest <= least"
+promise "spidar-check finds no broken promise" "$build/spidar/tools/spidar-check" --device usb:3 --yes
 
 # Returns once the program measures. Its first exchanges wait for taut strings and forgive faults; on a slow machine
 # these may be a thousand.
