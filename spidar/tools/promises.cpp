@@ -286,7 +286,7 @@ void check_hang(Unit &unit, double force, const Report &report) {
 
 void check_guardian_hangs(Unit &unit, double force, const SignalGuardian &signal,
                           const Report &report) {
-  constexpr auto kPromised = 11ms;
+  constexpr auto kPromised = 10ms;
   const Vector3 wanted = along(0, force);
   unit.run(kPhase, wanted);
   const int before = unit.interruptions();

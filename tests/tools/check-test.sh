@@ -57,7 +57,7 @@ diff "$work/output" "$work/report" || complain 'the report is not what was print
 safety=$(dirname "$0")/../../docs/safety.md
 promises() {
   sed -n '/^## What limits/,/^## /s/^\* \([^:]*\):.*/\1/p' "$safety"
-  sed -n '/^## What happens/,/^## /s/^| \([^|]*\) |.*/\1/p' "$safety" | sed '1d; s/ *([^)]*)//; s/`//g'
+  sed -n '/^| event |/,/^$/s/^| \([^|]*\) |.*/\1/p' "$safety" | sed '1d; s/ *([^)]*)//; s/`//g'
 }
 [ "$(promises | wc -l)" -gt 15 ] || complain 'the promises of docs/safety.md are not found'
 while IFS= read -r promise; do

@@ -29,7 +29,7 @@ struct Wrong {
   bool lost = false;            ///< counts that fit no pose
   bool slips = false;           ///< each reply comes one exchange late
   Clock::duration rests = 10ms; ///< after which silence the guardian sets minimum tension
-  Clock::duration noticed_stopped = 10ms;
+  Clock::duration noticed_stopped = 8ms;
   Clock::duration noticed_killed = 3ms;
   bool returns = true; ///< the force, when the guardian goes on
 };
@@ -229,7 +229,7 @@ TEST(Checks, AStoppedGuardianThatNobodyNoticesFails) {
 TEST(Checks, AStoppedGuardianThatIsNoticedLateFails) {
   Checked checked({.noticed_stopped = 20ms});
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
-  checked.expect_fail("the guardian hangs", "11 ms promised");
+  checked.expect_fail("the guardian hangs", "10 ms promised");
 }
 
 TEST(Checks, AForceThatDoesNotReturnFails) {
