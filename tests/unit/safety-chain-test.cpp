@@ -2,9 +2,14 @@
 #include "safety-chain.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <limits>
+#include <optional>
 #include <random>
+#include <string>
+#include <utility>
 
 namespace {
 
@@ -55,6 +60,56 @@ double time_to_silence(SafetyChain &chain, const SafetyChain::Input &input, doub
 SafetyChain::Input held(SafetyChain::Input input, std::uint32_t holds) {
   input.holds = holds;
   return input;
+}
+
+// A time on the page of hapticsink, ms: the first number of a cell, or 0 for "at once". Nothing if
+// there is neither.
+std::optional<int> time_on_page(const std::string &row, int column) {
+  std::ifstream page(SOURCE_ROOT "/docs/elements/hapticsink.md");
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| " + row))
+      continue;
+    std::size_t begin = 0;
+    for (int i = 0; i <= column; ++i)
+      begin = line.find('|', begin) + 1;
+    const std::string cell = line.substr(begin, line.find('|', begin) - begin);
+    const std::size_t digit = cell.find_first_of("0123456789");
+    if (digit != std::string::npos)
+      return std::atoi(cell.c_str() + digit);
+    return cell.find("at once") != std::string::npos ? std::optional(0) : std::nullopt;
+  }
+  ADD_FAILURE() << "docs/elements/hapticsink.md has no row " << row;
+  return std::nullopt;
+}
+
+TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
+  const std::pair<const char *, std::uint32_t> rows[] = {
+      {"PLAYING→PAUSED", haptic::kHoldPaused},
+      {"no new sample", haptic::kHoldStale},
+      {"nothing measured", haptic::kHoldGap},
+      {"another scene", haptic::kHoldCut},
+      {"end of stream", haptic::kHoldEnded},
+      {"a seek", haptic::kHoldFlushing},
+      {"a tick more than 20 ms late", haptic::kHoldLate},
+      {"`release`", haptic::kHoldReleased},
+      {"`dead-man=button`", haptic::kHoldDeadMan},
+      {"three failed exchanges", haptic::kHoldFaulted},
+  };
+  auto input = push(1);
+  input.slew_rate = 1000; // N/s: it is not what takes the time
+  for (const auto &[row, hold] : rows) {
+    SCOPED_TRACE(row);
+    SafetyChain chain = settled(input);
+    const auto to_zero = time_on_page(row, 1);
+    ASSERT_TRUE(to_zero);
+    EXPECT_NEAR(time_to_silence(chain, held(input, hold), 1), *to_zero * kTick, 2 * kTick);
+    int returned = 0; // ms
+    while (chain.step(input).force.norm() < 1 && returned < 10'000)
+      ++returned;
+    if (const auto to_full = time_on_page(row, 2)) {
+      EXPECT_NEAR(returned, *to_full, 2);
+    }
+  }
 }
 
 TEST(SafetyChain, LetsATrustedForceThroughExactly) {
