@@ -524,7 +524,7 @@ std::string remark_with_helper(const std::string &helper) {
 
 TEST(Guardian, AServiceThatDoesNotStartIsReplacedByTheHelperWithARemark) {
   const std::string real = guardian_path();
-  const std::string older = Helper::script("printf '\\003\\001\\000\\000\\000' >&3; sleep 1");
+  const std::string older = Helper::script(R"(printf '\003\001\000\000\000' >&3; sleep 1)");
   for (const std::string &program : {std::string("/nowhere"), std::string("/bin/false"), older}) {
     const Service service(program); // with a masked template systemd closes the connection too
     EXPECT_NE(remark_with_helper(real).find("unmask"), std::string::npos) << program;
@@ -604,7 +604,7 @@ TEST(Guardian, ThatIsMissingOrEndsOrIsOfAnotherVersionIsRefusedWithACure) {
   const std::string killed = Helper::script("kill -9 $$");
   EXPECT_NE(refusal_by(killed).find("ended while it started"), std::string::npos);
   // What version 1 answers: a byte, and its process number.
-  const std::string older = Helper::script("printf '\\003\\001\\000\\000\\000' >&3; sleep 1 &");
+  const std::string older = Helper::script(R"(printf '\003\001\000\000\000' >&3; sleep 1 &)");
   EXPECT_NE(refusal_by(older).find("same package"), std::string::npos);
   std::filesystem::remove(killed);
   std::filesystem::remove(older);
