@@ -6,7 +6,7 @@
 # itself (vivid), input devices (uinput). What the command writes is forgotten with the machine.
 #
 # Usage: tests/hil/run-vm.sh [--time-limit SECONDS] COMMAND [ARGUMENT...]
-#   --time-limit SECONDS  how long the machine may run; 300 and three times HIL_SECONDS
+#   --time-limit SECONDS  how long the machine may run; 800 and three times HIL_SECONDS
 #
 # Example: tests/hil/run-vm.sh sh -c 'modprobe vivid n_devs=1 && ls /dev/video0'
 #
@@ -21,7 +21,7 @@ skip() {
   exit 77
 }
 
-limit=$((300 + 3 * ${HIL_SECONDS:-0}))
+limit=$((800 + 3 * ${HIL_SECONDS:-0}))
 case ${1:-} in
 --help | -h) show_help && exit ;;
 --time-limit)
