@@ -55,6 +55,7 @@ public:
   bool interrupted() noexcept override { return inner_->interrupted(); }
   bool pressed() const noexcept override { return inner_->pressed(); }
   std::string description() const override { return inner_->description(); }
+  std::string remark() const override { return inner_->remark(); }
 
 private:
   std::unique_ptr<spidar::Controller> inner_;
