@@ -229,7 +229,7 @@ std::optional<PointerPosition> HapticSession::work(std::int64_t now) {
     if (const auto reading = client_.read_clocks())
       set_running_time(*reading);
   }
-  const auto point = run_.has_hand ? next_point(now, playing) : std::nullopt;
+  auto point = run_.has_hand ? next_point(now, playing) : std::nullopt;
   report();
   reopen_lost_device(now);
   return point;

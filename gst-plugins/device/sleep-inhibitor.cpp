@@ -52,7 +52,8 @@ void SleepInhibitor::take() {
     g_variant_get(reply.get(), "(h)", &index);
     lock_ = g_unix_fd_list_get(files, index, nullptr);
   }
-  g_clear_object(&files);
+  if (files)
+    g_object_unref(files);
 }
 
 void SleepInhibitor::release() {

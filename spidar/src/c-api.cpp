@@ -8,8 +8,12 @@
 #include <algorithm>
 
 struct spidar_device {
-  spidar::Device device;
+  spidar_device(std::unique_ptr<spidar::Controller> controller, const spidar::Geometry &geometry,
+                double period)
+      : description(controller->description()), device(std::move(controller), geometry, period) {}
+
   std::string description;
+  spidar::Device device;
 };
 
 namespace {
@@ -63,9 +67,7 @@ std::unique_ptr<spidar_device> open(const spidar_options &options) {
   const Geometry geometry = load_geometry(text_or(options.geometry, kDefaultGeometry));
   auto controller = open_controller(text_or(options.device, "usb"), geometry,
                                     text_or(options.sim_hand, "hold:0,0,0"), period);
-  std::string description = controller->description();
-  return std::unique_ptr<spidar_device>(
-      new spidar_device{{std::move(controller), geometry, period}, std::move(description)});
+  return std::make_unique<spidar_device>(std::move(controller), geometry, period);
 }
 
 template <class Vector>
