@@ -276,8 +276,8 @@ TEST(Checks, APulledCableMustBeNoticedInTime) {
 
 TEST(Checks, ACableThatNobodyPullsIsNotTestable) {
   Checked checked;
-  check_unplug(
-      checked.unit(), [](const std::string &) { return true; }, checked.report());
+  const auto agree = [](const std::string &) { return true; };
+  check_unplug(checked.unit(), agree, checked.report());
   checked.expect("the USB cable is pulled", Verdict::not_testable);
 }
 
