@@ -183,6 +183,7 @@ GParamSpec *make_spec(const Property &p) {
 GType session_state_type() {
   static const GType type = [] {
     static std::vector<GEnumValue> values;
+    values.reserve(std::size(kSessionStates) + 1);
     for (const auto &state : kSessionStates)
       values.push_back({static_cast<gint>(state.state), state.description, state.name});
     values.push_back({0, nullptr, nullptr});
