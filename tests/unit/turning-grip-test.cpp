@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <Eigen/Geometry>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -209,15 +210,15 @@ TEST_F(TurningGrip, UnderAForceAloneAHandMayTurnTwiceAsFast) {
 }
 
 TEST_F(TurningGrip, ATurnThatTheTorqueDrivesForFiveMillisecondsIsLatchedUntilArmed) {
-  double speed = 0; // rad/s
-  Pose pose;
-  open(std::make_unique<ScriptedGrip>(spidar::load_geometry(geometry_name()), [&](double) {
-    pose.rotation = Eigen::AngleAxisd(1e-3 * speed, Vector3::UnitZ()) * pose.rotation;
-    return pose;
-  }));
+  const auto speed = std::make_shared<double>(0); // rad/s; the device ends after this function
+  open(std::make_unique<ScriptedGrip>(
+      spidar::load_geometry(geometry_name()), [speed, pose = Pose()](double) mutable {
+        pose.rotation = Eigen::AngleAxisd(1e-3 * *speed, Vector3::UnitZ()) * pose.rotation;
+        return pose;
+      }));
   for (int ms = 0; ms < 500; ++ms)
     tick(kFullTurn);
-  speed = 4;
+  *speed = 4;
   int latched_after = 0;
   while (!is_let_go() && latched_after < 100) {
     tick(kFullTurn);
@@ -225,7 +226,7 @@ TEST_F(TurningGrip, ATurnThatTheTorqueDrivesForFiveMillisecondsIsLatchedUntilArm
   }
   EXPECT_GE(latched_after, 5);
   EXPECT_LE(latched_after, 15);
-  speed = 0;
+  *speed = 0;
   for (int ms = 0; ms < 200; ++ms)
     tick(kFullTurn);
   EXPECT_TRUE(loop_.silent());
