@@ -3,6 +3,7 @@
 
 #include "fail.hpp"
 #include "guardian.hpp"
+#include "spidar/usb.hpp"
 #include "usb-protocol.hpp"
 
 #include <algorithm>
@@ -24,19 +25,6 @@ static_assert(Guardian::kPatience ==
 // Per attempt: a silent controller is refused within 0.1 s.
 constexpr auto kOpenTimeout = std::chrono::milliseconds(25);
 constexpr int kOpenAttempts = 3;
-
-// A bus behind a network or in an emulated machine answers later than a bus on the board.
-std::chrono::milliseconds exchange_timeout() {
-  const char *value = std::getenv("SPIDAR_USB_TIMEOUT");
-  if (!value)
-    return std::chrono::milliseconds(kExchangeTimeout);
-  int time = 0;
-  const char *end = value + std::strlen(value);
-  if (const auto [rest, error] = std::from_chars(value, end, time);
-      error != std::errc() || rest != end || time < 1 || time > 1000)
-    fail(Cause::argument, messages::kUsbTimeout, value);
-  return std::chrono::milliseconds(time);
-}
 
 class Simple {
 public:
@@ -99,7 +87,7 @@ template <class Protocol>
 class ControllerOf final : public UsbController {
 public:
   explicit ControllerOf(std::unique_ptr<UsbLink> link)
-      : link_(std::move(link)), exchange_timeout_(exchange_timeout()),
+      : link_(std::move(link)), exchange_timeout_(usb_exchange_timeout()),
         open_timeout_(std::max(kOpenTimeout, exchange_timeout_)) {
     for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
       link_->drain();
@@ -206,6 +194,18 @@ bool is_force(const DacWords &words, const DacWords &rest) noexcept {
     if (std::abs(words[i]) > std::abs(rest[i]) + 1)
       return true;
   return false;
+}
+
+std::chrono::milliseconds usb_exchange_timeout() {
+  const char *value = std::getenv("SPIDAR_USB_TIMEOUT");
+  if (!value)
+    return std::chrono::milliseconds(kExchangeTimeout);
+  int time = 0;
+  const char *end = value + std::strlen(value);
+  if (const auto [rest, error] = std::from_chars(value, end, time);
+      error != std::errc() || rest != end || time < 1 || time > 1000)
+    fail(Cause::argument, messages::kUsbTimeout, value);
+  return std::chrono::milliseconds(time);
 }
 
 const char *name_of(UsbModel model) noexcept {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <sched.h>
 #include <spidar/spidar.h>
+#include <spidar/usb.hpp>
 #include <sys/utsname.h>
 
 namespace spidar_check {
@@ -67,9 +68,9 @@ void Output::describe_machine(const std::string &settings) {
   uname(&system);
   line(formatted("spidar-check %s, libspidar %s, %s, %s %s %s", SPIDAR_VERSION, spidar_version(),
                  time.data(), system.sysname, system.release, system.machine));
-  const char *timeout = std::getenv("SPIDAR_USB_TIMEOUT");
-  line(formatted("%s, longest exchange %s ms, real-time priority %s", settings.c_str(),
-                 timeout ? timeout : "2", sched_getscheduler(0) == SCHED_FIFO ? "yes" : "no"));
+  line(formatted("%s, longest exchange %lld ms, real-time priority %s", settings.c_str(),
+                 static_cast<long long>(spidar::usb_exchange_timeout().count()),
+                 sched_getscheduler(0) == SCHED_FIFO ? "yes" : "no"));
 }
 
 void Output::describe_unit(const Unit &unit) {

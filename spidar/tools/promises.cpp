@@ -8,6 +8,7 @@
 #include <csignal>
 #include <limits>
 #include <optional>
+#include <spidar/usb.hpp>
 
 namespace spidar_check {
 
@@ -258,12 +259,14 @@ void check_force(Unit &unit, double force, const Report &report) {
 }
 
 void check_hang(Unit &unit, double force, const Report &report) {
-  constexpr auto kPromised = 15ms;
-  constexpr Clock::duration kPauses[] = {14ms, 100ms}; // just in time; more than long enough
+  const auto exchange = spidar::usb_exchange_timeout(); // during it the guardian hears nothing
+  const auto promised = exchange + 13ms;
+  const auto long_enough = exchange + 98ms;
+  const Clock::duration pauses[] = {exchange + 12ms, long_enough}; // the first is just in time
   std::optional<Clock::duration> rested;
   Clock::duration late{};
   Finding in_step{};
-  for (const auto pause : kPauses) {
+  for (const auto pause : pauses) {
     unit.run(kPhase, along(0, force));
     if (unit.force() < force / 2)
       return report({kHangs, Verdict::not_testable, kNoForce});
@@ -278,9 +281,11 @@ void check_hang(Unit &unit, double force, const Report &report) {
   }
   unit.run(kPhase, Vector3::Zero());
   if (rested)
-    report(in_time(kHangs, *rested, kPromised, unit.record().mean(), late));
+    report(in_time(kHangs, *rested, promised, unit.record().mean(), late));
   else
-    report(verdict(kHangs, false, "the guardian did nothing for 100 ms", messages::kCheckGuardian));
+    report(verdict(kHangs, false,
+                   formatted("the guardian did nothing for %.0f ms", milliseconds(long_enough)),
+                   messages::kCheckGuardian));
   report(in_step);
 }
 

@@ -4,6 +4,7 @@
 #include "promises.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <map>
 #include <spidar/error.hpp>
@@ -198,6 +199,14 @@ TEST(Checks, AGuardianThatDoesNothingFails) {
   Checked checked({.rests = kNever});
   check_hang(checked.unit(), kForce, checked.report());
   checked.expect_fail("the program hangs under a force", "nothing for 100 ms");
+}
+
+TEST(Checks, AGuardianMayWaitForALongExchange) {
+  setenv("SPIDAR_USB_TIMEOUT", "100", 1);
+  Checked checked({.rests = 108ms});
+  check_hang(checked.unit(), kForce, checked.report());
+  unsetenv("SPIDAR_USB_TIMEOUT");
+  checked.expect_pass("the program hangs under a force");
 }
 
 TEST(Checks, AMachineThatCannotKeepAForceIsNotTested) {

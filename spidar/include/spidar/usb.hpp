@@ -5,6 +5,7 @@
 #include "spidar/controller.hpp"
 #include "spidar/error.hpp"
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,9 +30,12 @@ SPIDAR_API std::vector<UsbUnit> list_usb();
 /// Throws Error: not_found; permission, with the udev line; busy, with its holder; argument, if
 /// `id` is no switch position or two controllers have it; io.
 ///
-/// $SPIDAR_USB_ID adds a vendor and product: "04b4:8613=simple" or "=sh4". An exchange may take 2
-/// ms, or $SPIDAR_USB_TIMEOUT (1..1000 ms), for a bus behind a network or in an emulated machine.
+/// $SPIDAR_USB_ID adds a vendor and product: "04b4:8613=simple" or "=sh4".
 SPIDAR_API std::unique_ptr<Controller> open_usb(const std::string &id);
+
+/// How long an exchange may take: 2 ms, or $SPIDAR_USB_TIMEOUT (1..1000 ms) for a bus behind a
+/// network or in an emulated machine. Throws Error (argument) if that is no such number.
+SPIDAR_API std::chrono::milliseconds usb_exchange_timeout();
 
 /// Whether a controller is plugged in. Opens none.
 SPIDAR_API bool usb_present() noexcept;
