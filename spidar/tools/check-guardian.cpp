@@ -33,7 +33,9 @@ constexpr const char *kTogether = "program and guardian are killed together";
 
 std::string contents(const std::string &file) {
   std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::string text;
+  std::getline(stream, text, '\0'); // nothing of a process that ends meanwhile
+  return text;
 }
 
 /// Of a line of /proc/PID/stat: the state and the parent, behind the name in brackets.

@@ -329,9 +329,9 @@ void start_guardian(Afterwards afterwards) {
   ASSERT_EQ(pipe(program), 0);
   const pid_t starting = fork();
   if (starting == 0) {
+    setsid(); // before this function returns: the program's process group is killed then
     if (fork() != 0)
       _exit(0);
-    setsid();
     close(program[1]);
     char word = 0;
     if (read(program[0], &word, 1) == 0 && afterwards == Afterwards::crashes)
