@@ -25,6 +25,8 @@ cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
 scratch=$(mktemp -d)
 results=$scratch/results # the lines that summary.py counts
+outputs=$scratch/outputs # what each failed test printed
+mkdir "$outputs"
 : >"$results"
 
 # `record OUTCOME NAME SECONDS REASON`
@@ -37,7 +39,7 @@ finish() {
   [ "$1" = 0 ] || record failed "tests/run.sh" 0 "it ended early with status $1"
   local status=0
   if command -v python3 >/dev/null; then
-    python3 tests/summary.py close "$results" || status=1
+    python3 tests/summary.py close "$results" "$outputs" || status=1
   else
     echo "0 passed, 1 failed, 0 skipped"
     status=1
@@ -61,7 +63,10 @@ check() {
   case $status in
   0) record passed "$name" $((SECONDS - start)) OK ;;
   77) record skipped "$name" $((SECONDS - start)) "$(sed -nE 's/^SKIP(PED)?: *//p' "$output" | head -n 1)" ;;
-  *) record failed "$name" $((SECONDS - start)) "exit status $status" ;;
+  *)
+    record failed "$name" $((SECONDS - start)) "exit status $status"
+    mv "$output" "$outputs/${name//\//-}"
+    ;;
   esac
   return "$status"
 }
@@ -126,7 +131,7 @@ run_meson_tests() {
   shift 2
   rm -f "$log"
   meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes $((2 * $(nproc))) "$@" </dev/null || status=$?
-  python3 tests/summary.py collect "$prefix" "$log" >"$scratch/collected" || status=1
+  python3 tests/summary.py collect "$prefix" "$log" "$outputs" >"$scratch/collected" || status=1
   cat "$scratch/collected" >>"$results"
   # A run that went wrong without a failed test is a failure too.
   if [ "$status" != 0 ] && ! grep -q ^failed "$scratch/collected"; then

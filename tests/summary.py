@@ -2,19 +2,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Counts results for tests/run.sh.
 
-Usage: tests/summary.py collect PREFIX TESTLOG >>RESULTS   one line per test of a JSON log of meson
-       tests/summary.py close RESULTS                      prints what failed, why tests were skipped, and the counts
+Usage: tests/summary.py collect PREFIX TESTLOG OUTPUTS >>RESULTS   one line per test of a JSON log of meson
+       tests/summary.py close RESULTS OUTPUTS                      prints what failed, why tests were skipped, the counts
 
 A line of RESULTS is `passed`, `failed` or `skipped`, the name, the duration in seconds and the reason, with
-tabs between them. `close` ends with status 1 if a test failed or none ran.
+tabs between them. OUTPUTS is a folder with what each failed test printed, under its name. `close` ends with
+status 1 if a test failed or none ran.
 """
 import collections
 import json
+import pathlib
 import re
 import sys
 
 OUTCOMES = {'OK': 'passed', 'EXPECTEDFAIL': 'passed', 'SKIP': 'skipped'}
 SLOWEST = 10
+LAST_LINES = 40  # of a failed test: a long log is often cut in the middle, so its end repeats them
 
 
 def skip_reason(output):
@@ -22,19 +25,33 @@ def skip_reason(output):
     return found[1].strip() if found else 'no reason given'
 
 
-def collect(prefix, path):
+def output_of(name, outputs):
+    return pathlib.Path(outputs, name.replace('/', '-'))
+
+
+def collect(prefix, path, outputs):
     with open(path, encoding='utf-8') as log:
         for line in log:
             test = json.loads(line)
             outcome = OUTCOMES.get(test['result'], 'failed')
             reason = test['result']
-            if outcome == 'skipped':
-                reason = skip_reason((test.get('stdout') or '') + '\n' + (test.get('stderr') or ''))
+            output = (test.get('stdout') or '') + '\n' + (test.get('stderr') or '')
             name = prefix + test['name'].split(' / ')[-1]
+            if outcome == 'skipped':
+                reason = skip_reason(output)
+            elif outcome == 'failed':
+                output_of(name, outputs).write_text(output, encoding='utf-8')
             print(outcome, name, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
 
 
-def close(path):
+def last_lines(path):
+    if not path.exists():
+        return ''
+    lines = path.read_text(encoding='utf-8', errors='replace').rstrip().splitlines()
+    return ''.join(f'    {line}\n' for line in lines[-LAST_LINES:])
+
+
+def close(path, outputs):
     with open(path, encoding='utf-8') as file:
         results = [line.rstrip('\n').split('\t') for line in file]
     counts = collections.Counter(outcome for outcome, *_ in results)
@@ -44,7 +61,7 @@ def close(path):
         print(f'{float(duration):8.1f}  {name}')
     for outcome, name, _, reason in results:
         if outcome == 'failed':
-            print(f'failed: {name} ({reason})')
+            print(f"failed: {name} ({reason})\n{last_lines(output_of(name, outputs))}", end='')
     if reasons:
         print(f"skipped {counts['skipped']}: " +
               ', '.join(f'{reason} ({count})' for reason, count in reasons.most_common()))
@@ -53,9 +70,9 @@ def close(path):
 
 
 if __name__ == '__main__':
-    if len(sys.argv) == 4 and sys.argv[1] == 'collect':
+    if len(sys.argv) == 5 and sys.argv[1] == 'collect':
         collect(*sys.argv[2:])
-    elif len(sys.argv) == 3 and sys.argv[1] == 'close':
-        sys.exit(close(sys.argv[2]))
+    elif len(sys.argv) == 4 and sys.argv[1] == 'close':
+        sys.exit(close(*sys.argv[2:]))
     else:
         sys.exit(__doc__)
