@@ -311,11 +311,14 @@ bool start_threads(GstHapticSink *self) {
 }
 
 // A sample comes before its frame is due, so that on a pause the next one may wait behind another
-// sink that has its frame. A paused hapticsink shows nothing: it does not wait for a sample.
+// sink that has its frame. A paused hapticsink shows nothing: it does not wait for a sample,
+// neither to pause nor to go on. The base class must not call the second asynchronous: if a sample
+// arrives just then, it commits PLAYING before it posts ASYNC_START, and never posts ASYNC_DONE.
 GstStateChangeReturn change_parent_state(GstElement *element, GstStateChange transition) {
   GstBaseSink *sink = GST_BASE_SINK(element);
   const gboolean async = gst_base_sink_is_async_enabled(sink);
-  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED ||
+      transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING)
     gst_base_sink_set_async_enabled(sink, FALSE);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);

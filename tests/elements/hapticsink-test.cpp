@@ -118,6 +118,31 @@ TEST_F(HapticSink, APauseWaitsForNoSample) { // the next may be held up behind a
   wait_for_end();
 }
 
+TEST_F(HapticSink, AfterAPausePlayingWaitsForNoSample) {
+  build("device=sim");
+  push_motion(100, 0, 0.5);
+  wait_for(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return count("samples") + count("gaps") == 15; }));
+  wait_for(GST_STATE_PAUSED);
+  wait_for(GST_STATE_PLAYING);
+  push_motion(100, 0, 0.5);
+  push_end();
+  wait_for_end();
+}
+
+TEST_F(HapticSink, ASampleThatArrivesWhileAPauseEndsDelaysNothing) {
+  build("device=sim");
+  push_motion(100, 0, 0.1);
+  wait_for(GST_STATE_PLAYING);
+  for (int i = 0; i < 200 && !HasFatalFailure(); ++i) {
+    wait_for(GST_STATE_PAUSED);
+    push(packed(moving(100, 0), 0));
+    wait_for(GST_STATE_PLAYING);
+  }
+  push_end();
+  wait_for_end();
+}
+
 TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
   build_logging();
   push_motion(100, 0, 2);
