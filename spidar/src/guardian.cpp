@@ -20,9 +20,9 @@ namespace spidar {
 
 namespace {
 
-constexpr auto kBetweenWords = std::chrono::milliseconds(2); // several within its patience
-// After at most three ticks of 1 ms without a word: a stopped guardian is noticed within 10 ms.
-constexpr auto kAnswerTime = std::chrono::milliseconds(5);
+constexpr auto kBetweenWords = std::chrono::microseconds(1500); // every second tick of 1 ms
+// After at most two ticks of 1 ms without a word: a stopped guardian is noticed within 10 ms.
+constexpr auto kAnswerTime = std::chrono::milliseconds(4);
 constexpr int kStartTime = 2000; // ms; a loaded machine starts slowly
 constexpr int kEndTime = 200;    // ms
 constexpr int kMostUnanswered = 3;
