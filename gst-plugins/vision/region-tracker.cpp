@@ -45,16 +45,18 @@ void RegionTracker::run(const CropPair &pair, Finding &finding) {
 Finding RegionTracker::compare(const LumaReader &earlier, const LumaReader &frame,
                                const Areas &areas) {
   const CropPair pair{earlier(areas.crop, earlier_scratch_), frame(areas.crop, scratch_),
-                      areas.crop, areas.region, std::exchange(earlier_was_measured_, false)};
+                      areas.crop, areas.region, earlier_was_measured_};
   const bool same_here = is_identical(pair.previous, pair.current);
   const auto same_there = [&] {
     return is_identical(earlier(moving_crop_, earlier_scratch_), frame(moving_crop_, scratch_));
   };
   switch (repetition_.judge(same_here, same_there)) {
   case Repetition::duplicate:
-    // The next interval then spans both frames, as its displacement does.
+    // The next interval then spans both frames, as its displacement does. The earlier frame stays
+    // the one that the tracker saw last.
     return {.flags = kMotionDuplicate, .becomes_reference = false};
   case Repetition::still:
+    earlier_was_measured_ = false;
     return {.flags = kMotionStill};
   case Repetition::none:
     break;

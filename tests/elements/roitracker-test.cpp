@@ -10,6 +10,7 @@
 #include <gst/video/gstvideopool.h>
 #include <gst/video/navigation.h>
 #include <gtest/gtest.h>
+#include <numbers>
 
 namespace {
 
@@ -530,6 +531,39 @@ TEST_F(RoiTracker, ARepeatedFrameIsADuplicateAndTheNextIntervalSpansBoth) {
   EXPECT_EQ(motion_of(next).interval, 2 * kFrame);
   expect_motion(next, {4, -2});
   EXPECT_EQ(statistic(tracker.get(), "duplicates"), 1U);
+}
+
+// A wave that moves by more than a quarter of its period is followed only from the motion before.
+TEST_F(RoiTracker, ARepeatedFrameDoesNotInterruptWhatIsFollowed) {
+  constexpr double kPeriod = 8; // px
+  const auto wave = [](double shift) {
+    Frame frame(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        frame.at(x, y) = static_cast<std::uint8_t>(
+            std::lround(128 + 60 * std::sin(2 * std::numbers::pi * (x - shift) / kPeriod)));
+    return frame;
+  };
+  for (const int times : {1, 2, 3}) {
+    GstClockTime time = 0;
+    double shift = 0;
+    harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+    const auto show = [&] {
+      const BufferPtr first = harness.pass(wave(shift), time += kFrame);
+      for (int i = 1; i < times; ++i)
+        EXPECT_EQ(motion_of(harness.pass(wave(shift), time += kFrame)).flags,
+                  static_cast<guint>(GST_HAPTIC_MOTION_DUPLICATE));
+      return test::displacement(first.get());
+    };
+    show();
+    for (int speed = 1; speed <= 5; ++speed)
+      for (int i = 0; i < 3; ++i) {
+        shift += speed;
+        const auto found = show();
+        ASSERT_TRUE(found.has_value()) << times << " times, " << speed << " px";
+        EXPECT_NEAR(found->x, speed, 0.05) << times << " times";
+      }
+  }
 }
 
 TEST_F(RoiTracker, WhatRepeatsThriceStandsStillAndMovesOnFromThere) {
