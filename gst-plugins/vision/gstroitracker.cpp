@@ -247,8 +247,10 @@ std::optional<Finding> measure(GstRoiTracker *self, GstBuffer *buffer, const Rec
   case haptic::TimeStep::Kind::follows:
     break;
   }
-  if (!haptic::is_measurable(region))
+  if (!haptic::is_measurable(region)) {
+    state.tracker.skip();
     return Finding{.interval = step.interval};
+  }
   state.tracker.set_method(settings.method, static_cast<int>(settings.max_points));
   std::optional<Finding> finding = compare(self, buffer, region);
   if (finding)

@@ -69,6 +69,10 @@ Finding RegionTracker::compare(const LumaReader &earlier, const LumaReader &fram
   return finding;
 }
 
+void RegionTracker::skip() {
+  earlier_was_measured_ = false;
+}
+
 void RegionTracker::forget() {
   repetition_.forget();
   moving_crop_ = {};

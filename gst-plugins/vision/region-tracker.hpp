@@ -50,6 +50,9 @@ public:
   /// Compares a frame with the earlier one. Leaves the patches in measurement().
   Finding compare(const LumaReader &earlier, const LumaReader &frame, const Areas &areas);
 
+  /// A frame that is not compared becomes the earlier one.
+  void skip();
+
   /// Forgets the earlier frames: the frame that follows begins a scene.
   void forget();
 

@@ -382,6 +382,20 @@ TEST_F(RoiTracker, AFrameThatContradictsItsFormatIsAnError) {
   EXPECT_NE(harness.message(GST_MESSAGE_ERROR), nullptr);
 }
 
+// The pixels of the frame that was too small to be measured are the earlier ones, not those before.
+TEST_F(RoiTracker, AfterAFrameThatIsNotMeasuredTheMotionIsSinceThatFrame) {
+  g_object_set(tracker.get(), "roi-size", 20, nullptr);
+  for (int i = 0; i < 12; ++i) {
+    const bool is_measured = i % 3 != 2;
+    g_object_set(tracker.get(), "pointer-x", is_measured ? 0.5 : 0.0, nullptr);
+    const BufferPtr frame = pass_moving(i);
+    if (i > 0 && is_measured)
+      expect_motion(frame, {2, -1});
+    else
+      EXPECT_EQ(motion_of(frame).n_patches, 0U);
+  }
+}
+
 // Time
 
 TEST_F(RoiTracker, TheIntervalComesFromTimeStampsAndNotFromTheFrameRate) {
