@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
-//   meson devenv -C BUILD tests/benchmarks/tracker-cost [FRAMES|field]
+//   meson devenv -C BUILD tests/benchmarks/tracker-cost [FRAMES|field|formats]
 // Region of 30 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
 // twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements
 // 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240 frames a
-// second on one core; hapticoverlay 1 ms with the copy of the frame.
+// second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice I420.
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
 #include "patch-tracker.hpp"
@@ -119,6 +119,22 @@ void run_long(Frames &two, int count) {
   std::printf("\n");
 }
 
+GstHarness *harness_of(const char *line, const GstVideoInfo &info) {
+  GstHarness *harness = gst_harness_new_parse(line);
+  gst_harness_set_src_caps(harness, gst_video_info_to_caps(&info));
+  gst_harness_set_drop_buffers(harness, TRUE);
+  return harness;
+}
+
+// Microseconds that one line takes for the frame.
+double push_time(GstHarness *harness, GstBuffer *frame, int index) {
+  GstBuffer *buffer = gst_buffer_copy(frame);
+  GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(static_cast<guint64>(index), GST_SECOND, 30);
+  const auto begin = Clock::now();
+  gst_harness_push(harness, buffer);
+  return microseconds_since(begin);
+}
+
 // Pushes each frame of 1080p through all lines in turn, so that other load on the machine slows all
 // of them equally.
 void compare_elements() {
@@ -131,22 +147,13 @@ void compare_elements() {
   const char *const lines[] = {"identity", "roitracker roi-size=30 ! velocityavg", "roitracker",
                                "roitracker ! hapticoverlay"};
   std::vector<GstHarness *> harnesses;
-  for (const char *line : lines) {
-    GstHarness *harness = gst_harness_new_parse(line);
-    GstCaps *caps = gst_video_info_to_caps(&info);
-    gst_harness_set_src_caps(harness, caps);
-    gst_harness_set_drop_buffers(harness, TRUE);
-    harnesses.push_back(harness);
-  }
+  for (const char *line : lines)
+    harnesses.push_back(harness_of(line, info));
   std::vector<double> times[std::size(lines)];
   for (int i = 0; i < kCount; ++i)
-    for (std::size_t line = 0; line < harnesses.size(); ++line) {
-      GstBuffer *buffer = gst_buffer_copy(buffers[static_cast<std::size_t>(i % 4)].get());
-      GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(static_cast<guint64>(i), GST_SECOND, 30);
-      const auto begin = Clock::now();
-      gst_harness_push(harnesses[line], buffer);
-      times[line].push_back(microseconds_since(begin));
-    }
+    for (std::size_t line = 0; line < harnesses.size(); ++line)
+      times[line].push_back(
+          push_time(harnesses[line], buffers[static_cast<std::size_t>(i % 4)].get(), i));
   const double identity = percentile(times[0], 0.5);
   const double elements = percentile(times[1], 0.5);
   std::printf("\n1080p: identity %.1f us, roitracker ! velocityavg %.1f us: %.1f us more\n",
@@ -170,6 +177,52 @@ void compare_elements() {
               percentile(times[3], 0.5) - percentile(times[2], 0.5), percentile(copies, 0.5));
   for (GstHarness *harness : harnesses)
     gst_harness_teardown(harness);
+}
+
+// roitracker with its usual region, which grows with the frame: the same frames in several formats
+// in turn, with a pointer at rest and with one that moves.
+void compare_formats(int width, int height) {
+  constexpr int kCount = 400;
+  constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2,
+                                         GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx};
+  const test::Texture texture(4);
+  Frames frames;
+  for (int i = 0; i < 4; ++i)
+    frames.push_back(texture.frame(width, height, {1.3 * i, 0.4 * i}));
+  std::printf("\n%d x %d, roitracker, median us per frame\n%-8s %16s %16s\n", width, height, "",
+              "pointer at rest", "8 px per frame");
+  std::vector<double> rows[std::size(kFormats)];
+  for (const int speed : {0, 8}) {
+    std::vector<haptic::BufferPtr> buffers[std::size(kFormats)];
+    std::vector<double> times[std::size(kFormats)];
+    GstHarness *harnesses[std::size(kFormats)];
+    haptic::ElementPtr trackers[std::size(kFormats)];
+    for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+      const GstVideoInfo info = test::video_info(kFormats[k], width, height);
+      harnesses[k] = harness_of("roitracker", info);
+      trackers[k].reset(gst_harness_find_element(harnesses[k], "roitracker"));
+      for (const test::Frame &frame : frames)
+        buffers[k].push_back(test::to_buffer(frame, info));
+    }
+    for (int i = 0; i < kCount; ++i)
+      for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+        g_object_set(trackers[k].get(), "pointer-x",
+                     0.5 + static_cast<double>(speed * (i % 16)) / width, nullptr);
+        times[k].push_back(
+            push_time(harnesses[k], buffers[k][static_cast<std::size_t>(i % 4)].get(), i));
+      }
+    for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+      rows[k].push_back(percentile(times[k], 0.5));
+      trackers[k].reset();
+      gst_harness_teardown(harnesses[k]);
+    }
+  }
+  for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+    std::printf("%-8s", gst_video_format_to_string(kFormats[k]));
+    for (std::size_t i = 0; i < rows[k].size(); ++i)
+      std::printf(" %8.0f (x %4.2f)", rows[k][i], rows[k][i] / rows[0][i]);
+    std::printf("\n");
+  }
 }
 
 // Median ms of follow(frame) over the frames, back and forth.
@@ -255,6 +308,11 @@ int main(int argc, char **argv) {
   std::printf("%s, compiler %s\n", test::processor().c_str(), __VERSION__);
   if (argc > 1 && std::string(argv[1]) == "field") {
     compare_fields();
+    return EXIT_SUCCESS;
+  }
+  if (argc > 1 && std::string(argv[1]) == "formats") {
+    compare_formats(1920, 1080);
+    compare_formats(3840, 2160);
     return EXIT_SUCCESS;
   }
   const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
