@@ -2,6 +2,7 @@
 #include "image-kernels.hpp"
 
 #include <algorithm>
+#include <hwy/cache_control.h>
 
 // Planes and frames are small: an int holds any offset in them.
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
@@ -15,6 +16,119 @@
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+// Calls convert(d, in, out) for vectors d of pixels, which overlap at the end of a row, or
+// convert_one(in, out) for the pixels of rows that are too short for a vector. kSize: bytes of a
+// pixel.
+template <int kSize, class Convert, class ConvertOne>
+HWY_INLINE void ConvertPixels(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride,
+                              [[maybe_unused]] Convert &&convert, ConvertOne &&convert_one) {
+  // The rows of a crop lie on pages of their own, where no processor reads ahead by itself.
+  constexpr int kRowsAhead = 4;
+  constexpr int kCacheLine = 64; // bytes
+  for (int y = 0; y < from.height; ++y) {
+    const std::uint8_t *in = from.pixels + y * from.stride;
+    const std::uint8_t *ahead =
+        from.pixels + std::min(y + kRowsAhead, from.height - 1) * from.stride;
+    std::uint8_t *out = to + y * stride;
+    const auto fetch_ahead = [&](int x, int pixels) {
+      for (int i = 0; i < kSize * pixels; i += kCacheLine)
+        hwy::Prefetch(ahead + kSize * x + i);
+    };
+#if HWY_TARGET != HWY_SCALAR
+    const auto in_vectors = [&](auto d) HWY_ATTR {
+      for_row(d, from.width, [&](int x) HWY_ATTR {
+        fetch_ahead(x, static_cast<int>(hn::Lanes(d)));
+        convert(d, in + kSize * x, out + x);
+      });
+    };
+    const hn::ScalableTag<std::uint8_t> widest;
+    const hn::CappedTag<std::uint8_t, 16> least;
+    if (from.width >= static_cast<int>(hn::Lanes(widest))) {
+      in_vectors(widest);
+      continue;
+    }
+    if (from.width >= static_cast<int>(hn::Lanes(least))) {
+      in_vectors(least);
+      continue;
+    }
+#endif
+    fetch_ahead(0, from.width);
+    for (int x = 0; x < from.width; ++x)
+      convert_one(in + kSize * x, out + x);
+  }
+}
+
+void PickBytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride) {
+  ConvertPixels<2>(
+      from, to, stride,
+      [at](auto d, const std::uint8_t *in, std::uint8_t *out) HWY_ATTR {
+        hn::Vec<decltype(d)> first, second;
+        hn::LoadInterleaved2(d, in, first, second);
+        hn::StoreU(at == 0 ? first : second, d, out);
+      },
+      [at](const std::uint8_t *in, std::uint8_t *out) { *out = in[at]; });
+}
+
+// The weights of ITU-R BT.601, section 2.5.1, in 256ths.
+constexpr int kRed = 77;
+constexpr int kGreen = 150;
+constexpr int kBlue = 29;
+
+// Y = (77 R + 150 G + 29 B + 128) / 256, which fits into 16 bits. Two pixels share a lane of 16
+// bits, so their colours are weighed one after the other.
+#if HWY_TARGET != HWY_SCALAR
+template <class D, class V>
+HWY_INLINE V Weigh(D d, V red, V green, V blue) {
+  const hn::Repartition<std::uint16_t, D> dw;
+  const auto low = hn::Set(dw, std::uint16_t{255});
+  const auto weigh = [&](auto r, auto g, auto b) HWY_ATTR {
+    const auto sum = hn::Add(hn::Mul(r, hn::Set(dw, std::uint16_t{kRed})),
+                             hn::Mul(g, hn::Set(dw, std::uint16_t{kGreen})));
+    const auto rest =
+        hn::Add(hn::Mul(b, hn::Set(dw, std::uint16_t{kBlue})), hn::Set(dw, std::uint16_t{128}));
+    return hn::Add(sum, rest);
+  };
+  const auto r = hn::BitCast(dw, red);
+  const auto g = hn::BitCast(dw, green);
+  const auto b = hn::BitCast(dw, blue);
+  const auto first = weigh(hn::And(r, low), hn::And(g, low), hn::And(b, low));
+  const auto second = weigh(hn::ShiftRight<8>(r), hn::ShiftRight<8>(g), hn::ShiftRight<8>(b));
+  return hn::BitCast(d, hn::Or(hn::ShiftRight<8>(first), hn::AndNot(low, second)));
+}
+#endif
+
+// The places are constants, so that the colours stay in registers.
+template <int kSize, int kRedAt, int kGreenAt, int kBlueAt>
+void WeighPixels(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
+  ConvertPixels<kSize>(
+      from, to, stride,
+      [](auto d, const std::uint8_t *in, std::uint8_t *out) HWY_ATTR {
+        hn::Vec<decltype(d)> c[4];
+        if constexpr (kSize == 3)
+          hn::LoadInterleaved3(d, in, c[0], c[1], c[2]);
+        else
+          hn::LoadInterleaved4(d, in, c[0], c[1], c[2], c[3]);
+        hn::StoreU(Weigh(d, c[kRedAt], c[kGreenAt], c[kBlueAt]), d, out);
+      },
+      [](const std::uint8_t *in, std::uint8_t *out) {
+        const int sum = kRed * in[kRedAt] + kGreen * in[kGreenAt] + kBlue * in[kBlueAt];
+        *out = static_cast<std::uint8_t>((sum + 128) >> 8);
+      });
+}
+
+void WeighColours(const PackedView &from, const ColourOrder &order, std::uint8_t *to,
+                  std::ptrdiff_t stride) {
+  const bool red_is_first = order.red < order.blue;
+  if (from.pixel_size == 3)
+    return red_is_first ? WeighPixels<3, 0, 1, 2>(from, to, stride)
+                        : WeighPixels<3, 2, 1, 0>(from, to, stride);
+  if (order.green == 1)
+    return red_is_first ? WeighPixels<4, 0, 1, 2>(from, to, stride)
+                        : WeighPixels<4, 2, 1, 0>(from, to, stride);
+  return red_is_first ? WeighPixels<4, 1, 2, 3>(from, to, stride)
+                      : WeighPixels<4, 3, 2, 1>(from, to, stride);
+}
 
 // coarse(x, y) = avg(avg(f(2x, 2y), f(2x+1, 2y)), avg(f(2x, 2y+1), f(2x+1, 2y+1)))
 // with avg(a, b) = floor((a + b + 1) / 2), the rounding average that processors have.
@@ -166,6 +280,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace haptic {
 
+HWY_EXPORT(PickBytes);
+HWY_EXPORT(WeighColours);
 HWY_EXPORT(AveragePairs);
 HWY_EXPORT(Smooth);
 HWY_EXPORT(Halve);
@@ -182,6 +298,15 @@ void Plane::resize(int width, int height) {
       static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 2);
   if (values_.size() < needed)
     values_.resize(needed);
+}
+
+void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride) {
+  HWY_DYNAMIC_DISPATCH(PickBytes)(from, at, to, stride);
+}
+
+void weigh_colours(const PackedView &from, const ColourOrder &order, std::uint8_t *to,
+                   std::ptrdiff_t stride) {
+  HWY_DYNAMIC_DISPATCH(WeighColours)(from, order, to, stride);
 }
 
 void average_pairs(const LumaView &fine, ByteImage &coarse) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Whole images: reduction, smoothing and the sums of a difference. One source for every instruction
-// set (Google Highway, dispatched at run time).
+// Whole images: conversion to luma, reduction, smoothing and the sums of a difference. One source
+// for every instruction set (Google Highway, dispatched at run time).
 #pragma once
 
 #include "patch-tracker.hpp"
@@ -42,6 +42,30 @@ private:
   int stride_ = 0;
   std::vector<float> values_;
 };
+
+/// Rows of pixels whose components stand side by side, 8 bits each, somewhere in memory; not owned.
+/// No byte outside these pixels is read.
+struct PackedView {
+  const std::uint8_t *pixels = nullptr;
+  int pixel_size = 0;        ///< bytes
+  int width = 0;             ///< px
+  int height = 0;            ///< px
+  std::ptrdiff_t stride = 0; ///< bytes from row to row
+};
+
+/// Copies byte `at` of each pixel, which has two, to rows that are `stride` bytes apart.
+void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride);
+
+/// Places of the colours in a pixel, bytes.
+struct ColourOrder {
+  int red = 0;
+  int green = 1;
+  int blue = 2;
+};
+
+/// The luma of pixels of three or four bytes, to rows that are `stride` bytes apart.
+void weigh_colours(const PackedView &from, const ColourOrder &order, std::uint8_t *to,
+                   std::ptrdiff_t stride);
 
 /// Sums from which frame-change decides whether anything moved.
 struct ChangeSums {

@@ -17,7 +17,7 @@ namespace haptic {
 /// Returns the luma of `area`, which must lie inside the frame. The view points into the frame if
 /// luma is a plane of its own; otherwise into `scratch`, to which the area alone is converted. The
 /// frame must stay mapped, and `scratch` must live as long as the view. RGB: Y = 0.299 R + 0.587 G
-/// + 0.114 B (ITU-R BT.601, section 2.5.1).
+/// + 0.114 B (ITU-R BT.601, section 2.5.1). No byte outside the pixels of the area is read.
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,
                    std::vector<std::uint8_t> &scratch);
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 
+#include "guarded-frame.hpp"
+#include "instruction-sets.hpp"
+
 #include <gtest/gtest.h>
+#include <random>
 #include <vector>
 
 namespace {
@@ -43,6 +47,18 @@ private:
   std::vector<std::uint8_t> memory_;
 };
 
+// The formula, pixel by pixel: Y = (77 R + 150 G + 29 B + 128) / 256, or the luma that there is.
+int luma_at(const GstVideoFrame &frame, int x, int y) {
+  const auto component = [&](guint index) {
+    return static_cast<const std::uint8_t *>(
+        GST_VIDEO_FRAME_COMP_DATA(&frame, index))[y * GST_VIDEO_FRAME_COMP_STRIDE(&frame, index) +
+                                                  x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, index)];
+  };
+  if (!GST_VIDEO_FORMAT_INFO_IS_RGB(frame.info.finfo))
+    return component(0);
+  return (77 * component(0) + 150 * component(1) + 29 * component(2) + 128) / 256;
+}
+
 class LumaCrop : public ::testing::TestWithParam<const char *> {
 protected:
   const GstVideoFormat format = gst_video_format_from_string(GetParam());
@@ -71,6 +87,73 @@ TEST_P(LumaCrop, ConvertsTheAreaAloneAndOnlyWhereLumaDoesNotStandAlone) {
   const int pixel_step = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame.frame(), 0);
   EXPECT_EQ(frame.owns(view.pixels), pixel_step == 1);
   EXPECT_EQ(scratch.size(), pixel_step == 1 ? 0U : std::size_t{30} * 20);
+}
+
+// The first plane of a frame of random pixels, each of whose rows ends (or begins) at a page that
+// may not be read.
+class GuardedPlane {
+public:
+  GuardedPlane(GstVideoFormat format, int width, int height, bool ends)
+      : row_bytes_(row_bytes(format, width)), memory_(row_bytes_, height) {
+    gst_video_info_set_format(&frame_.info, format, static_cast<guint>(width),
+                              static_cast<guint>(height));
+    std::mt19937 random(static_cast<unsigned>(width));
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(row_bytes_ * height));
+    for (auto &byte : bytes)
+      byte = static_cast<std::uint8_t>(random());
+    const LumaView rows = memory_.filled({bytes.data(), row_bytes_, height, row_bytes_}, ends);
+    frame_.data[0] = const_cast<std::uint8_t *>(rows.pixels);
+    frame_.info.stride[0] = static_cast<int>(rows.stride);
+  }
+
+  const GstVideoFrame &frame() const { return frame_; }
+
+private:
+  static int row_bytes(GstVideoFormat format, int width) {
+    return width * GST_VIDEO_FORMAT_INFO_PSTRIDE(gst_video_format_get_info(format), 0);
+  }
+
+  GstVideoFrame frame_{};
+  int row_bytes_;
+  test::GuardedFrame memory_;
+};
+
+// Widths below, at and above those of all vectors.
+TEST_P(LumaCrop, EveryInstructionSetConvertsByTheFormulaAndReadsTheAreaAlone) {
+  constexpr int kHeight = 3;
+  test::for_instruction_sets([&](const char *name) {
+    for (int width = 1; width <= 200; width += width < 70 ? 1 : 13)
+      for (const bool ends : {false, true}) {
+        const GuardedPlane plane(format, width, kHeight, ends);
+        std::vector<std::uint8_t> scratch;
+        const LumaView view = haptic::luma_crop(plane.frame(), {0, 0, width, kHeight}, scratch);
+        for (int y = 0; y < kHeight; ++y)
+          for (int x = 0; x < width; ++x)
+            ASSERT_EQ(view.pixels[y * view.stride + x], luma_at(plane.frame(), x, y))
+                << name << ", width " << width << ", " << x << ' ' << y;
+      }
+  });
+}
+
+// Each sum of weights once, with the greatest and the least colours.
+TEST(LumaCropColours, EveryColourIsRoundedByTheFormula) {
+  constexpr int kLevels[] = {0, 1, 2, 63, 64, 127, 128, 191, 254, 255};
+  GstVideoFrame frame{};
+  gst_video_info_set_format(&frame.info, GST_VIDEO_FORMAT_BGRx, 2560, 10);
+  std::vector<std::uint8_t> bytes;
+  for (const int blue : kLevels)
+    for (const int red : kLevels)
+      for (int green = 0; green < 256; ++green)
+        for (const int byte : {blue, green, red, 255 - green})
+          bytes.push_back(static_cast<std::uint8_t>(byte));
+  frame.data[0] = bytes.data();
+  test::for_instruction_sets([&](const char *name) {
+    std::vector<std::uint8_t> scratch;
+    const LumaView view = haptic::luma_crop(frame, {0, 0, 2560, 10}, scratch);
+    for (int y = 0; y < 10; ++y)
+      for (int x = 0; x < 2560; ++x)
+        ASSERT_EQ(view.pixels[y * view.stride + x], luma_at(frame, x, y)) << name;
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, LumaCrop,
