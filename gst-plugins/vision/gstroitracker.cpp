@@ -217,14 +217,10 @@ std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rec
   const MappedFrame frame(info, buffer);
   if (!earlier || !frame)
     return std::nullopt;
-  const auto reader = [](const MappedFrame &mapped) {
-    return [&mapped](const Rectangle &area, std::vector<std::uint8_t> &scratch) {
-      return haptic::luma_crop(mapped.frame(), area, scratch);
-    };
-  };
   const haptic::Areas areas =
       state.tracker.areas(region, GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info));
-  Finding finding = state.tracker.compare(reader(earlier), reader(frame), areas);
+  Finding finding = state.tracker.compare(haptic::FrameLuma(earlier.frame()),
+                                          haptic::FrameLuma(frame.frame()), areas);
   if (!finding.error.empty())
     warn_of_tracker(self, buffer, region, finding.error);
   return finding;

@@ -16,21 +16,33 @@ const std::uint8_t *first_pixel(const GstVideoFrame &frame, const Rectangle &are
 
 } // namespace
 
+LumaView FrameLuma::plane(const Rectangle &area) const {
+  if (GST_VIDEO_FORMAT_INFO_IS_RGB(frame_.info.finfo) ||
+      GST_VIDEO_FRAME_COMP_PSTRIDE(&frame_, 0) != 1)
+    return {};
+  return {first_pixel(frame_, area), area.width, area.height,
+          GST_VIDEO_FRAME_PLANE_STRIDE(&frame_, 0)};
+}
+
+void FrameLuma::convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t stride) const {
+  const PackedView pixels{first_pixel(frame_, area), GST_VIDEO_FRAME_COMP_PSTRIDE(&frame_, 0),
+                          area.width, area.height, GST_VIDEO_FRAME_PLANE_STRIDE(&frame_, 0)};
+  const auto place = [this](guint component) {
+    return static_cast<int>(GST_VIDEO_FRAME_COMP_POFFSET(&frame_, component));
+  };
+  if (GST_VIDEO_FORMAT_INFO_IS_RGB(frame_.info.finfo))
+    weigh_colours(pixels, {place(0), place(1), place(2)}, to, stride);
+  else
+    pick_bytes(pixels, place(0), to, stride);
+}
+
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,
                    std::vector<std::uint8_t> &scratch) {
-  const bool is_rgb = GST_VIDEO_FORMAT_INFO_IS_RGB(frame.info.finfo);
-  const PackedView pixels{first_pixel(frame, area), GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, 0),
-                          area.width, area.height, GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)};
-  if (!is_rgb && pixels.pixel_size == 1)
-    return {pixels.pixels, area.width, area.height, pixels.stride};
+  const FrameLuma luma(frame);
+  if (const LumaView plane = luma.plane(area); plane.pixels)
+    return plane;
   scratch.resize(static_cast<std::size_t>(area.width) * static_cast<std::size_t>(area.height));
-  const auto place = [&](guint component) {
-    return static_cast<int>(GST_VIDEO_FRAME_COMP_POFFSET(&frame, component));
-  };
-  if (is_rgb)
-    weigh_colours(pixels, {place(0), place(1), place(2)}, scratch.data(), area.width);
-  else
-    pick_bytes(pixels, place(0), scratch.data(), area.width);
+  luma.convert(area, scratch.data(), area.width);
   return {scratch.data(), area.width, area.height, area.width};
 }
 

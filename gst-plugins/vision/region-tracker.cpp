@@ -28,6 +28,16 @@ Areas RegionTracker::areas(const Rectangle &region, int frame_width, int frame_h
   return {region, crop_around(region, margin, frame_width, frame_height)};
 }
 
+// The views of the pair are valid afterwards only if the pixels changed.
+Repetition RegionTracker::repetition(const LumaSource &earlier, const LumaSource &frame,
+                                     const CropPair &pair) {
+  const bool same_here = is_identical(pair.previous, pair.current);
+  return judge_.judge(same_here, [&] {
+    return moving_crop_ == Rectangle{} || moving_crop_ == pair.crop ||
+           is_identical(earlier_luma_.read(earlier, moving_crop_), luma_.read(frame, moving_crop_));
+  });
+}
+
 // A frame that the tracker cannot measure is a gap, not the end of the stream.
 void RegionTracker::run(const CropPair &pair, Finding &finding) {
   using Clock = std::chrono::steady_clock;
@@ -42,42 +52,41 @@ void RegionTracker::run(const CropPair &pair, Finding &finding) {
   finding.tracker_time = Clock::now() - begin;
 }
 
-Finding RegionTracker::compare(const LumaReader &earlier, const LumaReader &frame,
+Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &frame,
                                const Areas &areas) {
-  const CropPair pair{earlier(areas.crop, earlier_scratch_), frame(areas.crop, scratch_),
+  luma_.forget();
+  const CropPair pair{earlier_luma_.read(earlier, areas.crop), luma_.read(frame, areas.crop),
                       areas.crop, areas.region, earlier_was_measured_};
-  const bool same_here = is_identical(pair.previous, pair.current);
-  const auto same_there = [&] {
-    return is_identical(earlier(moving_crop_, earlier_scratch_), frame(moving_crop_, scratch_));
-  };
-  switch (repetition_.judge(same_here, same_there)) {
+  Finding finding;
+  switch (repetition(earlier, frame, pair)) {
   case Repetition::duplicate:
     // The next interval then spans both frames, as its displacement does. The earlier frame stays
     // the one that the tracker saw last.
     return {.flags = kMotionDuplicate, .becomes_reference = false};
   case Repetition::still:
-    earlier_was_measured_ = false;
-    return {.flags = kMotionStill};
+    finding.flags = kMotionStill;
+    break;
   case Repetition::none:
+    moving_crop_ = areas.crop;
+    run(pair, finding);
+    finding.flags = measurement_.flags;
     break;
   }
-  moving_crop_ = areas.crop;
-  Finding finding;
-  run(pair, finding);
-  finding.flags = measurement_.flags;
-  earlier_was_measured_ = true;
+  earlier_was_measured_ = finding.tracker_time.has_value();
+  std::swap(earlier_luma_, luma_);
   return finding;
 }
 
 void RegionTracker::skip() {
+  earlier_luma_.forget();
   earlier_was_measured_ = false;
 }
 
 void RegionTracker::forget() {
-  repetition_.forget();
+  skip();
+  judge_.forget();
   moving_crop_ = {};
   tracker_->reset();
-  earlier_was_measured_ = false;
 }
 
 } // namespace haptic

@@ -3,22 +3,18 @@
 // and runs the patch tracker only where they differ.
 #pragma once
 
+#include "kept-luma.hpp"
 #include "patch-tracker.hpp"
 #include "repetition.hpp"
 
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace haptic {
 
 enum class TrackerMethod { fast, opencv };
-
-/// Reads the luma of an area of one frame. The view may point into the scratch memory.
-using LumaReader = std::function<LumaView(const Rectangle &area, std::vector<std::uint8_t> &)>;
 
 /// The areas of a frame that belong to one pointer position.
 struct Areas {
@@ -47,8 +43,9 @@ public:
   /// Returns the region with the margin of the method in use, clipped at the frame.
   Areas areas(const Rectangle &region, int frame_width, int frame_height) const;
 
-  /// Compares a frame with the earlier one. Leaves the patches in measurement().
-  Finding compare(const LumaReader &earlier, const LumaReader &frame, const Areas &areas);
+  /// Compares a frame with the earlier one, which is the frame of the latest finding that became
+  /// the reference, or of the latest skip(). Leaves the patches in measurement().
+  Finding compare(const LumaSource &earlier, const LumaSource &frame, const Areas &areas);
 
   /// A frame that is not compared becomes the earlier one.
   void skip();
@@ -60,16 +57,17 @@ public:
   const Measurement &measurement() const { return measurement_; }
 
 private:
+  Repetition repetition(const LumaSource &earlier, const LumaSource &frame, const CropPair &pair);
   void run(const CropPair &pair, Finding &finding);
 
   TrackerMethod method_ = TrackerMethod::fast;
   std::unique_ptr<PatchTracker> tracker_ = make_fast_tracker();
-  RepetitionJudge repetition_;
+  RepetitionJudge judge_;
   Rectangle moving_crop_;             // where motion was last seen; empty: nowhere yet
   bool earlier_was_measured_ = false; // by the tracker, as the later frame
   Measurement measurement_;
-  std::vector<std::uint8_t> earlier_scratch_;
-  std::vector<std::uint8_t> scratch_;
+  KeptLuma earlier_luma_;
+  KeptLuma luma_;
 };
 
 } // namespace haptic

@@ -3,6 +3,7 @@
 #include "video-harness.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <gst/app/gstappsink.h>
 #include <gst/controller/gstdirectcontrolbinding.h>
 #include <gst/controller/gstinterpolationcontrolsource.h>
@@ -300,6 +301,49 @@ INSTANTIATE_TEST_SUITE_P(All, RoiTrackerFormats,
                                            "YUY2", "UYVY", "RGB", "BGR", "RGBx", "BGRx", "xRGB",
                                            "xBGR", "RGBA", "BGRA", "ARGB", "ABGR"),
                          [](const auto &format) { return std::string(format.param); });
+
+// Near and far moves of the pointer, regions of any size, too small ones, repeated frames and
+// time stamps: what is kept of a converted frame must always be that of the frame.
+TEST_F(RoiTracker, WhatIsConvertedIsMeasuredAsWhatIsNot) {
+  std::vector<Frame> movie;
+  for (int i = 0; i < 8; ++i)
+    movie.push_back(moving(i));
+  for (const char *format : {"YUY2", "UYVY", "BGR", "xRGB", "BGRA"}) {
+    VideoHarness harnesses[] = {VideoHarness("roitracker"), VideoHarness("roitracker")};
+    harnesses[0].set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+    harnesses[1].set_format(gst_video_format_from_string(format), kWidth, kHeight);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(0, 1);
+    double x = 0.5;
+    GstClockTime time = 0;
+    std::size_t shown = 0;
+    guint patches = 0;
+    for (int i = 0; i < 300; ++i) {
+      x = random() % 8 == 0 ? unit(random) : std::clamp(x + 0.05 * (unit(random) - 0.5), 0.0, 1.0);
+      const double y = random() % 8 == 0 ? unit(random) : 0.5;
+      const guint size = random() % 4 == 0 ? 8 + static_cast<guint>(random() % 60) : 30;
+      shown += random() % 4 > 0;
+      time += random() % 16 > 0 ? kFrame : 0;
+      BufferPtr found[2];
+      for (int k = 0; k < 2; ++k) {
+        g_object_set(harnesses[k].element("roitracker").get(), "pointer-x", x, "pointer-y", y,
+                     "roi-size", size, nullptr);
+        found[k] = harnesses[k].pass(movie[shown % movie.size()], time);
+      }
+      const GstHapticMotionMeta &plane = motion_of(found[0]);
+      const GstHapticMotionMeta &converted = motion_of(found[1]);
+      ASSERT_EQ(converted.flags, plane.flags) << format << ", frame " << i;
+      ASSERT_EQ(converted.n_candidates, plane.n_candidates) << format << ", frame " << i;
+      ASSERT_EQ(converted.n_patches, plane.n_patches) << format << ", frame " << i;
+      ASSERT_EQ(
+          std::memcmp(converted.patches, plane.patches, plane.n_patches * sizeof(plane.patches[0])),
+          0)
+          << format << ", frame " << i;
+      patches += plane.n_patches;
+    }
+    EXPECT_GT(patches, 100U) << "something was compared";
+  }
+}
 
 TEST_F(RoiTracker, RowsMayBeFurtherApartThanTheFrameIsWide) {
   constexpr gsize kStride = 400;

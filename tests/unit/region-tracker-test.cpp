@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -13,7 +14,6 @@ namespace {
 using haptic::Areas;
 using haptic::Finding;
 using haptic::is_identical;
-using haptic::LumaReader;
 using haptic::LumaView;
 using haptic::Rectangle;
 using haptic::RegionTracker;
@@ -24,12 +24,31 @@ constexpr int kWidth = 96;
 constexpr int kHeight = 80;
 constexpr Rectangle kRegion{33, 25, 30, 30};
 
-LumaReader reader(const Frame &frame) {
-  return [&frame](const Rectangle &area, std::vector<std::uint8_t> &) {
-    return LumaView{frame.pixels.data() + area.y * frame.width + area.x, area.width, area.height,
-                    frame.width};
-  };
-}
+// A frame whose luma is a plane of its own, or must be converted.
+class Source final : public haptic::LumaSource {
+public:
+  explicit Source(const Frame &frame, bool is_plane = true) : frame_(frame), is_plane_(is_plane) {}
+
+  LumaView plane(const Rectangle &area) const override {
+    return is_plane_ ? view(area) : LumaView{};
+  }
+  void convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t stride) const override {
+    for (int y = 0; y < area.height; ++y)
+      std::copy_n(view(area).pixels + y * frame_.width, area.width, to + y * stride);
+    converted += area.width * area.height;
+  }
+
+  mutable int converted = 0; // px
+
+private:
+  LumaView view(const Rectangle &area) const {
+    return {frame_.pixels.data() + area.y * frame_.width + area.x, area.width, area.height,
+            frame_.width};
+  }
+
+  const Frame &frame_;
+  bool is_plane_;
+};
 
 class RegionTrackerTest : public ::testing::Test {
 protected:
@@ -37,7 +56,21 @@ protected:
 
   Finding compare(const Frame &earlier, const Frame &frame, const Rectangle &region = kRegion) {
     tracker.clear_measurement();
-    return tracker.compare(reader(earlier), reader(frame), tracker.areas(region, kWidth, kHeight));
+    return tracker.compare(Source(earlier), Source(frame), tracker.areas(region, kWidth, kHeight));
+  }
+
+  // Returns the pixels of the two frames that were converted.
+  std::pair<int, int> converted(const Frame &earlier, const Frame &frame,
+                                const Rectangle &region = kRegion) {
+    const Source before(earlier, false);
+    const Source after(frame, false);
+    tracker.compare(before, after, tracker.areas(region, kWidth, kHeight));
+    return {before.converted, after.converted};
+  }
+
+  int crop_size(const Rectangle &region = kRegion) const {
+    const Rectangle crop = tracker.areas(region, kWidth, kHeight).crop;
+    return crop.width * crop.height;
   }
 
   test::Texture texture{1};
@@ -105,6 +138,22 @@ TEST_F(RegionTrackerTest, ARegionAtRestBesideAMovingOneStandsStillAtOnce) {
   };
   EXPECT_EQ(compare(half_moved(0), half_moved(1), kLeft).flags, 0);
   EXPECT_EQ(compare(half_moved(1), half_moved(2), kRight).flags, haptic::kMotionStill);
+}
+
+TEST_F(RegionTrackerTest, ThePixelsOfAFrameAreConvertedOnce) {
+  const int all = crop_size();
+  EXPECT_EQ(converted(moved(0, 0), moved(1, 0)), std::pair(all, all));
+  EXPECT_EQ(converted(moved(1, 0), moved(2, 0)), std::pair(0, all)) << "the earlier one was kept";
+  EXPECT_EQ(converted(moved(2, 0), moved(2, 0)), std::pair(0, all)) << "a duplicate";
+  EXPECT_EQ(converted(moved(2, 0), moved(3, 0)), std::pair(0, all)) << "the earlier one still is";
+  constexpr Rectangle kRight{37, 25, 30, 30};
+  const auto [earlier, later] = converted(moved(3, 0), moved(4, 0), kRight);
+  EXPECT_LE(earlier, 4 * kHeight) << "only what came into the crop";
+  EXPECT_EQ(later, crop_size(kRight));
+  tracker.skip();
+  EXPECT_EQ(converted(moved(5, 0), moved(6, 0)), std::pair(all, all)) << "of another frame";
+  tracker.forget();
+  EXPECT_EQ(converted(moved(7, 0), moved(8, 0)), std::pair(all, all)) << "of another scene";
 }
 
 TEST_F(RegionTrackerTest, AfterForgettingASceneMayBeginWithDuplicates) {
