@@ -139,7 +139,7 @@ GstStructure *to_structure(const haptic::TrackingStatistics &s) {
                            G_TYPE_UINT64, s.measured, "still", G_TYPE_UINT64, s.still, "duplicates",
                            G_TYPE_UINT64, s.duplicates, "discontinuities", G_TYPE_UINT64,
                            s.discontinuities, "points", G_TYPE_DOUBLE, s.mean_points(),
-                           "time-mean-us", G_TYPE_DOUBLE, s.mean_tracker_time(), nullptr);
+                           "time-mean-us", G_TYPE_DOUBLE, s.mean_time(), nullptr);
 }
 
 void write_statistics(const Shared &shared, GValue *value) {
@@ -190,7 +190,7 @@ std::span<const haptic::Property<Shared>> properties() {
       {g_param_spec_boxed(
            "stats", "Statistics",
            "Frames so far, how many of them were measured, still or duplicates, mean number of "
-           "points and mean time in the tracker",
+           "points and mean time from two frames to points",
            GST_TYPE_STRUCTURE, haptic::kReadOnly),
        nullptr, write_statistics},
   };

@@ -40,8 +40,6 @@ Repetition RegionTracker::repetition(const LumaSource &earlier, const LumaSource
 
 // A frame that the tracker cannot measure is a gap, not the end of the stream.
 void RegionTracker::run(const CropPair &pair, Finding &finding) {
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
   try {
     tracker_->measure(pair, measurement_);
   } catch (const std::exception &error) {
@@ -49,11 +47,12 @@ void RegionTracker::run(const CropPair &pair, Finding &finding) {
     measurement_.clear();
     tracker_->reset();
   }
-  finding.tracker_time = Clock::now() - begin;
 }
 
 Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &frame,
                                const Areas &areas) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
   luma_.forget();
   const CropPair pair{earlier_luma_.read(earlier, areas.crop), luma_.read(frame, areas.crop),
                       areas.crop, areas.region, earlier_was_measured_};
@@ -70,9 +69,10 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
     moving_crop_ = areas.crop;
     run(pair, finding);
     finding.flags = measurement_.flags;
+    finding.time = Clock::now() - begin;
     break;
   }
-  earlier_was_measured_ = finding.tracker_time.has_value();
+  earlier_was_measured_ = finding.time.has_value();
   std::swap(earlier_luma_, luma_);
   return finding;
 }

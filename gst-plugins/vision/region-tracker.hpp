@@ -27,7 +27,8 @@ struct Finding {
   std::uint16_t flags = 0;       ///< of kFrameFlags
   std::uint64_t interval = 0;    ///< ns
   bool becomes_reference = true; ///< the next frame is compared with this one
-  std::optional<std::chrono::nanoseconds> tracker_time; ///< nothing: the tracker did not run
+  /// From the frames to the patches, with the conversion to luma. Nothing: the tracker did not run.
+  std::optional<std::chrono::nanoseconds> time;
   std::string error; ///< reason why the tracker failed; empty: it did not
 };
 

@@ -17,8 +17,8 @@ struct TrackingStatistics {
   std::uint64_t duplicates = 0;
   std::uint64_t discontinuities = 0;
   std::uint64_t points = 0;
-  std::uint64_t tracker_runs = 0;
-  std::chrono::nanoseconds tracker_time{0};
+  std::uint64_t timed = 0; ///< frames for which the tracker ran
+  std::chrono::nanoseconds time{0};
 
   void add(const Finding &finding, int patches) {
     ++frames;
@@ -27,18 +27,19 @@ struct TrackingStatistics {
     discontinuities += (finding.flags & kMotionDiscontinuity) != 0;
     measured += patches > 0;
     points += static_cast<std::uint64_t>(patches);
-    if (finding.tracker_time) {
-      ++tracker_runs;
-      tracker_time += *finding.tracker_time;
+    if (finding.time) {
+      ++timed;
+      time += *finding.time;
     }
   }
 
   /// Per frame that was measured; 0: none was.
   double mean_points() const { return mean(static_cast<double>(points), measured); }
 
-  /// Microseconds per run of the tracker; 0: it never ran.
-  double mean_tracker_time() const {
-    return mean(std::chrono::duration<double, std::micro>(tracker_time).count(), tracker_runs);
+  /// Microseconds from two frames to patches, for the frames for which the tracker ran; 0: it never
+  /// did.
+  double mean_time() const {
+    return mean(std::chrono::duration<double, std::micro>(time).count(), timed);
   }
 
 private:

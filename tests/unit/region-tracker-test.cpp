@@ -5,7 +5,9 @@
 #include "tracking-statistics.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <gtest/gtest.h>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -33,12 +35,18 @@ public:
     return is_plane_ ? view(area) : LumaView{};
   }
   void convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t stride) const override {
+    const auto begin = std::chrono::steady_clock::now();
+    if (pause.count() > 0)
+      std::this_thread::sleep_for(pause);
     for (int y = 0; y < area.height; ++y)
       std::copy_n(view(area).pixels + y * frame_.width, area.width, to + y * stride);
     converted += area.width * area.height;
+    time += std::chrono::steady_clock::now() - begin;
   }
 
+  std::chrono::milliseconds pause{0};
   mutable int converted = 0; // px
+  mutable std::chrono::nanoseconds time{0};
 
 private:
   LumaView view(const Rectangle &area) const {
@@ -83,7 +91,7 @@ TEST_F(RegionTrackerTest, MeasuresTheMotionBetweenTwoFramesWithEachMethod) {
     const Finding found = compare(moved(0, 0), moved(2, -1));
     EXPECT_EQ(found.flags, 0);
     EXPECT_TRUE(found.becomes_reference);
-    EXPECT_TRUE(found.tracker_time.has_value());
+    EXPECT_TRUE(found.time.has_value());
     ASSERT_GT(tracker.measurement().count, 0);
     EXPECT_LE(tracker.measurement().count, 10);
     for (const auto &patch : tracker.measurement().view()) {
@@ -110,7 +118,7 @@ TEST_F(RegionTrackerTest, ARepeatedFrameIsADuplicateThatDoesNotBecomeTheReferenc
   const Finding found = compare(second, second);
   EXPECT_EQ(found.flags, haptic::kMotionDuplicate);
   EXPECT_FALSE(found.becomes_reference);
-  EXPECT_FALSE(found.tracker_time.has_value());
+  EXPECT_FALSE(found.time.has_value());
   EXPECT_EQ(tracker.measurement().count, 0);
 }
 
@@ -156,6 +164,17 @@ TEST_F(RegionTrackerTest, ThePixelsOfAFrameAreConvertedOnce) {
   EXPECT_EQ(converted(moved(7, 0), moved(8, 0)), std::pair(all, all)) << "of another scene";
 }
 
+TEST_F(RegionTrackerTest, TheTimeOfAMeasurementContainsThatOfTheConversion) {
+  const Frame first = moved(0, 0);
+  const Frame second = moved(1, 0);
+  Source before(first, false);
+  Source after(second, false);
+  before.pause = after.pause = std::chrono::milliseconds(5);
+  const Finding found = tracker.compare(before, after, tracker.areas(kRegion, kWidth, kHeight));
+  ASSERT_TRUE(found.time.has_value());
+  EXPECT_GE(*found.time, before.time + after.time);
+}
+
 TEST_F(RegionTrackerTest, AfterForgettingASceneMayBeginWithDuplicates) {
   const Frame frame = moved(0, 0);
   for (int i = 0; i < 3; ++i)
@@ -179,11 +198,11 @@ TEST(TrackingStatistics, CountsFramesByTheirFlagsAndTakesMeans) {
   using namespace std::chrono_literals;
   haptic::TrackingStatistics statistics;
   EXPECT_EQ(statistics.mean_points(), 0);
-  EXPECT_EQ(statistics.mean_tracker_time(), 0);
+  EXPECT_EQ(statistics.mean_time(), 0);
   statistics.add({.flags = haptic::kMotionDiscontinuity}, 0);
-  statistics.add({.tracker_time = 100us}, 4);
-  statistics.add({.tracker_time = 300us}, 7);
-  statistics.add({.tracker_time = 200us}, 0);
+  statistics.add({.time = 100us}, 4);
+  statistics.add({.time = 300us}, 7);
+  statistics.add({.time = 200us}, 0);
   statistics.add({.flags = haptic::kMotionDuplicate}, 0);
   statistics.add({.flags = haptic::kMotionStill}, 0);
   EXPECT_EQ(statistics.frames, 6U);
@@ -191,9 +210,9 @@ TEST(TrackingStatistics, CountsFramesByTheirFlagsAndTakesMeans) {
   EXPECT_EQ(statistics.still, 1U);
   EXPECT_EQ(statistics.duplicates, 1U);
   EXPECT_EQ(statistics.discontinuities, 1U);
-  EXPECT_EQ(statistics.tracker_runs, 3U);
+  EXPECT_EQ(statistics.timed, 3U);
   EXPECT_EQ(statistics.mean_points(), 5.5);
-  EXPECT_EQ(statistics.mean_tracker_time(), 200);
+  EXPECT_EQ(statistics.mean_time(), 200);
 }
 
 } // namespace
