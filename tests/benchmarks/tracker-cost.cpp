@@ -15,6 +15,7 @@
 #include "video-harness.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -179,48 +180,56 @@ void compare_elements() {
     gst_harness_teardown(harness);
 }
 
-// roitracker with its usual region, which grows with the frame: the same frames in several formats
-// in turn, with a pointer at rest and with one that moves.
+constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2,
+                                       GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx};
+using FormatTimes = std::array<double, std::size(kFormats)>;
+
+// Median us of an element for the same frames in each of the formats in turn. A pointer moves by
+// `speed` px per frame.
+FormatTimes times_by_format(const char *element, const Frames &frames, int speed, int count) {
+  const int width = frames[0].width;
+  GstHarness *harnesses[std::size(kFormats)];
+  std::vector<haptic::BufferPtr> buffers[std::size(kFormats)];
+  std::vector<double> times[std::size(kFormats)];
+  for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+    const GstVideoInfo info = test::video_info(kFormats[k], width, frames[0].height);
+    harnesses[k] = harness_of(element, info);
+    for (const test::Frame &frame : frames)
+      buffers[k].push_back(test::to_buffer(frame, info));
+  }
+  for (int i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+      if (speed != 0) {
+        const haptic::ElementPtr tracker(gst_harness_find_element(harnesses[k], element));
+        g_object_set(tracker.get(), "pointer-x",
+                     0.5 + static_cast<double>(speed * (i % 16)) / width, nullptr);
+      }
+      times[k].push_back(push_time(
+          harnesses[k], buffers[k][static_cast<std::size_t>(i) % frames.size()].get(), i));
+    }
+  FormatTimes medians;
+  for (std::size_t k = 0; k < std::size(kFormats); ++k) {
+    medians[k] = percentile(times[k], 0.5);
+    gst_harness_teardown(harnesses[k]);
+  }
+  return medians;
+}
+
+// roitracker with its usual region, which grows with the frame, and motionfield.
 void compare_formats(int width, int height) {
-  constexpr int kCount = 400;
-  constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2,
-                                         GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx};
   const test::Texture texture(4);
   Frames frames;
   for (int i = 0; i < 4; ++i)
     frames.push_back(texture.frame(width, height, {1.3 * i, 0.4 * i}));
-  std::printf("\n%d x %d, roitracker, median us per frame\n%-8s %16s %16s\n", width, height, "",
-              "pointer at rest", "8 px per frame");
-  std::vector<double> rows[std::size(kFormats)];
-  for (const int speed : {0, 8}) {
-    std::vector<haptic::BufferPtr> buffers[std::size(kFormats)];
-    std::vector<double> times[std::size(kFormats)];
-    GstHarness *harnesses[std::size(kFormats)];
-    haptic::ElementPtr trackers[std::size(kFormats)];
-    for (std::size_t k = 0; k < std::size(kFormats); ++k) {
-      const GstVideoInfo info = test::video_info(kFormats[k], width, height);
-      harnesses[k] = harness_of("roitracker", info);
-      trackers[k].reset(gst_harness_find_element(harnesses[k], "roitracker"));
-      for (const test::Frame &frame : frames)
-        buffers[k].push_back(test::to_buffer(frame, info));
-    }
-    for (int i = 0; i < kCount; ++i)
-      for (std::size_t k = 0; k < std::size(kFormats); ++k) {
-        g_object_set(trackers[k].get(), "pointer-x",
-                     0.5 + static_cast<double>(speed * (i % 16)) / width, nullptr);
-        times[k].push_back(
-            push_time(harnesses[k], buffers[k][static_cast<std::size_t>(i % 4)].get(), i));
-      }
-    for (std::size_t k = 0; k < std::size(kFormats); ++k) {
-      rows[k].push_back(percentile(times[k], 0.5));
-      trackers[k].reset();
-      gst_harness_teardown(harnesses[k]);
-    }
-  }
+  const FormatTimes columns[] = {times_by_format("roitracker", frames, 0, 400),
+                                 times_by_format("roitracker", frames, 8, 400),
+                                 times_by_format("motionfield", frames, 0, 40)};
+  std::printf("\n%d x %d, median us per frame\n%-8s %17s %17s %17s\n", width, height, "",
+              "roitracker", "pointer at 8 px", "motionfield");
   for (std::size_t k = 0; k < std::size(kFormats); ++k) {
     std::printf("%-8s", gst_video_format_to_string(kFormats[k]));
-    for (std::size_t i = 0; i < rows[k].size(); ++i)
-      std::printf(" %8.0f (x %4.2f)", rows[k][i], rows[k][i] / rows[0][i]);
+    for (const FormatTimes &times : columns)
+      std::printf(" %8.0f (x %4.2f)", times[k], times[k] / times[0]);
     std::printf("\n");
   }
 }
