@@ -152,6 +152,30 @@ TEST_F(MotionFieldElement, ARepeatedFrameIsADuplicateAndTheNextIntervalSpansBoth
   expect_velocity(next, velocity);
 }
 
+// Faster and faster, so that each field needs the one before.
+TEST_F(MotionFieldElement, RepeatedFramesDoNotChangeTheFieldsOfTheOthers) {
+  const auto fields = [&](bool repeats) {
+    std::vector<MotionField> found;
+    harness.pass(texture.frame(kWidth, kHeight, {}), 0, GST_BUFFER_FLAG_DISCONT);
+    for (int i = 1; i < 8; ++i) {
+      const auto time = static_cast<GstClockTime>(i) * kFrame;
+      const Frame frame = texture.frame(kWidth, kHeight, {2.0 * i * i, 0});
+      found.push_back(field_of(harness.pass(frame, time)));
+      if (repeats) {
+        EXPECT_EQ(field_of(harness.pass(frame, time + kFrame / 2)).flags, haptic::kMotionDuplicate);
+      }
+    }
+    return found;
+  };
+  const std::vector<MotionField> once = fields(false);
+  const std::vector<MotionField> twice = fields(true);
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(twice[i].interval, once[i].interval);
+    EXPECT_EQ(twice[i].flags, once[i].flags);
+    EXPECT_EQ(twice[i].cells, once[i].cells) << "frame " << i;
+  }
+}
+
 TEST_F(MotionFieldElement, WhatRepeatsThriceStandsStillExactly) {
   harness.pass(at(0, {}), 0);
   for (GstClockTime i = 1; i < 6; ++i) {
