@@ -149,9 +149,14 @@ bool explains(const Translation &whole, int side, float noise) {
          whole.correlation > kFits && whole.disagreement < 2 * blocks + 2 * std::sqrt(blocks);
 }
 
-bool is_still(const Translation &whole) {
+bool is_still(const Translation &whole, float noise) {
   constexpr float kSignificant = 12; // chi-squared with 2 degrees of freedom: 1 in 400
-  return quadratic(whole.structure, whole.displacement) < kSignificant * whole.variance();
+  // A bad fit makes every displacement insignificant: it says nothing about stillness.
+  constexpr float kLargest = 40; // grey levels squared; compression of a still scene leaves less
+  constexpr float kOverNoise = 4;
+  const float largest = std::max(kLargest, kOverNoise * 2 * kSmoothedNoise * noise);
+  return whole.residual2 < largest &&
+         quadratic(whole.structure, whole.displacement) < kSignificant * whole.variance();
 }
 
 bool is_precise(const Translation &whole) {

@@ -33,8 +33,9 @@ Translation translate_blocks(const Plane &later, std::span<const Template> block
 
 /// Whether blocks of this side move as one.
 bool explains(const Translation &whole, int side, float noise);
-/// Whether the displacement is zero within its error.
-bool is_still(const Translation &whole);
+/// Whether the displacement is zero within its error, and no more than noise (variance of a pixel,
+/// grey levels squared) and compression are left.
+bool is_still(const Translation &whole, float noise);
 /// Whether the error of the displacement is small enough for a single patch.
 bool is_precise(const Translation &whole);
 

@@ -327,7 +327,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   }
   last_ = whole.displacement;
   const bool explained = explains(whole, blocks_[0].patches[0].side, noise_.variance());
-  if (explained && is_still(whole)) {
+  if (explained && is_still(whole, noise_.variance())) {
     measurement.flags = kStill;
     noise_.learn(energy);
     return;

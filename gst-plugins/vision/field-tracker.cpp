@@ -376,7 +376,7 @@ void FieldTracker::measure_cell(int row, int column, double interval, FieldCell 
   }
   const Translation &whole = own.whole;
   own.last = own.explained ? whole.displacement : Displacement{};
-  if (own.explained && is_still(whole)) {
+  if (own.explained && is_still(whole, noise_.variance())) {
     result.confidence = 1;
     return;
   }
@@ -412,7 +412,7 @@ void FieldTracker::learn_noise() {
   float energy = 0;
   float count = 0;
   for (const Cell &cell : cells_)
-    if (cell.change == Change::some && cell.explained && is_still(cell.whole)) {
+    if (cell.change == Change::some && cell.explained && is_still(cell.whole, noise_.variance())) {
       energy += cell.energy;
       ++count;
     }

@@ -68,7 +68,7 @@ TEST_F(BlockTranslation, FindsTheTranslationOfAllBlocks) {
     EXPECT_FALSE(whole.one_direction);
     EXPECT_TRUE(haptic::explains(whole, 8, kNoise)) << seed;
     EXPECT_TRUE(haptic::is_precise(whole));
-    EXPECT_FALSE(haptic::is_still(whole));
+    EXPECT_FALSE(haptic::is_still(whole, kNoise));
   }
 }
 
@@ -81,7 +81,7 @@ TEST_F(BlockTranslation, NoiseAloneIsStill) {
     test::add_noise(before, 1.5, random);
     test::add_noise(after, 1.5, random);
     set(before, after);
-    moving += !haptic::is_still(translate());
+    moving += !haptic::is_still(translate(), kNoise);
   }
   EXPECT_LE(moving, 2);
 }

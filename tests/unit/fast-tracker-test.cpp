@@ -116,6 +116,36 @@ TEST_F(FastTracker, ALargeRegionReachesFurther) {
   }
 }
 
+// A bad fit of the whole region does not show that it stands still.
+TEST_F(FastTracker, ASmallThingThatMovesOverAStillGroundIsNotStill) {
+  constexpr int kThing = kSide / 2;
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  int still = 0;
+  for (unsigned seed = 1; seed <= 150; ++seed) {
+    tracker->reset();
+    const double direction = angle(random);
+    const Shift shift{3 * std::cos(direction), 3 * std::sin(direction)};
+    Frame before = Texture(seed, 3, 60).frame(kFrame, kFrame, {});
+    Frame after = before;
+    const Texture thing(seed + 1000, 3, 60);
+    const auto cover = [&](Frame &frame, Shift place) {
+      Frame all = thing.frame(kFrame, kFrame, place);
+      const int left = (kFrame - kThing) / 2 + static_cast<int>(std::lround(place.x));
+      const int top = (kFrame - kThing) / 2 + static_cast<int>(std::lround(place.y));
+      for (int y = top; y < top + kThing; ++y)
+        for (int x = left; x < left + kThing; ++x)
+          frame.at(x, y) = all.at(x, y);
+    };
+    cover(before, {});
+    cover(after, shift);
+    add_noise(before, 1.5, random);
+    add_noise(after, 1.5, random);
+    still += (track(before, after).flags & haptic::kStill) != 0;
+  }
+  EXPECT_EQ(still, 0);
+}
+
 TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
   for (const double sigma : {0.0, 1.5, 5.0, 10.0}) {
     tracker->reset();
