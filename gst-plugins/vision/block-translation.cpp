@@ -152,10 +152,7 @@ bool explains(const Translation &whole, int side, float noise) {
 bool is_still(const Translation &whole, float noise) {
   constexpr float kSignificant = 12; // chi-squared with 2 degrees of freedom: 1 in 400
   // A bad fit makes every displacement insignificant: it says nothing about stillness.
-  constexpr float kLargest = 40; // grey levels squared; compression of a still scene leaves less
-  constexpr float kOverNoise = 4;
-  const float largest = std::max(kLargest, kOverNoise * 2 * kSmoothedNoise * noise);
-  return whole.residual2 < largest &&
+  return whole.residual2 < largest_residual2(noise) &&
          quadratic(whole.structure, whole.displacement) < kSignificant * whole.variance();
 }
 

@@ -7,6 +7,7 @@
 #include "frame-reduction.hpp"
 #include "noise-estimate.hpp"
 #include "patch-tracker.hpp"
+#include "pixel-votes.hpp"
 #include "start-set.hpp"
 #include "texture-period.hpp"
 
@@ -68,6 +69,7 @@ private:
   std::optional<Strain> strain_at(int row, int column,
                                   std::span<const Displacement> displacements) const;
   void follow_strain();
+  bool neighbours_are_apart() const;
 
   const FastTrackerOptions options_;
   int max_points_ = kUsualPatches;
@@ -84,6 +86,7 @@ private:
   PatchGrid grid_;
   std::array<Alignment, kMaxPatches> aligned_; // of grid_
   Template strained_;
+  PixelVotes votes_;
   FrameReduction previous_reduction_;
   FrameReduction current_reduction_;
   Displacement last_; // px, between the two frames before
@@ -285,6 +288,21 @@ void FastTracker::follow_strain() {
   });
 }
 
+// Whether two neighbours follow different things, so that it matters how much of the region each
+// is.
+bool FastTracker::neighbours_are_apart() const {
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    return !are_close(aligned_[a].displacement, aligned_[b].displacement);
+  };
+  bool apart = false;
+  for_places(grid_, [&](int row, int column) {
+    const std::size_t at = cell(row, grid_.columns, column);
+    apart = apart || (column > 0 && differ(at, at - 1)) ||
+            (row > 0 && differ(at, cell(row - 1, grid_.columns, column)));
+  });
+  return apart;
+}
+
 // Returns the sum of the trust in the patches that have texture.
 float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &measurement) {
   align_coarse_grid(area, whole);
@@ -344,6 +362,11 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
       measurement.flags |= kCut;
     measurement.count = 0;
     last_ = {};
+  } else if (neighbours_are_apart()) {
+    // A larger region is voted on in a smaller frame, where the patches are as close.
+    const auto level = std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
+    votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level), area,
+                 noise_.variance(), measurement.view());
   }
 }
 

@@ -13,6 +13,7 @@
  * @precision_xx, @precision_xy, @precision_yy: inverse covariance of (dx, dy), 1/px². One
  *   direction without precision is the aperture problem; 0 in all means unknown.
  * @residual: rms grey-level difference that the displacement leaves, 8-bit steps
+ * @share: part of the region whose pixels move with this patch, 0..1; 0 in all patches: not counted
  */
 typedef struct _GstHapticPatch {
   float x, y;
@@ -20,4 +21,5 @@ typedef struct _GstHapticPatch {
   float dx, dy;
   float precision_xx, precision_xy, precision_yy;
   float residual;
+  float share;
 } GstHapticPatch;

@@ -14,6 +14,12 @@ constexpr float kClearlyBetter = 0.1F;
 
 } // namespace
 
+float largest_residual2(float noise) {
+  constexpr float kCompression = 40; // grey levels squared
+  constexpr float kOverNoise = 4;
+  return std::max(kCompression, kOverNoise * 2 * kSmoothedNoise * noise);
+}
+
 float displacement_noise(float residual2) {
   // Smoothing correlates the noise of neighbouring pixels: fewer of them are independent.
   constexpr float kNoiseCorrelation = 5;

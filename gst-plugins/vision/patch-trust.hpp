@@ -17,6 +17,11 @@ inline float noise_of(float residual2) {
   return residual2 / (2 * kSmoothedNoise);
 }
 
+/// Mean squared residual from which on a fit does not explain the pixels, whatever the reason: more
+/// than compression of a still scene leaves, and four times what the noise (variance of a pixel)
+/// does.
+float largest_residual2(float noise);
+
 /// Variance of a displacement times its structure tensor, from the mean squared residual.
 float displacement_noise(float residual2);
 
