@@ -74,9 +74,11 @@ struct Points {
   alignas(64) Row dx, dy;           // px
   alignas(64) Row xx, xy, yy;       // precision of (dx, dy), 1/px²
   alignas(64) Row weight;           // px², the less the larger the residual
+  alignas(64) Row share;            // of the region, 0..1
 
-  static constexpr std::array kRows = {&Points::x,  &Points::y,  &Points::dx, &Points::dy,
-                                       &Points::xx, &Points::xy, &Points::yy, &Points::weight};
+  static constexpr std::array kRows = {&Points::x,  &Points::y,      &Points::dx,
+                                       &Points::dy, &Points::xx,     &Points::xy,
+                                       &Points::yy, &Points::weight, &Points::share};
 
   void pad() {
     const std::size_t end = (count + kWidest - 1) / kWidest * kWidest;

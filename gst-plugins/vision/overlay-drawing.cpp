@@ -218,8 +218,9 @@ void OverlayDrawing::paint(std::uint8_t *pixels, int stride) const {
   cairo_set_line_width(cairo, line_);
   cairo_stroke(cairo);
 
-  // Needles: there may be thirty in as many pixels, and no room for heads and outlines.
-  set_color(cairo, look_.velocity_color, opacity_);
+  // Needles: there may be thirty in as many pixels, and no room for heads and outlines. The
+  // confidence is that of the velocity, not theirs.
+  set_color(cairo, look_.velocity_color, 1);
   cairo_set_line_width(cairo, line_);
   for (const Arrow &patch : patches_) {
     cairo_move_to(cairo, patch.from.x, patch.from.y);

@@ -39,7 +39,7 @@ bool is_usable(const GstHapticPatch &patch) {
   constexpr float kLargest = 1e5F; // px, grey levels
   return std::abs(patch.x) < kLargest && std::abs(patch.y) < kLargest &&
          std::abs(patch.dx) < kLargest && std::abs(patch.dy) < kLargest &&
-         std::abs(patch.residual) < kLargest;
+         std::abs(patch.residual) < kLargest && std::abs(patch.share) < kLargest;
 }
 
 // Puts the usable patches into rows, with places about their centre.
@@ -58,6 +58,7 @@ void gather(std::span<const GstHapticPatch> patches, Points &points) {
     points.xy[i] = p.xy;
     points.yy[i] = p.yy;
     points.weight[i] = area * fade(patch.residual, 15, 45);
+    points.share[i] = std::max(0.0F, patch.share);
     points.area += area;
     points.centre_x += patch.x;
     points.centre_y += patch.y;
@@ -180,13 +181,18 @@ Motion mean_by_area(const Points &points, const Box &region, const Layers &layer
           share * first.yy};
 }
 
+Motion at_pointer(const PatchSet &set, const Points &points, const Motion &motion) {
+  return motion.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y);
+}
+
 struct Answer {
   Motion felt;                  // about the pointer
   Motion first;                 // of the points
   std::optional<Motion> second; // of the points that the first does not explain
   bool is_mixture = false;
   MotionModel model = MotionModel::translation;
-  float scatter = 0; // px² per component that no model explains
+  float scatter = 0;      // px² per component that no model explains
+  float disagreement = 0; // px between the motion of the model and that of the pixels
   ModelHistory history;
 };
 
@@ -251,10 +257,11 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     answer.first = selection.fit.motion;
     answer.model = selection.fit.model;
     answer.history = selection.history;
+  };
+  const auto add_neighbours = [&] {
     const Motion left = left_by_neighbours(points, answer.first);
     answer.is_mixture = left.x0 != 0 || left.y0 != 0;
-    answer.felt =
-        answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y) + left;
+    answer.felt = at_pointer(set, points, answer.first) + left;
   };
   Selection selection = select_model(points, MotionModel::still, history);
   if (!explains_most(selection.fit, points)) {
@@ -262,7 +269,6 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     if (common.explained >= kSmallestLayer && common.cost < selection.fit.cost)
       selection = {common, {MotionModel::translation, MotionModel::none}};
   }
-  adopt(selection);
   const auto layers = layers_of(points, selection.fit);
   if (layers && layers->cost < selection.fit.cost + (history.mixture ? kHold : 0)) {
     adopt({layers->first, {layers->first.model, MotionModel::none}});
@@ -272,14 +278,56 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     answer.history.mixture = true;
     return;
   }
-  if (explains_most(selection.fit, points))
+  if (explains_most(selection.fit, points)) {
+    adopt(selection);
+    add_neighbours();
     return;
+  }
 
   // Neither one model nor two, as for leaves and water. They move, so the static model is out. The
   // others are judged with the scatter as noise.
   answer.scatter = scatter_of(points);
   blur(points, answer.scatter);
   adopt(select_model(points, MotionModel::translation, history));
+  add_neighbours();
+}
+
+// Where the tracker counted the pixels that move with each point, the points that contradict the
+// first motion m add their errors by these shares: m(pointer) + sum of share (d - m(x)).
+void count_shares(const PatchSet &set, const Points &points, Answer &answer) {
+  constexpr float kCounted = 0.5F;
+  // A point that contradicts alone by less is a false match where a model bends.
+  constexpr float kApart = 2.5F; // px
+  float all = 0;
+  for (std::size_t i = 0; i < points.count; ++i)
+    all += points.share[i];
+  if (all < kCounted)
+    return;
+  alignas(64) Points::Row of_first, of_second;
+  of_second.fill(kInfinity);
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
+    hn::Store(squared_errors(points, answer.first, i), kTag, of_first.data() + i);
+    if (answer.second)
+      hn::Store(squared_errors(points, *answer.second, i), kTag, of_second.data() + i);
+  }
+  Motion felt = at_pointer(set, points, answer.first);
+  bool contradicted = false;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (of_first[i] <= kOutlier)
+      continue;
+    const Motion here = answer.first.about(points.x[i], points.y[i]);
+    const bool follows_second = of_second[i] <= kOutlier;
+    const float x = (follows_second ? answer.second->x0 : points.dx[i]) - here.x0;
+    const float y = (follows_second ? answer.second->y0 : points.dy[i]) - here.y0;
+    if (!answer.is_mixture && x * x + y * y < kApart * kApart)
+      continue;
+    contradicted = true;
+    felt.x0 += points.share[i] / all * x;
+    felt.y0 += points.share[i] / all * y;
+  }
+  answer.disagreement = std::hypot(felt.x0 - answer.felt.x0, felt.y0 - answer.felt.y0);
+  answer.felt = felt;
+  answer.is_mixture = answer.is_mixture || contradicted;
 }
 
 // Fits the model that was asked for, or the largest below it that the points determine.
@@ -334,6 +382,7 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
   Answer answer;
   if (average == Average::model && choice == ModelChoice::automatic) {
     explain(set, points, history, answer);
+    count_shares(set, points, answer);
     return answer;
   }
   if (average == Average::median)
@@ -345,9 +394,23 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
               : choice == ModelChoice::similarity ? MotionModel::similarity
                                                   : MotionModel::translation,
               points, answer);
-  answer.felt =
-      answer.first.about(set.pointer_x - points.centre_x, set.pointer_y - points.centre_y);
+  answer.felt = at_pointer(set, points, answer.first);
   return answer;
+}
+
+// Factor of the confidence where the points agree with themselves, but not with the pixels: two
+// motions that disagree with their shares, and rest although much of the region changed.
+float pixel_confidence(const PatchSet &set, const Answer &answer) {
+  constexpr float kDoubtful = 0.7F;
+  constexpr float kDisagreement = 0.7F; // px
+  constexpr float kUnexplained = 6.3F;  // grey levels, more than noise and compression leave
+  if (answer.is_mixture)
+    return kDoubtful * std::exp(-answer.disagreement / kDisagreement);
+  if (answer.model != MotionModel::still)
+    return 1;
+  const auto unexplained =
+      std::ranges::count_if(set.patches, [](const auto &p) { return p.residual > kUnexplained; });
+  return 5 * unexplained > std::ssize(set.patches) ? kDoubtful : 1;
 }
 
 // The points that agree with the answer, and how precise and consistent they are.
@@ -460,7 +523,7 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.mixture = answer.is_mixture;
   estimate.history = answer.history;
   // The confidence is a product: precision of the velocity, errors in relation to their precision,
-  // share of the patches that agree.
+  // share of the patches that agree, agreement with the pixels.
   const Support support = support_of(points, answer);
   const float tracked =
       static_cast<float>(points.count) /
@@ -469,7 +532,7 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.confidence =
       fade(known_part(support.precision, estimate), kGoodDeviation, kBadDeviation) *
       (average == Average::model ? fade(support.misfit, 1.5F, 3.5F) : 1) *
-      fade(support.share * tracked, 0.7F, 0.3F);
+      fade(support.share * tracked, 0.7F, 0.3F) * pixel_confidence(set, answer);
   return is_plausible(estimate) ? estimate : VelocityEstimate{};
 }
 

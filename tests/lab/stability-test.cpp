@@ -453,7 +453,7 @@ TEST(Stability, TheShakeOfTheCameraIsFeltWithTheWind) {
 }
 
 TEST(Stability, OfTwoMotionsTheMeanByAreaIsFelt) {
-  expect_accurate(pairs("two motions"), Unreached{.target = 0.10, .reached = 0.22});
+  expect_accurate(pairs("two motions"), Unreached{.target = 0.10, .reached = 0.14});
 }
 
 TEST(Stability, TwoMotionsDoNotTakeTurns) {
@@ -463,13 +463,13 @@ TEST(Stability, TwoMotionsDoNotTakeTurns) {
     const auto shots = stream(scene.make(random), 10, random);
     for (std::size_t k = 1; k < shots.size(); ++k)
       EXPECT_LE(cv::norm(force(shots[k].reading.velocity) - force(shots[k - 1].reading.velocity)),
-                105) // the target is 100, see docs/lab.md
+                80)
           << "scene " << i << ", frame " << k;
   }
 }
 
 TEST(Stability, ASmallThingThatMovesCountsByItsArea) {
-  expect_accurate(pairs("mover"), Unreached{.target = 0.15, .reached = 0.30});
+  expect_accurate(pairs("mover"), Unreached{.target = 0.15, .reached = 0.25});
 }
 
 TEST(Stability, AReflectionDoesNotHideWhatIsBehindIt) {
@@ -684,7 +684,7 @@ TEST(Stability, MoreConfidenceMeansFewerErrors) {
     bad.push_back(error > 0.3);
   const double area = area_under(roc(answers.confidences, bad));
   std::cout << "area under the ROC " << area << "\n";
-  EXPECT_GE(area, 0.92); // the target is 0.95, see docs/lab.md
+  EXPECT_GE(area, 0.965);
 
   constexpr int kBins = 5;
   constexpr int kEnough = 20; // answers in a bin, fewer say nothing

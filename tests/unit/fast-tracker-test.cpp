@@ -146,6 +146,36 @@ TEST_F(FastTracker, ASmallThingThatMovesOverAStillGroundIsNotStill) {
   EXPECT_EQ(still, 0);
 }
 
+// Counting patches is right to a patch, counting pixels to a few pixels.
+TEST_F(FastTracker, OfTwoMotionsEachCountsByItsPixels) {
+  constexpr Rectangle kRegion{(kFrame - kSide) / 2, (kFrame - kSide) / 2, kSide, kSide};
+  const Shift left{2, 0.5};
+  const Shift right{-2, -0.5};
+  std::mt19937 random(31);
+  double errors = 0;
+  int cases = 0;
+  for (const int width : {8, 11, 15, 19, 22}) // px of the region on the left
+    for (unsigned seed = 1; seed <= 12; ++seed) {
+      tracker->reset();
+      const auto frame_at = [&](double time) {
+        Frame frame = Texture(seed, 3, 55).frame(kFrame, kFrame, {left.x * time, left.y * time});
+        const Texture other(seed + 500, 3, 55);
+        other.paint(frame, {right.x * time, right.y * time}, kRegion.x + width);
+        add_noise(frame, 1.5, random);
+        return frame;
+      };
+      Frame before = frame_at(0);
+      Frame after = frame_at(1);
+      const auto found = test::estimate(track(before, after, kRegion), kRegion);
+      const double share = static_cast<double>(width) / kSide;
+      errors += std::hypot(
+          static_cast<double>(found.velocity_x) - share * left.x - (1 - share) * right.x,
+          static_cast<double>(found.velocity_y) - share * left.y - (1 - share) * right.y);
+      ++cases;
+    }
+  EXPECT_LT(errors / cases, 0.12);
+}
+
 TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
   for (const double sigma : {0.0, 1.5, 5.0, 10.0}) {
     tracker->reset();

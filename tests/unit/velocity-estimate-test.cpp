@@ -391,6 +391,89 @@ INSTANTIATE_TEST_SUITE_P(, MotionModels,
                                   "Millipixels";
                          });
 
+// Twelve points of a region move to the right, eight to the left.
+std::vector<GstHapticPatch> two_motions() {
+  std::vector<GstHapticPatch> patches;
+  for (int i = 0; i < 20; ++i) {
+    const int column = i % 5;
+    const bool right = column < 3;
+    patches.push_back(
+        Scenes::patch(6 * column - 12, 7 * (i / 5) - 10, right ? 2 : -2, right ? 0.5 : 0, 0.05));
+  }
+  return patches;
+}
+
+// The shares of the points that move to the right have this sum.
+std::vector<GstHapticPatch> shared(std::vector<GstHapticPatch> patches, float right) {
+  for (GstHapticPatch &patch : patches)
+    patch.share = patch.dx > 0 ? right / 12 : (1 - right) / 8;
+  return patches;
+}
+
+VelocityEstimate estimate_region(const std::vector<GstHapticPatch> &patches) {
+  return estimate_velocity({.patches = patches,
+                            .candidates = 20,
+                            .pointer_x = kPointerX,
+                            .pointer_y = kPointerY,
+                            .interval = 1,
+                            .region_x = kPointerX - 15,
+                            .region_y = kPointerY - 15,
+                            .region_width = 30,
+                            .region_height = 30},
+                           Average::model, ModelChoice::automatic);
+}
+
+TEST(Shares, WeighTheMotionsOfARegion) {
+  for (const float right : {0.2F, 0.5F, 0.8F}) {
+    const VelocityEstimate found = estimate_region(shared(two_motions(), right));
+    EXPECT_TRUE(found.mixture);
+    EXPECT_NEAR(found.velocity_x, 2 * right - 2 * (1 - right), 0.02) << right;
+    EXPECT_NEAR(found.velocity_y, 0.5 * right, 0.02) << right;
+  }
+}
+
+TEST(Shares, OfOnePointThatMovesAloneCount) {
+  auto patches = two_motions();
+  for (GstHapticPatch &patch : patches)
+    patch = Scenes::patch(patch.x - kPointerX, patch.y - kPointerY, 0, 0, 0.05);
+  patches[7].dx = 4;
+  EXPECT_EQ(estimate_region(patches).velocity_x, 0);
+  for (GstHapticPatch &patch : patches)
+    patch.share = 0.05F;
+  EXPECT_NEAR(estimate_region(patches).velocity_x, 0.2, 0.01);
+}
+
+TEST(Shares, ThatDisagreeWithThePlacesOfThePointsTakeConfidence) {
+  const float by_place = estimate_region(two_motions()).velocity_x;
+  const float agreeing = estimate_region(shared(two_motions(), by_place / 4 + 0.5F)).confidence;
+  const float disagreeing = estimate_region(shared(two_motions(), 0.2F)).confidence;
+  EXPECT_NEAR(agreeing, 0.7, 0.05); // of every mixture
+  EXPECT_LT(disagreeing, 0.1);
+}
+
+TEST(Shares, DoNotChangeOneMotion) {
+  std::vector<GstHapticPatch> patches;
+  for (int i = 0; i < 20; ++i) {
+    patches.push_back(Scenes::patch(6 * (i % 5) - 12, 7 * (i / 5) - 10, 2, 1, 0.05));
+    patches.back().share = i == 3 ? 0.9F : 0.005F;
+  }
+  const VelocityEstimate found = estimate_region(patches);
+  EXPECT_FLOAT_EQ(found.velocity_x, 2);
+  EXPECT_FLOAT_EQ(found.velocity_y, 1);
+  EXPECT_FLOAT_EQ(found.confidence, 1);
+}
+
+TEST(VelocityEstimate, RestIsDoubtfulWhereMuchOfTheRegionChanged) {
+  std::vector<GstHapticPatch> patches;
+  for (int i = 0; i < 20; ++i) {
+    patches.push_back(Scenes::patch(6 * (i % 5) - 12, 7 * (i / 5) - 10, 0, 0, 0.05));
+    patches.back().residual = i % 4 == 0 ? 14 : 2;
+  }
+  const VelocityEstimate found = estimate_region(patches);
+  EXPECT_EQ(found.model, MotionModel::still);
+  EXPECT_NEAR(found.confidence, 0.7, 0.01);
+}
+
 struct Mixtures {
   double recognised = 0;           // share
   std::vector<double> errors;      // px against the mean by area, ascending
