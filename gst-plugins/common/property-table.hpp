@@ -57,10 +57,9 @@ struct MemberOwner<Value Settings::*> {
   using type = Settings;
 };
 
-/// The row of a property that is a member of the settings.
-template <auto kMember>
+/// The row of a property that is a member of the settings, or of a base of them.
+template <auto kMember, typename Settings = typename MemberOwner<decltype(kMember)>::type>
 auto member_row(GParamSpec *spec) {
-  using Settings = typename MemberOwner<decltype(kMember)>::type;
   return Property<Settings>{
       spec, [](Settings &s, const GValue *value) { read_value(value, s.*kMember); },
       [](const Settings &s, GValue *value) { write_value(value, s.*kMember); }};

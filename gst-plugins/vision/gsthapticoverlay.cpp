@@ -8,6 +8,7 @@
 // frame only where neither is possible.
 #include "gsthapticoverlay.h"
 
+#include "average-types.hpp"
 #include "exception-barrier.hpp"
 #include "frame-blending.hpp"
 #include "gst-raii.hpp"
@@ -39,9 +40,15 @@ using haptic::OverlayStyle;
 
 // State
 
+struct Settings : OverlayLook {
+  // As of the velocityavg whose output is felt: it is on another branch.
+  haptic::Average average = haptic::Average::model;
+  haptic::ModelChoice motion_model = haptic::ModelChoice::automatic;
+};
+
 struct State {
   // Object lock: written by the application, read by the streaming thread.
-  OverlayLook look;
+  Settings settings;
 
   // Streaming thread only, or while it is stopped.
   haptic::MotionReader reader;
@@ -86,23 +93,30 @@ GType style_type() {
   return type;
 }
 
-std::span<const haptic::Property<OverlayLook>> properties() {
+std::span<const haptic::Property<Settings>> properties() {
   constexpr double kLongestScale = 10; // s
   const OverlayLook look;
-  static const haptic::Property<OverlayLook> table[] = {
-      haptic::member_row<&OverlayLook::style>(
+  static const haptic::Property<Settings> table[] = {
+      haptic::member_row<&OverlayLook::style, Settings>(
           g_param_spec_enum("style", "Style", "What is drawn", style_type(),
                             static_cast<gint>(look.style), haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::velocity_color>(
+      haptic::member_row<&OverlayLook::velocity_color, Settings>(
           g_param_spec_uint("velocity-color", "Velocity Color", "Of velocity and patches, ARGB", 0,
                             G_MAXUINT32, look.velocity_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::force_color>(
+      haptic::member_row<&OverlayLook::force_color, Settings>(
           g_param_spec_uint("force-color", "Force Color", "Of the force, ARGB", 0, G_MAXUINT32,
                             look.force_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::scale>(g_param_spec_double(
+      haptic::member_row<&OverlayLook::scale, Settings>(g_param_spec_double(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",
           0, kLongestScale, look.scale, haptic::kReadWrite)),
+      haptic::member_row<&Settings::average>(g_param_spec_enum(
+          "average", "Average", "That of the velocityavg whose output is felt",
+          haptic::average_type(), static_cast<gint>(haptic::Average::model), haptic::kReadWrite)),
+      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
+          "motion-model", "Motion Model", "That of the velocityavg whose output is felt",
+          haptic::motion_model_type(), static_cast<gint>(haptic::ModelChoice::automatic),
+          haptic::kReadWrite)),
   };
   return table;
 }
@@ -149,15 +163,16 @@ std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, GstBuffer *frame
     state.reader.read_nothing(info);
     return std::nullopt;
   }
-  const haptic::MotionSample sample = state.reader.read(*meta, info);
-  OverlayLook look;
+  Settings settings;
   {
     const ObjectLock lock(self);
-    look = state.look;
+    settings = state.settings;
   }
-  if (!(sample.confidence > 0) || look.style == OverlayStyle::none)
+  const haptic::MotionSample sample =
+      state.reader.read(*meta, info, settings.average, settings.motion_model);
+  if (!(sample.confidence > 0) || settings.style == OverlayStyle::none)
     return std::nullopt;
-  const haptic::OverlayDrawing drawing(scene_of(*meta, sample), look);
+  const haptic::OverlayDrawing drawing(scene_of(*meta, sample), settings);
   if (drawing.extent().width == 0)
     return std::nullopt;
   return haptic::paint(drawing);
@@ -249,8 +264,8 @@ static void gst_haptic_overlay_finalize(GObject *object) {
 
 static void install_object_vfuncs(GObjectClass *klass) {
   klass->finalize = gst_haptic_overlay_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> OverlayLook & {
-    return GST_HAPTIC_OVERLAY(object)->state->look;
+  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
+    return GST_HAPTIC_OVERLAY(object)->state->settings;
   });
 }
 

@@ -7,6 +7,7 @@
 // A frame without a measurement gives a sample with the GAP flag, so that the branch never starves.
 #include "gstvelocityavg.h"
 
+#include "average-types.hpp"
 #include "exception-barrier.hpp"
 #include "frame-caps.hpp"
 #include "gst-raii.hpp"
@@ -72,38 +73,15 @@ namespace {
 
 // Properties
 
-GType average_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(Average::model), "A motion model fitted to the points, at the pointer",
-       "model"},
-      {static_cast<int>(Average::mean), "The mean of the points' velocities", "mean"},
-      {static_cast<int>(Average::median), "The median of each component", "median"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstVelocityAvgAverage", values);
-  return type;
-}
-
-GType motion_model_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(ModelChoice::automatic), "The smallest that explains the points", "auto"},
-      {static_cast<int>(ModelChoice::still), "Nothing moves", "static"},
-      {static_cast<int>(ModelChoice::translation), "All points move alike", "translation"},
-      {static_cast<int>(ModelChoice::similarity), "Points also turn and grow about the pointer",
-       "similarity"},
-      {static_cast<int>(ModelChoice::affine), "Points also shear and stretch", "affine"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstVelocityAvgMotionModel", values);
-  return type;
-}
-
 std::span<const haptic::Property<Settings>> properties() {
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&Settings::average>(
-          g_param_spec_enum("average", "Average", "How the velocities of the points become one",
-                            average_type(), static_cast<gint>(Average::model), haptic::kReadWrite)),
+      haptic::member_row<&Settings::average>(g_param_spec_enum(
+          "average", "Average", "How the velocities of the points become one",
+          haptic::average_type(), static_cast<gint>(Average::model), haptic::kReadWrite)),
       haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
           "motion-model", "Motion Model", "Motion model that is fitted with average=model",
-          motion_model_type(), static_cast<gint>(ModelChoice::automatic), haptic::kReadWrite)),
+          haptic::motion_model_type(), static_cast<gint>(ModelChoice::automatic),
+          haptic::kReadWrite)),
       haptic::member_row<&Settings::post_messages>(g_param_spec_boolean(
           "post-messages", "Post Messages", "Post an element message haptic-motion for each frame",
           FALSE, haptic::kReadWrite)),
@@ -229,8 +207,8 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   install_object_vfuncs(G_OBJECT_CLASS(klass));
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 
-  gst_type_mark_as_plugin_api(average_type(), static_cast<GstPluginAPIFlags>(0));
-  gst_type_mark_as_plugin_api(motion_model_type(), static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(haptic::average_type(), static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(haptic::motion_model_type(), static_cast<GstPluginAPIFlags>(0));
 }
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {

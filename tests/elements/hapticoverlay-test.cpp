@@ -168,6 +168,15 @@ TEST_F(HapticOverlay, ScaleIsTheSecondsThatAnArrowIsLong) {
       << "no longer than half of the height";
 }
 
+// velocityavg stands on another branch.
+TEST_F(HapticOverlay, TheArrowIsThatOfAVelocityavgWithTheSameProperties) {
+  pass(0, {2, 0});
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "motion-model", "static");
+  EXPECT_EQ(spot(pass(1, {2, 0}), is_orange).count, 0);
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "average", "mean");
+  EXPECT_NEAR(spot(pass(2, {2, 0}), is_orange).reach, 30, 2);
+}
+
 TEST_F(HapticOverlay, AStillVideoHasARegionAndNoArrow) {
   BufferPtr out;
   for (int i = 0; i < 6; ++i)
