@@ -22,8 +22,6 @@ namespace {
 constexpr int kReach = 20;        // px per frame that a search covers in a region of kPaperSide
 constexpr int kLargestSide = 128; // px; larger regions are reduced first, which bounds the cost
 constexpr float kLearningRate = 0.3F;
-// Mean squared residual of a translation that fits, grey levels squared.
-constexpr float kExpectedResidual2 = 2 * kSmoothedNoise * kAssumedVariance;
 
 class FastTracker final : public PatchTracker {
 public:
@@ -40,6 +38,7 @@ public:
     have_previous_ = false;
     last_ = {};
     noise_.reset(kAssumedVariance, kRoundingVariance);
+    fit_noise_.reset(kAssumedVariance, kAssumedVariance);
   }
 
 private:
@@ -69,6 +68,7 @@ private:
   std::optional<Strain> strain_at(int row, int column,
                                   std::span<const Displacement> displacements) const;
   void follow_strain();
+  void learn_from_grid();
   bool neighbours_are_apart() const;
 
   const FastTrackerOptions options_;
@@ -85,12 +85,14 @@ private:
   std::array<Displacement, kMaxPatches> coarse_; // of coarse_grid_, px of the finest level
   PatchGrid grid_;
   std::array<Alignment, kMaxPatches> aligned_; // of grid_
+  std::array<float, kMaxPatches> residuals2_;
   Template strained_;
   PixelVotes votes_;
   FrameReduction previous_reduction_;
   FrameReduction current_reduction_;
-  Displacement last_; // px, between the two frames before
-  NoiseEstimate noise_{kLearningRate};
+  Displacement last_;                      // px, between the two frames before
+  NoiseEstimate noise_{kLearningRate};     // of a scene at rest
+  NoiseEstimate fit_noise_{kLearningRate}; // of what fits, also while it moves
 };
 
 ChangeFinding FastTracker::region_change(const CropPair &pair) const {
@@ -288,6 +290,27 @@ void FastTracker::follow_strain() {
   });
 }
 
+// The residuals of patches that fit are alike, and then they are noise. Others show what no patch
+// follows, and say nothing.
+void FastTracker::learn_from_grid() {
+  constexpr float kAlike = 2.5F; // the residual of a patch varies by a quarter, of 64 pixels
+  const auto squares = residuals2_.begin();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < grid_.view().size(); ++i)
+    if (const Fit &fit = aligned_[i].fit; fit.inside)
+      residuals2_[count++] = fit.residual * fit.residual;
+  constexpr std::size_t kFew = 8;
+  if (count < kFew)
+    return;
+  const auto end = squares + static_cast<std::ptrdiff_t>(count);
+  const auto low = squares + static_cast<std::ptrdiff_t>(count / 5);
+  const auto high = squares + static_cast<std::ptrdiff_t>(count - 1 - count / 5);
+  std::nth_element(squares, low, end);
+  std::nth_element(low, high, end);
+  if (*high < kAlike * *low)
+    fit_noise_.learn(noise_of(*low + *high)); // twice that of their mean
+}
+
 // Whether two neighbours follow different things, so that it matters how much of the region each
 // is.
 bool FastTracker::neighbours_are_apart() const {
@@ -310,6 +333,7 @@ float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &m
   align_grid();
   realign_at_borders();
   follow_strain();
+  learn_from_grid();
   float trust = 0;
   for (std::size_t i = 0; i < grid_.view().size(); ++i)
     trust += add_patch(grid_.patches[i], aligned_[i], noise_.variance(), measurement);
@@ -351,7 +375,9 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     return;
   }
   if (explained && !options_.always_grid && is_precise(whole) &&
-      whole.residual2 < kOverExpected * kExpectedResidual2 + whole.interpolation2) {
+      whole.residual2 <
+          kOverExpected * 2 * kSmoothedNoise * fit_noise_.variance() + whole.interpolation2) {
+    fit_noise_.learn(2 * noise_of(whole.residual2));
     measurement.candidates = 1;
     measurement.add(patch_of(area, whole));
     return;

@@ -176,6 +176,40 @@ TEST_F(FastTracker, OfTwoMotionsEachCountsByItsPixels) {
   EXPECT_LT(errors / cases, 0.12);
 }
 
+TEST_F(FastTracker, ANoisyCameraThatMovesIsLearned) {
+  constexpr double kSigma = 5;
+  std::mt19937 random(41);
+  int grids = 0;
+  double errors = 0;
+  int measured = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    tracker->reset();
+    const Texture texture(seed, 4, 45);
+    const Shift step{1.3, -0.7};
+    const auto frame_at = [&](int i) {
+      Frame frame = texture.frame(kFrame, kFrame, {step.x * i, step.y * i});
+      add_noise(frame, kSigma, random);
+      return frame;
+    };
+    Frame before = frame_at(0);
+    for (int i = 1; i <= 30; ++i) {
+      Frame after = frame_at(i);
+      const Rectangle region{(kFrame - kSide) / 2, (kFrame - kSide) / 2, kSide, kSide};
+      auto pair = test::crop_pair(before, after, region, *tracker);
+      pair.continues = i > 1;
+      tracker->measure(pair, measurement);
+      if (i > 10) {
+        grids += measurement.count != 1;
+        errors += error(measurement, step);
+        ++measured;
+      }
+      before = after;
+    }
+  }
+  EXPECT_LE(grids, measured / 10);
+  EXPECT_LE(errors / measured, 0.03);
+}
+
 TEST_F(FastTracker, NoiseOnAStillSceneIsStillWhateverItsStrength) {
   for (const double sigma : {0.0, 1.5, 5.0, 10.0}) {
     tracker->reset();
