@@ -14,6 +14,9 @@
 #include <algorithm>
 #include <cmath>
 
+// Windows are small: an int holds any offset in them.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pixel-votes.cpp"
 #include <hwy/foreach_target.h>
@@ -287,3 +290,5 @@ void PixelVotes::count(const Plane &earlier, const Plane &later, int level, cons
 
 } // namespace haptic
 #endif
+
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)

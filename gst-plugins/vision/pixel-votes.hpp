@@ -20,7 +20,7 @@ public:
 
   static constexpr int kSide = 16;        ///< px that a patch votes for, along each axis
   static constexpr int kLargestSide = 64; ///< px of a region; the rest of a larger one has no vote
-  using Weights = std::array<float, kSide * kSide>;
+  using Weights = std::array<float, std::size_t{kSide} * kSide>;
 
   /// The window of a patch, px of the planes.
   struct Ballot {
@@ -33,7 +33,7 @@ public:
 
   /// Of pixels around a region: a window that reaches beyond it needs no clipping.
   static constexpr int kStride = kLargestSide + 2 * kSide;
-  using Pixels = std::array<float, kStride * kStride>;
+  using Pixels = std::array<float, std::size_t{kStride} * kStride>;
 
 private:
   struct Box {
