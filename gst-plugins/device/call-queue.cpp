@@ -3,14 +3,24 @@
 
 #include "exception-barrier.hpp"
 
+#include <chrono>
 #include <utility>
 
 namespace haptic {
 
+namespace {
+
+thread_local const CallQueue *making_calls_of = nullptr; // in the pool
+
+} // namespace
+
 std::optional<CallQueue::Call> CallQueue::next(bool in_pool) {
   const std::lock_guard lock(mutex_);
   if (calls_.empty()) {
-    in_pool_ = in_pool_ && !in_pool;
+    if (in_pool) {
+      in_pool_ = false;
+      idle_.notify_all();
+    }
     return std::nullopt;
   }
   Call call = std::move(calls_.front());
@@ -33,13 +43,23 @@ void CallQueue::add(Call call) {
   gst_element_call_async( // which holds a reference to the element
       owner_,
       [](GstElement *element, gpointer queue) {
+        making_calls_of = static_cast<CallQueue *>(queue);
         guarded(element, [&] { static_cast<CallQueue *>(queue)->make_calls(true); });
+        making_calls_of = nullptr;
       },
       this, nullptr);
 }
 
 void CallQueue::drain() {
   make_calls(false);
+}
+
+void CallQueue::finish() {
+  constexpr auto kLimit = std::chrono::milliseconds(100);
+  drain();
+  std::unique_lock lock(mutex_);
+  if (making_calls_of != this)
+    idle_.wait_for(lock, kLimit, [this] { return !in_pool_; });
 }
 
 } // namespace haptic

@@ -3,6 +3,7 @@
 // a handler must not change the state: those that a state change ends, and the streaming thread.
 #pragma once
 
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <gst/gst.h>
@@ -22,6 +23,9 @@ public:
   void add(Call call);
   /// Makes the calls that are left, in the present thread.
   void drain();
+  /// The same, and waits until the pool's thread makes none: for at most a tenth of a second, since
+  /// a handler may itself wait for the present thread.
+  void finish();
 
 private:
   std::optional<Call> next(bool in_pool);
@@ -29,6 +33,7 @@ private:
 
   GstElement *owner_;
   std::mutex mutex_;
+  std::condition_variable idle_; // in_pool_ became false
   std::deque<Call> calls_; // mutex_
   bool in_pool_ = false;   // mutex_; a thread of the pool makes calls
 };

@@ -356,6 +356,9 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   // waits for that thread.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
     end_pointer_thread(self);
+  // The bin may be freed next, and GStreamer shut down: no message may be under way.
+  if (transition == GST_STATE_CHANGE_READY_TO_NULL)
+    state.calls.finish();
   return result;
 }
 

@@ -793,6 +793,31 @@ TEST_F(HapticSink, TheStateIsAPropertyWithNotification) {
   g_signal_handler_disconnect(sink_.get(), handler);
 }
 
+// A program that has set NULL frees the bin: a message that is posted then has no bus.
+TEST_F(HapticSink, InNullNoHandlerRunsAnyMore) {
+  struct Handler {
+    std::atomic<bool> runs = false;
+    std::atomic<int> calls = 0;
+  } handler;
+  build("device=sim");
+  const gulong id = g_signal_connect(sink_.get(), "notify::session-state",
+                                     G_CALLBACK(+[](GObject *, GParamSpec *, Handler *of) {
+                                       of->runs = true;
+                                       std::this_thread::sleep_for(20ms);
+                                       ++of->calls;
+                                       of->runs = false;
+                                     }),
+                                     &handler);
+  for (int i = 1; i <= 10; ++i) {
+    set(GST_STATE_READY);
+    ASSERT_TRUE(eventually([&] { return handler.runs || handler.calls == 2 * i - 1; }));
+    stop();
+    EXPECT_FALSE(handler.runs);
+    EXPECT_EQ(handler.calls, 2 * i); // open, closed
+  }
+  g_signal_handler_disconnect(sink_.get(), id);
+}
+
 TEST_F(HapticSink, WithADeadManSwitchThereIsAForceOnlyWhileTheButtonIsPressed) {
   for (const int pressed : {0, 1}) {
     const auto hand = directory_ / "hand.csv";
