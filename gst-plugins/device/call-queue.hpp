@@ -32,10 +32,12 @@ private:
   void make_calls(bool in_pool);
 
   GstElement *owner_;
+  // Guards calls_ and in_pool_. A thread of the pool makes calls while in_pool_ is true; idle_ is
+  // notified when it becomes false.
   std::mutex mutex_;
-  std::condition_variable idle_; // in_pool_ became false
-  std::deque<Call> calls_; // mutex_
-  bool in_pool_ = false;   // mutex_; a thread of the pool makes calls
+  std::condition_variable idle_;
+  std::deque<Call> calls_;
+  bool in_pool_ = false;
 };
 
 } // namespace haptic
