@@ -447,7 +447,12 @@ void on_navigation(GstRoiTracker *self, GstEvent *event) {
 }
 
 // Returns whether this was a pointer event, which ends here.
+// Returns whether the event ends here.
 bool on_src_event(GstRoiTracker *self, GstEvent *event) {
+  // A late window would make the decoder skip frames, and each skipped frame is a discontinuity of
+  // the motion.
+  if (GST_EVENT_TYPE(event) == GST_EVENT_QOS)
+    return true;
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION)
     on_navigation(self, event);
   const auto position = haptic::parse_pointer_event(event);

@@ -825,6 +825,13 @@ TEST_F(RoiTracker, ALateDisplayDoesNotMakeItSkipFrames) {
   }
 }
 
+TEST_F(RoiTracker, ALateDisplayDoesNotMakeTheDecoderSkipFrames) {
+  pass_moving(0);
+  gst_harness_push_upstream_event(
+      harness.get(), gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 0.1, 5 * GST_SECOND, 0));
+  EXPECT_EQ(harness.upstream_event(GST_EVENT_QOS), nullptr);
+}
+
 TEST_F(RoiTracker, EveryPropertyMayBeSetWhileRunning) {
   const ElementPtr pipeline(gst_parse_launch(
       "videotestsrc num-buffers=200 horizontal-speed=2 ! video/x-raw,width=320,height=240 "
