@@ -8,6 +8,7 @@ Usage: pipelines/follow.py VIDEO
 """
 
 import math
+import os
 import pathlib
 import signal
 import sys
@@ -20,6 +21,15 @@ from gi.repository import GLib, Gst  # noqa: E402
 PERIOD = 4  # s, there and back
 
 
+def find_build():
+    """Lets GStreamer find the elements of the build folder, as the scripts beside this one do."""
+    root = pathlib.Path(__file__).resolve().parent.parent
+    plugins = pathlib.Path(os.environ.get("FEELING_WIND_BUILD", root / "build")) / "gst-plugins"
+    if plugins.is_dir():
+        paths = [str(plugins), os.environ.get("GST_PLUGIN_PATH", "")]
+        os.environ["GST_PLUGIN_PATH"] = os.pathsep.join(filter(None, paths))
+
+
 def main(arguments):
     if len(arguments) != 2 or arguments[1].startswith("-"):
         return __doc__
@@ -27,6 +37,7 @@ def main(arguments):
     if not video.is_file():
         return f"there is no file '{video}'; check the name"
 
+    find_build()
     Gst.init(None)
     try:
         pipeline = Gst.parse_launch(
@@ -34,7 +45,7 @@ def main(arguments):
             " ! velocityavg post-messages=true ! hapticsink name=sink device=sim"
         )
     except GLib.Error as error:
-        return f"{error.message}; see docs/quickstart.md for GST_PLUGIN_PATH"
+        return f"{error.message}; run ./pipelines/demo.sh, which installs and builds everything"
     pipeline.get_by_name("file").set_property("location", str(video))
     tracker = pipeline.get_by_name("tracker")
     loop = GLib.MainLoop()
