@@ -7,7 +7,8 @@
 run_packages=(
   gstreamer1.0-tools        # gst-launch-1.0, gst-inspect-1.0
   gstreamer1.0-plugins-base # decodebin, videoconvert, videotestsrc
-  gstreamer1.0-plugins-good # avidemux, jpegdec, v4l2src, autovideosink, progressreport
+  gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0 lists the cameras
+  gstreamer1.0-plugins-good # avidemux, deinterlace, videoflip, jpegdec, v4l2src, autovideosink, progressreport
   gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse, y4mdec
   gstreamer1.0-plugins-ugly # x264enc
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
@@ -45,7 +46,6 @@ view_packages=(
 test_packages=(
   libgtest-dev
   libbenchmark-dev
-  gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0
   libumockdev-dev # a mocked USB bus
   umockdev        # umockdev-wrapper
   dbus-daemon     # a bus of a test
