@@ -62,6 +62,49 @@ need_file() {
   [ -e "$1" ] || fail "there is no file '$1'; check the name"
   [ ! -d "$1" ] || fail "'$1' is a folder, not a video file; give a file in it"
   [ -r "$1" ] || fail "the file '$1' may not be read by this user; run: chmod +r '$1'"
+  [ ! -f "$1" ] || [ -s "$1" ] || fail "the file '$1' is empty, not a video; give another"
+}
+
+# Prints the first error in a log of gst-launch, or else its last line.
+reason() {
+  local text
+  text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' "$1" |
+    sed '/^Additional debug info/,$d; s/^ERROR: from element [^ ]*: //')
+  printf '%s' "${text:-$(tail -n 1 "$1")}"
+}
+
+# `decoding INPUT` sets the array $film to the first part of a line, for a video file or a URL: its frames,
+# without interlacing and upright as the camera's rotation tag says.
+decoding() {
+  local source=(filesrc "location=$(quoted "$1")" ! decodebin name=film)
+  ! is_url "$1" || source=(uridecodebin "uri=$(quoted "$1")" name=film)
+  film=("${source[@]}" ! videoconvert ! deinterlace ! videoflip video-direction=auto)
+}
+
+is_url() {
+  [[ $1 =~ ^[a-z][a-z0-9+.-]*:// ]]
+}
+
+# `need_video INPUT` fails if the file or URL shows no moving frames. Sets $film, and $has_sound to yes or no.
+need_video() {
+  local log status=0 seconds=30 # a server may be slow
+  is_url "$1" || { seconds=15 && need_file "$1"; }
+  find_plugins
+  decoding "$1"
+  log=$(timeout $seconds gst-launch-1.0 -v "${film[@]}" ! fakesink num-buffers=1 2>&1) || status=$?
+  has_sound=no
+  ! grep -q 'caps = audio/' <<<"$log" || has_sound=yes
+  if grep -qE 'typefind.*caps = image/(jpeg|png|bmp|tiff|webp|svg)' <<<"$log"; then
+    fail "'$1' is a still picture, and nothing moves in it; give a video"
+  elif grep -q 'typefind.*caps = image/gif' <<<"$log"; then
+    fail "GStreamer reads no times of frames from a GIF; make a video of it: ffmpeg -i '$1' video.mp4"
+  elif [ $status = 124 ]; then
+    fail "'$1' is not a video that GStreamer can play: no frame came within $seconds s; try another one"
+  elif [ $status != 0 ] && [ $has_sound = yes ] && ! grep -q 'caps = video/' <<<"$log"; then
+    fail "'$1' is not a video: it holds sound only; give another"
+  elif [ $status != 0 ]; then
+    fail "'$1' is not a video that GStreamer can play; try another one ($(reason <(echo "$log")))"
+  fi
 }
 
 need_camera() {
@@ -71,7 +114,8 @@ need_camera() {
     [ "$found" != '/dev/video*' ] || found=none
     fail "there is no camera '$1' (cameras here: $found); plug one in, or give another"
   fi
-  [ -c "$1" ] || fail "'$1' is not a camera; use /dev/videoN"
+  # 81 (hexadecimal 51) is the device number of every Video4Linux device.
+  [ "$(stat -Lc %t "$1")" = 51 ] || fail "'$1' is not a camera; use /dev/videoN"
   if [ ! -r "$1" ] || [ ! -w "$1" ]; then
     fail "the camera '$1' may not be used by this user; as root run: usermod -aG video $(id -un), then log in again"
   fi
@@ -122,18 +166,22 @@ build_failed() {
   fail "the build failed; read the log $1"
 }
 
-# `use_elements [ELEMENT...]` lets GStreamer find the elements of $build, or else the installed ones. Fails
-# if one of the given elements (default: the usual three) is missing.
-use_elements() {
-  local element needed=("$@")
-  [ ${#needed[@]} -gt 0 ] || needed=(roitracker velocityavg hapticsink)
-  if [ -d "$build/gst-plugins" ]; then
+# Lets GStreamer find the elements of $build, or else the installed ones.
+find_plugins() {
+  if [ -d "$build/gst-plugins" ] && [[ :${GST_PLUGIN_PATH:-}: != *":$build/gst-plugins:"* ]]; then
     export GST_PLUGIN_PATH=$build/gst-plugins${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
     export GST_REGISTRY=${GST_REGISTRY:-$build/registry.bin}
     export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
   fi
   command -v gst-inspect-1.0 >/dev/null ||
     fail "GStreamer's tools are not installed; run ./pipelines/demo.sh, which installs and builds everything"
+}
+
+# `use_elements [ELEMENT...]` fails if one of the given elements (default: the usual three) is not found.
+use_elements() {
+  local element needed=("$@")
+  [ ${#needed[@]} -gt 0 ] || needed=(roitracker velocityavg hapticsink)
+  find_plugins
   for element in "${needed[@]}"; do
     # By default gst-inspect requires GStreamer's own version number.
     gst-inspect-1.0 --exists --atleast-version=0.1 "$element" ||
@@ -182,15 +230,17 @@ haptic_track() {
 test_source=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
   ! "video/x-raw,width=352,height=288,framerate=30/1")
 
-# `frames_of INPUT` sets the array $frames to the first part of a line, for a video file or --test-source. A
-# file is read at its own speed.
+# `frames_of INPUT` sets the array $frames to the first part of a line, for a video file, a URL or
+# --test-source. A file is read at its own speed. $has_sound says whether there is sound.
 frames_of() {
-  if [ "$1" = --test-source ]; then
-    frames=("${test_source[@]}")
-  else
-    need_file "$1"
-    frames=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync)
-  fi
+  case $1 in
+  --test-source) frames=("${test_source[@]}") has_sound=no ;;
+  -*) fail "unknown option '$1'; see --help" ;;
+  *)
+    need_video "$1"
+    frames=("${film[@]}" ! clocksync)
+    ;;
+  esac
 }
 
 # H.264 without delay: an encoder with look-ahead would delay the haptic branch.

@@ -53,7 +53,7 @@ read_options() {
 
 check_options() {
   [ -z "$video" ] || [ -z "$camera" ] || fail "give either --video or --camera, not both"
-  [ -z "$video" ] || need_file "$video"
+  [ -z "$video" ] || is_url "$video" || need_file "$video"
   [ -z "$camera" ] || [ "$camera" = test ] || need_camera "$camera"
   [ -z "$camera" ] || seconds=${seconds:-30}
   [[ ${seconds:-1} =~ ^[1-9][0-9]{0,5}$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
@@ -80,21 +80,6 @@ set_up() {
   fi
 }
 
-# Prints the first error in a log of gst-launch, or else its last line.
-reason() {
-  local text
-  text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' "$1" |
-    sed '/^Additional debug info/,$d; s/^ERROR: from element [^ ]*: //')
-  printf '%s' "${text:-$(tail -n 1 "$1")}"
-}
-
-need_video() {
-  local log=$output/gst-launch.log
-  timeout 30 gst-launch-1.0 -q filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert \
-    ! fakesink num-buffers=1 >"$log" 2>&1 ||
-    fail "'$video' is not a video that GStreamer can play; try another one ($(reason "$log"))"
-}
-
 # Sets $line to the gst-launch line.
 make_line() {
   if [ "$camera" = test ]; then
@@ -102,7 +87,7 @@ make_line() {
   elif [ -n "$camera" ]; then
     line=(v4l2src "device=$(quoted "$camera")" ! "${camera_frames[@]}")
   else
-    line=(filesrc "location=$(quoted "$video")" ! decodebin ! videoconvert)
+    line=("${film[@]}")
   fi
   line+=(! progressreport update-freq=1 silent=true ! roitracker !)
   [ "$show" = no ] || line+=("${window_branch[@]}")
@@ -234,5 +219,5 @@ run() {
 read_options "$@"
 check_options
 set_up
-[ -z "$video" ] || need_video
+[ -z "$video" ] || need_video "$video"
 run

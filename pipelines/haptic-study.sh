@@ -3,7 +3,8 @@
 # Repeats the paper's experiment (section 4): a person watches a video with and without force, in random order,
 # points anywhere, and rates three aspects each time on the paper's scale of five steps.
 #
-#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! roitracker ! tee name=t \
+#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! clocksync ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
 #
@@ -61,7 +62,7 @@ read_run_options() {
   done
   [ ${#videos[@]} -gt 0 ] || fail "which videos? See --help"
   for video in "${videos[@]}"; do
-    need_file "$video"
+    need_video "$video"
     [[ ${video##*/} != *[,\"]* ]] || fail "the name of '$video' has a comma or a quote, which the answers cannot hold; rename it"
   done
   [[ $participant =~ ^[[:alnum:]_-]+$ ]] || fail "--participant takes letters, digits, _ and -, not '$participant'"
@@ -80,7 +81,9 @@ prepare_answers() {
 
 # `play VIDEO MAX-FORCE`. With 0 the grip still points.
 play() {
-  local line=(filesrc "location=$(quoted "$1")" ! decodebin ! videoconvert ! clocksync ! roitracker !) status=0
+  local line status=0
+  decoding "$1"
+  line=("${film[@]}" ! clocksync ! roitracker !)
   [ "$window" = no ] || line+=("${file_window_branch[@]}")
   line+=(velocityavg ! hapticsink "${sink_options[@]}" "max-force=$2")
   # Ctrl-C ends the video, not the session.

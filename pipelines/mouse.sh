@@ -3,7 +3,7 @@
 # The mouse replaces the device: it points over the video window, and hapticsink computes the force
 # that a hand would feel. By default the force goes to the log only.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! roitracker pointer-source=navigation ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=none log-location=trace.csv
@@ -20,9 +20,8 @@ source "$(dirname "$0")/packages.sh"
 
 read_arguments "$@"
 [ -n "$input" ] || input=$(tree_video)
-need_file "$input"
+need_video "$input"
 need_display
 
-launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-  ! roitracker pointer-source=navigation ! "${file_window_branch[@]}" velocityavg \
+launch "${film[@]}" ! roitracker pointer-source=navigation ! "${file_window_branch[@]}" velocityavg \
   ! hapticsink device=none "${sink_options[@]}"

@@ -35,21 +35,21 @@ need_packaged_elements y4mdec
 if [ -n "$video" ]; then
   need_file "$video"
   tracker=() overlay=() sink=("sim-hand=hold:0,0,0")
-  cut=() film=fps=30
+  cut=() filter=fps=30
 else
   video=$(tree_video)
   tracker=(roi-size=60) overlay=(scale=2) sink=("sim-hand=hold:0,0.28,0" alpha=0.15)
   # Without the last seconds, in which a hand covers the lens.
   cut=(-ss 4 -t 19.5)
-  film="crop=216:162:52:0,mpdecimate=max=0,setpts=(PTS-STARTPTS)/6,minterpolate=fps=30:mi_mode=mci:mc_mode=aobmc:me_mode=bidir:vsbmc=1"
+  filter="crop=216:162:52:0,mpdecimate=max=0,setpts=(PTS-STARTPTS)/6,minterpolate=fps=30:mi_mode=mci:mc_mode=aobmc:me_mode=bidir:vsbmc=1"
 fi
 
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+trap 'rm -rf "$work"; [ -s "$output" ] || rm -f "$output"' EXIT
 : 2>/dev/null >>"$output" || fail "'$output' cannot be written; give another name"
 
 ffmpeg -v error "${cut[@]}" -i "$video" -an -t "$seconds" -pix_fmt yuv420p \
-  -vf "$film,scale=320:2*round(160/dar),setsar=1" "$work/film.y4m" </dev/null 2>"$work/log" ||
+  -vf "$filter,scale=320:2*round(160/dar),setsar=1" "$work/film.y4m" </dev/null 2>"$work/log" ||
   fail "'$video' is not a video that ffmpeg can play; try another one ($(tail -n 1 "$work/log"))"
 gst-launch-1.0 -q filesrc "location=$work/film.y4m" ! y4mdec ! videoconvert ! clocksync \
   ! roitracker "${tracker[@]}" ! tee name=t \

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file and see it in a window.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! roitracker ! tee name=t \
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink
 #
@@ -12,8 +13,7 @@
 source "$(dirname "$0")/common.sh"
 
 read_arguments "$@"
-need_file "$input"
+need_video "$input"
 need_display
 
-launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-  ! roitracker ! "${file_window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"
+launch "${film[@]}" ! roitracker ! "${file_window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file: the three elements in a row, without a window.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! roitracker ! velocityavg ! hapticsink
 #
 # Usage: pipelines/play-file.sh FILE [-- OPTION=VALUE...]
@@ -13,7 +13,6 @@
 source "$(dirname "$0")/common.sh"
 
 read_arguments "$@"
-need_file "$input"
+need_video "$input"
 
-launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-  ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}"
+launch "${film[@]}" ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}"

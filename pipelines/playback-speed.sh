@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file at half, normal and double speed: slow motion feels softer, fast motion stronger.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! videorate rate=SPEED ! video/x-raw,framerate=FRAME-RATE-TIMES-SPEED \
 #       ! roitracker ! velocityavg ! hapticsink
 #
@@ -17,18 +17,19 @@ source "$(dirname "$0")/common.sh"
 
 speeds=(0.5 1 2)
 if [ "${1:-}" = --speed ]; then
-  [[ ${2:-} =~ ^[0-9]*\.?[0-9]+$ ]] || fail "which speed? For example --speed 0.5; see --help"
+  if [[ ! ${2:-} =~ ^[0-9]*\.?[0-9]+$ ]] || ! awk -v "speed=$2" 'BEGIN { exit !(speed >= 0.01 && speed <= 100) }'; then
+    fail "the speed is a number from 0.01 to 100, for example --speed 0.5; see --help"
+  fi
   speeds=("$2")
   shift 2
 fi
 read_arguments "$@"
-need_file "$input"
+need_video "$input"
 
 # Prints the frame rate as a fraction, or 30/1 if it is unknown.
 frame_rate() {
   local rate
-  rate=$(gst-launch-1.0 -v filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-    ! identity eos-after=1 ! fakesink 2>/dev/null |
+  rate=$(gst-launch-1.0 -v "${film[@]}" ! identity eos-after=1 ! fakesink 2>/dev/null |
     sed -n 's|.*framerate=(fraction)\([1-9][0-9]*/[1-9][0-9]*\).*|\1|p' | head -n 1) || true
   echo "${rate:-30/1}"
 }
@@ -41,7 +42,6 @@ for speed in "${speeds[@]}"; do
   echo "at $speed times normal speed"
   played=$(awk -v "rate=$rate" -v "speed=$speed" \
     'BEGIN { split(rate, f, "/"); printf "%d/%d", f[1] * speed * 1000 + 0.5, f[2] * 1000 }')
-  (launch filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert \
-    ! videorate "rate=$speed" ! "video/x-raw,framerate=$played" \
+  (launch "${film[@]}" ! videorate "rate=$speed" ! "video/x-raw,framerate=$played" \
     ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}")
 done

@@ -2,17 +2,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Record a video together with its haptic track into one file, while feeling it.
 #
-#   gst-launch-1.0 -e filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \
-#       ! roitracker ! tee name=t \
+#   gst-launch-1.0 -e filesrc location=INPUT ! decodebin name=film ! videoconvert ! deinterlace \
+#       ! videoflip video-direction=auto ! clocksync ! roitracker ! tee name=t \
 #       t. ! queue ! videoconvert ! video/x-raw,format=I420 ! x264enc tune=zerolatency key-int-max=30 \
 #         ! h264parse ! queue ! mux. \
 #       t. ! queue ! velocityavg ! tee name=h \
 #       h. ! queue ! hapticconvert ! meta/x-klv ! mux. \
 #       h. ! queue ! hapticsink \
+#       film. ! queue ! audioconvert ! audioresample ! avenc_aac ! aacparse ! queue ! mux. \
 #       mpegtsmux name=mux latency=1000000000 ! filesink location=OUTPUT
 #
 # Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
-#   INPUT   a video file, or --test-source: a live test video that moves to the left at 60 px/s
+#   INPUT   a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
 #   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
 #   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
 
@@ -37,10 +38,15 @@ esac
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert hapticsink)
 need_packaged_elements "${mux[0]}" x264enc h264parse
+sound=()
+if [ "$has_sound" = yes ]; then
+  need_packaged_elements avenc_aac aacparse
+  sound=(film. ! queue ! audioconvert ! audioresample ! avenc_aac ! aacparse ! queue ! mux.)
+fi
 
 launch "${frames[@]}" ! roitracker ! tee name=t \
   t. ! queue ! "${h264[@]}" ! h264parse ! queue ! mux. \
   t. ! queue ! velocityavg ! tee name=h \
   h. ! queue ! hapticconvert ! "$track" ! mux. \
   h. ! queue ! hapticsink "${sink_options[@]}" \
-  "${mux[@]}" name=mux ! filesink "location=$(quoted "$input")"
+  "${sound[@]}" "${mux[@]}" name=mux ! filesink "location=$(quoted "$input")"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Send a video and its haptic track to another machine, whose hand points.
 #
-#   gst-launch-1.0 filesrc location=INPUT ! decodebin ! videoconvert ! clocksync \
-#       ! roitracker ! pointerinject name=in ! tee name=t \
+#   gst-launch-1.0 filesrc location=INPUT ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! clocksync ! roitracker ! pointerinject name=in ! tee name=t \
 #       t. ! queue ! videoconvert ! video/x-raw,format=I420 ! x264enc tune=zerolatency key-int-max=30 \
 #         ! rtph264pay config-interval=1 ! udpsink host=HOST port=5000 sync=false async=false \
 #       t. ! queue ! velocityavg ! hapticconvert ! meta/x-klv ! rtpklvpay \
@@ -14,7 +14,7 @@
 # Nothing is encrypted or signed: use it in a network that you trust, or through a tunnel.
 #
 # Usage: pipelines/send.sh [--to HOST] [--port PORT] INPUT
-#   INPUT   a video file, or --test-source: a live test video that moves to the left at 60 px/s
+#   INPUT   a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
 #   --to    the machine where receive.sh runs (127.0.0.1)
 #   --port  UDP port of the video there (5000); the track uses PORT+2 there, the pointer PORT+4 here
 #   Ctrl-C stops.
@@ -39,6 +39,7 @@ done
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert pointerinject)
 need_packaged_elements x264enc rtph264pay rtpklvpay rtpklvdepay
+[ "$has_sound" = no ] || echo "The sound of '$video' is not sent."
 
 launch "${frames[@]}" ! roitracker ! pointerinject name=in ! tee name=t \
   t. ! queue ! "${h264[@]}" ! rtph264pay config-interval=1 \

@@ -3,7 +3,7 @@
 # Shows a video in a window, with motion and force drawn over it and curves of both below. The mouse points; the
 # simulated device computes the force. The first run installs Debian packages and builds the plugins.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert \
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! roitracker pointer-source=navigation ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay ! gtksink \
 #       t. ! queue max-size-buffers=1 ! velocityavg post-messages=true ! hapticsink device=sim
@@ -42,8 +42,7 @@ camera)
   ;;
 file)
   [ -n "$input" ] || input=$(tree_video)
-  need_file "$input"
-  frames=(filesrc "location=$(quoted "$input")" ! decodebin ! videoconvert)
+  is_url "$input" || need_file "$input"
   ;;
 esac
 need_display
@@ -67,6 +66,10 @@ set_up() {
 program=$build/pipelines/view/feeling-wind-view
 [ -x "$program" ] || program=$(command -v feeling-wind-view) || { set_up && program=$build/pipelines/view/feeling-wind-view; }
 use_elements hapticoverlay
+if [ "$kind" = file ]; then
+  need_video "$input"
+  frames=("${film[@]}")
+fi
 
 line=("${frames[@]}" ! roitracker "pointer-source=$pointer" ! tee name=t
   t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay ! gtksink

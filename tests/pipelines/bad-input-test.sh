@@ -20,20 +20,22 @@ refuses() {
   echo "ok: $script $*: $(cat "$work/stderr")"
 }
 
-head -c 20000 /dev/urandom >"$work/noise.avi"
+LC_ALL=C awk 'BEGIN { srand(1); for (i = 0; i < 20000; i++) printf "%c", 1 + int(255 * rand()) }' >"$work/noise.avi"
 : >"$work/empty.mp4"
 gst-launch-1.0 -q audiotestsrc num-buffers=50 ! wavenc ! filesink "location=$work/sound.wav"
+gst-launch-1.0 -q videotestsrc num-buffers=1 ! jpegenc ! filesink "location=$work/still.jpg"
 clip "$work/clip.mkv" 352 288 30 1 uniform:10,0
 mkdir "$work/folder"
 
 refuses "no file" demo.sh --video "$work/missing.mp4"
 refuses "folder" demo.sh --video "$work/folder"
 refuses "not a video" demo.sh --video "$work/noise.avi"
-refuses "not a video" demo.sh --video "$work/empty.mp4"
-refuses "not a video" demo.sh --video "$work/sound.wav"
+refuses "is empty" demo.sh --video "$work/empty.mp4"
+refuses "sound only" demo.sh --video "$work/sound.wav"
 refuses "no camera '/dev/video99'" demo.sh --camera /dev/video99
 refuses "not a camera" demo.sh --camera "$work/clip.mkv"
-refuses "the camera /dev/null" demo.sh --camera /dev/null
+refuses "not a camera" demo.sh --camera /dev/null
+refuses "still picture" demo.sh --video "$work/still.jpg"
 refuses "cannot be written" demo.sh --video "$work/clip.mkv" --output /proc/demo-output
 refuses "cannot be written" demo.sh --video "$work/clip.mkv" --output "$work/clip.mkv"
 refuses "whole number" demo.sh --camera test --seconds soon
@@ -49,6 +51,23 @@ for script in play-file.sh play-file-with-display.sh; do
   refuses "no file" "$script" "$work/missing.mp4"
   refuses "one input" "$script" "$work/clip.mkv" device=sim
 done
+ffmpeg -v error -i "$work/clip.mkv" -frames:v 5 "$work/animation.gif" </dev/null
+refuses "make a video of it: ffmpeg" play-file.sh "$work/animation.gif"
+for script in play-file.sh playback-speed.sh; do
+  refuses "is empty" "$script" "$work/empty.mp4"
+  refuses "not a video" "$script" "$work/noise.avi"
+  refuses "sound only" "$script" "$work/sound.wav"
+  refuses "still picture" "$script" "$work/still.jpg"
+  refuses "not a video" "$script" "http://127.0.0.1:1/nothing.mp4"
+done
+refuses "from 0.01 to 100" playback-speed.sh --speed 0 "$work/clip.mkv"
+refuses "is empty" record.sh "$work/empty.mp4" "$work/never.ts"
+refuses "still picture" record.sh "$work/still.jpg" "$work/never.ts"
+promise "a recording that never began leaves no file" test ! -e "$work/never.ts"
+refuses "is empty" moving-picture.sh "$work/empty.mp4" "$work/never.webp"
+refuses "not a video" moving-picture.sh "$work/noise.avi" "$work/never.webp"
+promise "nor does an animation" test ! -e "$work/never.webp"
+refuses "unknown option '--bogus'" send.sh --bogus
 refuses "which video" record.sh
 refuses "into which file" record.sh "$work/clip.mkv"
 refuses "end in .ts or .mkv" record.sh "$work/clip.mkv" "$work/out.mp4"
@@ -60,6 +79,7 @@ refuses "--port needs a number" receive.sh --port many
 refuses "unknown option" receive.sh --fro
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99
+refuses "not a camera" camera.sh /dev/null
 refuses "which video" field-multicast.sh
 refuses "no file" field-multicast.sh "$work/missing.mp4"
 refuses "no camera" field-multicast.sh /dev/video99

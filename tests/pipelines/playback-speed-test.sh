@@ -14,5 +14,5 @@ for speed in 0.5 1 2; do
   promise "its force is equation 5 of the motion as seen" felt "$work/log.csv" "$fx" "$fy"
 done
 promise "a speed that is none is an error" test "$(
-  "$root/pipelines/playback-speed.sh" --speed fast "$work/clip.mkv" 2>&1 | grep -c 'which speed'
+  "$root/pipelines/playback-speed.sh" --speed fast "$work/clip.mkv" 2>&1 | grep -c 'a number from 0.01'
 )" = 1
