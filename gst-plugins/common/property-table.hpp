@@ -91,6 +91,7 @@ inline constexpr auto kReadOnly =
     static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
 inline constexpr auto kReadWrite = static_cast<GParamFlags>(
     G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
+/// A GstController may change it; see controllers.hpp.
 inline constexpr auto kControllable = static_cast<GParamFlags>(kReadWrite | GST_PARAM_CONTROLLABLE);
 
 } // namespace haptic

@@ -13,6 +13,7 @@
 
 #include "call-queue.hpp"
 #include "callback-thread.hpp"
+#include "controllers.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-session.hpp"
@@ -367,6 +368,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   GstHapticSink *self = GST_HAPTIC_SINK(sink);
   set_running_time(self);
+  haptic::sync_controllers(self, sink->segment, buffer);
   const haptic::Presentation presentation{.time = presentation_time(self, GST_BUFFER_PTS(buffer)),
                                           .playback = playback_of(sink->segment),
                                           .rate_law = setting_of(self, &SinkSettings::rate_law)};

@@ -80,6 +80,8 @@ constexpr auto kParameter = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM
 constexpr auto kReady = static_cast<GParamFlags>(kParameter | GST_PARAM_MUTABLE_READY);
 constexpr auto kPlaying = static_cast<GParamFlags>(kParameter | GST_PARAM_MUTABLE_PLAYING);
 
+constexpr auto kControllable = static_cast<GParamFlags>(kPlaying | GST_PARAM_CONTROLLABLE);
+
 struct Range {
   double lowest = 0;
   double highest = 0;
@@ -103,9 +105,9 @@ const Property kProperties[] = {
      "force feedback) or none; auto takes the first SPIDAR-G found, else the simulated one"},
     {"force-law", "Force Law", kPlaying, enumeration<AT(loop.law)>(force_law_type), {},
      "How motion becomes force"},
-    {"max-force", "Maximum Force", kPlaying, Number(AT(loop.law_settings.max_force)), {0, kHighestForce},
+    {"max-force", "Maximum Force", kControllable, Number(AT(loop.law_settings.max_force)), {0, kHighestForce},
      "The force that no motion exceeds, N"},
-    {"alpha", "Alpha", kPlaying, Number(AT(loop.law_settings.alpha)), {0, 10},
+    {"alpha", "Alpha", kControllable, Number(AT(loop.law_settings.alpha)), {0, 10},
      "Steepness of the force law, s/px, at a frame reference-width wide: 1/alpha px/s give half of "
      "max-force"},
     {"reference-width", "Reference Width", kPlaying, Count(AT(loop.reference_width)), {0, 65536},

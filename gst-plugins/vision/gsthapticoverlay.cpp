@@ -9,6 +9,7 @@
 #include "gsthapticoverlay.h"
 
 #include "average-types.hpp"
+#include "controllers.hpp"
 #include "exception-barrier.hpp"
 #include "frame-blending.hpp"
 #include "gst-raii.hpp"
@@ -109,7 +110,7 @@ std::span<const haptic::Property<Settings>> properties() {
       haptic::member_row<&OverlayLook::scale, Settings>(g_param_spec_double(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",
-          0, kLongestScale, look.scale, haptic::kReadWrite)),
+          0, kLongestScale, look.scale, haptic::kControllable)),
       haptic::member_row<&Settings::average>(g_param_spec_enum(
           "average", "Average", "That of the velocityavg whose output is felt",
           haptic::average_type(), static_cast<gint>(haptic::Average::model), haptic::kReadWrite)),
@@ -182,6 +183,7 @@ std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, GstBuffer *frame
 
 GstFlowReturn prepare_output_buffer(GstHapticOverlay *self, GstBuffer *in, GstBuffer **out) {
   State &state = *self->state;
+  haptic::sync_controllers(self, GST_BASE_TRANSFORM(self)->segment, in);
   state.drawn = overlay_of(self, in);
   if (!state.drawn || (gst_buffer_is_writable(in) && gst_buffer_is_all_memory_writable(in))) {
     *out = in;

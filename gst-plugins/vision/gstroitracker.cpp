@@ -9,6 +9,7 @@
 #include "gstroitracker.h"
 
 #include "buffer-timeline.hpp"
+#include "controllers.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
@@ -342,19 +343,9 @@ Settings current_settings(GstRoiTracker *self) {
           shared.max_points, shared.method};
 }
 
-void sync_controllers(GstRoiTracker *self, GstBuffer *buffer) {
-  const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
-  if (segment.format != GST_FORMAT_TIME || !GST_BUFFER_PTS_IS_VALID(buffer))
-    return;
-  const GstClockTime time =
-      gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-  if (GST_CLOCK_TIME_IS_VALID(time))
-    gst_object_sync_values(GST_OBJECT(self), time);
-}
-
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   State &state = *self->state;
-  sync_controllers(self, buffer);
+  haptic::sync_controllers(self, GST_BASE_TRANSFORM(self)->segment, buffer);
   const Settings settings = current_settings(self);
   const Rectangle region = region_of(state, GST_VIDEO_FILTER(self)->in_info, settings);
   const std::optional<Finding> finding = measure(self, buffer, region, settings);

@@ -7,6 +7,8 @@
 #include <array>
 #include <gst/check/gstharness.h>
 #include <gst/check/gsttestclock.h>
+#include <gst/controller/gstdirectcontrolbinding.h>
+#include <gst/controller/gstinterpolationcontrolsource.h>
 #include <limits>
 #include <list>
 #include <random>
@@ -271,6 +273,29 @@ TEST_F(HapticSink, TheLastChangeOfAPropertyIsFelt) {
   g_object_set(sink_.get(), "max-force", 2.0, "alpha", 0.02, "reference-width", 176U, nullptr);
   // Half the speed at twice the steepness.
   EXPECT_TRUE(eventually([&] { return std::abs(newest_row()->fx - 2 * equation5(100)) < 1e-6; }));
+}
+
+TEST_F(HapticSink, AControllerChangesTheStrengthAlongTheStream) {
+  build_logging();
+  GstControlSource *source = gst_interpolation_control_source_new();
+  auto *timed = GST_TIMED_VALUE_CONTROL_SOURCE(source);
+  // Of the range from 0 to 5 N; each value holds until the next.
+  gst_timed_value_control_source_set(timed, 0, 0.1);
+  gst_timed_value_control_source_set(timed, GST_SECOND, 0.4);
+  gst_object_add_control_binding(
+      GST_OBJECT(sink_.get()),
+      gst_direct_control_binding_new(GST_OBJECT(sink_.get()), "max-force", source));
+  gst_object_unref(source);
+  push_motion(100, 0, 2);
+  push_end();
+  set(GST_STATE_PLAYING);
+  wait_for_end();
+  double strongest = 0;
+  for (const Row &row : stop_and_read_log()) {
+    strongest = std::max(strongest, row.fx);
+    ASSERT_LE(row.fx, (row.time < 0.5 ? 0.5 : 2) * equation5(100) + 1e-6) << row.time << " s";
+  }
+  EXPECT_NEAR(strongest, 2 * equation5(100), 1e-3);
 }
 
 TEST_F(HapticSink, RandomPropertyChangesWhileItRunsBreakNothing) {
