@@ -29,15 +29,34 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kSide = PixelVotes::kSide;
+constexpr int kStride = PixelVotes::kStride;
 constexpr int kBox = 5;
-constexpr int kTile = kSide + kBox - 1;
-constexpr int kTileStride = 32; // floats from row to row
-using Tag = hn::CappedTag<float, kSide>;
+using Tag = hn::CappedTag<float, 8>;
 using Lanes = hn::Vec<Tag>;
+using Sheets = PixelVotes::Sheets;
 constexpr Tag kTag;
-struct Tile {
-  alignas(64) float rows[kTile + 1][kTileStride];
-};
+
+HWY_INLINE int lanes() {
+  return static_cast<int>(hn::Lanes(kTag));
+}
+
+// first, first + 1, ...
+HWY_INLINE Lanes count_from(int first) {
+  alignas(64) static constexpr float kCount[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  return hn::Add(hn::Load(kTag, kCount), hn::Set(kTag, static_cast<float>(first)));
+}
+
+// Fills whole vectors.
+HWY_INLINE void fill(float *to, int count, float value) {
+  const Lanes lanes_of_it = hn::Set(kTag, value);
+  for (int i = 0; i < count; i += lanes())
+    hn::StoreU(lanes_of_it, kTag, to + i);
+}
+
+// Pixels of a layer are rows of whole vectors.
+HWY_INLINE int row_of(const PixelVotes::Layer &layer) {
+  return (layer.box.width + 7) / 8 * 8;
+}
 
 struct Source {
   const float *first;
@@ -46,101 +65,211 @@ struct Source {
   const float *row(int y) const { return first + y * stride; }
 };
 
-// `side` x `side` pixels from (x, y) on: in the plane, or a copy in which those outside the plane
-// are the ones of its border.
-Source pixels_of(const Plane &plane, int x, int y, int side, Tile &copy) {
-  if (x >= 0 && x + side <= plane.width() && y >= 0 && y + side <= plane.height())
+// So many pixels from (x, y) on: in the plane, or a copy in which those outside the plane are the
+// ones of its border.
+Source pixels_of(const Plane &plane, int x, int y, int width, int height, float *copy) {
+  if (x >= 0 && x + width <= plane.width() && y >= 0 && y + height <= plane.height())
     return {plane.row(y) + x, plane.stride()};
-  for (int row = 0; row < side; ++row) {
+  for (int row = 0; row < height; ++row) {
     const float *from = plane.row(std::clamp(y + row, 0, plane.height() - 1));
-    for (int i = 0; i < side; ++i)
-      copy.rows[row][i] = from[std::clamp(x + i, 0, plane.width() - 1)];
+    for (int i = 0; i < width; ++i)
+      copy[row * kStride + i] = from[std::clamp(x + i, 0, plane.width() - 1)];
   }
-  return {copy.rows[0], kTileStride};
+  return {copy, kStride};
 }
 
-// Fills in the differences of the grey levels, bilinear in the later frame, and returns their mean
-// over the middle.
-float Subtract(const Plane &earlier, const Plane &later, const PixelVotes::Ballot &ballot,
-               Tile &difference) {
-  Tile first_copy;
-  Tile second_copy;
-  const Source before =
-      pixels_of(earlier, ballot.x - kBox / 2, ballot.y - kBox / 2, kTile, first_copy);
-  const auto whole_x = static_cast<int>(std::floor(ballot.displacement.x));
-  const auto whole_y = static_cast<int>(std::floor(ballot.displacement.y));
-  const Source after = pixels_of(later, ballot.x - kBox / 2 + whole_x,
-                                 ballot.y - kBox / 2 + whole_y, kTile + 1, second_copy);
-  const Lanes u = hn::Set(kTag, ballot.displacement.x - static_cast<float>(whole_x));
-  const Lanes v = hn::Set(kTag, ballot.displacement.y - static_cast<float>(whole_y));
-  for_row(kTag, kTile, [&](int x) HWY_ATTR {
+// Calls body(x, y, difference) for the differences of the grey levels, bilinear in the later frame,
+// down one column of vectors after another.
+template <class Body>
+HWY_INLINE void for_differences(const Plane &earlier, const Plane &later, int left, int top,
+                                int width, int height, Displacement d, Body &&body) {
+  constexpr int kCopied = (PixelVotes::kLargestSide + kBox) * kStride;
+  HWY_ALIGN float copies[2][kCopied + kSide];
+  const auto whole_x = static_cast<int>(std::floor(d.x));
+  const auto whole_y = static_cast<int>(std::floor(d.y));
+  const Source before = pixels_of(earlier, left, top, width, height, copies[0]);
+  const Source after =
+      pixels_of(later, left + whole_x, top + whole_y, width + 1, height + 1, copies[1]);
+  const Lanes u = hn::Set(kTag, d.x - static_cast<float>(whole_x));
+  const Lanes v = hn::Set(kTag, d.y - static_cast<float>(whole_y));
+  for (int x = 0; x < width; x += lanes()) {
     const auto across = [&](int y) HWY_ATTR {
-      const Lanes left = hn::LoadU(kTag, after.row(y) + x);
-      return hn::MulAdd(u, hn::Sub(hn::LoadU(kTag, after.row(y) + x + 1), left), left);
+      const Lanes first = hn::LoadU(kTag, after.row(y) + x);
+      return hn::MulAdd(u, hn::Sub(hn::LoadU(kTag, after.row(y) + x + 1), first), first);
     };
     Lanes upper = across(0);
-    for (int y = 0; y < kTile; ++y) {
+    for (int y = 0; y < height; ++y) {
       const Lanes lower = across(y + 1);
       const Lanes sampled = hn::MulAdd(v, hn::Sub(lower, upper), upper);
-      hn::StoreU(hn::Sub(sampled, hn::LoadU(kTag, before.row(y) + x)), kTag,
-                 difference.rows[y] + x);
+      body(x, y, hn::Sub(sampled, hn::LoadU(kTag, before.row(y) + x)));
       upper = lower;
     }
-  });
-  constexpr int kMiddle = 8;
-  constexpr int kFirst = (kTile - kMiddle) / 2;
-  const hn::CappedTag<float, kMiddle> tag;
-  auto sum = hn::Zero(tag);
-  for (int y = kFirst; y < kFirst + kMiddle; ++y)
-    for (int x = kFirst; x < kFirst + kMiddle; x += static_cast<int>(hn::Lanes(tag)))
-      sum = hn::Add(sum, hn::LoadU(tag, difference.rows[y] + x));
-  return hn::GetLane(hn::SumOfLanes(tag, sum)) / (kMiddle * kMiddle);
+  }
 }
 
-// Fills in the weights of a patch. Adds them to the totals of its pixels, and lowers the least
-// energies of these to its own.
-void Vote(const Plane &earlier, const Plane &later, const PixelVotes::Ballot &ballot, float limit,
-          float noise, PixelVotes::Weights &weights, float *totals, float *least) {
-  Tile tile;
-  const Lanes offset = hn::Set(kTag, Subtract(earlier, later, ballot, tile));
+// The mean difference over the middle of the window of a patch.
+float MeanDifference(const Plane &earlier, const Plane &later, int left, int top, Displacement d) {
+  constexpr int kMiddle = 8;
+  Lanes sum = hn::Zero(kTag);
+  for_differences(earlier, later, left, top, kMiddle, kMiddle, d,
+                  [&](int, int, Lanes difference) HWY_ATTR { sum = hn::Add(sum, difference); });
+  return hn::GetLane(hn::SumOfLanes(kTag, sum)) / (kMiddle * kMiddle);
+}
+
+// 1 - (distance / 10 px)^2 along one axis, within the window: 0 beyond.
+HWY_INLINE Lanes window_at(int first, int last, int x, float centre) {
+  constexpr float kOfWidth2 = 0.01F; // per px squared: the window would end at 10 px
+  const Lanes at = count_from(x);
+  const Lanes away = hn::Sub(at, hn::Set(kTag, centre - 0.5F));
+  const Lanes value =
+      hn::NegMulAdd(hn::Mul(away, away), hn::Set(kTag, kOfWidth2), hn::Set(kTag, 1));
+  const auto inside = hn::And(hn::Ge(at, hn::Set(kTag, static_cast<float>(first))),
+                              hn::Lt(at, hn::Set(kTag, static_cast<float>(last))));
+  return hn::IfThenElseZero(inside, value);
+}
+
+// Calls body(x, across, down) for the vectors of columns of a window: the weights of the columns
+// from x on, and those of the rows of the window.
+template <class Body>
+HWY_INLINE void for_columns(const PixelVotes::Ballot &ballot, Body &&body) {
+  const PixelVotes::Box &window = ballot.window;
+  HWY_ALIGN float down[kSide];
+  for (int y = 0; y < kSide; y += lanes())
+    hn::Store(hn::Mul(hn::Set(kTag, ballot.weight),
+                      window_at(window.y, window.y + window.height, window.y + y, ballot.centre.y)),
+              kTag, down + y);
+  for (int x = window.x; x < window.x + window.width; x += lanes())
+    body(x, window_at(window.x, window.x + window.width, x, ballot.centre.x), down);
+}
+
+// The sum of the windows of the patches of a layer, rows of row_of(layer) pixels.
+void AddWindows(Sheets &sheets, std::size_t index) {
+  const PixelVotes::Layer &layer = sheets.layers[index];
+  const int stride = row_of(layer);
+  fill(sheets.windows.data(), stride * layer.box.height + 8, 0);
+  for (std::size_t i = 0; i < sheets.patches; ++i) {
+    const PixelVotes::Ballot &ballot = sheets.ballots[i];
+    if (ballot.layer != index)
+      continue;
+    for_columns(ballot, [&](int x, Lanes across, const float *down) HWY_ATTR {
+      float *to =
+          sheets.windows.data() + (ballot.window.y - layer.box.y) * stride + x - layer.box.x;
+      for (int y = 0; y < ballot.window.height; ++y, to += stride)
+        hn::StoreU(hn::MulAdd(across, hn::Set(kTag, down[y]), hn::LoadU(kTag, to)), kTag, to);
+    });
+  }
+}
+
+// Fills in the energies of five pixels one below the other, rows of kStride pixels.
+void AddEnergies(const Plane &earlier, const Plane &later, const PixelVotes::Box &region,
+                 float limit, Sheets &sheets, const PixelVotes::Layer &layer) {
+  const Lanes offset = hn::Set(kTag, layer.offset);
+  const Lanes most = hn::Set(kTag, limit);
+  Lanes last = hn::Zero(kTag);         // of the row before
+  Lanes pairs[3] = {last, last, last}; // of the last rows, two each
+  for_differences(earlier, later, region.x + layer.box.x - kBox / 2,
+                  region.y + layer.box.y - kBox / 2, layer.box.width + kBox - 1,
+                  layer.box.height + kBox - 1, layer.displacement,
+                  [&](int x, int y, Lanes difference) HWY_ATTR {
+                    const Lanes d = hn::Sub(difference, offset);
+                    const Lanes energy = hn::Min(hn::Mul(d, d), most);
+                    // Rows y-4 and y-3, y-2 and y-1, y.
+                    const Lanes five = hn::Add(hn::Add(pairs[2], pairs[0]), energy);
+                    pairs[2] = pairs[1];
+                    pairs[1] = pairs[0];
+                    pairs[0] = hn::Add(last, energy);
+                    last = energy;
+                    if (y >= kBox - 1)
+                      hn::StoreU(five, kTag, sheets.energies.data() + (y - kBox + 1) * kStride + x);
+                  });
+}
+
+// Adds the weights of the patches of a layer to the totals of its pixels, and lowers the least
+// energies of these.
+void VoteTogether(float limit, float noise, Sheets &sheets, const PixelVotes::Layer &layer) {
   const Lanes most = hn::Set(kTag, limit);
   const Lanes expected = hn::Set(kTag, noise);
   const Lanes scale = hn::Set(kTag, 1.0F / (kBox * kBox));
-  for (int x = 0; x < kSide; x += static_cast<int>(hn::Lanes(kTag))) {
-    Lanes sums[kTile]; // of five pixels side by side
-    for (int y = 0; y < kTile; ++y) {
-      sums[y] = hn::Zero(kTag);
-      for (int i = 0; i < kBox; ++i) {
-        const Lanes d = hn::Sub(hn::LoadU(kTag, tile.rows[y] + x + i), offset);
-        sums[y] = hn::Add(sums[y], hn::Min(hn::Mul(d, d), most));
-      }
-    }
-    const Lanes across = hn::LoadU(kTag, ballot.across.data() + x);
-    for (int y = 0; y < kSide; ++y) {
-      Lanes energy = sums[y];
+  const int stride = row_of(layer);
+  for (int x = 0; x < layer.box.width; x += lanes())
+    for (int y = 0; y < layer.box.height; ++y) {
+      const float *column = sheets.energies.data() + y * kStride + x;
+      Lanes energy = hn::LoadU(kTag, column);
       for (int i = 1; i < kBox; ++i)
-        energy = hn::Add(energy, sums[y + i]);
+        energy = hn::Add(energy, hn::LoadU(kTag, column + i));
       energy = hn::Mul(energy, scale);
       const Lanes ratio = hn::Div(expected, hn::Add(expected, energy));
-      const Lanes window = hn::Mul(across, hn::Set(kTag, ballot.down[static_cast<std::size_t>(y)]));
-      const Lanes weight = hn::Mul(window, hn::Mul(ratio, hn::Mul(ratio, ratio)));
-      hn::StoreU(weight, kTag, weights.data() + y * kSide + x);
-      float *total = totals + y * PixelVotes::kStride + x;
-      hn::StoreU(hn::Add(hn::LoadU(kTag, total), weight), kTag, total);
-      float *lowest = least + y * PixelVotes::kStride + x;
-      hn::StoreU(hn::Min(hn::LoadU(kTag, lowest), energy), kTag, lowest);
+      const Lanes cube = hn::Mul(ratio, hn::Mul(ratio, ratio));
+      const Lanes window = hn::LoadU(kTag, sheets.windows.data() + y * stride + x);
+      hn::StoreU(cube, kTag, sheets.ratios.data() + layer.first + y * stride + x);
+      const int at = (layer.box.y + y) * kStride + layer.box.x + x;
+      float *total = sheets.totals.data() + at;
+      hn::StoreU(hn::MulAdd(window, cube, hn::LoadU(kTag, total)), kTag, total);
+      float *lowest = sheets.least.data() + at;
+      const Lanes seen = hn::IfThenElse(hn::Gt(window, hn::Zero(kTag)), energy, most);
+      hn::StoreU(hn::Min(hn::LoadU(kTag, lowest), seen), kTag, lowest);
     }
+}
+
+void Vote(const Plane &earlier, const Plane &later, const PixelVotes::Box &region, float limit,
+          float noise, Sheets &sheets) {
+  const int used = kStride * region.height;
+  fill(sheets.totals.data(), used, 0);
+  fill(sheets.least.data(), used, limit);
+  for (std::size_t i = 0; i < sheets.used_layers; ++i) {
+    AddWindows(sheets, i);
+    AddEnergies(earlier, later, region, limit, sheets, sheets.layers[i]);
+    VoteTogether(limit, noise, sheets, sheets.layers[i]);
   }
 }
 
-// Sum of the weights of a patch times the inverse totals of its pixels.
-float Share(const PixelVotes::Weights &weights, const float *inverses) {
-  Lanes sum = hn::Zero(kTag);
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; x += static_cast<int>(hn::Lanes(kTag)))
-      sum = hn::MulAdd(hn::LoadU(kTag, weights.data() + y * kSide + x),
-                       hn::LoadU(kTag, inverses + y * PixelVotes::kStride + x), sum);
-  return hn::GetLane(hn::SumOfLanes(kTag, sum));
+// Counts the pixels, and makes the totals inverse; those outside the region become 0.
+PixelVotes::Counts Judge(const PixelVotes::Box &region, float limit, Sheets &sheets) {
+  const Lanes zero = hn::Zero(kTag);
+  const Lanes one = hn::Set(kTag, 1);
+  Lanes pixels = zero, unclear = zero, unexplained = zero;
+  for (int y = 0; y < region.height; ++y)
+    for (int x = 0; x < region.width; x += lanes()) {
+      float *total = sheets.totals.data() + y * kStride + x;
+      const Lanes sum = hn::LoadU(kTag, total);
+      const auto counts =
+          hn::And(hn::Gt(sum, zero),
+                  hn::Lt(count_from(x), hn::Set(kTag, static_cast<float>(region.width))));
+      const Lanes least =
+          hn::IfThenElseZero(counts, hn::LoadU(kTag, sheets.least.data() + y * kStride + x));
+      pixels = hn::Add(pixels, hn::IfThenElseZero(counts, one));
+      unclear = hn::Add(unclear, hn::IfThenElseZero(hn::Gt(least, hn::Set(kTag, limit / 3)), one));
+      unexplained =
+          hn::Add(unexplained, hn::IfThenElseZero(hn::Gt(least, hn::Set(kTag, limit / 2)), one));
+      hn::StoreU(hn::IfThenElseZero(counts, hn::Div(one, sum)), kTag, total);
+    }
+  const auto number = [](Lanes sums) HWY_ATTR {
+    return static_cast<int>(hn::GetLane(hn::SumOfLanes(kTag, sums)));
+  };
+  return {number(pixels), number(unclear), number(unexplained)};
+}
+
+// Sum of the weights of each patch times the inverse totals of its pixels.
+void ShareOut(const Sheets &sheets, std::span<Patch> patches) {
+  for (std::size_t i = 0; i < sheets.patches; ++i) {
+    const PixelVotes::Ballot &ballot = sheets.ballots[i];
+    const PixelVotes::Layer &layer = sheets.layers[ballot.layer];
+    const int stride = row_of(layer);
+    Lanes sum = hn::Zero(kTag);
+    for_columns(ballot, [&](int x, Lanes across, const float *down) HWY_ATTR {
+      const float *ratios = sheets.ratios.data() + layer.first +
+                            (ballot.window.y - layer.box.y) * stride + x - layer.box.x;
+      const float *inverses = sheets.totals.data() + ballot.window.y * kStride + x;
+      Lanes column = hn::Zero(kTag);
+      for (int y = 0; y < ballot.window.height; ++y) {
+        const Lanes of_pixel =
+            hn::Mul(hn::LoadU(kTag, ratios + y * stride), hn::LoadU(kTag, inverses + y * kStride));
+        column = hn::MulAdd(of_pixel, hn::Set(kTag, down[y]), column);
+      }
+      sum = hn::MulAdd(column, across, sum);
+    });
+    patches[i].share = hn::GetLane(hn::SumOfLanes(kTag, sum));
+  }
 }
 
 } // namespace
@@ -150,8 +279,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace haptic {
 namespace {
+HWY_EXPORT(MeanDifference);
 HWY_EXPORT(Vote);
-HWY_EXPORT(Share);
+HWY_EXPORT(Judge);
+HWY_EXPORT(ShareOut);
+
+using Box = PixelVotes::Box;
 
 // 1 for a patch whose displacement is known, towards 0 for one without texture: it would agree with
 // any displacement. `scale`: px of the plane per px of the precision.
@@ -166,22 +299,36 @@ float certainty(const Patch &patch, float scale) {
   return kLeast + kUnsure2 / (kUnsure2 + scale * scale * trace / determinant);
 }
 
-PixelVotes::Ballot ballot_of(const Patch &patch, float scale) {
-  constexpr float kWidth2 = 100; // px squared: where the window would end
-  const auto first = [](float centre) {
-    return static_cast<int>(std::lround(centre)) - PixelVotes::kSide / 2;
+// The window of a patch relative to the region. `scale`: px of the plane per px of the patch.
+PixelVotes::Ballot ballot_of(const Patch &patch, float scale, const Box &region) {
+  PixelVotes::Ballot ballot;
+  ballot.centre = {scale * patch.x - static_cast<float>(region.x),
+                   scale * patch.y - static_cast<float>(region.y)};
+  ballot.displacement = scale * Displacement{patch.dx, patch.dy};
+  ballot.weight = certainty(patch, scale);
+  const auto cut = [](float centre, int length, int &from, int &extent) {
+    const int first = static_cast<int>(std::lround(centre)) - PixelVotes::kSide / 2;
+    from = std::clamp(first, 0, length);
+    extent = std::clamp(first + PixelVotes::kSide, 0, length) - from;
   };
-  const float x = scale * patch.x;
-  const float y = scale * patch.y;
-  PixelVotes::Ballot ballot{first(x), first(y), scale * Displacement{patch.dx, patch.dy}, {}, {}};
-  const float weight = certainty(patch, scale);
-  for (int i = 0; i < PixelVotes::kSide; ++i) {
-    const float right = static_cast<float>(ballot.x + i) + 0.5F - x;
-    const float below = static_cast<float>(ballot.y + i) + 0.5F - y;
-    ballot.across[static_cast<std::size_t>(i)] = 1 - right * right / kWidth2;
-    ballot.down[static_cast<std::size_t>(i)] = weight * (1 - below * below / kWidth2);
-  }
+  cut(ballot.centre.x, region.width, ballot.window.x, ballot.window.width);
+  cut(ballot.centre.y, region.height, ballot.window.y, ballot.window.height);
+  if (ballot.window.width == 0 || ballot.window.height == 0)
+    ballot.window = {};
   return ballot;
+}
+
+// The smallest box around both.
+Box around(const Box &a, const Box &b) {
+  const int x = std::min(a.x, b.x);
+  const int y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x,
+          std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+// Pixels of whole vectors.
+int area_of(const Box &box) {
+  return (box.width + 7) / 8 * 8 * box.height;
 }
 
 // The patches of the commonest displacement share the whole region.
@@ -204,70 +351,51 @@ void leave_commonest(std::span<Patch> patches) {
 
 } // namespace
 
-// Of a pixel of the box.
-std::size_t PixelVotes::pixel(int x, int y) {
-  return cell(y + kSide, kStride, x + kSide);
-}
-
-// From the first row on.
-std::size_t PixelVotes::used_pixels(const Box &box) {
-  return cell(box.height + 2 * kSide, kStride, 0);
-}
-
-std::size_t PixelVotes::first_pixel(std::size_t patch, const Box &box) const {
-  const Ballot &ballot = ballots_[patch];
-  return pixel(std::clamp(ballot.x - box.x, -kSide, kLargestSide),
-               std::clamp(ballot.y - box.y, -kSide, kLargestSide));
-}
-
-void PixelVotes::vote(const Plane &earlier, const Plane &later, float scale, const Box &box,
-                      float noise, std::span<const Patch> patches) {
-  const float limit = largest_residual2(noise);
-  const auto used = used_pixels(box);
-  std::fill_n(totals_.begin(), used, 0.0F);
-  std::fill_n(least_.begin(), used, limit);
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    ballots_[i] = ballot_of(patches[i], scale);
-    const std::size_t first = first_pixel(i, box);
-    HWY_DYNAMIC_DISPATCH(Vote)
-    (earlier, later, ballots_[i], limit, 2 * kSmoothedNoise * noise, weights_[i],
-     totals_.data() + first, least_.data() + first);
+// Patches of nearly one displacement and offset see the same residuals, which are then computed
+// once. Together they hold no more pixels than apart.
+void PixelVotes::join(std::size_t patch) {
+  constexpr float kSame2 = 0.25F * 0.25F; // px squared
+  constexpr float kSameGrey = 1.5F;       // grey levels
+  Ballot &ballot = sheets_.ballots[patch];
+  for (std::size_t i = 0; i < sheets_.used_layers; ++i) {
+    Layer &layer = sheets_.layers[i];
+    const Box box = around(layer.box, ballot.window);
+    if (norm2(layer.displacement - ballot.displacement) > kSame2 ||
+        std::abs(layer.offset - ballot.offset) > kSameGrey ||
+        static_cast<float>(area_of(box)) > (layer.members + 1) * kSide * kSide)
+      continue;
+    ballot.layer = i;
+    layer.box = box;
+    layer.members += 1;
+    layer.weight += ballot.weight;
+    const float part = ballot.weight / layer.weight;
+    layer.displacement += part * (ballot.displacement - layer.displacement);
+    layer.offset += part * (ballot.offset - layer.offset);
+    return;
   }
+  ballot.layer = sheets_.used_layers;
+  sheets_.layers[sheets_.used_layers++] = {ballot.window, ballot.displacement, ballot.offset,
+                                           ballot.weight, 1};
 }
 
-// Where no displacement explains most of the pixels, layers lie over one another. Fills in the
-// inverses of the totals.
-PixelVotes::Finding PixelVotes::judge(const Box &box, float limit) {
-  int pixels = 0;
-  int unclear = 0;
-  int unexplained = 0;
-  std::fill_n(inverses_.begin(), used_pixels(box), 0.0F);
-  for (int y = 0; y < box.height; ++y)
-    for (int x = 0; x < box.width; ++x) {
-      const std::size_t at = pixel(x, y);
-      if (totals_[at] <= 0)
-        continue;
-      inverses_[at] = 1 / totals_[at];
-      ++pixels;
-      unclear += 3 * least_[at] > limit;
-      unexplained += 2 * least_[at] > limit;
-    }
-  if (2 * pixels < box.width * box.height)
-    return Finding::unclear;
-  return 2 * unexplained > pixels ? Finding::layers
-         : 2 * unclear > pixels   ? Finding::unclear
-                                  : Finding::apart;
-}
-
-void PixelVotes::share_out(const Box &box, std::span<Patch> patches) const {
-  float sum = 0;
+void PixelVotes::fill_in(const Plane &earlier, const Plane &later, float scale, const Box &box,
+                         std::span<const Patch> patches) {
+  sheets_.patches = patches.size();
+  sheets_.used_layers = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    patches[i].share =
-        HWY_DYNAMIC_DISPATCH(Share)(weights_[i], inverses_.data() + first_pixel(i, box));
-    sum += patches[i].share;
+    Ballot &ballot = sheets_.ballots[i];
+    ballot = ballot_of(patches[i], scale, box);
+    const auto first = [](float centre) { return static_cast<int>(std::lround(centre)) - 4; };
+    ballot.offset =
+        HWY_DYNAMIC_DISPATCH(MeanDifference)(earlier, later, box.x + first(ballot.centre.x),
+                                             box.y + first(ballot.centre.y), ballot.displacement);
+    join(i);
   }
-  for (Patch &patch : patches)
-    patch.share /= sum;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < sheets_.used_layers; ++i) {
+    sheets_.layers[i].first = first;
+    first += static_cast<std::size_t>(area_of(sheets_.layers[i].box));
+  }
 }
 
 void PixelVotes::count(const Plane &earlier, const Plane &later, int level, const Area &region,
@@ -279,12 +407,22 @@ void PixelVotes::count(const Plane &earlier, const Plane &later, int level, cons
   };
   const Box box{first(area.x), first(area.y), length(area.x, area.width),
                 length(area.y, area.height)};
-  vote(earlier, later, 1 / static_cast<float>(1 << level), box, noise, patches);
-  const Finding finding = judge(box, largest_residual2(noise));
-  if (finding == Finding::unclear)
+  const float limit = largest_residual2(noise);
+  fill_in(earlier, later, 1 / static_cast<float>(1 << level), box, patches);
+  HWY_DYNAMIC_DISPATCH(Vote)(earlier, later, box, limit, 2 * kSmoothedNoise * noise, sheets_);
+  const Counts counts = HWY_DYNAMIC_DISPATCH(Judge)(box, limit, sheets_);
+  // Where no displacement explains most of the pixels, layers lie over one another.
+  const bool are_layers = 2 * counts.unexplained > counts.pixels;
+  if (2 * counts.pixels < box.width * box.height ||
+      (!are_layers && 2 * counts.unclear > counts.pixels))
     return;
-  share_out(box, patches);
-  if (finding == Finding::layers)
+  HWY_DYNAMIC_DISPATCH(ShareOut)(sheets_, patches);
+  float sum = 0;
+  for (const Patch &patch : patches)
+    sum += patch.share;
+  for (Patch &patch : patches)
+    patch.share /= sum;
+  if (are_layers)
     leave_commonest(patches);
 }
 

@@ -5,6 +5,7 @@
 #include "patch-grid.hpp"
 
 #include <array>
+#include <cstddef>
 
 namespace haptic {
 
@@ -20,40 +21,65 @@ public:
 
   static constexpr int kSide = 16;        ///< px that a patch votes for, along each axis
   static constexpr int kLargestSide = 64; ///< px of a region; the rest of a larger one has no vote
-  using Weights = std::array<float, std::size_t{kSide} * kSide>;
 
-  /// The window of a patch, px of the planes.
-  struct Ballot {
-    int x = 0; ///< its first pixel
+  /// Of the region, or a part of it: px of the planes.
+  struct Box {
+    int x = 0;
     int y = 0;
-    Displacement displacement;
-    std::array<float, kSide> across; ///< weight of a column
-    std::array<float, kSide> down;   ///< weight of a row, and of the patch
+    int width = 0;
+    int height = 0;
   };
 
-  /// Of pixels around a region: a window that reaches beyond it needs no clipping.
-  static constexpr int kStride = kLargestSide + 2 * kSide;
-  using Pixels = std::array<float, std::size_t{kStride} * kStride>;
+  /// The window of a patch.
+  struct Ballot {
+    Box window; ///< cut at the region, relative to it
+    Displacement centre;
+    Displacement displacement;
+    float offset = 0; ///< grey levels
+    float weight = 0;
+    std::size_t layer = 0;
+  };
+
+  /// Patches of one displacement, which vote together.
+  struct Layer {
+    Box box; ///< of all windows, relative to the region
+    Displacement displacement;
+    float offset = 0; ///< grey levels
+    float weight = 0;
+    float members = 0;
+    std::size_t first = 0; ///< of `ratios`
+  };
+
+  /// Room for vectors that run over the end of a row.
+  static constexpr int kStride = kLargestSide + kSide;
+  using Pixels = std::array<float, std::size_t{kStride} * (kLargestSide + 8)>;
+
+  /// Pixels that the windows hold.
+  struct Counts {
+    int pixels = 0;
+    int unclear = 0;
+    int unexplained = 0;
+  };
+
+  struct Sheets {
+    std::array<Ballot, kMaxPatches> ballots;
+    std::array<Layer, kMaxPatches> layers;
+    std::size_t patches = 0;
+    std::size_t used_layers = 0;
+    /// (E0 / (E0 + E))^3 for the pixels of each layer.
+    alignas(64) std::array<float, std::size_t{kMaxPatches} * kSide * kSide + kSide> ratios;
+    alignas(64) Pixels totals;   ///< weights of all patches
+    alignas(64) Pixels least;    ///< residual energy of the best layer
+    alignas(64) Pixels windows;  ///< of the patches of a layer
+    alignas(64) Pixels energies; ///< of five pixels one below the other
+  };
 
 private:
-  struct Box {
-    int x, y, width, height;
-  };
-  enum class Finding { unclear, apart, layers };
+  void fill_in(const Plane &earlier, const Plane &later, float scale, const Box &box,
+               std::span<const Patch> patches);
+  void join(std::size_t patch);
 
-  static std::size_t pixel(int x, int y);
-  static std::size_t used_pixels(const Box &box);
-  std::size_t first_pixel(std::size_t patch, const Box &box) const;
-  void vote(const Plane &earlier, const Plane &later, float scale, const Box &box, float noise,
-            std::span<const Patch> patches);
-  Finding judge(const Box &box, float limit);
-  void share_out(const Box &box, std::span<Patch> patches) const;
-
-  std::array<Ballot, kMaxPatches> ballots_;
-  alignas(64) std::array<Weights, kMaxPatches> weights_;
-  alignas(64) Pixels totals_;   // weights of all patches
-  alignas(64) Pixels least_;    // residual energy of the best patch
-  alignas(64) Pixels inverses_; // of the totals; 0 outside the region
+  Sheets sheets_;
 };
 
 } // namespace haptic
