@@ -378,9 +378,11 @@ void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template 
     return hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, static_cast<float>(length) - 1.001F));
   };
   const auto stride = hn::Set(di, plane.stride());
+  // Iota() would go through memory for each vector.
+  const auto count = hn::Iota(d, -1.0F - kMiddle);
   for (int j = 0; j < kTile; ++j)
     for_row(d, kTile, [&](int i) HWY_ATTR {
-      const auto right = hn::Iota(d, static_cast<float>(i - 1) - kMiddle);
+      const auto right = hn::Add(count, hn::Set(d, static_cast<float>(i)));
       const float down = static_cast<float>(j - 1) - kMiddle;
       const auto x = within(
           hn::MulAdd(hn::Set(d, back.xx), right, hn::Set(d, patch.x + kMiddle + back.xy * down)),
