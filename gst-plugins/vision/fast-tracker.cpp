@@ -230,12 +230,13 @@ void FastTracker::realign_at_borders() {
 }
 
 // Least squares over the neighbours of a patch: the strain S that makes moved = S away, with a
-// ridge. Returns nothing where the strain is too small to matter, and where a neighbour moves on
-// its own.
+// ridge. Returns nothing where the strain is too small to matter, and where the neighbours have no
+// gradient in common.
 std::optional<Strain> FastTracker::strain_at(int row, int column,
                                              std::span<const Displacement> displacements) const {
   constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
   constexpr float kLargest = 0.25F;     // px per px: neighbours that differ by more are apart
+  constexpr float kCommon = 0.5F;       // of the squares of moved, that the strain explains
   constexpr float kRidge = 0.5F;        // in neighbours: without them there is no strain
   const std::size_t at = cell(row, grid_.columns, column);
   const Template &patch = grid_.patches[at];
@@ -243,6 +244,7 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
   Tensor offsets{ridge, 0, ridge};
   Displacement x_moved;
   Displacement y_moved;
+  float squares = 0;
   const bool are_together = all_neighbours(grid_, row, column, [&](int y, int x) {
     const std::size_t other = cell(y, grid_.columns, x);
     if (other == at || !aligned_[other].fit.inside)
@@ -254,13 +256,15 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
     offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
     x_moved += moved.x * away;
     y_moved += moved.y * away;
+    squares += norm2(moved);
     return true;
   });
   if (!are_together)
     return {};
   const Displacement of_x = solve(offsets, x_moved, 0);
   const Displacement of_y = solve(offsets, y_moved, 0);
-  if (norm2(of_x) + norm2(of_y) < kSignificant * kSignificant)
+  if (norm2(of_x) + norm2(of_y) < kSignificant * kSignificant ||
+      dot(of_x, x_moved) + dot(of_y, y_moved) < kCommon * squares)
     return {};
   return Strain{of_x.x, of_x.y, of_y.x, of_y.y};
 }
