@@ -156,6 +156,8 @@ Translation FastTracker::find_translation() {
   const auto blocks = blocks_[coarsest].view();
   const SearchResult found = search_template(current_.levels[coarsest], blocks[blocks.size() / 2],
                                              {}, (reach(side_) >> coarsest) + 1);
+  if (are_close(found.best, 1 / static_cast<float>(1 << coarsest) * whole.displacement))
+    return whole;
   const Translation other = translate(static_cast<float>(1 << coarsest) * found.best);
   return is_clearly_better(other.correlation, whole.correlation) ? other : whole;
 }
