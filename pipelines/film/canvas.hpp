@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A frame that is painted with textures, and the true motion of what its pixels show.
+#pragma once
+
+#include "motion-field.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace film {
+
+struct Point {
+  float x = 0; // px, to the right
+  float y = 0; // px, down
+
+  Point operator+(const Point &other) const { return {x + other.x, y + other.y}; }
+  Point operator-(const Point &other) const { return {x - other.x, y - other.y}; }
+  Point operator*(float factor) const { return {x * factor, y * factor}; }
+};
+
+/// x' = xx·x + xy·y + x0, y' = yx·x + yy·y + y0.
+struct Affine {
+  float xx = 1, xy = 0, yx = 0, yy = 1;
+  float x0 = 0, y0 = 0;
+
+  Point operator()(const Point &p) const {
+    return {xx * p.x + xy * p.y + x0, yx * p.x + yy * p.y + y0};
+  }
+  /// First `inner`, then this.
+  Affine operator*(const Affine &inner) const;
+  Affine inverse() const;
+  /// Turns about `centre`, positive from x to y.
+  static Affine rotation(const Point &centre, float radians);
+};
+
+/// Where a thing is in this frame and where it was in the frame before.
+struct Pose {
+  Affine now;
+  Affine before;
+
+  Pose operator*(const Pose &inner) const { return {now * inner.now, before * inner.before}; }
+};
+
+/// Premultiplied 8-bit blue, red, green and alpha in lanes of 16 bits: one multiplication weighs
+/// all four.
+using Pixel = std::uint64_t;
+
+constexpr Pixel kLanes = 0x00ff00ff00ff00ff;
+
+/// From and to cairo's ARGB32.
+constexpr Pixel unpack(std::uint32_t argb) {
+  return (argb & 0x00ff00ffU) | (static_cast<Pixel>(argb & 0xff00ff00U) << 24);
+}
+constexpr std::uint32_t pack(Pixel pixel) {
+  return static_cast<std::uint32_t>(pixel) | static_cast<std::uint32_t>(pixel >> 24);
+}
+
+struct Texture {
+  int width = 0;
+  int height = 0;
+  std::vector<Pixel> pixels;
+
+  const Pixel *row(int y) const { return &pixels[static_cast<std::size_t>(y) * width]; }
+};
+
+/// Displacement since the frame before, in 1/512 px.
+struct Motion {
+  std::int16_t x = 0;
+  std::int16_t y = 0;
+};
+
+constexpr float kMotionUnits = 512;
+
+/// Of px; far away motions are limited.
+Motion to_motion(float x, float y);
+
+/// How far the blades of one row lean: the thing at texel u is seen at u − offset + share · now[x].
+struct Lean {
+  std::span<const float> now;    // px, for each x
+  std::span<const float> before; // in the frame before
+  float share;
+  float offset; // texels
+};
+
+/// One frame. It is painted from the front to the back: each draw function adds what earlier ones
+/// left free. Covered pixels cost next to nothing. The motion of a pixel is that of the thing that
+/// makes it more than half covered.
+class Canvas {
+public:
+  Canvas(int width, int height);
+
+  /// Begins a new frame.
+  void clear();
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const std::vector<std::uint32_t> &pixels() const { return pixels_; }
+  const Motion &motion(int x, int y) const {
+    return motions_[static_cast<std::size_t>(y) * width_ + x];
+  }
+
+  /// The pose maps texels to px.
+  void draw(const Texture &texture, const Pose &pose);
+
+  /// The same, only within the triangle of these corners (texels).
+  void draw_triangle(const Texture &texture, const Pose &pose, const Point &a, const Point &b,
+                     const Point &c, int gain);
+
+  /// One row of a thing that leans. `gain` (256: unchanged) multiplies the colours.
+  void draw_row(const Pixel *texels, int length, int y, const Lean &lean,
+                std::span<const std::uint16_t> gain);
+
+  /// A band from x to x + width of one row, in one colour.
+  void draw_span(int y, float x, float width, Pixel colour, Motion motion);
+
+  /// Mean motion of each cell's pixels, in px/s; `interval` in ns.
+  void field_of(std::uint64_t interval, haptic::MotionField &field) const;
+
+  /// Planar 4:2:0, BT.709, limited range. Width and height are even.
+  void write_i420(std::span<std::uint8_t> bytes) const;
+
+  /// Returns whether the file could be written.
+  bool write_png(const std::string &path);
+
+private:
+  std::uint32_t *row(int y) { return &pixels_[static_cast<std::size_t>(y) * width_]; }
+  Motion *motion_row(int y) { return &motions_[static_cast<std::size_t>(y) * width_]; }
+  template <typename Keep>
+  void paint(const Texture &texture, const Pose &pose, int top, int bottom, int gain, Keep &&keep);
+
+  int width_;
+  int height_;
+  std::vector<std::uint32_t> pixels_; // ARGB32
+  std::vector<Motion> motions_;
+};
+
+/// What is seen of `under` below `over`, and `over`.
+constexpr Pixel add_below(Pixel over, Pixel under) {
+  const Pixel alpha = over >> 48;
+  return over + (((under * (256 - alpha - (alpha >> 7))) >> 8) & kLanes);
+}
+
+/// Multiplies the colours by gain / 256; no colour may exceed 255.
+constexpr Pixel brighten(Pixel pixel, unsigned gain) {
+  constexpr Pixel kColours = 0x000000ff00ff00ff;
+  return ((((pixel & kColours) * gain) >> 8) & kColours) | (pixel & ~kColours);
+}
+
+} // namespace film
