@@ -42,6 +42,8 @@ public:
   }
 
 private:
+  const TrackerParts &parts() const { return options_.parts; }
+
   static int reductions(int side) {
     int count = 0;
     while ((side >> count) > kLargestSide)
@@ -149,8 +151,8 @@ Translation FastTracker::translate(Displacement start) {
 }
 
 Translation FastTracker::find_translation() {
-  Translation whole = translate(last_);
-  if (is_found(whole.correlation))
+  Translation whole = translate(parts().prior ? last_ : Displacement{});
+  if (is_found(whole.correlation) || !parts().search)
     return whole;
   const std::size_t coarsest = levels_ - 1;
   const auto blocks = blocks_[coarsest].view();
@@ -168,7 +170,7 @@ void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
   const auto scale = static_cast<float>(1 << level);
   const Area half = area.at_level(static_cast<int>(level));
   coarse_grid_.cover(previous_.levels[level], half, parts_of(half.width, kSpacing),
-                     parts_of(half.height, kSpacing), kSmallPatch, level == 0);
+                     parts_of(half.height, kSpacing), kSmallPatch, level == 0 && parts().dither);
   const std::array<Displacement, 2> starts = {1 / scale * whole, Displacement{}};
   for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
     coarse_[i] = scale * align_template(current_.levels[level], coarse_grid_.patches[i], starts,
@@ -186,7 +188,7 @@ void FastTracker::cover_with_grid(const Area &area) {
                                area.height / static_cast<float>(rows)) > kSparse;
   const int side =
       sparse && fits_into(previous_.levels[0], kLargePatch) ? kLargePatch : kSmallPatch;
-  grid_.cover(previous_.levels[0], area, columns, rows, side, true);
+  grid_.cover(previous_.levels[0], area, columns, rows, side, parts().dither);
 }
 
 Alignment FastTracker::align(int row, int column, std::span<const Displacement> starts) const {
@@ -334,12 +336,23 @@ bool FastTracker::neighbours_are_apart() const {
 
 // Returns the sum of the trust in the patches that have texture.
 float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &measurement) {
-  align_coarse_grid(area, whole);
+  if (parts().coarse_starts) {
+    align_coarse_grid(area, whole);
+  } else {
+    coarse_grid_.columns = coarse_grid_.rows = 1;
+    coarse_[0] = whole;
+  }
   cover_with_grid(area);
   align_grid();
-  realign_at_borders();
-  follow_strain();
-  learn_from_grid();
+  if (parts().second_pass)
+    realign_at_borders();
+  if (parts().strain)
+    follow_strain();
+  if (parts().noise_of_fits)
+    learn_from_grid();
+  if (!parts().trust)
+    for (Alignment &aligned : aligned_)
+      aligned.fit.correlation = 1;
   float trust = 0;
   for (std::size_t i = 0; i < grid_.view().size(); ++i)
     trust += add_patch(grid_.patches[i], aligned_[i], noise_.variance(), measurement);
@@ -352,7 +365,7 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   if (!pair.continues)
     last_ = {};
   const auto [change, energy] = region_change(pair);
-  if (change != Change::some) {
+  if (change != Change::some && parts().still_pixels) {
     if (change == Change::none)
       measurement.flags = kStill;
     have_previous_ = false;
@@ -367,7 +380,8 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
           .in_plane();
   cover_with_blocks(area);
   Translation whole = find_translation();
-  if (!resolve_period(previous_.levels[0], current_.levels[0], blocks_[0].view(),
+  if (parts().period &&
+      !resolve_period(previous_.levels[0], current_.levels[0], blocks_[0].view(),
                       static_cast<float>(2 * reach(side_)), last_, noise_.variance(), whole)) {
     measurement.candidates = 1;
     last_ = {};
@@ -375,26 +389,28 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   }
   last_ = whole.displacement;
   const bool explained = explains(whole, blocks_[0].patches[0].side, noise_.variance());
-  if (explained && is_still(whole, noise_.variance())) {
+  if (explained && parts().still_translation && is_still(whole, noise_.variance())) {
     measurement.flags = kStill;
-    noise_.learn(energy);
+    if (parts().noise_at_rest)
+      noise_.learn(energy);
     return;
   }
   if (explained && !options_.always_grid && is_precise(whole) &&
       whole.residual2 <
           kOverExpected * 2 * kSmoothedNoise * fit_noise_.variance() + whole.interpolation2) {
-    fit_noise_.learn(2 * noise_of(whole.residual2));
+    if (parts().noise_of_fits)
+      fit_noise_.learn(2 * noise_of(whole.residual2));
     measurement.candidates = 1;
     measurement.add(patch_of(area, whole));
     return;
   }
   const float trust = add_grid(area, whole.displacement, measurement);
-  if (!is_same_scene(trust, measurement.candidates)) {
+  if (parts().cut && !is_same_scene(trust, measurement.candidates)) {
     if (whole.correlation < kSameScene)
       measurement.flags |= kCut;
     measurement.count = 0;
     last_ = {};
-  } else if (neighbours_are_apart()) {
+  } else if (parts().votes && neighbours_are_apart()) {
     // A larger region is voted on in a smaller frame, where the patches are as close.
     const auto level = std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
     votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level), area,

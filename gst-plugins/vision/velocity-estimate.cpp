@@ -259,7 +259,7 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     answer.history = selection.history;
   };
   const auto add_neighbours = [&] {
-    const Motion left = left_by_neighbours(points, answer.first);
+    const Motion left = set.parts.neighbours ? left_by_neighbours(points, answer.first) : Motion{};
     answer.is_mixture = left.x0 != 0 || left.y0 != 0;
     answer.felt = at_pointer(set, points, answer.first) + left;
   };
@@ -269,7 +269,8 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
     if (common.explained >= kSmallestLayer && common.cost < selection.fit.cost)
       selection = {common, {MotionModel::translation, MotionModel::none}};
   }
-  const auto layers = layers_of(points, selection.fit);
+  const auto layers =
+      set.parts.second_motion ? layers_of(points, selection.fit) : std::optional<Layers>();
   if (layers && layers->cost < selection.fit.cost + (history.mixture ? kHold : 0)) {
     adopt({layers->first, {layers->first.model, MotionModel::none}});
     answer.second = layers->second;
@@ -532,7 +533,8 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.confidence =
       fade(known_part(support.precision, estimate), kGoodDeviation, kBadDeviation) *
       (average == Average::model ? fade(support.misfit, 1.5F, 3.5F) : 1) *
-      fade(support.share * tracked, 0.7F, 0.3F) * pixel_confidence(set, answer);
+      fade(support.share * tracked, 0.7F, 0.3F) *
+      (set.parts.pixel_confidence ? pixel_confidence(set, answer) : 1);
   return is_plausible(estimate) ? estimate : VelocityEstimate{};
 }
 

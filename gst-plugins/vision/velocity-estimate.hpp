@@ -20,6 +20,13 @@ enum class Average {
 /// patches. `still`: nothing moves, whatever the patches.
 enum class ModelChoice { automatic, still, translation, similarity, affine };
 
+/// Parts of the estimate. All are on, except where the lab measures what one of them is worth.
+struct EstimateParts {
+  bool second_motion = true;    ///< two motions in one region
+  bool neighbours = true;       ///< neighbours that contradict the model alike
+  bool pixel_confidence = true; ///< doubts of a mixture, and of rest that leaves much unexplained
+};
+
 struct PatchSet {
   std::span<const GstHapticPatch> patches; ///< those that could be trusted
   int candidates = 0;                      ///< patches tried
@@ -29,6 +36,7 @@ struct PatchSet {
   float region_x = 0, region_y = 0;        ///< px, top left of the region of interest
   /// px; 0: the region is the box about the centres of the patches.
   float region_width = 0, region_height = 0;
+  EstimateParts parts = {};
 };
 
 /// The choice of `automatic` from frame to frame, so that two models that explain a scene about

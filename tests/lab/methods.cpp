@@ -17,14 +17,13 @@ haptic::LumaView view(const cv::Mat &frame, const haptic::Rectangle &crop) {
 struct Knobs {
   haptic::FastTrackerOptions options{};
   int points = haptic::kUsualPatches;
-  haptic::Average average = haptic::Average::model;
-  haptic::ModelChoice choice = haptic::ModelChoice::automatic;
+  Estimator estimator{};
 };
 
 std::unique_ptr<Method> make_fast(const Knobs &knobs) {
   auto tracker = haptic::make_fast_tracker(knobs.options);
   tracker->set_max_points(knobs.points);
-  return std::make_unique<TrackerMethod>(std::move(tracker), knobs.average, knobs.choice);
+  return std::make_unique<TrackerMethod>(std::move(tracker), knobs.estimator);
 }
 
 // A number as text, without trailing zeros.
@@ -56,9 +55,9 @@ void add_opencv(std::vector<Configuration> &list, int points) {
 
 } // namespace
 
-TrackerMethod::TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker, haptic::Average average,
-                             haptic::ModelChoice choice)
-    : tracker_(std::move(tracker)), average_(average), choice_(choice) {}
+TrackerMethod::TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker,
+                             const Estimator &estimator)
+    : tracker_(std::move(tracker)), estimator_(estimator) {}
 
 Reading TrackerMethod::measure(const Task &task) {
   constexpr double kInterval = 1.0 / 30;
@@ -73,7 +72,7 @@ Reading TrackerMethod::measure(const Task &task) {
   tracker_->measure(
       {view(task.previous, crop), view(task.current, crop), crop, region, task.continues},
       measurement_);
-  if (!task.continues || (measurement_.flags & haptic::kCut))
+  if (!task.continues || !estimator_.has_history || (measurement_.flags & haptic::kCut))
     history_ = {};
   if (measurement_.flags & haptic::kCut)
     return {};
@@ -90,8 +89,9 @@ Reading TrackerMethod::measure(const Task &task) {
                                  .region_x = static_cast<float>(region.x),
                                  .region_y = static_cast<float>(region.y),
                                  .region_width = static_cast<float>(region.width),
-                                 .region_height = static_cast<float>(region.height)},
-                                average_, choice_, history_);
+                                 .region_height = static_cast<float>(region.height),
+                                 .parts = estimator_.parts},
+                                estimator_.average, estimator_.choice, history_);
   history_ = estimate.history;
   return {.velocity = Vector(estimate.velocity_x, estimate.velocity_y) * kInterval,
           .confidence = estimate.confidence,
@@ -126,15 +126,55 @@ std::vector<Configuration> configurations(bool quick) {
       add_fast(list, "levels=" + std::to_string(levels), {.options = {.levels = levels}});
     for (const int points : {4, 8, 16, 32, 64})
       add_fast(list, text_of_points(points), {.points = points});
-    add_fast(list, "average=mean", {.average = haptic::Average::mean});
-    add_fast(list, "average=median", {.average = haptic::Average::median});
-    add_fast(list, "model=translation", {.choice = haptic::ModelChoice::translation});
-    add_fast(list, "model=similarity", {.choice = haptic::ModelChoice::similarity});
-    add_fast(list, "model=affine", {.choice = haptic::ModelChoice::affine});
+    add_fast(list, "average=mean", {.estimator = {.average = haptic::Average::mean}});
+    add_fast(list, "average=median", {.estimator = {.average = haptic::Average::median}});
+    add_fast(list, "model=translation",
+             {.estimator = {.choice = haptic::ModelChoice::translation}});
+    add_fast(list, "model=similarity", {.estimator = {.choice = haptic::ModelChoice::similarity}});
+    add_fast(list, "model=affine", {.estimator = {.choice = haptic::ModelChoice::affine}});
   }
   for (const int points : quick ? std::vector{haptic::kUsualPatches} : std::vector{8, 20, 32})
     add_opencv(list, points);
   std::ranges::move(peer_configurations(quick), std::back_inserter(list));
+  return list;
+}
+
+std::vector<Configuration> configurations_without_parts() {
+  std::vector<Configuration> list;
+  const auto tracker = [&](const char *name, bool haptic::TrackerParts::*part) {
+    Knobs knobs;
+    knobs.options.parts.*part = false;
+    add_fast(list, name, knobs);
+  };
+  const auto estimator = [&](const char *name, bool haptic::EstimateParts::*part) {
+    Knobs knobs;
+    knobs.estimator.parts.*part = false;
+    add_fast(list, name, knobs);
+  };
+  using haptic::EstimateParts;
+  using haptic::TrackerParts;
+  tracker("test for unchanged pixels", &TrackerParts::still_pixels);
+  tracker("rest of a zero translation", &TrackerParts::still_translation);
+  tracker("prior", &TrackerParts::prior);
+  tracker("search", &TrackerParts::search);
+  tracker("period", &TrackerParts::period);
+  add_fast(list, "one translation", {.options = {.always_grid = true}});
+  tracker("coarse starts", &TrackerParts::coarse_starts);
+  tracker("dither", &TrackerParts::dither);
+  tracker("second pass", &TrackerParts::second_pass);
+  tracker("strain", &TrackerParts::strain);
+  tracker("noise at rest", &TrackerParts::noise_at_rest);
+  tracker("noise of fits", &TrackerParts::noise_of_fits);
+  tracker("trust", &TrackerParts::trust);
+  tracker("cut", &TrackerParts::cut);
+  tracker("votes", &TrackerParts::votes);
+  add_fast(list, "models beyond translation",
+           {.estimator = {.choice = haptic::ModelChoice::translation}});
+  add_fast(list, "models below affine", {.estimator = {.choice = haptic::ModelChoice::affine}});
+  estimator("second motion", &EstimateParts::second_motion);
+  estimator("neighbours", &EstimateParts::neighbours);
+  estimator("doubt of pixels", &EstimateParts::pixel_confidence);
+  add_fast(list, "history of models", {.estimator = {.has_history = false}});
   return list;
 }
 

@@ -50,19 +50,25 @@ struct Configuration {
   std::function<std::unique_ptr<Method>()> make;
 };
 
+/// How patches become a velocity.
+struct Estimator {
+  haptic::Average average = haptic::Average::model;
+  haptic::ModelChoice choice = haptic::ModelChoice::automatic;
+  haptic::EstimateParts parts = {};
+  bool has_history = true; ///< of the choice of the model
+};
+
 /// A tracker of the project and the average over its patches, as in the elements.
 class TrackerMethod final : public Method {
 public:
   explicit TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker,
-                         haptic::Average average = haptic::Average::model,
-                         haptic::ModelChoice choice = haptic::ModelChoice::automatic);
+                         const Estimator &estimator = {});
   Reading measure(const Task &task) override;
   void forget() override { tracker_->reset(); }
 
 private:
   std::unique_ptr<haptic::PatchTracker> tracker_;
-  haptic::Average average_;
-  haptic::ModelChoice choice_;
+  Estimator estimator_;
   haptic::ModelHistory history_;
   haptic::Measurement measurement_;
 };
@@ -71,6 +77,9 @@ std::unique_ptr<Method> make_default();
 
 /// Every configuration of the sweep; `quick`: the defaults and a few more.
 std::vector<Configuration> configurations(bool quick);
+
+/// The default without one of its parts, named in `parameters`.
+std::vector<Configuration> configurations_without_parts();
 
 /// Only the peers.
 std::vector<Configuration> peer_configurations(bool quick);
