@@ -33,10 +33,19 @@ CaseSet set_of(const std::string &name, double x, int count, const Make &make, c
   return set;
 }
 
-CaseSet hard_set(int per_scene) {
+} // namespace
+
+std::uint64_t seed_of(const std::string &name) {
+  std::uint64_t hash = 0xcbf29ce484222325; // FNV-1a
+  for (const char c : name)
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+CaseSet hard_set(int per_scene, int number) {
   CaseSet all{"hard", {}};
   for (const Scene &scene : hard_scenes(kSide)) {
-    CaseSet some = set_of(scene.name, 0, per_scene, scene.make);
+    CaseSet some = set_of(scene.name, number, per_scene, scene.make);
     for (Case &one : some.cases) {
       one.scene = scene.name;
       one.block = static_cast<int>(all.cases.size());
@@ -87,15 +96,6 @@ CaseSet pairs_set(const std::vector<TruePair> &pairs, int raster) {
     block_base += across * (size.height / kBlock + 1);
   }
   return set;
-}
-
-} // namespace
-
-std::uint64_t seed_of(const std::string &name) {
-  std::uint64_t hash = 0xcbf29ce484222325; // FNV-1a
-  for (const char c : name)
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return hash;
 }
 
 std::vector<CaseSet> strata(bool quick, const std::vector<TruePair> &pairs) {

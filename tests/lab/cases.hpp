@@ -32,6 +32,12 @@ std::uint64_t seed_of(const std::string &name);
 /// "translation", "wide", "hard", and "pairs" unless there are none.
 std::vector<CaseSet> strata(bool quick, const std::vector<TruePair> &pairs);
 
+/// "hard": every hard scene so many times. Another `number` is another seed.
+CaseSet hard_set(int per_scene, int number = 0);
+
+/// "pairs": regions on a raster (px) over pairs with true flow.
+CaseSet pairs_set(const std::vector<TruePair> &pairs, int raster);
+
 /// Sets that differ in one parameter.
 struct Series {
   std::string name;

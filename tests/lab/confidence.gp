@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Reliability and ROC curve of the confidence, and the time of each kind of scene.
+# Calibration and ROC curve of the confidence, and the time of each kind of scene.
 #
 #   gnuplot -c confidence.gp FOLDER CHART.png    (FOLDER contains reliability.csv, roc.csv and streams.csv)
 if (ARGC != 2) { print "usage: gnuplot -c confidence.gp FOLDER CHART.png"; exit status 1 }
@@ -15,13 +15,17 @@ set style data linespoints
 set multiplot layout 1, 3 margins 0.055, 0.985, 0.22, 0.92 spacing 0.075, 0
 set yrange [0:1]
 set xrange [0:1]
-set title "Reliability: wrong answers (> 0.15 px)"
+set title "Calibration: good answers (error at most 0.3 px)"
 set xlabel "confidence"
-set ylabel "share that is wrong"
+set ylabel "share that is good, 95 % interval"
 unset key # the middle panel has it
-plot for [m = 5:1:-1] ARG1 . "/reliability.csv" using (of(word(methods, m), column("cases") >= 5 ? column("confidence") : NaN)):(column("wrong")) \
+enough(value) = column("cases") >= 5 ? value : NaN
+plot for [m = 5:1:-1] ARG1 . "/reliability.csv" using (of(word(methods, m), enough(column("confidence")))):(column("good")) \
   pointtype symbol[number(word(methods, m))] linecolor rgb colour[number(word(methods, m))] \
-  linewidth (m == 1 ? 2.5 : 1.2) title word(methods, m)
+  linewidth (m == 1 ? 2.5 : 1.2) title word(methods, m), \
+  ARG1 . "/reliability.csv" using (of("fast", enough(column("confidence")))):(column("good")):(column("good_low")):(column("good_high")) \
+  with yerrorbars pointtype 0 linewidth 1.5 linecolor rgb colour[1] notitle, \
+  x with lines dashtype 2 linecolor rgb "#777777" notitle
 set title "ROC: errors above 0.3 px found by low confidence"
 set xlabel "good answers rejected"
 set ylabel "bad answers rejected"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
+#include "confidence.hpp"
 #include "fields.hpp"
 #include "h264.hpp"
 #include "measure.hpp"
@@ -7,7 +8,6 @@
 #include "report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
@@ -233,44 +233,9 @@ void run_streams(bool quick, Report &report) {
     report.streams.push_back({name, percentile(times[name], 0.5), percentile(times[name], 0.99)});
 }
 
-// On the rendered cases: they contain every kind of failure, with the truth.
-void run_confidence(const std::vector<Configuration> &defaults, const std::vector<CaseSet> &sets,
-                    Report &report) {
-  constexpr double kBad = 0.3;    // px
-  constexpr double kWrong = 0.15; // px
-  constexpr std::size_t kBins = 10;
-  for (const Configuration &c : defaults) {
-    if (c.method != "fast" && c.method != "method=opencv" && c.method != "PyrLK crop back" &&
-        c.method != "phase correlation" && c.method != "ECC")
-      continue; // says nothing of its confidence
-    std::vector<double> confidences;
-    std::vector<bool> bad;
-    std::array<std::vector<double>, kBins> bins;
-    for (const CaseSet &set : sets) {
-      if (set.name == "pairs")
-        continue;
-      const std::vector<Answer> answers = measure(c, set);
-      for (std::size_t i = 0; i < answers.size(); ++i) {
-        if (set.cases[i].scene == kRoundedMotion)
-          continue;
-        const double confidence = answers[i].confidence;
-        const bool unseen = set.cases[i].is_unseen;
-        confidences.push_back(confidence);
-        bad.push_back(unseen || answers[i].error > kBad);
-        bins[std::min(kBins - 1, static_cast<std::size_t>(confidence * kBins))].push_back(
-            unseen ? 99 : answers[i].error);
-      }
-    }
-    const std::vector<RocPoint> curve = roc(confidences, bad);
-    for (const RocPoint &point : curve)
-      report.roc.push_back({c.method, point});
-    report.area[c.method] = area_under(curve);
-    for (std::size_t bin = 0; bin < kBins; ++bin)
-      if (!bins[bin].empty())
-        report.reliability.push_back({c.method, (static_cast<double>(bin) + 0.5) / kBins,
-                                      bins[bin].size(), percentile(bins[bin], 0.5),
-                                      share_above(bins[bin], kWrong)});
-  }
+void run_confidence(const std::vector<Configuration> &defaults, bool quick, Report &report) {
+  const Progress progress("confidence", 1);
+  measure_confidence(defaults, quick, report);
 }
 
 void run_scenes(const std::vector<Configuration> &defaults, const CaseSet &hard, Report &report) {
@@ -348,7 +313,7 @@ int run(const Options &options) {
   run_threads(defaults, sets.front(), report);
   run_series(defaults, options.quick, report);
   run_streams(options.quick, report);
-  run_confidence(defaults, sets, report);
+  run_confidence(defaults, options.quick, report);
   run_scenes(defaults, sets.back(), report);
   report.fields = measure_fields(pairs);
   if (options.clips)

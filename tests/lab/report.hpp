@@ -51,8 +51,8 @@ struct ReliabilityRow {
   std::string method;
   double confidence = 0; ///< middle of the bin
   std::size_t cases = 0;
-  double error = 0; ///< px, median
-  double wrong = 0; ///< share of errors above 0.15 px
+  double good = 0; ///< share of errors of at most 0.3 px
+  Interval good_95{};
 };
 
 struct RocRow {
@@ -96,7 +96,7 @@ struct Report {
   std::vector<StreamRow> streams;
   std::vector<ReliabilityRow> reliability;
   std::vector<RocRow> roc;
-  std::map<std::string, double> area; ///< under the ROC curve, by method
+  std::map<std::string, std::vector<double>> area; ///< under the ROC curve, by method, of each seed
   std::vector<SceneRow> scenes;
   std::vector<ClipRow> clips;
   std::vector<FieldRow> fields;

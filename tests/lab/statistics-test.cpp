@@ -25,6 +25,15 @@ TEST(Statistics, TheIntervalOfManyValuesIsThatOfTheNormalDistribution) {
   EXPECT_NEAR(interval.high, 0.549, 0.005);
 }
 
+TEST(Statistics, TheIntervalOfAShareIsThatOfWilson) {
+  const Interval half = wilson(5, 10);
+  EXPECT_NEAR(half.low, 0.2366, 1e-4);
+  EXPECT_NEAR(half.high, 0.7634, 1e-4);
+  const Interval none = wilson(0, 10);
+  EXPECT_NEAR(none.low, 0, 1e-9);
+  EXPECT_NEAR(none.high, 0.2775, 1e-4);
+}
+
 TEST(Statistics, RepeatingAMeasurementInItsBlockMakesNothingMoreCertain) {
   std::vector<double> values;
   std::vector<int> blocks;

@@ -57,6 +57,17 @@ Interval bootstrap(std::span<const double> values, std::span<const int> blocks,
   return {percentile(means, 0.025), percentile(means, 0.975)};
 }
 
+// (p + z^2/2n +- z sqrt(p (1 - p)/n + z^2/4n^2)) / (1 + z^2/n), p = good/n.
+Interval wilson(std::size_t good, std::size_t all) {
+  constexpr double kZ = 1.959964;
+  const auto n = static_cast<double>(all);
+  const double p = static_cast<double>(good) / n;
+  const double middle = p + kZ * kZ / (2 * n);
+  const double half = kZ * std::sqrt(p * (1 - p) / n + kZ * kZ / (4 * n * n));
+  const double scale = 1 / (1 + kZ * kZ / n);
+  return {std::max(0.0, (middle - half) * scale), std::min(1.0, (middle + half) * scale)};
+}
+
 bool dominates(const SpeedAndError &a, const SpeedAndError &b) {
   return a.time <= b.time && a.error <= b.error && (a.time < b.time || a.error < b.error);
 }

@@ -2,6 +2,7 @@
 // Statistics of the charts from single measurements.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,6 +22,10 @@ struct Interval {
 /// 95 % bootstrap interval of the mean. Values of one block are drawn together, because
 /// neighbouring regions of one frame are not independent. Same result on every machine.
 Interval bootstrap(std::span<const double> values, std::span<const int> blocks, std::uint64_t seed);
+
+/// 95 % interval of a share, of which `good` of `all` were seen (Wilson, J. Am. Stat. Assoc. 22,
+/// 1927). `all` > 0.
+Interval wilson(std::size_t good, std::size_t all);
 
 struct SpeedAndError {
   double time;
