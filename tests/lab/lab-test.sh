@@ -15,8 +15,8 @@ mkdir "$work/clips"
 status=0
 "$here/run.sh" --quick --clips "$work/clips" --output "$work/out" || status=$?
 [ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
-for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields}.csv \
-  lab.json results.md; do
+for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields,ablation}.csv \
+  lab.json results.md ablation.md; do
   [ -s "$work/out/$file" ] || { echo "NOT OK: there is no $file"; exit 1; }
 done
 for row in '"translation","fast","default"' '"hard","DIS fast"' '"wide","PyrLK crop"'; do
@@ -25,6 +25,14 @@ done
 for row in '"points","fast",4' '"points","PyrLK crop",64'; do
   grep -q "^$row," "$work/out/series.csv" || { echo "NOT OK: series.csv lacks $row"; exit 1; }
 done
+for row in '"votes","mixed"' '"strain","bent"'; do
+  grep -q "^$row," "$work/out/ablation.csv" || { echo "NOT OK: ablation.csv lacks $row"; exit 1; }
+done
+"$here/run.sh" --quick --ablation --output "$work/parts" >"$work/parts.md"
+if ! grep -q '^|votes|' "$work/parts.md" || [ -e "$work/parts/sweep.csv" ]; then
+  echo "NOT OK: --ablation does not print the table of the parts alone"
+  exit 1
+fi
 if "$here/run.sh" --quick --pairs "$work/nowhere" 2>"$work/error" || ! grep -q "no folder" "$work/error"; then
   echo "NOT OK: a folder that is not there gives no clear error"
   exit 1

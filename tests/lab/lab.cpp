@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
+#include "ablation.hpp"
 #include "confidence.hpp"
 #include "fields.hpp"
 #include "h264.hpp"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   bool quick = false;
+  bool only_ablation = false;
   std::optional<fs::path> pairs;
   std::optional<fs::path> clips;
   fs::path output;
@@ -37,6 +39,10 @@ Options parse(int argc, char **argv) {
     const std::string_view name = argv[i];
     if (name == "--quick") {
       options.quick = true;
+      continue;
+    }
+    if (name == "--ablation") {
+      options.only_ablation = true;
       continue;
     }
     if (i + 1 == argc)
@@ -286,6 +292,11 @@ void run_clips(const std::vector<Configuration> &defaults, const std::vector<Cli
   }
 }
 
+std::vector<AblationRow> run_ablation(bool quick, const std::vector<TruePair> &pairs) {
+  const Progress progress("parts", 1);
+  return measure_ablation(quick, pairs);
+}
+
 int run(const Options &options) {
   cv::setNumThreads(1);
   Report report;
@@ -302,6 +313,10 @@ int run(const Options &options) {
       {"scenes of H.264", has_h264() ? "yes" : "left out, x264enc or avdec_h264 is not installed"}};
   const std::vector<TruePair> pairs =
       options.pairs ? read_pairs(*options.pairs) : std::vector<TruePair>();
+  if (options.only_ablation) {
+    write_ablation(run_ablation(options.quick, pairs), options.output);
+    return EXIT_SUCCESS;
+  }
   std::vector<CaseSet> sets;
   {
     const Progress progress("rendering", 1);
@@ -316,6 +331,7 @@ int run(const Options &options) {
   run_confidence(defaults, options.quick, report);
   run_scenes(defaults, sets.back(), report);
   report.fields = measure_fields(pairs);
+  report.ablation = run_ablation(options.quick, pairs);
   if (options.clips)
     run_clips(defaults, read_clips(*options.clips, options.quick ? 1 : 6, options.quick ? 2 : 5),
               report);

@@ -390,9 +390,77 @@ void write_fields(const Report &report, std::ostream &out) {
         << rounded(r.p95_answered) << " | " << rounded(r.time) << " |\n";
 }
 
+constexpr double kNoticeable = 0.01; // of the error
+constexpr double kFaster = 0.05;     // of the time
+constexpr double kOfArea = 0.005;
+
+bool is_worse_off(const AblationCell &c) {
+  return c.difference.low > 0 && c.error_off > (1 + kNoticeable) * c.error;
+}
+
+bool is_better_off(const AblationCell &c) {
+  return c.difference.high < 0 && c.error_off < (1 - kNoticeable) * c.error;
+}
+
+bool pays(const AblationRow &row) {
+  return row.area_off < row.area - kOfArea ||
+         std::ranges::any_of(row.cells, [](const AblationCell &c) {
+           return is_worse_off(c) || c.time_off > (1 + kFaster) * c.time;
+         });
+}
+
+void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
+  if (rows.empty())
+    return;
+  out << "The mean error (px) without one part / its time in relation to that with all parts. "
+         "**Bold**: worse without it, *italic*: better, each by 1 % at least and "
+         "with a 95 % interval of the difference that leaves out zero. The last column is the area "
+         "under the ROC curve.\n\n|without|";
+  std::string rule = "|---|";
+  for (const AblationCell &c : rows.front().cells) {
+    out << c.stratum << "|";
+    rule += "---|";
+  }
+  out << "area|\n" << rule << "---|\n|nothing: px/µs|";
+  for (const AblationCell &c : rows.front().cells)
+    out << rounded(c.error) << "/" << rounded(c.time) << "|";
+  out << rounded(rows.front().area) << "|\n";
+  for (const AblationRow &row : rows) {
+    out << "|" << row.part << "|";
+    for (const AblationCell &c : row.cells) {
+      const char *mark = is_worse_off(c) ? "**" : is_better_off(c) ? "*" : "";
+      out << mark << rounded(c.error_off) << mark << "/"
+          << rounded(c.time > 0 ? c.time_off / c.time : 0) << "|";
+    }
+    out << rounded(row.area_off) << "|\n";
+  }
+  out << "\nParts that save neither error, time (5 %) nor area (0.005) on any stratum: ";
+  const char *separator = "";
+  for (const AblationRow &row : rows)
+    if (!pays(row)) {
+      out << separator << row.part;
+      separator = ", ";
+    }
+  out << (*separator ? ".\n" : "none.\n");
+}
+
+// Tables without the spaces around their bars.
+std::string compact(const std::string &page) {
+  std::istringstream lines(page);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('|'))
+      for (const std::string_view spaced : {" |", "| "})
+        for (std::size_t at; (at = line.find(spaced)) != std::string::npos;)
+          line.replace(at, spaced.size(), "|");
+    result += line + "\n";
+  }
+  return result;
+}
+
 void write_page(const Report &report, const fs::path &path) {
   File file(path);
-  std::ostream &out = file.text();
+  std::ostringstream out;
   out << "# Results of the lab\n\n"
          "Written by `tests/lab/run.sh`; [the lab](lab.md) explains the terms. All rows are in the "
          "CSV files that the command writes to `build-lab/results/`.\n\n";
@@ -430,6 +498,11 @@ void write_page(const Report &report, const fs::path &path) {
     out << "\n## Real clips\n\n";
     write_clips(report, out);
   }
+  if (!report.ablation.empty()) {
+    out << "\n## What each part is worth\n\n";
+    write_ablation(report.ablation, out);
+  }
+  file.text() << compact(out.str());
 }
 
 } // namespace
@@ -460,6 +533,19 @@ std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep) {
   return found;
 }
 
+void write_ablation(const std::vector<AblationRow> &rows, const fs::path &folder) {
+  fs::create_directories(folder);
+  File page(folder / "ablation.md");
+  write_ablation(rows, page.text());
+  File table(folder / "ablation.csv");
+  table.row("part", "stratum", "frames", "error", "error_off", "difference_low", "difference_high",
+            "us", "us_off", "area", "area_off");
+  for (const AblationRow &row : rows)
+    for (const AblationCell &c : row.cells)
+      table.row(row.part, c.stratum, c.frames, c.error, c.error_off, c.difference.low,
+                c.difference.high, c.time, c.time_off, row.area, row.area_off);
+}
+
 void write(Report report, const fs::path &folder) {
   const std::vector<std::string> strata = strata_of(report.sweep);
   // In the order of the front, so that a chart can follow it.
@@ -469,6 +555,7 @@ void write(Report report, const fs::path &folder) {
   });
   fs::create_directories(folder);
   write_tables(report, folder);
+  write_ablation(report.ablation, folder);
   write_json(report, folder / "lab.json");
   write_page(report, folder / "results.md");
 }

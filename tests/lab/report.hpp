@@ -89,6 +89,24 @@ struct FieldRow {
   double time = 0;           ///< ms, minimum of some passes
 };
 
+/// What a part of the default is worth on one stratum.
+struct AblationCell {
+  std::string stratum;
+  std::size_t frames = 0;
+  double error = 0;      ///< px, mean with all parts
+  double error_off = 0;  ///< px, mean without the part
+  Interval difference{}; ///< px, 95 % interval of the mean of `error_off` - `error`
+  double time = 0;       ///< µs, mean with all parts
+  double time_off = 0;   ///< µs, in turns with it
+};
+
+struct AblationRow {
+  std::string part;
+  std::vector<AblationCell> cells;
+  double area = 0;     ///< under the ROC curve, with all parts
+  double area_off = 0; ///< without the part
+};
+
 struct Report {
   std::map<std::string, std::string> circumstances; ///< machine, compiler, commit, ...
   std::vector<SweepRow> sweep;
@@ -100,6 +118,7 @@ struct Report {
   std::vector<SceneRow> scenes;
   std::vector<ClipRow> clips;
   std::vector<FieldRow> fields;
+  std::vector<AblationRow> ablation;
 };
 
 /// Marks the Pareto front of each stratum, from the rows with one thread.
@@ -107,6 +126,9 @@ void mark_fronts(std::vector<SweepRow> &sweep);
 
 /// Peers that are at least as fast and at least as accurate as the default on some stratum.
 std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep);
+
+/// ablation.csv and ablation.md. Throws std::runtime_error where a file cannot be written.
+void write_ablation(const std::vector<AblationRow> &rows, const std::filesystem::path &folder);
 
 /// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv, fields.csv,
 /// lab.json and results.md. Throws std::runtime_error where a file cannot be written.

@@ -4,8 +4,9 @@
 # processors. Builds (release) in build-lab/, measures, draws the charts. The exit status is 0 only
 # when no configuration of a peer dominates the default.
 #
-# Usage: tests/lab/run.sh [--quick] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
+# Usage: tests/lab/run.sh [--quick] [--ablation] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
 #   --quick          a minute, and few cases: to see whether all works, not to be believed
+#   --ablation       only what each part of the default is worth: prints ablation.md, leaves docs/ alone
 #   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
 #                    KITTI; without it the tables of pairs are left out
 #   --clips FOLDER   videos; without it the tables of clips are left out
@@ -22,10 +23,11 @@ folder() {
   (cd "$1" && pwd)
 }
 
-quick=() pairs='' clips='' output=''
+options=() ablation='' pairs='' clips='' output=''
 while [ $# -gt 0 ]; do
   case $1 in
-  --quick) quick=(--quick) && shift && continue ;;
+  --quick) options+=(--quick) && shift && continue ;;
+  --ablation) options+=(--ablation) && ablation=yes && shift && continue ;;
   --help | -h) show_help && exit ;;
   --pairs | --clips | --output) [ $# -gt 1 ] || fail "$1 needs a folder; see --help" ;;
   *) fail "unknown option '$1'; see --help" ;;
@@ -57,10 +59,14 @@ fi
 results=${output:-$root/build-lab/results}
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null) || commit=unknown
 status=0
-"$build/tests/lab/lab" ${quick[@]+"${quick[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
+"$build/tests/lab/lab" ${options[@]+"${options[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
   --commit "$commit" --output "$results" || status=$?
 [ "$status" -le 1 ] || exit "$status"
 
+if [ "$ablation" ]; then
+  cat "$results/ablation.md"
+  exit
+fi
 for chart in pareto series confidence; do
   gnuplot -c "$here/$chart.gp" "$results" "$results/$chart.png"
 done
