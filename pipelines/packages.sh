@@ -87,9 +87,10 @@ vm_packages=(
   usbutils # lsusb
 )
 
-# Optional for the lab: the peer RLOF.
+# Optional for the lab.
 lab_packages=(
-  libopencv-contrib-dev
+  libopencv-contrib-dev # the peer RLOF
+  libavcodec-dev libavutil-dev # the motion vectors of H.264 as a peer
 )
 
 # Prints those of the given packages that are not installed, one a line.

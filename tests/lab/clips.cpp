@@ -47,16 +47,20 @@ bool is_video(const fs::path &path) {
 
 } // namespace
 
-std::vector<Clip> read_clips(const fs::path &folder, int runs, int length) {
-  gst_init(nullptr, nullptr);
+std::vector<fs::path> videos_in(const fs::path &folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto &entry : fs::directory_iterator(folder, error))
     if (is_video(entry.path()))
       files.push_back(entry.path());
   std::ranges::sort(files);
+  return files;
+}
+
+std::vector<Clip> read_clips(const fs::path &folder, int runs, int length) {
+  gst_init(nullptr, nullptr);
   std::vector<Clip> clips;
-  for (const fs::path &file : files) {
+  for (const fs::path &file : videos_in(folder)) {
     const std::vector<cv::Mat> frames = frames_of(file);
     const int most = static_cast<int>(frames.size()) - length;
     for (int run = 0; run < runs && most >= 0; ++run) {

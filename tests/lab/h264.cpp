@@ -3,7 +3,7 @@
 
 #include "frame-sample.hpp"
 
-#include <algorithm>
+#include <functional>
 #include <gst/app/gstappsink.h>
 #include <gst/app/gstappsrc.h>
 #include <gst/video/video.h>
@@ -34,6 +34,74 @@ GstBuffer *buffer_of(const cv::Mat &luma) {
   return buffer;
 }
 
+// A pipeline with elements named `in` and `out` that plays until its end of life.
+class Pipeline {
+public:
+  explicit Pipeline(const std::string &line,
+                    const std::function<void(GstElement *)> &prepare = {}) {
+    gst_init(nullptr, nullptr);
+    pipeline_.reset(gst_parse_launch(line.c_str(), nullptr));
+    if (!pipeline_)
+      throw std::runtime_error("an element of this pipeline is missing: " + line);
+    in_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "in"));
+    out_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "out"));
+    if (prepare)
+      prepare(in_.get());
+    gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
+  }
+  ~Pipeline() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+  Pipeline(const Pipeline &) = delete;
+  Pipeline &operator=(const Pipeline &) = delete;
+
+  GstAppSrc *in() const { return GST_APP_SRC(in_.get()); }
+
+  // Nothing at the end, or after an error.
+  Sample pull() const {
+    constexpr GstClockTime kPatience = 10 * GST_SECOND; // after an error nothing comes
+    return Sample{gst_app_sink_try_pull_sample(GST_APP_SINK(out_.get()), kPatience)};
+  }
+
+private:
+  using Element = std::unique_ptr<GstElement, Unref<gst_object_unref>>;
+  Element pipeline_;
+  Element in_;
+  Element out_;
+};
+
+// One thread and no processor-specific algorithm: the same frames on every machine. zerolatency
+// has no B frames, and no look-ahead, whose effect would depend on the clip's length.
+std::string encoder(const std::vector<cv::Mat> &clip, int crf) {
+  return "appsrc name=in format=time caps=video/x-raw,format=I420,framerate=30/1,width=" +
+         std::to_string(clip.front().cols) + ",height=" + std::to_string(clip.front().rows) +
+         " ! x264enc pass=qual quantizer=" + std::to_string(crf) +
+         " tune=zerolatency threads=1 key-int-max=250 option-string=scenecut=0:cpu-independent=1";
+}
+
+constexpr const char *kByteStream =
+    "video/x-h264,stream-format=byte-stream,alignment=au ! appsink name=out sync=false";
+
+void push(const std::vector<cv::Mat> &clip, const Pipeline &pipeline) {
+  for (std::size_t i = 0; i < clip.size(); ++i) {
+    GstBuffer *buffer = buffer_of(clip[i]);
+    GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(i, GST_SECOND, 30);
+    gst_app_src_push_buffer(pipeline.in(), buffer);
+  }
+  gst_app_src_end_of_stream(pipeline.in());
+}
+
+H264Stream pull_units(const Pipeline &pipeline, std::size_t most) {
+  H264Stream stream;
+  while (stream.size() < most) {
+    const Sample sample = pipeline.pull();
+    if (!sample)
+      break;
+    GstBuffer *buffer = gst_sample_get_buffer(sample.get());
+    stream.emplace_back(gst_buffer_get_size(buffer));
+    gst_buffer_extract(buffer, 0, stream.back().data(), stream.back().size());
+  }
+  return stream;
+}
+
 } // namespace
 
 bool has_h264() {
@@ -42,41 +110,33 @@ bool has_h264() {
 }
 
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf) {
-  gst_init(nullptr, nullptr);
-  // One thread and no processor-specific algorithm: the same frames on every machine. zerolatency
-  // has no B frames, and no look-ahead, whose effect would depend on the clip's length.
-  const std::string line =
-      "appsrc name=in format=time caps=video/x-raw,format=I420,framerate=30/1,width=" +
-      std::to_string(clip.front().cols) + ",height=" + std::to_string(clip.front().rows) +
-      " ! x264enc pass=qual quantizer=" + std::to_string(crf) +
-      " tune=zerolatency threads=1 key-int-max=250 option-string=scenecut=0:cpu-independent=1"
-      " ! avdec_h264 max-threads=1 ! appsink name=out sync=false";
-  const std::unique_ptr<GstElement, Unref<gst_object_unref>> pipeline(
-      gst_parse_launch(line.c_str(), nullptr));
-  if (!pipeline)
-    throw std::runtime_error("there is no x264enc or no avdec_h264");
-  const auto end = [&](const char *name) {
-    return std::unique_ptr<GstElement, Unref<gst_object_unref>>(
-        gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
-  };
-  const auto in = end("in");
-  const auto out = end("out");
-  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-  for (std::size_t i = 0; i < clip.size(); ++i) {
-    GstBuffer *buffer = buffer_of(clip[i]);
-    GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(i, GST_SECOND, 30);
-    gst_app_src_push_buffer(GST_APP_SRC(in.get()), buffer);
-  }
-  gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
-  constexpr GstClockTime kPatience = 10 * GST_SECOND; // after an error nothing comes
+  const Pipeline pipeline(encoder(clip, crf) +
+                          " ! avdec_h264 max-threads=1 ! appsink name=out sync=false");
+  push(clip, pipeline);
   std::vector<cv::Mat> frames;
-  while (const Sample sample{gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), kPatience)})
+  while (const Sample sample = pipeline.pull())
     frames.push_back(luma_of(sample.get()));
-  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   if (frames.size() != clip.size())
     throw std::runtime_error("of a clip of " + std::to_string(clip.size()) + " frames " +
                              std::to_string(frames.size()) + " went through H.264");
   return frames;
+}
+
+H264Stream encode_h264(const std::vector<cv::Mat> &clip, int crf, int references) {
+  const Pipeline pipeline(encoder(clip, crf) + " ref=" + std::to_string(references) + " ! " +
+                          kByteStream);
+  push(clip, pipeline);
+  H264Stream stream = pull_units(pipeline, clip.size());
+  if (stream.size() != clip.size())
+    throw std::runtime_error("a clip cannot be encoded with H.264");
+  return stream;
+}
+
+H264Stream read_h264(const std::filesystem::path &file, std::size_t most) {
+  const Pipeline pipeline(
+      "filesrc name=in ! parsebin ! h264parse ! " + std::string(kByteStream),
+      [&](GstElement *in) { g_object_set(in, "location", file.c_str(), nullptr); });
+  return pull_units(pipeline, most);
 }
 
 } // namespace lab

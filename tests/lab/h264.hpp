@@ -2,6 +2,8 @@
 // Frames after encoding and decoding with H.264.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -14,5 +16,15 @@ bool has_h264();
 /// first frame is a key frame, each later one predicted from those before. Throws
 /// std::runtime_error where that fails.
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf);
+
+/// Access units of a byte stream (ITU-T H.264, annex B), in the order of decoding.
+using H264Stream = std::vector<std::vector<std::uint8_t>>;
+
+/// The clip as `through_h264` encodes it, but each frame predicted from at most so many earlier
+/// ones.
+H264Stream encode_h264(const std::vector<cv::Mat> &clip, int crf, int references);
+
+/// The first `most` frames of a file, nothing if it holds no H.264.
+H264Stream read_h264(const std::filesystem::path &file, std::size_t most);
 
 } // namespace lab

@@ -15,7 +15,7 @@ mkdir "$work/clips"
 status=0
 "$here/run.sh" --quick --clips "$work/clips" --output "$work/out" || status=$?
 [ "$status" -le 1 ] || { echo "NOT OK: the lab ended with status $status"; exit 1; }
-for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields,ablation}.csv \
+for file in {pareto,series,confidence}.png {sweep,series,streams,reliability,roc,scenes,clips,fields,ablation,vectors}.csv \
   lab.json results.md ablation.md; do
   [ -s "$work/out/$file" ] || { echo "NOT OK: there is no $file"; exit 1; }
 done
@@ -28,6 +28,9 @@ done
 for row in '"votes","mixed"' '"strain","bent"'; do
   grep -q "^$row," "$work/out/ablation.csv" || { echo "NOT OK: ablation.csv lacks $row"; exit 1; }
 done
+grep -q '"motion vectors of H.264" : "left out' "$work/out/lab.json" ||
+  grep -q '"leaf, 640×360","vectors of the decoder"' "$work/out/vectors.csv" ||
+  { echo "NOT OK: vectors.csv lacks the clip"; exit 1; }
 "$here/run.sh" --quick --ablation --output "$work/parts" >"$work/parts.md"
 if ! grep -q '^|votes|' "$work/parts.md" || [ -e "$work/parts/sweep.csv" ]; then
   echo "NOT OK: --ablation does not print the table of the parts alone"

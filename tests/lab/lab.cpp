@@ -5,6 +5,7 @@
 #include "fields.hpp"
 #include "h264.hpp"
 #include "measure.hpp"
+#include "motion-vectors.hpp"
 #include "processor.hpp"
 #include "report.hpp"
 
@@ -300,6 +301,7 @@ std::vector<AblationRow> run_ablation(bool quick, const std::vector<TruePair> &p
 int run(const Options &options) {
   cv::setNumThreads(1);
   Report report;
+  const std::string why = why_no_motion_vectors();
   report.circumstances = {
       {"processor", test::processor()},
       {"threads of the machine", std::to_string(std::thread::hardware_concurrency())},
@@ -310,7 +312,8 @@ int run(const Options &options) {
       {"date", today()},
       {"seeds", "FNV-1a of each set's name"},
       {"extent", options.quick ? "quick" : "full"},
-      {"scenes of H.264", has_h264() ? "yes" : "left out, x264enc or avdec_h264 is not installed"}};
+      {"scenes of H.264", has_h264() ? "yes" : "left out, x264enc or avdec_h264 is not installed"},
+      {"motion vectors of H.264", why.empty() ? "yes" : "left out, " + why}};
   const std::vector<TruePair> pairs =
       options.pairs ? read_pairs(*options.pairs) : std::vector<TruePair>();
   if (options.only_ablation) {
@@ -331,6 +334,10 @@ int run(const Options &options) {
   run_confidence(defaults, options.quick, report);
   run_scenes(defaults, sets.back(), report);
   report.fields = measure_fields(pairs);
+  {
+    const Progress progress("motion vectors", 1);
+    report.vectors = measure_vectors(options.quick, options.clips);
+  }
   report.ablation = run_ablation(options.quick, pairs);
   if (options.clips)
     run_clips(defaults, read_clips(*options.clips, options.quick ? 1 : 6, options.quick ? 2 : 5),

@@ -28,6 +28,9 @@ struct Clip {
   std::vector<cv::Mat> frames; ///< 8-bit luma, one after the other
 };
 
+/// The files of the folder whose names are those of videos, in alphabetical order.
+std::vector<std::filesystem::path> videos_in(const std::filesystem::path &folder);
+
 /// Evenly spread runs of neighbouring frames, from every file of the folder that is a video.
 /// Throws std::runtime_error where there is none.
 std::vector<Clip> read_clips(const std::filesystem::path &folder, int runs, int length);

@@ -89,6 +89,18 @@ struct FieldRow {
   double time = 0;           ///< ms, minimum of some passes
 };
 
+/// Motion vectors of H.264 and trackers on the same video.
+struct VectorRow {
+  std::string video;
+  std::string method;
+  std::size_t cases = 0;
+  double answered = 0; ///< share
+  double error = 0;    ///< px, mean; no answer counts as no motion
+  double p95 = 0;      ///< px
+  double decoding = 0; ///< µs of the decoder per frame, for vectors
+  double time = 0;     ///< µs per region, median
+};
+
 /// What a part of the default is worth on one stratum.
 struct AblationCell {
   std::string stratum;
@@ -119,6 +131,7 @@ struct Report {
   std::vector<ClipRow> clips;
   std::vector<FieldRow> fields;
   std::vector<AblationRow> ablation;
+  std::vector<VectorRow> vectors;
 };
 
 /// Marks the Pareto front of each stratum, from the rows with one thread.
