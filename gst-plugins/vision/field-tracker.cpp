@@ -2,7 +2,6 @@
 #include "field-tracker.hpp"
 
 #include "texture-period.hpp"
-#include "velocity-estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -367,8 +366,94 @@ void FieldTracker::add_grid(int row, int column, const Area &area) {
     measurement_.count = 0;
 }
 
+// Returns the displacement of a cell that moves as one, or nothing.
+std::optional<Displacement> FieldTracker::displacement_of(const Cell &cell) {
+  if (cell.change == Change::none)
+    return Displacement{};
+  if (cell.change == Change::some && cell.explained)
+    return cell.whole.displacement;
+  return {};
+}
+
+// Whether a neighbour moves in another way, so that the border between both may lie in this cell.
+bool FieldTracker::is_near_border(int row, int column) {
+  const Displacement own = at(row, column).whole.displacement;
+  return !all_neighbours(shape_, row, column, [&](int y, int x) {
+    const auto other = displacement_of(at(y, x));
+    return !other || are_close(*other, own);
+  });
+}
+
+// The patches of the cell, and one at its side for each neighbour that moves in another way than
+// the patch nearest to that side: of what shows little of itself in a cell, no patch may be there.
+void FieldTracker::gather_voters(int row, int column, const Area &area) {
+  voters_.clear();
+  for (const Patch &patch : measurement_.view())
+    voters_.add(patch);
+  for_neighbours(shape_, row, column, [&](int y, int x) {
+    const auto moved = displacement_of(at(y, x));
+    if (!moved || (y == row && x == column))
+      return;
+    Patch voter = measurement_.view()[0];
+    voter.x = area.x + area.width * static_cast<float>(1 + x - column) / 2;
+    voter.y = area.y + area.height * static_cast<float>(1 + y - row) / 2;
+    const Patch nearest =
+        *std::ranges::min_element(measurement_.view(), {}, [&](const Patch &patch) {
+          return norm2({patch.x - voter.x, patch.y - voter.y});
+        });
+    if (are_close(*moved, {nearest.dx, nearest.dy}))
+      return;
+    constexpr float kPrecision = 100; // 1/px²: surely textured
+    voter.dx = moved->x;
+    voter.dy = moved->y;
+    voter.precision_xx = voter.precision_yy = kPrecision;
+    voter.precision_xy = 0;
+    voters_.add(voter);
+  });
+}
+
+// Returns the mean displacement over the pixels of the cell, by the votes of the patches in
+// measurement_ and of the neighbours. Nothing if all are close, or if the pixels do not decide.
+std::optional<Displacement> FieldTracker::vote(int row, int column, const Area &area) {
+  constexpr float kCounted = 0.5F;
+  if (measurement_.count == 0)
+    return {};
+  gather_voters(row, column, area);
+  const auto displacement = [](const Patch &patch) { return Displacement{patch.dx, patch.dy}; };
+  const std::span<Patch> voters = voters_.view();
+  if (std::ranges::all_of(voters, [&](const Patch &patch) {
+        return are_close(displacement(patch), displacement(voters[0]));
+      }))
+    return {};
+  votes_.count(previous_pyramid_.levels[0], current_pyramid_.levels[0], 0, area, noise_.variance(),
+               voters);
+  float shares = 0;
+  Displacement mean;
+  for (const Patch &patch : voters) {
+    shares += patch.share;
+    mean += patch.share * displacement(patch);
+  }
+  return shares > kCounted ? std::optional(mean) : std::nullopt;
+}
+
+VelocityEstimate FieldTracker::estimate(const Area &area, double interval) {
+  const auto scale = static_cast<float>(1 << reductions_);
+  measurement_.scale(scale);
+  return estimate_velocity({.patches = measurement_.view(),
+                            .candidates = measurement_.candidates,
+                            .pointer_x = scale * (area.x + area.width / 2),
+                            .pointer_y = scale * (area.y + area.height / 2),
+                            .interval = interval,
+                            .region_x = scale * area.x,
+                            .region_y = scale * area.y,
+                            .region_width = scale * area.width,
+                            .region_height = scale * area.height},
+                           Average::model, ModelChoice::automatic);
+}
+
 void FieldTracker::measure_cell(int row, int column, double interval, FieldCell &result) {
-  constexpr float kNormalOnly = 0.4F; // confidence across edges of one direction: half the motion
+  constexpr float kNormalOnly = 0.4F;   // confidence across edges of one direction: half the motion
+  constexpr float kDisagreement = 0.7F; // px of the reduced frame, between model and votes
   Cell &own = at(row, column);
   if (own.change != Change::some || !own.has_texture) {
     own.last = {};
@@ -382,28 +467,25 @@ void FieldTracker::measure_cell(int row, int column, double interval, FieldCell 
   }
   const Area area = area_of(row, column).in_plane();
   measurement_.clear();
-  if (own.explained && whole.correlation > kGood) {
+  std::optional<Displacement> voted;
+  if (own.explained && whole.correlation > kGood && !is_near_border(row, column)) {
     measurement_.candidates = 1;
     measurement_.add(patch_of(area, whole));
   } else {
     add_grid(row, column, area);
+    voted = vote(row, column, area);
   }
-  const auto scale = static_cast<float>(1 << reductions_);
-  measurement_.scale(scale);
-  const VelocityEstimate estimate =
-      estimate_velocity({.patches = measurement_.view(),
-                         .candidates = measurement_.candidates,
-                         .pointer_x = scale * (area.x + area.width / 2),
-                         .pointer_y = scale * (area.y + area.height / 2),
-                         .interval = interval,
-                         .region_x = scale * area.x,
-                         .region_y = scale * area.y,
-                         .region_width = scale * area.width,
-                         .region_height = scale * area.height},
-                        Average::model, ModelChoice::automatic);
-  if (estimate.confidence > 0)
-    result = {estimate.velocity_x, estimate.velocity_y,
-              (estimate.aperture ? kNormalOnly : 1) * estimate.confidence};
+  const VelocityEstimate found = estimate(area, interval);
+  if (!(found.confidence > 0))
+    return;
+  result = {found.velocity_x, found.velocity_y,
+            (found.aperture ? kNormalOnly : 1) * found.confidence};
+  if (!voted || found.aperture)
+    return;
+  const auto time = static_cast<float>(interval) / static_cast<float>(1 << reductions_);
+  const Displacement apart = *voted - time * Displacement{result.velocity_x, result.velocity_y};
+  result = {voted->x / time, voted->y / time,
+            result.confidence * std::exp(-std::sqrt(norm2(apart)) / kDisagreement)};
 }
 
 // Learns from the cells that stand still although their pixels changed.

@@ -7,9 +7,12 @@
 #include "frame-reduction.hpp"
 #include "motion-field.hpp"
 #include "noise-estimate.hpp"
+#include "pixel-votes.hpp"
 #include "start-set.hpp"
+#include "velocity-estimate.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -83,8 +86,13 @@ private:
   Translation translate(int row, int column);
   void translate_cells();
   bool is_cut() const;
-  void measure_cell(int row, int column, double interval, FieldCell &result);
+  static std::optional<Displacement> displacement_of(const Cell &cell);
+  bool is_near_border(int row, int column);
   void add_grid(int row, int column, const Area &area);
+  void gather_voters(int row, int column, const Area &area);
+  std::optional<Displacement> vote(int row, int column, const Area &area);
+  VelocityEstimate estimate(const Area &area, double interval);
+  void measure_cell(int row, int column, double interval, FieldCell &result);
   void learn_noise();
   void forget_displacements();
   float noise_floor() const;
@@ -113,6 +121,8 @@ private:
   PatchGrid grid_;
   StartSet starts_;
   Measurement measurement_;
+  Measurement voters_;
+  PixelVotes votes_;
 
   static constexpr float kLearningRate = 0.6F;
 };

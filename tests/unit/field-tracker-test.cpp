@@ -152,6 +152,84 @@ TEST(FieldTracker, TwoObjectsMoveEachInItsOwnWay) {
   EXPECT_LT(found.percentile(1), 0.5);
 }
 
+// Everything right of an oblique line is another thing, and moves with the line.
+struct Halves {
+  static constexpr int kWidth = 320;
+  static constexpr int kHeight = 200;
+  static constexpr int kColumns = 16;
+  double direction; // of the line's normal, radians
+  Shift ground;     // px per frame
+  Shift object;
+  unsigned seed;
+
+  // px; positive: inside the object.
+  double depth(double x, double y, double time) const {
+    return (x - kWidth / 2.0 - object.x * time) * std::cos(direction) +
+           (y - kHeight / 2.0 - object.y * time) * std::sin(direction);
+  }
+  Frame frame(double time) const {
+    Frame both = Texture(seed).frame(kWidth, kHeight, {ground.x * time, ground.y * time});
+    Frame other = Texture(seed + 100).frame(kWidth, kHeight, {object.x * time, object.y * time});
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double covered = std::clamp(depth(x + 0.5, y + 0.5, time) + 0.5, 0.0, 1.0);
+        both.at(x, y) = static_cast<std::uint8_t>(
+            std::lround((1 - covered) * both.at(x, y) + covered * other.at(x, y)));
+      }
+    std::mt19937 random(seed + static_cast<unsigned>(1000 * time));
+    test::add_noise(both, 1.5, random);
+    return both;
+  }
+  // Mean over the pixels of a cell, or nothing if it shows one thing alone or lies at a border of
+  // the frame.
+  std::optional<Shift> mean(double middle_x, double middle_y) const {
+    constexpr double kHalf = kWidth / 2.0 / kColumns;
+    int inside = 0;
+    int all = 0;
+    for (double y = middle_y - kHalf + 0.5; y < middle_y + kHalf; ++y)
+      for (double x = middle_x - kHalf + 0.5; x < middle_x + kHalf; ++x, ++all)
+        inside += depth(x, y, 0) > 0;
+    const double share = static_cast<double>(inside) / all;
+    if (share < 0.05 || share > 0.95 || middle_y < 2 * kHalf || middle_y > kHeight - 2 * kHalf)
+      return std::nullopt;
+    return Shift{(1 - share) * ground.x + share * object.x,
+                 (1 - share) * ground.y + share * object.y};
+  }
+};
+
+TEST(FieldTracker, CellsOnABorderHaveTheMeanMotionOfTheirPixels) {
+  constexpr double kWrong = 0.5; // px
+  double sum = 0;
+  int cells = 0;
+  int sure = 0;
+  int wrong_and_sure = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-3, 3);
+    const Shift ground{any(random), any(random)};
+    const Shift object{any(random), any(random)};
+    const Halves halves{0.4 + 0.2 * seed, ground, object, seed};
+    Field field(Halves::kWidth, Halves::kHeight, Halves::kColumns);
+    field.measure(halves.frame(0), halves.frame(1));
+    for (int row = 0; row < field.shape.rows; ++row)
+      for (int column = 0; column < field.shape.columns; ++column) {
+        const auto truth = halves.mean((column + 0.5) * field.width / field.shape.columns,
+                                       (row + 0.5) * field.height / field.shape.rows);
+        if (!truth)
+          continue;
+        const FieldCell &cell = field.at(row, column);
+        const double error = std::hypot(cell.velocity_x - truth->x, cell.velocity_y - truth->y);
+        sum += error;
+        ++cells;
+        sure += cell.confidence >= 0.5F;
+        wrong_and_sure += cell.confidence >= 0.5F && error > kWrong;
+      }
+  }
+  EXPECT_LT(sum / cells, 0.3);
+  EXPECT_GT(sure, 2 * cells / 5);
+  EXPECT_LE(wrong_and_sure, cells / 20);
+}
+
 TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {
   const Texture ground(1);
   const Texture object(2);
