@@ -118,7 +118,7 @@ float MeanDifference(const Plane &earlier, const Plane &later, int left, int top
 
 // 1 - (distance / 10 px)^2 along one axis, within the window: 0 beyond.
 HWY_INLINE Lanes window_at(int first, int last, int x, float centre) {
-  constexpr float kOfWidth2 = 0.01F; // per px squared: the window would end at 10 px
+  constexpr float kOfWidth2 = 0.0125F; // per px squared: the window would end at 9 px
   const Lanes at = count_from(x);
   const Lanes away = hn::Sub(at, hn::Set(kTag, centre - 0.5F));
   const Lanes value =

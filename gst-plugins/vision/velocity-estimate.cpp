@@ -293,15 +293,44 @@ void explain(const PatchSet &set, Points &points, ModelHistory history, Answer &
   add_neighbours();
 }
 
+// The share of the region that moves within a pixel of a point, and 0 if no other point does. A
+// small one belongs to a false match.
+float share_alike(const Points &points, std::size_t i) {
+  constexpr float kAlike = 1; // px
+  const Lanes x = hn::Set(kTag, points.dx[i]);
+  const Lanes y = hn::Set(kTag, points.dy[i]);
+  Lanes share = hn::Zero(kTag);
+  std::size_t alike = 0;
+  for (std::size_t j = 0; j < points.count; j += kLanes) {
+    const Lanes ex = load(points.dx, j) - x;
+    const Lanes ey = load(points.dy, j) - y;
+    const auto is_point =
+        hn::Iota(kTag, static_cast<float>(j)) < hn::Set(kTag, static_cast<float>(points.count));
+    const auto is_near = hn::MulAdd(ex, ex, ey * ey) < hn::Set(kTag, kAlike * kAlike);
+    const auto is_alike = hn::And(is_point, is_near);
+    alike += hn::CountTrue(kTag, is_alike);
+    share = share + hn::IfThenElseZero(is_alike, load(points.share, j));
+  }
+  return alike > 1 ? sum(share) : 0;
+}
+
 // Where the tracker counted the pixels that move with each point, the points that contradict the
-// first motion m add their errors by these shares: m(pointer) + sum of share (d - m(x)).
+// first motion m add their errors by these shares: m(pointer) + sum of share (d - m(x)). Where
+// neither one model nor two explain the points, all do.
 void count_shares(const PatchSet &set, const Points &points, Answer &answer) {
   constexpr float kCounted = 0.5F;
+  constexpr float kLeast = 1.0F / 16; // of the region
   // A point that contradicts alone by less is a false match where a model bends.
-  constexpr float kApart = 2.5F; // px
+  constexpr float kApart = 2; // px
+  // What bends is scattered by less.
+  constexpr float kScattered = 0.1F; // px²
+  const bool is_scattered = answer.scatter > kScattered;
+  Points::Row shares;
   float all = 0;
-  for (std::size_t i = 0; i < points.count; ++i)
-    all += points.share[i];
+  for (std::size_t i = 0; i < points.count; ++i) {
+    shares[i] = share_alike(points, i) < kLeast ? 0 : points.share[i];
+    all += shares[i];
+  }
   if (all < kCounted)
     return;
   alignas(64) Points::Row of_first, of_second;
@@ -314,17 +343,17 @@ void count_shares(const PatchSet &set, const Points &points, Answer &answer) {
   Motion felt = at_pointer(set, points, answer.first);
   bool contradicted = false;
   for (std::size_t i = 0; i < points.count; ++i) {
-    if (of_first[i] <= kOutlier)
+    if (shares[i] <= 0 || (of_first[i] <= kOutlier && !is_scattered))
       continue;
     const Motion here = answer.first.about(points.x[i], points.y[i]);
     const bool follows_second = of_second[i] <= kOutlier;
     const float x = (follows_second ? answer.second->x0 : points.dx[i]) - here.x0;
     const float y = (follows_second ? answer.second->y0 : points.dy[i]) - here.y0;
-    if (!answer.is_mixture && x * x + y * y < kApart * kApart)
+    if (!answer.is_mixture && !is_scattered && x * x + y * y < kApart * kApart)
       continue;
     contradicted = true;
-    felt.x0 += points.share[i] / all * x;
-    felt.y0 += points.share[i] / all * y;
+    felt.x0 += shares[i] / all * x;
+    felt.y0 += shares[i] / all * y;
   }
   answer.disagreement = std::hypot(felt.x0 - answer.felt.x0, felt.y0 - answer.felt.y0);
   answer.felt = felt;

@@ -432,15 +432,35 @@ TEST(Shares, WeighTheMotionsOfARegion) {
   }
 }
 
-TEST(Shares, OfOnePointThatMovesAloneCount) {
+std::vector<GstHapticPatch> still_patches(float share) {
   auto patches = two_motions();
-  for (GstHapticPatch &patch : patches)
+  for (GstHapticPatch &patch : patches) {
     patch = Scenes::patch(patch.x - kPointerX, patch.y - kPointerY, 0, 0, 0.05);
+    patch.share = share;
+  }
+  return patches;
+}
+
+TEST(Shares, OfTwoPointsThatMoveAlikeCount) {
+  for (const float share : {0.0F, 0.05F}) {
+    auto patches = still_patches(share);
+    patches[7].dx = patches[16].dx = 4;
+    EXPECT_NEAR(estimate_region(patches).velocity_x, 8 * share, 0.01);
+  }
+}
+
+TEST(Shares, OfOnePointThatMovesAloneDoNotCount) {
+  auto patches = still_patches(0.05F);
   patches[7].dx = 4;
+  patches[16].dx = -4;
   EXPECT_EQ(estimate_region(patches).velocity_x, 0);
-  for (GstHapticPatch &patch : patches)
-    patch.share = 0.05F;
-  EXPECT_NEAR(estimate_region(patches).velocity_x, 0.2, 0.01);
+}
+
+TEST(Shares, OfLessThanASixteenthDoNotCount) {
+  auto patches = still_patches(0.05F);
+  patches[7].dx = patches[16].dx = 4;
+  patches[7].share = patches[16].share = 0.02F;
+  EXPECT_EQ(estimate_region(patches).velocity_x, 0);
 }
 
 TEST(Shares, ThatDisagreeWithThePlacesOfThePointsTakeConfidence) {
