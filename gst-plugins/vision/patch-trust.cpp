@@ -64,11 +64,11 @@ float add_patch(const Template &patch, const Alignment &aligned, float noise,
   const auto [least, most] = eigenvalues(patch.structure);
   const float trust = trust_of(fit.correlation);
   const bool is_candidate = has_texture(most, side * side, noise);
-  if (is_candidate) {
+  if (is_candidate)
     ++measurement.candidates;
-    if (trust <= 0)
-      return 0;
-  }
+  // Its precision would be 0, which says that the precision is not known.
+  if (trust <= 0)
+    return 0;
   const float residual2 = fit.residual * fit.residual;
   const bool is_two_dimensional =
       has_texture(least, side * side, std::min(noise, noise_of(residual2)));

@@ -251,8 +251,7 @@ TEST(Stability, LowContrastIsNearTheBoundOrRejected) {
       errors += shot.error();
       bound += shot.bound;
     }
-  EXPECT_GT(errors, 1.3 * bound) << "reached: let the target gate, and say so in docs/lab.md";
-  EXPECT_LE(errors, 1.36 * bound);
+  EXPECT_LE(errors, 1.3 * bound);
 }
 
 TEST(Stability, StrongNoiseOnMotion) {
@@ -301,7 +300,7 @@ TEST(Stability, MotionBlur) {
 }
 
 TEST(Stability, AJpegThatMoves) {
-  expect_accurate(pairs("jpeg moving"), Unreached{.target = 0.02, .reached = 0.023});
+  expect_accurate(pairs("jpeg moving"), 0.02);
 }
 
 TEST(Stability, AnH264VideoThatMoves) {
@@ -446,7 +445,7 @@ TEST(Stability, AZoomAboutThePointerIsNoTranslation) {
 
 TEST(Stability, ALeafThatIsSqueezedOrBends) {
   expect_accurate(pairs("affine"), 0.05);
-  expect_accurate(pairs("curl"), Unreached{.target = 0.05, .reached = 0.061});
+  expect_accurate(pairs("curl"), Unreached{.target = 0.05, .reached = 0.055});
 }
 
 TEST(Stability, TheShakeOfTheCameraIsFeltWithTheWind) {
@@ -455,7 +454,7 @@ TEST(Stability, TheShakeOfTheCameraIsFeltWithTheWind) {
 }
 
 TEST(Stability, OfTwoMotionsTheMeanByAreaIsFelt) {
-  expect_accurate(pairs("two motions"), Unreached{.target = 0.10, .reached = 0.14});
+  expect_accurate(pairs("two motions"), Unreached{.target = 0.10, .reached = 0.115});
 }
 
 TEST(Stability, TwoMotionsDoNotTakeTurns) {
@@ -472,7 +471,7 @@ TEST(Stability, TwoMotionsDoNotTakeTurns) {
 
 TEST(Stability, ASmallThingThatMovesCountsByItsArea) {
   const auto shots = pairs("mover");
-  expect_accurate(shots, Unreached{.target = 0.15, .reached = 0.25});
+  expect_accurate(shots, Unreached{.target = 0.15, .reached = 0.245});
 }
 
 TEST(Stability, NoneOfAThousandMoversIsCalledStill) {

@@ -88,6 +88,12 @@ TEST(PatchTrust, APatchWithoutTextureIsNoCandidate) {
   EXPECT_EQ(measurement.candidates, 0);
 }
 
+TEST(PatchTrust, WhatCannotBeTrustedIsNotAddedEvenWithoutTexture) {
+  Measurement measurement;
+  haptic::add_patch(patch_on(wall(1.5, 1)), aligned(0.3F, 1), kNoise, measurement);
+  EXPECT_EQ(measurement.count, 0);
+}
+
 TEST(PatchTrust, MostCandidatesMustBeTrusted) {
   EXPECT_TRUE(haptic::is_same_scene(15, 20));
   EXPECT_FALSE(haptic::is_same_scene(10, 20));
