@@ -86,9 +86,10 @@ Flag::Spot Flag::spot(const Wind &wind, float along, float down) const {
   const float towards = grow * ((6 + 11 * strength) * std::sin(crest) + 2.4F * std::sin(small));
   const float slack = std::clamp(0.95F - strength, 0.0F, 1.0F);
   const float shorter = 1 - 0.06F - 0.22F * slack;
-  const float x = along * kLength * shorter + 0.33F * towards;
+  const float x = along * kLength * shorter + 0.42F * towards;
   const float y = down * kHeight + kLength * along * along * (0.04F + 0.42F * slack) +
-                  0.22F * towards + 2.0F * along * std::sin(wind.phase(0.7F) + 3 * along);
+                  0.30F * towards +
+                  9.0F * strength * along * std::sin(wind.phase(0.7F) + 3 * along);
   return {{kTop.x + kPoleWidth / 2 + x, kTop.y + 7 + y}, towards};
 }
 

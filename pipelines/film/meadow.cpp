@@ -18,7 +18,7 @@ constexpr int kBlades = 330;
 
 // Share of the bend at this height above the foot, 0..1.
 float bend_at(float height) {
-  return height * std::sqrt(height);
+  return height * (0.5F + 0.5F * height);
 }
 
 // Of the tree, 0..1.
@@ -106,13 +106,13 @@ Texture make_strip(int width, float height, float scale, float near, std::uint64
 } // namespace
 
 Meadow::Meadow(int width, const Affine &to_frame, std::uint64_t seed)
-    : to_frame_(to_frame), margin_(static_cast<int>(60 * to_frame.xx)) {
+    : to_frame_(to_frame), margin_(static_cast<int>(130 * to_frame.xx)) {
   Random random(seed ^ 0x6d656164);
   for (int i = 0; i < kRows; ++i) {
     const float near = static_cast<float>(i) / (kRows - 1);
     const float foot = mix(Sky::kHorizon + 6, kBottom, near * std::sqrt(near));
     const float height = mix(8, 54, near);
-    rows_.push_back({foot, height, height * 0.42F,
+    rows_.push_back({foot, height, height * 0.85F,
                      make_strip(width + 2 * margin_, height, to_frame.xx, near,
                                 seed + static_cast<std::uint64_t>(i))});
   }
@@ -146,9 +146,9 @@ void Meadow::draw_strip(Canvas &canvas, const Row &row, const Winds &winds) cons
   std::vector<float> now(width);
   std::vector<float> before(width);
   std::vector<std::uint16_t> gain(width);
-  const float ripple = 0.22F + 0.05F * std::sin(row.foot);
+  const float ripple = 1.05F + 0.08F * std::sin(row.foot);
   const auto bend_of = [&](const Wind &wind, float x) {
-    return row.bend * scale * Sway{1, ripple, 0.9F, -x * 0.031F + row.foot, x}(wind);
+    return row.bend * scale * Sway{1, ripple, 1.1F, -x * 0.017F + 0.02F * row.foot, x}(wind);
   };
   constexpr std::size_t kStep = 8; // px; between them linear
   float left_now = 0;
@@ -164,7 +164,7 @@ void Meadow::draw_strip(Canvas &canvas, const Row &row, const Winds &winds) cons
       before[i] = mix(left_before, right_before, part);
       // Bent blades show their light side. No colour of the grass is above 0.84.
       gain[i] = static_cast<std::uint16_t>(
-          256 * std::clamp(shade * (0.98F + 0.30F * now[i] / (row.bend * scale)), 0.3F, 1.18F));
+          256 * std::clamp(shade * (0.98F + 0.20F * now[i] / (row.bend * scale)), 0.3F, 1.18F));
     }
     left_now = right_now;
     left_before = right_before;
