@@ -3,32 +3,32 @@
 # wind-film writes a film with its true motion beside it, or a still.
 
 source "$(dirname "$0")/support.sh"
-wind_film=$build/pipelines/film/wind-film
-[ -x "$wind_film" ] || skip "wind-film is not built (package libcairo2-dev)"
+program=$build/pipelines/film/wind-film
+[ -x "$program" ] || skip "wind-film is not built (package libcairo2-dev)"
 gst-inspect-1.0 --exists x264enc || skip "x264enc is not installed (package gstreamer1.0-plugins-ugly)"
 
 small=(--width 320 --height 180 --rate 30 --duration 1)
 for ending in ts mkv; do
-  film=$work/film.$ending
-  promise "wind-film writes .$ending" "$wind_film" "${small[@]}" "$film"
-  promise "complete" test ! -e "$film.part"
-  haptic_track info "$film" >"$work/info"
+  made=$work/film.$ending
+  promise "wind-film writes .$ending" "$program" "${small[@]}" "$made"
+  promise "complete" test ! -e "$made.part"
+  haptic_track info "$made" >"$work/info"
   cat "$work/info"
   promise "with a field for each frame that moves" grep -qE '32 *(x|×|columns).*18' "$work/info"
-  gst-launch-1.0 -m filesrc "location=$film" ! decodebin ! videoconvert ! motionfield ! fakesink >"$work/out"
+  gst-launch-1.0 -m filesrc "location=$made" ! decodebin ! videoconvert ! motionfield ! fakesink >"$work/out"
   promise "that plays" grep -q 'Got EOS from element' "$work/out"
 done
-promise "the same twice" "$wind_film" "${small[@]}" "$work/again.ts"
+promise "the same twice" "$program" "${small[@]}" "$work/again.ts"
 promise "to the byte" cmp "$work/film.ts" "$work/again.ts"
 
-promise "it draws a still" "$wind_film" --width 320 --height 180 --at 3 "$work/still.png"
+promise "it draws a still" "$program" --width 320 --height 180 --at 3 "$work/still.png"
 promise "of many greens" has_colour "$work/still.png" '[2-6]. [4-9]. [0-3].' 2000
 
 # `fails_with TEXT ARGUMENT...`: exit status 1 and that text.
 fails_with() {
   local text=$1 status=0
   shift
-  "$wind_film" "$@" >"$work/said" 2>&1 || status=$?
+  "$program" "$@" >"$work/said" 2>&1 || status=$?
   cat "$work/said"
   [ "$status" = 1 ] && grep -q -- "$text" "$work/said"
 }
