@@ -9,7 +9,7 @@
 #       t. ! queue max-size-buffers=1 ! velocityavg post-messages=true ! hapticsink device=sim
 #
 # Keys: space pause, - slower, + faster, r reverse, [ and ] smaller and larger region, 0 default size,
-# l next force law, s force off and on, q quit. At its end a file starts again.
+# < weaker, > stronger (alpha), l next force law, s force off and on, q quit. At its end a file starts again.
 #
 # Usage: pipelines/view.sh [--verbose] [FILE | --camera [DEVICE] | --test-source] [-- OPTION=VALUE...]
 #   FILE           a video (default: the tree of the demonstration)

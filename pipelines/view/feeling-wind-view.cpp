@@ -32,12 +32,14 @@ using haptic::ErrorPtr;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char *kKeys =
-    "space pause, - slower, + faster, r reverse, [ ] region size, 0 default size, l force law, "
-    "s force off and on, q quit";
+    "space pause, - slower, + faster, r reverse, [ ] region size, 0 default size, "
+    "< weaker, > stronger, l force law, s force off and on, q quit";
 constexpr int kWindowWidth = 800;
 constexpr int kVideoHeight = 500;
 constexpr int kStripHeight = 150;
 constexpr double kRegionStep = 1.25;
+constexpr double kStrengthStep = 1.5;
+constexpr double kWeakest = 1e-4;   // s/px
 constexpr double kLongestGap = 0.5; // s; a longer pause takes no more room on the strip
 
 void print_error(const std::string &text) {
@@ -95,6 +97,7 @@ private:
 
   int frame_width() const;
   void scale_region(double factor);
+  void scale_strength(double factor);
   void next_law();
   void toggle_force();
   std::string law() const;
@@ -311,6 +314,14 @@ gboolean View::handle_key(guint key) {
     g_object_set(tracker_.get(), "roi-size", 0, nullptr);
     show_note("region of the default size");
     break;
+  case GDK_KEY_less:
+  case GDK_KEY_comma:
+    scale_strength(1 / kStrengthStep);
+    break;
+  case GDK_KEY_greater:
+  case GDK_KEY_period:
+    scale_strength(kStrengthStep);
+    break;
   case GDK_KEY_l:
     next_law();
     break;
@@ -348,6 +359,19 @@ void View::scale_region(double factor) {
   size = std::clamp(size, kSmallest, std::max(kSmallest, static_cast<guint>(width) / 2));
   g_object_set(tracker_.get(), "roi-size", size, nullptr);
   show_note("region of " + std::to_string(size) + " px");
+}
+
+// alpha: how much force a slow motion gives; the greatest force stays.
+void View::scale_strength(double factor) {
+  double alpha = 0;
+  g_object_get(haptic_.get(), "alpha", &alpha, nullptr);
+  const auto *range =
+      G_PARAM_SPEC_DOUBLE(g_object_class_find_property(G_OBJECT_GET_CLASS(haptic_.get()), "alpha"));
+  alpha = std::clamp(alpha * factor, kWeakest, range->maximum);
+  g_object_set(haptic_.get(), "alpha", alpha, nullptr);
+  char text[64];
+  std::snprintf(text, sizeof text, "strength (alpha) %.3g s/px", alpha);
+  show_note(text);
 }
 
 std::string View::law() const {

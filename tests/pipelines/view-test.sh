@@ -97,6 +97,8 @@ if [ "${1:-}" = steer ]; then
   press minus 'at -0.5 times'
   press plus 'at -1 times'
   press bracketright 'region of 38 px'
+  press greater 'strength (alpha) 0.015 s/px'
+  press less 'strength (alpha) 0.01 s/px'
   press l 'force law arctan-axis'
   xdotool key q
   wait "$process"
