@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Sets everything up on Debian 12 or 13 and runs the paper's system: a simulated hand moves over a video
-# of a tree in the wind and feels it move. Writes to demo-output/
+# Sets everything up on Debian 12 or 13 and runs the paper's system: a simulated hand moves over a film
+# of a tree in the wind, which wind-film draws, and feels it move. Writes to demo-output/
 #   trace.csv  one row per millisecond: hand, velocity, force, string tensions
 #   trace.png  velocity and force over time, as the paper's figure 11
 # and prints a summary. The first run installs Debian packages, which it lists, and builds the plugins;
-# later runs take as long as the video, 30 s. Ctrl-C ends it early and keeps the results.
+# later runs take as long as the film, 20 s. Ctrl-C ends it early and keeps the results.
 #
 # Usage: pipelines/demo.sh [OPTION...]
 #   --video FILE          a video of your own instead of the tree
@@ -21,7 +21,7 @@ source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/packages.sh"
 
 video='' camera='' seconds='' device=sim show=no output=demo-output
-hand=circle:0.6,20
+hand=circle:0.6,20 strength=()
 
 read_options() {
   while [ $# -gt 0 ]; do
@@ -75,8 +75,8 @@ set_up() {
   fi
   use_elements
   if [ -z "$video$camera" ]; then
-    video=$(tree_video)
-    hand=file:$root/pipelines/tree-hand.csv
+    video=$(wind_film)
+    hand=file:$root/pipelines/wind-hand.csv strength=("alpha=$wind_alpha")
   fi
 }
 
@@ -92,7 +92,7 @@ make_line() {
   line+=(! progressreport update-freq=1 silent=true ! roitracker !)
   [ "$show" = no ] || line+=("${window_branch[@]}")
   line+=(velocityavg ! hapticsink "device=$(quoted "$device")" "sim-hand=$(quoted "$hand")"
-    "log-location=$(quoted "$output/trace.csv")")
+    "${strength[@]}" "log-location=$(quoted "$output/trace.csv")")
 }
 
 # `follow LOG` reads a process id and then the output of that gst-launch -m. Writes the output to LOG,

@@ -11,7 +11,7 @@
 # X11 windows report the mouse 20 times a second; glimagesink, where it is installed, reports at once.
 #
 # Usage: pipelines/mouse.sh [FILE] [-- OPTION=VALUE...]
-#   FILE is a video (default: the tree of the demonstration). What follows -- goes to hapticsink, for
+#   FILE is a video (default: the film of the demonstration). What follows -- goes to hapticsink, for
 #   example log-location=trace.csv, or device=usb: point with the mouse, feel with the other hand.
 #   Ctrl-C stops.
 
@@ -19,7 +19,7 @@ source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/packages.sh"
 
 read_arguments "$@"
-[ -n "$input" ] || input=$(tree_video)
+default_to_wind_film
 need_video "$input"
 need_display
 

@@ -9,9 +9,8 @@
 # It runs in real time: the overlay draws the force that the simulated device currently feels.
 #
 # Usage: pipelines/moving-picture.sh [VIDEO] OUTPUT
-#   VIDEO   its beginning is used, with the pointer in the middle. Default: the tree of the demonstration, at a
-#           twig. The tree's film shows 2.4 frames a second; it plays six times as fast, ffmpeg interpolates
-#           frames, and arrows and force are enlarged (scale, alpha), because its leaves move by a few px.
+#   VIDEO   its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with the
+#           pointer in the crown of the tree, and arrows enlarged.
 #   OUTPUT  the file, with the ending .webp
 
 source "$(dirname "$0")/common.sh"
@@ -34,14 +33,11 @@ need_packaged_elements y4mdec
 
 if [ -n "$video" ]; then
   need_file "$video"
-  tracker=() overlay=() sink=("sim-hand=hold:0,0,0")
-  cut=() filter=fps=30
+  sink=("sim-hand=hold:0,0,0") cut=() filter=fps=30 tracker=() overlay=()
 else
-  video=$(tree_video)
-  tracker=(roi-size=60) overlay=(scale=2) sink=("sim-hand=hold:0,0.28,0" alpha=0.15)
-  # Without the last seconds, in which a hand covers the lens.
-  cut=(-ss 4 -t 19.5)
-  filter="crop=216:162:52:0,mpdecimate=max=0,setpts=(PTS-STARTPTS)/6,minterpolate=fps=30:mi_mode=mci:mc_mode=aobmc:me_mode=bidir:vsbmc=1"
+  video=$(wind_film)
+  sink=("sim-hand=hold:-0.2,0.2,0" "alpha=$wind_alpha") cut=(-ss 4)
+  filter=crop=576:432:110:20,fps=30 tracker=(roi-size=48) overlay=(scale=2)
 fi
 
 work=$(mktemp -d)

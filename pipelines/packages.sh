@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# What this project takes from Debian, 12 and 13 alike: the one list of packages, and the film of the demonstration. To be
-# sourced after common.sh.
+# What this project takes from Debian, 12 and 13 alike: the one list of packages, and a film; and the film of the
+# demonstration. To be sourced after common.sh.
 
 # To run the pipelines.
 run_packages=(
@@ -142,6 +142,34 @@ install_packages() {
     fail "apt-get could not install the packages; check the network and read the log $log"
   fi
   rm -f "$log"
+}
+
+# Prints the path of the film of the demonstration, which wind-film draws in less time than it plays. It is kept
+# until there is a newer wind-film. For $(...) only: its trap is that of the subshell.
+wind_film() {
+  local kept=$root/build-data/wind.ts program=$build/pipelines/film/wind-film
+  [ -x "$program" ] || program=$(command -v wind-film) ||
+    fail "wind-film is not built; run ./pipelines/demo.sh, which installs and builds everything"
+  if [ ! -f "$kept" ] || [ "$program" -nt "$kept" ]; then
+    mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made; check the permissions of its parent"
+    find_plugins
+    echo "Drawing the film of a tree in the wind ..." >&2
+    new=$(mktemp "${kept%/*}/wind.XXXXXX.ts")
+    trap 'rm -f "$new" "$new.part"' EXIT
+    "$program" "$new" || return
+    mv "$new" "$kept"
+  fi
+  echo "$kept"
+}
+
+# Strength of the demonstration. With the paper's alpha, 0.01, leaves are felt for less than half of the time.
+wind_alpha=0.04
+
+# Sets $input to the film of the demonstration, with its strength in $sink_options, unless there is an input.
+default_to_wind_film() {
+  [ -z "$input" ] || return 0
+  input=$(wind_film)
+  sink_options=("alpha=$wind_alpha" "${sink_options[@]}")
 }
 
 # Prints the path of tree.avi, a tree in the wind, from the Debian package opencv-doc. Where that file is not

@@ -12,7 +12,7 @@
 # < weaker, > stronger (alpha), l next force law, s force off and on, q quit. At its end a file starts again.
 #
 # Usage: pipelines/view.sh [--verbose] [FILE | --camera [DEVICE] | --test-source] [-- OPTION=VALUE...]
-#   FILE           a video (default: the tree of the demonstration)
+#   FILE           a video (default: the film of the demonstration)
 #   --camera       a camera (default: /dev/video0)
 #   --test-source  a live test video that moves to the left at 60 px/s
 #   --verbose      prints when the first frame was shown and what each key did
@@ -41,8 +41,7 @@ camera)
   frames=(v4l2src "device=$(quoted "$input")" ! "${camera_frames[@]}")
   ;;
 file)
-  [ -n "$input" ] || input=$(tree_video)
-  is_url "$input" || need_file "$input"
+  [ -z "$input" ] || is_url "$input" || need_file "$input"
   ;;
 esac
 need_display
@@ -67,6 +66,7 @@ program=$build/pipelines/view/feeling-wind-view
 [ -x "$program" ] || program=$(command -v feeling-wind-view) || { set_up && program=$build/pipelines/view/feeling-wind-view; }
 use_elements hapticoverlay
 if [ "$kind" = file ]; then
+  default_to_wind_film
   need_video "$input"
   frames=("${film[@]}")
 fi
