@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace film {
 
@@ -108,7 +107,7 @@ Texture make_strip(int width, float height, float scale, float near, std::uint64
 Meadow::Meadow(int width, const Affine &to_frame, std::uint64_t seed)
     : to_frame_(to_frame), margin_(static_cast<int>(130 * to_frame.xx)) {
   Random random(seed ^ 0x6d656164);
-  for (int i = 0; i < kRows; ++i) {
+  for (int i = kRows - 1; i >= 0; --i) {
     const float near = static_cast<float>(i) / (kRows - 1);
     const float foot = mix(Sky::kHorizon + 6, kBottom, near * std::sqrt(near));
     const float height = mix(8, 54, near);
@@ -135,7 +134,7 @@ void Meadow::draw(Canvas &canvas, const Winds &winds, bool far) const {
   if (!far)
     for (const Blade &blade : blades_)
       draw_blade(canvas, blade, winds);
-  for (const Row &row : std::views::reverse(rows_))
+  for (const Row &row : rows_)
     if ((row.foot < Tree::kFoot.y + 4) == far)
       draw_strip(canvas, row, winds);
 }

@@ -36,8 +36,8 @@ private:
   void draw_blade(Canvas &canvas, const Blade &blade, const Winds &winds) const;
 
   Affine to_frame_;
-  int margin_; // px of a strip beyond both sides of the frame
-  std::vector<Row> rows_;
+  int margin_;            // px of a strip beyond both sides of the frame
+  std::vector<Row> rows_; // from the front to the back
   std::vector<Blade> blades_;
 };
 
