@@ -4,8 +4,10 @@
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
 
+#include <algorithm>
 #include <array>
 #include <gtest/gtest.h>
+#include <limits>
 #include <memory>
 #include <random>
 #include <vector>
@@ -131,6 +133,54 @@ TEST_F(PixelVotes, AtTheBorderOfThePlaneReadNothingOutside) {
   votes->count(earlier, later, 0, {-4, -4, 80, 80}, kNoise, all);
   for (const Patch &patch : all)
     EXPECT_TRUE(patch.share >= 0 && patch.share <= 1);
+}
+
+// Fills what stands beside the rows of a plane, and below them.
+void pad(Plane &plane, float value) {
+  for (int y = 0; y < plane.height() + 2; ++y)
+    std::fill(plane.row(y) + (y < plane.height() ? plane.width() : 0),
+              plane.row(y) + plane.stride(), value);
+}
+
+TEST_F(PixelVotes, DependOnNothingOutsideThePlaneWhateverTheShapes) {
+  std::mt19937 random(9);
+  const auto between = [&](float least, float most) {
+    return std::uniform_real_distribution(least, most)(random);
+  };
+  const Frame whole = Texture(9, 4, 50).frame(100, 100, {});
+  const Frame moved = Texture(9, 4, 50).frame(100, 100, {2, -1});
+  int counted = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto width = static_cast<int>(between(10, 100));
+    const auto height = static_cast<int>(between(10, 100));
+    haptic::smooth({whole.pixels.data(), width, height, 100}, earlier);
+    haptic::smooth({moved.pixels.data(), width, height, 100}, later);
+    const auto right = static_cast<float>(width);
+    const auto bottom = static_cast<float>(height);
+    const float most = i % 3 == 0 ? 50 : 0.5F; // px off the true displacement
+    std::vector<Patch> all;
+    for (int count = static_cast<int>(between(1, haptic::kMaxPatches)); count > 0; --count)
+      all.push_back({between(-9, right + 9), between(-9, bottom + 9), 8, 8,
+                     2 + between(-most, most), between(-most, most) - 1, between(0, 400), 0,
+                     between(0, 400), 1, 0});
+    const Area region{between(-8, right / 2), between(-8, bottom / 2), between(1, 40),
+                      between(1, 40)};
+    const auto shares = [&](float outside) {
+      pad(earlier, outside);
+      pad(later, outside);
+      std::vector<Patch> patches = all;
+      votes->count(earlier, later, i % 4 / 3, region, kNoise, patches);
+      std::vector<float> found;
+      for (const Patch &patch : patches) {
+        EXPECT_TRUE(patch.share >= 0 && patch.share <= 1.0001F) << patch.share;
+        found.push_back(patch.share);
+        counted += patch.share > 0;
+      }
+      return found;
+    };
+    EXPECT_EQ(shares(128), shares(std::numeric_limits<float>::quiet_NaN())) << i;
+  }
+  EXPECT_GT(counted, 1000);
 }
 
 TEST_F(PixelVotes, AreTheSameOnEveryInstructionSet) {
