@@ -5,8 +5,11 @@
 #include "patch-tracker.hpp"
 
 #include <algorithm>
+#include <array>
+#include <random>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <utility>
 
 namespace test {
 
@@ -48,5 +51,16 @@ private:
   std::uint8_t *memory_ = nullptr;
   std::uint8_t *first_ = nullptr;
 };
+
+/// First pixel and length of a part of so many: one pixel, any length, or all; at either border or
+/// anywhere.
+inline std::pair<int, int> any_part(std::mt19937 &random, int length) {
+  const auto between = [&](int least, int most) {
+    return std::uniform_int_distribution(least, most)(random);
+  };
+  const int some = std::array{1, between(1, length), length}[between(0, 2)];
+  const int rest = length - some;
+  return {std::array{0, between(0, rest), rest}[between(0, 2)], some};
+}
 
 } // namespace test

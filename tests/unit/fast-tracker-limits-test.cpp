@@ -6,6 +6,7 @@
 #include "instruction-sets.hpp"
 #include "region-tracking.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <optional>
 #include <random>
@@ -90,6 +91,39 @@ TEST(FastTrackerLimits, NothingOutsideTheCropIsRead) {
       else
         EXPECT_GT(found.count, 1);
     }
+}
+
+TEST(FastTrackerLimits, RegionsOfAnyShapeAtEveryBorderReadNothingOutsideTheCrop) {
+  std::mt19937 random(2);
+  int voted = 0;
+  for (int i = 0; i < 150; ++i) {
+    const int width = std::uniform_int_distribution(1, kSide)(random);
+    const int height = std::uniform_int_distribution(1, kSide)(random);
+    const auto [x, columns] = test::any_part(random, width);
+    const auto [y, rows] = test::any_part(random, height);
+    const Rectangle region{x, y, columns, rows};
+    const auto tracker = haptic::make_fast_tracker();
+    const Rectangle crop = haptic::crop_around(
+        region, tracker->margin(std::max(region.width, region.height)), width, height);
+    test::GuardedFrame previous(crop.width, crop.height);
+    test::GuardedFrame current(crop.width, crop.height);
+    const auto seed = static_cast<unsigned>(i);
+    Frame before = two_objects(Texture(seed, 4), Texture(seed + 500, 4), 0);
+    Frame after = two_objects(Texture(seed, 4), Texture(seed + 500, 4), i % 5);
+    const Rectangle shown{(kSide - crop.width) / 2, (kSide - crop.height) / 2, crop.width,
+                          crop.height};
+    const bool ends = i % 2 == 0;
+    Measurement found;
+    tracker->measure({previous.filled(test::view(before, shown), ends),
+                      current.filled(test::view(after, shown), ends), crop, region},
+                     found);
+    for (const haptic::Patch &patch : found.view()) {
+      EXPECT_TRUE(std::isfinite(patch.dx) && std::isfinite(patch.dy));
+      EXPECT_TRUE(patch.share >= 0 && patch.share <= 1) << patch.share;
+      voted += patch.share > 0;
+    }
+  }
+  EXPECT_GT(voted, 0);
 }
 
 TEST(FastTrackerLimits, AfterTheFirstFramesNothingIsAllocated) {

@@ -65,6 +65,35 @@ TEST(FieldTrackerLimits, NothingOutsideTheFrameIsRead) {
     }
 }
 
+TEST(FieldTrackerLimits, FramesOfAnyShapeReadNothingOutside) {
+  std::mt19937 random(4);
+  const auto between = [&](int least, int most) {
+    return std::uniform_int_distribution(least, most)(random);
+  };
+  const Frame before = scene(0);
+  const Frame after = scene(1);
+  int known = 0;
+  for (int i = 0; i < 150; ++i) {
+    const int width = i % 7 == 0 ? 1 : between(1, 250);
+    const int height = i % 7 == 1 ? 1 : between(1, 150);
+    const auto part = [&](const Frame &frame) {
+      return haptic::LumaView{frame.pixels.data() + (kWidth - width) / 2, width, height, kWidth};
+    };
+    test::GuardedFrame previous(width, height);
+    test::GuardedFrame current(width, height);
+    Field field(width, height, between(1, 40));
+    const bool ends = i % 2 == 0;
+    field.follow(previous.filled(part(before), ends));
+    field.follow(current.filled(part(after), ends));
+    for (const haptic::FieldCell &cell : field.cells) {
+      EXPECT_TRUE(std::isfinite(cell.velocity_x) && std::isfinite(cell.velocity_y));
+      EXPECT_TRUE(cell.confidence >= 0 && cell.confidence <= 1);
+      known += cell.confidence > 0;
+    }
+  }
+  EXPECT_GT(known, 0);
+}
+
 TEST(FieldTrackerLimits, AfterTheFirstFramesNothingIsAllocated) {
   std::mt19937 random(5);
   std::vector<Frame> movie;

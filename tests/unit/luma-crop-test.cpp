@@ -4,8 +4,10 @@
 #include "guarded-frame.hpp"
 #include "instruction-sets.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -132,6 +134,45 @@ TEST_P(LumaCrop, EveryInstructionSetConvertsByTheFormulaAndReadsTheAreaAlone) {
             ASSERT_EQ(view.pixels[y * view.stride + x], luma_at(plane.frame(), x, y))
                 << name << ", width " << width << ", " << x << ' ' << y;
       }
+  });
+}
+
+// Frames whose rows follow one another without slack, and whose last (or first) byte lies beside a
+// page that may not be read.
+TEST_P(LumaCrop, KeptAreasAtEveryBorderAreThoseOfTheFrameAndReadNothingOutside) {
+  std::mt19937 random(1);
+  const auto between = [&](int least, int most) {
+    return std::uniform_int_distribution(least, most)(random);
+  };
+  const int pixel = GST_VIDEO_FORMAT_INFO_PSTRIDE(gst_video_format_get_info(format), 0);
+  test::for_instruction_sets([&](const char *name) {
+    for (int i = 0; i < 60; ++i) {
+      const int width = between(1, 90);
+      const int height = between(1, 30);
+      GstVideoFrame frame{};
+      gst_video_info_set_format(&frame.info, format, static_cast<guint>(width),
+                                static_cast<guint>(height));
+      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width * pixel * height));
+      std::ranges::generate(bytes, random);
+      test::GuardedFrame memory(static_cast<int>(bytes.size()), 1);
+      const auto size = static_cast<int>(bytes.size());
+      frame.data[0] = const_cast<std::uint8_t *>(
+          memory.filled({bytes.data(), size, 1, size}, i % 2 == 0).pixels);
+      frame.info.stride[0] = width * pixel;
+      const haptic::FrameLuma luma(frame);
+      haptic::KeptLuma kept;
+      for (int read = 0; read < 30; ++read) {
+        const auto [x, columns] = test::any_part(random, width);
+        const auto [y, rows] = test::any_part(random, height);
+        const LumaView view = kept.read(luma, {x, y, columns, rows});
+        ASSERT_EQ(std::pair(view.width, view.height), std::pair(columns, rows));
+        for (int row = 0; row < rows; ++row)
+          for (int column = 0; column < columns; ++column)
+            ASSERT_EQ(view.pixels[row * view.stride + column], luma_at(frame, x + column, y + row))
+                << name << ", " << columns << 'x' << rows << '+' << x << '+' << y << " of " << width
+                << 'x' << height;
+      }
+    }
   });
 }
 
