@@ -66,13 +66,13 @@ struct _GstHapticOverlay {
 
 static GstStaticPadTemplate sink_template =
     GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
 static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
     "src", GST_PAD_SRC, GST_PAD_ALWAYS,
     GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
         GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
         ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
-        HAPTIC_VIDEO_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+        HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
 
 G_DEFINE_TYPE_WITH_CODE(GstHapticOverlay, gst_haptic_overlay, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(haptic_overlay_debug, "hapticoverlay", 0,

@@ -70,6 +70,19 @@ void PickBytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t 
       [at](const std::uint8_t *in, std::uint8_t *out) { *out = in[at]; });
 }
 
+void CutTenBits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
+  ConvertPixels<2>(
+      from, to, stride,
+      [](auto d, const std::uint8_t *in, std::uint8_t *out) HWY_ATTR {
+        hn::Vec<decltype(d)> low, high;
+        hn::LoadInterleaved2(d, in, low, high);
+        hn::StoreU(hn::Or(hn::ShiftRight<2>(low), hn::ShiftLeft<6>(high)), d, out);
+      },
+      [](const std::uint8_t *in, std::uint8_t *out) {
+        *out = static_cast<std::uint8_t>(in[0] >> 2 | in[1] << 6);
+      });
+}
+
 // The weights of ITU-R BT.601, section 2.5.1, in 256ths.
 constexpr int kRed = 77;
 constexpr int kGreen = 150;
@@ -281,6 +294,7 @@ HWY_AFTER_NAMESPACE();
 namespace haptic {
 
 HWY_EXPORT(PickBytes);
+HWY_EXPORT(CutTenBits);
 HWY_EXPORT(WeighColours);
 HWY_EXPORT(AveragePairs);
 HWY_EXPORT(Smooth);
@@ -302,6 +316,10 @@ void Plane::resize(int width, int height) {
 
 void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride) {
   HWY_DYNAMIC_DISPATCH(PickBytes)(from, at, to, stride);
+}
+
+void cut_ten_bits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
+  HWY_DYNAMIC_DISPATCH(CutTenBits)(from, to, stride);
 }
 
 void weigh_colours(const PackedView &from, const ColourOrder &order, std::uint8_t *to,

@@ -56,6 +56,10 @@ struct PackedView {
 /// Copies byte `at` of each pixel, which has two, to rows that are `stride` bytes apart.
 void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride);
 
+/// Copies the upper eight of the ten lower bits of each pixel, which has two bytes, the lower one
+/// first.
+void cut_ten_bits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride);
+
 /// Places of the colours in a pixel, bytes.
 struct ColourOrder {
   int red = 0;

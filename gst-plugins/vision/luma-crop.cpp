@@ -30,10 +30,16 @@ void FrameLuma::convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t 
   const auto place = [this](guint component) {
     return static_cast<int>(GST_VIDEO_FRAME_COMP_POFFSET(&frame_, component));
   };
-  if (GST_VIDEO_FORMAT_INFO_IS_RGB(frame_.info.finfo))
+  const GstVideoFormatInfo *format = frame_.info.finfo;
+  const auto depth = GST_VIDEO_FORMAT_INFO_DEPTH(format, 0);
+  if (GST_VIDEO_FORMAT_INFO_IS_RGB(format))
     weigh_colours(pixels, {place(0), place(1), place(2)}, to, stride);
-  else
+  else if (depth == 8)
     pick_bytes(pixels, place(0), to, stride);
+  else if (depth + GST_VIDEO_FORMAT_INFO_SHIFT(format, 0) == 16)
+    pick_bytes(pixels, place(0) + (GST_VIDEO_FORMAT_INFO_IS_LE(format) ? 1 : 0), to, stride);
+  else
+    cut_ten_bits(pixels, to, stride);
 }
 
 LumaView luma_crop(const GstVideoFrame &frame, const Rectangle &area,

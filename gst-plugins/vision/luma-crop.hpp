@@ -7,15 +7,24 @@
 #include <gst/video/video.h>
 #include <vector>
 
-/// The formats that can be read: 8 bits per component, YUV, RGB or grey.
+// 8 bits per component, YUV, RGB or grey.
+#define HAPTIC_BYTE_FORMATS                                                                        \
+  "GRAY8, I420, YV12, NV12, NV21, Y42B, Y444, YUY2, UYVY, RGB, BGR, RGBx, BGRx, xRGB, xBGR, "      \
+  "RGBA, BGRA, ARGB, ABGR"
+
+/// The formats that can be drawn on.
+#define HAPTIC_DRAWN_FORMATS "{ " HAPTIC_BYTE_FORMATS " }"
+
+/// The formats that can be read.
 #define HAPTIC_VIDEO_FORMATS                                                                       \
-  "{ GRAY8, I420, YV12, NV12, NV21, Y42B, Y444, YUY2, UYVY, RGB, BGR, RGBx, BGRx, xRGB, xBGR, "    \
-  "RGBA, BGRA, ARGB, ABGR }"
+  "{ " HAPTIC_BYTE_FORMATS ", NV16, P010_10LE, I420_10LE, I422_10LE, GRAY16_LE, GRAY16_BE }"
 
 namespace haptic {
 
 /// The luma of a frame that stays mapped. RGB: Y = 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601,
-/// section 2.5.1). Converting reads no byte outside the pixels of the area.
+/// section 2.5.1). More than
+/// 8 bits are cut off, as videoconvert does it without dithering. Converting reads no byte outside
+/// the pixels of the area.
 class FrameLuma final : public LumaSource {
 public:
   explicit FrameLuma(const GstVideoFrame &frame) : frame_(frame) {}

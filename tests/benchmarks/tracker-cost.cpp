@@ -181,7 +181,8 @@ void compare_elements() {
 }
 
 constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2,
-                                       GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx};
+                                       GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx,
+                                       GST_VIDEO_FORMAT_I420_10LE};
 using FormatTimes = std::array<double, std::size(kFormats)>;
 
 // Median us of an element for the same frames in each of the formats in turn. A pointer moves by
@@ -224,10 +225,10 @@ void compare_formats(int width, int height) {
   const FormatTimes columns[] = {times_by_format("roitracker", frames, 0, 400),
                                  times_by_format("roitracker", frames, 8, 400),
                                  times_by_format("motionfield", frames, 0, 40)};
-  std::printf("\n%d x %d, median us per frame\n%-8s %17s %17s %17s\n", width, height, "",
+  std::printf("\n%d x %d, median us per frame\n%-9s %17s %17s %17s\n", width, height, "",
               "roitracker", "pointer at 8 px", "motionfield");
   for (std::size_t k = 0; k < std::size(kFormats); ++k) {
-    std::printf("%-8s", gst_video_format_to_string(kFormats[k]));
+    std::printf("%-9s", gst_video_format_to_string(kFormats[k]));
     for (const FormatTimes &times : columns)
       std::printf(" %8.0f (x %4.2f)", times[k], times[k] / times[0]);
     std::printf("\n");

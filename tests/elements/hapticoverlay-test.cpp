@@ -261,7 +261,7 @@ TEST_F(HapticOverlay, TimeFlagsAndMetadataArePassedOn) {
 
 TEST_F(HapticOverlay, EveryFormatIsDrawnOnAboutTheRegionAlone) {
   gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "full");
-  const haptic::CapsPtr caps(gst_caps_from_string(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
+  const haptic::CapsPtr caps(gst_caps_from_string(GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
   const GValue *formats = gst_structure_get_value(gst_caps_get_structure(caps.get(), 0), "format");
   ASSERT_GE(gst_value_list_get_size(formats), 19U);
   for (guint n = 0; n < gst_value_list_get_size(formats); ++n) {

@@ -313,7 +313,10 @@ INSTANTIATE_TEST_SUITE_P(
                       GST_VIDEO_FORMAT_YUY2, GST_VIDEO_FORMAT_UYVY, GST_VIDEO_FORMAT_RGB,
                       GST_VIDEO_FORMAT_BGR, GST_VIDEO_FORMAT_RGBx, GST_VIDEO_FORMAT_BGRx,
                       GST_VIDEO_FORMAT_xRGB, GST_VIDEO_FORMAT_xBGR, GST_VIDEO_FORMAT_RGBA,
-                      GST_VIDEO_FORMAT_BGRA, GST_VIDEO_FORMAT_ARGB, GST_VIDEO_FORMAT_ABGR),
+                      GST_VIDEO_FORMAT_BGRA, GST_VIDEO_FORMAT_ARGB, GST_VIDEO_FORMAT_ABGR,
+                      GST_VIDEO_FORMAT_NV16, GST_VIDEO_FORMAT_P010_10LE, GST_VIDEO_FORMAT_I420_10LE,
+                      GST_VIDEO_FORMAT_I422_10LE, GST_VIDEO_FORMAT_GRAY16_LE,
+                      GST_VIDEO_FORMAT_GRAY16_BE),
     [](const auto &format) { return std::string(gst_video_format_to_string(format.param)); });
 
 TEST_F(MotionFieldElement, WorksAtAnySizeAndMeasuresNothingWhereThereIsTooLittle) {

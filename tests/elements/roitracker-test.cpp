@@ -299,7 +299,9 @@ TEST_P(RoiTrackerFormats, AgreeAtOddWidths) {
 INSTANTIATE_TEST_SUITE_P(All, RoiTrackerFormats,
                          ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
                                            "YUY2", "UYVY", "RGB", "BGR", "RGBx", "BGRx", "xRGB",
-                                           "xBGR", "RGBA", "BGRA", "ARGB", "ABGR"),
+                                           "xBGR", "RGBA", "BGRA", "ARGB", "ABGR", "NV16",
+                                           "P010_10LE", "I420_10LE", "I422_10LE", "GRAY16_LE",
+                                           "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
 // Near and far moves of the pointer, regions of any size, too small ones, repeated frames and
@@ -308,7 +310,7 @@ TEST_F(RoiTracker, WhatIsConvertedIsMeasuredAsWhatIsNot) {
   std::vector<Frame> movie;
   for (int i = 0; i < 8; ++i)
     movie.push_back(moving(i));
-  for (const char *format : {"YUY2", "UYVY", "BGR", "xRGB", "BGRA"}) {
+  for (const char *format : {"YUY2", "UYVY", "BGR", "xRGB", "BGRA", "I420_10LE"}) {
     VideoHarness harnesses[] = {VideoHarness("roitracker"), VideoHarness("roitracker")};
     harnesses[0].set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
     harnesses[1].set_format(gst_video_format_from_string(format), kWidth, kHeight);

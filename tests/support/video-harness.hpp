@@ -5,6 +5,7 @@
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "moving-texture.hpp"
+#include "video-samples.hpp"
 
 #include <chrono>
 #include <functional>
@@ -36,13 +37,11 @@ inline haptic::BufferPtr to_buffer(const Frame &frame, const GstVideoInfo &info)
   GstVideoFrame mapped;
   gst_video_frame_map(&mapped, &info, buffer.get(), GST_MAP_WRITE);
   const guint components = GST_VIDEO_INFO_IS_RGB(&info) ? 3 : 1;
-  for (guint component = 0; component < components; ++component) {
-    auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&mapped, component));
-    const int step = GST_VIDEO_FRAME_COMP_PSTRIDE(&mapped, component);
-    for (int y = 0; y < frame.height; ++y, row += GST_VIDEO_FRAME_COMP_STRIDE(&mapped, component))
+  for (guint component = 0; component < components; ++component)
+    for (int y = 0; y < frame.height; ++y)
       for (int x = 0; x < frame.width; ++x)
-        row[x * step] = frame.pixels[static_cast<std::size_t>(y) * frame.width + x];
-  }
+        set_sample(mapped, component, x, y,
+                   frame.pixels[static_cast<std::size_t>(y) * frame.width + x]);
   gst_video_frame_unmap(&mapped);
   return buffer;
 }

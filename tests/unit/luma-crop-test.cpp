@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 
+#include "gst-raii.hpp"
 #include "guarded-frame.hpp"
 #include "instruction-sets.hpp"
+#include "video-samples.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -33,10 +35,7 @@ public:
     for (guint component = 0; component < components; ++component)
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-          static_cast<std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(
-              &frame_, component))[y * GST_VIDEO_FRAME_COMP_STRIDE(&frame_, component) +
-                                   x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame_, component)] =
-              value_at(x, y);
+          test::set_sample(frame_, component, x, y, value_at(x, y));
   }
 
   const GstVideoFrame &frame() const { return frame_; }
@@ -51,11 +50,7 @@ private:
 
 // The formula, pixel by pixel: Y = (77 R + 150 G + 29 B + 128) / 256, or the luma that there is.
 int luma_at(const GstVideoFrame &frame, int x, int y) {
-  const auto component = [&](guint index) {
-    return static_cast<const std::uint8_t *>(
-        GST_VIDEO_FRAME_COMP_DATA(&frame, index))[y * GST_VIDEO_FRAME_COMP_STRIDE(&frame, index) +
-                                                  x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, index)];
-  };
+  const auto component = [&](guint index) { return test::get_sample(frame, index, x, y); };
   if (!GST_VIDEO_FORMAT_INFO_IS_RGB(frame.info.finfo))
     return component(0);
   return (77 * component(0) + 150 * component(1) + 29 * component(2) + 128) / 256;
@@ -197,10 +192,68 @@ TEST(LumaCropColours, EveryColourIsRoundedByTheFormula) {
   });
 }
 
+class LumaWithoutColours : public LumaCrop {};
+
+TEST_P(LumaWithoutColours, IsThatOfVideoconvertWithoutDithering) {
+  gst_init(nullptr, nullptr);
+  std::mt19937 random(3);
+  for (const int width : {1, 2, 47, 48, 49, 643}) {
+    constexpr int kHeight = 37;
+    GstVideoInfo in;
+    GstVideoInfo out;
+    const auto columns = static_cast<guint>(width);
+    gst_video_info_set_format(&in, format, columns, kHeight);
+    gst_video_info_set_format(
+        &out, GST_VIDEO_INFO_IS_GRAY(&in) ? GST_VIDEO_FORMAT_GRAY8 : GST_VIDEO_FORMAT_Y444, columns,
+        kHeight);
+    out.colorimetry = in.colorimetry;
+    const auto buffer_of = [](const GstVideoInfo &info) {
+      return haptic::BufferPtr(
+          gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
+    };
+    const haptic::BufferPtr source = buffer_of(in);
+    const haptic::BufferPtr target = buffer_of(out);
+    GstMapInfo bytes;
+    gst_buffer_map(source.get(), &bytes, GST_MAP_WRITE);
+    std::generate_n(bytes.data, bytes.size, [&] { return static_cast<std::uint8_t>(random()); });
+    gst_buffer_unmap(source.get(), &bytes);
+    GstVideoFrame from;
+    GstVideoFrame to;
+    gst_video_frame_map(&from, &in, source.get(), GST_MAP_READWRITE);
+    gst_video_frame_map(&to, &out, target.get(), GST_MAP_READWRITE);
+    // Ones below the upper eight bits: rounding would show.
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < width; ++x)
+        test::set_sample(from, 0, x, y, static_cast<std::uint8_t>(random()));
+    GstVideoConverter *converter = gst_video_converter_new(
+        &in, &out,
+        gst_structure_new("options", GST_VIDEO_CONVERTER_OPT_DITHER_METHOD,
+                          GST_TYPE_VIDEO_DITHER_METHOD, GST_VIDEO_DITHER_NONE, nullptr));
+    gst_video_converter_frame(converter, &from, &to);
+    gst_video_converter_free(converter);
+    std::vector<std::uint8_t> scratch;
+    const LumaView view = haptic::luma_crop(from, {0, 0, width, kHeight}, scratch);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < width; ++x)
+        ASSERT_EQ(view.pixels[y * view.stride + x], test::get_sample(to, 0, x, y))
+            << width << ": " << x << ' ' << y;
+    gst_video_frame_unmap(&to);
+    gst_video_frame_unmap(&from);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, LumaWithoutColours,
+                         ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
+                                           "YUY2", "UYVY", "NV16", "P010_10LE", "I420_10LE",
+                                           "I422_10LE", "GRAY16_LE", "GRAY16_BE"),
+                         [](const auto &format) { return std::string(format.param); });
+
 INSTANTIATE_TEST_SUITE_P(Formats, LumaCrop,
                          ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
                                            "YUY2", "UYVY", "RGB", "BGR", "RGBx", "BGRx", "xRGB",
-                                           "xBGR", "RGBA", "BGRA", "ARGB", "ABGR"),
+                                           "xBGR", "RGBA", "BGRA", "ARGB", "ABGR", "NV16",
+                                           "P010_10LE", "I420_10LE", "I422_10LE", "GRAY16_LE",
+                                           "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
 } // namespace
