@@ -3,6 +3,7 @@
 //   1. nothing changed but noise
 //   2. one translation of the whole region
 //   3. a grid of patches, evenly spread, so that their mean is the mean over the region
+#include "clipped-pixels.hpp"
 #include "frame-change.hpp"
 #include "frame-reduction.hpp"
 #include "noise-estimate.hpp"
@@ -58,6 +59,7 @@ private:
   ChangeFinding region_change(const CropPair &pair) const;
   void build_pyramids(const CropPair &pair);
   void cover_with_blocks(const Area &area);
+  void mask_blocks();
   Translation translate(Displacement start);
   Translation translate_level(std::size_t level, Displacement start, int iterations);
   Translation find_translation();
@@ -89,6 +91,7 @@ private:
   std::array<Alignment, kMaxPatches> aligned_; // of grid_
   std::array<float, kMaxPatches> residuals2_;
   Template strained_;
+  ClippedPixels clipped_; // of the earlier frame
   PixelVotes votes_;
   FrameReduction previous_reduction_;
   FrameReduction current_reduction_;
@@ -135,6 +138,22 @@ void FastTracker::cover_with_blocks(const Area &area) {
     blocks_[level].cover(previous_.levels[level], a, parts_of(a.width, length),
                          parts_of(a.height, length), side, level == 0);
   }
+}
+
+// Clipped pixels have no weight, unless the others show nothing: what is black and white moves too.
+void FastTracker::mask_blocks() {
+  const auto blocks = blocks_[0].view();
+  Tensor structure;
+  float pixels = 0;
+  for (Template &block : blocks) {
+    clipped_.mask(block);
+    structure += block.structure;
+    pixels += static_cast<float>(block.side * block.side);
+  }
+  if (has_texture(eigenvalues(structure).least, pixels, noise_.variance()))
+    return;
+  clipped_.forget();
+  prepare_templates(previous_.levels[0], blocks);
 }
 
 Translation FastTracker::translate_level(std::size_t level, Displacement start, int iterations) {
@@ -189,6 +208,9 @@ void FastTracker::cover_with_grid(const Area &area) {
   const int side =
       sparse && fits_into(previous_.levels[0], kLargePatch) ? kLargePatch : kSmallPatch;
   grid_.cover(previous_.levels[0], area, columns, rows, side, parts().dither);
+  if (clipped_.any())
+    for (Template &patch : grid_.view())
+      clipped_.mask(patch);
 }
 
 Alignment FastTracker::align(int row, int column, std::span<const Displacement> starts) const {
@@ -289,6 +311,8 @@ void FastTracker::follow_strain() {
     strained_.y = patch.y;
     strained_.side = patch.side;
     prepare_strained_template(previous_.levels[0], *strain, strained_);
+    if (clipped_.any())
+      clipped_.mask(strained_);
     const Alignment better =
         align_template(current_.levels[0], strained_, {&before[at], 1}, options_.iterations);
     if (better.fit.residual < kBetter * aligned_[at].fit.residual) {
@@ -379,6 +403,9 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
            static_cast<float>(pair.region.height)}
           .in_plane();
   cover_with_blocks(area);
+  clipped_.find(pair.previous, area);
+  if (clipped_.any())
+    mask_blocks();
   Translation whole = find_translation();
   if (parts().period &&
       !resolve_period(previous_.levels[0], current_.levels[0], blocks_[0].view(),

@@ -162,6 +162,7 @@ template <int kSide>
 void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
   constexpr float kPixels = kSide * kSide;
   constexpr float kRidge = 0.8F * kPixels;
+  patch.seen = 0;
   const TemplateSums sums = SumTemplate<kSide>(first, stride, patch);
   const float mean = sums.grey / kPixels;
   const float mean_x = sums.gradient.x / kPixels;
@@ -233,31 +234,37 @@ HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
 //   residual     what the best gain and offset leave: the least (over gain and offset) of
 //                sum (I - gain t - offset)^2 = sum (I - mean(I))^2 - (sum t I)^2 / E,
 //                as root of the mean; a negative gain explains nothing
-// One pass over the pixels suffices, because sum t = 0.
-template <int kSide>
+// One pass over the pixels suffices, because sum t = 0. kSome: only the pixels with a weight.
+template <int kSide, bool kSome = false>
 Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
+  if constexpr (!kSome)
+    if (patch.seen > 0)
+      return FitTemplate<kSide, true>(plane, patch, moved);
   const Position position = locate(plane, patch, moved);
   if (!position.inside)
     return {};
   const RowTag<kSide> d;
   auto bx = hn::Zero(d), by = hn::Zero(d), s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
   for_pixels<kSide>(plane, position, [&](int at, auto grey) HWY_ATTR {
+    const auto t = hn::Load(d, patch.grey.data() + at);
+    if constexpr (kSome)
+      grey = hn::IfThenElseZero(hn::Ne(t, hn::Zero(d)), grey);
     bx = hn::MulAdd(hn::Load(d, patch.gradient_x.data() + at), grey, bx);
     by = hn::MulAdd(hn::Load(d, patch.gradient_y.data() + at), grey, by);
     s = hn::Add(s, grey);
     ss = hn::MulAdd(grey, grey, ss);
-    st = hn::MulAdd(hn::Load(d, patch.grey.data() + at), grey, st);
+    st = hn::MulAdd(t, grey, st);
   });
-  constexpr float kPixels = kSide * kSide;
-  const float mean = total(d, s) / kPixels;
-  const float energy = std::max(0.0F, total(d, ss) - kPixels * mean * mean);
+  const float pixels = kSome ? patch.seen : kSide * kSide;
+  const float mean = total(d, s) / pixels;
+  const float energy = std::max(0.0F, total(d, ss) - pixels * mean * mean);
   const float cross = total(d, st);
   Fit fit;
   fit.inside = true;
   fit.gradient = {total(d, bx), total(d, by)};
   fit.correlation = cross / std::sqrt(std::max(1e-6F, energy * patch.energy));
   const float explained = cross > 0 ? cross * cross / std::max(1e-6F, patch.energy) : 0.0F;
-  fit.residual = std::sqrt(std::max(0.0F, energy - explained) / kPixels);
+  fit.residual = std::sqrt(std::max(0.0F, energy - explained) / pixels);
   return fit;
 }
 

@@ -21,6 +21,7 @@ struct Template {
   float x = 0; ///< sampling position of the first pixel in the plane, may be fractional
   float y = 0;
   int side = 8;        ///< px, 8 or 16
+  float seen = 0;      ///< pixels, if some have no weight: their grey level and gradient are 0
   Tensor structure;    ///< structure tensor of the projected gradients
   float energy = 0;    ///< sum of squared grey levels about their mean
   float slope = 0;     ///< sum of squared differences to the next pixel, along x and y

@@ -73,6 +73,47 @@ TEST_F(FastTracker, OneTranslationIsOnePatchWithinAHundredthOfAPixelInTheMean) {
   EXPECT_LT(errors / kCases, 0.010);
 }
 
+TEST_F(FastTracker, TheBorderOfAClippedAreaHasNoWeight) {
+  double errors = 0;
+  constexpr int kCases = 20;
+  for (int i = 0; i < kCases; ++i) {
+    const Texture texture(static_cast<unsigned>(i), 4, 45);
+    const Shift truth{0.3 * (i % 7) - 1, 0.37 * (i % 5) - 0.8};
+    // Below a border that moves with the texture, the sky is too bright for the camera.
+    const auto before_sky = [&](const Shift &shift) {
+      Frame frame = texture.frame(kFrame, kFrame, shift);
+      for (int y = 0; y < kFrame; ++y)
+        for (int x = 0; x < kFrame; ++x) {
+          const double sky = std::clamp(y - (kFrame / 2.0 - 3 + shift.y) + 0.5, 0.0, 1.0);
+          frame.at(x, y) = static_cast<std::uint8_t>(
+              std::min(255.0, frame.at(x, y) + sky * (300 - frame.at(x, y))));
+        }
+      return frame;
+    };
+    Frame before = before_sky({});
+    Frame after = before_sky(truth);
+    const Measurement &found = track(before, after);
+    ASSERT_EQ(found.count, 1);
+    errors += error(found, truth);
+  }
+  EXPECT_LT(errors / kCases, 0.03);
+}
+
+TEST_F(FastTracker, WhatIsOnlyBlackAndWhiteIsFollowed) {
+  const auto square = [](int left) {
+    Frame frame(kFrame, kFrame, 0);
+    for (int y = 62; y < 78; ++y)
+      for (int x = left; x < left + 16; ++x)
+        frame.at(x, y) = 255;
+    return frame;
+  };
+  Frame before = square(60);
+  Frame after = square(62);
+  const Measurement &found = track(before, after);
+  ASSERT_GT(found.count, 0);
+  EXPECT_LT(error(found, {2, 0}), 0.05);
+}
+
 TEST_F(FastTracker, EverySixteenthOfAPixelHasTheSameSmallBias) {
   for (int step = 0; step < 16; ++step) {
     const Shift truth{1 + step / 16.0, -step / 16.0};
