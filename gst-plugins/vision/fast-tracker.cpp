@@ -56,6 +56,8 @@ private:
 
   CropPair reduced(const CropPair &pair, int count);
   void measure_reduced(const CropPair &pair, Measurement &measurement);
+  bool has_fields(const CropPair &pair) const;
+  void measure_fields(const CropPair &pair, Measurement &measurement);
   ChangeFinding region_change(const CropPair &pair) const;
   void build_pyramids(const CropPair &pair);
   void cover_with_blocks(const Area &area);
@@ -100,14 +102,36 @@ private:
   NoiseEstimate fit_noise_{kLearningRate}; // of what fits, also while it moves
 };
 
-ChangeFinding FastTracker::region_change(const CropPair &pair) const {
+// The region of one of the views.
+LumaView inside(const CropPair &pair, const LumaView &view) {
   const std::ptrdiff_t x = pair.region.x - pair.crop.x;
   const std::ptrdiff_t y = pair.region.y - pair.crop.y;
-  const auto inside = [&](const LumaView &view) {
-    return LumaView{view.pixels + y * view.stride + x, pair.region.width, pair.region.height,
-                    view.stride};
+  return {view.pixels + y * view.stride + x, pair.region.width, pair.region.height, view.stride};
+}
+
+bool is_wide_enough(const CropPair &pair) {
+  const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
+  return least(pair.region) >= kSmallestRegion / 2 &&
+         least(pair.crop) >= kSmallPatch + kRim + 2 * kSmoothingRadius;
+}
+
+// Every other row from row `parity` on.
+CropPair field_of(const CropPair &pair, int parity) {
+  const auto field = [&](const LumaView &view) {
+    return LumaView{view.pixels + parity * view.stride, view.width, view.height / 2,
+                    2 * view.stride};
   };
-  return find_change(inside(pair.previous), inside(pair.current), noise_.variance());
+  CropPair fields = pair;
+  fields.previous = field(pair.previous);
+  fields.current = field(pair.current);
+  fields.crop.height = pair.crop.height / 2;
+  fields.region.y = pair.crop.y + (pair.region.y - pair.crop.y) / 2;
+  fields.region.height = pair.region.height / 2;
+  return fields;
+}
+
+ChangeFinding FastTracker::region_change(const CropPair &pair) const {
+  return find_change(inside(pair, pair.previous), inside(pair, pair.current), noise_.variance());
 }
 
 void FastTracker::build_pyramids(const CropPair &pair) {
@@ -461,17 +485,58 @@ CropPair FastTracker::reduced(const CropPair &pair, int count) {
   return reduced;
 }
 
+// Reduction mixes the fields, so that only what is not reduced has them.
+bool FastTracker::has_fields(const CropPair &pair) const {
+  return pair.region.width >= kSmallPatch && is_wide_enough(field_of(pair, 1)) &&
+         is_combed(inside(pair, pair.current), std::max(noise_.variance(), fit_noise_.variance()));
+}
+
+// A row has the time of its field, and the next frame a row of the same field at the same place.
+// Each field lacks every other row. What that does to its displacement, it does to that of the
+// other field with the opposite sign: the patches of both go to the average.
+void FastTracker::measure_fields(const CropPair &pair, Measurement &measurement) {
+  const int points = max_points_;
+  max_points_ = std::max(1, points / 2);
+  measurement.flags = kStill;
+  for (int parity = 0; parity < std::min(2, points); ++parity) {
+    Measurement field;
+    have_previous_ = false;
+    last_.y /= 2;
+    measure_reduced(field_of(pair, parity), field);
+    last_.y *= 2;
+    measurement.candidates += field.candidates;
+    measurement.flags = static_cast<std::uint16_t>((measurement.flags & field.flags & kStill) |
+                                                   ((measurement.flags | field.flags) & kCut));
+    field.shift(kSmoothingRadius, kSmoothingRadius);
+    for (Patch patch : field.view()) {
+      patch.y = 2 * patch.y + static_cast<float>(parity) - 0.5F;
+      patch.height *= 2;
+      patch.dy *= 2;
+      patch.precision_xy /= 2;
+      patch.precision_yy /= 4;
+      patch.share /= 2;
+      measurement.add(patch);
+    }
+  }
+  if (measurement.flags & kCut)
+    measurement.count = 0;
+  have_previous_ = false;
+  max_points_ = points;
+}
+
 void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
   measurement.clear();
   const int count = reductions(std::max(pair.region.width, pair.region.height));
   const CropPair small = reduced(pair, count);
   // A strip along a border of the frame may have become too narrow for patches.
-  const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
-  if (least(small.region) < kSmallestRegion / 2 ||
-      least(small.crop) < kSmallPatch + kRim + 2 * kSmoothingRadius)
+  if (!is_wide_enough(small))
     return;
-  measure_reduced(small, measurement);
-  measurement.shift(kSmoothingRadius, kSmoothingRadius);
+  if (count == 0 && has_fields(small)) {
+    measure_fields(small, measurement);
+  } else {
+    measure_reduced(small, measurement);
+    measurement.shift(kSmoothingRadius, kSmoothingRadius);
+  }
   measurement.scale(static_cast<float>(1 << count));
   measurement.shift(static_cast<float>(pair.crop.x), static_cast<float>(pair.crop.y));
 }

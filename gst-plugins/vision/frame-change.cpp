@@ -32,4 +32,12 @@ ChangeFinding find_change(const LumaView &previous, const LumaView &current, flo
   return {texture > 2 * noise / (kHidden * kHidden) ? Change::none : Change::unseen, energy};
 }
 
+// An edge makes a row differ from the next by half the energy of the difference to the second next,
+// texture that is resolved by less.
+bool is_combed(const LumaView &view, float noise) {
+  constexpr float kCombed = 0.6F;
+  const auto [next, second] = compare_rows(view);
+  return next - 2 * noise > kCombed * (second - 2 * noise);
+}
+
 } // namespace haptic

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Whether anything moved between two frames, from their differences alone.
+// Whether anything moved between two frames, or within one, from differences of pixels alone.
 #pragma once
 
 #include "patch-tracker.hpp"
@@ -20,5 +20,9 @@ struct ChangeFinding {
 /// Returns `some` if the differences are larger than noise (variance of a pixel), or correlated
 /// with the gradients as a translation makes them. The views have one size, at least 3x3.
 ChangeFinding find_change(const LumaView &previous, const LumaView &current, float noise);
+
+/// Whether neighbouring rows show different times, as in a frame woven from two fields. `noise`:
+/// variance of a pixel. The view is at least 8x3.
+bool is_combed(const LumaView &view, float noise);
 
 } // namespace haptic

@@ -287,6 +287,38 @@ ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
   return change;
 }
 
+// The sums over x and y of (f(x, y) - f(x, y+1))^2 and (f(x, y) - f(x, y+2))^2, over the number of
+// pixels. Vectors overlap at the end of a row.
+RowDifferences CompareRows(const LumaView &view) {
+  const hn::CappedTag<std::int16_t, 8> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> du;
+  const hn::RepartitionToWide<decltype(d)> dw;
+  auto next = hn::Zero(dw), next1 = next, second = next, second1 = next;
+  int vectors = 0;
+  for_row(d, view.width, [&](int x) HWY_ATTR {
+    const auto load = [&](int y) HWY_ATTR {
+      return hn::PromoteTo(d, hn::LoadU(du, view.pixels + y * view.stride + x));
+    };
+    auto upper = load(0);
+    auto middle = load(1);
+    for (int y = 0; y + 2 < view.height; ++y) {
+      const auto lower = load(y + 2);
+      const auto by_one = hn::Sub(upper, middle);
+      const auto by_two = hn::Sub(upper, lower);
+      next = hn::ReorderWidenMulAccumulate(dw, by_one, by_one, next, next1);
+      second = hn::ReorderWidenMulAccumulate(dw, by_two, by_two, second, second1);
+      upper = middle;
+      middle = lower;
+    }
+    ++vectors;
+  });
+  const auto mean = [&](auto a, auto b) HWY_ATTR {
+    return static_cast<float>(hn::GetLane(hn::SumOfLanes(dw, hn::Add(a, b)))) /
+           static_cast<float>(vectors * static_cast<int>(hn::Lanes(d)) * (view.height - 2));
+  };
+  return {mean(next, next1), mean(second, second1)};
+}
+
 } // namespace haptic::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -300,6 +332,7 @@ HWY_EXPORT(AveragePairs);
 HWY_EXPORT(Smooth);
 HWY_EXPORT(Halve);
 HWY_EXPORT(MeasureChange);
+HWY_EXPORT(CompareRows);
 
 void Plane::resize(int width, int height) {
   // Two of the widest vectors: one that runs over the row's end, twice as far where pixels are
@@ -349,6 +382,10 @@ void halve(const Plane &fine, Plane &coarse) {
 
 ChangeSums measure_change(const LumaView &previous, const LumaView &current) {
   return HWY_DYNAMIC_DISPATCH(MeasureChange)(previous, current);
+}
+
+RowDifferences compare_rows(const LumaView &view) {
+  return HWY_DYNAMIC_DISPATCH(CompareRows)(view);
 }
 
 } // namespace haptic

@@ -82,6 +82,15 @@ struct ChangeSums {
 /// Both views have the same size, at least 3x3. The outermost pixels only serve the gradients.
 ChangeSums measure_change(const LumaView &previous, const LumaView &current);
 
+/// Mean squared differences of rows, grey levels squared.
+struct RowDifferences {
+  float next = 0;   ///< from a row to the next one
+  float second = 0; ///< from a row to the one after the next
+};
+
+/// The view is at least 8x3.
+RowDifferences compare_rows(const LumaView &view);
+
 /// Averages 2x2 pixels; an odd last row or column is left out.
 void average_pairs(const LumaView &fine, ByteImage &coarse);
 

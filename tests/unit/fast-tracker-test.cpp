@@ -99,6 +99,31 @@ TEST_F(FastTracker, TheBorderOfAClippedAreaHasNoWeight) {
   EXPECT_LT(errors / kCases, 0.03);
 }
 
+TEST_F(FastTracker, TheFieldsOfAnInterlacedFrameAreTrackedApart) {
+  double errors = 0;
+  constexpr int kCases = 30;
+  for (int i = 0; i < kCases; ++i) {
+    const Texture texture(static_cast<unsigned>(i), 3, 45);
+    const Shift truth{i % 2 ? 2.5 : -2.5, 0.4 * (i % 13) - 2.4};
+    // The odd lines are half a frame later.
+    const auto woven = [&](double time) {
+      Frame frame = texture.frame(kFrame, kFrame, {time * truth.x, time * truth.y});
+      Frame later = texture.frame(kFrame, kFrame, {(time + 0.5) * truth.x, (time + 0.5) * truth.y});
+      for (int y = 1; y < kFrame; y += 2)
+        for (int x = 0; x < kFrame; ++x)
+          frame.at(x, y) = later.at(x, y);
+      return frame;
+    };
+    Frame before = woven(0);
+    Frame after = woven(1);
+    const Measurement &found = track(before, after);
+    ASSERT_GT(found.count, 0);
+    EXPECT_LE(found.count, haptic::kUsualPatches);
+    errors += error(found, truth);
+  }
+  EXPECT_LT(errors / kCases, 0.012); // 0.018 as one frame
+}
+
 TEST_F(FastTracker, WhatIsOnlyBlackAndWhiteIsFollowed) {
   const auto square = [](int left) {
     Frame frame(kFrame, kFrame, 0);

@@ -82,4 +82,23 @@ TEST(FrameChange, MoreThanTheNoiseIsAChange) {
   EXPECT_EQ(find(noisy(scene, 3, 1), noisy(scene, 3, 2)).change, Change::some);
 }
 
+TEST(Combing, IsSeenWhereEveryOtherRowHasMoved) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    Frame woven = Texture(seed, 3, 45).frame(kSide, kSide, {});
+    const Frame whole = noisy(woven, 1.5, seed);
+    Frame later = Texture(seed, 3, 45).frame(kSide, kSide, {3, 0});
+    for (int y = 1; y < kSide; y += 2)
+      for (int x = 0; x < kSide; ++x)
+        woven.at(x, y) = later.at(x, y);
+    EXPECT_TRUE(haptic::is_combed(test::view_of(noisy(woven, 1.5, seed)), kNoise)) << seed;
+    EXPECT_FALSE(haptic::is_combed(test::view_of(whole), kNoise)) << seed;
+  }
+}
+
+TEST(Combing, IsNotSeenInNoise) {
+  for (unsigned seed = 0; seed < 50; ++seed)
+    EXPECT_FALSE(
+        haptic::is_combed(test::view_of(noisy(Frame(kSide, kSide, 120), 1, seed)), kNoise));
+}
+
 } // namespace
