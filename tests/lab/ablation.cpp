@@ -147,12 +147,14 @@ struct Observations {
   std::vector<double> errors; // px
   std::vector<double> confidences;
   std::vector<double> times; // µs, the least of all passes
+  std::vector<double> steps; // px, change of the difference from the truth since the frame before
 };
 
 void observe(Method &method, const Stratum &stratum, bool is_first, Observations &seen) {
   std::size_t at = 0;
   for (const Sequence &sequence : stratum.sequences) {
     method.forget();
+    Vector before;
     for (std::size_t i = 1; i < sequence.frames.size(); ++i, ++at) {
       const Task task{sequence.frames[i - 1], sequence.frames[i], sequence.pointer, kSide, i > 1};
       const auto begin = Clock::now();
@@ -162,21 +164,27 @@ void observe(Method &method, const Stratum &stratum, bool is_first, Observations
         seen.times[at] = std::min(seen.times[at], time);
         continue;
       }
+      const Vector difference =
+          (reading.confidence > 0 ? reading.velocity : Vector()) - sequence.truths[i - 1];
       seen.times.push_back(time);
       seen.confidences.push_back(reading.confidence);
-      seen.errors.push_back(cv::norm((reading.confidence > 0 ? reading.velocity : Vector()) -
-                                     sequence.truths[i - 1]));
+      seen.errors.push_back(cv::norm(difference));
+      if (i > 1)
+        seen.steps.push_back(cv::norm(difference - before));
+      before = difference;
     }
   }
 }
 
-// What the confidence ought to be low for, of all rendered strata.
+// Of all rendered strata: what the confidence ought to be low for, and how steady the answers are.
 struct Judged {
   std::vector<double> confidences;
   std::vector<bool> bad;
+  std::vector<double> steps;
 
   void add(const Stratum &stratum, const Observations &seen) {
     constexpr double kBad = 0.3; // px
+    steps.insert(steps.end(), seen.steps.begin(), seen.steps.end());
     std::size_t at = 0;
     for (const Sequence &sequence : stratum.sequences)
       for (std::size_t i = 0; i < sequence.truths.size(); ++i, ++at) {
@@ -230,6 +238,8 @@ std::vector<AblationRow> measure_ablation(bool quick, const std::vector<TruePair
     }
     row.area = judged.area();
     row.area_off = judged_off.area();
+    row.step = percentile(judged.steps, 0.99);
+    row.step_off = percentile(judged_off.steps, 0.99);
     rows.push_back(std::move(row));
   }
   return rows;

@@ -413,6 +413,7 @@ void write_vectors(const Report &report, std::ostream &out) {
 
 constexpr double kNoticeable = 0.01; // of the error
 constexpr double kFaster = 0.05;     // of the time
+constexpr double kSteadier = 0.05;   // of the step
 constexpr double kOfArea = 0.005;
 
 bool is_worse_off(const AblationCell &c) {
@@ -424,7 +425,7 @@ bool is_better_off(const AblationCell &c) {
 }
 
 bool pays(const AblationRow &row) {
-  return row.area_off < row.area - kOfArea ||
+  return row.area_off < row.area - kOfArea || row.step_off > (1 + kSteadier) * row.step ||
          std::ranges::any_of(row.cells, [](const AblationCell &c) {
            return is_worse_off(c) || c.time_off > (1 + kFaster) * c.time;
          });
@@ -434,18 +435,19 @@ void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
   if (rows.empty())
     return;
   out << "The mean error (px) without one part / its time in relation to that with all parts. "
-         "**Bold**: worse without it, *italic*: better, each by 1 % at least and "
-         "with a 95 % interval of the difference that leaves out zero. The last column is the area "
-         "under the ROC curve.\n\n|without|";
+         "**Bold**: worse without it, *italic*: better, each by 1 % at least and with a 95 % "
+         "interval of the difference that leaves out zero. Area: under the ROC curve. Step: 99 % "
+         "of "
+         "the changes from frame to frame are smaller (px).\n\n|without|";
   std::string rule = "|---|";
   for (const AblationCell &c : rows.front().cells) {
     out << c.stratum << "|";
     rule += "---|";
   }
-  out << "area|\n" << rule << "---|\n|nothing: px/µs|";
+  out << "area|step|\n" << rule << "---|---|\n|nothing: px/µs|";
   for (const AblationCell &c : rows.front().cells)
     out << rounded(c.error) << "/" << rounded(c.time) << "|";
-  out << rounded(rows.front().area) << "|\n";
+  out << rounded(rows.front().area) << "|" << rounded(rows.front().step) << "|\n";
   for (const AblationRow &row : rows) {
     out << "|" << row.part << "|";
     for (const AblationCell &c : row.cells) {
@@ -453,9 +455,9 @@ void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
       out << mark << rounded(c.error_off) << mark << "/"
           << rounded(c.time > 0 ? c.time_off / c.time : 0) << "|";
     }
-    out << rounded(row.area_off) << "|\n";
+    out << rounded(row.area_off) << "|" << rounded(row.step_off) << "|\n";
   }
-  out << "\nParts that save neither error, time (5 %) nor area (0.005) on any stratum: ";
+  out << "\nParts that save neither error, time or step (5 %), nor area (0.005) on any stratum: ";
   const char *separator = "";
   for (const AblationRow &row : rows)
     if (!pays(row)) {
@@ -564,11 +566,12 @@ void write_ablation(const std::vector<AblationRow> &rows, const fs::path &folder
   write_ablation(rows, page.text());
   File table(folder / "ablation.csv");
   table.row("part", "stratum", "frames", "error", "error_off", "difference_low", "difference_high",
-            "us", "us_off", "area", "area_off");
+            "us", "us_off", "area", "area_off", "step", "step_off");
   for (const AblationRow &row : rows)
     for (const AblationCell &c : row.cells)
       table.row(row.part, c.stratum, c.frames, c.error, c.error_off, c.difference.low,
-                c.difference.high, c.time, c.time_off, row.area, row.area_off);
+                c.difference.high, c.time, c.time_off, row.area, row.area_off, row.step,
+                row.step_off);
 }
 
 void write(Report report, const fs::path &folder) {

@@ -117,6 +117,8 @@ struct AblationRow {
   std::vector<AblationCell> cells;
   double area = 0;     ///< under the ROC curve, with all parts
   double area_off = 0; ///< without the part
+  double step = 0;     ///< px, 99 % of the changes of an answer from frame to frame are smaller
+  double step_off = 0;
 };
 
 struct Report {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs the lab: speed against accuracy of the trackers and their peers, ten minutes on two
+# Runs the lab: speed against accuracy of the trackers and their peers, twelve minutes on two
 # processors. Builds (release) in build-lab/, measures, draws the charts. The exit status is 0 only
 # when no configuration of a peer dominates the default.
 #
