@@ -266,6 +266,7 @@ void measure_scenes(bool quick, std::vector<VectorRow> &rows) {
       const Movie movie =
           name ? scene_named(scenes, name).make(random) : uniform_translation(random, 3);
       std::vector<cv::Mat> clip;
+      clip.reserve(kFrames);
       for (int time = 0; time < kFrames; ++time)
         clip.push_back(embed(expose(movie, time, random), kFrame));
       const H264Stream stream = encode_h264(clip, quantizer, references);

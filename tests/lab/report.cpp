@@ -171,11 +171,11 @@ void write_json(const Report &report, const fs::path &path) {
     for (const auto &[name, value] : report.circumstances)
       json.member(name.c_str(), value);
     json.array("area-under-roc", [&] {
-      for (const auto &[method, areas] : report.area)
+      for (const auto &row : report.area)
         json.object([&] {
-          json.member("method", method);
-          json.member("area", mean(areas));
-          json.member("worst", std::ranges::min(areas));
+          json.member("method", row.first);
+          json.member("area", mean(row.second));
+          json.member("worst", std::ranges::min(row.second));
         });
     });
     json.array("sweep", [&] {
