@@ -70,7 +70,6 @@ private:
   void cover_with_grid(const Area &area);
   void align_grid();
   void realign_at_borders();
-  Alignment align(int row, int column, std::span<const Displacement> starts) const;
   std::optional<Strain> strain_at(int row, int column,
                                   std::span<const Displacement> displacements) const;
   void follow_strain();
@@ -91,6 +90,8 @@ private:
   std::array<Displacement, kMaxPatches> coarse_; // of coarse_grid_, px of the finest level
   PatchGrid grid_;
   std::array<Alignment, kMaxPatches> aligned_; // of grid_
+  std::array<StartSet, kMaxPatches> start_sets_;
+  std::array<std::span<const Displacement>, kMaxPatches> starts_;
   std::array<float, kMaxPatches> residuals2_;
   Template strained_;
   ClippedPixels clipped_; // of the earlier frame
@@ -215,10 +216,13 @@ void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
   coarse_grid_.cover(previous_.levels[level], half, parts_of(half.width, kSpacing),
                      parts_of(half.height, kSpacing), kSmallPatch, level == 0 && parts().dither);
   const std::array<Displacement, 2> starts = {1 / scale * whole, Displacement{}};
-  for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
-    coarse_[i] = scale * align_template(current_.levels[level], coarse_grid_.patches[i], starts,
-                                        options_.iterations)
-                             .displacement;
+  const auto patches = coarse_grid_.view();
+  std::fill_n(starts_.begin(), patches.size(), starts);
+  std::fill_n(aligned_.begin(), patches.size(), Alignment{});
+  align_templates(current_.levels[level], patches, std::span(starts_).first(patches.size()),
+                  options_.iterations, aligned_);
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    coarse_[i] = scale * aligned_[i].displacement;
 }
 
 void FastTracker::cover_with_grid(const Area &area) {
@@ -237,30 +241,30 @@ void FastTracker::cover_with_grid(const Area &area) {
       clipped_.mask(patch);
 }
 
-Alignment FastTracker::align(int row, int column, std::span<const Displacement> starts) const {
-  return align_template(current_.levels[0], grid_.patches[cell(row, grid_.columns, column)], starts,
-                        options_.iterations);
-}
-
 // Starts from the coarse patches around each patch, the nearest one first.
 void FastTracker::align_grid() {
-  StartSet starts;
   for_places(grid_, [&](int row, int column) {
     const int coarse_row = nearest_part(row, grid_.rows, coarse_grid_.rows);
     const int coarse_column = nearest_part(column, grid_.columns, coarse_grid_.columns);
+    StartSet &starts = start_sets_[cell(row, grid_.columns, column)];
     const auto add = [&](int y, int x) { starts.add(coarse_[cell(y, coarse_grid_.columns, x)]); };
     starts.clear();
     add(coarse_row, coarse_column);
     for_neighbours(coarse_grid_, coarse_row, coarse_column, add);
-    aligned_[cell(row, grid_.columns, column)] = align(row, column, starts.view());
+    starts_[cell(row, grid_.columns, column)] = starts.view();
   });
+  const auto patches = grid_.view();
+  std::fill_n(aligned_.begin(), patches.size(), Alignment{});
+  align_templates(current_.levels[0], patches, std::span(starts_).first(patches.size()),
+                  options_.iterations, aligned_);
 }
 
 // At the border of an object, a patch may have followed the wrong side. Its neighbours show the
-// other side.
+// other side, those before it as realigned.
 void FastTracker::realign_at_borders() {
   for_places(grid_, [&](int row, int column) {
-    Alignment &own = aligned_[cell(row, grid_.columns, column)];
+    const std::size_t at = cell(row, grid_.columns, column);
+    Alignment &own = aligned_[at];
     std::array<Displacement, 5> starts = {own.displacement};
     std::size_t count = 1;
     const auto add = [&](int y, int x) {
@@ -275,7 +279,8 @@ void FastTracker::realign_at_borders() {
     add(row - 1, column);
     add(row + 1, column);
     if (count > 1)
-      own = align(row, column, std::span(starts).first(count));
+      own = align_template(current_.levels[0], grid_.patches[at], std::span(starts).first(count),
+                           options_.iterations);
   });
 }
 
@@ -286,7 +291,7 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
                                              std::span<const Displacement> displacements) const {
   constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
   constexpr float kLargest = 0.25F;     // px per px: neighbours that differ by more are apart
-  constexpr float kCommon = 0.5F;       // of the squares of moved, that the strain explains
+  constexpr float kCommon = 0.35F;      // of the squares of moved, that the strain explains
   constexpr float kRidge = 0.5F;        // in neighbours: without them there is no strain
   const std::size_t at = cell(row, grid_.columns, column);
   const Template &patch = grid_.patches[at];

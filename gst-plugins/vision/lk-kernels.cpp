@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 // Planes and patches are small: an int holds any offset in them.
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
@@ -37,6 +38,39 @@ template <class D>
 float total(D d, hn::Vec<D> v) {
   return hn::GetLane(hn::SumOfLanes(d, v));
 }
+
+// The totals of four vectors at once.
+#if HWY_TARGET == HWY_SCALAR
+template <class D>
+HWY_INLINE void four_totals(D d, hn::Vec<D> a, hn::Vec<D> b, hn::Vec<D> c, hn::Vec<D> e,
+                            float *totals) {
+  for (const auto v : {a, b, c, e})
+    *totals++ = total(d, v);
+}
+#else
+template <class D>
+HWY_INLINE auto to_four_lanes(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) <= 4) {
+    return v;
+  } else {
+    const hn::Half<D> half;
+    return to_four_lanes(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+}
+template <class D>
+HWY_INLINE void four_totals(D d, hn::Vec<D> a, hn::Vec<D> b, hn::Vec<D> c, hn::Vec<D> e,
+                            float *totals) {
+  const hn::CappedTag<float, 4> four;
+  const auto pairs = [&](auto first, auto second) HWY_ATTR {
+    return hn::Add(hn::InterleaveLower(four, first, second),
+                   hn::InterleaveUpper(four, first, second));
+  };
+  const auto ab = pairs(to_four_lanes(d, a), to_four_lanes(d, b));
+  const auto ce = pairs(to_four_lanes(d, c), to_four_lanes(d, e));
+  hn::Store(hn::Add(hn::ConcatLowerLower(four, ce, ab), hn::ConcatUpperUpper(four, ce, ab)), four,
+            totals);
+}
+#endif
 
 // Bilinear samples of a patch and of one more pixel on every side:
 //   tile = (1-v) ((1-u) f(x, y) + u f(x+1, y)) + v ((1-u) f(x, y+1) + u f(x+1, y+1))
@@ -118,14 +152,18 @@ HWY_INLINE TemplateSums SumTemplate(const float *first, std::ptrdiff_t stride, T
       sll = hn::MulAdd(laplacian, laplacian, sll);
     }
   }
-  return {total(d, s),
-          {total(d, sx), total(d, sy)},
-          total(d, ss),
-          {total(d, stx), total(d, sty)},
-          {total(d, sxx), total(d, sxy), total(d, syy)},
-          total(d, sl),
-          total(d, stl),
-          total(d, sll)};
+  HWY_ALIGN float first_sums[4], second_sums[4], third_sums[4];
+  four_totals(d, s, sx, sy, ss, first_sums);
+  four_totals(d, stx, sty, sxx, sxy, second_sums);
+  four_totals(d, syy, sl, stl, sll, third_sums);
+  return {first_sums[0],
+          {first_sums[1], first_sums[2]},
+          first_sums[3],
+          {second_sums[0], second_sums[1]},
+          {second_sums[2], second_sums[3], third_sums[0]},
+          third_sums[1],
+          third_sums[2],
+          third_sums[3]};
 }
 
 // T <- T - mean, g <- g - mean_gradient - a (T - mean)
@@ -234,15 +272,31 @@ HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
 //   residual     what the best gain and offset leave: the least (over gain and offset) of
 //                sum (I - gain t - offset)^2 = sum (I - mean(I))^2 - (sum t I)^2 / E,
 //                as root of the mean; a negative gain explains nothing
-// One pass over the pixels suffices, because sum t = 0. kSome: only the pixels with a weight.
-template <int kSide, bool kSome = false>
-Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
-  if constexpr (!kSome)
-    if (patch.seen > 0)
-      return FitTemplate<kSide, true>(plane, patch, moved);
-  const Position position = locate(plane, patch, moved);
-  if (!position.inside)
-    return {};
+// One pass over the pixels suffices, because sum t = 0.
+struct FitSums {
+  Displacement gradient; // sum g' I
+  float cross = 0;       // sum t I
+  float energy = 0;      // sum (I - mean(I))^2
+
+  // n times the squared residual.
+  float left(float inverse_energy) const {
+    return std::max(0.0F, energy - (cross > 0 ? cross * cross * inverse_energy : 0.0F));
+  }
+};
+
+HWY_INLINE float inverse_energy_of(const Template &patch) {
+  return 1 / std::max(1e-6F, patch.energy);
+}
+
+// Number of pixels that have a weight.
+template <int kSide>
+HWY_INLINE float pixels_of(const Template &patch) {
+  return patch.seen > 0 ? patch.seen : kSide * kSide;
+}
+
+// kSome: only the pixels that have a weight.
+template <int kSide, bool kSome>
+HWY_INLINE FitSums SumPixels(const Plane &plane, const Template &patch, Position position) {
   const RowTag<kSide> d;
   auto bx = hn::Zero(d), by = hn::Zero(d), s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
   for_pixels<kSide>(plane, position, [&](int at, auto grey) HWY_ATTR {
@@ -255,17 +309,38 @@ Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
     ss = hn::MulAdd(grey, grey, ss);
     st = hn::MulAdd(t, grey, st);
   });
+  HWY_ALIGN float totals[4];
+  four_totals(d, bx, by, s, st, totals);
   const float pixels = kSome ? patch.seen : kSide * kSide;
-  const float mean = total(d, s) / pixels;
-  const float energy = std::max(0.0F, total(d, ss) - pixels * mean * mean);
-  const float cross = total(d, st);
+  const float mean = totals[2] / pixels;
+  return {{totals[0], totals[1]}, totals[3], total(d, ss) - pixels * mean * mean};
+}
+
+template <int kSide>
+HWY_NOINLINE FitSums SumSomePixels(const Plane &plane, const Template &patch, Position position) {
+  return SumPixels<kSide, true>(plane, patch, position);
+}
+
+template <int kSide>
+HWY_INLINE FitSums SumFit(const Plane &plane, const Template &patch, Position position) {
+  return patch.seen > 0 ? SumSomePixels<kSide>(plane, patch, position)
+                        : SumPixels<kSide, false>(plane, patch, position);
+}
+
+template <int kSide>
+HWY_INLINE Fit fit_of(const Template &patch, const FitSums &sums) {
   Fit fit;
   fit.inside = true;
-  fit.gradient = {total(d, bx), total(d, by)};
-  fit.correlation = cross / std::sqrt(std::max(1e-6F, energy * patch.energy));
-  const float explained = cross > 0 ? cross * cross / std::max(1e-6F, patch.energy) : 0.0F;
-  fit.residual = std::sqrt(std::max(0.0F, energy - explained) / pixels);
+  fit.gradient = sums.gradient;
+  fit.correlation = sums.cross / std::sqrt(std::max(1e-6F, sums.energy * patch.energy));
+  fit.residual = std::sqrt(sums.left(inverse_energy_of(patch)) / pixels_of<kSide>(patch));
   return fit;
+}
+
+template <int kSide>
+HWY_INLINE Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
+  const Position position = locate(plane, patch, moved);
+  return position.inside ? fit_of<kSide>(patch, SumFit<kSide>(plane, patch, position)) : Fit{};
 }
 
 // Gauss-Newton (Lucas and Kanade 1981; inverse compositional after Baker and Matthews 2004):
@@ -273,41 +348,137 @@ Fit FitTemplate(const Plane &plane, const Template &patch, Displacement moved) {
 // with the structure tensor J, the gradient b(d) of FitTemplate and r of regulariser(). Starts from
 // the displacement of least residual, and returns that of least residual on the way.
 template <int kSide>
-Alignment AlignTemplate(const Plane &plane, const Template &patch,
-                        std::span<const Displacement> starts, int iterations) {
-  constexpr float kFurthest = 4;      // px from the start
-  constexpr float kConverged = 3e-4F; // px squared
-  constexpr float kLongest = 1;       // px
-  Alignment best{starts[0], FitTemplate<kSide>(plane, patch, starts[0])};
-  for (const Displacement start : starts.subspan(1))
-    if (const Fit fit = FitTemplate<kSide>(plane, patch, start); fit.residual < best.fit.residual)
-      best = {start, fit};
-  const Displacement start = best.displacement;
-  const float ridge = regulariser(patch.structure, kSide * kSide);
-  const float xx = patch.structure.xx + ridge, yy = patch.structure.yy + ridge,
-              xy = patch.structure.xy;
-  const float inverse_determinant = 1.0F / (xx * yy - xy * xy);
-  Alignment at = best;
-  for (int i = 0; i < iterations; ++i) {
-    const auto [gx, gy] = at.fit.gradient;
-    const Displacement step{(yy * gx - xy * gy) * inverse_determinant,
-                            (xx * gy - xy * gx) * inverse_determinant};
+class Descent {
+public:
+  Descent() = default;
+  Descent(const Plane &plane, const Template &patch)
+      : plane_(&plane), patch_(&patch), inverse_energy_(inverse_energy_of(patch)) {}
+
+  void try_start(Displacement start) {
+    if (fit(start) && residual_ < least_)
+      keep_best();
+  }
+  // Whether a start has a smaller residual than `residual`.
+  bool starts_below(float residual) const {
+    return least_ < pixels_of<kSide>(*patch_) * residual * residual;
+  }
+
+  void prepare() {
+    const float ridge = regulariser(patch_->structure, kSide * kSide);
+    inverse_ = patch_->structure;
+    const float xx = inverse_.xx + ridge;
+    const float yy = inverse_.yy + ridge;
+    const float scale = 1 / (xx * yy - inverse_.xy * inverse_.xy);
+    inverse_ = {yy * scale, -inverse_.xy * scale, xx * scale};
+    start_ = at_ = best_;
+    sums_ = best_sums_;
+    residual_ = least_;
+  }
+
+  // Returns whether another step may improve the fit.
+  bool step() {
+    constexpr float kFurthest = 4;      // px from the start
+    constexpr float kConverged = 3e-4F; // px squared
+    constexpr float kLongest = 1;       // px
+    const Displacement g = sums_.gradient;
+    const Displacement step{inverse_.xx * g.x + inverse_.xy * g.y,
+                            inverse_.xy * g.x + inverse_.yy * g.y};
     const float length2 = norm2(step);
     const float scale = length2 > kLongest * kLongest ? kLongest / std::sqrt(length2) : 1.0F;
-    at.displacement -= scale * step;
-    if (norm2(at.displacement - start) > kFurthest * kFurthest)
-      break;
+    const Displacement next = at_ - scale * step;
+    if (norm2(next - start_) > kFurthest * kFurthest)
+      return false;
     // So short a step does not change the fit.
     if (length2 < kConverged) {
-      if (at.fit.residual == best.fit.residual)
-        best.displacement = at.displacement;
-      break;
+      if (residual_ == least_)
+        best_ = next;
+      return false;
     }
-    at.fit = FitTemplate<kSide>(plane, patch, at.displacement);
-    if (at.fit.residual < best.fit.residual)
-      best = at;
+    if (!fit(next))
+      return false;
+    if (residual_ < least_)
+      keep_best();
+    return true;
   }
-  return best;
+
+  Alignment result() const { return {best_, fit_of<kSide>(*patch_, best_sums_)}; }
+
+private:
+  // Returns false outside the plane.
+  bool fit(Displacement at) {
+    const Position position = locate(*plane_, *patch_, at);
+    if (!position.inside)
+      return false;
+    at_ = at;
+    sums_ = SumFit<kSide>(*plane_, *patch_, position);
+    residual_ = sums_.left(inverse_energy_);
+    return true;
+  }
+  void keep_best() {
+    best_ = at_;
+    best_sums_ = sums_;
+    least_ = residual_;
+  }
+
+  const Plane *plane_ = nullptr;
+  const Template *patch_ = nullptr;
+  float inverse_energy_ = 0;
+  Tensor inverse_; // (J + r I)^-1
+  Displacement start_;
+  Displacement at_;
+  FitSums sums_; // there
+  float residual_ = 0;
+  Displacement best_;
+  FitSums best_sums_;
+  float least_ = std::numeric_limits<float>::infinity();
+};
+
+// The steps of several patches take turns: they do not depend on one another, and the processor
+// works on more than one at a time.
+inline constexpr std::size_t kTogether = 8;
+
+template <int kSide>
+void AlignSome(const Plane &plane, std::span<const Template> patches,
+               std::span<const std::span<const Displacement>> starts, int iterations,
+               std::span<Alignment> found) {
+  std::array<Descent<kSide>, kTogether> descents;
+  std::array<std::size_t, kTogether> moving, started;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (starts[i].empty())
+      continue;
+    Descent<kSide> &descent = descents[count];
+    descent = Descent<kSide>(plane, patches[i]);
+    for (const Displacement start : starts[i])
+      descent.try_start(start);
+    if (descent.starts_below(found[i].fit.residual)) {
+      descent.prepare();
+      moving[count] = count;
+      started[count++] = i;
+    } else if (!found[i].fit.inside) {
+      found[i] = {starts[i][0], {}};
+    }
+  }
+  std::size_t still_moving = count;
+  for (int step = 0; step < iterations && still_moving > 0; ++step) {
+    const std::size_t before = std::exchange(still_moving, 0);
+    for (std::size_t k = 0; k < before; ++k)
+      if (descents[moving[k]].step())
+        moving[still_moving++] = moving[k];
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    found[started[k]] = descents[k].result();
+}
+
+template <int kSide>
+void AlignTemplatesOf(const Plane &plane, std::span<const Template> patches,
+                      std::span<const std::span<const Displacement>> starts, int iterations,
+                      std::span<Alignment> found) {
+  for (std::size_t i = 0; i < patches.size(); i += kTogether) {
+    const std::size_t count = std::min(kTogether, patches.size() - i);
+    AlignSome<kSide>(plane, patches.subspan(i, count), starts.subspan(i, count), iterations,
+                     found.subspan(i, count));
+  }
 }
 
 // Zero-mean normalised correlation with the pixels at a whole-pixel place (Lewis 1995):
@@ -433,10 +604,11 @@ void PrepareStrainedTemplate(const Plane &plane, const Strain &back, Template &p
   patch.side == 16 ? PrepareStrainedTemplateOf<16>(plane, back, patch)
                    : PrepareStrainedTemplateOf<8>(plane, back, patch);
 }
-Alignment AlignTemplateAny(const Plane &plane, const Template &patch,
-                           std::span<const Displacement> starts, int iterations) {
-  return patch.side == 16 ? AlignTemplate<16>(plane, patch, starts, iterations)
-                          : AlignTemplate<8>(plane, patch, starts, iterations);
+void AlignTemplates(const Plane &plane, std::span<const Template> patches,
+                    std::span<const std::span<const Displacement>> starts, int iterations,
+                    std::span<Alignment> found) {
+  patches.front().side == 16 ? AlignTemplatesOf<16>(plane, patches, starts, iterations, found)
+                             : AlignTemplatesOf<8>(plane, patches, starts, iterations, found);
 }
 SearchResult SearchTemplateAny(const Plane &plane, const Template &patch, Displacement centre,
                                int radius) {
@@ -453,7 +625,7 @@ namespace haptic {
 HWY_EXPORT(PrepareTemplates);
 HWY_EXPORT(PrepareStrainedTemplate);
 HWY_EXPORT(FitTemplates);
-HWY_EXPORT(AlignTemplateAny);
+HWY_EXPORT(AlignTemplates);
 HWY_EXPORT(SearchTemplateAny);
 
 void prepare_templates(const Plane &plane, std::span<Template> patches) {
@@ -474,9 +646,17 @@ void fit_templates(const Plane &plane, std::span<const Template> patches, Displa
   HWY_DYNAMIC_DISPATCH(FitTemplates)(plane, patches, displacement, fits);
 }
 
+void align_templates(const Plane &plane, std::span<const Template> patches,
+                     std::span<const std::span<const Displacement>> starts, int iterations,
+                     std::span<Alignment> found) {
+  HWY_DYNAMIC_DISPATCH(AlignTemplates)(plane, patches, starts, iterations, found);
+}
+
 Alignment align_template(const Plane &plane, const Template &patch,
                          std::span<const Displacement> starts, int iterations) {
-  return HWY_DYNAMIC_DISPATCH(AlignTemplateAny)(plane, patch, starts, iterations);
+  Alignment found;
+  align_templates(plane, {&patch, 1}, {&starts, 1}, iterations, {&found, 1});
+  return found;
 }
 
 float regulariser(const Tensor &structure, float pixels) {

@@ -75,6 +75,13 @@ struct Alignment {
 Alignment align_template(const Plane &plane, const Template &patch,
                          std::span<const Displacement> starts, int iterations);
 
+/// The same for templates of one side, at most kMaxPatches, each with its starts. What `found`
+/// holds stays where no start fits better than it, and where there is no start. A new Alignment
+/// fits worse than any.
+void align_templates(const Plane &plane, std::span<const Template> patches,
+                     std::span<const std::span<const Displacement>> starts, int iterations,
+                     std::span<Alignment> found);
+
 struct SearchResult {
   Displacement best;
   float correlation = -1;
