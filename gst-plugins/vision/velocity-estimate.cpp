@@ -146,8 +146,9 @@ Motion mean_by_area(const Points &points, const Box &region, const Layers &layer
   Lanes firsts = hn::Zero(kTag);
   Lanes first_x = hn::Zero(kTag);
   Lanes first_y = hn::Zero(kTag);
+  const Lanes count = hn::Iota(kTag, 0); // in the loop, it would go through memory each time
   for (std::size_t place = 0; place < kPlaces; place += kLanes) {
-    const Lanes index = hn::Iota(kTag, static_cast<float>(place));
+    const Lanes index = count + hn::Set(kTag, static_cast<float>(place));
     const Lanes along = index * hn::Set(kTag, kGoldenStep);
     const Lanes x =
         hn::MulAdd(hn::Set(kTag, region.width), along - hn::Floor(along), hn::Set(kTag, region.x));
