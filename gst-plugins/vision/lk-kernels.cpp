@@ -543,12 +543,30 @@ void PrepareTemplatesOf(const Plane &plane, std::span<Template> patches) {
   }
 }
 
+// The offsets from the middle of a template of its pixels and of one more on every side.
+template <int kSide>
+struct TileOffsets {
+  static constexpr int kTile = kSide + 2;
+  HWY_ALIGN float right[kTile * kTile];
+  HWY_ALIGN float down[kTile * kTile];
+
+  constexpr TileOffsets() : right(), down() {
+    constexpr float kMiddle = 0.5F * (kTile - 1);
+    for (int at = 0; at < kTile * kTile; ++at) {
+      right[at] = static_cast<float>(at % kTile) - kMiddle;
+      down[at] = static_cast<float>(at / kTile) - kMiddle;
+    }
+  }
+};
+
 // Samples the plane at p + B o for the offsets o of the pixels from the middle p of the template,
-// and prepares the template from these samples. B (`back`) is the inverse of the strain.
+// and prepares the template from these samples. B (`back`) is the inverse of the strain. Gathering
+// is slow: the rows of the tile follow one another without a gap.
 template <int kSide>
 void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template &patch) {
   constexpr int kTile = kSide + 2;
   constexpr float kMiddle = 0.5F * (kSide - 1);
+  static constexpr TileOffsets<kSide> kOffsets;
   HWY_ALIGN float tile[kTile * kTile];
   const RowTag<kSide> d;
   const hn::RebindToSigned<RowTag<kSide>> di;
@@ -556,31 +574,28 @@ void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template 
     return hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, static_cast<float>(length) - 1.001F));
   };
   const auto stride = hn::Set(di, plane.stride());
-  // Iota() would go through memory for each vector.
-  const auto count = hn::Iota(d, -1.0F - kMiddle);
-  for (int j = 0; j < kTile; ++j)
-    for_row(d, kTile, [&](int i) HWY_ATTR {
-      const auto right = hn::Add(count, hn::Set(d, static_cast<float>(i)));
-      const float down = static_cast<float>(j - 1) - kMiddle;
-      const auto x = within(
-          hn::MulAdd(hn::Set(d, back.xx), right, hn::Set(d, patch.x + kMiddle + back.xy * down)),
-          plane.width());
-      const auto y = within(
-          hn::MulAdd(hn::Set(d, back.yx), right, hn::Set(d, patch.y + kMiddle + back.yy * down)),
-          plane.height());
-      const auto column = hn::ConvertTo(di, x);
-      const auto row = hn::ConvertTo(di, y);
-      const auto u = hn::Sub(x, hn::ConvertTo(d, column));
-      const auto v = hn::Sub(y, hn::ConvertTo(d, row));
-      const auto at = hn::Add(hn::Mul(row, stride), column);
-      const auto across = [&](const float *from) HWY_ATTR {
-        const auto left = hn::GatherIndex(d, from, at);
-        return hn::MulAdd(u, hn::Sub(hn::GatherIndex(d, from + 1, at), left), left);
-      };
-      const auto upper = across(plane.row(0));
-      const auto lower = across(plane.row(1));
-      hn::StoreU(hn::MulAdd(v, hn::Sub(lower, upper), upper), d, tile + j * kTile + i);
-    });
+  for_row(d, kTile * kTile, [&](int i) HWY_ATTR {
+    const auto right = hn::LoadU(d, kOffsets.right + i);
+    const auto down = hn::LoadU(d, kOffsets.down + i);
+    const auto from_middle = [&](float middle, float along, float across) HWY_ATTR {
+      return hn::MulAdd(hn::Set(d, along), right,
+                        hn::MulAdd(hn::Set(d, across), down, hn::Set(d, middle + kMiddle)));
+    };
+    const auto x = within(from_middle(patch.x, back.xx, back.xy), plane.width());
+    const auto y = within(from_middle(patch.y, back.yx, back.yy), plane.height());
+    const auto column = hn::ConvertTo(di, x);
+    const auto row = hn::ConvertTo(di, y);
+    const auto u = hn::Sub(x, hn::ConvertTo(d, column));
+    const auto v = hn::Sub(y, hn::ConvertTo(d, row));
+    const auto at = hn::Add(hn::Mul(row, stride), column);
+    const auto across = [&](const float *from) HWY_ATTR {
+      const auto left = hn::GatherIndex(d, from, at);
+      return hn::MulAdd(u, hn::Sub(hn::GatherIndex(d, from + 1, at), left), left);
+    };
+    const auto upper = across(plane.row(0));
+    const auto lower = across(plane.row(1));
+    hn::StoreU(hn::MulAdd(v, hn::Sub(lower, upper), upper), d, tile + i);
+  });
   PrepareTemplate<kSide>(tile + kTile + 1, kTile, patch);
 }
 
