@@ -19,6 +19,8 @@ void PatchGrid::cover(const Plane &plane, const Area &area, int wanted_columns, 
                       int side, bool dither) {
   columns = std::clamp(wanted_columns, 1, kMostAlong);
   rows = std::clamp(wanted_rows, 1, kMostAlong);
+  if (const std::size_t wanted = cell(rows, columns, 0); patches.size() < wanted)
+    patches.resize(wanted);
   for_places(*this, [&](int row, int column) {
     // Interpolation draws displacements towards whole pixels. Neighbours are sampled a quarter
     // and three quarters of a pixel off the raster, so that their errors cancel.

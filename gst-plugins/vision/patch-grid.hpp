@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace haptic {
 
@@ -97,12 +98,12 @@ inline int parts_of(float length, float part) {
 struct PatchGrid {
   int columns = 0;
   int rows = 0;
-  std::array<Template, kMaxPatches> patches;
+  std::vector<Template> patches; ///< as many as the largest cover() wanted
 
   std::span<Template> view() { return {patches.data(), static_cast<std::size_t>(columns * rows)}; }
 
   /// Spreads patches evenly over the area of the plane, at most kMostAlong in each direction.
-  /// `dither`: off the raster of the pixels.
+  /// `dither`: off the raster of the pixels. Keeps its memory unless it has to grow.
   void cover(const Plane &plane, const Area &area, int wanted_columns, int wanted_rows, int side,
              bool dither);
 };
