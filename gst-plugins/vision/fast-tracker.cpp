@@ -291,7 +291,7 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
                                              std::span<const Displacement> displacements) const {
   constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
   constexpr float kLargest = 0.25F;     // px per px: neighbours that differ by more are apart
-  constexpr float kCommon = 0.35F;      // of the squares of moved, that the strain explains
+  constexpr float kCommon = 0.2F;       // of the squares of moved, that the strain explains
   constexpr float kRidge = 0.5F;        // in neighbours: without them there is no strain
   const std::size_t at = cell(row, grid_.columns, column);
   const Template &patch = grid_.patches[at];
