@@ -75,6 +75,7 @@ private:
   void follow_strain();
   void learn_from_grid();
   bool neighbours_are_apart() const;
+  void count_votes(const Area &area, Measurement &measurement);
 
   const FastTrackerOptions options_;
   int max_points_ = kUsualPatches;
@@ -467,11 +468,15 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     measurement.count = 0;
     last_ = {};
   } else if (parts().votes && neighbours_are_apart()) {
-    // A larger region is voted on in a smaller frame, where the patches are as close.
-    const auto level = std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
-    votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level), area,
-                 noise_.variance(), measurement.view());
+    count_votes(area, measurement);
   }
+}
+
+// A larger region is voted on in a smaller frame, where the patches are as close.
+void FastTracker::count_votes(const Area &area, Measurement &measurement) {
+  const auto level = std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
+  votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level), area,
+               noise_.variance(), measurement.view());
 }
 
 // The pair halved so many times. The corner of the crop stays: it need not lie on a multiple of the

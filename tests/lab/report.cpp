@@ -45,6 +45,21 @@ private:
   std::ofstream stream_;
 };
 
+void write_confidence(const Report &report, const fs::path &folder) {
+  {
+    File file(folder / "reliability.csv");
+    file.row("method", "confidence", "cases", "good", "good_low", "good_high");
+    for (const ReliabilityRow &r : report.reliability)
+      file.row(r.method, r.confidence, r.cases, r.good, r.good_95.low, r.good_95.high);
+  }
+  {
+    File file(folder / "roc.csv");
+    file.row("method", "threshold", "false_alarms", "detections");
+    for (const RocRow &r : report.roc)
+      file.row(r.method, r.point.threshold, r.point.false_alarms, r.point.detections);
+  }
+}
+
 void write_tables(const Report &report, const fs::path &folder) {
   {
     File file(folder / "sweep.csv");
@@ -68,18 +83,7 @@ void write_tables(const Report &report, const fs::path &folder) {
     for (const StreamRow &r : report.streams)
       file.row(r.scene, r.time, r.time_99);
   }
-  {
-    File file(folder / "reliability.csv");
-    file.row("method", "confidence", "cases", "good", "good_low", "good_high");
-    for (const ReliabilityRow &r : report.reliability)
-      file.row(r.method, r.confidence, r.cases, r.good, r.good_95.low, r.good_95.high);
-  }
-  {
-    File file(folder / "roc.csv");
-    file.row("method", "threshold", "false_alarms", "detections");
-    for (const RocRow &r : report.roc)
-      file.row(r.method, r.point.threshold, r.point.false_alarms, r.point.detections);
-  }
+  write_confidence(report, folder);
   {
     File file(folder / "scenes.csv");
     file.row("scene", "method", "error", "bound");
