@@ -75,6 +75,7 @@ private:
   void follow_strain();
   void learn_from_grid();
   bool neighbours_are_apart() const;
+  bool is_within_reach(Displacement displacement) const;
   void count_votes(const Area &area, Measurement &measurement);
 
   const FastTrackerOptions options_;
@@ -388,6 +389,11 @@ bool FastTracker::neighbours_are_apart() const {
   return apart;
 }
 
+bool FastTracker::is_within_reach(Displacement displacement) const {
+  const auto furthest = static_cast<float>(reach(side_));
+  return std::max(std::abs(displacement.x), std::abs(displacement.y)) <= furthest;
+}
+
 // Returns the sum of the trust in the patches that have texture.
 float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &measurement) {
   if (parts().coarse_starts) {
@@ -408,8 +414,12 @@ float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &m
     for (Alignment &aligned : aligned_)
       aligned.fit.correlation = 1;
   float trust = 0;
-  for (std::size_t i = 0; i < grid_.view().size(); ++i)
+  for (std::size_t i = 0; i < grid_.view().size(); ++i) {
+    // Nothing was searched there: the steps of a patch ran away to what looks alike.
+    if (!is_within_reach(aligned_[i].displacement))
+      aligned_[i].fit.inside = false;
     trust += add_patch(grid_.patches[i], aligned_[i], noise_.variance(), measurement);
+  }
   return trust;
 }
 
