@@ -162,7 +162,9 @@ run_sanitized_tests() {
     echo "LeakSanitizer does not work here: leaks are not looked for."
   fi
   # The slow unwinder, since Debian's GLib has no frame pointers and a leak must be told from GLib's own.
-  ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0 \
+  # Without intercept_tls_get_addr=0, LeakSanitizer sometimes reads the thread-local memory of a thread at a
+  # wrong address and crashes.
+  ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0:intercept_tls_get_addr=0 \
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
     GTEST_FILTER="-$(IFS=: && echo "${repetitions[*]}")" \

@@ -77,7 +77,8 @@ bool ClippedPixels::is_kept(int x, int y) const {
 // so that this is the template of prepare_templates from the pixels of W alone.
 void ClippedPixels::mask(Template &patch) const {
   constexpr float kRidge = 0.8F; // grey levels squared of a pixel
-  const auto pixels = static_cast<std::size_t>(patch.side * patch.side);
+  const auto side = static_cast<std::size_t>(patch.side);
+  const std::size_t pixels = side * side;
   std::array<std::uint16_t, Template::kMostPixels> kept;
   std::size_t count = 0;
   float grey = 0;

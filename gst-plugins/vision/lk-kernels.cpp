@@ -553,8 +553,9 @@ struct TileOffsets {
   constexpr TileOffsets() : right(), down() {
     constexpr float kMiddle = 0.5F * (kTile - 1);
     for (int at = 0; at < kTile * kTile; ++at) {
+      const int row = at / kTile;
       right[at] = static_cast<float>(at % kTile) - kMiddle;
-      down[at] = static_cast<float>(at / kTile) - kMiddle;
+      down[at] = static_cast<float>(row) - kMiddle;
     }
   }
 };

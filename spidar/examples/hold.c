@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later
  * Holds the grip at the centre with a spring, for a second. Example:
  *   cc -std=c11 hold.c $(pkg-config --cflags --libs spidar) -o hold && ./hold usb */
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE 200809L /* NOLINT: POSIX reserves it for this */
 #include <spidar/spidar.h>
 #include <stdio.h>
 #include <time.h>
