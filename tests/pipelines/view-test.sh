@@ -52,11 +52,12 @@ if [ "${1:-}" = steer ]; then
     written() { [ "$(grep -c -- "$2" said)" -gt "$before" ]; }
     until_true written "$@"
   }
-  # `shot_until NAME COLOR CONDITION`: a shot of the video that fulfils the condition on n and row.
+  # `shot_until NAME COLOR CONDITION [LEFT TOP]`: a shot that fulfils the condition on n and row; of the video
+  # by default.
   shot_until() {
     fulfilled() {
-      shot "$1" 147 150
-      shows "$@" >/dev/null
+      shot "$1" "${4:-147}" "${5:-150}"
+      shows "$1" "$2" "$3" >/dev/null
     }
     until_true fulfilled "$@"
   }
@@ -82,7 +83,7 @@ if [ "${1:-}" = steer ]; then
   # What moves up has an arrow up, and a force up.
   shot_until forward orange 'n > 100 && row < 95'
   shot_until forward blue 'n > 50 && row < 95'
-  shot strip 600 500
+  shot_until strip orange 'n > 100' 600 500
   until_true differs strip-later strip 600 500
   press space paused
   until_true stands paused 147 150
