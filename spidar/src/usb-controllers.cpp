@@ -149,19 +149,21 @@ private:
   using Clock = Guardian::Clock;
 
   /// Exchanges messages with the guardian. Whether a force may be sent: it watches, and has not put
-  /// the motors at rest since the call before.
+  /// the motors at rest since the call before. Nor on the call after it prevented one: the words
+  /// were made before interrupted() reported that, so they do not begin from zero.
   bool ask_guardian(Clock::time_point now) noexcept {
     if (!guardian_)
       return true;
     const Guardian::Watch watch = guardian_->watch(force_, now);
     unguarded_ = watch == Guardian::Watch::dead;
-    const bool silent = watch == Guardian::Watch::silent;
     const bool let_go = guardian_->let_go();
-    interrupted_ = interrupted_ || let_go || silent != std::exchange(silent_, silent);
+    const bool prevents = watch == Guardian::Watch::silent || guardian_->writing();
+    const bool changed = prevents != std::exchange(prevents_, prevents);
+    interrupted_ = interrupted_ || let_go || changed;
     link_->expect_replies(guardian_->delivered() * Protocol::kRepliesToMotors);
     link_->set_shared(guardian_->writing());
     guardian_wrote_ = let_go || guardian_->writing();
-    return watch == Guardian::Watch::kept && !guardian_wrote_;
+    return watch == Guardian::Watch::kept && !guardian_wrote_ && !changed;
   }
 
   void note_delivery(const DacWords &sent) noexcept {
@@ -182,7 +184,7 @@ private:
   Counts counts_{};
   bool force_ = false; ///< the motors have, or may have, more than rest_
   bool guardian_wrote_ = false;
-  bool silent_ = false; ///< the guardian is
+  bool prevents_ = false; ///< the guardian is silent or writes: no force is sent
   bool unguarded_ = false;
   bool interrupted_ = false;
 };

@@ -70,6 +70,8 @@ public:
     ++delivered_;
   }
   void finish() { notify(spidar::kLetGo); }
+  /// Nothing of it was delivered, and the driver has put the motors at rest meanwhile.
+  void give_up() { notify(spidar::kHere); }
   void intervene(MockUnit &unit, int packets = 1) {
     for (int i = 0; i < packets; ++i) {
       announce();

@@ -31,7 +31,8 @@ public:
   /// False if no further exchange will succeed: open the device again. Real-time safe.
   virtual bool connected() const noexcept { return true; }
 
-  /// Whether the guard has sent `rest` since the call before. Real-time safe.
+  /// Whether `rest` was sent in place of the words since the call before: by the guard, or because
+  /// it did not answer. The next words should begin from zero. Real-time safe.
   virtual bool interrupted() noexcept { return false; }
 
   /// For messages: model, identity, connection.

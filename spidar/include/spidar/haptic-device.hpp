@@ -18,11 +18,11 @@ struct DeviceState {
   Vector3 velocity = Vector3::Zero(); ///< m/s, low-passed
   Counts counts{};
   StringLengths lengths = StringLengths::Zero();
-  Tensions tensions = Tensions::Zero();       ///< N, as last commanded, with the D/A's resolution
-  Wrench realised;                            ///< what these tensions do at this pose
-  bool feasible = true;                       ///< the commanded wrench was within the limits
-  bool valid = false;                         ///< the pose was measured
-  bool interrupted = false;                   ///< the guardian has set minimum tension meanwhile
+  Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
+  Wrench realised;                      ///< what these tensions do at this pose
+  bool feasible = true;                 ///< the commanded wrench was within the limits
+  bool valid = false;                   ///< the pose was measured
+  bool interrupted = false;             ///< minimum tension was set meanwhile: begin from zero
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
   bool pressed = false;                       ///< a button of the grip or stick
 };

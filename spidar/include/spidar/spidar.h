@@ -2,8 +2,9 @@
  * libspidar for C: a SPIDAR-G on USB, or a simulated one. SI units; origin in the workspace centre,
  * x to the right, y up, z towards the user.
  *
- * Every function returns SPIDAR_OK or a negative spidar_error, and refuses null pointers. Call
- * those that take a device from one thread. spidar/examples/hold.c shows the order of calls. */
+ * A function that returns an int returns SPIDAR_OK or a negative spidar_error, and refuses null
+ * pointers. Call those that take a device from one thread. spidar/examples/hold.c shows the order
+ * of calls. */
 #pragma once
 
 #include "spidar/version.h"
@@ -56,7 +57,7 @@ typedef struct spidar_state {
   int32_t counts[SPIDAR_STRINGS];
   int32_t valid;              /* 1: the pose was measured */
   int32_t feasible;           /* 1: the commanded wrench was within the limits */
-  int32_t interrupted;        /* 1: the guardian has set minimum tension meanwhile */
+  int32_t interrupted;        /* 1: minimum tension was set meanwhile: begin from zero */
   int32_t connected;          /* 0: no exchange will succeed any more; close and open again */
   double angular_velocity[3]; /* rad/s, low-passed */
 } spidar_state;
