@@ -44,7 +44,7 @@ enum class Written {
 
 class Motors {
 public:
-  /// Receives the order and, from a process that did not start us, the device.
+  /// Receives the order and, from a process that did not start us, the device. False without one.
   bool receive_order() {
     std::array<unsigned char, sizeof(GuardianOrder) + kLargestGuardedPacket> bytes{};
     alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(sizeof(int))> extra{};
@@ -70,7 +70,9 @@ public:
     size_ = static_cast<unsigned>(size) - static_cast<unsigned>(sizeof order);
     std::memcpy(packet_, bytes.data() + sizeof order, size_);
     struct stat status = {};
-    is_socket_ = fstat(kGuardianDevice, &status) == 0 && S_ISSOCK(status.st_mode);
+    if (fstat(kGuardianDevice, &status) != 0)
+      return false;
+    is_socket_ = S_ISSOCK(status.st_mode);
     return true;
   }
 
