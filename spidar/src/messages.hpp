@@ -144,6 +144,10 @@
           "Start again, and answer every question.")                                               \
   MESSAGE(kToolNumber, "'%s' is no number.", "Write it with a point, such as 20.5.")               \
   MESSAGE(kToolDirection, "'%s' is none of them.", "Write one of the words in brackets.")          \
+  MESSAGE(kToolPullEnded,                                                                          \
+          "The pull ended before the answer: the grip moved fast, its pose was unknown, or the "   \
+          "guardian intervened.",                                                                  \
+          "Hold the grip still, and answer again.")                                                \
   MESSAGE(kToolNoPull, "The motors do not pull. Nothing has been written.",                        \
           "Switch their power on, and release the emergency stop.")                                \
   MESSAGE(kToolOtherPull, "It should pull %s or %s. Nothing has been written.",                    \

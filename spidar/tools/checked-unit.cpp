@@ -14,8 +14,6 @@ using spidar::Vector3;
 namespace {
 
 constexpr auto kTick = 1ms;
-constexpr double kRamp = 2;      // N/s
-constexpr double kLetGoAt = 1.0; // m/s
 
 /// Hands everything on to another controller, and records it.
 class Recorder final : public spidar::Controller {
@@ -81,9 +79,11 @@ bool Unit::exchange() {
   valid_ticks_ += state.valid ? 1 : 0;
   lowest_ = std::min(lowest_, state.tensions.minCoeff());
   highest_ = std::max(highest_, state.tensions.maxCoeff());
+  let_go_ = let_go_ || (spidar::GentlePull::is_let_go(state) && pull_.norm() > 0);
+  pull_.release_if_unsafe(state);
   if (state.interrupted) {
     ++interruptions_;
-    force_.setZero();
+    device_->command({}); // a next exchange without tick() must not send what was commanded before
   }
   return answered;
 }
@@ -109,11 +109,9 @@ void Unit::tick(const Vector3 &wanted) {
       std::chrono::duration<double>(std::min<Clock::duration>(timer_->now() - exchanged_, 5ms))
           .count();
   exchange();
-  const spidar::DeviceState &state = device_->state();
-  let_go_ = let_go_ || (state.velocity.norm() > kLetGoAt && force_.norm() > 0);
-  const Vector3 change = (let_go_ ? Vector3(Vector3::Zero()) : wanted) - force_;
-  force_ += change * std::min(1.0, kRamp * elapsed / std::max(change.norm(), 1e-9));
-  device_->command({force_, Vector3::Zero()});
+  const bool may_pull = !let_go_ && device_->state().valid;
+  pull_.want(may_pull ? wanted : Vector3::Zero());
+  device_->command({pull_.step(elapsed), Vector3::Zero()});
 }
 
 void Unit::run(double seconds, const Vector3 &wanted) {

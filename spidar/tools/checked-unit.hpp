@@ -2,6 +2,8 @@
 // A device that spidar-check drives at 1 kHz, and a record of what was sent to its controller.
 #pragma once
 
+#include "gentle-pull.hpp"
+
 #include <chrono>
 #include <memory>
 #include <spidar/device.hpp>
@@ -61,7 +63,8 @@ public:
        std::shared_ptr<Timer> timer);
 
   /// Waits for the next millisecond, exchanges, and brings the force closer to `wanted` (N). The
-  /// force goes off when the grip is let go, and begins from zero when the guardian has intervened.
+  /// force goes off when the grip is let go or no pose is known, and begins from zero when the
+  /// guardian has intervened.
   void tick(const spidar::Vector3 &wanted);
   /// Ticks for `seconds`. Throws spidar::Error (io) if the device is gone.
   void run(double seconds, const spidar::Vector3 &wanted);
@@ -85,7 +88,7 @@ public:
   double highest_tension() const { return highest_; } ///< N
   int interruptions() const { return interruptions_; }
   bool let_go() const { return let_go_; }
-  double force() const { return force_.norm(); } ///< N, as commanded last
+  double force() const { return pull_.norm(); } ///< N, as commanded last
   /// Longest time between two exchanges of tick() so far, and since forget_gaps().
   Clock::duration longest_gap() const { return longest_gap_; }
   void forget_gaps();
@@ -97,7 +100,7 @@ private:
   Clock::time_point next_;
   Clock::time_point exchanged_;
   Clock::duration longest_gap_{};
-  spidar::Vector3 force_ = spidar::Vector3::Zero();
+  spidar::GentlePull pull_;
   double lowest_ = 1e9;
   double highest_ = 0;
   long valid_ticks_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-calibrate: measures a SPIDAR-G with the help of its user, and writes a geometry file.
-#include "calibration-pull.hpp"
 #include "fail.hpp"
+#include "gentle-pull.hpp"
 #include "tool.hpp"
 
 #include <array>
@@ -22,9 +22,8 @@ namespace messages = spidar::messages;
 
 namespace {
 
-constexpr double kGentle = 0.5;    // N
-constexpr double kMeasured = 1;    // N
-constexpr double kGripLetGo = 1.0; // m/s
+constexpr double kGentle = 0.5; // N
+constexpr double kMeasured = 1; // N
 constexpr auto kTick = 1ms;
 
 constexpr const char *kDirections[] = {"right", "left", "up", "down", "towards", "away"};
@@ -49,15 +48,24 @@ public:
     const std::lock_guard lock(mutex_);
     device_->calibrate();
   }
+  /// Whether it has stopped pulling by itself. Throws Error (io) when the device is silent.
+  bool pull_ended() {
+    const std::lock_guard lock(mutex_);
+    check_answers();
+    return pull_.ended();
+  }
   /// Throws Error (io) when the device is silent.
   spidar::Counts counts() {
     const std::lock_guard lock(mutex_);
-    if (silent_ > 100)
-      spidar::fail(spidar::Cause::io, messages::kToolSilent);
+    check_answers();
     return device_->state().counts;
   }
 
 private:
+  void check_answers() const {
+    if (silent_ > 100)
+      spidar::fail(spidar::Cause::io, messages::kToolSilent);
+  }
   void run(const std::stop_token &stop) {
     auto next = std::chrono::steady_clock::now();
     while (!stop.stop_requested()) {
@@ -65,15 +73,14 @@ private:
       std::this_thread::sleep_until(next);
       const std::lock_guard lock(mutex_);
       silent_ = device_->exchange(spidar::monotonic_time()) ? 0 : silent_ + 1;
-      if (device_->state().interrupted || device_->state().velocity.norm() > kGripLetGo)
-        pull_.release();
+      pull_.release_if_unsafe(device_->state());
       device_->command({pull_.step(1e-3), Vector3::Zero()});
     }
   }
 
   std::mutex mutex_;
   std::unique_ptr<spidar::Device> device_;
-  spidar::CalibrationPull pull_;
+  spidar::GentlePull pull_;
   int silent_ = 0;
   std::jthread thread_;
 };
@@ -113,14 +120,27 @@ std::optional<std::size_t> ask_direction() {
   }
 }
 
+/// The answer to a question about the pull. Where the pull ended before the answer, it says so and
+/// asks again.
+template <class Ask>
+auto ask_while_pulling(Session &session, const Vector3 &force, Ask ask) {
+  for (;;) {
+    session.pull(force);
+    const auto answer = ask();
+    const bool ended = session.pull_ended();
+    session.pull(Vector3::Zero());
+    if (!ended)
+      return answer;
+    std::cout << messages::kToolPullEnded << std::endl;
+  }
+}
+
 /// True when the geometry has the axis the right way round.
 bool check_axis(Session &session, int axis) {
   const auto forwards = 2 * static_cast<std::size_t>(axis);
   Vector3 force = Vector3::Zero();
   force[axis] = kGentle;
-  session.pull(force);
-  const std::optional<std::size_t> seen = ask_direction();
-  session.pull(Vector3::Zero());
+  const std::optional<std::size_t> seen = ask_while_pulling(session, force, ask_direction);
   if (!seen)
     spidar::fail(spidar::Cause::argument, messages::kToolNoPull);
   if (*seen / 2 != forwards / 2)
@@ -150,10 +170,9 @@ spidar::Geometry dialogue(Session &session, spidar::Geometry geometry) {
 
   if (ask("Hold the grip in the centre with a spring balance on its left, and press Enter; or type "
           "skip.") != "skip") {
-    session.pull({kMeasured, 0, 0});
-    const double newtons =
-        ask_number("  It pulls to the right. How many newtons does the balance show?");
-    session.pull(Vector3::Zero());
+    const double newtons = ask_while_pulling(session, {kMeasured, 0, 0}, [] {
+      return ask_number("  It pulls to the right. How many newtons does the balance show?");
+    });
     geometry = spidar::with_measured_force(std::move(geometry), kMeasured, newtons);
   }
   return geometry;

@@ -84,6 +84,7 @@ public:
     }
     return true;
   }
+  void lose_pose() { wrong_.lost = true; }
   void unplug() {
     wrong_.silent = true;
     killed_ = now_;
@@ -179,6 +180,36 @@ TEST(Checks, ADeviceWithoutAPoseFailsAndMustNotPull) {
   EXPECT_FALSE(check_answers(checked.unit(), checked.report()));
   checked.expect_pass("the device answers");
   checked.expect_fail("the pose is known", "spidar-calibrate");
+}
+
+TEST(Checks, TheForceEndsWithThePose) {
+  Checked checked;
+  checked.unit().run(0.3, {kForce, 0, 0});
+  EXPECT_NEAR(checked.unit().force(), kForce, 1e-6);
+  checked.device().lose_pose();
+  checked.unit().run(0.3, {kForce, 0, 0});
+  EXPECT_EQ(checked.unit().force(), 0);
+}
+
+TEST(Checks, NoForceOfBeforeFollowsAnInterruption) {
+  Checked checked;
+  Unit &unit = checked.unit();
+  unit.run(0.3, spidar::Vector3::Zero());
+  const DacWords zero = unit.record().last;
+  const auto largest_difference = [&] {
+    int largest = 0;
+    for (std::size_t i = 0; i < zero.size(); ++i)
+      largest = std::max(largest, std::abs(unit.record().last[i] - zero[i]));
+    return largest;
+  };
+  unit.run(0.3, {kForce, 0, 0});
+  const int under_force = largest_difference();
+  ASSERT_GT(under_force, 5);
+  unit.pause(100ms);
+  unit.exchange();
+  ASSERT_EQ(unit.interruptions(), 1);
+  unit.exchange();
+  EXPECT_LE(largest_difference(), under_force / 5);
 }
 
 TEST(Checks, ADeviceThatPullsTheOtherWayFails) {

@@ -80,4 +80,18 @@ expect 1 'mind its direction' dialogue '' right up towards '' -20
 expect 1 'not the geometry of this device' dialogue '' right up towards '' 900
 expect 1 'is no number' dialogue '' right up towards '' twenty 2000
 expect 1 '--output' "$calibrate" --device sim
+
+# The grip is let go while it pulls, and goes to and fro for 1 s, 40 mm in 10 ms: the answer then counts for nothing.
+awk 'BEGIN {
+  print "0,0,0,0\n2,0,0,0"
+  for (i = 1; i <= 101; ++i)
+    printf "%.2f,%.1f,0,0\n", 2 + i / 100, i % 2 ? 0.8 : -0.8
+}' >"$work/hand"
+let_go() {
+  { answers ''; sleep 3.5; printf '%s\n' none right up towards '' 20 skip; } |
+    "$calibrate" --device sim --sim-hand "file:$work/hand" --output "$work/let-go.ini" 2>&1 | tee "$work/heard"
+  return "${PIPESTATUS[1]}"
+}
+: >"$work/heard"
+expect 0 'The pull ended before the answer' let_go
 [ "$failed" = 0 ]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/calibration.hpp"
 
-#include "calibration-pull.hpp"
+#include "gentle-pull.hpp"
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
 #include "spidar/simulator.hpp"
@@ -134,7 +134,7 @@ TEST(Calibration, AGeometryThatCannotBeDrivenIsNotWritten) {
 namespace {
 
 /// Where the hand of a unit is pulled, m. The device believes in the built-in geometry.
-Vector3 pulled(const Geometry &truth, CalibrationPull &pull) {
+Vector3 pulled(const Geometry &truth, GentlePull &pull) {
   auto unit = std::make_unique<Simulator>(truth, parse_hand_script("hold:0,0,0"));
   const Simulator &grip = *unit;
   Device device(std::move(unit), builtin());
@@ -147,12 +147,12 @@ Vector3 pulled(const Geometry &truth, CalibrationPull &pull) {
 
 } // namespace
 
-TEST(CalibrationPull, PullsTheOtherWayOnceTheAxisIsMirrored) {
+TEST(GentlePull, PullsTheOtherWayOnceTheAxisIsMirrored) {
   for (int axis = 0; axis < 3; ++axis) {
     const Geometry truth = mirrored(builtin(), axis);
     Vector3 force = Vector3::Zero();
     force[axis] = 1;
-    CalibrationPull pull;
+    GentlePull pull;
     pull.want(force);
     EXPECT_LT(pulled(truth, pull)[axis], -0.0008) << axis; // 1 N against 1000 N/m
     pull.mirror(axis);
@@ -162,8 +162,8 @@ TEST(CalibrationPull, PullsTheOtherWayOnceTheAxisIsMirrored) {
   }
 }
 
-TEST(CalibrationPull, NeverStepsNotEvenWhenAnAxisIsMirrored) {
-  CalibrationPull pull;
+TEST(GentlePull, NeverStepsNotEvenWhenAnAxisIsMirrored) {
+  GentlePull pull;
   pull.want({0.5, 0, 0});
   Vector3 before = Vector3::Zero();
   for (int tick = 0; tick < 2000; ++tick) {
@@ -180,4 +180,43 @@ TEST(CalibrationPull, NeverStepsNotEvenWhenAnAxisIsMirrored) {
   pull.step(0.001);
   pull.release();
   EXPECT_EQ(pull.step(0.001), Vector3::Zero());
+}
+
+TEST(GentlePull, IsReleasedWhereItMustNotPull) {
+  const auto ticks_to_release = [](const DeviceState &state) {
+    GentlePull pull;
+    pull.want({0.5, 0, 0});
+    pull.step(0.2);
+    int ticks = 0;
+    for (; ticks < 10 && pull.norm() > 0; ++ticks)
+      pull.release_if_unsafe(state);
+    const bool pulls = pull.step(0.1).norm() > 0;
+    EXPECT_EQ(pull.ended(), !pulls);
+    pull.want({0.5, 0, 0});
+    EXPECT_FALSE(pull.ended()) << "a new pull";
+    return pulls ? 10 : ticks;
+  };
+  DeviceState state;
+  state.valid = true;
+  EXPECT_EQ(ticks_to_release(state), 10) << "never";
+  state.valid = false;
+  EXPECT_EQ(ticks_to_release(state), 3) << "without a pose";
+  state.valid = true;
+  state.interrupted = true;
+  EXPECT_EQ(ticks_to_release(state), 1);
+  state.interrupted = false;
+  state.velocity = {0, 0.8, 0.8};
+  EXPECT_EQ(ticks_to_release(state), 1) << "let go";
+}
+
+TEST(GentlePull, ALostReplyDoesNotEndIt) {
+  GentlePull pull;
+  pull.want({0.5, 0, 0});
+  for (int tick = 0; tick < 300; ++tick) {
+    DeviceState state;
+    state.valid = tick % 3 == 0;
+    pull.release_if_unsafe(state);
+    pull.step(0.001);
+  }
+  EXPECT_DOUBLE_EQ(pull.norm(), 0.5);
 }
