@@ -76,6 +76,8 @@ void Output::describe_machine(const std::string &settings) {
 void Output::describe_unit(const Unit &unit) {
   const spidar::Geometry &geometry = unit.geometry();
   line(unit.description());
+  if (const std::string remark = unit.remark(); !remark.empty())
+    line(remark);
   line(formatted("geometry %s, dac-limit %d, tension-min %g N, tension-max %g N",
                  geometry.name.c_str(), geometry.dac_limit, geometry.tension_min,
                  geometry.tension_max));

@@ -15,7 +15,7 @@ public:
   void add(const Finding &finding);
   /// Versions, kernel, time.
   void describe_machine(const std::string &settings);
-  /// The controller, and the constants of its geometry.
+  /// The controller, what to know of its guardian, and the constants of its geometry.
   void describe_unit(const Unit &unit);
   void summary();
   bool failed() const { return counts_[1] > 0; }

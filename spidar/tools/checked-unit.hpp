@@ -80,6 +80,7 @@ public:
   const Record &record() const { return *record_; }
   std::shared_ptr<const Record> shared_record() const { return record_; }
   std::string description() const { return device_->description(); }
+  std::string remark() const { return device_->remark(); }
   bool connected() const { return device_->connected(); }
   Clock::time_point now() const { return timer_->now(); }
 

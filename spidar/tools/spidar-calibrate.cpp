@@ -200,7 +200,9 @@ int main(int argc, char **argv) {
       spidar::fail(spidar::Cause::argument, messages::kToolExists, output);
     const Choice choice = options.choice();
     const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
-    Session session(open_device(choice));
+    auto device = open_device(choice);
+    print_remark(*device);
+    Session session(std::move(device));
     spidar::save_geometry(dialogue(session, geometry), output);
     std::cout << "Written. Use it with: geometry=" << std::filesystem::absolute(output).string()
               << std::endl;

@@ -74,8 +74,7 @@ void show(double time, const spidar::Device &device) {
 ExitStatus watch(const Choice &choice, double seconds) {
   const auto device = open_device(choice);
   std::printf("%s\n", device->description().c_str());
-  if (const std::string remark = device->remark(); !remark.empty())
-    std::printf("%s\n", remark.c_str());
+  print_remark(*device);
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = true; };
   sigaction(SIGINT, &action, nullptr);

@@ -42,6 +42,11 @@ std::unique_ptr<spidar::Device> open_device(const Choice &choice) {
   return std::make_unique<spidar::Device>(std::move(controller), geometry);
 }
 
+void print_remark(const spidar::Device &device) {
+  if (const std::string remark = device.remark(); !remark.empty())
+    std::printf("%s\n", remark.c_str());
+}
+
 Options::Options(const char *arguments, const char *summary, const GOptionEntry *own,
                  const char *exit_statuses)
     : context_(g_option_context_new(arguments)) {

@@ -37,6 +37,8 @@ struct Choice {
 
 /// Throws spidar::Error.
 std::unique_ptr<spidar::Device> open_device(const Choice &choice);
+/// Prints what the user should know before a hand holds it.
+void print_remark(const spidar::Device &device);
 
 struct Free {
   void operator()(gchar *text) const { g_free(text); }

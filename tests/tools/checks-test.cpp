@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What spidar-check finds out about a good device, and about one for each way to break a promise.
 #include "check-guardian.hpp"
+#include "check-report.hpp"
 #include "promises.hpp"
 
 #include <csignal>
@@ -71,6 +72,7 @@ public:
   }
   bool interrupted() noexcept override { return std::exchange(interrupted_, false); }
   std::string description() const override { return "broken on purpose"; }
+  std::string remark() const override { return "its guardian is a helper"; }
 
   bool signal_guardian(int number) {
     if (number == SIGSTOP)
@@ -167,6 +169,15 @@ TEST(Checks, AGoodDeviceKeepsEveryPromise) {
         "the program hangs under a force", "a reply belongs to the exchange that asked for it",
         "the guardian hangs", "the guardian is killed"})
     checked.expect_pass(promise);
+}
+
+TEST(Checks, TheReportHasTheRemarkOfTheDevice) {
+  Checked checked;
+  Output output;
+  testing::internal::CaptureStdout();
+  output.describe_unit(checked.unit());
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("\nits guardian is a helper\n"),
+            std::string::npos);
 }
 
 TEST(Checks, ASilentDeviceFailsAndMustNotPull) {
