@@ -110,21 +110,6 @@ private:
   int results_ = -1;
 };
 
-/// The guardian keeps the device until it has set minimum tension. Throws what opening it throws in
-/// the end.
-void open_again(const OtherProgram &program) {
-  for (const auto begin = Clock::now();;) {
-    try {
-      program.open();
-      return;
-    } catch (const spidar::Error &) {
-      if (Clock::now() - begin > program.patience)
-        throw;
-    }
-    std::this_thread::sleep_for(1ms);
-  }
-}
-
 Finding together(std::optional<pid_t> guardian) {
   if (!guardian)
     return {kTogether, Verdict::not_testable,
@@ -169,7 +154,7 @@ Kill kill_once(const OtherProgram &program, bool felt) {
     result.taken = ended->time - begin;
   }
   try {
-    open_again(program);
+    open_again(program.open, program.patience);
   } catch (const spidar::Error &error) {
     result.failed = {kKilled, Verdict::fail, error.what()};
   }
@@ -220,7 +205,9 @@ std::optional<End> await_end(pid_t child, std::chrono::milliseconds patience) {
 
 void check_kill(const OtherProgram &program, const Ask &ask, const Report &report) {
   std::optional<Kill> best;
-  for (int i = 0; i < kKills; ++i) {
+  int kills = 0;
+  while (kills < kKills) {
+    ++kills;
     Kill kill = kill_once(program, static_cast<bool>(ask));
     const bool failed = kill.failed.has_value();
     if (failed || !best || kill.taken < best->taken)
@@ -229,7 +216,9 @@ void check_kill(const OtherProgram &program, const Ask &ask, const Report &repor
       break;
   }
   Finding finding = judge(*best, program.mean_exchange);
-  if (ask && finding.verdict == Verdict::pass &&
+  if (kills > 1 && !best->failed)
+    finding.figure = formatted("best of %d kills: ", kills) + finding.figure;
+  if (ask && !best->failed && finding.verdict != Verdict::fail &&
       !ask("The program was killed. Press Enter if the pull stopped at once; n if not."))
     finding = verdict(kKilled, false, finding.figure, messages::kCheckGuardian);
   report(finding);

@@ -5,7 +5,9 @@
 #include "promises.hpp"
 
 #include <optional>
+#include <spidar/error.hpp>
 #include <sys/types.h>
+#include <thread>
 #include <vector>
 
 namespace spidar_check {
@@ -25,6 +27,24 @@ struct End {
 /// Nothing if it has not ended within `patience`.
 std::optional<End> await_end(pid_t child, std::chrono::milliseconds patience);
 
+/// How long a guardian may keep the device.
+inline constexpr std::chrono::milliseconds kPatience{5000};
+
+/// Calls `open` until it succeeds: a guardian keeps the device until it has set minimum tension.
+/// Throws what `open` throws in the end.
+template <class Open>
+auto open_again(const Open &open, std::chrono::milliseconds patience = kPatience) {
+  for (const auto begin = Clock::now();;) {
+    try {
+      return open();
+    } catch (const spidar::Error &) {
+      if (Clock::now() - begin > patience)
+        throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 /// The device as another process drives it.
 struct OtherProgram {
   /// Drives under a force, and calls `pulls` once it does; until it is killed.
@@ -32,8 +52,8 @@ struct OtherProgram {
   /// Opens the device and closes it. Throws spidar::Error while another process holds it.
   std::function<void()> open;
   Clock::duration mean_exchange{};
-  std::chrono::milliseconds patience{5000}; ///< with its guardian
-  std::chrono::milliseconds felt{2000};     ///< a person notices the pull
+  std::chrono::milliseconds patience = kPatience; ///< with its guardian
+  std::chrono::milliseconds felt{2000};           ///< a person notices the pull
 };
 
 /// Kills that program's process group. No device may be open. `ask` may be empty.

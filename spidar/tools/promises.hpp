@@ -25,8 +25,8 @@ using SignalGuardian = std::function<bool(int)>;
 
 Finding verdict(const char *promise, bool holds, const std::string &figure, const char *failure);
 double milliseconds(Clock::duration time);
-/// Judges `taken` by `most`: not where a mean exchange takes 1 ms or more, nor where the program
-/// itself was late (`gap`: its longest time between two exchanges).
+/// Judges `taken` by `most`. More is not testable where a mean exchange takes 1 ms or more, or
+/// where the program itself was late (`gap`: its longest time between two exchanges).
 Finding in_time(const char *promise, Clock::duration taken, Clock::duration most,
                 Clock::duration mean_exchange, Clock::duration gap);
 

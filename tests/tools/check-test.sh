@@ -22,6 +22,13 @@ says() {
   done
 }
 
+# Of what was printed last, no promise is listed twice.
+lists_once() {
+  local twice
+  twice=$(sed -nE 's/^(pass|FAIL|not testable) +([^:]*):.*/\2/p' "$work/output" | sort | uniq -d)
+  [ -z "$twice" ] || complain "listed twice: $twice"
+}
+
 complain() {
   echo "FAILED: $1"
   sed 's/^/  | /' "$work/output"
@@ -51,6 +58,7 @@ says '^spidar-check [0-9.]+, libspidar [0-9.]+, ' '^simulated SPIDAR-G' \
   '^not testable +the program is killed or crashes: a simulated' \
   '^geometry spidar-g6x3r, dac-limit 4095' '^volts-per-newton( [-0-9.]+){8}$' \
   '^[0-9]+ pass, 0 fail, [0-9]+ not testable$'
+lists_once
 diff "$work/output" "$work/report" || complain 'the report is not what was printed'
 
 # Every promise of the safety page is named: the limits, and the events of the table.
@@ -72,6 +80,7 @@ says ' .~/none.ini|file ~/none.ini'
 # Nobody answers: it does not pull.
 expect 0 "$check" --device sim
 says 'Press Enter when you are ready' 'the force is the commanded one: it may not pull'
+lists_once
 
 expect 2 "$check" --device sim --yes --report "$work/none/report"
 says 'cannot be written'
