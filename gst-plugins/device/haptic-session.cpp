@@ -152,7 +152,6 @@ bool HapticSession::prepare(const RunSettings &settings) {
   environment.rate = opened_as_.rate;
   environment.dead_man = opened_as_.dead_man == DeadMan::button;
   environment.entered = settings.entered;
-  environment.left = settings.left;
   environment.keeper = settings.keeper;
   loop_.prepare(std::move(environment));
   loop_.set_running_time(monotonic_now(), 0); // until the client has a clock

@@ -88,7 +88,6 @@ public:
     DeviceChoice choice;           ///< another one than before: the device is opened anew
     std::string log_location;      ///< empty: no log
     std::function<void()> entered; ///< called in the loop's thread before its first tick
-    std::function<void()> left;    ///< and after its last
     CallbackThread::Keeper keeper; ///< what lives while `entered` runs
   };
   /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.

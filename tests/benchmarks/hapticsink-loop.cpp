@@ -5,12 +5,12 @@
 // Targets: no tick missed (more than 20 ms late) in 60 s, loop body p99 <= 20 us; of it 1 us for a
 // field; the loop's own part of a tick, without the controller's exchange, p99 <= 15 us; nothing
 // taken from the heap in any tick.
+#include "counted-allocations.hpp"
 #include "device-choice.hpp"
 #include "haptic-loop.hpp"
 #include "processor.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -18,36 +18,12 @@
 #include <cstring>
 #include <ctime>
 #include <memory>
-#include <new>
 #include <pthread.h>
 #include <spidar/device.hpp>
 #include <spidar/simulator.hpp>
 #include <string>
 #include <thread>
 #include <unistd.h>
-
-namespace {
-
-thread_local bool counting = false; // in the loop's thread
-std::atomic<long> allocations = 0;
-
-} // namespace
-
-// NOLINTBEGIN(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
-[[gnu::noinline]] void *operator new(std::size_t size) {
-  if (counting)
-    ++allocations;
-  if (void *memory = std::malloc(size))
-    return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void *memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void *memory, std::size_t /*size*/) noexcept {
-  std::free(memory);
-}
-// NOLINTEND(cppcoreguidelines-no-malloc, cppcoreguidelines-owning-memory)
 
 namespace {
 
@@ -85,8 +61,9 @@ private:
   std::unique_ptr<spidar::Controller> inner_;
 };
 
-// The time of each tick without the exchange, with the log on, in a thread like the loop's.
-void measure_own_part(double seconds, const std::string &log_path, haptic::DurationHistogram &own) {
+// The time of each tick without the exchange, with the log on, in a thread like the loop's. Returns
+// how often the ticks took memory from the heap.
+long measure_own_part(double seconds, const std::string &log_path, haptic::DurationHistogram &own) {
   const spidar::Geometry geometry = spidar::load_geometry(spidar::kDefaultGeometry);
   auto timed = std::make_unique<TimedController>(
       std::make_unique<spidar::Simulator>(geometry, spidar::parse_hand_script("circle:0.6,5")));
@@ -96,10 +73,11 @@ void measure_own_part(double seconds, const std::string &log_path, haptic::Durat
   haptic::HapticLoop loop;
   loop.prepare({.device = &device, .log = &log});
   loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
+  long allocations = 0;
   std::jthread([&] {
     const sched_param wanted{.sched_priority = 50};
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-    counting = true;
+    const long before = test::allocations;
     std::int64_t next = haptic::monotonic_now();
     for (int tick = 0; tick < seconds * 1000; ++tick) {
       next += 1'000'000;
@@ -111,8 +89,9 @@ void measure_own_part(double seconds, const std::string &log_path, haptic::Durat
       loop.tick(next, now);
       own.record(haptic::monotonic_now() - now - controller.taken);
     }
-    counting = false;
+    allocations = test::allocations - before;
   }).join();
+  return allocations;
 }
 
 // ns that a tick spends on a field: it is sampled at both ends of the line that the tick is on.
@@ -142,13 +121,15 @@ int main(int argc, char **argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : kDefaultSeconds;
   const std::string path = "/tmp/hapticsink-loop-" + std::to_string(getpid()) + ".csv";
   haptic::HapticLoop loop;
+  long before = 0;
+  long allocations = 0;
   {
     const auto opened = haptic::open_device({.device = "sim", .sim_hand = "circle:0.6,5"});
     haptic::TickLog log(path);
     loop.start({.device = opened.device.get(),
                 .log = &log,
-                .entered = [] { counting = true; },
-                .left = [] { counting = false; }});
+                .entered = [&] { before = test::allocations; },
+                .left = [&] { allocations = test::allocations - before; }});
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
     const auto start = std::chrono::steady_clock::now();
     auto next = start;
@@ -159,7 +140,7 @@ int main(int argc, char **argv) {
     loop.stop();
   }
   haptic::DurationHistogram own;
-  measure_own_part(std::min(seconds, 20.0), path, own);
+  allocations += measure_own_part(std::min(seconds, 20.0), path, own);
   std::remove(path.c_str());
 
   const haptic::LoopStatistics &s = loop.statistics();
@@ -178,7 +159,7 @@ int main(int argc, char **argv) {
   std::printf("own part  p50 %8.1f us  p99 %8.1f us  p99.9 %8.1f us  max %8.1f us\n",
               own.percentile_us(0.5), own.percentile_us(0.99), own.percentile_us(0.999),
               own.max_us());
-  std::printf("taken from the heap in all ticks: %ld times\n", allocations.load());
+  std::printf("taken from the heap in all ticks: %ld times\n", allocations);
   std::printf("sample age mean %.3f ms, largest force %.3f N\n",
               static_cast<double>(s.sample_age_sum) * 1e-6 /
                   static_cast<double>(std::max<std::uint64_t>(s.samples_used, 1)),

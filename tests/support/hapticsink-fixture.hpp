@@ -2,6 +2,7 @@
 // hapticsink in a small pipeline, with the simulated device; what it did is read from its log.
 #pragma once
 
+#include "eventually.hpp"
 #include "gst-raii.hpp"
 #include "motion-sample.hpp"
 #include "pointer-event.hpp"
@@ -261,14 +262,6 @@ protected:
     double value = 0;
     EXPECT_TRUE(gst_structure_get_double(stats().get(), name, &value)) << name;
     return value;
-  }
-
-  /// Waits as long as it takes, within reason.
-  static bool eventually(const std::function<bool()> &condition) {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(5ms))
-      if (condition())
-        return true;
-    return false;
   }
 
   std::filesystem::path directory_;

@@ -1,39 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "counted-allocations.hpp"
 #include "spidar-poses.hpp"
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
 #include "spidar/simulator.hpp"
 
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <limits>
-#include <new>
 #include <vector>
 
 using namespace spidar;
 using namespace spidar_test;
-
-namespace {
-
-std::atomic<long> allocations = 0;
-
-} // namespace
-
-// Inlined, the pair would look mismatched to the compiler.
-[[gnu::noinline]] void *operator new(std::size_t size) {
-  ++allocations;
-  if (void *memory = std::malloc(size))
-    return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void *memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void *memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace {
 
@@ -340,14 +319,14 @@ TEST(Device, GarbageCountsNeverGiveAPoseThatIsNone) {
 TEST(Device, ATickTakesNoMemory) {
   const Geometry geometry = load_geometry(kDefaultGeometry);
   Device device(std::make_unique<Simulator>(geometry, parse_hand_script("circle:1,1")), geometry);
-  const long before = allocations;
+  const long before = test::allocations;
   for (int tick = 0; tick < 1000; ++tick) {
     device.exchange(next_tick());
     device.command(push(std::sin(tick), tick % 7 == 0 ? std::nan("") : 20, 0));
     if (tick % 100 == 0)
       device.calibrate();
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 TEST(Device, AMoveWhileNobodyLookedIsBelievedWhenItLasts) {

@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+using test::eventually;
 using test::MockUnit;
 using test::Model;
 
