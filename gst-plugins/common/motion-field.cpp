@@ -3,11 +3,12 @@
 
 #include "motion-bytes.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace haptic {
 namespace {
+
+constexpr FieldBytes kBytes{MotionKind::field, kFieldCellSize};
 
 bool is_valid(const FieldCell &cell) {
   return std::isfinite(cell.velocity_x) && std::isfinite(cell.velocity_y) && cell.confidence >= 0 &&
@@ -17,44 +18,23 @@ bool is_valid(const FieldCell &cell) {
 } // namespace
 
 bool is_valid(const MotionField &field) noexcept {
-  const std::size_t cells = std::size_t{field.columns} * field.rows;
-  return has_frame(field) && cells > 0 && cells <= kMostFieldCells && field.cells.size() == cells &&
-         std::ranges::all_of(field.cells, [](const FieldCell &cell) { return is_valid(cell); });
+  return is_field(field, [](const FieldCell &cell) { return is_valid(cell); });
 }
 
 void pack_motion_field(const MotionField &field, std::span<std::uint8_t> bytes) noexcept {
-  LittleEndianWriter out(bytes);
-  write_header(out, MotionKind::field, {field.flags, field.interval});
-  write_frame(out, field);
-  out.u16(field.columns);
-  out.u16(field.rows);
-  out.u32(0);
-  for (const FieldCell &cell : field.cells)
+  pack_field(field, kBytes, bytes, [](LittleEndianWriter &out, const FieldCell &cell) {
     for (auto value : {cell.velocity_x, cell.velocity_y, cell.confidence})
       out.f32(value);
+  });
 }
 
 bool unpack_motion_field(std::span<const std::uint8_t> bytes, MotionField &field) {
-  if (bytes.size() < kFieldHeaderSize)
-    return false;
-  LittleEndianReader in(bytes);
-  const auto header = read_header(in, MotionKind::field);
-  if (!header)
-    return false;
-  field.flags = header->flags;
-  field.interval = header->interval;
-  read_frame(in, field);
-  field.columns = in.u16();
-  field.rows = in.u16();
-  in.u32();
-  const std::size_t cells = std::size_t{field.columns} * field.rows;
-  if (cells > kMostFieldCells || bytes.size() < kFieldHeaderSize + cells * kFieldCellSize)
-    return false;
-  field.cells.resize(cells);
-  for (FieldCell &cell : field.cells)
-    for (auto *value : {&cell.velocity_x, &cell.velocity_y, &cell.confidence})
-      *value = in.f32();
-  return is_valid(field);
+  return unpack_field(bytes, kBytes, field,
+                      [](LittleEndianReader &in, FieldCell &cell) {
+                        for (auto *value : {&cell.velocity_x, &cell.velocity_y, &cell.confidence})
+                          *value = in.f32();
+                      }) &&
+         is_valid(field);
 }
 
 } // namespace haptic

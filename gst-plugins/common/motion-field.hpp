@@ -3,22 +3,18 @@
 // buffers.
 #pragma once
 
+#include "field.hpp"
 #include "motion-sample.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <vector>
 
 /// One buffer of these caps holds exactly one motion field. The caps may carry the same further
 /// fields as HAPTIC_MOTION_CAPS.
 #define HAPTIC_FIELD_CAPS "haptics/x-raw, modality=(string)velocity, layout=(string)field"
 
 namespace haptic {
-
-/// The most cells of a field. Readers refuse more, so that their memory is bounded.
-inline constexpr std::size_t kMostFieldCells = 8192;
 
 /// The motion in one cell, in px of the frame per second, x to the right and y down.
 struct FieldCell {
@@ -29,23 +25,9 @@ struct FieldCell {
   bool operator==(const FieldCell &) const = default;
 };
 
-/// Cells of equal size, side by side over the whole frame, row by row from its top left.
-struct MotionField {
-  std::uint64_t interval = 0;       ///< ns between the two frames, 0 when there is none
-  std::uint32_t frame_width = 0;    ///< px
-  std::uint32_t frame_height = 0;   ///< px
-  std::uint32_t pixel_aspect_n = 1; ///< pixel width : height
-  std::uint32_t pixel_aspect_d = 1;
-  std::uint16_t flags = 0; ///< of kFrameFlags
-  std::uint16_t columns = 0;
-  std::uint16_t rows = 0;
-  std::vector<FieldCell> cells; ///< columns * rows
+using MotionField = Field<FieldCell>;
 
-  bool operator==(const MotionField &) const = default;
-};
-
-/// Bytes of a packed field before its cells, and of each cell (docs/formats/motion-field.md).
-inline constexpr std::size_t kFieldHeaderSize = 40;
+/// Bytes of each packed cell (docs/formats/motion-field.md).
 inline constexpr std::size_t kFieldCellSize = 12;
 
 constexpr std::size_t packed_size(const MotionField &field) noexcept {

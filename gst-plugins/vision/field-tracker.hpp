@@ -18,20 +18,6 @@
 
 namespace haptic {
 
-/// Cells of equal size, side by side over the whole frame.
-struct FieldShape {
-  int columns = 0;
-  int rows = 0;
-
-  int cells() const { return columns * rows; }
-  bool operator==(const FieldShape &) const = default;
-};
-
-/// `columns` columns, or as many as leave each at least 8 px wide, and rows such that the cells are
-/// as square on the screen as they can be; no more than kMostFieldCells cells. `pixel_aspect`:
-/// width of a pixel over its height.
-FieldShape field_shape(int width, int height, double pixel_aspect, int columns);
-
 /// Coarse to fine over the whole frame, then for each cell the steps of the fast tracker:
 /// unchanged, one translation, a grid of patches. Stores of a frame only what the comparison with
 /// the next one needs. One instance serves one stream, from one thread at a time.

@@ -35,7 +35,7 @@ using haptic::ObjectLock;
 // State
 
 struct Settings {
-  guint columns = 32;
+  guint columns = haptic::kFieldColumns;
 };
 
 struct State {

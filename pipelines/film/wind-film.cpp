@@ -14,15 +14,11 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
-#include <string_view>
 #include <thread>
 
 namespace {
 
 using film::FilmError;
-
-constexpr int kColumns = 32;      // of the track, as those of motionfield
-constexpr int kNarrowestCell = 8; // px
 
 struct Options {
   int width = 960;
@@ -120,10 +116,10 @@ private:
       std::vector<std::uint8_t> frame(static_cast<std::size_t>(options_.width) * options_.height *
                                       3 / 2);
       haptic::MotionField field;
-      field.columns =
-          static_cast<std::uint16_t>(std::min(kColumns, options_.width / kNarrowestCell));
-      field.rows = static_cast<std::uint16_t>(
-          std::max(1L, std::lround(1.0 * field.columns * options_.height / options_.width)));
+      const haptic::FieldShape shape =
+          haptic::field_shape(options_.width, options_.height, 1, haptic::kFieldColumns);
+      field.columns = static_cast<std::uint16_t>(shape.columns);
+      field.rows = static_cast<std::uint16_t>(shape.rows);
       for (long i = first; i < frames_; i += step) {
         const double interval = 1.0 / options_.rate;
         scene_.draw(canvas, static_cast<double>(i) * interval, interval);
