@@ -14,6 +14,7 @@
 #include "call-queue.hpp"
 #include "callback-thread.hpp"
 #include "controllers.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-session.hpp"
@@ -637,6 +638,7 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
                                         "Motion in frames as force on the hand",
                                         "Feeling Wind project");
+  haptic::add_documentation(element_class, "hapticsink");
   element_class->change_state = [](GstElement *element, GstStateChange transition) {
     return guarded(element, GST_STATE_CHANGE_FAILURE,
                    [&] { return change_state(element, transition); });

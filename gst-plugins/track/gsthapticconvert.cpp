@@ -14,6 +14,7 @@
 #include "gsthapticconvert.h"
 
 #include "convert-caps.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "messages.hpp"
@@ -489,6 +490,7 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
       element_class, "Haptic track converter", "Codec/Converter/Haptics",
       "Converts a haptic track between samples, fields, KLV, text and MPEG haptics",
       "Feeling Wind project");
+  haptic::add_documentation(element_class, "hapticconvert");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

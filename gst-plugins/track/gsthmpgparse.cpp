@@ -12,6 +12,7 @@
  */
 #include "gsthmpgparse.h"
 
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg.hpp"
@@ -196,6 +197,7 @@ static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
   gst_element_class_set_static_metadata(
       element_class, "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
       "Cuts a stream of MPEG haptics (.hmpg) into units", "Feeling Wind project");
+  haptic::add_documentation(element_class, "hmpgparse");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
   parse_class->start = [](GstBaseParse *parse) -> gboolean {

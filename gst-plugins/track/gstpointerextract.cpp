@@ -11,6 +11,7 @@
  */
 #include "gstpointerextract.h"
 
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "klv.hpp"
@@ -242,5 +243,6 @@ static void gst_pointer_extract_class_init(GstPointerExtractClass *klass) {
   gst_element_class_set_static_metadata(element_class, "Pointer extractor", "Generic/Haptics",
                                         "Makes a stream of the pointer events that come upstream",
                                         "Feeling Wind project");
+  haptic::add_documentation(element_class, "pointerextract");
   haptic::add_pad_templates(element_class, &pointer_template);
 }

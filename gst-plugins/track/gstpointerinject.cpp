@@ -11,6 +11,7 @@
  */
 #include "gstpointerinject.h"
 
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "klv.hpp"
@@ -140,6 +141,7 @@ static void gst_pointer_inject_class_init(GstPointerInjectClass *klass) {
   gst_element_class_set_static_metadata(element_class, "Pointer injector", "Generic/Haptics",
                                         "Sends pointers that come as a stream upstream as events",
                                         "Feeling Wind project");
+  haptic::add_documentation(element_class, "pointerinject");
   haptic::add_pad_templates(element_class, &pointer_template);
   element_class->change_state = [](GstElement *element, GstStateChange transition) {
     return guarded(element, GST_STATE_CHANGE_FAILURE,

@@ -12,6 +12,7 @@
  */
 #include "gstrtphmpgdepay.h"
 
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
@@ -112,6 +113,7 @@ static void gst_rtp_hmpg_depay_class_init(GstRtpHmpgDepayClass *klass) {
   gst_element_class_set_static_metadata(
       element_class, "RTP MPEG haptics depayloader", "Codec/Depayloader/Network/RTP",
       "Receives MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
+  haptic::add_documentation(element_class, "rtphmpgdepay");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
   element_class->change_state = [](GstElement *element, GstStateChange transition) {

@@ -11,6 +11,7 @@
  */
 #include "gstrtphmpgpay.h"
 
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
@@ -186,6 +187,7 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   gst_element_class_set_static_metadata(
       element_class, "RTP MPEG haptics payloader", "Codec/Payloader/Network/RTP",
       "Sends MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
+  haptic::add_documentation(element_class, "rtphmpgpay");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
   element_class->change_state = [](GstElement *element, GstStateChange transition) {

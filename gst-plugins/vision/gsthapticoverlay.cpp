@@ -10,6 +10,7 @@
 
 #include "average-types.hpp"
 #include "controllers.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "frame-blending.hpp"
 #include "gst-raii.hpp"
@@ -316,6 +317,7 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
       element_class, "Haptic overlay", "Filter/Effect/Video",
       "Draws over a frame the motion that was measured in it and the force that it gives",
       "Feeling Wind project");
+  haptic::add_documentation(element_class, "hapticoverlay");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

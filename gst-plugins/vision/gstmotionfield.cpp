@@ -8,6 +8,7 @@
 #include "gstmotionfield.h"
 
 #include "buffer-timeline.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "field-tracker.hpp"
 #include "frame-caps.hpp"
@@ -296,6 +297,7 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
   gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
                                         "Measures the motion of the whole frame on a grid of cells",
                                         "Feeling Wind project");
+  haptic::add_documentation(element_class, "motionfield");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

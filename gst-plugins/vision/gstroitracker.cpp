@@ -10,6 +10,7 @@
 
 #include "buffer-timeline.hpp"
 #include "controllers.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
@@ -544,6 +545,7 @@ static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
       element_class, "Region of interest tracker", "Filter/Analyzer/Video",
       "Measures the motion under a pointer and attaches it to the untouched frame",
       "Feeling Wind project");
+  haptic::add_documentation(element_class, "roitracker");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

@@ -8,6 +8,7 @@
 #include "gstvelocityavg.h"
 
 #include "average-types.hpp"
+#include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "frame-caps.hpp"
 #include "gst-raii.hpp"
@@ -201,6 +202,7 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
       element_class, "Velocity averager", "Filter/Analyzer/Video",
       "Turns the motion that roitracker found in a frame into one haptic motion sample",
       "Feeling Wind project");
+  haptic::add_documentation(element_class, "velocityavg");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The property tables in docs/elements/ match the elements.
+// The property tables in docs/elements/ match the elements, and each element names its page.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -116,6 +116,25 @@ TEST_P(PropertyTable, ListsEveryPropertyOfTheElementWithItsDefaultAndNoOther) {
   const Properties element = properties_of_element(GetParam());
   EXPECT_FALSE(element.empty());
   EXPECT_EQ(properties_of_page(GetParam()), element);
+}
+
+TEST(Pages, EachElementNamesItsPage) {
+  const std::string base = DOCUMENTATION_URI;
+  for (const char *plugin : {"hapticvision", "haptictrack", "hapticdevice"}) {
+    GList *features = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
+    for (GList *at = features; at != nullptr; at = at->next) {
+      if (!GST_IS_ELEMENT_FACTORY(at->data)) {
+        continue;
+      }
+      const std::string name = GST_OBJECT_NAME(at->data);
+      EXPECT_TRUE(std::ifstream(std::string(SOURCE_ROOT "/docs/elements/") + name + ".md")) << name;
+      const gchar *address = gst_element_factory_get_metadata(GST_ELEMENT_FACTORY(at->data),
+                                                              GST_ELEMENT_METADATA_DOC_URI);
+      EXPECT_EQ(address != nullptr ? address : "",
+                base.empty() ? "" : base + "/elements/" + name + ".html");
+    }
+    gst_plugin_feature_list_free(features);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,
