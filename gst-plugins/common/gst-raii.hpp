@@ -18,6 +18,7 @@ struct Releaser {
   void operator()(GstEvent *event) const noexcept { gst_event_unref(event); }
   void operator()(GstMessage *message) const noexcept { gst_message_unref(message); }
   void operator()(GstQuery *query) const noexcept { gst_query_unref(query); }
+  void operator()(GstSample *sample) const noexcept { gst_sample_unref(sample); }
   void operator()(GstStructure *structure) const noexcept { gst_structure_free(structure); }
   void operator()(GError *error) const noexcept { g_error_free(error); }
   void operator()(gchar *text) const noexcept { g_free(text); }
@@ -31,6 +32,7 @@ using BusPtr = std::unique_ptr<GstBus, Releaser>;
 using EventPtr = std::unique_ptr<GstEvent, Releaser>;
 using MessagePtr = std::unique_ptr<GstMessage, Releaser>;
 using QueryPtr = std::unique_ptr<GstQuery, Releaser>;
+using SamplePtr = std::unique_ptr<GstSample, Releaser>;
 using StructurePtr = std::unique_ptr<GstStructure, Releaser>;
 using ErrorPtr = std::unique_ptr<GError, Releaser>;
 using GCharPtr = std::unique_ptr<gchar, Releaser>;

@@ -214,12 +214,15 @@ TEST_F(RoiTracker, BehindATeeBothBranchesHaveTheSameMemory) {
   const ElementPtr plain(gst_bin_get_by_name(GST_BIN(pipeline.get()), "plain"));
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
   for (int i = 0; i < 5; ++i) {
-    GstSample *one = gst_app_sink_pull_sample(GST_APP_SINK(tracked.get()));
-    GstSample *other = gst_app_sink_pull_sample(GST_APP_SINK(plain.get()));
-    EXPECT_EQ(gst_buffer_peek_memory(gst_sample_get_buffer(one), 0),
-              gst_buffer_peek_memory(gst_sample_get_buffer(other), 0));
-    gst_sample_unref(one);
-    gst_sample_unref(other);
+    const auto next_of = [](const ElementPtr &sink) {
+      return haptic::SamplePtr(
+          gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 10 * GST_SECOND));
+    };
+    const haptic::SamplePtr one = next_of(tracked);
+    const haptic::SamplePtr other = next_of(plain);
+    ASSERT_TRUE(one && other);
+    EXPECT_EQ(gst_buffer_peek_memory(gst_sample_get_buffer(one.get()), 0),
+              gst_buffer_peek_memory(gst_sample_get_buffer(other.get()), 0));
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
 }
