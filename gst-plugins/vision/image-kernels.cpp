@@ -2,6 +2,7 @@
 #include "image-kernels.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <hwy/cache_control.h>
 
 // Planes and frames are small: an int holds any offset in them.
@@ -59,15 +60,29 @@ HWY_INLINE void ConvertPixels(const PackedView &from, std::uint8_t *to, std::ptr
   }
 }
 
-void PickBytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride) {
-  ConvertPixels<2>(
+// The place is a constant, so that the bytes stay in registers.
+template <int kSize, int kAt>
+void PickBytesAt(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
+  ConvertPixels<kSize>(
       from, to, stride,
-      [at](auto d, const std::uint8_t *in, std::uint8_t *out) HWY_ATTR {
-        hn::Vec<decltype(d)> first, second;
-        hn::LoadInterleaved2(d, in, first, second);
-        hn::StoreU(at == 0 ? first : second, d, out);
+      [](auto d, const std::uint8_t *in, std::uint8_t *out) HWY_ATTR {
+        hn::Vec<decltype(d)> bytes[4];
+        if constexpr (kSize == 2)
+          hn::LoadInterleaved2(d, in, bytes[0], bytes[1]);
+        else
+          hn::LoadInterleaved4(d, in, bytes[0], bytes[1], bytes[2], bytes[3]);
+        hn::StoreU(bytes[kAt], d, out);
       },
-      [at](const std::uint8_t *in, std::uint8_t *out) { *out = in[at]; });
+      [](const std::uint8_t *in, std::uint8_t *out) { *out = in[kAt]; });
+}
+
+void PickBytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride) {
+  if (from.pixel_size == 4)
+    PickBytesAt<4, 1>(from, to, stride);
+  else if (at == 0)
+    PickBytesAt<2, 0>(from, to, stride);
+  else
+    PickBytesAt<2, 1>(from, to, stride);
 }
 
 void CutTenBits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
@@ -81,6 +96,58 @@ void CutTenBits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride)
       [](const std::uint8_t *in, std::uint8_t *out) {
         *out = static_cast<std::uint8_t>(in[0] >> 2 | in[1] << 6);
       });
+}
+
+constexpr int kV210Pixels = 6; // of a group
+constexpr int kV210Bytes = 16;
+
+std::uint8_t LumaOfV210(const std::uint8_t *row, int x) {
+  const int sample = 2 * x + 1;
+  std::uint32_t word;
+  std::memcpy(&word, row + sample / 3 * 4, sizeof word);
+  return static_cast<std::uint8_t>(word >> (10 * (sample % 3) + 2));
+}
+
+// Converts as many groups as vectors hold, and returns their number.
+int UnpackV210Groups([[maybe_unused]] const std::uint8_t *in, [[maybe_unused]] int groups,
+                     [[maybe_unused]] std::uint8_t *out) {
+  int done = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::ScalableTag<std::uint32_t> d;
+  const hn::Rebind<std::uint16_t, decltype(d)> dh;
+  const auto byte = hn::Set(d, std::uint32_t{255});
+  // Two neighbours in 16 bits.
+  const auto pair = [&](auto first, auto second) HWY_ATTR {
+    return hn::TruncateTo(dh,
+                          hn::Or(hn::And(first, byte), hn::ShiftLeft<8>(hn::And(second, byte))));
+  };
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (; done + step <= groups; done += step) {
+    hn::Vec<decltype(d)> w0, w1, w2, w3;
+    hn::LoadInterleaved4(d, reinterpret_cast<const std::uint32_t *>(in + done * kV210Bytes), w0, w1,
+                         w2, w3);
+    hn::StoreInterleaved3(pair(hn::ShiftRight<12>(w0), hn::ShiftRight<2>(w1)),
+                          pair(hn::ShiftRight<22>(w1), hn::ShiftRight<12>(w2)),
+                          pair(hn::ShiftRight<2>(w3), hn::ShiftRight<22>(w3)), dh,
+                          reinterpret_cast<std::uint16_t *>(out + done * kV210Pixels));
+  }
+#endif
+  return done;
+}
+
+void UnpackV210(const PackedView &from, int x, std::uint8_t *to, std::ptrdiff_t stride) {
+  for (int row = 0; row < from.height; ++row) {
+    const std::uint8_t *in = from.pixels + row * from.stride;
+    std::uint8_t *out = to + row * stride - x;
+    const int end = x + from.width;
+    int i = x;
+    for (; i < end && i % kV210Pixels != 0; ++i)
+      out[i] = LumaOfV210(in, i);
+    i += kV210Pixels *
+         UnpackV210Groups(in + i / kV210Pixels * kV210Bytes, (end - i) / kV210Pixels, out + i);
+    for (; i < end; ++i)
+      out[i] = LumaOfV210(in, i);
+  }
 }
 
 // The weights of ITU-R BT.601, section 2.5.1, in 256ths.
@@ -327,6 +394,7 @@ namespace haptic {
 
 HWY_EXPORT(PickBytes);
 HWY_EXPORT(CutTenBits);
+HWY_EXPORT(UnpackV210);
 HWY_EXPORT(WeighColours);
 HWY_EXPORT(AveragePairs);
 HWY_EXPORT(Smooth);
@@ -353,6 +421,10 @@ void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t
 
 void cut_ten_bits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride) {
   HWY_DYNAMIC_DISPATCH(CutTenBits)(from, to, stride);
+}
+
+void unpack_v210(const PackedView &from, int x, std::uint8_t *to, std::ptrdiff_t stride) {
+  HWY_DYNAMIC_DISPATCH(UnpackV210)(from, x, to, stride);
 }
 
 void weigh_colours(const PackedView &from, const ColourOrder &order, std::uint8_t *to,

@@ -21,8 +21,7 @@ struct ByteImage {
   LumaView view() const { return {pixels.data(), width, height, width}; }
 };
 
-/// Grey levels as floats. Rows are padded so that vectors may run over
-/// their end.
+/// Grey levels as floats. Rows are padded so that vectors may run over their end.
 class Plane {
 public:
   /// Keeps its memory unless it has to grow.
@@ -53,12 +52,19 @@ struct PackedView {
   std::ptrdiff_t stride = 0; ///< bytes from row to row
 };
 
-/// Copies byte `at` of each pixel, which has two, to rows that are `stride` bytes apart.
+/// Copies byte `at` of each pixel to rows that are `stride` bytes apart. A pixel has two bytes, or
+/// four, of which only the second can be had.
 void pick_bytes(const PackedView &from, int at, std::uint8_t *to, std::ptrdiff_t stride);
 
 /// Copies the upper eight of the ten lower bits of each pixel, which has two bytes, the lower one
 /// first.
 void cut_ten_bits(const PackedView &from, std::uint8_t *to, std::ptrdiff_t stride);
+
+/// Copies the upper eight bits of the luma of v210 from pixel `x` of each row on. v210 has six
+/// pixels in four little-endian words of 32 bits, each with three samples of ten bits from its
+/// lowest bit on: Cb Y Cr, Y Cb Y, Cr Y Cb, Y Cr Y. `from` begins where the rows do; its pixel
+/// size says nothing.
+void unpack_v210(const PackedView &from, int x, std::uint8_t *to, std::ptrdiff_t stride);
 
 /// Places of the colours in a pixel, bytes.
 struct ColourOrder {

@@ -32,7 +32,13 @@ void FrameLuma::convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t 
   };
   const GstVideoFormatInfo *format = frame_.info.finfo;
   const auto depth = GST_VIDEO_FORMAT_INFO_DEPTH(format, 0);
-  if (GST_VIDEO_FORMAT_INFO_IS_RGB(format))
+  if (GST_VIDEO_FORMAT_INFO_FORMAT(format) == GST_VIDEO_FORMAT_v210)
+    unpack_v210(pixels, area.x, to, stride);
+  else if (GST_VIDEO_FORMAT_INFO_FORMAT(format) == GST_VIDEO_FORMAT_Y210)
+    // Little-endian, bits at the upper end. GStreamer 1.22 converts it so, but describes it
+    // otherwise.
+    pick_bytes(pixels, place(0) + 1, to, stride);
+  else if (GST_VIDEO_FORMAT_INFO_IS_RGB(format))
     weigh_colours(pixels, {place(0), place(1), place(2)}, to, stride);
   else if (depth == 8)
     pick_bytes(pixels, place(0), to, stride);

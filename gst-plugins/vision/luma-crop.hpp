@@ -17,14 +17,14 @@
 
 /// The formats that can be read.
 #define HAPTIC_VIDEO_FORMATS                                                                       \
-  "{ " HAPTIC_BYTE_FORMATS ", NV16, P010_10LE, I420_10LE, I422_10LE, GRAY16_LE, GRAY16_BE }"
+  "{ " HAPTIC_BYTE_FORMATS ", NV16, P010_10LE, I420_10LE, I422_10LE, Y210, v210, "                 \
+  "GRAY16_LE, GRAY16_BE }"
 
 namespace haptic {
 
 /// The luma of a frame that stays mapped. RGB: Y = 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601,
-/// section 2.5.1). More than
-/// 8 bits are cut off, as videoconvert does it without dithering. Converting reads no byte outside
-/// the pixels of the area.
+/// section 2.5.1). More than 8 bits are cut off, as videoconvert does it without dithering.
+/// Converting reads no byte outside the pixels of the area; of v210, outside their 32-bit words.
 class FrameLuma final : public LumaSource {
 public:
   explicit FrameLuma(const GstVideoFrame &frame) : frame_(frame) {}

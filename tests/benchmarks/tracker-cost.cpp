@@ -180,9 +180,9 @@ void compare_elements() {
     gst_harness_teardown(harness);
 }
 
-constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420, GST_VIDEO_FORMAT_YUY2,
-                                       GST_VIDEO_FORMAT_RGB, GST_VIDEO_FORMAT_BGRx,
-                                       GST_VIDEO_FORMAT_I420_10LE};
+constexpr GstVideoFormat kFormats[] = {GST_VIDEO_FORMAT_I420,      GST_VIDEO_FORMAT_YUY2,
+                                       GST_VIDEO_FORMAT_RGB,       GST_VIDEO_FORMAT_BGRx,
+                                       GST_VIDEO_FORMAT_I420_10LE, GST_VIDEO_FORMAT_v210};
 using FormatTimes = std::array<double, std::size(kFormats)>;
 
 // Median us of an element for the same frames in each of the formats in turn. A pointer moves by

@@ -315,8 +315,8 @@ INSTANTIATE_TEST_SUITE_P(
                       GST_VIDEO_FORMAT_xRGB, GST_VIDEO_FORMAT_xBGR, GST_VIDEO_FORMAT_RGBA,
                       GST_VIDEO_FORMAT_BGRA, GST_VIDEO_FORMAT_ARGB, GST_VIDEO_FORMAT_ABGR,
                       GST_VIDEO_FORMAT_NV16, GST_VIDEO_FORMAT_P010_10LE, GST_VIDEO_FORMAT_I420_10LE,
-                      GST_VIDEO_FORMAT_I422_10LE, GST_VIDEO_FORMAT_GRAY16_LE,
-                      GST_VIDEO_FORMAT_GRAY16_BE),
+                      GST_VIDEO_FORMAT_I422_10LE, GST_VIDEO_FORMAT_Y210, GST_VIDEO_FORMAT_v210,
+                      GST_VIDEO_FORMAT_GRAY16_LE, GST_VIDEO_FORMAT_GRAY16_BE),
     [](const auto &format) { return std::string(gst_video_format_to_string(format.param)); });
 
 TEST_F(MotionFieldElement, WorksAtAnySizeAndMeasuresNothingWhereThereIsTooLittle) {

@@ -303,8 +303,8 @@ INSTANTIATE_TEST_SUITE_P(All, RoiTrackerFormats,
                          ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
                                            "YUY2", "UYVY", "RGB", "BGR", "RGBx", "BGRx", "xRGB",
                                            "xBGR", "RGBA", "BGRA", "ARGB", "ABGR", "NV16",
-                                           "P010_10LE", "I420_10LE", "I422_10LE", "GRAY16_LE",
-                                           "GRAY16_BE"),
+                                           "P010_10LE", "I420_10LE", "I422_10LE", "Y210", "v210",
+                                           "GRAY16_LE", "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
 // Near and far moves of the pointer, regions of any size, too small ones, repeated frames and

@@ -332,7 +332,7 @@ TEST_F(VelocityAvg, TheEndMayComeBeforeTheFirstFrame) {
 
 TEST_F(VelocityAvg, FramesThatItCannotReadAreRefused) {
   const ElementPtr pipeline(
-      gst_parse_launch("videotestsrc num-buffers=1 ! video/x-raw,format=v210 ! "
+      gst_parse_launch("videotestsrc num-buffers=1 ! video/x-raw,format=v216 ! "
                        "velocityavg ! fakesink",
                        nullptr));
   EXPECT_NE(test::run_to_end(pipeline.get()), std::nullopt);

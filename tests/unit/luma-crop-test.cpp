@@ -22,6 +22,13 @@ std::uint8_t value_at(int x, int y) {
   return static_cast<std::uint8_t>((7 * x + 31 * y) % 256);
 }
 
+// Bytes of a row without padding.
+int bytes_of_row(GstVideoFormat format, int width) {
+  if (format == GST_VIDEO_FORMAT_v210) // six pixels in four words
+    return (width + 5) / 6 * 16;
+  return width * GST_VIDEO_FORMAT_INFO_PSTRIDE(gst_video_format_get_info(format), 0);
+}
+
 // A frame of one format with everything but luma (or the three colours) set to 200.
 class Frame {
 public:
@@ -91,7 +98,7 @@ TEST_P(LumaCrop, ConvertsTheAreaAloneAndOnlyWhereLumaDoesNotStandAlone) {
 class GuardedPlane {
 public:
   GuardedPlane(GstVideoFormat format, int width, int height, bool ends)
-      : row_bytes_(row_bytes(format, width)), memory_(row_bytes_, height) {
+      : row_bytes_(bytes_of_row(format, width)), memory_(row_bytes_, height) {
     gst_video_info_set_format(&frame_.info, format, static_cast<guint>(width),
                               static_cast<guint>(height));
     std::mt19937 random(static_cast<unsigned>(width));
@@ -106,10 +113,6 @@ public:
   const GstVideoFrame &frame() const { return frame_; }
 
 private:
-  static int row_bytes(GstVideoFormat format, int width) {
-    return width * GST_VIDEO_FORMAT_INFO_PSTRIDE(gst_video_format_get_info(format), 0);
-  }
-
   GstVideoFrame frame_{};
   int row_bytes_;
   test::GuardedFrame memory_;
@@ -139,7 +142,6 @@ TEST_P(LumaCrop, KeptAreasAtEveryBorderAreThoseOfTheFrameAndReadNothingOutside) 
   const auto between = [&](int least, int most) {
     return std::uniform_int_distribution(least, most)(random);
   };
-  const int pixel = GST_VIDEO_FORMAT_INFO_PSTRIDE(gst_video_format_get_info(format), 0);
   test::for_instruction_sets([&](const char *name) {
     for (int i = 0; i < 60; ++i) {
       const int width = between(1, 90);
@@ -147,13 +149,14 @@ TEST_P(LumaCrop, KeptAreasAtEveryBorderAreThoseOfTheFrameAndReadNothingOutside) 
       GstVideoFrame frame{};
       gst_video_info_set_format(&frame.info, format, static_cast<guint>(width),
                                 static_cast<guint>(height));
-      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width * pixel * height));
+      std::vector<std::uint8_t> bytes(
+          static_cast<std::size_t>(bytes_of_row(format, width) * height));
       std::ranges::generate(bytes, random);
       test::GuardedFrame memory(static_cast<int>(bytes.size()), 1);
       const auto size = static_cast<int>(bytes.size());
       frame.data[0] = const_cast<std::uint8_t *>(
           memory.filled({bytes.data(), size, 1, size}, i % 2 == 0).pixels);
-      frame.info.stride[0] = width * pixel;
+      frame.info.stride[0] = bytes_of_row(format, width);
       const haptic::FrameLuma luma(frame);
       haptic::KeptLuma kept;
       for (int read = 0; read < 30; ++read) {
@@ -245,15 +248,15 @@ TEST_P(LumaWithoutColours, IsThatOfVideoconvertWithoutDithering) {
 INSTANTIATE_TEST_SUITE_P(Formats, LumaWithoutColours,
                          ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
                                            "YUY2", "UYVY", "NV16", "P010_10LE", "I420_10LE",
-                                           "I422_10LE", "GRAY16_LE", "GRAY16_BE"),
+                                           "I422_10LE", "Y210", "v210", "GRAY16_LE", "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
 INSTANTIATE_TEST_SUITE_P(Formats, LumaCrop,
                          ::testing::Values("GRAY8", "I420", "YV12", "NV12", "NV21", "Y42B", "Y444",
                                            "YUY2", "UYVY", "RGB", "BGR", "RGBx", "BGRx", "xRGB",
                                            "xBGR", "RGBA", "BGRA", "ARGB", "ABGR", "NV16",
-                                           "P010_10LE", "I420_10LE", "I422_10LE", "GRAY16_LE",
-                                           "GRAY16_BE"),
+                                           "P010_10LE", "I420_10LE", "I422_10LE", "Y210", "v210",
+                                           "GRAY16_LE", "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
 } // namespace
