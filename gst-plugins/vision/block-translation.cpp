@@ -28,7 +28,7 @@ public:
   float least() const { return least_; }
   float all_pixels() const { return block_pixels_ * static_cast<float>(blocks_.size()); }
 
-  void run(Displacement start, int iterations);
+  void run(Displacement start, int iterations, bool judged);
   float disagreement() const;
 
 private:
@@ -78,8 +78,9 @@ Displacement Descent::fit() {
   return gradient;
 }
 
-void Descent::run(Displacement start, int iterations) {
-  constexpr float kConverged = 1e-5F; // px squared
+void Descent::run(Displacement start, int iterations, bool judged) {
+  // Coarser ones are starts, and where they are judged, a tenth of that changes no decision.
+  const float converged = judged ? 1e-4F : 3e-3F; // px squared
   result_.displacement = result_.one_direction ? along_strong(start) : start;
   Displacement gradient = fit();
   for (int step = 0; step < iterations; ++step) {
@@ -91,7 +92,7 @@ void Descent::run(Displacement start, int iterations) {
     if (length2 > 1)
       move = 1 / std::sqrt(length2) * move;
     result_.displacement -= move;
-    if (length2 < kConverged)
+    if (length2 < converged)
       break;
     gradient = fit();
   }
@@ -130,11 +131,11 @@ Translation translate_blocks(const Plane &later, std::span<const Template> block
   // would run along an edge. The residual then shows the noise of these frames (with whatever
   // else does not fit), and the weak direction gets a second chance.
   result.one_direction = !has_texture(descent.least(), descent.all_pixels(), noise);
-  descent.run(start, iterations);
+  descent.run(start, iterations, judged);
   if (result.one_direction && has_texture(descent.least(), descent.all_pixels(),
                                           std::min(noise, noise_of(result.residual2)))) {
     result.one_direction = false;
-    descent.run(start, iterations);
+    descent.run(start, iterations, judged);
   }
   if (judged)
     result.disagreement = descent.disagreement();
