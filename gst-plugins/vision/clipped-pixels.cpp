@@ -76,7 +76,7 @@ bool ClippedPixels::is_kept(int x, int y) const {
 // and 0 outside of W. Offset and gain change t and g' by what 1 and t span, on W as on all pixels,
 // so that this is the template of prepare_templates from the pixels of W alone.
 void ClippedPixels::mask(Template &patch) const {
-  constexpr float kRidge = 0.8F; // grey levels squared of a pixel
+  constexpr float kLeastGrey = 1e-6F; // changes no sum
   const auto side = static_cast<std::size_t>(patch.side);
   const std::size_t pixels = side * side;
   std::array<std::uint16_t, Template::kMostPixels> kept;
@@ -102,12 +102,15 @@ void ClippedPixels::mask(Template &patch) const {
   Displacement moment;
   for (const std::uint16_t i : std::span(kept).first(count)) {
     patch.grey[i] -= grey / patch.seen;
+    // 0 stands for no weight.
+    if (patch.grey[i] == 0)
+      patch.grey[i] = kLeastGrey;
     patch.gradient_x[i] -= gradient.x / patch.seen;
     patch.gradient_y[i] -= gradient.y / patch.seen;
     patch.energy += patch.grey[i] * patch.grey[i];
     moment += patch.grey[i] * Displacement{patch.gradient_x[i], patch.gradient_y[i]};
   }
-  const Displacement slope = 1 / (patch.energy + kRidge * patch.seen) * moment;
+  const Displacement slope = 1 / (patch.energy + kEnergyRidge * patch.seen) * moment;
   patch.structure = {};
   for (const std::uint16_t i : std::span(kept).first(count)) {
     const float x = patch.gradient_x[i] -= slope.x * patch.grey[i];

@@ -193,13 +193,12 @@ HWY_INLINE void ProjectOut(float mean, Displacement mean_gradient, Displacement 
 //   projected gradient   g' = g - mean(g) - a t, which a change of offset or gain leaves alone
 //   structure tensor     J = sum g' g'^T
 //                          = sum g g^T - n mean(g) mean(g)^T - a b^T - b a^T + E a a^T
-// The ridge r keeps a patch without contrast from losing its gradients to noise. Inverse
-// compositional Lucas-Kanade (Baker and Matthews 2004); the projection follows Hager and Belhumeur
-// 1998 with the illumination of Gennert and Negahdaripour 1987.
+// with r = kEnergyRidge n. Inverse compositional Lucas-Kanade (Baker and Matthews 2004); the
+// projection follows Hager and Belhumeur 1998 with the illumination of Gennert and Negahdaripour
+// 1987.
 template <int kSide>
 void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch) {
   constexpr float kPixels = kSide * kSide;
-  constexpr float kRidge = 0.8F * kPixels;
   patch.seen = 0;
   const TemplateSums sums = SumTemplate<kSide>(first, stride, patch);
   const float mean = sums.grey / kPixels;
@@ -210,7 +209,7 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
   patch.curvature = sums.laplacian2;
   const float bx = sums.grey_gradient.x - kPixels * mean * mean_x;
   const float by = sums.grey_gradient.y - kPixels * mean * mean_y;
-  const float inverse_energy = 1.0F / (patch.energy + kRidge);
+  const float inverse_energy = 1.0F / (patch.energy + kEnergyRidge * kPixels);
   const float ax = bx * inverse_energy;
   const float ay = by * inverse_energy;
   patch.structure.xx =

@@ -12,6 +12,10 @@
 
 namespace haptic {
 
+/// Grey levels squared of a pixel, added to the energy of a template before a division: a template
+/// without contrast must not lose its gradients to noise.
+inline constexpr float kEnergyRidge = 0.8F;
+
 /// A square piece of the earlier frame, prepared for inverse-compositional Lucas-Kanade. Its
 /// gradients are orthogonal to a constant and to the grey levels, so that a change of offset or
 /// gain between the frames does not change the estimate.
