@@ -33,6 +33,10 @@ inline int doublings(int region_side) {
 /// Standard deviation of the noise that a camera's frame is assumed to have, 8-bit grey levels.
 inline constexpr float kAssumedNoise = 1.5F;
 
+/// Largest mean squared residual of a patch that compression of a still scene leaves, grey levels
+/// squared.
+inline constexpr float kCompressionResidual2 = 40;
+
 /// Rows of 8-bit luma somewhere in memory; not owned.
 struct LumaView {
   const std::uint8_t *pixels = nullptr;

@@ -15,9 +15,8 @@ constexpr float kClearlyBetter = 0.1F;
 } // namespace
 
 float largest_residual2(float noise) {
-  constexpr float kCompression = 40; // grey levels squared
   constexpr float kOverNoise = 4;
-  return std::max(kCompression, kOverNoise * 2 * kSmoothedNoise * noise);
+  return std::max(kCompressionResidual2, kOverNoise * 2 * kSmoothedNoise * noise);
 }
 
 float displacement_noise(float residual2) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "velocity-estimate.hpp"
 
+#include "patch-tracker.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -434,13 +436,13 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
 float pixel_confidence(const PatchSet &set, const Answer &answer) {
   constexpr float kDoubtful = 0.7F;
   constexpr float kDisagreement = 0.7F; // px
-  constexpr float kUnexplained = 6.3F;  // grey levels, more than noise and compression leave
   if (answer.is_mixture)
     return kDoubtful * std::exp(-answer.disagreement / kDisagreement);
   if (answer.model != MotionModel::still)
     return 1;
-  const auto unexplained =
-      std::ranges::count_if(set.patches, [](const auto &p) { return p.residual > kUnexplained; });
+  const auto unexplained = std::ranges::count_if(set.patches, [](const GstHapticPatch &patch) {
+    return patch.residual * patch.residual > kCompressionResidual2;
+  });
   return 5 * unexplained > std::ssize(set.patches) ? kDoubtful : 1;
 }
 
