@@ -91,11 +91,11 @@ private:
   PatchGrid coarse_grid_;
   std::array<Displacement, kMaxPatches> coarse_; // of coarse_grid_, px of the finest level
   PatchGrid grid_;
-  std::array<Alignment, kMaxPatches> aligned_; // of grid_
+  std::array<Alignment, kMaxPatches> aligned_;   // of grid_, or of coarse_grid_ before it
+  std::array<Displacement, kMaxPatches> before_; // the alignment
   std::array<StartSet, kMaxPatches> start_sets_;
   std::array<std::span<const Displacement>, kMaxPatches> starts_;
   std::array<float, kMaxPatches> residuals2_;
-  Template strained_;
   ClippedPixels clipped_; // of the earlier frame
   PixelVotes votes_;
   FrameReduction previous_reduction_;
@@ -329,27 +329,17 @@ std::optional<Strain> FastTracker::strain_at(int row, int column,
 // A patch that only shifts does not fit what turns or is stretched.
 void FastTracker::follow_strain() {
   constexpr float kBetter = 0.95F; // of the residual, else there was no strain
-  std::array<Displacement, kMaxPatches> before;
   for (std::size_t i = 0; i < grid_.view().size(); ++i)
-    before[i] = aligned_[i].displacement;
+    before_[i] = aligned_[i].displacement;
   for_places(grid_, [&](int row, int column) {
-    const auto strain = strain_at(row, column, before);
+    const auto strain = strain_at(row, column, before_);
     if (!strain)
       return;
     const std::size_t at = cell(row, grid_.columns, column);
-    Template &patch = grid_.patches[at];
-    strained_.x = patch.x;
-    strained_.y = patch.y;
-    strained_.side = patch.side;
-    prepare_strained_template(previous_.levels[0], *strain, strained_);
-    if (clipped_.any())
-      clipped_.mask(strained_);
-    const Alignment better =
-        align_template(current_.levels[0], strained_, {&before[at], 1}, options_.iterations);
-    if (better.fit.residual < kBetter * aligned_[at].fit.residual) {
-      patch = strained_;
+    const Alignment better = align_strained(current_.levels[0], grid_.patches[at], *strain,
+                                            before_[at], options_.iterations);
+    if (better.fit.residual < kBetter * aligned_[at].fit.residual)
       aligned_[at] = better;
-    }
   });
 }
 

@@ -265,6 +265,43 @@ HWY_INLINE void for_pixels(const Plane &plane, Position position, Body &&body) {
   }
 }
 
+// Calls body(at, grey levels of the later frame at x + d + S o), with the strain S and the offset o
+// of a pixel x from the middle of the patch. All pixels of a row are sampled from the cell of its
+// middle: what the strain moves them along the row is a fraction of a pixel, over which bilinear
+// weights extrapolate.
+template <int kSide, class Body>
+HWY_INLINE void for_strained_pixels(const Plane &plane, const Template &patch, Displacement moved,
+                                    const Strain &strain, Body &&body) {
+  const RowTag<kSide> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  constexpr float kMiddle = 0.5F * (kSide - 1);
+  const auto cell_of = [](float at, int length) {
+    return std::clamp(static_cast<int>(at), 0, length);
+  };
+  for (int y = 0; y < kSide; ++y) {
+    const float down = static_cast<float>(y) - kMiddle;
+    const float to_x = patch.x + moved.x + strain.xy * down;
+    const float to_y = patch.y + moved.y + strain.yy * down + static_cast<float>(y);
+    const int column = cell_of(to_x, plane.width() - kSide - 1);
+    const int row = cell_of(to_y, plane.height() - 2);
+    const auto u = hn::Set(d, to_x - static_cast<float>(column));
+    const auto v = hn::Set(d, to_y - static_cast<float>(row));
+    for (int x = 0; x < kSide; x += lanes) {
+      const auto right = hn::Iota(d, static_cast<float>(x) - kMiddle);
+      const auto wu = hn::MulAdd(hn::Set(d, strain.xx), right, u);
+      const auto wv = hn::MulAdd(hn::Set(d, strain.yx), right, v);
+      const auto across = [&](const float *from) HWY_ATTR {
+        const auto left = hn::LoadU(d, from);
+        return hn::MulAdd(wu, hn::Sub(hn::LoadU(d, from + 1), left), left);
+      };
+      const float *from = plane.row(row) + column + x;
+      const auto upper = across(from);
+      const auto lower = across(from + plane.stride());
+      body(y * kSide + x, hn::MulAdd(wv, hn::Sub(lower, upper), upper));
+    }
+  }
+}
+
 // With the samples I(x + d) and E, t, g' of the template:
 //   gradient     b(d) = sum g' I(x + d), the right side of J step = b
 //   correlation  c(d) = sum t I / sqrt(E sum (I - mean(I))^2), zero-mean normalised (Lewis 1995)
@@ -293,12 +330,12 @@ HWY_INLINE float pixels_of(const Template &patch) {
   return patch.seen > 0 ? patch.seen : kSide * kSide;
 }
 
-// kSome: only the pixels that have a weight.
-template <int kSide, bool kSome>
-HWY_INLINE FitSums SumPixels(const Plane &plane, const Template &patch, Position position) {
+// `sample` calls a body for all pixels. kSome: only the pixels that have a weight.
+template <int kSide, bool kSome, class Sample>
+HWY_INLINE FitSums SumPixels(const Template &patch, Sample &&sample) {
   const RowTag<kSide> d;
   auto bx = hn::Zero(d), by = hn::Zero(d), s = hn::Zero(d), ss = hn::Zero(d), st = hn::Zero(d);
-  for_pixels<kSide>(plane, position, [&](int at, auto grey) HWY_ATTR {
+  sample([&](int at, auto grey) HWY_ATTR {
     const auto t = hn::Load(d, patch.grey.data() + at);
     if constexpr (kSome)
       grey = hn::IfThenElseZero(hn::Ne(t, hn::Zero(d)), grey);
@@ -315,15 +352,31 @@ HWY_INLINE FitSums SumPixels(const Plane &plane, const Template &patch, Position
   return {{totals[0], totals[1]}, totals[3], total(d, ss) - pixels * mean * mean};
 }
 
+template <int kSide, bool kSome>
+HWY_INLINE FitSums SumShifted(const Plane &plane, const Template &patch, Position position) {
+  return SumPixels<kSide, kSome>(patch, [&](auto &&body)
+                                            HWY_ATTR { for_pixels<kSide>(plane, position, body); });
+}
+
 template <int kSide>
 HWY_NOINLINE FitSums SumSomePixels(const Plane &plane, const Template &patch, Position position) {
-  return SumPixels<kSide, true>(plane, patch, position);
+  return SumShifted<kSide, true>(plane, patch, position);
 }
 
 template <int kSide>
 HWY_INLINE FitSums SumFit(const Plane &plane, const Template &patch, Position position) {
   return patch.seen > 0 ? SumSomePixels<kSide>(plane, patch, position)
-                        : SumPixels<kSide, false>(plane, patch, position);
+                        : SumShifted<kSide, false>(plane, patch, position);
+}
+
+template <int kSide>
+HWY_NOINLINE FitSums SumStrained(const Plane &plane, const Template &patch, Displacement moved,
+                                 const Strain &strain) {
+  const auto sample = [&](auto &&body) HWY_ATTR {
+    for_strained_pixels<kSide>(plane, patch, moved, strain, body);
+  };
+  return patch.seen > 0 ? SumPixels<kSide, true>(patch, sample)
+                        : SumPixels<kSide, false>(patch, sample);
 }
 
 template <int kSide>
@@ -350,8 +403,9 @@ template <int kSide>
 class Descent {
 public:
   Descent() = default;
-  Descent(const Plane &plane, const Template &patch)
-      : plane_(&plane), patch_(&patch), inverse_energy_(inverse_energy_of(patch)) {}
+  Descent(const Plane &plane, const Template &patch, const Strain *strain = nullptr)
+      : plane_(&plane), patch_(&patch), strain_(strain), inverse_energy_(inverse_energy_of(patch)) {
+  }
 
   void try_start(Displacement start) {
     if (fit(start) && residual_ < least_)
@@ -409,7 +463,8 @@ private:
     if (!position.inside)
       return false;
     at_ = at;
-    sums_ = SumFit<kSide>(*plane_, *patch_, position);
+    sums_ = strain_ ? SumStrained<kSide>(*plane_, *patch_, at, *strain_)
+                    : SumFit<kSide>(*plane_, *patch_, position);
     residual_ = sums_.left(inverse_energy_);
     return true;
   }
@@ -421,6 +476,7 @@ private:
 
   const Plane *plane_ = nullptr;
   const Template *patch_ = nullptr;
+  const Strain *strain_ = nullptr; // nullptr: it only shifts
   float inverse_energy_ = 0;
   Tensor inverse_; // (J + r I)^-1
   Displacement start_;
@@ -439,7 +495,7 @@ inline constexpr std::size_t kTogether = 8;
 template <int kSide>
 void AlignSome(const Plane &plane, std::span<const Template> patches,
                std::span<const std::span<const Displacement>> starts, int iterations,
-               std::span<Alignment> found) {
+               std::span<Alignment> found, const Strain *strain) {
   std::array<Descent<kSide>, kTogether> descents;
   std::array<std::size_t, kTogether> moving, started;
   std::size_t count = 0;
@@ -447,7 +503,7 @@ void AlignSome(const Plane &plane, std::span<const Template> patches,
     if (starts[i].empty())
       continue;
     Descent<kSide> &descent = descents[count];
-    descent = Descent<kSide>(plane, patches[i]);
+    descent = Descent<kSide>(plane, patches[i], strain);
     for (const Displacement start : starts[i])
       descent.try_start(start);
     if (descent.starts_below(found[i].fit.residual)) {
@@ -472,12 +528,25 @@ void AlignSome(const Plane &plane, std::span<const Template> patches,
 template <int kSide>
 void AlignTemplatesOf(const Plane &plane, std::span<const Template> patches,
                       std::span<const std::span<const Displacement>> starts, int iterations,
-                      std::span<Alignment> found) {
+                      std::span<Alignment> found, const Strain *strain) {
   for (std::size_t i = 0; i < patches.size(); i += kTogether) {
     const std::size_t count = std::min(kTogether, patches.size() - i);
     AlignSome<kSide>(plane, patches.subspan(i, count), starts.subspan(i, count), iterations,
-                     found.subspan(i, count));
+                     found.subspan(i, count), strain);
   }
+}
+
+template <int kSide>
+Alignment AlignStrainedOf(const Plane &plane, const Template &patch, const Strain &strain,
+                          Displacement start, int iterations) {
+  Descent<kSide> descent(plane, patch, &strain);
+  descent.try_start(start);
+  if (!descent.starts_below(Fit{}.residual))
+    return {start, {}};
+  descent.prepare();
+  for (int step = 0; step < iterations && descent.step(); ++step) {
+  }
+  return descent.result();
 }
 
 // Zero-mean normalised correlation with the pixels at a whole-pixel place (Lewis 1995):
@@ -542,63 +611,6 @@ void PrepareTemplatesOf(const Plane &plane, std::span<Template> patches) {
   }
 }
 
-// The offsets from the middle of a template of its pixels and of one more on every side.
-template <int kSide>
-struct TileOffsets {
-  static constexpr int kTile = kSide + 2;
-  HWY_ALIGN float right[kTile * kTile];
-  HWY_ALIGN float down[kTile * kTile];
-
-  constexpr TileOffsets() : right(), down() {
-    constexpr float kMiddle = 0.5F * (kTile - 1);
-    for (int at = 0; at < kTile * kTile; ++at) {
-      const int row = at / kTile;
-      right[at] = static_cast<float>(at % kTile) - kMiddle;
-      down[at] = static_cast<float>(row) - kMiddle;
-    }
-  }
-};
-
-// Samples the plane at p + B o for the offsets o of the pixels from the middle p of the template,
-// and prepares the template from these samples. B (`back`) is the inverse of the strain. Gathering
-// is slow: the rows of the tile follow one another without a gap.
-template <int kSide>
-void PrepareStrainedTemplateOf(const Plane &plane, const Strain &back, Template &patch) {
-  constexpr int kTile = kSide + 2;
-  constexpr float kMiddle = 0.5F * (kSide - 1);
-  static constexpr TileOffsets<kSide> kOffsets;
-  HWY_ALIGN float tile[kTile * kTile];
-  const RowTag<kSide> d;
-  const hn::RebindToSigned<RowTag<kSide>> di;
-  const auto within = [&](auto at, int length) HWY_ATTR {
-    return hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, static_cast<float>(length) - 1.001F));
-  };
-  const auto stride = hn::Set(di, plane.stride());
-  for_row(d, kTile * kTile, [&](int i) HWY_ATTR {
-    const auto right = hn::LoadU(d, kOffsets.right + i);
-    const auto down = hn::LoadU(d, kOffsets.down + i);
-    const auto from_middle = [&](float middle, float along, float across) HWY_ATTR {
-      return hn::MulAdd(hn::Set(d, along), right,
-                        hn::MulAdd(hn::Set(d, across), down, hn::Set(d, middle + kMiddle)));
-    };
-    const auto x = within(from_middle(patch.x, back.xx, back.xy), plane.width());
-    const auto y = within(from_middle(patch.y, back.yx, back.yy), plane.height());
-    const auto column = hn::ConvertTo(di, x);
-    const auto row = hn::ConvertTo(di, y);
-    const auto u = hn::Sub(x, hn::ConvertTo(d, column));
-    const auto v = hn::Sub(y, hn::ConvertTo(d, row));
-    const auto at = hn::Add(hn::Mul(row, stride), column);
-    const auto across = [&](const float *from) HWY_ATTR {
-      const auto left = hn::GatherIndex(d, from, at);
-      return hn::MulAdd(u, hn::Sub(hn::GatherIndex(d, from + 1, at), left), left);
-    };
-    const auto upper = across(plane.row(0));
-    const auto lower = across(plane.row(1));
-    hn::StoreU(hn::MulAdd(v, hn::Sub(lower, upper), upper), d, tile + i);
-  });
-  PrepareTemplate<kSide>(tile + kTile + 1, kTile, patch);
-}
-
 template <int kSide>
 void FitTemplatesOf(const Plane &plane, std::span<const Template> patches, Displacement moved,
                     std::span<Fit> fits) {
@@ -615,15 +627,17 @@ void FitTemplates(const Plane &plane, std::span<const Template> patches, Displac
   patches.front().side == 16 ? FitTemplatesOf<16>(plane, patches, moved, fits)
                              : FitTemplatesOf<8>(plane, patches, moved, fits);
 }
-void PrepareStrainedTemplate(const Plane &plane, const Strain &back, Template &patch) {
-  patch.side == 16 ? PrepareStrainedTemplateOf<16>(plane, back, patch)
-                   : PrepareStrainedTemplateOf<8>(plane, back, patch);
-}
 void AlignTemplates(const Plane &plane, std::span<const Template> patches,
                     std::span<const std::span<const Displacement>> starts, int iterations,
-                    std::span<Alignment> found) {
-  patches.front().side == 16 ? AlignTemplatesOf<16>(plane, patches, starts, iterations, found)
-                             : AlignTemplatesOf<8>(plane, patches, starts, iterations, found);
+                    std::span<Alignment> found, const Strain *strain) {
+  patches.front().side == 16
+      ? AlignTemplatesOf<16>(plane, patches, starts, iterations, found, strain)
+      : AlignTemplatesOf<8>(plane, patches, starts, iterations, found, strain);
+}
+Alignment AlignStrained(const Plane &plane, const Template &patch, const Strain &strain,
+                        Displacement start, int iterations) {
+  return patch.side == 16 ? AlignStrainedOf<16>(plane, patch, strain, start, iterations)
+                          : AlignStrainedOf<8>(plane, patch, strain, start, iterations);
 }
 SearchResult SearchTemplateAny(const Plane &plane, const Template &patch, Displacement centre,
                                int radius) {
@@ -638,22 +652,13 @@ HWY_AFTER_NAMESPACE();
 namespace haptic {
 
 HWY_EXPORT(PrepareTemplates);
-HWY_EXPORT(PrepareStrainedTemplate);
 HWY_EXPORT(FitTemplates);
 HWY_EXPORT(AlignTemplates);
+HWY_EXPORT(AlignStrained);
 HWY_EXPORT(SearchTemplateAny);
 
 void prepare_templates(const Plane &plane, std::span<Template> patches) {
   HWY_DYNAMIC_DISPATCH(PrepareTemplates)(plane, patches);
-}
-
-void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch) {
-  // A pixel of the template shows what was at its place before: (I + strain)^-1 of its offset.
-  const float xx = 1 + strain.xx;
-  const float yy = 1 + strain.yy;
-  const float inverse = 1 / (xx * yy - strain.xy * strain.yx);
-  const Strain back{yy * inverse, -strain.xy * inverse, -strain.yx * inverse, xx * inverse};
-  HWY_DYNAMIC_DISPATCH(PrepareStrainedTemplate)(plane, back, patch);
 }
 
 void fit_templates(const Plane &plane, std::span<const Template> patches, Displacement displacement,
@@ -663,8 +668,8 @@ void fit_templates(const Plane &plane, std::span<const Template> patches, Displa
 
 void align_templates(const Plane &plane, std::span<const Template> patches,
                      std::span<const std::span<const Displacement>> starts, int iterations,
-                     std::span<Alignment> found) {
-  HWY_DYNAMIC_DISPATCH(AlignTemplates)(plane, patches, starts, iterations, found);
+                     std::span<Alignment> found, const Strain *strain) {
+  HWY_DYNAMIC_DISPATCH(AlignTemplates)(plane, patches, starts, iterations, found, strain);
 }
 
 Alignment align_template(const Plane &plane, const Template &patch,
@@ -672,6 +677,11 @@ Alignment align_template(const Plane &plane, const Template &patch,
   Alignment found;
   align_templates(plane, {&patch, 1}, {&starts, 1}, iterations, {&found, 1});
   return found;
+}
+
+Alignment align_strained(const Plane &plane, const Template &patch, const Strain &strain,
+                         Displacement start, int iterations) {
+  return HWY_DYNAMIC_DISPATCH(AlignStrained)(plane, patch, strain, start, iterations);
 }
 
 float regulariser(const Tensor &structure, float pixels) {

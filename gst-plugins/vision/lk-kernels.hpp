@@ -56,10 +56,6 @@ struct Fit {
 /// another to the right and below where the position is fractional.
 void prepare_templates(const Plane &plane, std::span<Template> patches);
 
-/// Fills in a template with its predicted pixels after a strain about its middle. A displacement of
-/// the template then moves its middle.
-void prepare_strained_template(const Plane &plane, const Strain &strain, Template &patch);
-
 /// Added to the diagonal of a structure tensor before it is inverted: the contribution of noise, so
 /// that a patch without texture stays at its start, and a share of the trace, so that a patch with
 /// a single edge does not run along it.
@@ -84,7 +80,12 @@ Alignment align_template(const Plane &plane, const Template &patch,
 /// fits worse than any.
 void align_templates(const Plane &plane, std::span<const Template> patches,
                      std::span<const std::span<const Displacement>> starts, int iterations,
-                     std::span<Alignment> found);
+                     std::span<Alignment> found, const Strain *strain = nullptr);
+
+/// The same for a patch that a strain about its middle bends too. The displacement is that of the
+/// middle.
+Alignment align_strained(const Plane &plane, const Template &patch, const Strain &strain,
+                         Displacement start, int iterations);
 
 struct SearchResult {
   Displacement best;

@@ -11,6 +11,7 @@
 
 namespace {
 
+using haptic::Alignment;
 using haptic::Displacement;
 using haptic::Fit;
 using haptic::Plane;
@@ -168,27 +169,6 @@ TEST_F(LkKernels, TemplatesHaveGradientsFreeOfGainAndOffset) {
   });
 }
 
-TEST_F(LkKernels, StrainedTemplatesSampleThePlaneThroughTheInverseStrain) {
-  const Plane plane = plane_of(2, {});
-  const Strain strain{0.05F, -0.11F, 0.08F, -0.03F};
-  const double determinant = (1 + strain.xx) * (1 + strain.yy) - strain.xy * strain.yx;
-  for_all([&](int side) {
-    Template patch;
-    patch.x = 21.25F;
-    patch.y = 18.75F;
-    patch.side = side;
-    haptic::prepare_strained_template(plane, strain, patch);
-    const double middle = 0.5 * (side - 1);
-    expect_equal(patch, Reference(side, [&](int i, int j) {
-                   const double right = (i - middle) / determinant;
-                   const double down = (j - middle) / determinant;
-                   return sample(plane,
-                                 patch.x + middle + (1 + strain.yy) * right - strain.xy * down,
-                                 patch.y + middle - strain.yx * right + (1 + strain.xx) * down);
-                 }));
-  });
-}
-
 TEST_F(LkKernels, FitsAreGradientCorrelationAndResidual) {
   const Plane earlier = plane_of(3, {});
   const Plane later = plane_of(3, {1.3, -0.6});
@@ -206,6 +186,34 @@ TEST_F(LkKernels, FitsAreGradientCorrelationAndResidual) {
       EXPECT_NEAR(fit.correlation, expected.correlation, 1e-4);
       EXPECT_NEAR(fit.residual * fit.residual, expected.residual * expected.residual, 0.02);
     }
+  });
+}
+
+TEST_F(LkKernels, StrainedPatchesFindTheDisplacementOfTheirMiddle) {
+  const Plane earlier = plane_of(2, {});
+  const Strain strain{0.05F, -0.11F, 0.08F, -0.03F};
+  const Displacement moved{1.3F, -0.6F};
+  const double determinant = (1 + strain.xx) * (1 + strain.yy) - strain.xy * strain.yx;
+  for_all([&](int side) {
+    const Template patch = prepared(earlier, 21.25F, 22.75F, side);
+    const double middle = 0.5 * (side - 1);
+    Plane later = earlier;
+    for (int y = 0; y < later.height(); ++y)
+      for (int x = 0; x < later.width(); ++x) {
+        const double right = (x - middle - static_cast<double>(patch.x + moved.x)) / determinant;
+        const double down = (y - middle - static_cast<double>(patch.y + moved.y)) / determinant;
+        const auto within = [](double at, int length) { return std::clamp(at, 0.0, length - 1.0); };
+        later.row(y)[x] = static_cast<float>(sample(
+            earlier,
+            within(patch.x + middle + (1 + strain.yy) * right - strain.xy * down, later.width()),
+            within(patch.y + middle - strain.yx * right + (1 + strain.xx) * down, later.height())));
+      }
+    const Displacement start{1, -1};
+    const Alignment found = haptic::align_strained(later, patch, strain, start, 8);
+    EXPECT_NEAR(found.displacement.x, moved.x, 0.03);
+    EXPECT_NEAR(found.displacement.y, moved.y, 0.03);
+    EXPECT_LT(found.fit.residual,
+              0.5F * haptic::align_template(later, patch, {&start, 1}, 8).fit.residual);
   });
 }
 
