@@ -6,6 +6,7 @@
 #include "clipped-pixels.hpp"
 #include "frame-change.hpp"
 #include "frame-reduction.hpp"
+#include "grid-motions.hpp"
 #include "noise-estimate.hpp"
 #include "patch-tracker.hpp"
 #include "pixel-votes.hpp"
@@ -66,12 +67,14 @@ private:
   Translation translate_level(std::size_t level, Displacement start, int iterations);
   Translation find_translation();
   float add_grid(const Area &area, Displacement whole, Measurement &measurement);
+  std::size_t coarse_level() const { return levels_ > 1 ? 1 : 0; }
+  void keep_coarse();
   void align_coarse_grid(const Area &area, Displacement whole);
   void cover_with_grid(const Area &area);
   void align_grid();
   void realign_at_borders();
-  std::optional<Strain> strain_at(int row, int column,
-                                  std::span<const Displacement> displacements) const;
+  void align_along(const BentMotion &motion, const Plane &later, std::span<const Template> patches);
+  bool follow_bend();
   void follow_strain();
   void learn_from_grid();
   bool neighbours_are_apart() const;
@@ -212,7 +215,7 @@ Translation FastTracker::find_translation() {
 
 void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
   constexpr float kSpacing = 5; // px of the half-size frame
-  const std::size_t level = levels_ > 1 ? 1 : 0;
+  const std::size_t level = coarse_level();
   const auto scale = static_cast<float>(1 << level);
   const Area half = area.at_level(static_cast<int>(level));
   coarse_grid_.cover(previous_.levels[level], half, parts_of(half.width, kSpacing),
@@ -223,7 +226,12 @@ void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
   std::fill_n(aligned_.begin(), patches.size(), Alignment{});
   align_templates(current_.levels[level], patches, std::span(starts_).first(patches.size()),
                   options_.iterations, aligned_);
-  for (std::size_t i = 0; i < patches.size(); ++i)
+  keep_coarse();
+}
+
+void FastTracker::keep_coarse() {
+  const auto scale = static_cast<float>(1 << coarse_level());
+  for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
     coarse_[i] = scale * aligned_[i].displacement;
 }
 
@@ -286,53 +294,13 @@ void FastTracker::realign_at_borders() {
   });
 }
 
-// Least squares over the neighbours of a patch: the strain S that makes moved = S away, with a
-// ridge. Returns nothing where the strain is too small to matter, and where the neighbours have no
-// gradient in common.
-std::optional<Strain> FastTracker::strain_at(int row, int column,
-                                             std::span<const Displacement> displacements) const {
-  constexpr float kSignificant = 0.03F; // px per px: less moves no corner of a patch noticeably
-  constexpr float kLargest = 0.25F;     // px per px: neighbours that differ by more are apart
-  constexpr float kCommon = 0.2F;       // of the squares of moved, that the strain explains
-  constexpr float kRidge = 0.5F;        // in neighbours: without them there is no strain
-  const std::size_t at = cell(row, grid_.columns, column);
-  const Template &patch = grid_.patches[at];
-  const float ridge = kRidge * static_cast<float>(patch.side * patch.side);
-  Tensor offsets{ridge, 0, ridge};
-  Displacement x_moved;
-  Displacement y_moved;
-  float squares = 0;
-  const bool are_together = all_neighbours(grid_, row, column, [&](int y, int x) {
-    const std::size_t other = cell(y, grid_.columns, x);
-    if (other == at || !aligned_[other].fit.inside)
-      return true;
-    const Displacement away{grid_.patches[other].x - patch.x, grid_.patches[other].y - patch.y};
-    const Displacement moved = displacements[other] - displacements[at];
-    if (norm2(moved) > kLargest * kLargest * norm2(away))
-      return false;
-    offsets += {away.x * away.x, away.x * away.y, away.y * away.y};
-    x_moved += moved.x * away;
-    y_moved += moved.y * away;
-    squares += norm2(moved);
-    return true;
-  });
-  if (!are_together)
-    return {};
-  const Displacement of_x = solve(offsets, x_moved, 0);
-  const Displacement of_y = solve(offsets, y_moved, 0);
-  if (norm2(of_x) + norm2(of_y) < kSignificant * kSignificant ||
-      dot(of_x, x_moved) + dot(of_y, y_moved) < kCommon * squares)
-    return {};
-  return Strain{of_x.x, of_x.y, of_y.x, of_y.y};
-}
-
 // A patch that only shifts does not fit what turns or is stretched.
 void FastTracker::follow_strain() {
   constexpr float kBetter = 0.95F; // of the residual, else there was no strain
   for (std::size_t i = 0; i < grid_.view().size(); ++i)
     before_[i] = aligned_[i].displacement;
   for_places(grid_, [&](int row, int column) {
-    const auto strain = strain_at(row, column, before_);
+    const auto strain = strain_at(grid_, row, column, aligned_, before_);
     if (!strain)
       return;
     const std::size_t at = cell(row, grid_.columns, column);
@@ -341,6 +309,46 @@ void FastTracker::follow_strain() {
     if (better.fit.residual < kBetter * aligned_[at].fit.residual)
       aligned_[at] = better;
   });
+}
+
+// Aligns the patches from where the motion puts each, strained as it is.
+void FastTracker::align_along(const BentMotion &motion, const Plane &later,
+                              std::span<const Template> patches) {
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    before_[i] = motion.at(middle_of(patches[i]));
+    starts_[i] = {&before_[i], 1};
+  }
+  std::fill_n(aligned_.begin(), patches.size(), Alignment{});
+  align_templates(later, patches, std::span(starts_).first(patches.size()), options_.iterations,
+                  aligned_, motion.is_bent() ? &motion.strain : nullptr);
+}
+
+// One affine motion of the coarse patches, and then of those of the grid. Where it bends them, the
+// coarse ones are aligned again. Returns whether all but one patch follow it.
+bool FastTracker::follow_bend() {
+  constexpr float kRoughly = 1;   // px: without strain, patches err
+  constexpr float kNearly = 0.3F; // px
+  constexpr int kApart = 1;       // patches
+  const auto coarse = coarse_grid_.view();
+  const std::size_t level = coarse_level();
+  const auto scale = static_cast<float>(1 << level);
+  auto motion = find_bent_motion(coarse, aligned_, kRoughly / scale);
+  if (!motion)
+    return false;
+  if (motion->is_bent()) {
+    align_along(*motion, current_.levels[level], coarse);
+    keep_coarse();
+  }
+  motion = find_bent_motion(coarse, aligned_, kNearly / scale);
+  if (!motion)
+    return false;
+  const auto patches = grid_.view();
+  align_along(motion->finer(scale), current_.levels[0], patches);
+  int apart = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    apart +=
+        !aligned_[i].fit.inside || norm2(aligned_[i].displacement - before_[i]) > kNearly * kNearly;
+  return apart <= kApart;
 }
 
 // The residuals of patches that fit are alike, and then they are noise. Others show what no patch
@@ -393,11 +401,14 @@ float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &m
     coarse_[0] = whole;
   }
   cover_with_grid(area);
-  align_grid();
-  if (parts().second_pass)
-    realign_at_borders();
-  if (parts().strain)
-    follow_strain();
+  if (parts().bend && parts().coarse_starts && follow_bend()) {
+  } else {
+    align_grid();
+    if (parts().second_pass)
+      realign_at_borders();
+    if (parts().strain)
+      follow_strain();
+  }
   if (parts().noise_of_fits)
     learn_from_grid();
   if (!parts().trust)

@@ -122,6 +122,7 @@ struct TrackerParts {
   bool search = true;            ///< looks further where the start led nowhere
   bool period = true;            ///< doubts and resolves textures that repeat
   bool coarse_starts = true;     ///< starts of patches from a grid on half the size
+  bool bend = true;              ///< one affine motion of all patches before others are tried
   bool dither = true;            ///< patches off the raster of the pixels
   bool second_pass = true;       ///< starts of patches from their neighbours
   bool strain = true;            ///< patches that turn and stretch
