@@ -9,6 +9,7 @@
 #include "grid-motions.hpp"
 #include "noise-estimate.hpp"
 #include "patch-tracker.hpp"
+#include "pixel-motions.hpp"
 #include "pixel-votes.hpp"
 #include "start-set.hpp"
 #include "texture-period.hpp"
@@ -59,6 +60,7 @@ private:
   void measure_reduced(const CropPair &pair, Measurement &measurement);
   bool has_fields(const CropPair &pair) const;
   void measure_fields(const CropPair &pair, Measurement &measurement);
+  void measure_grid(const Area &area, const Translation &whole, Measurement &measurement);
   ChangeFinding region_change(const CropPair &pair) const;
   void build_pyramids(const CropPair &pair);
   void cover_with_blocks(const Area &area);
@@ -66,7 +68,8 @@ private:
   Translation translate(Displacement start);
   Translation translate_level(std::size_t level, Displacement start, int iterations);
   Translation find_translation();
-  float add_grid(const Area &area, Displacement whole, Measurement &measurement);
+  float add_grid(const Area &area, const Translation &whole, Measurement &measurement);
+  float add_patches(Measurement &measurement);
   std::size_t coarse_level() const { return levels_ > 1 ? 1 : 0; }
   void keep_coarse();
   void align_coarse_grid(const Area &area, Displacement whole);
@@ -79,7 +82,13 @@ private:
   void learn_from_grid();
   bool neighbours_are_apart() const;
   bool is_within_reach(Displacement displacement) const;
-  void count_votes(const Area &area, Measurement &measurement);
+  std::size_t level_of_pixels() const;
+  float count_votes(const Area &area, Measurement &measurement);
+  bool label_pixels(const Area &area, const Translation &whole, Measurement &measurement);
+  bool explain_as_well(float scale, std::span<const Patch> patches) const;
+  bool follow_labels(const TwoMotions &motions, float scale, std::span<Patch> patches) const;
+  void separate_layers(const Area &area, float unexplained, Translation whole,
+                       Measurement &measurement);
 
   const FastTrackerOptions options_;
   int max_points_ = kUsualPatches;
@@ -96,11 +105,13 @@ private:
   PatchGrid grid_;
   std::array<Alignment, kMaxPatches> aligned_;   // of grid_, or of coarse_grid_ before it
   std::array<Displacement, kMaxPatches> before_; // the alignment
+  bool is_explained_ = false; // by one motion of all patches, or two of the pixels
   std::array<StartSet, kMaxPatches> start_sets_;
   std::array<std::span<const Displacement>, kMaxPatches> starts_;
   std::array<float, kMaxPatches> residuals2_;
   ClippedPixels clipped_; // of the earlier frame
   PixelVotes votes_;
+  MotionLabels labels_;
   FrameReduction previous_reduction_;
   FrameReduction current_reduction_;
   Displacement last_;                      // px, between the two frames before
@@ -373,7 +384,7 @@ void FastTracker::learn_from_grid() {
 }
 
 // Whether two neighbours follow different things, so that it matters how much of the region each
-// is.
+// is. Patches without trust count: many of them lie on a border of two things.
 bool FastTracker::neighbours_are_apart() const {
   const auto differ = [&](std::size_t a, std::size_t b) {
     return !are_close(aligned_[a].displacement, aligned_[b].displacement);
@@ -393,17 +404,27 @@ bool FastTracker::is_within_reach(Displacement displacement) const {
 }
 
 // Returns the sum of the trust in the patches that have texture.
-float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &measurement) {
+float FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
+  is_explained_ = false;
   if (parts().coarse_starts) {
-    align_coarse_grid(area, whole);
+    align_coarse_grid(area, whole.displacement);
   } else {
     coarse_grid_.columns = coarse_grid_.rows = 1;
-    coarse_[0] = whole;
+    coarse_[0] = whole.displacement;
   }
   cover_with_grid(area);
   if (parts().bend && parts().coarse_starts && follow_bend()) {
+    is_explained_ = true;
   } else {
     align_grid();
+    if (parts().labels && neighbours_are_apart()) {
+      const float trust = add_patches(measurement);
+      is_explained_ =
+          is_same_scene(trust, measurement.candidates) && label_pixels(area, whole, measurement);
+      if (is_explained_)
+        return trust;
+      measurement.clear();
+    }
     if (parts().second_pass)
       realign_at_borders();
     if (parts().strain)
@@ -411,6 +432,11 @@ float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &m
   }
   if (parts().noise_of_fits)
     learn_from_grid();
+  return add_patches(measurement);
+}
+
+// The patches of the grid. Returns the sum of the trust in those that have texture.
+float FastTracker::add_patches(Measurement &measurement) {
   if (!parts().trust)
     for (Alignment &aligned : aligned_)
       aligned.fit.correlation = 1;
@@ -424,9 +450,24 @@ float FastTracker::add_grid(const Area &area, Displacement whole, Measurement &m
   return trust;
 }
 
+void FastTracker::measure_grid(const Area &area, const Translation &whole,
+                               Measurement &measurement) {
+  constexpr float kSameScene = 0.5F; // correlation of the whole region
+  const float trust = add_grid(area, whole, measurement);
+  if (parts().cut && !is_same_scene(trust, measurement.candidates)) {
+    if (whole.correlation < kSameScene)
+      measurement.flags |= kCut;
+    measurement.count = 0;
+    last_ = {};
+  } else if (parts().votes && !is_explained_ && neighbours_are_apart()) {
+    const float unexplained = count_votes(area, measurement);
+    if (parts().layers)
+      separate_layers(area, unexplained, whole, measurement);
+  }
+}
+
 void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement) {
   constexpr float kOverExpected = 1.2F;
-  constexpr float kSameScene = 0.5F; // correlation of the whole region
   if (!pair.continues)
     last_ = {};
   const auto [change, energy] = region_change(pair);
@@ -472,22 +513,110 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
     measurement.add(patch_of(area, whole));
     return;
   }
-  const float trust = add_grid(area, whole.displacement, measurement);
-  if (parts().cut && !is_same_scene(trust, measurement.candidates)) {
-    if (whole.correlation < kSameScene)
-      measurement.flags |= kCut;
-    measurement.count = 0;
-    last_ = {};
-  } else if (parts().votes && neighbours_are_apart()) {
-    count_votes(area, measurement);
-  }
+  measure_grid(area, whole, measurement);
 }
 
-// A larger region is voted on in a smaller frame, where the patches are as close.
-void FastTracker::count_votes(const Area &area, Measurement &measurement) {
-  const auto level = std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
-  votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level), area,
-               noise_.variance(), measurement.view());
+// Level of the pyramid where a region of any size has about the pixels of a small one.
+std::size_t FastTracker::level_of_pixels() const {
+  return std::min(static_cast<std::size_t>(doublings(side_)), levels_ - 1);
+}
+
+// A larger region is voted on in a smaller frame, where the patches are as close. Returns the share
+// of the pixels that no patch explains.
+float FastTracker::count_votes(const Area &area, Measurement &measurement) {
+  const std::size_t level = level_of_pixels();
+  return votes_.count(previous_.levels[level], current_.levels[level], static_cast<int>(level),
+                      area, noise_.variance(), measurement.view());
+}
+
+// Where layers lie over one another, as in a reflection, patches follow one or the other. The one
+// that most pixels follow is the answer. Objects side by side leave few pixels unexplained, or a
+// common motion that the blocks contradict.
+void FastTracker::separate_layers(const Area &area, float unexplained, Translation whole,
+                                  Measurement &measurement) {
+  constexpr float kUnexplained = 0.35F; // of the pixels, by any patch
+  constexpr float kDisagreement = 5;    // of a block
+  const auto side = static_cast<float>(blocks_[0].patches[0].side);
+  if (unexplained < kUnexplained || clipped_.any() ||
+      whole.disagreement * side * side > kDisagreement * whole.pixels)
+    return;
+  const std::size_t level = level_of_pixels();
+  const auto scale = static_cast<float>(1 << level);
+  const DominantMotion dominant = find_dominant_motion(
+      previous_.levels[level], current_.levels[level], area.at_level(static_cast<int>(level)),
+      1 / scale * whole.displacement, noise_.variance());
+  if (dominant.share >= unexplained)
+    return;
+  whole.displacement = scale * dominant.displacement;
+  measurement.clear();
+  measurement.candidates = 1;
+  measurement.add(patch_of(area, whole));
+}
+
+// Where two motions explain the pixels about as well as the patches do, each with its own, each
+// pixel follows one of them, and each patch that of the pixel at its middle. Returns whether.
+bool FastTracker::label_pixels(const Area &area, const Translation &whole,
+                               Measurement &measurement) {
+  constexpr float kOneMotion = 0.96F;   // correlation of the whole region: light changes the rest
+  constexpr float kUnexplained = 0.3F;  // of the pixels
+  constexpr float kNear2 = 0.5F * 0.5F; // px squared: one of the two, and neither bends
+  const auto patches = measurement.view();
+  if (whole.correlation > kOneMotion || clipped_.any())
+    return false;
+  const auto first = commonest_of(patches, {});
+  const auto second = first ? commonest_of(patches, first) : first;
+  if (!second)
+    return false;
+  const auto is_near = [&](const Patch &patch) {
+    const Displacement displacement{patch.dx, patch.dy};
+    return std::min(norm2(displacement - *first), norm2(displacement - *second)) < kNear2;
+  };
+  if (10 * std::ranges::count_if(patches, is_near) < 6 * std::ssize(patches))
+    return false;
+  const std::size_t level = level_of_pixels();
+  const auto scale = static_cast<float>(1 << level);
+  const TwoMotions motions = labels_.find(
+      previous_.levels[level], current_.levels[level], area.at_level(static_cast<int>(level)),
+      1 / scale * *first, 1 / scale * *second, noise_.variance());
+  if (motions.unexplained > kUnexplained ||
+      are_close(scale * motions.first, scale * motions.second) || !explain_as_well(scale, patches))
+    return false;
+  return follow_labels(motions, scale, patches);
+}
+
+// Whether the residuals of the patches are about as large as those of the motions at their middles.
+// `scale`: px per px of the labels.
+bool FastTracker::explain_as_well(float scale, std::span<const Patch> patches) const {
+  constexpr float kAsWell = 1.2F;
+  const float most = largest_residual2(noise_.variance());
+  float of_labels = 0;
+  float of_patches = 0;
+  for (const Patch &patch : patches) {
+    of_labels += labels_.energy(patch.x / scale, patch.y / scale);
+    of_patches += std::min(most, patch.residual * patch.residual);
+  }
+  return of_labels <= kAsWell * of_patches;
+}
+
+// Returns false if all patches follow one motion; then they stay as they are.
+bool FastTracker::follow_labels(const TwoMotions &motions, float scale,
+                                std::span<Patch> patches) const {
+  const auto follows_second = [&](const Patch &patch) {
+    return labels_.follows_second(patch.x / scale, patch.y / scale);
+  };
+  const auto seconds = std::ranges::count_if(patches, follows_second);
+  const auto firsts = std::ssize(patches) - seconds;
+  if (firsts == 0 || seconds == 0)
+    return false;
+  for (Patch &patch : patches) {
+    const bool is_second = follows_second(patch);
+    const Displacement moved = scale * (is_second ? motions.second : motions.first);
+    patch.dx = moved.x;
+    patch.dy = moved.y;
+    patch.share = is_second ? motions.share / static_cast<float>(seconds)
+                            : (1 - motions.share) / static_cast<float>(firsts);
+  }
+  return true;
 }
 
 // The pair halved so many times. The corner of the crop stays: it need not lie on a multiple of the

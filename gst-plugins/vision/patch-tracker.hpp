@@ -131,6 +131,8 @@ struct TrackerParts {
   bool trust = true;             ///< correlation counts in the precision of a patch
   bool cut = true;               ///< recognises a cut
   bool votes = true;             ///< pixels vote where neighbouring patches disagree
+  bool labels = true;            ///< pixels follow one of two motions, if these explain them
+  bool layers = true;            ///< one motion for layers over one another (reflections)
 };
 
 /// Options that trade speed for accuracy. The element uses the defaults.

@@ -10,6 +10,7 @@
 #include "pixel-votes.hpp"
 
 #include "patch-trust.hpp"
+#include "start-set.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,7 @@
 #define HWY_TARGET_INCLUDE "pixel-votes.cpp"
 #include <hwy/foreach_target.h>
 
-#include "for-row-inl.hpp"
+#include "pixel-differences-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
@@ -31,14 +32,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kSide = PixelVotes::kSide;
 constexpr int kStride = PixelVotes::kStride;
 constexpr int kBox = 5;
-using Tag = hn::CappedTag<float, 8>;
-using Lanes = hn::Vec<Tag>;
 using Sheets = PixelVotes::Sheets;
-constexpr Tag kTag;
-
-HWY_INLINE int lanes() {
-  return static_cast<int>(hn::Lanes(kTag));
-}
 
 // first, first + 1, ...
 HWY_INLINE Lanes count_from(int first) {
@@ -51,60 +45,6 @@ HWY_INLINE void fill(float *to, int count, float value) {
   const Lanes lanes_of_it = hn::Set(kTag, value);
   for (int i = 0; i < count; i += lanes())
     hn::StoreU(lanes_of_it, kTag, to + i);
-}
-
-// Pixels of a layer are rows of whole vectors.
-HWY_INLINE int row_of(const PixelVotes::Layer &layer) {
-  return (layer.box.width + 7) / 8 * 8;
-}
-
-struct Source {
-  const float *first;
-  std::ptrdiff_t stride;
-
-  const float *row(int y) const { return first + y * stride; }
-};
-
-// So many pixels from (x, y) on: in the plane, or a copy in which those outside the plane are the
-// ones of its border.
-Source pixels_of(const Plane &plane, int x, int y, int width, int height, float *copy) {
-  if (x >= 0 && x + width <= plane.width() && y >= 0 && y + height <= plane.height())
-    return {plane.row(y) + x, plane.stride()};
-  for (int row = 0; row < height; ++row) {
-    const float *from = plane.row(std::clamp(y + row, 0, plane.height() - 1));
-    for (int i = 0; i < width; ++i)
-      copy[row * kStride + i] = from[std::clamp(x + i, 0, plane.width() - 1)];
-  }
-  return {copy, kStride};
-}
-
-// Calls body(x, y, difference) for the differences of the grey levels, bilinear in the later frame,
-// down one column of vectors after another.
-template <class Body>
-HWY_INLINE void for_differences(const Plane &earlier, const Plane &later, int left, int top,
-                                int width, int height, Displacement d, Body &&body) {
-  constexpr int kCopied = (PixelVotes::kLargestSide + kBox) * kStride;
-  HWY_ALIGN float copies[2][kCopied + kSide];
-  const auto whole_x = static_cast<int>(std::floor(d.x));
-  const auto whole_y = static_cast<int>(std::floor(d.y));
-  const Source before = pixels_of(earlier, left, top, width, height, copies[0]);
-  const Source after =
-      pixels_of(later, left + whole_x, top + whole_y, width + 1, height + 1, copies[1]);
-  const Lanes u = hn::Set(kTag, d.x - static_cast<float>(whole_x));
-  const Lanes v = hn::Set(kTag, d.y - static_cast<float>(whole_y));
-  for (int x = 0; x < width; x += lanes()) {
-    const auto across = [&](int y) HWY_ATTR {
-      const Lanes first = hn::LoadU(kTag, after.row(y) + x);
-      return hn::MulAdd(u, hn::Sub(hn::LoadU(kTag, after.row(y) + x + 1), first), first);
-    };
-    Lanes upper = across(0);
-    for (int y = 0; y < height; ++y) {
-      const Lanes lower = across(y + 1);
-      const Lanes sampled = hn::MulAdd(v, hn::Sub(lower, upper), upper);
-      body(x, y, hn::Sub(sampled, hn::LoadU(kTag, before.row(y) + x)));
-      upper = lower;
-    }
-  }
 }
 
 // The mean difference over the middle of the window of a patch.
@@ -142,10 +82,10 @@ HWY_INLINE void for_columns(const PixelVotes::Ballot &ballot, Body &&body) {
     body(x, window_at(window.x, window.x + window.width, x, ballot.centre.x), down);
 }
 
-// The sum of the windows of the patches of a layer, rows of row_of(layer) pixels.
+// The sum of the windows of the patches of a layer, rows of layer.box.padded_width() pixels.
 void AddWindows(Sheets &sheets, std::size_t index) {
   const PixelVotes::Layer &layer = sheets.layers[index];
-  const int stride = row_of(layer);
+  const int stride = layer.box.padded_width();
   fill(sheets.windows.data(), stride * layer.box.height + 8, 0);
   for (std::size_t i = 0; i < sheets.patches; ++i) {
     const PixelVotes::Ballot &ballot = sheets.ballots[i];
@@ -190,7 +130,7 @@ void VoteTogether(float limit, float noise, Sheets &sheets, const PixelVotes::La
   const Lanes most = hn::Set(kTag, limit);
   const Lanes expected = hn::Set(kTag, noise);
   const Lanes scale = hn::Set(kTag, 1.0F / (kBox * kBox));
-  const int stride = row_of(layer);
+  const int stride = layer.box.padded_width();
   for (int x = 0; x < layer.box.width; x += lanes())
     for (int y = 0; y < layer.box.height; ++y) {
       const float *column = sheets.energies.data() + y * kStride + x;
@@ -254,7 +194,7 @@ void ShareOut(const Sheets &sheets, std::span<Patch> patches) {
   for (std::size_t i = 0; i < sheets.patches; ++i) {
     const PixelVotes::Ballot &ballot = sheets.ballots[i];
     const PixelVotes::Layer &layer = sheets.layers[ballot.layer];
-    const int stride = row_of(layer);
+    const int stride = layer.box.padded_width();
     Lanes sum = hn::Zero(kTag);
     for_columns(ballot, [&](int x, Lanes across, const float *down) HWY_ATTR {
       const float *ratios = sheets.ratios.data() + layer.first +
@@ -328,13 +268,13 @@ Box around(const Box &a, const Box &b) {
 
 // Pixels of whole vectors.
 int area_of(const Box &box) {
-  return (box.width + 7) / 8 * 8 * box.height;
+  return box.padded_width() * box.height;
 }
 
 // The patches of the commonest displacement share the whole region.
 void leave_commonest(std::span<Patch> patches) {
   const auto are_alike = [](const Patch &a, const Patch &b) {
-    return norm2({a.dx - b.dx, a.dy - b.dy}) < 1;
+    return are_close({a.dx, a.dy}, {b.dx, b.dy});
   };
   const auto share_like = [&](const Patch &patch) {
     float sum = 0;
@@ -398,8 +338,8 @@ void PixelVotes::fill_in(const Plane &earlier, const Plane &later, float scale, 
   }
 }
 
-void PixelVotes::count(const Plane &earlier, const Plane &later, int level, const Area &region,
-                       float noise, std::span<Patch> patches) {
+float PixelVotes::count(const Plane &earlier, const Plane &later, int level, const Area &region,
+                        float noise, std::span<Patch> patches) {
   const Area area = region.at_level(level);
   const auto first = [](float from) { return static_cast<int>(std::floor(from)); };
   const auto length = [&](float from, float extent) {
@@ -412,10 +352,12 @@ void PixelVotes::count(const Plane &earlier, const Plane &later, int level, cons
   HWY_DYNAMIC_DISPATCH(Vote)(earlier, later, box, limit, 2 * kSmoothedNoise * noise, sheets_);
   const Counts counts = HWY_DYNAMIC_DISPATCH(Judge)(box, limit, sheets_);
   // Where no displacement explains most of the pixels, layers lie over one another.
+  const float unexplained =
+      static_cast<float>(counts.unexplained) / static_cast<float>(std::max(1, counts.pixels));
   const bool are_layers = 2 * counts.unexplained > counts.pixels;
   if (2 * counts.pixels < box.width * box.height ||
       (!are_layers && 2 * counts.unclear > counts.pixels))
-    return;
+    return unexplained;
   HWY_DYNAMIC_DISPATCH(ShareOut)(sheets_, patches);
   float sum = 0;
   for (const Patch &patch : patches)
@@ -424,6 +366,7 @@ void PixelVotes::count(const Plane &earlier, const Plane &later, int level, cons
     patch.share /= sum;
   if (are_layers)
     leave_commonest(patches);
+  return unexplained;
 }
 
 } // namespace haptic

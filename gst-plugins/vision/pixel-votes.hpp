@@ -15,9 +15,10 @@ public:
   /// Sets `share` of the patches, which are in pixels of the finest plane like `region`. The planes
   /// are `level` halvings of it. `noise`: variance of a pixel, grey levels squared. All shares are
   /// 0 if the pixels do not decide. Where layers lie over one another (a reflection), the patches
-  /// of the commonest displacement share the whole region.
-  void count(const Plane &earlier, const Plane &later, int level, const Area &region, float noise,
-             std::span<Patch> patches);
+  /// of the commonest displacement share the whole region. Returns the share of the pixels that no
+  /// patch explains.
+  float count(const Plane &earlier, const Plane &later, int level, const Area &region, float noise,
+              std::span<Patch> patches);
 
   static constexpr int kSide = 16;        ///< px that a patch votes for, along each axis
   static constexpr int kLargestSide = 64; ///< px of a region; the rest of a larger one has no vote
@@ -28,6 +29,9 @@ public:
     int y = 0;
     int width = 0;
     int height = 0;
+
+    /// px of whole vectors.
+    int padded_width() const { return (width + 7) / 8 * 8; }
   };
 
   /// The window of a patch.

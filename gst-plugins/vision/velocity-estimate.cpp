@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #undef HWY_TARGET_INCLUDE
@@ -224,6 +225,10 @@ void count_shares(const PatchSet &set, const Points &points, Answer &answer) {
   // What bends is scattered by less.
   constexpr float kScattered = 0.1F; // px²
   const bool is_scattered = answer.scatter > kScattered;
+  // Most frames have no shares.
+  const auto end = points.share.begin() + static_cast<std::ptrdiff_t>(points.count);
+  if (std::accumulate(points.share.begin(), end, 0.0F) < kCounted)
+    return;
   Points::Row shares;
   float all = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -306,10 +311,52 @@ Motion mean(const Points &points) {
   return {sum.x0 / count, sum.y0 / count};
 }
 
+// Where the tracker gave each point one of two displacements and counted the pixels of each, there
+// is nothing left to find. Returns false elsewhere.
+bool follow_two(const Points &points, Answer &answer) {
+  constexpr float kCounted = 0.5F;
+  constexpr float kLeast = 1.0F / 16; // of the region
+  const auto is_at = [&](std::size_t i, std::size_t of) {
+    return points.dx[i] == points.dx[of] && points.dy[i] == points.dy[of];
+  };
+  std::size_t other = 0;
+  std::size_t others = 0;
+  float share = 0;
+  float all = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    all += points.share[i];
+    if (is_at(i, 0))
+      continue;
+    other = others == 0 ? i : other;
+    if (!is_at(i, other))
+      return false;
+    ++others;
+    share += points.share[i];
+  }
+  if (all < kCounted || std::min(share, all - share) < kLeast * all)
+    return false;
+  share /= all;
+  const Motion first{points.dx[0], points.dy[0]};
+  const Motion second{points.dx[other], points.dy[other]};
+  const float apart_x = second.x0 - first.x0;
+  const float apart_y = second.y0 - first.y0;
+  answer.felt = {first.x0 + share * apart_x, first.y0 + share * apart_y};
+  answer.first = share > 0.5F ? second : first;
+  answer.second = share > 0.5F ? first : second;
+  answer.is_mixture = true;
+  // The points are spread evenly.
+  const float of_points = static_cast<float>(others) / static_cast<float>(points.count);
+  answer.disagreement = std::abs(share - of_points) * std::hypot(apart_x, apart_y);
+  answer.history = {MotionModel::translation, MotionModel::none, true};
+  return true;
+}
+
 Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoice choice,
                  ModelHistory history) {
   Answer answer;
   if (average == Average::model && choice == ModelChoice::automatic) {
+    if (set.parts.second_motion && follow_two(points, answer))
+      return answer;
     explain(set, points, history, answer);
     count_shares(set, points, answer);
     return answer;

@@ -3,6 +3,7 @@
 
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
+#include "plane-pairs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,15 +30,7 @@ class PixelVotes : public ::testing::Test {
 protected:
   // The left texture up to `border`, the right one from there on.
   void show(unsigned seed, int border, test::Shift left, test::Shift right) {
-    std::mt19937 random(seed);
-    const auto frame_at = [&](double time) {
-      Frame frame = Texture(seed, 4, 50).frame(kSide, kSide, {left.x * time, left.y * time});
-      Texture(seed + 100, 4, 50).paint(frame, {right.x * time, right.y * time}, border);
-      test::add_noise(frame, 1.5, random);
-      return frame;
-    };
-    haptic::smooth(test::view_of(frame_at(0)), earlier);
-    haptic::smooth(test::view_of(frame_at(1)), later);
+    test::smooth_things(seed, kSide, border, left, right, earlier, later);
   }
 
   // Patches on a grid over the region that move as their middle does.
@@ -135,13 +128,6 @@ TEST_F(PixelVotes, AtTheBorderOfThePlaneReadNothingOutside) {
     EXPECT_TRUE(patch.share >= 0 && patch.share <= 1);
 }
 
-// Fills what stands beside the rows of a plane, and below them.
-void pad(Plane &plane, float value) {
-  for (int y = 0; y < plane.height() + 2; ++y)
-    std::fill(plane.row(y) + (y < plane.height() ? plane.width() : 0),
-              plane.row(y) + plane.stride(), value);
-}
-
 TEST_F(PixelVotes, DependOnNothingOutsideThePlaneWhateverTheShapes) {
   std::mt19937 random(9);
   const auto between = [&](float least, float most) {
@@ -166,8 +152,8 @@ TEST_F(PixelVotes, DependOnNothingOutsideThePlaneWhateverTheShapes) {
     const Area region{between(-8, right / 2), between(-8, bottom / 2), between(1, 40),
                       between(1, 40)};
     const auto shares = [&](float outside) {
-      pad(earlier, outside);
-      pad(later, outside);
+      test::pad(earlier, outside);
+      test::pad(later, outside);
       std::vector<Patch> patches = all;
       votes->count(earlier, later, i % 4 / 3, region, kNoise, patches);
       std::vector<float> found;

@@ -432,6 +432,26 @@ TEST(Shares, WeighTheMotionsOfARegion) {
   }
 }
 
+// The tracker has decided which motion each point follows.
+TEST(Shares, OfTwoExactDisplacementsAreTheAnswer) {
+  auto patches = two_motions();
+  for (GstHapticPatch &patch : patches) {
+    const bool is_right = patch.dx > 0;
+    patch.dx = is_right ? 3 : -1;
+    patch.dy = is_right ? 0.5F : 0;
+  }
+  for (const float right : {0.2F, 0.6F, 0.9F}) {
+    const VelocityEstimate found = estimate_region(shared(patches, right));
+    EXPECT_TRUE(found.mixture);
+    EXPECT_NEAR(found.velocity_x, 3 * right - (1 - right), 1e-5);
+    EXPECT_NEAR(found.velocity_y, 0.5F * right, 1e-5);
+    EXPECT_EQ(found.points, 20);
+    // The less, the more the shares differ from those of the points, 12 of 20.
+    EXPECT_NEAR(found.confidence, 0.7 * std::exp(-std::abs(right - 0.6) * std::hypot(4, 0.5) / 0.7),
+                1e-3);
+  }
+}
+
 std::vector<GstHapticPatch> still_patches(float share) {
   auto patches = two_motions();
   for (GstHapticPatch &patch : patches) {
