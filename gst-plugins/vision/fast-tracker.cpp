@@ -12,6 +12,7 @@
 #include "pixel-motions.hpp"
 #include "pixel-votes.hpp"
 #include "start-set.hpp"
+#include "sudden-change.hpp"
 #include "texture-period.hpp"
 
 #include <algorithm>
@@ -40,6 +41,7 @@ public:
   void reset() override {
     have_previous_ = false;
     last_ = {};
+    sudden_ = {};
     noise_.reset(kAssumedVariance, kRoundingVariance);
     fit_noise_.reset(kAssumedVariance, kAssumedVariance);
   }
@@ -114,6 +116,7 @@ private:
   MotionLabels labels_;
   FrameReduction previous_reduction_;
   FrameReduction current_reduction_;
+  SuddenChange sudden_;
   Displacement last_;                      // px, between the two frames before
   NoiseEstimate noise_{kLearningRate};     // of a scene at rest
   NoiseEstimate fit_noise_{kLearningRate}; // of what fits, also while it moves
@@ -471,9 +474,16 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
   if (!pair.continues)
     last_ = {};
   const auto [change, energy] = region_change(pair);
+  const bool is_sudden = sudden_.add(energy) && parts().sudden;
   if (change != Change::some && parts().still_pixels) {
     if (change == Change::none)
       measurement.flags = kStill;
+    have_previous_ = false;
+    last_ = {};
+    return;
+  }
+  if (is_sudden) {
+    measurement.candidates = 1;
     have_previous_ = false;
     last_ = {};
     return;
@@ -676,6 +686,8 @@ void FastTracker::measure_fields(const CropPair &pair, Measurement &measurement)
 
 void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
   measurement.clear();
+  for (int i = 0; i < std::min(pair.repeats, 100); ++i)
+    sudden_.add(0);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
   const CropPair small = reduced(pair, count);
   // A strip along a border of the frame may have become too narrow for patches.

@@ -52,6 +52,7 @@ struct CropPair {
   Rectangle crop;         ///< where both views lie in the frame
   Rectangle region;       ///< the region of interest in the frame, inside crop
   bool continues = false; ///< previous is the frame that was `current` in the call before
+  int repeats = 0;        ///< frames since that call that repeated the one before, not handed over
 };
 
 /// The MotionFlags that a tracker sets.
@@ -118,6 +119,7 @@ public:
 struct TrackerParts {
   bool still_pixels = true;      ///< first, a test whether any pixel changed
   bool still_translation = true; ///< a translation that is zero within its error is rest
+  bool sudden = true;            ///< does not measure small changes that come suddenly
   bool prior = true;             ///< starts from the displacement between the two frames before
   bool search = true;            ///< looks further where the start led nowhere
   bool period = true;            ///< doubts and resolves textures that repeat

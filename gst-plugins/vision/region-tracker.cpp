@@ -54,8 +54,12 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   luma_.forget();
-  const CropPair pair{earlier_luma_.read(earlier, areas.crop), luma_.read(frame, areas.crop),
-                      areas.crop, areas.region, earlier_was_measured_};
+  const CropPair pair{earlier_luma_.read(earlier, areas.crop),
+                      luma_.read(frame, areas.crop),
+                      areas.crop,
+                      areas.region,
+                      earlier_was_measured_,
+                      repeats_};
   Finding finding;
   switch (repetition(earlier, frame, pair)) {
   case Repetition::duplicate:
@@ -64,9 +68,11 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
     return {.flags = kMotionDuplicate, .becomes_reference = false};
   case Repetition::still:
     finding.flags = kMotionStill;
+    ++repeats_;
     break;
   case Repetition::none:
     moving_crop_ = areas.crop;
+    repeats_ = 0;
     run(pair, finding);
     finding.flags = measurement_.flags;
     finding.time = Clock::now() - begin;
@@ -85,6 +91,7 @@ void RegionTracker::skip() {
 void RegionTracker::forget() {
   skip();
   judge_.forget();
+  repeats_ = 0;
   moving_crop_ = {};
   tracker_->reset();
 }

@@ -65,6 +65,7 @@ private:
   std::unique_ptr<PatchTracker> tracker_ = make_fast_tracker();
   RepetitionJudge judge_;
   Rectangle moving_crop_;             // where motion was last seen; empty: nowhere yet
+  int repeats_ = 0;                   // still frames since the tracker was last asked
   bool earlier_was_measured_ = false; // by the tracker, as the later frame
   Measurement measurement_;
   KeptLuma earlier_luma_;

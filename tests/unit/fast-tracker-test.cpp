@@ -99,6 +99,49 @@ TEST_F(FastTracker, TheBorderOfAClippedAreaHasNoWeight) {
   EXPECT_LT(errors / kCases, 0.03);
 }
 
+// A texture without noise, as a codec leaves it, which stands still for `rest` frames and then
+// moves on by `step` px.
+class FastTrackerAfterRest : public FastTracker {
+protected:
+  int patches_after(double contrast, double step, int rest, int steps) {
+    const Texture texture(5, 12, contrast);
+    Frame before = texture.frame(kFrame, kFrame, {});
+    for (int i = 0; i < rest; ++i) {
+      // The frames are not the same, or nobody would look.
+      Frame after = before;
+      after.at(kFrame / 2, kFrame / 2) ^= 1;
+      track(before, after);
+      before = after;
+    }
+    int count = 0;
+    for (int i = 1; i <= steps; ++i) {
+      Frame after = texture.frame(kFrame, kFrame, {0, i * step});
+      count = track(before, after).count;
+      before = after;
+    }
+    return count;
+  }
+  static constexpr double kFaint = 6;  // grey levels: a sky
+  static constexpr double kClear = 35; // leaves
+};
+
+// A key frame moves a sky by what it moved since the one before.
+TEST_F(FastTrackerAfterRest, ASmallSuddenChangeIsNotMeasured) {
+  EXPECT_EQ(patches_after(kFaint, 3, 12, 1), 0);
+}
+
+TEST_F(FastTrackerAfterRest, ASmallChangeThatGoesOnIsMeasuredFromTheSecondFrame) {
+  EXPECT_GT(patches_after(kFaint, 3, 12, 2), 0);
+}
+
+TEST_F(FastTrackerAfterRest, ALargeSuddenChangeIsMeasuredAtOnce) {
+  EXPECT_GT(patches_after(kClear, 3, 12, 1), 0);
+}
+
+TEST_F(FastTrackerAfterRest, ASmallChangeAfterAFewFramesIsMeasured) {
+  EXPECT_GT(patches_after(kFaint, 3, 4, 1), 0);
+}
+
 TEST_F(FastTracker, TheFieldsOfAnInterlacedFrameAreTrackedApart) {
   double errors = 0;
   constexpr int kCases = 30;
