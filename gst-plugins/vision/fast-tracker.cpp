@@ -60,9 +60,9 @@ private:
 
   CropPair reduced(const CropPair &pair, int count);
   void measure_reduced(const CropPair &pair, Measurement &measurement);
-  bool has_fields(const CropPair &pair) const;
-  void measure_fields(const CropPair &pair, Measurement &measurement);
   void measure_grid(const Area &area, const Translation &whole, Measurement &measurement);
+  bool has_fields(const CropPair &pair, int reductions) const;
+  void measure_fields(const CropPair &pair, int reductions, Measurement &measurement);
   ChangeFinding region_change(const CropPair &pair) const;
   void build_pyramids(const CropPair &pair);
   void cover_with_blocks(const Area &area);
@@ -129,8 +129,9 @@ LumaView inside(const CropPair &pair, const LumaView &view) {
   return {view.pixels + y * view.stride + x, pair.region.width, pair.region.height, view.stride};
 }
 
-bool is_wide_enough(const CropPair &pair) {
-  const auto least = [](const Rectangle &r) { return std::min(r.width, r.height); };
+// After so many reductions.
+bool is_wide_enough(const CropPair &pair, int reductions) {
+  const auto least = [&](const Rectangle &r) { return std::min(r.width, r.height) >> reductions; };
   return least(pair.region) >= kSmallestRegion / 2 &&
          least(pair.crop) >= kSmallPatch + kRim + 2 * kSmoothingRadius;
 }
@@ -645,16 +646,19 @@ CropPair FastTracker::reduced(const CropPair &pair, int count) {
   return reduced;
 }
 
-// Reduction mixes the fields, so that only what is not reduced has them.
-bool FastTracker::has_fields(const CropPair &pair) const {
-  return pair.region.width >= kSmallPatch && is_wide_enough(field_of(pair, 1)) &&
-         is_combed(inside(pair, pair.current), std::max(noise_.variance(), fit_noise_.variance()));
+// Whether the fields differ, before any reduction, which would mix them. Averaging 2x2 pixels
+// quarters the variance of their noise.
+bool FastTracker::has_fields(const CropPair &pair, int reductions) const {
+  const float noise = static_cast<float>(1 << (2 * reductions)) *
+                      std::max(noise_.variance(), fit_noise_.variance());
+  return pair.region.width >= kSmallPatch && is_wide_enough(field_of(pair, 1), reductions) &&
+         is_combed(inside(pair, pair.current), noise);
 }
 
 // A row has the time of its field, and the next frame a row of the same field at the same place.
 // Each field lacks every other row. What that does to its displacement, it does to that of the
 // other field with the opposite sign: the patches of both go to the average.
-void FastTracker::measure_fields(const CropPair &pair, Measurement &measurement) {
+void FastTracker::measure_fields(const CropPair &pair, int reductions, Measurement &measurement) {
   const int points = max_points_;
   max_points_ = std::max(1, points / 2);
   measurement.flags = kStill;
@@ -662,12 +666,13 @@ void FastTracker::measure_fields(const CropPair &pair, Measurement &measurement)
     Measurement field;
     have_previous_ = false;
     last_.y /= 2;
-    measure_reduced(field_of(pair, parity), field);
+    measure_reduced(reduced(field_of(pair, parity), reductions), field);
     last_.y *= 2;
     measurement.candidates += field.candidates;
     measurement.flags = static_cast<std::uint16_t>((measurement.flags & field.flags & kStill) |
                                                    ((measurement.flags | field.flags) & kCut));
     field.shift(kSmoothingRadius, kSmoothingRadius);
+    field.scale(static_cast<float>(1 << reductions));
     for (Patch patch : field.view()) {
       patch.y = 2 * patch.y + static_cast<float>(parity) - 0.5F;
       patch.height *= 2;
@@ -689,17 +694,19 @@ void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
   for (int i = 0; i < std::min(pair.repeats, 100); ++i)
     sudden_.add(0);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
-  const CropPair small = reduced(pair, count);
   // A strip along a border of the frame may have become too narrow for patches.
-  if (!is_wide_enough(small))
+  if (!is_wide_enough(pair, count)) {
+    have_previous_ = false;
+    last_ = {};
     return;
-  if (count == 0 && has_fields(small)) {
-    measure_fields(small, measurement);
-  } else {
-    measure_reduced(small, measurement);
-    measurement.shift(kSmoothingRadius, kSmoothingRadius);
   }
-  measurement.scale(static_cast<float>(1 << count));
+  if (has_fields(pair, count)) {
+    measure_fields(pair, count, measurement);
+  } else {
+    measure_reduced(reduced(pair, count), measurement);
+    measurement.shift(kSmoothingRadius, kSmoothingRadius);
+    measurement.scale(static_cast<float>(1 << count));
+  }
   measurement.shift(static_cast<float>(pair.crop.x), static_cast<float>(pair.crop.y));
 }
 

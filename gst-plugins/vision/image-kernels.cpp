@@ -355,17 +355,20 @@ ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
 }
 
 // The sums over x and y of (f(x, y) - f(x, y+1))^2 and (f(x, y) - f(x, y+2))^2, over the number of
-// pixels. Vectors overlap at the end of a row.
+// pixels. Vectors overlap at the end of a row. Exact in integers of 32 bits down a column of
+// vectors of up to 16 000 px.
 RowDifferences CompareRows(const LumaView &view) {
   const hn::CappedTag<std::int16_t, 8> d;
   const hn::Rebind<std::uint8_t, decltype(d)> du;
   const hn::RepartitionToWide<decltype(d)> dw;
-  auto next = hn::Zero(dw), next1 = next, second = next, second1 = next;
+  const hn::Rebind<float, decltype(dw)> df;
+  auto all_next = hn::Zero(df), all_second = all_next;
   int vectors = 0;
   for_row(d, view.width, [&](int x) HWY_ATTR {
     const auto load = [&](int y) HWY_ATTR {
       return hn::PromoteTo(d, hn::LoadU(du, view.pixels + y * view.stride + x));
     };
+    auto next = hn::Zero(dw), next1 = next, second = next, second1 = next;
     auto upper = load(0);
     auto middle = load(1);
     for (int y = 0; y + 2 < view.height; ++y) {
@@ -377,13 +380,15 @@ RowDifferences CompareRows(const LumaView &view) {
       upper = middle;
       middle = lower;
     }
+    all_next = hn::Add(all_next, hn::ConvertTo(df, hn::Add(next, next1)));
+    all_second = hn::Add(all_second, hn::ConvertTo(df, hn::Add(second, second1)));
     ++vectors;
   });
-  const auto mean = [&](auto a, auto b) HWY_ATTR {
-    return static_cast<float>(hn::GetLane(hn::SumOfLanes(dw, hn::Add(a, b)))) /
+  const auto mean = [&](auto sums) HWY_ATTR {
+    return hn::GetLane(hn::SumOfLanes(df, sums)) /
            static_cast<float>(vectors * static_cast<int>(hn::Lanes(d)) * (view.height - 2));
   };
-  return {mean(next, next1), mean(second, second1)};
+  return {mean(all_next), mean(all_second)};
 }
 
 } // namespace haptic::HWY_NAMESPACE

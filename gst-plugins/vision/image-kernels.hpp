@@ -94,7 +94,7 @@ struct RowDifferences {
   float second = 0; ///< from a row to the one after the next
 };
 
-/// The view is at least 8x3.
+/// The view is at least 8x3, and at most 16 000 px high.
 RowDifferences compare_rows(const LumaView &view);
 
 /// Averages 2x2 pixels; an odd last row or column is left out.

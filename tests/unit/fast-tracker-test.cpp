@@ -142,29 +142,50 @@ TEST_F(FastTrackerAfterRest, ASmallChangeAfterAFewFramesIsMeasured) {
   EXPECT_GT(patches_after(kFaint, 3, 4, 1), 0);
 }
 
+// A frame of an interlaced film: the odd lines are half a frame later.
+Frame woven(const Texture &texture, const Shift &motion, double time, int side) {
+  Frame frame = texture.frame(side, side, {time * motion.x, time * motion.y});
+  Frame later = texture.frame(side, side, {(time + 0.5) * motion.x, (time + 0.5) * motion.y});
+  for (int y = 1; y < side; y += 2)
+    for (int x = 0; x < side; ++x)
+      frame.at(x, y) = later.at(x, y);
+  return frame;
+}
+
 TEST_F(FastTracker, TheFieldsOfAnInterlacedFrameAreTrackedApart) {
   double errors = 0;
   constexpr int kCases = 30;
   for (int i = 0; i < kCases; ++i) {
     const Texture texture(static_cast<unsigned>(i), 3, 45);
     const Shift truth{i % 2 ? 2.5 : -2.5, 0.4 * (i % 13) - 2.4};
-    // The odd lines are half a frame later.
-    const auto woven = [&](double time) {
-      Frame frame = texture.frame(kFrame, kFrame, {time * truth.x, time * truth.y});
-      Frame later = texture.frame(kFrame, kFrame, {(time + 0.5) * truth.x, (time + 0.5) * truth.y});
-      for (int y = 1; y < kFrame; y += 2)
-        for (int x = 0; x < kFrame; ++x)
-          frame.at(x, y) = later.at(x, y);
-      return frame;
-    };
-    Frame before = woven(0);
-    Frame after = woven(1);
+    Frame before = woven(texture, truth, 0, kFrame);
+    Frame after = woven(texture, truth, 1, kFrame);
     const Measurement &found = track(before, after);
     ASSERT_GT(found.count, 0);
     EXPECT_LE(found.count, haptic::kUsualPatches);
     errors += error(found, truth);
   }
   EXPECT_LT(errors / kCases, 0.012); // 0.018 as one frame
+}
+
+TEST_F(FastTracker, TheFieldsOfALargeRegionAreTrackedApartToo) {
+  constexpr int kLargeFrame = 400;
+  double errors = 0;
+  constexpr int kCases = 16;
+  for (int i = 0; i < kCases; ++i) {
+    const Texture texture(static_cast<unsigned>(i), 6, 45);
+    const Shift truth{i % 2 ? 20.0 : -20.0, 3.0 * (i % 13) - 18};
+    Frame before = woven(texture, truth, 0, kLargeFrame);
+    Frame after = woven(texture, truth, 1, kLargeFrame);
+    for (const int side : {164, 300}) {
+      const int corner = (kLargeFrame - side) / 2;
+      const Measurement &found = track(before, after, {corner, corner, side, side});
+      ASSERT_GT(found.count, 0);
+      EXPECT_LE(found.count, haptic::kUsualPatches);
+      errors += error(found, truth);
+    }
+  }
+  EXPECT_LT(errors / (2 * kCases), 0.012); // as one frame, some are not found
 }
 
 TEST_F(FastTracker, WhatIsOnlyBlackAndWhiteIsFollowed) {
@@ -501,6 +522,26 @@ TEST_F(FastTracker, AFrameThatFollowsOnTheLastOneGivesTheSameAnswer) {
     EXPECT_NEAR(with_memory.x, mean(anew).x, 0.002);
     EXPECT_NEAR(with_memory.y, mean(anew).y, 0.002);
   }
+}
+
+TEST_F(FastTracker, AfterARegionTooNarrowToMeasureNoOlderFrameIsCompared) {
+  const Texture texture(14);
+  std::vector<Frame> frames;
+  for (int i = 0; i < 4; ++i)
+    frames.push_back(texture.frame(kFrame, kFrame, {1.3 * i, -0.7 * i}));
+  const Rectangle region{55, 55, kSide, kSide};
+  const Rectangle crop = haptic::crop_around(region, tracker->margin(kSide), kFrame, kFrame);
+  const Rectangle strip{0, 55, 4, kSide}; // the pointer beyond a border for one frame
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const bool is_strip = i == 2;
+    const Rectangle &at = is_strip ? strip : crop;
+    tracker->measure({test::view(frames[i - 1], at), test::view(frames[i], at), at,
+                      is_strip ? strip : region, i > 1},
+                     measurement);
+    EXPECT_EQ(measurement.count > 0, !is_strip);
+  }
+  EXPECT_NEAR(mean(measurement).x, 1.3, 0.1);
+  EXPECT_NEAR(mean(measurement).y, -0.7, 0.1);
 }
 
 TEST_F(FastTracker, KeepsToTheMaximumOfPoints) {

@@ -95,6 +95,14 @@ TEST(Combing, IsSeenWhereEveryOtherRowHasMoved) {
   }
 }
 
+TEST(Combing, IsSeenInAnAreaOfAnySize) {
+  Frame combed(1600, 1600);
+  for (int y = 1; y < combed.height; y += 2)
+    for (int x = 0; x < combed.width; ++x)
+      combed.at(x, y) = 255;
+  EXPECT_TRUE(haptic::is_combed(test::view_of(combed), kNoise));
+}
+
 TEST(Combing, IsNotSeenInNoise) {
   for (unsigned seed = 0; seed < 50; ++seed)
     EXPECT_FALSE(
