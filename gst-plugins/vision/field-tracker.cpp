@@ -12,8 +12,11 @@
 namespace haptic {
 namespace {
 
-constexpr int kNarrowestCell = 8;  // px of the frame
-constexpr float kLargestCell = 32; // px of the reduced frame; half of it is enough
+// px. A frame with larger cells is reduced: it has more pixels than motion needs. It is reduced
+// until its cells are below kLargestReducedCell, which costs no accuracy where the first halving
+// cost none.
+constexpr float kLargestCell = 32;
+constexpr float kLargestReducedCell = 24;
 constexpr std::size_t kLevels = 3; // a patch of the coarsest covers one cell or two
 constexpr int kCoarseSpacing = 6;  // px between patches of the coarsest level
 constexpr int kReach = 5;          // px of the coarsest level
@@ -51,7 +54,8 @@ void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
   reductions_ = 0;
   const float cell_side = std::min(static_cast<float>(width) / static_cast<float>(shape.columns),
                                    static_cast<float>(height) / static_cast<float>(shape.rows));
-  while (cell_side / static_cast<float>(1 << reductions_) >= kLargestCell)
+  while (cell_side / static_cast<float>(1 << reductions_) >=
+         (reductions_ == 0 ? kLargestCell : kLargestReducedCell))
     ++reductions_;
   for (ByteImage *frame : {&previous_, &current_}) {
     frame->width = width >> reductions_;

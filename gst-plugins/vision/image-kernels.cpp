@@ -301,8 +301,9 @@ void Halve(const Plane &fine, Plane &coarse) {
 // the sums of D, D^2, g D and g g^T. A displacement d makes D = -g^T d (brightness constancy,
 // Lucas and Kanade 1981), so that (sum g g^T)^-1 sum g D estimates -d.
 // Exact in integers of 32 bits for views of up to 33 000 px.
-ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
-  const hn::CappedTag<std::int16_t, 16> d; // a region of 30 px fills two of these
+template <std::size_t kLanes>
+ChangeSums MeasureChangeBy(const LumaView &previous, const LumaView &current) {
+  const hn::CappedTag<std::int16_t, kLanes> d;
   const hn::Rebind<std::uint8_t, decltype(d)> du;
   const hn::RepartitionToWide<decltype(d)> dw;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -352,6 +353,14 @@ ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
   change.moment = {0.5F * reduce(mx, mx1), 0.5F * reduce(my, my1)};
   change.structure = {0.25F * reduce(xx, xx1), 0.25F * reduce(xy, xy1), 0.25F * reduce(yy, yy1)};
   return change;
+}
+
+// A region of 30 px fills two vectors of 16; a cell of 15 px two of 8. A row that is shorter than
+// its vector has to be copied.
+ChangeSums MeasureChange(const LumaView &previous, const LumaView &current) {
+  constexpr int kWide = 16;
+  return previous.width - 2 < kWide ? MeasureChangeBy<kWide / 2>(previous, current)
+                                    : MeasureChangeBy<kWide>(previous, current);
 }
 
 // The sums over x and y of (f(x, y) - f(x, y+1))^2 and (f(x, y) - f(x, y+2))^2, over the number of
