@@ -17,6 +17,7 @@
 #include "luma-crop.hpp"
 #include "mapped-frame.hpp"
 #include "messages.hpp"
+#include "motion-reader.hpp"
 #include "pointer-arbiter.hpp"
 #include "pointer-event.hpp"
 #include "property-table.hpp"
@@ -66,6 +67,7 @@ struct State {
   haptic::BufferTimeline timeline;
   haptic::RegionSize region_size;
   haptic::RegionTracker tracker;
+  haptic::MotionReader reader;
   haptic::BufferPtr reference; // the earlier frame
   Pointer notified_pointer;
   bool warned_of_tracker = false;
@@ -287,8 +289,9 @@ void remove_metas(GstBuffer *buffer, GType api, Remove &&should_go) {
     }
 }
 
-void attach_motion(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
-                   const Settings &settings, const Finding &finding) {
+const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
+                                         const Rectangle &region, const Settings &settings,
+                                         const Finding &finding) {
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
   const haptic::Measurement &measurement = self->state->tracker.measurement();
   GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
@@ -313,16 +316,20 @@ void attach_motion(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &regi
     meta->force_y = static_cast<gfloat>((*settings.force)[1]);
     meta->force_z = static_cast<gfloat>((*settings.force)[2]);
   }
+  return *meta;
 }
 
-void attach_region(GstBuffer *buffer, const Rectangle &region) {
+// For readers without the header of the metadata. `motion` becomes a parameter of the region.
+void attach_region(GstBuffer *buffer, const Rectangle &region, GstStructure *motion) {
   static const GQuark kRoiType = g_quark_from_static_string("haptic-roi");
   remove_metas(buffer, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE, [](GstMeta *other) {
     return reinterpret_cast<GstVideoRegionOfInterestMeta *>(other)->roi_type == kRoiType;
   });
-  gst_buffer_add_video_region_of_interest_meta_id(
-      buffer, kRoiType, static_cast<guint>(region.x), static_cast<guint>(region.y),
-      static_cast<guint>(region.width), static_cast<guint>(region.height));
+  gst_video_region_of_interest_meta_add_param(
+      gst_buffer_add_video_region_of_interest_meta_id(
+          buffer, kRoiType, static_cast<guint>(region.x), static_cast<guint>(region.y),
+          static_cast<guint>(region.width), static_cast<guint>(region.height)),
+      motion);
 }
 
 // Call it without a lock: handlers may call anything.
@@ -355,8 +362,10 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
                       ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
     return GST_FLOW_ERROR;
   }
-  attach_motion(self, buffer, region, settings, *finding);
-  attach_region(buffer, region);
+  const GstHapticMotionMeta &meta = attach_motion(self, buffer, region, settings, *finding);
+  GstStructure *motion = gst_structure_new_empty("haptic-motion");
+  haptic::set_motion(motion, state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info));
+  attach_region(buffer, region, motion);
   if (finding->becomes_reference)
     keep_reference(state, buffer);
   const haptic::Measurement &measurement = state.tracker.measurement();
@@ -374,6 +383,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
 gboolean start(GstRoiTracker *self) {
   State &state = *self->state;
   state.timeline.report_faults_again();
+  state.reader = {};
   state.warned_of_tracker = false;
   const ObjectLock lock(self);
   state.shared.statistics = {};
@@ -438,7 +448,6 @@ void on_navigation(GstRoiTracker *self, GstEvent *event) {
     shared.pointers.point_navigation(x, y, shared.frame_width, shared.frame_height);
 }
 
-// Returns whether this was a pointer event, which ends here.
 // Returns whether the event ends here.
 bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   // A late window would make the decoder skip frames, and each skipped frame is a discontinuity of

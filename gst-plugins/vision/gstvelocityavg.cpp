@@ -20,7 +20,6 @@
 
 #include <gst/video/gstvideometa.h>
 #include <span>
-#include <string>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
@@ -101,15 +100,8 @@ void warn_of_metadata(GstVelocityAvg *self) {
 }
 
 void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
-  const std::string model(haptic::motion_model_name(sample.model));
-  GstStructure *fields = gst_structure_new(
-      "haptic-motion", "pts", G_TYPE_UINT64, pts, "interval", G_TYPE_UINT64, sample.interval, "vx",
-      G_TYPE_DOUBLE, static_cast<double>(sample.velocity_x), "vy", G_TYPE_DOUBLE,
-      static_cast<double>(sample.velocity_y), "spin", G_TYPE_DOUBLE,
-      static_cast<double>(sample.spin), "divergence", G_TYPE_DOUBLE,
-      static_cast<double>(sample.divergence), "confidence", G_TYPE_DOUBLE,
-      static_cast<double>(sample.confidence), "points", G_TYPE_UINT,
-      static_cast<guint>(sample.points), "model", G_TYPE_STRING, model.c_str(), nullptr);
+  GstStructure *fields = gst_structure_new("haptic-motion", "pts", G_TYPE_UINT64, pts, nullptr);
+  haptic::set_motion(fields, sample);
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), fields));
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <span>
+#include <string>
 
 namespace haptic {
 namespace {
@@ -102,6 +103,17 @@ MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoI
     set_motion(sample, estimate);
   }
   return last_ = sample;
+}
+
+void set_motion(GstStructure *to, const MotionSample &sample) {
+  const auto number = [](float value) { return static_cast<double>(value); };
+  const std::string model(motion_model_name(sample.model));
+  gst_structure_set(
+      to, "interval", G_TYPE_UINT64, sample.interval, "vx", G_TYPE_DOUBLE,
+      number(sample.velocity_x), "vy", G_TYPE_DOUBLE, number(sample.velocity_y), "spin",
+      G_TYPE_DOUBLE, number(sample.spin), "divergence", G_TYPE_DOUBLE, number(sample.divergence),
+      "confidence", G_TYPE_DOUBLE, number(sample.confidence), "points", G_TYPE_UINT,
+      static_cast<guint>(sample.points), "model", G_TYPE_STRING, model.c_str(), nullptr);
 }
 
 } // namespace haptic

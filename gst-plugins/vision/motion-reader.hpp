@@ -26,4 +26,7 @@ private:
   ModelHistory history_;
 };
 
+/// Adds the fields of the structure haptic-motion (docs/formats/motion-meta.md).
+void set_motion(GstStructure *to, const MotionSample &sample);
+
 } // namespace haptic

@@ -12,6 +12,7 @@
 #include <gst/video/navigation.h>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <string>
 
 namespace {
 
@@ -29,6 +30,31 @@ constexpr int kHeight = 144;
 
 const GstHapticMotionMeta &motion_of(const BufferPtr &buffer) {
   return *gst_buffer_get_haptic_motion_meta(buffer.get());
+}
+
+GstVideoRegionOfInterestMeta *roi_of(const BufferPtr &buffer) {
+  gpointer cursor = nullptr;
+  return reinterpret_cast<GstVideoRegionOfInterestMeta *>(gst_buffer_iterate_meta_filtered(
+      buffer.get(), &cursor, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE));
+}
+
+// The parameter haptic-motion of the region.
+struct RegionMotion {
+  double vx = NAN, vy = NAN; // px/s
+  double confidence = NAN;
+  std::string model;
+};
+
+RegionMotion region_motion(const BufferPtr &buffer) {
+  RegionMotion motion;
+  const GstStructure *fields =
+      gst_video_region_of_interest_meta_get_param(roi_of(buffer), "haptic-motion");
+  if (!fields)
+    return motion;
+  gst_structure_get(fields, "vx", G_TYPE_DOUBLE, &motion.vx, "vy", G_TYPE_DOUBLE, &motion.vy,
+                    "confidence", G_TYPE_DOUBLE, &motion.confidence, nullptr);
+  motion.model = gst_structure_get_string(fields, "model");
+  return motion;
 }
 
 guint64 statistic(GstElement *tracker, const char *name) {
@@ -124,16 +150,35 @@ TEST_F(RoiTracker, EachFrameCarriesWhatWasMeasuredSinceTheOneBefore) {
 
 TEST_F(RoiTracker, TheRegionIsMarkedInTheWayOtherToolsUnderstand) {
   const BufferPtr frame = pass_moving(0);
-  gpointer cursor = nullptr;
-  const auto *roi =
-      reinterpret_cast<GstVideoRegionOfInterestMeta *>(gst_buffer_iterate_meta_filtered(
-          frame.get(), &cursor, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE));
+  const GstVideoRegionOfInterestMeta *roi = roi_of(frame);
   ASSERT_NE(roi, nullptr);
   EXPECT_STREQ(g_quark_to_string(roi->roi_type), "haptic-roi");
   EXPECT_EQ(roi->x, 73U);
   EXPECT_EQ(roi->y, 57U);
   EXPECT_EQ(roi->w, 30U);
   EXPECT_EQ(roi->h, 30U);
+}
+
+TEST_F(RoiTracker, TheRegionHasTheMotionForReadersWithoutTheHeader) {
+  EXPECT_EQ(region_motion(pass_moving(0)).confidence, 0);
+  for (int i = 1; i < 4; ++i) {
+    const RegionMotion motion = region_motion(pass_moving(i));
+    EXPECT_NEAR(motion.vx, 2 * 25, 1.5);
+    EXPECT_NEAR(motion.vy, -1 * 25, 1.5);
+    EXPECT_GT(motion.confidence, 0.8);
+    EXPECT_EQ(motion.model, "translation");
+  }
+}
+
+TEST_F(RoiTracker, ScalingTheFrameDropsTheMotionOfTheRegionWhoseUnitsWouldBeWrong) {
+  VideoHarness scaling(
+      "roitracker roi-size=30 ! videoscale ! capsfilter caps=video/x-raw,width=352,height=288");
+  scaling.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+  scaling.pass(moving(0), 0);
+  const BufferPtr frame = scaling.pass(moving(1), kFrame);
+  ASSERT_NE(roi_of(frame), nullptr);
+  EXPECT_EQ(roi_of(frame)->w, 60U);
+  EXPECT_EQ(gst_video_region_of_interest_meta_get_param(roi_of(frame), "haptic-motion"), nullptr);
 }
 
 TEST_F(RoiTracker, TheRegionGrowsWithTheFrameUnlessItsSizeIsSet) {
