@@ -8,6 +8,7 @@
 #include "gstmotionfield.h"
 
 #include "buffer-timeline.hpp"
+#include "camera-motion.hpp"
 #include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "field-tracker.hpp"
@@ -35,8 +36,14 @@ using haptic::ObjectLock;
 
 // State
 
+// Of the metadata and the message that name what was subtracted.
+constexpr char kCameraMotion[] = "haptic-camera-motion";
+
+enum class Camera { keep, remove };
+
 struct Settings {
   guint columns = haptic::kFieldColumns;
+  Camera camera = Camera::keep;
 };
 
 struct State {
@@ -49,7 +56,10 @@ struct State {
   haptic::FieldTracker tracker;
   haptic::BufferTimeline timeline;
   haptic::RepetitionJudge repetition;
-  MotionField field; // a duplicate frame repeats its cells
+  MotionField field;                   // a duplicate frame repeats its cells
+  Camera camera_choice = Camera::keep; // for this frame
+  haptic::CameraMotion camera;         // that was subtracted from the cells
+  haptic::MotionModel announced_camera = haptic::MotionModel::none;
   std::vector<std::uint8_t> scratch;
 
   void forget_frames() {
@@ -81,6 +91,15 @@ namespace {
 
 // Properties
 
+GType camera_type() {
+  static const GEnumValue values[] = {
+      {static_cast<int>(Camera::keep), "The motion in the frame, as it is", "keep"},
+      {static_cast<int>(Camera::remove), "The motion relative to the background", "remove"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstMotionFieldCamera", values);
+  return type;
+}
+
 std::span<const haptic::Property<Settings>> properties() {
   constexpr guint kFewestColumns = 4;
   constexpr guint kMostColumns = 96;
@@ -89,13 +108,16 @@ std::span<const haptic::Property<Settings>> properties() {
           "field-columns", "Field Columns",
           "Cells side by side; rows follow from the frame's shape. None is narrower than 8 pixels",
           kFewestColumns, kMostColumns, Settings{}.columns, haptic::kReadWrite)),
+      haptic::member_row<&Settings::camera>(g_param_spec_enum(
+          "camera", "Camera", "Whether the camera's motion stays in the field or is subtracted",
+          camera_type(), static_cast<gint>(Camera::keep), haptic::kReadWrite)),
   };
   return table;
 }
 
 // Measuring a frame
 
-// Follows the frame's size and the property. A change of the shape forgets the earlier frames.
+// Follows the frame's size and the properties. A change of the shape forgets the earlier frames.
 void set_shape(GstMotionField *self) {
   State &state = *self->state;
   const GstVideoInfo &info = state.frame;
@@ -103,6 +125,7 @@ void set_shape(GstMotionField *self) {
   {
     const ObjectLock lock(self);
     columns = state.settings.columns;
+    state.camera_choice = state.settings.camera;
   }
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
@@ -137,6 +160,15 @@ bool read(State &state, GstBuffer *buffer) {
   return true;
 }
 
+// Subtracts what the background says about the camera.
+void remove_camera(State &state) {
+  MotionField &field = state.field;
+  state.camera =
+      haptic::find_camera_motion(field.cells, state.shape, field.frame_width, field.frame_height,
+                                 static_cast<double>(field.interval) / GST_SECOND);
+  haptic::subtract(state.camera, field.cells, state.shape, field.frame_width, field.frame_height);
+}
+
 // Measures the motion from the reference to the frame that was just read. Returns whether this
 // frame becomes the reference: a duplicate does not, so that the next interval spans both frames,
 // as the motion does.
@@ -148,6 +180,7 @@ bool compare(State &state) {
     return false;
   case haptic::Repetition::still:
     field.flags = haptic::kMotionStill;
+    state.camera = {.model = haptic::MotionModel::still};
     std::ranges::fill(field.cells, haptic::FieldCell{.confidence = 1});
     return true;
   case haptic::Repetition::none:
@@ -155,6 +188,8 @@ bool compare(State &state) {
   }
   field.flags = static_cast<std::uint16_t>(
       state.tracker.measure(static_cast<double>(field.interval) / GST_SECOND, field.cells));
+  if (state.camera_choice == Camera::remove)
+    remove_camera(state);
   return true;
 }
 
@@ -180,6 +215,7 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
     state.repetition.forget();
     state.tracker.forget();
     field.flags = haptic::kMotionDiscontinuity;
+    state.camera = {};
     std::ranges::fill(field.cells, haptic::FieldCell{});
   }
   if (becomes_reference) {
@@ -187,6 +223,31 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
     state.timeline.adopt();
   }
   return true;
+}
+
+// The camera's motion on the stream
+
+GstStructure *add_camera(const haptic::CameraMotion &camera, GstStructure *fields) {
+  gst_structure_set(fields, "model", G_TYPE_STRING, haptic::motion_model_name(camera.model).data(),
+                    "velocity-x", G_TYPE_DOUBLE, camera.x, "velocity-y", G_TYPE_DOUBLE, camera.y,
+                    "gradient-xx", G_TYPE_DOUBLE, camera.gradient[0], "gradient-xy", G_TYPE_DOUBLE,
+                    camera.gradient[1], "gradient-yx", G_TYPE_DOUBLE, camera.gradient[2],
+                    "gradient-yy", G_TYPE_DOUBLE, camera.gradient[3], nullptr);
+  return fields;
+}
+
+// On each field, and as a message when another model begins.
+void say_camera(GstMotionField *self, GstBuffer *out) {
+  State &state = *self->state;
+  add_camera(state.camera,
+             gst_custom_meta_get_structure(gst_buffer_add_custom_meta(out, kCameraMotion)));
+  if (state.announced_camera == state.camera.model)
+    return;
+  state.announced_camera = state.camera.model;
+  gst_element_post_message(
+      GST_ELEMENT(self),
+      gst_message_new_element(GST_OBJECT(self),
+                              add_camera(state.camera, gst_structure_new_empty(kCameraMotion))));
 }
 
 // Streaming
@@ -204,6 +265,8 @@ GstFlowReturn transform(GstMotionField *self, GstBuffer *frame, GstBuffer *out) 
     return GST_FLOW_ERROR;
   haptic::pack_motion_field(field, {map.data, map.size});
   gst_buffer_unmap(out, &map);
+  if (state.camera_choice == Camera::remove)
+    say_camera(self, out);
   const auto known =
       std::ranges::count_if(field.cells, [](const auto &cell) { return cell.confidence > 0; });
   if (known == 0)
@@ -298,6 +361,8 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
                                         "Measures the motion of the whole frame on a grid of cells",
                                         "Feeling Wind project");
   haptic::add_documentation(element_class, "motionfield");
+  static const gchar *no_tags[] = {nullptr};
+  gst_meta_register_custom(kCameraMotion, no_tags, nullptr, nullptr, nullptr);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 

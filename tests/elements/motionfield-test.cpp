@@ -362,4 +362,64 @@ TEST_F(MotionFieldElement, StartsAndStopsTwoHundredTimes) {
     ASSERT_EQ(test::run_to_end(pipeline.get()), std::nullopt) << i;
 }
 
+// A thing in the middle of a moving background. It moves by itself.
+class FilmedFromACar : public MotionFieldElement {
+protected:
+  static constexpr Shift kCamera{120, 30}; // px/s
+  static constexpr Shift kThing{-60, 0};
+
+  BufferPtr pass_frame(GstClockTime i, Shift camera) {
+    Frame frame = at(i * kFrame, camera);
+    const double seconds = static_cast<double>(i * kFrame) / GST_SECOND;
+    Frame thing(kWidth, kHeight);
+    other.paint(thing, {kThing.x * seconds, kThing.y * seconds});
+    for (int y = 60; y < 120; ++y)
+      for (int x = 100; x < 220; ++x)
+        frame.at(x, y) = thing.at(x, y);
+    return harness.pass(frame, i * kFrame, i == 0 ? GST_BUFFER_FLAG_DISCONT : 0);
+  }
+
+  static std::string camera_model(const BufferPtr &buffer) {
+    auto *meta = gst_buffer_get_custom_meta(buffer.get(), "haptic-camera-motion");
+    return meta ? gst_structure_get_string(gst_custom_meta_get_structure(meta), "model") : "";
+  }
+
+  static haptic::FieldCell cell_at(const MotionField &field, int x, int y) {
+    return field.cells[static_cast<std::size_t>(y * field.rows / kHeight * field.columns +
+                                                x * field.columns / kWidth)];
+  }
+
+  Texture other{2};
+};
+
+TEST_F(FilmedFromACar, WithoutTheCameraTheBackgroundRestsAndTheThingMovesAgainstIt) {
+  g_object_set(element.get(), "camera", 1, nullptr);
+  BufferPtr buffer;
+  for (GstClockTime i = 0; i < 4; ++i)
+    buffer = pass_frame(i, kCamera);
+  EXPECT_EQ(camera_model(buffer), "translation");
+  const MotionField field = field_of(buffer);
+  const haptic::FieldCell ground = cell_at(field, 60, 30);
+  EXPECT_NEAR(ground.velocity_x, 0, 3);
+  EXPECT_NEAR(ground.velocity_y, 0, 3);
+  const haptic::FieldCell thing = cell_at(field, 160, 90);
+  EXPECT_NEAR(thing.velocity_x, kThing.x - kCamera.x, 5);
+  EXPECT_NEAR(thing.velocity_y, kThing.y - kCamera.y, 5);
+}
+
+TEST_F(FilmedFromACar, AStandingCameraLeavesEachByteAsItWas) {
+  std::vector<MotionField> kept;
+  for (const int camera : {0, 1}) {
+    g_object_set(element.get(), "camera", camera, nullptr);
+    for (GstClockTime i = 0; i < 4; ++i) {
+      const BufferPtr buffer = pass_frame(i, {});
+      EXPECT_EQ(camera_model(buffer), camera == 0 ? "" : i == 0 ? "none" : "static");
+      if (camera == 0)
+        kept.push_back(field_of(buffer));
+      else
+        EXPECT_EQ(field_of(buffer), kept[i]);
+    }
+  }
+}
+
 } // namespace
