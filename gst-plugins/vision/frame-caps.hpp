@@ -4,12 +4,14 @@
 
 #include "gst-raii.hpp"
 
+#include <gst/base/gstbasetransform.h>
+
 namespace haptic {
 
-/// Returns the caps of the other side's template with the fields that describe the frame, which are
-/// the same on both sides.
-inline CapsPtr with_frame_fields(GstStaticPadTemplate &other_side, const GstCaps *caps) {
-  const CapsPtr pattern(gst_static_pad_template_get_caps(&other_side));
+/// Returns the caps of the template of the other side, `pad`, with the fields that describe the
+/// frame, which are the same on both sides.
+inline CapsPtr with_frame_fields(GstPad *pad, const GstCaps *caps) {
+  const CapsPtr pattern(gst_pad_get_pad_template_caps(pad));
   CapsPtr result(gst_caps_new_empty());
   for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
     const GstStructure *from = gst_caps_get_structure(caps, i);
@@ -23,10 +25,9 @@ inline CapsPtr with_frame_fields(GstStaticPadTemplate &other_side, const GstCaps
 }
 
 /// For GstBaseTransform::transform_caps.
-inline GstCaps *transform_frame_caps(GstPadDirection from, GstStaticPadTemplate &sink,
-                                     GstStaticPadTemplate &src, const GstCaps *caps,
-                                     GstCaps *filter) {
-  CapsPtr result = with_frame_fields(from == GST_PAD_SINK ? src : sink, caps);
+inline GstCaps *transform_frame_caps(GstBaseTransform *trans, GstPadDirection from,
+                                     const GstCaps *caps, GstCaps *filter) {
+  CapsPtr result = with_frame_fields(from == GST_PAD_SINK ? trans->srcpad : trans->sinkpad, caps);
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();

@@ -315,9 +315,8 @@ static void install_object_vfuncs(GObjectClass *klass) {
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
   klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
                              GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr), [&] {
-      return haptic::transform_frame_caps(direction, sink_template, src_template, caps, filter);
-    });
+    return guarded(trans, static_cast<GstCaps *>(nullptr),
+                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
   };
   klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
     return guarded(trans, FALSE, [&] { return set_caps(GST_MOTION_FIELD(trans), in); });

@@ -10,6 +10,9 @@
   MESSAGE(kNotMeasured,                                                                            \
           "The motion of a frame could not be measured; such frames are felt as nothing.",         \
           "With method=opencv, try method=fast.")                                                  \
+  MESSAGE(kNoDepth,                                                                                \
+          "No pixel of the depth is between near=%g m and far=%g m; there is no surface.",         \
+          "Correct kind and scale; near must be less than far.")                                   \
   MESSAGE(kUnreadableFrame,                                                                        \
           "A frame cannot be read: its memory does not hold what its format says.",                \
           "Put videoconvert before this element, and report it to the maker of the element that "  \

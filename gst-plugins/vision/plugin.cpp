@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gstdepthfield.h"
 #include "gsthapticoverlay.h"
 #include "gstmotionfield.h"
 #include "gstroitracker.h"
@@ -10,6 +11,7 @@ static gboolean plugin_init(GstPlugin *plugin) {
   registered |= GST_ELEMENT_REGISTER(velocityavg, plugin);
   registered |= GST_ELEMENT_REGISTER(motionfield, plugin);
   registered |= GST_ELEMENT_REGISTER(hapticoverlay, plugin);
+  registered |= GST_ELEMENT_REGISTER(depthfield, plugin);
   return registered;
 }
 

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// depthfield makes a relief, a surface to touch, of frames of depth or disparity.
+//
+//   gst-launch-1.0 filesrc location=depth.mkv ! matroskademux ! avdec_ffv1 ! depthfield ! fakesink
+//
+// It reads 25 pixels of each cell.
+#include "gstdepthfield.h"
+
+#include "depth-relief.hpp"
+#include "documentation.hpp"
+#include "gst-raii.hpp"
+#include "messages.hpp"
+#include "property-table.hpp"
+
+#include <span>
+#include <utility>
+
+namespace {
+
+using haptic::CellHeight;
+using haptic::DepthKind;
+using haptic::ObjectLock;
+
+// State
+
+struct Settings : haptic::DepthScale {
+  guint columns = haptic::kReliefColumns;
+};
+
+} // namespace
+
+struct _GstDepthField {
+  GstReliefMaker parent;
+};
+
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }")));
+
+G_DEFINE_TYPE(GstDepthField, gst_depth_field, GST_TYPE_RELIEF_MAKER)
+GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, GST_TYPE_DEPTH_FIELD)
+
+namespace {
+
+class State final : public haptic::ReliefMaker {
+public:
+  explicit State(GstElement *element) : element_(element) {}
+
+  bool start() override {
+    is_told_ = false;
+    return true;
+  }
+
+  guint follow_settings() override {
+    const ObjectLock lock(element_);
+    current_ = settings;
+    return current_.columns;
+  }
+
+  void make(const GstVideoFrame &mapped) override {
+    const haptic::DepthView view = {
+        static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(&mapped, 0)),
+        GST_VIDEO_INFO_WIDTH(&frame), GST_VIDEO_INFO_HEIGHT(&frame),
+        GST_VIDEO_FRAME_PLANE_STRIDE(&mapped, 0), GST_VIDEO_FRAME_COMP_PSTRIDE(&mapped, 0)};
+    if (depth_.make(view, current_, relief))
+      is_told_ = true; // a later hole is no mistake of a property
+    else if (!std::exchange(is_told_, true))
+      GST_ELEMENT_WARNING(element_, STREAM, FAILED,
+                          (haptic::messages::kNoDepth, current_.near, current_.far), (nullptr));
+  }
+
+  Settings settings; // object lock
+
+private:
+  GstElement *element_;
+  Settings current_; // for this frame
+  haptic::DepthRelief depth_;
+  bool is_told_ = false;
+};
+
+State &state_of(gpointer element) {
+  return *static_cast<State *>(gst_relief_maker_state(GST_RELIEF_MAKER(element)));
+}
+
+// Properties
+
+GType kind_type() {
+  static const GEnumValue values[] = {
+      {static_cast<int>(DepthKind::depth), "Distance from the camera", "depth"},
+      {static_cast<int>(DepthKind::disparity), "Proportional to 1 / distance", "disparity"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstDepthFieldKind", values);
+  return type;
+}
+
+GType cell_height_type() {
+  static const GEnumValue values[] = {
+      {static_cast<int>(CellHeight::median), "The median of the pixels", "median"},
+      {static_cast<int>(CellHeight::nearest), "The nearest tenth of the pixels", "nearest"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstDepthFieldCellHeight", values);
+  return type;
+}
+
+// The members of a base need the class that they are settings of.
+template <auto kMember>
+haptic::Property<Settings> row(GParamSpec *spec) {
+  return haptic::member_row<kMember, Settings>(spec);
+}
+
+std::span<const haptic::Property<Settings>> properties() {
+  constexpr double kLargest = 1e9;
+  constexpr double kLeast = 1e-9;
+  constexpr double kFarthest = 1e4; // m
+  const Settings usual;
+  static const haptic::Property<Settings> table[] = {
+      haptic::relief_columns_row<&Settings::columns>(),
+      row<&Settings::kind>(g_param_spec_enum("kind", "Kind", "What the pixels hold", kind_type(),
+                                             static_cast<gint>(usual.kind), haptic::kReadWrite)),
+      row<&Settings::scale>(g_param_spec_double(
+          "scale", "Scale",
+          "Metres that are one unit of depth; of disparity, metres times the value of a pixel",
+          kLeast, kLargest, usual.scale, haptic::kReadWrite)),
+      row<&Settings::near>(g_param_spec_double(
+          "near", "Near", "Metres from the camera that are the highest place of the relief", kLeast,
+          kFarthest, usual.near, haptic::kReadWrite)),
+      row<&Settings::far>(g_param_spec_double(
+          "far", "Far", "Metres from the camera that are the lowest place of the relief", kLeast,
+          kFarthest, usual.far, haptic::kReadWrite)),
+      row<&Settings::range>(g_param_spec_double(
+          "range", "Range", "Metres between the lowest and the highest place of the relief", 0,
+          2 * haptic::kMostReliefHeight, usual.range, haptic::kReadWrite)),
+      row<&Settings::cell_height>(g_param_spec_enum(
+          "cell-height", "Cell Height", "Which pixels give the height of a cell",
+          cell_height_type(), static_cast<gint>(usual.cell_height), haptic::kReadWrite)),
+      row<&Settings::stiffness>(
+          g_param_spec_double("stiffness", "Stiffness", "Stiffness of the surface in N/m", 0,
+                              haptic::kMostReliefStiffness, usual.stiffness, haptic::kReadWrite)),
+      row<&Settings::friction>(
+          g_param_spec_double("friction", "Friction", "Coulomb coefficient of the surface", 0,
+                              haptic::kMostReliefFriction, usual.friction, haptic::kReadWrite)),
+  };
+  return table;
+}
+
+} // namespace
+
+static void gst_depth_field_class_init(GstDepthFieldClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(element_class, "Depth field", "Filter/Analyzer/Video",
+                                        "Makes a relief of frames of depth or disparity",
+                                        "Feeling Wind project");
+  haptic::add_documentation(element_class, "depthfield");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_relief_maker_class_add_source(element_class);
+  haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
+    return state_of(object).settings;
+  });
+}
+
+static void gst_depth_field_init(GstDepthField *self) {
+  gst_relief_maker_set_state(GST_RELIEF_MAKER(self), new State(GST_ELEMENT(self)));
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "motion-sample.hpp"
+#include "relief-buffers.hpp"
+#include "video-harness.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using haptic::BufferPtr;
+using haptic::ReliefField;
+using test::relief_of;
+using test::VideoHarness;
+
+constexpr GstClockTime kFrame = GST_SECOND / 30;
+constexpr int kWidth = 640;
+constexpr int kHeight = 480;
+
+class DepthField : public ::testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+  void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY16_LE, kWidth, kHeight); }
+
+  // A frame whose pixels all hold the value.
+  BufferPtr pass(guint16 value, GstClockTime time, guint flags = 0) {
+    const gsize size = GST_VIDEO_INFO_SIZE(&harness.info);
+    BufferPtr buffer(gst_buffer_new_allocate(nullptr, size, nullptr));
+    const std::vector<guint16> pixels(size / 2, GUINT16_TO_LE(value));
+    gst_buffer_fill(buffer.get(), 0, pixels.data(), size);
+    GST_BUFFER_PTS(buffer.get()) = time;
+    GST_BUFFER_FLAG_SET(buffer.get(), flags);
+    return harness.push(std::move(buffer)) == GST_FLOW_OK ? harness.pull() : nullptr;
+  }
+
+  static bool is_gap(const BufferPtr &buffer) {
+    return GST_BUFFER_FLAG_IS_SET(buffer.get(), GST_BUFFER_FLAG_GAP);
+  }
+
+  VideoHarness harness{"depthfield"};
+  test::ElementPtr element = harness.element("depthfield");
+};
+
+TEST_F(DepthField, MakesOneReliefOfEachFrameThatExplainsItself) {
+  g_object_set(element.get(), "near", 1.0, "far", 3.0, "range", 0.02, "stiffness", 500.0,
+               "friction", 0.7, nullptr);
+  const BufferPtr buffer = pass(1500, 0);
+  EXPECT_FALSE(is_gap(buffer));
+  ReliefField relief = relief_of(buffer);
+  EXPECT_EQ(relief.frame_width, kWidth);
+  EXPECT_EQ(relief.frame_height, kHeight);
+  EXPECT_EQ(relief.columns, 64);
+  EXPECT_EQ(relief.rows, 48);
+  EXPECT_EQ(relief.flags, haptic::kMotionDiscontinuity);
+  for (const haptic::ReliefCell &cell : relief.cells) {
+    ASSERT_NEAR(cell.height, 0.005, 1e-6);
+    ASSERT_EQ(cell.stiffness, 500);
+    ASSERT_EQ(cell.friction, 0.7F);
+  }
+  relief = relief_of(pass(2500, kFrame));
+  EXPECT_NEAR(relief.cells[7].height, -0.005, 1e-6);
+  EXPECT_EQ(relief.interval, kFrame);
+  EXPECT_EQ(relief.flags, 0);
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(harness.get()->sinkpad));
+  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
+  EXPECT_STREQ(gst_structure_get_name(structure), "haptics/x-field");
+  gint width = 0;
+  EXPECT_TRUE(gst_structure_get_int(structure, "width", &width));
+  EXPECT_EQ(width, kWidth);
+}
+
+TEST_F(DepthField, AFilmThatLosesItsDepthIsAGapAndNoError) {
+  EXPECT_FALSE(is_gap(pass(2000, 0)));
+  const BufferPtr lost = pass(0, kFrame);
+  EXPECT_TRUE(is_gap(lost));
+  EXPECT_TRUE(test::is_silent(relief_of(lost)));
+  EXPECT_FALSE(is_gap(pass(2000, 2 * kFrame)));
+  EXPECT_FALSE(harness.message(GST_MESSAGE_WARNING));
+}
+
+TEST_F(DepthField, MillimetresTakenForMetresAreSilenceAndOneWarning) {
+  g_object_set(element.get(), "scale", 1.0, nullptr);
+  for (GstClockTime i = 0; i < 3; ++i)
+    EXPECT_TRUE(is_gap(pass(2000, i * kFrame)));
+  const test::MessagePtr message = harness.message(GST_MESSAGE_WARNING);
+  ASSERT_TRUE(message);
+  GError *error = nullptr;
+  gst_message_parse_warning(message.get(), &error, nullptr);
+  EXPECT_NE(std::string(error->message).find("Correct kind and scale"), std::string::npos);
+  g_error_free(error);
+  EXPECT_FALSE(harness.message(GST_MESSAGE_WARNING));
+}
+
+TEST_F(DepthField, AFrameShorterThanItsFormatIsAnError) {
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, 100, nullptr));
+  GST_BUFFER_PTS(buffer.get()) = 0;
+  EXPECT_EQ(harness.push(std::move(buffer)), GST_FLOW_ERROR);
+  EXPECT_TRUE(harness.message(GST_MESSAGE_ERROR));
+}
+
+TEST_F(DepthField, EveryPropertyMayBeSetWhileRunningAndEachReliefIsValid) {
+  for (GstClockTime i = 0; i < 60; ++i) {
+    test::flip_every_property(element.get(), static_cast<int>(i % 20));
+    relief_of(pass(static_cast<guint16>(300 * i), i * kFrame));
+  }
+}
+
+TEST_F(DepthField, ReadsTheFrameOfTheCapsFromABufferOfALargerOne) {
+  constexpr gsize kStride = 2UL * kWidth * 2;
+  BufferPtr buffer(gst_buffer_new_allocate(nullptr, kStride * kHeight, nullptr));
+  std::vector<guint16> pixels(kStride / 2 * kHeight);
+  for (std::size_t i = 0; i < pixels.size(); ++i) // what is right of the frame is nearer
+    pixels[i] = GUINT16_TO_LE(i % (kStride / 2) < kWidth ? 2000 : 1000);
+  gst_buffer_fill(buffer.get(), 0, pixels.data(), kStride * kHeight);
+  GST_BUFFER_PTS(buffer.get()) = 0;
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {};
+  gint strides[GST_VIDEO_MAX_PLANES] = {static_cast<gint>(kStride)};
+  gst_buffer_add_video_meta_full(buffer.get(), GST_VIDEO_FRAME_FLAG_NONE,
+                                 GST_VIDEO_FORMAT_GRAY16_LE, 2 * kWidth, kHeight, 1, offsets,
+                                 strides);
+  ASSERT_EQ(harness.push(std::move(buffer)), GST_FLOW_OK);
+  const ReliefField relief = relief_of(harness.pull());
+  for (const haptic::ReliefCell &cell : relief.cells)
+    ASSERT_EQ(cell.height, relief.cells[0].height);
+}
+
+TEST_F(DepthField, CutsTheDepthFromAFrameThatHasItBesideThePicture) {
+  const test::ElementPtr pipeline(gst_parse_launch(
+      "videotestsrc num-buffers=3 ! video/x-raw,format=GRAY8,width=256,height=64 ! "
+      "videocrop left=128 ! depthfield kind=disparity scale=76 ! fakesink",
+      nullptr));
+  EXPECT_EQ(test::run_to_end(pipeline.get()), std::nullopt);
+}
+
+} // namespace
