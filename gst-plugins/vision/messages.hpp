@@ -13,6 +13,21 @@
   MESSAGE(kNoDepth,                                                                                \
           "No pixel of the depth is between near=%g m and far=%g m; there is no surface.",         \
           "Correct kind and scale; near must be less than far.")                                   \
+  MESSAGE(kTableUnknown, "There is no table \"%s\".",                                              \
+          "Use generic, fabric, foliage, or the path of a file that ends in .ini.")                \
+  MESSAGE(kTableUnreadable, "The table %s cannot be read: %s.",                                    \
+          "Its form is in docs/formats/touch-table.md.")                                           \
+  MESSAGE(kTableUnit, "%s: [table] has no unit of length.", "Add the line unit=mm, or m or cm.")   \
+  MESSAGE(kTableBy, "%s: [table] by=%s is neither colour nor lightness.",                          \
+          "Correct it, or leave it out for colour.")                                               \
+  MESSAGE(kTableColour, "%s: the colour %s is none.",                                              \
+          "Write it as #rrggbb, two hexadecimal digits each for red, green and blue.")             \
+  MESSAGE(kTableKeyMissing, "%s: [%s] has no %s.",                                                 \
+          "An entry needs colour, height, stiffness and friction.")                                \
+  MESSAGE(kTableKeyUnknown, "%s: [%s] has an unknown key, %s.",                                    \
+          "Correct the key, or number the entries from 1 on without a gap.")                       \
+  MESSAGE(kTableNumber, "%s: [%s] %s=%s is no number from %g to %g.", "Correct the number.")       \
+  MESSAGE(kTableCount, "%s has %zu entries.", "A table has 1 to 64.")                              \
   MESSAGE(kUnreadableFrame,                                                                        \
           "A frame cannot be read: its memory does not hold what its format says.",                \
           "Put videoconvert before this element, and report it to the maker of the element that "  \
