@@ -2,6 +2,7 @@
 #include "gstdepthfield.h"
 #include "gsthapticoverlay.h"
 #include "gstmotionfield.h"
+#include "gstreliefmap.h"
 #include "gstroitracker.h"
 #include "gstvelocityavg.h"
 
@@ -12,6 +13,7 @@ static gboolean plugin_init(GstPlugin *plugin) {
   registered |= GST_ELEMENT_REGISTER(motionfield, plugin);
   registered |= GST_ELEMENT_REGISTER(hapticoverlay, plugin);
   registered |= GST_ELEMENT_REGISTER(depthfield, plugin);
+  registered |= GST_ELEMENT_REGISTER(reliefmap, plugin);
   return registered;
 }
 

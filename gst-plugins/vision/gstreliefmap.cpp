@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// reliefmap makes a relief, a surface to touch, of the colours of frames by a table.
+//
+//   gst-launch-1.0 videotestsrc ! videoconvert ! reliefmap table=foliage ! fakesink
+//
+// It reads 25 pixels of each cell.
+#include "gstreliefmap.h"
+
+#include "colour-relief.hpp"
+#include "documentation.hpp"
+#include "gst-raii.hpp"
+#include "property-table.hpp"
+
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+using haptic::ObjectLock;
+
+// State
+
+constexpr char kDefaultTable[] = "generic";
+
+struct Settings {
+  guint columns = haptic::kReliefColumns;
+  std::string table = kDefaultTable;
+};
+
+} // namespace
+
+struct _GstReliefMap {
+  GstReliefMaker parent;
+};
+
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+    GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, "
+                                        "ABGR }")));
+
+G_DEFINE_TYPE(GstReliefMap, gst_relief_map, GST_TYPE_RELIEF_MAKER)
+GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, GST_TYPE_RELIEF_MAP)
+
+namespace {
+
+class State final : public haptic::ReliefMaker {
+public:
+  explicit State(GstElement *element) : element_(element) {}
+
+  bool start() override {
+    std::string name;
+    {
+      const ObjectLock lock(element_);
+      name = settings.table;
+    }
+    try {
+      table_ = haptic::load_touch_table(name);
+    } catch (const std::runtime_error &error) {
+      GST_ELEMENT_ERROR(element_, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
+      return false;
+    }
+    return true;
+  }
+
+  guint follow_settings() override {
+    const ObjectLock lock(element_);
+    return settings.columns;
+  }
+
+  void make(const GstVideoFrame &mapped) override {
+    haptic::ColourView view;
+    for (guint i = 0; i < view.components.size(); ++i)
+      view.components[i] = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&mapped, i));
+    view.width = GST_VIDEO_INFO_WIDTH(&frame);
+    view.height = GST_VIDEO_INFO_HEIGHT(&frame);
+    view.stride = GST_VIDEO_FRAME_PLANE_STRIDE(&mapped, 0);
+    view.pixel_size = GST_VIDEO_FRAME_COMP_PSTRIDE(&mapped, 0);
+    haptic::make_colour_relief(view, *table_, relief);
+  }
+
+  Settings settings; // object lock
+
+private:
+  GstElement *element_;
+  std::optional<haptic::TouchTable> table_; // after start()
+};
+
+State &state_of(gpointer element) {
+  return *static_cast<State *>(gst_relief_maker_state(GST_RELIEF_MAKER(element)));
+}
+
+// Properties
+
+std::span<const haptic::Property<Settings>> properties() {
+  static const haptic::Property<Settings> table[] = {
+      haptic::relief_columns_row<&Settings::columns>(),
+      {g_param_spec_string("table", "Table",
+                           "What colours feel like: generic, fabric, foliage, or the path of a "
+                           "table file. Takes effect at the next start",
+                           kDefaultTable,
+                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                    GST_PARAM_MUTABLE_READY)),
+       [](Settings &s, const GValue *value) {
+         const gchar *text = g_value_get_string(value);
+         s.table = text ? text : kDefaultTable;
+       },
+       [](const Settings &s, GValue *value) { g_value_set_string(value, s.table.c_str()); }},
+  };
+  return table;
+}
+
+} // namespace
+
+static void gst_relief_map_class_init(GstReliefMapClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(element_class, "Relief map", "Filter/Analyzer/Video",
+                                        "Makes a relief of the colours of frames by a table",
+                                        "Feeling Wind project");
+  haptic::add_documentation(element_class, "reliefmap");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_relief_maker_class_add_source(element_class);
+  haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
+    return state_of(object).settings;
+  });
+}
+
+static void gst_relief_map_init(GstReliefMap *self) {
+  gst_relief_maker_set_state(GST_RELIEF_MAKER(self), new State(GST_ELEMENT(self)));
+}
