@@ -32,12 +32,7 @@ std::optional<std::string> after(const std::string &prefix, const std::string &t
 std::unique_ptr<spidar::HapticDevice> open_joystick([[maybe_unused]] const std::string &path,
                                                     [[maybe_unused]] const DeviceChoice &choice) {
 #if HAVE_EVDEV
-  if (choice.dead_man == DeadMan::none)
-    return open_evdev(path, 1.0 / choice.rate);
-  const std::string found = first_evdev(path);
-  if (!has_button(found))
-    refuse_without_button(found);
-  return open_evdev(found, 1.0 / choice.rate);
+  return open_evdev(path, choice.dead_man == DeadMan::button);
 #else
   throw spidar::Error(spidar::Cause::argument, messages::kNoJoysticksBuilt);
 #endif

@@ -2,12 +2,12 @@
 #include "evdev/evdev-device.hpp"
 
 #include "evdev/evdev-list.hpp"
+#include "eventually.hpp"
 #include "virtual-joystick.hpp"
 
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <functional>
 #include <gtest/gtest.h>
 #include <spidar/error.hpp>
 #include <sys/wait.h>
@@ -17,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using haptic::open_evdev;
 using spidar::Cause;
+using test::eventually;
 using test::VirtualJoystick;
 using Told = VirtualJoystick::Told;
 
@@ -34,15 +35,9 @@ protected:
       device.exchange(spidar::monotonic_time());
     }
   }
-  static bool eventually(const std::function<bool()> &condition) {
-    for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(10ms))
-      if (condition())
-        return true;
-    return false;
-  }
   static spidar::Error refusal(const std::string &path) {
     try {
-      open_evdev(path, 0.001);
+      open_evdev(path);
     } catch (const spidar::Error &error) {
       return error;
     }
@@ -82,7 +77,7 @@ protected:
 
 TEST_F(Evdev, TheStickIsThePointer) {
   VirtualJoystick stick;
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   EXPECT_TRUE(device->state().valid);
   EXPECT_EQ(device->state().pose.position.norm(), 0);
   stick.move(0.5, 1); // right and towards the user, which is down on the screen
@@ -99,8 +94,7 @@ TEST_F(Evdev, TheStickIsThePointer) {
 
 TEST_F(Evdev, AButtonOfTheStickIsPressedUntilItIsReleased) {
   VirtualJoystick stick;
-  EXPECT_TRUE(haptic::has_button(stick.path()));
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path(), true); // which it has
   EXPECT_FALSE(device->state().pressed);
   for (const bool pressed : {true, false, true}) {
     stick.press(pressed);
@@ -113,7 +107,7 @@ TEST_F(Evdev, AButtonOfTheStickIsPressedUntilItIsReleased) {
 
 TEST_F(Evdev, AForceIsPlayedInItsDirectionAndKeptAliveButSoonOverByItself) {
   VirtualJoystick stick;
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   ticks(*device, {1, 0, 0}, 500);
   ff_effect last{};
   for (const Told &t : stick.told())
@@ -131,7 +125,7 @@ TEST_F(Evdev, AForceIsPlayedInItsDirectionAndKeptAliveButSoonOverByItself) {
 
 TEST_F(Evdev, AForceThatChangesAllTheTimeIsToldNoMoreOftenThanDriversCanBear) {
   VirtualJoystick stick;
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 500; ++i)
     ticks(*device, {std::sin(0.1 * i), std::cos(0.1 * i), 0}, 1);
@@ -142,7 +136,7 @@ TEST_F(Evdev, AForceThatChangesAllTheTimeIsToldNoMoreOftenThanDriversCanBear) {
 
 TEST_F(Evdev, WhenTheLoopStandsStillTheForceIsTakenOff) {
   VirtualJoystick stick;
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   ticks(*device, {1, 1, 0}, 200);
   EXPECT_TRUE(plays_at_the_end(stick));
   EXPECT_TRUE(eventually([&] { return !plays_at_the_end(stick); }));
@@ -151,7 +145,7 @@ TEST_F(Evdev, WhenTheLoopStandsStillTheForceIsTakenOff) {
 
 TEST_F(Evdev, ClosedItLeavesNoEffectBehind) {
   VirtualJoystick stick;
-  auto device = open_evdev(stick.path(), 0.001);
+  auto device = open_evdev(stick.path());
   ticks(*device, {1, 0, 0}, 100);
   device.reset();
   EXPECT_FALSE(plays_at_the_end(stick));
@@ -160,7 +154,7 @@ TEST_F(Evdev, ClosedItLeavesNoEffectBehind) {
 
 // Run by the tests below in a process of its own.
 TEST_F(Evdev, DISABLED_Child) {
-  const auto device = open_evdev(std::getenv("STICK"), 0.001);
+  const auto device = open_evdev(std::getenv("STICK"));
   ticks(*device, {1, 0, 0}, 20'000);
 }
 
@@ -204,7 +198,7 @@ TEST_F(EvdevChild, TheForceOfAStoppedProgramIsNotPlayedAgain) {
 
 TEST_F(Evdev, UnpluggedItIsGoneAndCanBeOpenedAgainOnceItIsBack) {
   auto stick = std::make_unique<VirtualJoystick>();
-  auto device = open_evdev(stick->path(), 0.001);
+  auto device = open_evdev(stick->path());
   ticks(*device, {1, 0, 0}, 100);
   stick.reset();
   EXPECT_TRUE(eventually(
@@ -213,14 +207,14 @@ TEST_F(Evdev, UnpluggedItIsGoneAndCanBeOpenedAgainOnceItIsBack) {
   device.reset();
   EXPECT_EQ(refusal("").cause(), Cause::not_found);
   stick = std::make_unique<VirtualJoystick>();
-  EXPECT_TRUE(open_evdev("", 0.001)->exchange(spidar::monotonic_time()));
+  EXPECT_TRUE(open_evdev("")->exchange(spidar::monotonic_time()));
 }
 
 TEST_F(Evdev, TheFirstWithForceFeedbackIsTaken) {
   VirtualJoystick none(VirtualJoystick::Force::none, "Plain stick");
   expect_words(refusal(""), Cause::not_found, "Plain stick");
   VirtualJoystick stick;
-  EXPECT_NE(open_evdev("", 0.001)->description().find("Test stick"), std::string::npos);
+  EXPECT_NE(open_evdev("")->description().find("Test stick"), std::string::npos);
   const auto units = haptic::list_evdev();
   ASSERT_EQ(units.with_force.size(), 1U);
   EXPECT_EQ(units.with_force[0].path, stick.path());
@@ -228,7 +222,7 @@ TEST_F(Evdev, TheFirstWithForceFeedbackIsTaken) {
 
 TEST_F(Evdev, RumbleIsTheLastResort) {
   VirtualJoystick stick(VirtualJoystick::Force::rumble);
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   ticks(*device, {0, 2.5, 0}, 100);
   const auto told = stick.told();
   EXPECT_TRUE(std::ranges::any_of(told, [](const Told &t) {
@@ -242,7 +236,7 @@ TEST_F(Evdev, WhatCannotBeUsedIsRefusedInWords) {
   expect_words(refusal(none.path()), Cause::argument, "Plain stick");
   expect_words(refusal(none.path()), Cause::argument, "no force feedback");
   VirtualJoystick stick;
-  const auto device = open_evdev(stick.path(), 0.001);
+  const auto device = open_evdev(stick.path());
   expect_words(refusal(stick.path()), Cause::busy, "another program");
 }
 

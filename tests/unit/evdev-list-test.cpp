@@ -75,7 +75,7 @@ TEST_F(EvdevList, WhereThereIsNothingItIsEmpty) {
 TEST(EvdevPath, WhatIsNoInputDeviceSaysSo) {
   const auto cause_and_text = [](const std::string &path) {
     try {
-      open_evdev(path, 0.001);
+      open_evdev(path);
     } catch (const spidar::Error &error) {
       return std::pair(error.cause(), std::string(error.what()));
     }

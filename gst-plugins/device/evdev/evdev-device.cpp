@@ -104,6 +104,13 @@ private:
   bool exists_ = false;
 };
 
+bool has_button(const libevdev *device) {
+  for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
+    if (libevdev_has_event_code(device, EV_KEY, button))
+      return true;
+  return false;
+}
+
 struct StickState {
   spidar::Vector3 place = spidar::Vector3::Zero(); // -1..1, y up
   bool pressed = false;                            // any of its buttons
@@ -111,7 +118,7 @@ struct StickState {
 
 class EvdevDevice final : public spidar::HapticDevice {
 public:
-  EvdevDevice(const std::string &path, double period) : file_{open_node(path)} {
+  EvdevDevice(const std::string &path, bool needs_button) : file_{open_node(path)} {
     libevdev *device = nullptr;
     if (libevdev_new_from_fd(file_.file, &device) != 0)
       throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
@@ -128,9 +135,10 @@ public:
                   format_text(messages::kNoForceFeedback, description_of(unit_).c_str()));
     if (!x_.exists())
       throw Error(Cause::argument, format_text(messages::kNoStick, description_of(unit_).c_str()));
+    if (needs_button && !has_button(device))
+      throw Error(Cause::argument, format_text(messages::kNoButton, description_of(unit_).c_str()));
     if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
       throw Error(Cause::busy, format_text(messages::kJoystickBusy, description_of(unit_).c_str()));
-    exchanged_at_ = spidar::monotonic_time() - std::llround(period * 1e9);
     upload(spidar::Vector3::Zero()); // fails now if the driver refuses effects
     publish_position();
     round_at_ = tick_at_ = spidar::monotonic_time();
@@ -304,8 +312,6 @@ private:
   std::jthread driver_; // last: ends before what it uses
 };
 
-} // namespace
-
 std::string first_evdev(const std::string &path) {
   if (!path.empty())
     return path;
@@ -318,20 +324,10 @@ std::string first_evdev(const std::string &path) {
   throw Error(Cause::not_found, format_text(messages::kNoJoystick, others.c_str()));
 }
 
-std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, double period) {
-  return std::make_unique<EvdevDevice>(first_evdev(path), period);
-}
+} // namespace
 
-bool has_button(const std::string &path) {
-  const CloseFile file{open_node(path)};
-  libevdev *device = nullptr;
-  if (libevdev_new_from_fd(file.file, &device) != 0)
-    throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
-  const std::unique_ptr<libevdev, FreeEvdev> owner(device);
-  for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
-    if (libevdev_has_event_code(device, EV_KEY, button))
-      return true;
-  return false;
+std::unique_ptr<spidar::HapticDevice> open_evdev(const std::string &path, bool needs_button) {
+  return std::make_unique<EvdevDevice>(first_evdev(path), needs_button);
 }
 
 } // namespace haptic
