@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "haptic-loop.hpp"
 
+#include "system-services.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -26,7 +28,6 @@ constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
                                      kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan;
-constexpr int kRealTimePriority = 50; // above what desktops use, below the kernel's threads
 
 // Only the loop writes its counters, so no read-modify-write instruction is needed.
 template <typename T>
@@ -74,17 +75,14 @@ int request_real_time_priority() noexcept {
   return error;
 }
 
-std::int64_t read_clock(clockid_t clock) noexcept {
+// The monotonic clock with the time that the machine slept, ns.
+std::int64_t boot_time() noexcept {
   timespec now{};
-  clock_gettime(clock, &now);
+  clock_gettime(CLOCK_BOOTTIME, &now);
   return now.tv_sec * kSecond + now.tv_nsec;
 }
 
 } // namespace
-
-std::int64_t monotonic_now() noexcept {
-  return read_clock(CLOCK_MONOTONIC);
-}
 
 HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch)
     : device_lost(of.lost), environment(std::move(of)),
@@ -132,7 +130,7 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
   while (!self.stop_requested()) {
     sleep_until(next);
     const std::int64_t now = monotonic_now();
-    if (run_.suspend.has_slept(now, read_clock(CLOCK_BOOTTIME))) {
+    if (run_.suspend.has_slept(now, boot_time())) {
       hold(kHoldSuspended);
       add<std::uint64_t>(run_.statistics.suspends);
     }

@@ -28,8 +28,10 @@
 
 namespace haptic {
 
-/// Returns the monotonic clock, ns.
-std::int64_t monotonic_now() noexcept;
+/// The monotonic clock, ns.
+inline std::int64_t monotonic_now() noexcept {
+  return spidar::monotonic_time();
+}
 
 /// The settings that may change while the loop runs. They are handed over whole, so that no tick
 /// sees half a change.

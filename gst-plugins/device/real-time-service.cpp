@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "real-time-service.hpp"
 
+#include "system-services.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -16,7 +18,6 @@ constexpr dbus::Service kRtkit = {"org.freedesktop.RealtimeKit1", "/org/freedesk
 constexpr dbus::Service kPortal = {"org.freedesktop.portal.Desktop",
                                    "/org/freedesktop/portal/desktop",
                                    "org.freedesktop.portal.Realtime"};
-constexpr std::int64_t kHighestPriority = 50; // as the loop asks the kernel for
 constexpr std::int64_t kLongestRun = 200'000; // us, rtkit's default
 
 std::optional<std::int64_t> property(GDBusConnection *bus, const dbus::Service &service,
@@ -57,7 +58,7 @@ std::optional<guint32> allowed_priority(GDBusConnection *bus, const dbus::Servic
   const auto longest = property(bus, service, "RTTimeUSecMax", cancellable);
   if (!limit_run_time(longest && *longest > 0 ? *longest : kLongestRun))
     return std::nullopt;
-  return static_cast<guint32>(std::min(*highest, kHighestPriority));
+  return static_cast<guint32>(std::min<std::int64_t>(*highest, kRealTimePriority));
 }
 
 } // namespace

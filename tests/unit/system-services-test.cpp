@@ -4,6 +4,7 @@
 #include "system-services.hpp"
 
 #include "dbus.hpp"
+#include "eventually.hpp"
 #include "haptic-session.hpp"
 #include "messages.hpp"
 
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <future>
 #include <gio/gunixfdlist.h>
 #include <gtest/gtest.h>
 #include <mutex>
@@ -28,6 +30,7 @@ using namespace std::chrono_literals;
 using haptic::BusAddresses;
 using haptic::RealTimeAnswer;
 using haptic::SystemServices;
+using test::eventually;
 namespace dbus = haptic::dbus;
 
 constexpr const char *kInterfaces = R"(
@@ -47,13 +50,6 @@ constexpr const char *kInterfaces = R"(
     <signal name="PrepareForSleep"><arg type="b"/></signal>
   </interface>
 </node>)";
-
-bool eventually(const std::function<bool()> &condition) {
-  for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(5ms))
-    if (condition())
-      return true;
-  return false;
-}
 
 bool has_bus() {
   const std::unique_ptr<gchar, decltype(&g_free)> found(g_find_program_in_path("dbus-daemon"),
@@ -106,6 +102,8 @@ public:
                                   g_variant_new("(b)", gboolean{sleeps}), nullptr);
     g_dbus_connection_flush_sync(bus_.get(), nullptr, nullptr);
   }
+  /// Whether a call waits, while the thread does not run.
+  bool is_called() const { return g_main_context_pending(context_.get()); }
   /// Whether the machine may sleep: the lock was taken and every copy of it is closed.
   bool may_sleep() const {
     pollfd end{.fd = lock_[0], .events = POLLIN, .revents = 0};
@@ -194,10 +192,11 @@ protected:
   }
   static std::string address() { return g_test_dbus_get_bus_address(daemon); }
 
+public:
   inline static GTestDBus *daemon = nullptr;
 };
 
-TEST(ServicesWithoutABus, RefuseAtOnceAndDoNotWait) {
+TEST(ServicesWithoutABus, Refuse) {
   for (const BusAddresses &buses :
        {BusAddresses{}, BusAddresses{"unix:path=/nowhere/bus", "unix:path=/nowhere/bus"},
         BusAddresses{"nonsense", "nonsense"}}) {
@@ -208,7 +207,7 @@ TEST(ServicesWithoutABus, RefuseAtOnceAndDoNotWait) {
   }
 }
 
-TEST_F(Services, RtkitIsAskedForThisThreadWithinItsLimits) {
+TEST_F(Services, RtkitIsAskedForTheThreadWithinItsLimits) {
   Machine machine(address());
   machine.offer(kRtkit);
   machine.run();
@@ -226,7 +225,7 @@ TEST_F(Services, WithoutRtkitThePortalIsAsked) {
   Machine machine(address());
   machine.offer(kPortal);
   machine.run();
-  SystemServices services([] {}, {"unix:path=/nowhere/bus", address()});
+  SystemServices services([] {}, {address(), address()});
   services.request_real_time(4711);
   EXPECT_TRUE(eventually([&] { return services.real_time_answer() != RealTimeAnswer::pending; }));
   EXPECT_EQ(services.real_time_answer(), RealTimeAnswer::granted);
@@ -254,25 +253,37 @@ TEST_F(Services, ABusWithoutServicesIsARefusal) {
   EXPECT_EQ(services.real_time_answer(), RealTimeAnswer::refused);
 }
 
+// The end comes before the time limit of a call that was made earlier.
 TEST_F(Services, AServiceThatDoesNotAnswerDelaysNoEnd) {
   Machine machine(address());
   machine.offer(kRtkit); // and never runs
-  SystemServices services([] {}, {address(), ""});
-  services.request_real_time(4711);
-  std::this_thread::sleep_for(20ms);
-  EXPECT_EQ(services.real_time_answer(), RealTimeAnswer::pending);
-} // destroyed before the time limit of the call
+  const dbus::CancellablePtr cancellable(g_cancellable_new());
+  const auto earlier = std::async(std::launch::async, [&] {
+    const auto bus = dbus::connect(address(), nullptr);
+    dbus::call(bus.get(), kRtkit, kRtkit.interface, "MakeThreadRealtime",
+               g_variant_new("(tu)", guint64{1}, guint32{1}), cancellable.get());
+  });
+  ASSERT_TRUE(eventually([&] { return machine.is_called(); }));
+  {
+    SystemServices services([] {}, {address(), ""});
+    services.request_real_time(4711);
+    std::this_thread::sleep_for(20ms); // it is likely to wait by now
+    EXPECT_EQ(services.real_time_answer(), RealTimeAnswer::pending);
+  }
+  EXPECT_EQ(earlier.wait_for(0s), std::future_status::timeout);
+  g_cancellable_cancel(cancellable.get());
+}
 
-TEST_F(Services, TheMachineSleepsOnceTheForceIsZeroAndTheLockIsTakenAgainWhenItIsAwake) {
+TEST_F(Services, TheMachineSleepsOnceOnSleepHasReturnedAndTheLockIsTakenAgainWhenItIsAwake) {
   Machine machine(address());
   machine.offer(kLogind);
   machine.run();
   std::atomic<int> sleeps = 0;
-  std::atomic<bool> silent = false;
+  std::atomic<bool> returns = false;
   SystemServices services(
       [&] {
         ++sleeps;
-        eventually([&] { return silent.load(); });
+        eventually([&] { return returns.load(); });
       },
       {address(), ""});
   ASSERT_TRUE(eventually([&] { return machine.inhibitors == 1; }));
@@ -282,7 +293,7 @@ TEST_F(Services, TheMachineSleepsOnceTheForceIsZeroAndTheLockIsTakenAgainWhenItI
   ASSERT_TRUE(eventually([&] { return sleeps == 1; }));
   std::this_thread::sleep_for(20ms);
   EXPECT_FALSE(machine.may_sleep());
-  silent = true;
+  returns = true;
   EXPECT_TRUE(eventually([&] { return machine.may_sleep(); }));
   machine.prepare_for_sleep(false);
   EXPECT_TRUE(eventually([&] { return machine.inhibitors == 2; }));
@@ -309,34 +320,57 @@ private:
   std::vector<std::string> texts_; // mutex_
 };
 
+// A session whose force is on.
+class PlayingSession {
+public:
+  PlayingSession() {
+    setenv("DBUS_SYSTEM_BUS_ADDRESS", g_test_dbus_get_bus_address(Services::daemon), 1);
+    const haptic::DeviceChoice choice{.device = "none"};
+    EXPECT_TRUE(session.open(choice));
+    EXPECT_TRUE(session.prepare({.choice = choice}));
+    session.start_loop();
+    session.play();
+    EXPECT_TRUE(becomes_true([&] { return !session.silent(); }));
+  }
+  ~PlayingSession() {
+    session.stop_loop();
+    session.end_run();
+    unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+  }
+  /// Waits as eventually() does; meanwhile samples arrive, so that no force goes off for the lack
+  /// of them.
+  bool becomes_true(const std::function<bool()> &condition) {
+    haptic::MotionSample sample;
+    sample.velocity_x = 100;
+    sample.confidence = 1;
+    sample.interval = 700'000'000; // ns: stale after 2 s
+    sample.frame_width = 352;
+    sample.frame_height = 288;
+    return eventually([&] {
+      session.loop().submit(sample);
+      return condition();
+    });
+  }
+  void expect_off() const {
+    EXPECT_TRUE(session.silent());
+    EXPECT_FALSE(session.is_armed());
+    EXPECT_TRUE(notices.has(haptic::messages::kAboutToSleep));
+  }
+
+  Notices notices;
+  haptic::HapticSession session{notices};
+};
+
 TEST_F(Services, ASessionTakesTheForceOffBeforeTheMachineSleeps) {
   Machine machine(address());
   machine.offer(kLogind);
   machine.run();
-  setenv("DBUS_SYSTEM_BUS_ADDRESS", address().c_str(), 1);
-  Notices notices;
-  haptic::HapticSession session(notices);
-  const haptic::DeviceChoice choice{.device = "none"};
-  ASSERT_TRUE(session.open(choice));
-  ASSERT_TRUE(session.prepare({.choice = choice}));
-  session.start_loop();
-  session.play();
-  haptic::MotionSample sample;
-  sample.velocity_x = 100;
-  sample.confidence = 1;
-  sample.interval = 2'000'000'000; // ns: not stale while this test runs
-  sample.frame_width = 352;
-  sample.frame_height = 288;
-  session.loop().submit(sample);
-  ASSERT_TRUE(eventually([&] { return !session.silent() && machine.inhibitors == 1; }));
+  PlayingSession playing;
+  ASSERT_TRUE(
+      playing.becomes_true([&] { return machine.inhibitors == 1 && !playing.session.silent(); }));
   machine.prepare_for_sleep(true);
-  EXPECT_TRUE(eventually([&] { return machine.may_sleep(); }));
-  EXPECT_TRUE(session.silent());
-  EXPECT_FALSE(session.is_armed());
-  EXPECT_TRUE(notices.has(haptic::messages::kAboutToSleep));
-  session.stop_loop();
-  session.end_run();
-  unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+  EXPECT_TRUE(playing.becomes_true([&] { return machine.may_sleep(); }));
+  playing.expect_off();
 }
 
 TEST_F(Services, WithoutALockTheForceIsStillTakenOff) {
@@ -344,11 +378,14 @@ TEST_F(Services, WithoutALockTheForceIsStillTakenOff) {
   machine.refuses = true;
   machine.offer(kLogind);
   machine.run();
-  std::atomic<int> sleeps = 0;
-  SystemServices services([&] { ++sleeps; }, {address(), ""});
-  ASSERT_TRUE(eventually([&] { return machine.calls().size() == 1; }));
+  PlayingSession playing;
+  ASSERT_TRUE(playing.becomes_true(
+      [&] { return machine.calls().size() == 1 && !playing.session.silent(); }));
   machine.prepare_for_sleep(true);
-  EXPECT_TRUE(eventually([&] { return sleeps == 1; }));
+  EXPECT_TRUE(playing.becomes_true([&] {
+    return playing.notices.has(haptic::messages::kAboutToSleep) && playing.session.silent();
+  }));
+  playing.expect_off();
 }
 
 } // namespace
