@@ -28,6 +28,7 @@ double ContinuousForce::step(double force, double budget, double dt) noexcept {
     update_steady();
   }
   double remaining = std::clamp(dt, 0.0, kWindow + kBin);
+  const bool bin_ends = elapsed_ + remaining >= kBin;
   while (elapsed_ + remaining >= kBin) {
     current_ += force * force * (kBin - elapsed_);
     remaining -= kBin - elapsed_;
@@ -35,6 +36,8 @@ double ContinuousForce::step(double force, double budget, double dt) noexcept {
   }
   current_ += force * force * remaining;
   elapsed_ += remaining;
+  if (bin_ends)
+    update_steady();
   if (!(budget_ > 0))
     return kUnlimited;
 
@@ -50,7 +53,6 @@ void ContinuousForce::end_bin() noexcept {
   oldest_ = (oldest_ + 1) % kBins;
   current_ = 0;
   elapsed_ = 0;
-  update_steady();
 }
 
 // The highest constant F² that never exceeds the budget B while the past leaves the window:

@@ -17,6 +17,8 @@ public:
   /// at most five times the budget, and what the rest of the budget can sustain. It falls by at
   /// most 2.1 1/s of the budget. `budget` in N rms; 0: no limit.
   double step(double force, double budget, double dt) noexcept;
+  /// The same with the budget of the step before.
+  double step(double force, double dt) noexcept { return step(force, budget_, dt); }
 
   /// Returns the rms of the force over the last kWindow seconds, N.
   double rms() const noexcept;

@@ -47,6 +47,10 @@ void sleep_until(std::int64_t when) noexcept {
   }
 }
 
+double seconds(std::int64_t nanoseconds) noexcept {
+  return static_cast<double>(nanoseconds) / static_cast<double>(kSecond);
+}
+
 void back_to_normal_priority() noexcept {
   const sched_param normal{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
@@ -101,7 +105,15 @@ void HapticLoop::prepare(Environment environment) {
   hold(kHoldPaused);
   unhold(kHoldFlushing | kHoldEnded);
   drop_samples();
+  SafetyChain chain = run_.chain;
+  std::int64_t rests_since = run_.rests_since;
+  if (run_.last_tick) {
+    chain.begin_run(seconds(run_.period));
+    rests_since = run_.last_tick + run_.period;
+  }
   run_ = Run(std::move(environment), epoch_);
+  run_.chain = chain;
+  run_.rests_since = rests_since;
 }
 
 void HapticLoop::start(Environment environment) {
@@ -166,9 +178,10 @@ void HapticLoop::count_tick(std::int64_t lateness) noexcept {
 void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   const std::int64_t lateness = now - scheduled;
   count_tick(lateness);
-  const std::int64_t elapsed = run_.last_tick ? now - run_.last_tick : run_.period;
+  if (!run_.last_tick && run_.rests_since)
+    run_.chain.rest(seconds(now - run_.rests_since));
+  const double dt = seconds(run_.last_tick ? now - run_.last_tick : run_.period);
   run_.last_tick = now;
-  const double dt = static_cast<double>(elapsed) / static_cast<double>(kSecond);
 
   settings_.refresh();
   receive_submissions(now);
@@ -415,7 +428,7 @@ TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noe
   row.force = columns(wrench.force);
   row.torque = columns(wrench.torque);
   row.confidence = sample.confidence;
-  row.mono = static_cast<double>(now - run_.log_start.value_or(now)) / static_cast<double>(kSecond);
+  row.mono = seconds(now - run_.log_start.value_or(now));
   row.hold = run_.chain.holds();
   row.energy = run_.chain.continuous_force().used();
   return row;

@@ -107,8 +107,9 @@ public:
 
   // Life cycle: one thread at a time.
 
-  /// Starts the thread, silent (kHoldPaused). Nothing of the run before is left but the settings
-  /// and the holds that the user or a fault set. Throws std::system_error.
+  /// Starts the thread, silent (kHoldPaused). Nothing of the run before is left but the settings,
+  /// the holds that the user or a fault set, and what the force has spent of work and continuous
+  /// force. Throws std::system_error.
   void start(Environment environment);
   /// Zero wrench, two exchanges, join. Does nothing when not started. A thread that has not come
   /// back from Environment::entered is not waited for; it has touched nothing.
@@ -239,9 +240,10 @@ private:
     bool broken = false;   // a sample held a number that is not finite
     Impulse impulse;
     std::uint32_t epoch = 0;
-    bool flushed = false;       // samples were dropped since the last tick
-    std::int64_t last_tick = 0; // ns, 0: none yet
-    std::int64_t retry_at = 0;  // ns, while faulted
+    bool flushed = false;         // samples were dropped since the last tick
+    std::int64_t last_tick = 0;   // ns, 0: none yet
+    std::int64_t rests_since = 0; // ns, end of the run before; 0: there was none
+    std::int64_t retry_at = 0;    // ns, while faulted
     int failed_exchanges = 0;
     double turns_for = 0;                  // s, faster than a hand that is in control of the grip
     std::optional<std::int64_t> log_start; // ns, monotonic; of the first row

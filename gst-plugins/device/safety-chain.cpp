@@ -47,8 +47,8 @@ bool is_finite(const SafetyChain::Input &input) {
          input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
          std::isfinite(input.confidence) && std::isfinite(input.age) &&
          std::isfinite(input.interval) && std::isfinite(input.max_force) &&
-         std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
-         std::isfinite(input.damping) && std::isfinite(input.dt);
+         std::isfinite(input.continuous_force) && std::isfinite(input.max_torque) &&
+         std::isfinite(input.slew_rate) && std::isfinite(input.damping) && std::isfinite(input.dt);
 }
 
 Vector3 clamp_norm(const Vector3 &v, double limit) {
@@ -139,6 +139,19 @@ void SafetyChain::restart() noexcept {
   holds_ = kHoldGap;
   fade_left_ = 0;
   fade_in_ = std::max(fade_in_, SafetyChain().fade_in_);
+}
+
+void SafetyChain::begin_run(double acted) noexcept {
+  SafetyChain anew;
+  anew.work_left_ = work_left_;
+  anew.continuous_force_ = continuous_force_;
+  anew.continuous_force_.step(output_.force.norm(), acted);
+  *this = anew;
+}
+
+void SafetyChain::rest(double seconds) noexcept {
+  account_for_work({.dt = seconds});
+  continuous_force_.step(0, seconds);
 }
 
 // F(t) = F(0) (1 - t / T): scales down the present command, so that the force falls in a straight

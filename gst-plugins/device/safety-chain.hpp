@@ -98,6 +98,11 @@ public:
   }
   /// The force begins anew, from zero. What is left of work and continuous force is kept.
   void restart() noexcept;
+  /// As new, but for what is left of work and continuous force. The last command acted for `acted`
+  /// s.
+  void begin_run(double acted) noexcept;
+  /// Nothing was commanded for so long, s.
+  void rest(double seconds) noexcept;
   /// The last step commanded zero.
   bool silent() const noexcept { return output_.force.isZero(0) && output_.torque.isZero(0); }
   /// The last step had a measurement that is not stale.

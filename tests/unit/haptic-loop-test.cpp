@@ -362,6 +362,40 @@ TEST_F(Loop, StatisticsBeginAnewAndTheUsersReleaseDoesNot) {
   EXPECT_TRUE(is_held(haptic::kHoldReleased));
 }
 
+TEST_F(Loop, WhatTheForceHasSpentRemainsSpentInTheNextRunAndComesBackWithTime) {
+  haptic::LoopSettings settings;
+  settings.law_settings.max_force = 5;
+  loop_.set_settings(settings);
+  const auto run = [&](int seconds, double &squares, double &strongest) {
+    open();
+    play();
+    for (int ms = 0; ms < 1000 * seconds; ms += 10) {
+      loop_.submit(moving(1e5F, 0), now_);
+      for (int i = 0; i < 10; ++i) {
+        ticks(1);
+        const double force = loop_.wrench().force.norm();
+        squares += force * force * 1e-3;
+        strongest = std::max(strongest, force);
+      }
+    }
+  };
+  double squares = 0; // N²·s
+  double first = 0;   // N
+  run(2, squares, first);
+  EXPECT_GT(first, 4.5);
+  double second = 0;
+  for (int i = 1; i < 29; ++i)
+    run(2, squares, second);
+  EXPECT_LE(squares, 60 * 1.001); // 1 N rms over 60 s
+  EXPECT_LT(second, first);
+  EXPECT_NEAR(loop_.statistics().force_rms, std::sqrt(squares / 60), 0.01);
+
+  now_ += 61'000 * kMs; // in READY
+  double rested = 0;
+  run(2, squares, rested);
+  EXPECT_NEAR(rested, first, 0.01);
+}
+
 // ---- fields -------------------------------------------------------------------------------------
 
 // The left half of the frame moves to the left, the right one to the right.

@@ -302,6 +302,7 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
                        +[](SafetyChain::Input &i, double b) { i.hand_velocity.x() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_turning.z() = b; },
                        +[](SafetyChain::Input &i, double b) { i.max_torque = b; },
+                       +[](SafetyChain::Input &i, double b) { i.continuous_force = b; },
                        +[](SafetyChain::Input &i, double b) { i.damping = b; },
                        +[](SafetyChain::Input &i, double b) { i.age = b; },
                        +[](SafetyChain::Input &i, double b) { i.interval = b; },
@@ -357,6 +358,15 @@ TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
       ASSERT_LE((now - before).norm(), 20 * kTick + 1e-12);
     before = now;
   }
+}
+
+// A hand that a strong force carries along, undamped.
+SafetyChain::Input carried_off() {
+  auto input = push(4);
+  input.max_force = 4;
+  input.damping = 0;
+  input.hand_velocity = {0.9, 0, 0};
+  return input;
 }
 
 // ---- torque, cut, work and damping --------------------------------------------------------------
@@ -416,10 +426,7 @@ TEST(SafetyChain, DampingTakesAtMostTheWholeForce) {
 }
 
 TEST(SafetyChain, InFiveSecondsTheForceDoesAtMostTwoAndAHalfJoules) {
-  auto input = push(4);
-  input.max_force = 4;
-  input.damping = 0;
-  input.hand_velocity = {0.9, 0, 0};
+  const auto input = carried_off();
   SafetyChain chain;
   double work = 0;
   Vector3 before = Vector3::Zero();
@@ -475,10 +482,7 @@ TEST(SafetyChain, TheTorqueDoesNoMoreWorkThanTheForceMay) {
 }
 
 TEST(SafetyChain, ARestartBeginsFromZeroAndGivesNoWorkBack) {
-  auto input = push(4);
-  input.max_force = 4;
-  input.damping = 0;
-  input.hand_velocity = {0.9, 0, 0};
+  const auto input = carried_off();
   SafetyChain chain;
   double work = 0;
   for (int i = 0; i < 5000; ++i) {
