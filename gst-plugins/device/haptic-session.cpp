@@ -20,7 +20,6 @@ constexpr std::int64_t kTrackerGrace = 1000 * kMs;
 constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled with each attempt
 constexpr std::int64_t kLastReopening = 500 * kMs;
 
-constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 constexpr auto kLongestFade = std::chrono::milliseconds(500); // before a sleep
 
 // The faults that are reported whenever their counter has changed.
@@ -113,8 +112,8 @@ void HapticSession::release() {
 }
 
 void HapticSession::update_state() {
-  state_.update(loop_.reasons(), loop_.homed(),
-                [this](const SessionStatus &status) { client_.on_session_changed(status); });
+  const auto read = [this] { return SessionCause{loop_.reasons(), loop_.homed()}; };
+  state_.update(read, [this](const SessionStatus &status) { client_.on_session_changed(status); });
 }
 
 bool HapticSession::open_log(const std::string &path) {

@@ -51,6 +51,8 @@ inline constexpr std::array kHoldNames = {
 /// The holds that only `arm` ends.
 inline constexpr std::uint32_t kLatches =
     kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
+/// Those of them that the user did not ask for.
+inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 
 /// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, work limit, budget
 /// for continuous force, damping, slew limit, norm clamp, brake of the turning grip. One thread;

@@ -9,8 +9,6 @@
 namespace haptic {
 namespace {
 
-constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
-
 bool is_transition(SessionState from, SessionState to) {
   return std::ranges::find(kSessionTransitions, SessionTransition{from, to}) !=
          kSessionTransitions.end();
@@ -39,7 +37,7 @@ SessionState session_state(std::uint32_t holds, bool homed) noexcept {
     return SessionState::open;
   if (holds & kHoldReleased)
     return SessionState::homed;
-  return holds & ~kHoldSpent ? SessionState::held : SessionState::armed; // which only limits it
+  return holds ? SessionState::held : SessionState::armed;
 }
 
 std::string session_reason(std::uint32_t holds, SessionState state) {
@@ -55,10 +53,11 @@ std::string session_reason(std::uint32_t holds, SessionState state) {
   return text;
 }
 
-void SessionStateMachine::update(std::uint32_t holds, bool homed,
+void SessionStateMachine::update(const std::function<SessionCause()> &read,
                                  const std::function<void(const SessionStatus &)> &on_change) {
-  const SessionState wanted = session_state(holds, homed);
   const std::lock_guard lock(mutex_);
+  const auto [holds, homed] = read();
+  const SessionState wanted = session_state(holds, homed);
   SessionState state = status_.state;
   do {
     if (state != wanted)

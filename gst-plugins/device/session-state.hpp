@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The states of a session and the transitions between them: docs/safety.md draws them.
+// The states of a session and the transitions between them: docs/elements/hapticsink.md draws them.
 #pragma once
 
 #include <array>
@@ -67,8 +67,8 @@ inline constexpr std::array kSessionTransitions = {
     SessionTransition{SessionState::faulted, SessionState::closed},
 };
 
-/// Returns the state for these holds (Hold). `homed`: the pose was known since the device was
-/// opened, or there is no hand.
+/// Returns the state for these holds (HapticLoop::reasons()). `homed`: the pose was known since the
+/// device was opened, or there is no hand.
 SessionState session_state(std::uint32_t holds, bool homed) noexcept;
 
 /// Returns the names of the holds that explain the state, separated by commas: all of them in
@@ -84,12 +84,19 @@ struct SessionStatus {
   bool operator==(const SessionStatus &) const = default;
 };
 
+/// What the state follows from: session_state().
+struct SessionCause {
+  std::uint32_t holds = 0;
+  bool homed = false;
+};
+
 /// Follows the holds by the transitions of the table. Any thread.
 class SessionStateMachine {
 public:
-  /// Calls `on_change` for each state on the way, with a lock held: in order, also when several
-  /// threads call. It must not call back.
-  void update(std::uint32_t holds, bool homed,
+  /// Reads the cause and calls `on_change` for each state on the way, with a lock held: in order,
+  /// also when several threads call, and no older cause comes after a newer one. Neither must call
+  /// back.
+  void update(const std::function<SessionCause()> &read,
               const std::function<void(const SessionStatus &)> &on_change);
   SessionState state() const;
   /// For the next update().

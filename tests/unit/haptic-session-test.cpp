@@ -2,15 +2,20 @@
 // The session with a device that fails and comes back. The clock is driven by hand.
 #include "haptic-session.hpp"
 
+#include "eventually.hpp"
+#include "loop-fixture.hpp"
 #include "messages.hpp"
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <gtest/gtest.h>
 #include <memory>
 #include <optional>
 #include <spidar/error.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,8 +26,7 @@ using haptic::Notice;
 using haptic::NoticeCause;
 using haptic::PointerPosition;
 using haptic::Severity;
-
-constexpr std::int64_t kMs = 1'000'000; // ns
+using test::kMs;
 
 // What a test sets and sees of all devices that the session opens.
 struct Bench {
@@ -64,16 +68,6 @@ private:
   spidar::Vector3 workspace_half_ = spidar::Vector3::Constant(0.02);
 };
 
-haptic::MotionSample moving(float vx) {
-  haptic::MotionSample sample;
-  sample.velocity_x = vx;
-  sample.confidence = 1;
-  sample.interval = 33 * kMs;
-  sample.frame_width = 352;
-  sample.frame_height = 288;
-  return sample;
-}
-
 class Session : public ::testing::Test, public haptic::SessionClient {
 protected:
   void on_notice(const Notice &notice) override {
@@ -88,6 +82,8 @@ protected:
   void on_session_changed(const haptic::SessionStatus &status) override {
     states_.push_back(name_of(status.state) + (status.reason.empty() ? "" : ": " + status.reason));
     device_ = status.device;
+    if (const auto call = std::exchange(while_reporting_, nullptr))
+      call();
   }
   std::optional<haptic::ClockReading> read_clocks() override {
     return haptic::ClockReading{now_, now_ - 1000 * kMs};
@@ -111,7 +107,7 @@ protected:
   }
   /// The loop's thousand ticks a second, the pointer thread's hundred rounds, 30 samples.
   void run(int ms, float vx = 100) {
-    const auto bytes = haptic::pack_motion_sample(moving(vx));
+    const auto bytes = haptic::pack_motion_sample(test::moving(vx, 0));
     for (int i = 0; i < ms; ++i) {
       now_ += kMs;
       session_->loop().tick(now_, now_);
@@ -138,6 +134,7 @@ protected:
   std::vector<bool> armed_;
   std::vector<std::string> states_; // with their reasons
   std::string device_;
+  std::function<void()> while_reporting_; // the next state
   std::unique_ptr<HapticSession> session_;
 };
 
@@ -359,6 +356,24 @@ TEST_F(Session, TheStatesOfASessionAreReportedInOrderWithTheirReasons) {
 
 // ---- the pointer --------------------------------------------------------------------------------
 
+// `arm` waits until another thread has reported a state; meanwhile the force is released.
+TEST_F(Session, AReportThatHadToWaitIsNotOutOfDate) {
+  begin();
+  run(100);
+  std::jthread arms;
+  while_reporting_ = [&] {
+    arms = std::jthread([&] { session_->arm(); });
+    EXPECT_TRUE(
+        test::eventually([&] { return !(session_->loop().reasons() & haptic::kHoldReleased); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20)); // it is likely to wait by now
+    session_->loop().hold(haptic::kHoldReleased);
+  };
+  session_->release();
+  arms.join();
+  EXPECT_EQ(session_->state(), haptic::SessionState::homed);
+  EXPECT_EQ(states_.back(), "homed: released");
+}
+
 TEST_F(Session, ARestingHandIsSentFiveTimesASecondAndAMovingOneAtOnce) {
   begin();
   run(1000, 0);
@@ -413,7 +428,7 @@ TEST_F(Session, TheFirstDamagedSampleOfEachRunIsReported) {
 TEST_F(Session, SamplesThatALoopThatStandsStillLosesAreCountedAndReportedOnce) {
   begin();
   run(10);
-  const auto bytes = haptic::pack_motion_sample(moving(100));
+  const auto bytes = haptic::pack_motion_sample(test::moving(100, 0));
   for (int i = 0; i < 300; ++i)
     session_->accept(bytes, false, {});
   EXPECT_EQ(session_->statistics().samples_lost, 300U - 256U);

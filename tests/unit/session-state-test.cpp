@@ -27,7 +27,8 @@ std::string text_of(const SessionTransition &t) {
 // The names of the states on the way.
 Names way(SessionStateMachine &machine, std::uint32_t holds, bool homed) {
   Names names;
-  machine.update(holds, homed,
+  const auto cause = [&] { return haptic::SessionCause{holds, homed}; };
+  machine.update(cause,
                  [&](const SessionStatus &status) { names.push_back(name_of(status.state)); });
   return names;
 }
@@ -76,7 +77,8 @@ TEST(SessionState, WhateverHappensOnlyTheTransitionsOfTheTableHappen) {
   for (int i = 0; i < 20'000; ++i) {
     const std::uint32_t holds = random() & random() & (2 * haptic::kHoldSpent - 1);
     const bool homed = random() % 4 != 0;
-    machine.update(holds, homed, [&](const SessionStatus &status) {
+    const auto cause = [&] { return haptic::SessionCause{holds, homed}; };
+    machine.update(cause, [&](const SessionStatus &status) {
       const SessionTransition step{before, status.state};
       if (status.state != before) {
         ASSERT_NE(std::ranges::find(haptic::kSessionTransitions, step),
