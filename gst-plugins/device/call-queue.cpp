@@ -10,27 +10,60 @@ namespace haptic {
 
 namespace {
 
-thread_local const CallQueue *making_calls_of = nullptr; // in the pool
+// That a thread waits for one call of another thread.
+constexpr auto kLimit = std::chrono::milliseconds(100);
+
+thread_local const CallQueue *making_calls_of = nullptr;
 
 } // namespace
 
-std::optional<CallQueue::Call> CallQueue::next(bool in_pool) {
-  const std::lock_guard lock(mutex_);
+// The limit is one for each call: it begins anew when another thread has begun a further one. What
+// drain() has once waited for in vain it does not wait for again.
+void CallQueue::wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait) {
+  const auto is_free = [this] { return calling_ == 0; };
+  if (!wait) {
+    changed_.wait(lock, is_free);
+    return;
+  }
+  while (!is_free()) {
+    if (begun_ != wait->number) {
+      wait->number = begun_;
+      wait->deadline = Clock::now() + wait->limit;
+    }
+    if (!changed_.wait_until(lock, wait->deadline,
+                             [&] { return is_free() || begun_ != wait->number; }))
+      return;
+  }
+}
+
+std::optional<CallQueue::Call> CallQueue::next(Wait *wait) {
+  std::unique_lock lock(mutex_);
+  wait_until_free(lock, wait);
   if (calls_.empty()) {
-    if (in_pool) {
+    if (!wait) {
       in_pool_ = false;
-      idle_.notify_all();
+      changed_.notify_all();
     }
     return std::nullopt;
   }
   Call call = std::move(calls_.front());
   calls_.pop_front();
+  ++calling_;
+  ++begun_;
+  if (wait)
+    wait->number = begun_; // its own call gives the others no more time
   return call;
 }
 
-void CallQueue::make_calls(bool in_pool) {
-  while (const std::optional<Call> call = next(in_pool))
+void CallQueue::make_calls(Wait *wait) {
+  const CallQueue *before = std::exchange(making_calls_of, this);
+  while (const std::optional<Call> call = next(wait)) {
     guarded(owner_, [&] { (*call)(); });
+    const std::lock_guard lock(mutex_);
+    --calling_;
+    changed_.notify_all();
+  }
+  making_calls_of = before;
 }
 
 void CallQueue::add(Call call) {
@@ -43,23 +76,22 @@ void CallQueue::add(Call call) {
   gst_element_call_async( // which holds a reference to the element
       owner_,
       [](GstElement *element, gpointer queue) {
-        making_calls_of = static_cast<CallQueue *>(queue);
-        guarded(element, [&] { static_cast<CallQueue *>(queue)->make_calls(true); });
-        making_calls_of = nullptr;
+        guarded(element, [&] { static_cast<CallQueue *>(queue)->make_calls(nullptr); });
       },
       this, nullptr);
 }
 
 void CallQueue::drain() {
-  make_calls(false);
+  const bool within_call = making_calls_of == this; // whose handler has changed the state
+  Wait wait{.limit = within_call ? Clock::duration::zero() : kLimit};
+  make_calls(&wait);
 }
 
 void CallQueue::finish() {
-  constexpr auto kLimit = std::chrono::milliseconds(100);
   drain();
   std::unique_lock lock(mutex_);
   if (making_calls_of != this)
-    idle_.wait_for(lock, kLimit, [this] { return !in_pool_; });
+    changed_.wait_for(lock, kLimit, [this] { return !in_pool_; });
 }
 
 } // namespace haptic

@@ -3,7 +3,9 @@
 // a handler must not change the state: those that a state change ends, and the streaming thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <gst/gst.h>
@@ -12,8 +14,8 @@
 
 namespace haptic {
 
-/// Makes the calls in order, from a thread of GStreamer's pool. It belongs to an element, which
-/// lives until the calls are made.
+/// Makes the calls one after the other, from a thread of GStreamer's pool. It belongs to an
+/// element, which lives until the calls are made.
 class CallQueue {
 public:
   using Call = std::function<void()>;
@@ -21,23 +23,36 @@ public:
   explicit CallQueue(GstElement *owner) : owner_(owner) {}
 
   void add(Call call);
-  /// Makes the calls that are left, in the present thread.
+  /// Makes the calls that are left, in the present thread, after those that another thread makes.
+  /// It waits for each of those at most a tenth of a second, since a handler may itself wait for
+  /// the present thread.
   void drain();
-  /// The same, and waits until the pool's thread makes none: for at most a tenth of a second, since
-  /// a handler may itself wait for the present thread.
+  /// The same, and waits at most as long again until the pool's thread makes none.
   void finish();
 
 private:
-  std::optional<Call> next(bool in_pool);
-  void make_calls(bool in_pool);
+  using Clock = std::chrono::steady_clock;
+  // How long drain() waits for a call of another thread, and until when for the one of that number.
+  struct Wait {
+    Clock::duration limit;
+    std::uint64_t number = 0;
+    Clock::time_point deadline;
+  };
+
+  // A null `wait`: the pool's thread, which has the time.
+  std::optional<Call> next(Wait *wait);
+  void wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait);
+  void make_calls(Wait *wait);
 
   GstElement *owner_;
-  // Guards calls_ and in_pool_. A thread of the pool makes calls while in_pool_ is true; idle_ is
-  // notified when it becomes false.
+  // Guards the members below. A thread of the pool makes calls while in_pool_ is true. changed_ is
+  // notified when that or calling_ falls.
   std::mutex mutex_;
-  std::condition_variable idle_;
+  std::condition_variable changed_;
   std::deque<Call> calls_;
   bool in_pool_ = false;
+  int calling_ = 0;         // calls under way; more than one where drain() has waited in vain
+  std::uint64_t begun_ = 0; // calls so far: the number of the newest one
 };
 
 } // namespace haptic
