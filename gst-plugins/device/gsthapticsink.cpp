@@ -25,14 +25,12 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
@@ -88,11 +86,8 @@ struct State {
 
   unsigned change = 0; // the element's state lock; number of the last state change
 
-  // Wakes the streaming thread while it waits at the end of the stream.
-  std::mutex end_mutex;
-  std::condition_variable end_changed;
-  bool unlocked = false;     // end_mutex
-  bool stats_posted = false; // end_mutex
+  unsigned stats_wanted = 0;              // the streaming thread; at the ends of the stream
+  std::atomic<unsigned> stats_posted = 0; // the newest of them
 
   haptic::CallbackThread pointer_thread; // last: ends before what it uses
 };
@@ -178,26 +173,8 @@ void Client::on_session_changed(const haptic::SessionStatus &status) {
   });
 }
 
-// Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
 std::optional<haptic::ClockReading> Client::read_clocks() {
-  constexpr int kReadings = 5;
-  GstClock *clock = gst_element_get_clock(GST_ELEMENT(self_));
-  if (!clock)
-    return std::nullopt;
-  const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(self_));
-  std::optional<haptic::ClockReading> best;
-  std::int64_t least = std::numeric_limits<std::int64_t>::max();
-  for (int i = 0; i < kReadings; ++i) {
-    const std::int64_t before = haptic::monotonic_now();
-    const GstClockTime time = gst_clock_get_time(clock);
-    const std::int64_t duration = haptic::monotonic_now() - before;
-    if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) || duration >= least)
-      continue;
-    least = duration;
-    best = haptic::ClockReading{before + duration / 2, GST_CLOCK_DIFF(base, time)};
-  }
-  gst_object_unref(clock);
-  return best;
+  return haptic::read_clocks(GST_ELEMENT(self_));
 }
 
 // ---- when a sample is felt ----------------------------------------------------------------------
@@ -317,13 +294,16 @@ bool start_threads(GstHapticSink *self) {
 // neither to pause nor to go on. The base class must not call the second asynchronous: if a sample
 // arrives just then, it commits PLAYING before it posts ASYNC_START, and never posts ASYNC_DONE.
 GstStateChangeReturn change_parent_state(GstElement *element, GstStateChange transition) {
+  const auto change = [=] {
+    return GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);
+  };
+  if (transition != GST_STATE_CHANGE_PLAYING_TO_PAUSED &&
+      transition != GST_STATE_CHANGE_PAUSED_TO_PLAYING)
+    return change();
   GstBaseSink *sink = GST_BASE_SINK(element);
   const gboolean async = gst_base_sink_is_async_enabled(sink);
-  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED ||
-      transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING)
-    gst_base_sink_set_async_enabled(sink, FALSE);
-  const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->change_state(element, transition);
+  gst_base_sink_set_async_enabled(sink, FALSE);
+  const GstStateChangeReturn result = change();
   gst_base_sink_set_async_enabled(sink, async);
   return result;
 }
@@ -408,23 +388,21 @@ gboolean event(GstBaseSink *sink, GstEvent *event) {
   return result;
 }
 
-// Waits until the condition holds, for at most `limit`. A state change ends the wait or, PAUSED,
-// suspends it: this thread holds the preroll lock, which every state change needs.
+// Waits until the condition holds, for at most `limit`, without the preroll lock, which every state
+// change needs. PAUSED suspends the wait, a flush or READY ends it.
 template <typename Condition>
 GstFlowReturn wait_at_end(GstBaseSink *sink, std::chrono::milliseconds limit,
                           const Condition &condition) {
-  State &state = state_of(sink);
   const auto deadline = std::chrono::steady_clock::now() + limit;
-  while (std::chrono::steady_clock::now() < deadline) {
-    {
-      std::unique_lock lock(state.end_mutex);
-      if (condition())
-        return GST_FLOW_OK;
-      if (!state.end_changed.wait_for(lock, 2ms, [&] { return state.unlocked; }))
-        continue;
-    }
-    const GstFlowReturn result = gst_base_sink_wait_preroll(sink);
-    if (result != GST_FLOW_OK)
+  while (!condition() && std::chrono::steady_clock::now() < deadline) {
+    GST_BASE_SINK_PREROLL_UNLOCK(sink);
+    std::this_thread::sleep_for(2ms);
+    GST_BASE_SINK_PREROLL_LOCK(sink);
+    if (sink->flushing)
+      return GST_FLOW_FLUSHING;
+    if (!sink->need_preroll)
+      continue;
+    if (const GstFlowReturn result = gst_base_sink_wait_preroll(sink); result != GST_FLOW_OK)
       return result;
   }
   return GST_FLOW_OK;
@@ -437,19 +415,17 @@ GstFlowReturn fade_at_end(GstBaseSink *sink) {
   return wait_at_end(sink, kEndFade, [&] { return session.silent(); });
 }
 
-// Before the EOS message, but from another thread: a handler may change the state.
+// Before the EOS message, but from another thread: a handler may change the state. After a seek the
+// handler of an earlier end may still run: each end waits for its own.
 GstFlowReturn post_stats(GstHapticSink *self) {
   State &state = *self->state;
-  {
-    const std::lock_guard lock(state.end_mutex);
-    state.stats_posted = false;
-  }
-  state.calls.add([self] {
+  const unsigned number = ++state.stats_wanted;
+  state.calls.add([self, number] {
     haptic::post_stats(GST_ELEMENT(self), self->state->session);
-    const std::lock_guard lock(self->state->end_mutex);
-    self->state->stats_posted = true;
+    self->state->stats_posted = number;
   });
-  return wait_at_end(GST_BASE_SINK(self), kLongestHandler, [&] { return state.stats_posted; });
+  return wait_at_end(GST_BASE_SINK(self), kLongestHandler,
+                     [&] { return state.stats_posted == number; });
 }
 
 GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
@@ -472,16 +448,6 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
       result = post_stats(self);
   }
   return result;
-}
-
-gboolean set_unlocked(GstBaseSink *sink, bool unlocked) {
-  State &state = state_of(sink);
-  {
-    const std::lock_guard lock(state.end_mutex);
-    state.unlocked = unlocked;
-  }
-  state.end_changed.notify_all();
-  return TRUE;
 }
 
 // ---- properties and signals ---------------------------------------------------------------------
@@ -615,12 +581,6 @@ void install_sink_functions(GstBaseSinkClass *klass) {
   };
   klass->wait_event = [](GstBaseSink *sink, GstEvent *e) {
     return guarded(sink, GST_FLOW_ERROR, [&] { return wait_event(sink, e); });
-  };
-  klass->unlock = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] { return set_unlocked(sink, true); });
-  };
-  klass->unlock_stop = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] { return set_unlocked(sink, false); });
   };
   klass->render = [](GstBaseSink *sink, GstBuffer *buffer) {
     return guarded(sink, GST_FLOW_ERROR, [&] { return render(sink, buffer); });

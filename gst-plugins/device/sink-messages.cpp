@@ -104,6 +104,8 @@ StructurePtr make_stats(const HapticSession &session) {
                         "samples", G_TYPE_UINT64, intake.samples(),                      //
                         "bad-samples", G_TYPE_UINT64, intake.bad_samples(),              //
                         "gaps", G_TYPE_UINT64, intake.gaps(),                            //
+                        "reliefs", G_TYPE_UINT64, session.reliefs().reliefs(),           //
+                        "bad-reliefs", G_TYPE_UINT64, session.reliefs().bad_reliefs(),   //
                         "sample-age", G_TYPE_DOUBLE, mean_age,                           //
                         "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
                         "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
@@ -112,6 +114,28 @@ StructurePtr make_stats(const HapticSession &session) {
                         "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(),       //
                         "samples-lost", G_TYPE_UINT64, loop.samples_lost.load(),         //
                         "state", G_TYPE_STRING, name_of(session.state()), nullptr));
+}
+
+// Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
+std::optional<ClockReading> read_clocks(GstElement *element) {
+  constexpr int kReadings = 5;
+  GstClock *clock = gst_element_get_clock(element);
+  if (!clock)
+    return std::nullopt;
+  const GstClockTime base = gst_element_get_base_time(element);
+  std::optional<ClockReading> best;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kReadings; ++i) {
+    const std::int64_t before = monotonic_now();
+    const GstClockTime time = gst_clock_get_time(clock);
+    const std::int64_t duration = monotonic_now() - before;
+    if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) || duration >= least)
+      continue;
+    least = duration;
+    best = ClockReading{before + duration / 2, GST_CLOCK_DIFF(base, time)};
+  }
+  gst_object_unref(clock);
+  return best;
 }
 
 } // namespace haptic

@@ -24,4 +24,7 @@ void post_stats(GstElement *element, const HapticSession &session);
 /// Returns the structure of the property `stats`.
 StructurePtr make_stats(const HapticSession &session);
 
+/// Returns the monotonic clock and the running time, or nothing without a clock.
+std::optional<ClockReading> read_clocks(GstElement *element);
+
 } // namespace haptic

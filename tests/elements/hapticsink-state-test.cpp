@@ -38,6 +38,7 @@ enum class Provocation { none, release, damaged, end, ready };
 struct Callback {
   const char *name;
   const char *signal = nullptr; // of the element
+  bool when_disarmed = false;   // not when the device is opened, which notifies of `armed` too
   const char *structure = nullptr;
   GstMessageType message = GST_MESSAGE_UNKNOWN;
   GstStreamStatusType status = GST_STREAM_STATUS_TYPE_CREATE;
@@ -53,9 +54,11 @@ constexpr const char *kFliesOff = "device=sim sim-hand=free max-force=5 slew-rat
 const Callback kCallbacks[] = {
     {.name = "notify::armed when the grip flies off",
      .signal = "notify::armed",
+     .when_disarmed = true,
      .properties = kFliesOff},
     {.name = "notify::armed by release",
      .signal = "notify::armed",
+     .when_disarmed = true,
      .by_the_changing_thread = true,
      .provocation = Provocation::release},
     {.name = "notify::session-state", .signal = "notify::session-state"},
@@ -148,8 +151,12 @@ private:
     gst_object_unref(bus);
   }
 
-  static void on_notify(GObject * /*sink*/, GParamSpec * /*property*/, gpointer change) {
-    static_cast<Change *>(change)->make();
+  static void on_notify(GObject *sink, GParamSpec * /*property*/, gpointer data) {
+    auto *change = static_cast<Change *>(data);
+    gboolean armed = FALSE;
+    g_object_get(sink, "armed", &armed, nullptr);
+    if (!change->callback_.when_disarmed || !armed)
+      change->make();
   }
   static GstBusSyncReply on_message(GstBus * /*bus*/, GstMessage *message, gpointer data) {
     auto *change = static_cast<Change *>(data);

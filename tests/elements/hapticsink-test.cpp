@@ -10,13 +10,24 @@
 #include <gst/controller/gstdirectcontrolbinding.h>
 #include <gst/controller/gstinterpolationcontrolsource.h>
 #include <limits>
-#include <list>
 #include <random>
 
 namespace {
 
 using namespace std::chrono_literals;
 using namespace test;
+
+// Runs a function at the end of a scope, also after a failed assertion.
+class AtEnd {
+public:
+  explicit AtEnd(std::function<void()> call) : call_(std::move(call)) {}
+  ~AtEnd() { call_(); }
+  AtEnd(const AtEnd &) = delete;
+  AtEnd &operator=(const AtEnd &) = delete;
+
+private:
+  std::function<void()> call_;
+};
 
 // ---- what is felt -------------------------------------------------------------------------------
 
@@ -27,39 +38,24 @@ TEST_F(HapticSink, TheForceOnTheLogIsEquation5OfTheVelocity) {
     push_motion(v, 0, 0.5);
   push_motion(0, -100, 0.5); // up
   push_motion(-60, 80, 0.5); // left and down
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-
-  const auto rows = stop_and_read_log();
-  const auto at = [&](double time) {
-    for (const Row &row : rows)
-      if (row.time >= time)
-        return row;
-    ADD_FAILURE() << "no row at " << time << " s";
-    return Row{};
-  };
+  const auto rows = play_and_read_log();
   for (std::size_t i = 0; i < speeds.size(); ++i) {
-    const Row row = at(0.5 * static_cast<double>(i) + 0.4);
+    const Row row = row_at(rows, 0.5 * static_cast<double>(i) + 0.4);
     EXPECT_EQ(row.vx, speeds[i]);
     EXPECT_NEAR(row.fx, equation5(speeds[i]), 0.02) << speeds[i] << " px/s";
     EXPECT_EQ(row.fy, 0);
   }
-  EXPECT_NEAR(at(1.9).fx, 0, 1e-9);
-  EXPECT_NEAR(at(1.9).fy, 0.5, 0.02); // up on the screen is up in the hand
-  EXPECT_NEAR(at(2.4).fx, -0.6 * 0.5, 0.02);
-  EXPECT_NEAR(at(2.4).fy, -0.8 * 0.5, 0.02);
+  EXPECT_NEAR(row_at(rows, 1.9).fx, 0, 1e-9);
+  EXPECT_NEAR(row_at(rows, 1.9).fy, 0.5, 0.02); // up on the screen is up in the hand
+  EXPECT_NEAR(row_at(rows, 2.4).fx, -0.6 * 0.5, 0.02);
+  EXPECT_NEAR(row_at(rows, 2.4).fy, -0.8 * 0.5, 0.02);
 }
 
 TEST_F(HapticSink, TheLogIsFiniteOrderedAndWithinEveryLimit) {
   build_logging("max-force=0.7 force-law=arctan-axis");
   for (int i = 0; i < 8; ++i)
     push_motion(i % 2 ? -2000 : 2000, i % 3 ? 2000 : -2000, 0.1);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-
-  const auto rows = stop_and_read_log();
+  const auto rows = play_and_read_log();
   ASSERT_GT(rows.size(), 500U);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const Row &before = rows[i - 1];
@@ -152,10 +148,7 @@ TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
   ASSERT_TRUE(eventually([&] { return count("samples") >= 10; }));
   wait_for(GST_STATE_PAUSED);
   std::this_thread::sleep_for(400ms);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-  const auto rows = stop_and_read_log();
+  const auto rows = play_and_read_log();
   for (std::size_t i = 1; i < rows.size(); ++i)
     ASSERT_GE(rows[i].time, rows[i - 1].time);
   EXPECT_GT(rows.back().mono - (rows.back().time - rows.front().time), 0.39); // the pause
@@ -165,10 +158,7 @@ TEST_F(HapticSink, AfterAPauseTheForceComesBackAndTheTimeGoesOn) {
 TEST_F(HapticSink, TheEndFadesToZeroIn100MillisecondsAndBeforeTheMessage) {
   build_logging();
   push_motion(100, 0, 0.5);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-  const auto rows = stop_and_read_log(); // at once, as gst-launch-1.0 does
+  const auto rows = play_and_read_log(); // at once, as gst-launch-1.0 does
   expect_fade(rows, kHeldEnded, 0.1);
   EXPECT_EQ(rows.back().force(), 0);
 }
@@ -189,16 +179,94 @@ TEST_F(HapticSink, APauseWhileItFadesAtTheEndOnlyDelaysTheEnd) {
   }
 }
 
+// The end waits up to 1 s for the handler of hapticsink-stats, but nothing else waits for the end.
+TEST_F(HapticSink, AStateChangeAtTheEndWaitsForNoHandler) {
+  struct Handler {
+    std::atomic<bool> runs = false;
+    std::atomic<bool> may_end = false;
+  } handler;
+  build("device=sim");
+  push_motion(100, 0, 0.1);
+  push_end();
+  set_sync_handler(
+      [](GstBus *, GstMessage *message, gpointer data) {
+        auto *of = static_cast<Handler *>(data);
+        if (gst_message_has_name(message, "hapticsink-stats")) {
+          of->runs = true;
+          eventually([&] { return of->may_end.load(); });
+          of->runs = false;
+        }
+        return GST_BUS_PASS;
+      },
+      &handler);
+  const AtEnd ends([&] {
+    handler.may_end = true;
+    stop();
+    set_sync_handler(nullptr);
+  });
+  wait_for(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return handler.runs.load(); }));
+  for (int i = 0; i < 3; ++i) { // few: the end comes after 1 s
+    set(GST_STATE_PAUSED);
+    EXPECT_FALSE(message(GST_MESSAGE_EOS, 0));
+    set(GST_STATE_PLAYING);
+    EXPECT_FALSE(message(GST_MESSAGE_EOS, 0));
+  }
+  EXPECT_TRUE(handler.runs);
+  handler.may_end = true;
+  wait_for_end();
+}
+
+// The handler of the first end still runs when the second one comes.
+TEST_F(HapticSink, AfterASeekTheEndWaitsForItsOwnHandler) {
+  struct Handler {
+    std::atomic<int> begun = 0;
+    std::atomic<int> ended = 0;
+    std::atomic<bool> may_end = false;
+    std::atomic<int> ended_before_the_end = 0;
+  } handler;
+  build_logging();
+  push_motion(100, 0, 0.1);
+  push_end();
+  set_sync_handler(
+      [](GstBus *, GstMessage *message, gpointer data) {
+        auto *of = static_cast<Handler *>(data);
+        if (gst_message_has_name(message, "hapticsink-stats")) {
+          if (++of->begun == 1)
+            eventually([&] { return of->may_end.load(); });
+          else
+            std::this_thread::sleep_for(30ms);
+          ++of->ended;
+        }
+        if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
+          of->ended_before_the_end = of->ended.load();
+        return GST_BUS_PASS;
+      },
+      &handler);
+  const AtEnd ends([&] {
+    handler.may_end = true;
+    stop();
+    set_sync_handler(nullptr);
+  });
+  wait_for(GST_STATE_PLAYING);
+  ASSERT_TRUE(eventually([&] { return handler.begun == 1; }));
+  flush();
+  GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
+  std::jthread second_end([&] { gst_pad_send_event(pad, gst_event_new_eos()); });
+  std::this_thread::sleep_for(50ms); // it is likely to wait for its handler by now
+  handler.may_end = true;
+  second_end.join();
+  gst_object_unref(pad);
+  wait_for_end();
+  EXPECT_EQ(handler.ended_before_the_end, 2);
+}
+
 TEST_F(HapticSink, AFlushFadesToZeroIn50Milliseconds) {
   build_logging();
   push_motion(100, 0, 3);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
-  GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
-  gst_pad_send_event(pad, gst_event_new_flush_start());
-  EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
-  gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
-  gst_object_unref(pad);
+  flush();
   const auto rows = stop_and_read_log();
   expect_fade(rows, kHeldFlushing, 0.05);
   EXPECT_EQ(rows.back().force(), 0);
@@ -209,9 +277,7 @@ TEST_F(HapticSink, GapsAreFeltAsNothing) {
   push_motion(100, 0, 0.5);
   for (int i = 0; i < 15; ++i, pts_ += kFrame)
     push(gap(pts_));
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
+  play_to_end();
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_EQ(count("gaps"), 15U);
   for (const Row &row : stop_and_read_log())
@@ -287,9 +353,7 @@ TEST_F(HapticSink, AControllerChangesTheStrengthAlongTheStream) {
       gst_direct_control_binding_new(GST_OBJECT(sink_.get()), "max-force", source));
   gst_object_unref(source);
   push_motion(100, 0, 2);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
+  play_to_end();
   double strongest = 0;
   for (const Row &row : stop_and_read_log()) {
     strongest = std::max(strongest, row.fx);
@@ -368,69 +432,6 @@ TEST_F(HapticSink, ReleaseIsZeroUntilArm) {
   EXPECT_TRUE(armed());
   EXPECT_TRUE(eventually([&] { return newest_row()->fx > 0.5 - 1e-6; }));
   expect_fade(stop_and_read_log(), kHeldReleased, 0.05);
-}
-
-struct StateChange {
-  StateChange(GstElement *of, GstElement *from, GstState to)
-      : pipeline(of), sink(from), state(to) {}
-  GstElement *pipeline;
-  GstElement *sink;
-  GstState state;
-  std::atomic<bool> begun = false;
-  std::atomic<bool> done = false;
-  void make() {
-    if (begun.exchange(true))
-      return;
-    gst_element_set_state(pipeline, state);
-    done = true;
-  }
-};
-
-// The grip flies off: the loop disarms, and the pointer thread finds it.
-constexpr const char *kFliesOff = "device=sim sim-hand=free max-force=5 slew-rate=1000 damping=0";
-
-TEST_F(HapticSink, TheStateMayBeChangedFromTheHandlerOfArmed) {
-  std::list<StateChange> changes; // outlives the handlers
-  for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL}) {
-    build(kFliesOff);
-    pts_ = 0;
-    push_motion(1000, 0, 60);
-    StateChange &change = changes.emplace_back(pipeline_.get(), sink_.get(), state);
-    set(GST_STATE_PLAYING);
-    ASSERT_TRUE(eventually([&] { return armed(); }));
-    g_signal_connect(sink_.get(), "notify::armed",
-                     G_CALLBACK(+[](GstElement *, GParamSpec *, StateChange *c) { c->make(); }),
-                     &change);
-    EXPECT_TRUE(eventually([&] { return change.done.load(); })) << state;
-    g_signal_handlers_disconnect_by_data(sink_.get(), &change);
-    stop();
-  }
-}
-
-TEST_F(HapticSink, TheStateMayBeChangedFromTheHandlerOfAMessage) {
-  std::list<StateChange> changes;
-  for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL}) {
-    build(kFliesOff);
-    pts_ = 0;
-    push_motion(1000, 0, 60);
-    StateChange &change = changes.emplace_back(pipeline_.get(), sink_.get(), state);
-    GstBus *bus = gst_element_get_bus(pipeline_.get());
-    gst_bus_set_sync_handler(
-        bus,
-        [](GstBus *, GstMessage *message, gpointer data) {
-          auto *c = static_cast<StateChange *>(data);
-          if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING &&
-              GST_MESSAGE_SRC(message) == GST_OBJECT(c->sink))
-            c->make();
-          return GST_BUS_PASS;
-        },
-        &change, nullptr);
-    set(GST_STATE_PLAYING);
-    EXPECT_TRUE(eventually([&] { return change.done.load(); })) << state;
-    gst_bus_set_sync_handler(bus, nullptr, nullptr, nullptr);
-    gst_object_unref(bus);
-    stop();
-  }
 }
 
 TEST_F(HapticSink, AReleaseOutlivesTheNextStart) {
@@ -656,9 +657,7 @@ TEST_F(HapticSink, TwoOfThemWorkSideBySide) {
 
 TEST_F(HapticSink, TheEndMayComeBeforeTheFirstSample) {
   build_logging();
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
+  play_to_end();
   for (const Row &row : stop_and_read_log())
     EXPECT_EQ(row.force(), 0);
 }
@@ -674,10 +673,7 @@ TEST_F(HapticSink, AChangeOfCapsIsNoInterruption) {
     sample.frame_width = 704;
     push(packed(sample, pts_));
   }
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-  const auto rows = undisturbed(stop_and_read_log());
+  const auto rows = undisturbed(play_and_read_log());
   EXPECT_FALSE(rows.empty());
   for (const Row &row : rows)
     ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
@@ -717,10 +713,7 @@ TEST_F(HapticSink, APropertyChangedInReadyCounts) {
   wait_for(GST_STATE_READY);
   g_object_set(sink_.get(), "device", "sim", "rate", 500U, "log-location", log_.c_str(), nullptr);
   push_motion(100, 0, 0.5);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
-  const auto rows = stop_and_read_log();
+  const auto rows = play_and_read_log();
   EXPECT_LE(static_cast<double>(rows.size()),
             rows.back().mono * 500 + 2); // a late tick is left out
   EXPECT_GT(rows.size(), 1U);
@@ -734,27 +727,17 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   push_motion(100, 0, 0.5);
   push_end();
   set(GST_STATE_PLAYING);
-  int posted = 0;
-  for (;;) {
-    const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
-    ASSERT_TRUE(found);
-    if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
-      break;
-    const GstStructure *s = gst_message_get_structure(found.get());
-    if (gst_structure_has_name(s, "haptic-session"))
-      continue;
-    ASSERT_STREQ(gst_structure_get_name(s), "hapticsink-stats");
-    ++posted;
-    for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples",
-                             "gaps", "faults", "log-rows-lost", "samples-lost"})
-      EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
-    for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
-                             "loop-max", "sample-age", "sample-age-max", "force-max", "force-rms"})
-      EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
-    EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
-    EXPECT_EQ(gst_structure_n_fields(s), 20);
-  }
-  EXPECT_EQ(posted, 1);
+  const auto posted = posted_until_end("hapticsink-stats");
+  ASSERT_EQ(posted.size(), 1U);
+  const GstStructure *s = posted.front().get();
+  for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples", "gaps",
+                           "faults", "log-rows-lost", "samples-lost", "reliefs", "bad-reliefs"})
+    EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
+  for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
+                           "loop-max", "sample-age", "sample-age-max", "force-max", "force-rms"})
+    EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
+  EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
+  EXPECT_EQ(gst_structure_n_fields(s), 22);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 0U);
   EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
@@ -769,18 +752,11 @@ TEST_F(HapticSink, PostsItsStateWithTheReasonAndTheDevice) {
   set(GST_STATE_PLAYING);
   std::vector<std::string> states;
   std::string reason;
-  for (;;) {
-    const auto found = message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
-    ASSERT_TRUE(found);
-    if (GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
-      break;
-    const GstStructure *s = gst_message_get_structure(found.get());
-    if (!gst_structure_has_name(s, "haptic-session"))
-      continue;
-    reason = gst_structure_get_string(s, "reason");
-    const std::string device = gst_structure_get_string(s, "device");
+  for (const auto &posted : posted_until_end("haptic-session")) {
+    reason = gst_structure_get_string(posted.get(), "reason");
+    const std::string device = gst_structure_get_string(posted.get(), "device");
     EXPECT_NE(device.find("simulated SPIDAR-G"), std::string::npos) << device;
-    if (const char *state = gst_structure_get_string(s, "state");
+    if (const char *state = gst_structure_get_string(posted.get(), "state");
         states.empty() || states.back() != state)
       states.push_back(state);
   }
@@ -843,6 +819,44 @@ TEST_F(HapticSink, InNullNoHandlerRunsAnyMore) {
   g_signal_handler_disconnect(sink_.get(), id);
 }
 
+// What a program shows is the last state that it was told.
+TEST_F(HapticSink, HandlersRunOneAfterTheOtherAlsoWhenItStops) {
+  struct Handler {
+    std::atomic<int> begun = 0;
+    std::atomic<int> running = 0;
+    std::atomic<bool> overlapped = false;
+    std::string state; // the last one
+  } handler;
+  build("device=sim");
+  set_sync_handler(
+      [](GstBus *, GstMessage *message, gpointer data) {
+        auto *of = static_cast<Handler *>(data);
+        if (gst_message_has_name(message, "haptic-session")) {
+          if (++of->running > 1)
+            of->overlapped = true;
+          ++of->begun;
+          std::this_thread::sleep_for(5ms);
+          of->state = gst_structure_get_string(gst_message_get_structure(message), "state");
+          --of->running;
+        }
+        return GST_BUS_PASS;
+      },
+      &handler);
+  const AtEnd ends([&] {
+    stop();
+    set_sync_handler(nullptr);
+  });
+  for (int i = 0; i < 10; ++i) {
+    const int before = handler.begun;
+    set(GST_STATE_PAUSED);
+    ASSERT_TRUE(eventually([&] { return handler.begun > before; }));
+    stop();
+    EXPECT_FALSE(handler.overlapped);
+    EXPECT_EQ(handler.running, 0);
+    EXPECT_EQ(handler.state, "closed");
+  }
+}
+
 TEST_F(HapticSink, WithADeadManSwitchThereIsAForceOnlyWhileTheButtonIsPressed) {
   for (const int pressed : {0, 1}) {
     const auto hand = directory_ / "hand.csv";
@@ -850,9 +864,7 @@ TEST_F(HapticSink, WithADeadManSwitchThereIsAForceOnlyWhileTheButtonIsPressed) {
     build("device=sim dead-man=button sim-hand=file:" + hand.string());
     pts_ = 0;
     push_motion(100, 0, 0.6);
-    push_end();
-    set(GST_STATE_PLAYING);
-    wait_for_end();
+    play_to_end();
     if (pressed)
       EXPECT_NEAR(number("force-max"), 0.5, 1e-6);
     else
@@ -865,9 +877,7 @@ TEST_F(HapticSink, AnnouncesItsThread) {
   build("device=sim");
   std::vector<GstStreamStatusType> posted;
   push_motion(100, 0, 0.2);
-  GstBus *bus = gst_element_get_bus(pipeline_.get());
-  gst_bus_set_sync_handler(
-      bus,
+  set_sync_handler(
       [](GstBus *, GstMessage *m, gpointer data) {
         if (GST_MESSAGE_TYPE(m) == GST_MESSAGE_STREAM_STATUS) {
           GstStreamStatusType type;
@@ -880,12 +890,15 @@ TEST_F(HapticSink, AnnouncesItsThread) {
         }
         return GST_BUS_PASS;
       },
-      &posted, nullptr);
-  set(GST_STATE_PLAYING);
-  ASSERT_TRUE(eventually([&] { return count("samples") > 0; }));
-  stop();
-  gst_bus_set_sync_handler(bus, nullptr, nullptr, nullptr);
-  gst_object_unref(bus);
+      &posted);
+  {
+    const AtEnd ends([&] {
+      stop();
+      set_sync_handler(nullptr);
+    });
+    set(GST_STATE_PLAYING);
+    ASSERT_TRUE(eventually([&] { return count("samples") > 0; }));
+  }
   EXPECT_EQ(posted, (std::vector{GST_STREAM_STATUS_TYPE_CREATE, GST_STREAM_STATUS_TYPE_ENTER,
                                  GST_STREAM_STATUS_TYPE_LEAVE}));
 }

@@ -25,6 +25,7 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <span>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -63,12 +64,15 @@ inline MotionSample moving(double vx, double vy) {
   return sample;
 }
 
-inline GstBuffer *packed(const MotionSample &sample, GstClockTime pts) {
-  const auto bytes = haptic::pack_motion_sample(sample);
+inline GstBuffer *packed(std::span<const std::uint8_t> bytes, GstClockTime pts) {
   GstBuffer *buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
   GST_BUFFER_PTS(buffer) = pts;
   GST_BUFFER_DURATION(buffer) = kFrame;
   return buffer;
+}
+
+inline GstBuffer *packed(const MotionSample &sample, GstClockTime pts) {
+  return packed(haptic::pack_motion_sample(sample), pts);
 }
 
 inline GstBuffer *gap(GstClockTime pts) {
@@ -135,6 +139,15 @@ inline std::vector<Row> undisturbed(const std::vector<Row> &rows) {
       quiet.push_back(row);
   }
   return quiet;
+}
+
+/// The first row at this running time (s) or later.
+inline Row row_at(const std::vector<Row> &rows, double time) {
+  for (const Row &row : rows)
+    if (row.time >= time)
+      return row;
+  ADD_FAILURE() << "no row at " << time << " s";
+  return {};
 }
 
 /// The last row in which the force was not held.
@@ -227,9 +240,49 @@ protected:
     ASSERT_EQ(GST_MESSAGE_TYPE(found.get()), GST_MESSAGE_EOS);
   }
 
+  void play_to_end() {
+    push_end();
+    set(GST_STATE_PLAYING);
+    wait_for_end();
+  }
+
+  /// What the element messages of this name contain until the end.
+  std::vector<haptic::StructurePtr> posted_until_end(const char *name) {
+    std::vector<haptic::StructurePtr> posted;
+    for (;;) {
+      const auto found =
+          message(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
+      EXPECT_TRUE(found);
+      if (!found || GST_MESSAGE_TYPE(found.get()) == GST_MESSAGE_EOS)
+        return posted;
+      if (gst_message_has_name(found.get(), name))
+        posted.emplace_back(gst_structure_copy(gst_message_get_structure(found.get())));
+    }
+  }
+
   std::vector<Row> stop_and_read_log() {
     stop();
     return read_log(log_);
+  }
+  std::vector<Row> play_and_read_log() {
+    play_to_end();
+    return stop_and_read_log();
+  }
+
+  /// A flush that ends when the force is zero.
+  void flush() {
+    GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
+    gst_pad_send_event(pad, gst_event_new_flush_start());
+    EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
+    gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
+    gst_object_unref(pad);
+  }
+
+  /// Null: none.
+  void set_sync_handler(GstBusSyncHandler handler, gpointer data = nullptr) {
+    GstBus *bus = gst_element_get_bus(pipeline_.get());
+    gst_bus_set_sync_handler(bus, handler, data, nullptr);
+    gst_object_unref(bus);
   }
 
   /// The newest complete row of the log, which is being written.
