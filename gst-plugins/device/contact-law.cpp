@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "contact-law.hpp"
+
+#include "safety-chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+using spidar::Vector3;
+
+// A hand that is not braked must not be faster than the spring can follow.
+static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
+
+// The lightest hand, a free grip, has 0.5 N·s/m of the strings. A spring k behind a delay T is
+// stable for k T < b; device, hold and low-pass are 2.5 periods.
+constexpr double kLightestDamping = 0.5; // N·s/m
+constexpr double kDelayPeriods = 2.5;
+
+constexpr double kDampingTime = 0.005;   // s: damper over spring
+constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
+constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
+constexpr int kHalvings = 5;
+constexpr double kAtRest = 1e-8; // m of slip that is not worth a step
+constexpr int kBisections = 16;  // of the hand's way in one tick
+
+} // namespace
+
+double stiffest(const ContactLimits &limits) noexcept {
+  return std::min(limits.slew_rate / ContactLaw::kFastestSurface,
+                  kLightestDamping * limits.rate / kDelayPeriods);
+}
+
+void ContactLaw::restart() noexcept {
+  contact_ = {};
+  lag_ = 0;
+  energy_ = 0;
+  hand_known_ = false;
+}
+
+// Returns whether the hand came through the surface, and sets the proxy to where. A hand over which
+// the surface came is not thrown out: the surface begins at the hand (lag_).
+bool ContactLaw::touch(const ReliefSurface &surface, const Vector3 &hand) noexcept {
+  const SurfacePoint here = surface.at(hand.x(), hand.y());
+  if (!here.exists || hand.z() >= here.height)
+    return false;
+  const auto is_inside = [&](const Vector3 &place) {
+    const SurfacePoint point = surface.at(place.x(), place.y());
+    return point.exists && place.z() < point.height;
+  };
+  if (!hand_known_ || is_inside(hand_before_)) {
+    lag_ = hand.z() - here.height;
+    contact_.proxy = hand;
+    stiffness_ = 0;
+    return true;
+  }
+  double outside = 0;
+  double inside = 1;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = (outside + inside) / 2;
+    (is_inside(hand_before_ + middle * (hand - hand_before_)) ? inside : outside) = middle;
+  }
+  contact_.proxy = hand_before_ + inside * (hand - hand_before_);
+  contact_.proxy.z() = surface.at(contact_.proxy.x(), contact_.proxy.y()).height;
+  stiffness_ = 0;
+  return true;
+}
+
+// The proxy stays at its place of the picture while the surface moves, at most at kFastestSurface:
+// what the film moves farther becomes lag_. That movement is the only one that gives the spring
+// energy. A stiffness that a new frame raises must not: the spring is shortened to the same energy
+// (k' d'² = k d²), and the surface comes back from there.
+void ContactLaw::move_with_surface(const ReliefSurface &surface, const Vector3 &hand,
+                                   double most_stiffness, double dt) noexcept {
+  Vector3 &proxy = contact_.proxy;
+  SurfacePoint point = surface.at(proxy.x(), proxy.y());
+  const double stiffness = std::min(point.stiffness, most_stiffness);
+  if (point.exists && stiffness_ > 0 && stiffness > stiffness_) {
+    proxy = hand + std::sqrt(stiffness_ / stiffness) * (proxy - hand);
+    point = surface.at(proxy.x(), proxy.y());
+  }
+  if (!point.exists) // the hand has a surface and the proxy has none: it begins anew at the hand
+    return restart();
+  lag_ = proxy.z() - point.height;
+  const double most = kFastestSurface * dt;
+  lag_ -= std::clamp(lag_, -most, most);
+  proxy.z() = felt_height(point);
+}
+
+// Shortens the spring: the proxy slips over the surface until it is within the friction cone,
+// |t| <= mu n of its distance to the hand. A step is made only if it lowers the energy k d² / 2, so
+// that neither the shape nor the map of the stiffness gives energy.
+void ContactLaw::slide(const ReliefSurface &surface, const Vector3 &hand,
+                       double most_stiffness) noexcept {
+  Vector3 &proxy = contact_.proxy;
+  SurfacePoint point = surface.at(proxy.x(), proxy.y());
+  const auto energy = [&](const SurfacePoint &at, const Vector3 &place) {
+    return std::min(at.stiffness, most_stiffness) * (place - hand).squaredNorm();
+  };
+  double now = energy(point, proxy);
+  for (int i = 0; i < kSlideSteps; ++i) {
+    const Vector3 normal = surface.normal(proxy.x(), proxy.y());
+    const Vector3 spring = proxy - hand;
+    const double depth = std::max(spring.dot(normal), 0.0);
+    const Vector3 tangent = spring - depth * normal;
+    const double length = tangent.norm();
+    double step = std::min(length - point.friction * depth, surface.cell() / 2);
+    bool slipped = false;
+    for (int tried = 0; tried < kHalvings && step > kAtRest && !slipped; ++tried, step /= 2) {
+      Vector3 place = proxy - step / length * tangent;
+      const SurfacePoint there = surface.at(place.x(), place.y());
+      place.z() = felt_height(there);
+      const double then = energy(there, place);
+      if (!there.exists || then >= now)
+        continue;
+      proxy = place;
+      point = there;
+      now = then;
+      slipped = true;
+    }
+    if (!slipped)
+      break;
+  }
+  stiffness_ = std::min(point.stiffness, most_stiffness);
+}
+
+const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &hand,
+                                const Vector3 &velocity, const ContactLimits &limits,
+                                double dt) noexcept {
+  if (!(hand + velocity).allFinite() || !(dt > 0)) {
+    restart();
+    return contact_;
+  }
+  const double most = stiffest(limits);
+  const Vector3 before = hand_before_;
+  const double height = contact_.proxy.z();
+  double rise = 0; // m/s
+  if (contact_.touches) {
+    move_with_surface(surface, hand, most, dt);
+    rise = (contact_.proxy.z() - height) / dt;
+  }
+  const bool touched = contact_.touches;
+  if (!contact_.touches) {
+    contact_.touches = touch(surface, hand);
+    rise = 0;
+  }
+  const SurfacePoint here = surface.at(hand.x(), hand.y());
+  contact_.touches = contact_.touches && here.exists && hand.z() <= felt_height(here) + kAtRest;
+  hand_before_ = hand;
+  hand_known_ = !contact_.touches;
+  if (!contact_.touches) {
+    contact_.proxy = hand;
+    lag_ = 0;
+    energy_ = 0;
+    exert(Vector3::Zero(), limits, dt);
+    return contact_;
+  }
+  slide(surface, hand, most);
+  const Vector3 moved =
+      touched ? Vector3(hand - before - Vector3(0, 0, rise * dt)) : Vector3::Zero();
+  exert(wanted(hand, velocity - Vector3(0, 0, rise), moved, limits), limits, dt);
+  return contact_;
+}
+
+// F = k d + k T min(d / d_0, 1) (-v'), with v' the speed of the hand out of the surface: at least
+// 0, at most what the slew rate takes back before the hand is out, S d / v'. A force that the slew
+// rate delays takes less energy e from a fast hand than the spring holds, and must not give back
+// more: at v_0, the speed from which this can be, F <= 2 e / d, so that e is zero at d = 0; below
+// it, in proportion to the speed.
+Vector3 ContactLaw::wanted(const Vector3 &hand, const Vector3 &velocity, const Vector3 &moved,
+                           const ContactLimits &limits) noexcept {
+  const Vector3 spring = contact_.proxy - hand;
+  const double depth = spring.norm();
+  energy_ = std::clamp(energy_ - acting_.dot(moved), 0.0, stiffness_ * depth * depth / 2);
+  if (!(depth > 0))
+    return Vector3::Zero();
+  const double out = velocity.dot(spring) / depth;
+  const double pull = stiffness_ * depth;
+  double force = pull * (1 - kDampingTime * std::min(1 / kWholeDamping, 1 / depth) * out);
+  if (out > 0) {
+    force = std::min(force, limits.slew_rate * depth / out);
+    force = std::min(force, std::max(2 * energy_ / depth, pull * (1 - out / kFastestSurface)));
+  }
+  return std::max(force, 0.0) / depth * spring;
+}
+
+// The limits of the safety chain, so that the law knows what acts.
+void ContactLaw::exert(const Vector3 &wanted, const ContactLimits &limits, double dt) noexcept {
+  const auto limited = [](const Vector3 &v, double most) {
+    return v.norm() > most ? Vector3(v * (most / v.norm())) : v;
+  };
+  acting_ = contact_.force;
+  contact_.force +=
+      limited(limited(wanted, limits.max_force) - contact_.force, limits.slew_rate * dt);
+}
+
+} // namespace haptic

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "touched-surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+#include <string>
+
+namespace {
+
+using haptic::Contact;
+using haptic::ContactLaw;
+using haptic::ReliefField;
+using spidar::Vector3;
+using test::kTick;
+
+constexpr double kStiffness = 200; // N/m
+const haptic::ContactLimits kLimits;
+
+// Leads the hand in small steps along a line, then lets it rest.
+Contact led(ContactLaw &law, const ReliefField &relief, const Vector3 &from, const Vector3 &to) {
+  constexpr int kSteps = 400;
+  Contact contact;
+  for (int i = 0; i <= kSteps + 20; ++i) {
+    const double share = std::min(1.0, static_cast<double>(i) / kSteps);
+    contact = law.step(test::surface_of(relief), from + share * (to - from), Vector3::Zero(),
+                       kLimits, kTick);
+  }
+  return contact;
+}
+
+Contact pressed(const ReliefField &relief, const Vector3 &to, const Vector3 &from) {
+  ContactLaw law;
+  return led(law, relief, from, to);
+}
+
+void expect_force(const Contact &contact, double depth, const Vector3 &normal) {
+  ASSERT_TRUE(contact.touches);
+  EXPECT_NEAR(contact.force.norm(), kStiffness * depth, 0.02 * kStiffness * depth);
+  EXPECT_LE(test::degrees_between(contact.force, normal), 3);
+}
+
+TEST(ContactLaw, APlaneAnswersWithStiffnessTimesDepth) {
+  const ReliefField relief = test::relief_of(test::flat(0.002));
+  for (const double depth : {0.0005, 0.001, 0.003, 0.005}) {
+    SCOPED_TRACE(depth);
+    expect_force(pressed(relief, {0.004, -0.003, 0.002 - depth}, {0.004, -0.003, 0.01}), depth,
+                 {0, 0, 1});
+  }
+}
+
+TEST(ContactLaw, ARampAnswersAlongItsNormal) {
+  for (const double slope : {0.2, 0.577, 1.0}) {
+    SCOPED_TRACE(slope);
+    const ReliefField relief =
+        test::relief_of([slope](double x, double y) { return slope * (0.8 * x + 0.6 * y); });
+    const Vector3 normal = Vector3(-0.8 * slope, -0.6 * slope, 1).normalized();
+    expect_force(pressed(relief, -0.002 * normal, 0.01 * normal), 0.002, normal);
+  }
+}
+
+TEST(ContactLaw, ASphereAnswersAlongItsRadius) {
+  constexpr double kRadius = 0.03; // m
+  const ReliefField relief = test::relief_of([](double x, double y) {
+    return std::sqrt(std::max(kRadius * kRadius - x * x - y * y, 0.0)) - 0.02;
+  });
+  const Vector3 centre(0, 0, -0.02);
+  for (const double tilt : {0.0, 10.0, 20.0, 30.0})
+    for (const double round : {0.0, 37.0, 200.0}) {
+      SCOPED_TRACE(std::to_string(tilt) + "°, " + std::to_string(round) + "°");
+      const double t = tilt * std::numbers::pi / 180;
+      const double r = round * std::numbers::pi / 180;
+      const Vector3 radius(std::sin(t) * std::cos(r), std::sin(t) * std::sin(r), std::cos(t));
+      expect_force(
+          pressed(relief, centre + (kRadius - 0.002) * radius, centre + 1.2 * kRadius * radius),
+          0.002, radius);
+    }
+}
+
+Vector3 nearest_on(const ReliefField &relief, const Vector3 &hand) {
+  const auto surface = test::surface_of(relief);
+  Vector3 nearest = Vector3::Constant(1);
+  for (double x = -0.008; x <= 0.008; x += 2e-5) {
+    const Vector3 place(x, hand.y(), surface.at(x, hand.y()).height);
+    if ((place - hand).norm() < (nearest - hand).norm())
+      nearest = place;
+  }
+  return nearest;
+}
+
+TEST(ContactLaw, AStepAnswersOnBothLevelsAndAtItsWall) {
+  const ReliefField relief = test::relief_of([](double x, double) { return x < 0 ? 0 : 0.002; });
+  expect_force(pressed(relief, {-0.004, 0, -0.002}, {-0.004, 0, 0.01}), 0.002, {0, 0, 1});
+  expect_force(pressed(relief, {0.004, 0, 0}, {0.004, 0, 0.01}), 0.002, {0, 0, 1});
+  // From the lower level into the wall.
+  const Vector3 hand(0.0005, 0, 0.0005);
+  const Vector3 spring = nearest_on(relief, hand) - hand;
+  expect_force(pressed(relief, hand, {-0.004, 0, 0.0005}), spring.norm(), spring);
+}
+
+TEST(ContactLaw, TheProxyStaysOnTheSideThatTheHandCameFrom) {
+  const ReliefField relief =
+      test::relief_of([](double x, double) { return std::abs(x) < 0.003 ? 0.01 : -0.01; });
+  const Contact left = pressed(relief, {0.001, 0, 0}, {-0.01, 0, 0});
+  EXPECT_LT(left.force.x(), -0.1); // nearer to the other side
+  const Contact right = pressed(relief, {-0.001, 0, 0}, {0.01, 0, 0});
+  EXPECT_GT(right.force.x(), 0.1);
+}
+
+TEST(ContactLaw, SlipsAtTheAngleOfFriction) {
+  for (const double friction : {0.1, 0.3, 0.7, 1.5}) {
+    SCOPED_TRACE(friction);
+    const ReliefField relief = test::relief_of(test::flat(), kStiffness, friction);
+    ContactLaw law;
+    led(law, relief, {-0.01, 0, 0.002}, {-0.01, 0, -0.002});
+    const Vector3 stuck = law.contact().proxy;
+    double slips_at = 0;
+    for (double x = 0; x < 0.006; x += 1e-6) {
+      const auto &now = law.step(test::surface_of(relief), {-0.01 + x, 0, -0.002}, Vector3::Zero(),
+                                 kLimits, kTick);
+      const double angle = test::degrees_between(now.force, {0, 0, 1});
+      if (now.proxy == stuck)
+        slips_at = angle;
+      else
+        ASSERT_NEAR(angle, slips_at, 1); // and keeps it
+    }
+    EXPECT_NEAR(slips_at, std::atan(friction) * 180 / std::numbers::pi, 1);
+    EXPECT_NE(law.contact().proxy, stuck);
+  }
+}
+
+TEST(ContactLaw, RestsOnARampFlatterThanTheAngleOfFriction) {
+  for (const double slope : {0.35, 0.45}) {
+    const ReliefField relief =
+        test::relief_of([slope](double x, double) { return slope * x; }, kStiffness, 0.4);
+    ContactLaw law;
+    const Contact contact = led(law, relief, {0, 0, 0.002}, {0, 0, -0.002});
+    if (slope < 0.4)
+      EXPECT_EQ(contact.proxy.x(), 0);
+    else
+      EXPECT_LT(contact.proxy.x(), -1e-6);
+  }
+}
+
+TEST(ContactLaw, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
+  EXPECT_DOUBLE_EQ(haptic::stiffest({}), 200);
+  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 5}), 50);
+  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 1000, .rate = 100}), 20);
+  const ReliefField relief = test::relief_of(test::flat(), 1e5);
+  expect_force(pressed(relief, {0, 0, -0.001}, {0, 0, 0.01}), 0.001, {0, 0, 1});
+}
+
+TEST(ContactLaw, WithoutASurfaceThereIsNoForce) {
+  ReliefField holes = test::relief_of(test::flat(0.005));
+  for (auto &cell : holes.cells)
+    cell = {};
+  EXPECT_FALSE(pressed(holes, {0, 0, 0}, {0, 0, 0.01}).touches);
+
+  // It ends under the hand that touches it, and comes back.
+  const ReliefField relief = test::relief_of(test::flat(0.005));
+  ContactLaw law;
+  led(law, relief, {0, 0, 0.01}, {0, 0, 0.002});
+  EXPECT_EQ(law.step(test::surface_of(holes), {0, 0, 0.002}, Vector3::Zero(), kLimits, kTick).force,
+            Vector3::Zero());
+  EXPECT_LE(law.step(test::surface_of(relief), {0, 0, 0.002}, Vector3::Zero(), kLimits, kTick)
+                .force.norm(),
+            1e-9);
+}
+
+TEST(ContactLaw, AHandThatIsFoundBeneathASurfaceIsLiftedSlowly) {
+  const ReliefField relief = test::relief_of(test::flat(0.02));
+  ContactLaw law;
+  double before = 0;
+  for (int ms = 0; ms < 100; ++ms) {
+    const Vector3 force =
+        law.step(test::surface_of(relief), Vector3::Zero(), Vector3::Zero(), kLimits, kTick).force;
+    ASSERT_LE(force.z() - before, 0.0401) << ms; // spring and damper of a surface at 0.1 m/s
+    before = force.z();
+  }
+  EXPECT_NEAR(law.contact().proxy.z(), 0.01, 2e-4);
+}
+
+TEST(ContactLaw, ANumberThatIsNotFiniteGivesNoForce) {
+  const ReliefField relief = test::relief_of(test::flat(0.02));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  ContactLaw law;
+  led(law, relief, {0, 0, 0.03}, {0, 0, 0.018});
+  EXPECT_FALSE(
+      law.step(test::surface_of(relief), {kNan, 0, 0}, Vector3::Zero(), kLimits, kTick).touches);
+  EXPECT_FALSE(
+      law.step(test::surface_of(relief), Vector3::Zero(), {0, kNan, 0}, kLimits, kTick).touches);
+}
+
+// The energy k d² / 2 of a spring that is held while the relief changes may only rise by the work
+// of the surface's own movement.
+TEST(ContactLaw, AStifferFrameGivesTheHandNoEnergy) {
+  const ReliefField soft = test::relief_of(test::flat(), 50);
+  const ReliefField stiff = test::relief_of(test::flat(), 200);
+  ContactLaw law;
+  led(law, soft, {0, 0, 0.01}, {0, 0, -0.004});
+  const double energy = 50 * 0.004 * 0.004 / 2;
+  double most = energy;
+  for (int ms = 0; ms < 100; ++ms) {
+    const double before = ms ? law.contact().proxy.z() : -0.002; // shortened to k d² as before
+    const Contact now =
+        law.step(test::surface_of(stiff), {0, 0, -0.004}, Vector3::Zero(), kLimits, kTick);
+    most += 200 * (now.proxy.z() + 0.004) * (now.proxy.z() - before);
+    ASSERT_LE(200 * std::pow(now.proxy.z() + 0.004, 2) / 2, most * (1 + 1e-9)) << ms;
+  }
+  EXPECT_NEAR(law.contact().proxy.z(), 0, 1e-9); // it is as stiff as the film says in the end
+}
+
+} // namespace
