@@ -189,6 +189,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   exchange(now);
   update_hand(dt);
   update_motion(now);
+  update_touch(dt);
   const spidar::Wrench wrench = next_wrench(dt, lateness > kTooLate);
   if (run_.environment.device)
     run_.environment.device->command(wrench);
@@ -207,10 +208,13 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
   const std::uint32_t epoch = epoch_.load();
   run_.flushed = epoch != run_.epoch;
   run_.epoch = epoch;
-  if (run_.flushed)
+  if (run_.flushed) {
     run_.interpolator.clear();
+    run_.touch.clear();
+  }
   run_.broken = false;
   const std::int64_t running = run_.running_time.at(now);
+  receive_reliefs(running);
   for (Submission submission; submissions_.pop(submission);) {
     if (submission.epoch != epoch)
       continue;
@@ -228,6 +232,12 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
     add(run_.statistics.sample_age_sum, age);
     raise(run_.statistics.sample_age_max, age);
   }
+}
+
+void HapticLoop::receive_reliefs(std::int64_t running) noexcept {
+  for (ReliefSubmission submission; reliefs_.pop(submission);)
+    if (submission.epoch == run_.epoch)
+      run_.touch.add(std::move(submission.relief), running);
 }
 
 void HapticLoop::adopt_replacement() noexcept {
@@ -294,13 +304,34 @@ void HapticLoop::update_hand(double dt) noexcept {
     run_.wash_out.step(state.pose.position, state.velocity, half, settings_.value().wash_out, dt);
     run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
   }
-  run_.hand.write({state.pose.position, state.valid, state.pressed, run_.wash_out.shift()});
+  const LoopSettings &settings = settings_.value();
+  run_.hand.write(
+      {state.pose.position, state.valid, state.pressed, run_.wash_out.shift(),
+       settings.touch == TouchMode::off ? std::nullopt : std::optional(settings.region_z)});
 }
 
 void HapticLoop::update_motion(std::int64_t now) noexcept {
   // While the pipeline is paused its time stands still.
-  if (run_.flushed || !(holds_.load() & kHoldPaused))
-    run_.motion = run_.interpolator.at(run_.running_time.at(now), run_.place);
+  if (!run_.flushed && (holds_.load() & kHoldPaused))
+    return;
+  const std::int64_t running = run_.running_time.at(now);
+  PointerPosition place = run_.place;
+  if (settings_.value().touch != TouchMode::off)
+    place.z = settings_.value().region_z;
+  run_.motion = run_.interpolator.at(running, place);
+  run_.touch.update(running);
+}
+
+void HapticLoop::update_touch(double dt) noexcept {
+  const LoopSettings &settings = settings_.value();
+  const spidar::HapticDevice *device = run_.environment.device;
+  if (settings.touch == TouchMode::off || !device || !device->state().valid)
+    return run_.touch.leave();
+  const spidar::DeviceState &state = device->state();
+  const ContactLimits limits{settings.slew_rate, settings.law_settings.max_force,
+                             static_cast<double>(kSecond) / static_cast<double>(run_.period)};
+  run_.touch.step(state.pose.position, state.velocity, device->workspace_half(),
+                  run_.wash_out.shift(), limits, dt);
 }
 
 // Without a force the grip may move and turn as fast as the hand likes.
@@ -319,7 +350,9 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
     holds |= kHoldLate;
   if (run_.flushed) // a flush may begin and end within a tick
     holds |= kHoldFlushing;
-  if (run_.motion.cut)
+  const TouchMode touch = settings_.value().touch;
+  if ((run_.motion.cut && touch != TouchMode::surface) ||
+      (run_.touch.cut() && touch != TouchMode::off))
     holds |= kHoldCut;
   const spidar::HapticDevice *device = run_.environment.device;
   if (run_.environment.dead_man && !(device && device->state().pressed))
@@ -356,12 +389,14 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const Motion &motion = run_.conditioner.step(scale_motion(now.sample, settings.reference_width),
                                                settings.smooth_hz, dt);
   input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
-  if (run_.broken)
-    input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());
   input.measured = now.measured;
   input.confidence = now.sample.confidence;
   input.age = now.age;
   input.interval = now.interval;
+  if (settings.touch != TouchMode::off)
+    run_.touch.apply(settings.touch, input);
+  if (run_.broken)
+    input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());
   input.max_force = law.max_force;
   input.continuous_force = settings.continuous_force;
   input.max_torque = law.max_torque;
@@ -431,6 +466,12 @@ TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noe
   row.mono = seconds(now - run_.log_start.value_or(now));
   row.hold = run_.chain.holds();
   row.energy = run_.chain.continuous_force().used();
+  if (const Contact &contact = run_.touch.contact(); contact.touches) {
+    row.proxy = columns(contact.proxy);
+    row.touches = true;
+  } else {
+    row.proxy = row.position;
+  }
   return row;
 }
 

@@ -17,6 +17,7 @@
 #include "shared-value.hpp"
 #include "suspend-detector.hpp"
 #include "tick-log.hpp"
+#include "touch.hpp"
 
 #include <atomic>
 #include <functional>
@@ -44,14 +45,17 @@ struct LoopSettings {
   double smooth_hz = 0;                                              ///< Hz, 0: off
   double continuous_force = 1;                                       ///< N rms, 0: no limit
   double wash_out = 0;                                               ///< 1/s, 0: off
+  TouchMode touch = TouchMode::off;
+  double region_z = 0; ///< -1..1, instead of the hand's z while it touches
 };
 
 /// Where the hand is, for the pointer.
 struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
   bool valid = false;
-  bool pressed = false; ///< a button of the grip
-  FrameShift shift;     ///< of the frame, by the wash-out
+  bool pressed = false;           ///< a button of the grip
+  FrameShift shift;               ///< of the frame, by the wash-out
+  std::optional<double> region_z; ///< LoopSettings, while touch is on
 };
 
 /// The sum of what was commanded since start(). The mean force between two readings is the
@@ -165,6 +169,11 @@ public:
     const MotionSample frame = frame_of(*field);
     submit(TimedMotion{frame, true, middle, std::move(field)}, arrival);
   }
+  /// As submit(); the streaming thread of the reliefs.
+  void submit(TimedRelief relief) noexcept {
+    if (!reliefs_.push({std::move(relief), epoch_.load()}))
+      run_.statistics.samples_lost.fetch_add(1);
+  }
   /// Nothing was measured; the flags of the sample give the reason.
   void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),
                   std::int64_t middle = kAtOnce) noexcept {
@@ -207,6 +216,11 @@ private:
     std::uint32_t epoch = 0;
   };
 
+  struct ReliefSubmission {
+    TimedRelief relief;
+    std::uint32_t epoch = 0;
+  };
+
   // Everything that begins anew with a start, which replaces it as a whole.
   struct Run {
     Run() = default;
@@ -237,7 +251,8 @@ private:
     WashOut wash_out;
     PointerPosition place; // of the hand, as last known
     MotionAt motion;       // at the time of this tick
-    bool broken = false;   // a sample held a number that is not finite
+    Touch touch;
+    bool broken = false; // a sample held a number that is not finite
     Impulse impulse;
     std::uint32_t epoch = 0;
     bool flushed = false;         // samples were dropped since the last tick
@@ -256,7 +271,9 @@ private:
   void exchange(std::int64_t now) noexcept;
   void update_hand(double dt) noexcept;
   void lose_device() noexcept;
+  void receive_reliefs(std::int64_t running) noexcept;
   void update_motion(std::int64_t now) noexcept;
+  void update_touch(double dt) noexcept;
   bool is_let_go(const spidar::DeviceState &state, double dt) noexcept;
   std::uint32_t holds_of_tick(double dt, bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
@@ -268,6 +285,7 @@ private:
   std::atomic<bool> homed_ = false;                              // loop, thread that opens
   std::atomic<std::uint32_t> epoch_ = 0;                         // of the samples; any thread
   SampleRing<Submission, 256> submissions_;                      // streaming thread -> loop
+  SampleRing<ReliefSubmission, 16> reliefs_;                     // the reliefs' -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop
 
   Run run_;

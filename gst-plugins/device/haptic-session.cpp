@@ -258,6 +258,8 @@ std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool 
   if (!hand.valid)
     return std::nullopt;
   PointerPosition point = map_pointer(hand.position, run_.workspace_half, hand.shift);
+  if (hand.region_z)
+    point.z = *hand.region_z;
   point.pressed = hand.pressed;
   const Impulse impulse = loop_.impulse();
   if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {

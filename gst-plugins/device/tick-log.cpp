@@ -50,6 +50,8 @@ void append_row(std::string &text, const TickRow &row) {
   append(row.turning);
   append(row.realised_force);
   append(row.realised_torque);
+  append(row.proxy);
+  append_number(text, row.touches ? 1 : 0);
   text += '\n';
 }
 

@@ -34,11 +34,13 @@ struct TickRow {
   std::array<double, 3> turning{};        ///< rad/s, of the grip
   std::array<double, 3> realised_force{}; ///< N, what the tensions exert
   std::array<double, 3> realised_torque{}; ///< N·m
+  std::array<double, 3> proxy{};           ///< m; where the hand touches the surface
+  bool touches = false;
 };
 
 inline constexpr const char *kTickLogHeader =
     "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold"
-    ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz";
+    ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch";
 
 /// Appends one line with its line feed: nine significant digits, "." in every locale. A number that
 /// is not finite is written as 0.

@@ -656,7 +656,9 @@ TEST_F(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
     EXPECT_NEAR(row[kQx + 11 + axis], state.realised.torque[i], 1e-8);
   }
   EXPECT_NEAR(row[kQx + 8], 3, 0.02);
-  EXPECT_EQ(row.size(), kQx + 14);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    EXPECT_EQ(row[kQx + 14 + axis], row[1 + axis]); // touches nothing: the grip
+  EXPECT_EQ(row.size(), kQx + 18);
 }
 
 TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {

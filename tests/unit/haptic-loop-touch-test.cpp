@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The loop with reliefs: what is felt of them and of the motion, and when there is silence.
+#include "counted-allocations.hpp"
+#include "loop-fixture.hpp"
+#include "touched-surface.hpp"
+
+#include <memory>
+
+namespace {
+
+using haptic::TouchMode;
+using test::kMs;
+
+class TouchingLoop : public test::Loop {
+protected:
+  void open_touching(TouchMode mode, const std::string &hand) {
+    open(hand);
+    haptic::LoopSettings settings;
+    settings.touch = mode;
+    loop_.set_settings(settings);
+    play();
+  }
+  void submit(const haptic::ReliefField &relief) {
+    auto field = pool_->acquire();
+    *field = relief;
+    loop_.submit(haptic::TimedRelief{std::move(field)});
+  }
+  // A source of 100 reliefs and samples a second.
+  void touch_for(const haptic::ReliefField &relief, int ms, float vx = 0) {
+    for (int i = 0; i < ms; i += 10) {
+      submit(relief);
+      if (vx != 0)
+        loop_.submit(test::moving(vx, 0), now_);
+      ticks(10);
+    }
+  }
+  spidar::Vector3 force() const { return loop_.wrench().force; }
+
+  std::unique_ptr<haptic::ReliefPool> pool_ = std::make_unique<haptic::ReliefPool>();
+  haptic::ReliefField plane_ = test::relief_of(test::flat(0.003));
+};
+
+TEST_F(TouchingLoop, AHandBeneathASurfaceIsPushedOutOfIt) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(plane_, 1000, 100);
+  // 200 N/m against the 1000 N/m of the hand, and no motion.
+  EXPECT_NEAR(force().z(), 200 * 0.003 * 1000 / 1200, 0.01);
+  EXPECT_NEAR(force().head<2>().norm(), 0, 0.005);
+}
+
+TEST_F(TouchingLoop, SurfaceAndMotionAddUp) {
+  open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
+  touch_for(plane_, 1000, 100);
+  EXPECT_NEAR(force().z(), 200 * 0.003 * 1000 / 1200, 0.01);
+  EXPECT_NEAR(force().x(), 0.5, 0.01);
+}
+
+TEST_F(TouchingLoop, WithoutTouchReliefsAreFeltAsNothing) {
+  open_touching(TouchMode::off, "hold:0,0,0");
+  touch_for(plane_, 300);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(TouchingLoop, AFilmThatLosesItsDepthFadesAndTheMotionStays) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(plane_, 500);
+  ticks(300);
+  EXPECT_TRUE(loop_.silent());
+
+  open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
+  touch_for(plane_, 500, 100);
+  play_motion(100, 0, 300);
+  EXPECT_NEAR(force().z(), 0, 1e-9);
+  EXPECT_NEAR(force().x(), 0.5, 0.01);
+}
+
+TEST_F(TouchingLoop, AHandThatATouchBeginsUnderIsNotThrown) {
+  open_touching(TouchMode::surface, "free");
+  touch_for(test::relief_of(test::flat(0.02)), 1500);
+  EXPECT_FALSE(is_held(haptic::kHoldOverspeed));
+  EXPECT_LE(force_max(), 1);
+}
+
+TEST_F(TouchingLoop, MillimetresTakenForMetresAreNoSurface) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(test::relief_of(test::flat(0.8)), 500);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(TouchingLoop, AFlushDiscardsTheSurface) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(plane_, 500);
+  loop_.drop_samples();
+  ticks(60);
+  EXPECT_TRUE(loop_.silent());
+}
+
+TEST_F(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
+  open_touching(TouchMode::surface, "hold:0,0,0.5");
+  ticks(10);
+  EXPECT_EQ(loop_.hand().region_z, 0);
+  open_touching(TouchMode::off, "hold:0,0,0.5");
+  ticks(10);
+  EXPECT_FALSE(loop_.hand().region_z);
+}
+
+TEST_F(TouchingLoop, TakesNothingFromTheHeap) {
+  open_touching(TouchMode::surface_and_motion, "circle:0.5,1");
+  touch_for(plane_, 100, 100);
+  submit(plane_);
+  const long before = test::allocations;
+  ticks(500);
+  EXPECT_EQ(test::allocations, before);
+}
+
+} // namespace

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hands that touch surfaces through the whole loop: what they feel stays within the slew rate,
+// gives them no energy that the surface does not have, and shows them an edge.
+#include "touched-surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+#include <vector>
+
+namespace {
+
+using haptic::ReliefField;
+using spidar::Vector3;
+using test::kTick;
+using test::TouchLoop;
+
+class Hands : public ::testing::TestWithParam<test::HandModel> {};
+INSTANTIATE_TEST_SUITE_P(Touch, Hands, testing::Values(test::kLying, test::kLight, test::kStiff),
+                         [](const auto &of) { return of.param.name; });
+
+// 5 mm up or down with each frame, on half of them at once.
+TEST_P(Hands, ASurfaceThatJumpsKeepsTheSlewRateAndGivesNoMoreThanItsOwnWork) {
+  std::mt19937 random(7);
+  double height = 0;
+  ReliefField from = test::relief_of(test::flat(0), 200, 0.3, 8);
+  ReliefField to = from;
+  TouchLoop loop(GetParam(), {0, 0, 0.001});
+  for (int frame = 0; frame < 300; ++frame) {
+    height += (random() % 2 ? 0.005 : -0.005) * (std::abs(height) < 0.015 ? 1 : 0);
+    height = std::clamp(height, -0.0125, 0.0125);
+    from = to;
+    to = test::relief_of(test::flat(height), 200, 0.3, 8);
+    for (int ms = 0; ms < 33; ++ms) {
+      const Vector3 force = loop.force;
+      loop.tick({from, to, frame % 2 ? 1 : ms / 33.0, test::kHalf}, {0, 0, -0.004});
+      ASSERT_LE((loop.force - force).norm(), 20 * kTick + 1e-12);
+    }
+  }
+  EXPECT_LE(loop.work, loop.surface_work);
+}
+
+// Sums of waves of 4 to 30 mm, with walls in some of them.
+test::Shape random_shape(std::mt19937 &random) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  struct Wave {
+    double x, y, phase, size;
+  };
+  std::vector<Wave> waves;
+  for (int i = 0; i < 4; ++i) {
+    const double length = 0.017 + 0.013 * uniform(random);
+    const double angle = 3.2 * uniform(random);
+    waves.push_back({2 * std::numbers::pi / length * std::cos(angle),
+                     2 * std::numbers::pi / length * std::sin(angle), 3.2 * uniform(random),
+                     0.08 * length});
+  }
+  const double wall = random() % 3 ? 0 : 0.004;
+  return [=](double x, double y) {
+    double height = x + y > 0.003 ? wall : 0;
+    for (const Wave &wave : waves)
+      height += wave.size * std::sin(wave.x * x + wave.y * y + wave.phase);
+    return height;
+  };
+}
+
+// A million ticks in all. A hand that swings faster than the slew rate can follow may gain what the
+// spring holds under the full force, F² / 2 k; none gains more with time.
+TEST_P(Hands, NeitherGainEnergyNorTrembleOnRandomSurfaces) {
+  constexpr int kTicks = 340'000;
+  constexpr int kLed = 300;    // ms
+  constexpr int kLooked = 200; // ms
+  const int touch = kLed + GetParam().swings + kLooked;
+  const double most_work = GetParam().swings > 1000 ? 0.0025 : 1e-6; // J
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  ReliefField relief;
+  for (int n = 0; n < kTicks / touch; ++n) {
+    if (n % 8 == 0)
+      relief = test::relief_of(random_shape(random), 125 + 75 * uniform(random),
+                               n % 3 ? 0.4 + 0.4 * uniform(random) : 0);
+    const auto surface = test::surface_of(relief);
+    const Vector3 from(0.02 * uniform(random), 0.02 * uniform(random), 0.02);
+    const Vector3 aim(0.02 * uniform(random), 0.02 * uniform(random),
+                      -0.004 - 0.01 * uniform(random));
+    TouchLoop loop(GetParam(), from);
+    double least = 1; // N
+    double most = 0;
+    for (int ms = 0; ms < touch; ++ms) {
+      loop.tick(surface, from + std::min(1.0 * ms / kLed, 1.0) * (aim - from));
+      if (ms < touch - kLooked)
+        continue;
+      least = std::min(least, loop.force.norm());
+      most = std::max(most, loop.force.norm());
+    }
+    ASSERT_LE(most - least, 0.05) << "touch " << n;
+    ASSERT_LE(loop.work, most_work) << "touch " << n;
+  }
+}
+
+// An explorer presses with 0.15 N, moves to the right, and takes the place where the force first
+// differs by 0.08 N from what it was: more than hands need.
+TEST(Touch, AStepOfTwoMillimetresIsFoundWithinOneByTheForceAlone) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  constexpr int kTrials = 100;
+  constexpr int kMs = 1000;
+  int found = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const double edge = 0.01 * uniform(random);
+    const double step = trial % 2 ? 0.002 : -0.002;
+    const double stiffness = 150 + 50 * uniform(random);
+    const ReliefField relief =
+        test::relief_of([&](double x, double) { return x < edge ? 0 : step; }, stiffness, 0.2);
+    const test::HandModel &hand = trial % 4 < 2 ? test::kStiff : test::kLight;
+    const double press = 0.15 / hand.stiffness + 0.15 / stiffness; // m
+    TouchLoop loop(hand, {-0.02, 0, 0.001});
+    Vector3 usual = Vector3::Zero();
+    double place = 1;
+    for (int ms = -500; ms < kMs && place == 1; ++ms) {
+      loop.tick(test::surface_of(relief), {-0.02 + 0.04 * std::max(ms, 0) / kMs, 0, -press});
+      if (ms >= 50 && ms < 150)
+        usual += loop.force / 100;
+      if (ms >= 150 && (loop.force - usual).norm() > 0.08)
+        place = loop.position.x();
+    }
+    found += std::abs(place - edge) < 0.001;
+  }
+  EXPECT_GE(found, 95);
+}
+
+} // namespace
