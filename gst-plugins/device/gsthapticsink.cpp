@@ -20,6 +20,7 @@
 #include "haptic-session.hpp"
 #include "motion-field.hpp"
 #include "pointer-event.hpp"
+#include "relief-pad.hpp"
 #include "sink-messages.hpp"
 #include "sink-properties.hpp"
 
@@ -81,6 +82,8 @@ struct State {
   haptic::CallQueue calls;
   std::atomic<bool> armed = false; // as of the last notification
   std::atomic<int> notified_state = static_cast<int>(haptic::SessionState::closed); // the same
+
+  std::atomic<bool> sink_has_relief = false; // instead of motion; written by the streaming thread
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
 
@@ -204,13 +207,12 @@ bool is_immediate(GstHapticSink *self) {
 }
 
 // Presentation running time of `pts` in ns, or kAtOnce.
-std::int64_t presentation_time(GstHapticSink *self, GstClockTime pts) {
+std::int64_t presentation_time(GstHapticSink *self, const GstSegment &segment, GstClockTime pts) {
   GstBaseSink *sink = GST_BASE_SINK(self);
-  if (is_immediate(self) || !GST_CLOCK_TIME_IS_VALID(pts) ||
-      sink->segment.format != GST_FORMAT_TIME)
+  if (is_immediate(self) || !GST_CLOCK_TIME_IS_VALID(pts) || segment.format != GST_FORMAT_TIME)
     return haptic::kAtOnce;
   guint64 running = 0;
-  const int sign = gst_segment_to_running_time_full(&sink->segment, GST_FORMAT_TIME, pts, &running);
+  const int sign = gst_segment_to_running_time_full(&segment, GST_FORMAT_TIME, pts, &running);
   if (sign == 0)
     return haptic::kAtOnce;
   return sign * static_cast<std::int64_t>(running) +
@@ -348,15 +350,21 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 
 GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   GstHapticSink *self = GST_HAPTIC_SINK(sink);
+  State &state = *self->state;
   set_running_time(self);
   haptic::sync_controllers(self, sink->segment, buffer);
-  const haptic::Presentation presentation{.time = presentation_time(self, GST_BUFFER_PTS(buffer)),
-                                          .playback = playback_of(sink->segment),
-                                          .rate_law = setting_of(self, &SinkSettings::rate_law)};
+  const std::int64_t time = presentation_time(self, sink->segment, GST_BUFFER_PTS(buffer));
+  const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
   GstMapInfo map{};
   const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
-  self->state->session.accept(std::span<const std::uint8_t>(map.data, map.size),
-                              GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), presentation);
+  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  if (state.sink_has_relief)
+    state.session.accept_relief_alone(bytes, gap, time);
+  else
+    state.session.accept(bytes, gap,
+                         {.time = time,
+                          .playback = playback_of(sink->segment),
+                          .rate_law = setting_of(self, &SinkSettings::rate_law)});
   if (mapped)
     gst_buffer_unmap(buffer, &map);
   return GST_FLOW_OK;
@@ -366,6 +374,10 @@ gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
   GST_DEBUG_OBJECT(sink, "%" GST_PTR_FORMAT, static_cast<void *>(caps));
   haptic::SampleIntake &intake = state_of(sink).session.intake();
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  const bool has_relief = gst_structure_has_name(structure, "haptics/x-field");
+  if (has_relief && GST_ELEMENT(sink)->numsinkpads > 1)
+    return FALSE; // they come by the other pad
+  state_of(sink).sink_has_relief = has_relief;
   intake.set_layout(g_strcmp0(gst_structure_get_string(structure, "layout"), "field") == 0);
   gint n = 0;
   gint d = 0;
@@ -386,6 +398,17 @@ gboolean event(GstBaseSink *sink, GstEvent *event) {
   if (type == GST_EVENT_FLUSH_STOP)
     session.end_flush();
   return result;
+}
+
+// Reliefs come by the pad `sink` or by this one.
+GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
+  GstHapticSink *self = GST_HAPTIC_SINK(element);
+  if (self->state->sink_has_relief)
+    return nullptr;
+  const auto time = [self](const GstSegment &segment, GstClockTime pts) {
+    return presentation_time(self, segment, pts);
+  };
+  return haptic::add_relief_pad(element, of, self->state->session, time);
 }
 
 // Waits until the condition holds, for at most `limit`, without the preroll lock, which every state
@@ -440,7 +463,11 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
   if (gap) {
     GstClockTime pts = GST_CLOCK_TIME_NONE;
     gst_event_parse_gap(event, &pts, nullptr);
-    session.accept_gap(presentation_time(self, pts));
+    const std::int64_t time = presentation_time(self, sink->segment, pts);
+    if (self->state->sink_has_relief)
+      session.accept_relief({}, true, time);
+    else
+      session.accept_gap(time);
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     result = fade_at_end(sink);
@@ -591,10 +618,17 @@ void install_sink_functions(GstBaseSinkClass *klass) {
 
 static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
-  static GstStaticPadTemplate sink_template =
-      GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                              GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS));
+  static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+      "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+      GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS));
   gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
+  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
+                                      const GstCaps *) {
+    return guarded(element, static_cast<GstPad *>(nullptr),
+                   [&] { return request_pad(element, of); });
+  };
+  element_class->release_pad = haptic::remove_relief_pad;
   gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
                                         "Motion in frames as force on the hand",
                                         "Feeling Wind project");

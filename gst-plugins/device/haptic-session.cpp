@@ -61,7 +61,7 @@ std::string error_text(int error) {
 } // namespace
 
 HapticSession::HapticSession(SessionClient &client, DeviceOpener opener)
-    : client_(client), opener_(std::move(opener)), run_(fields_) {}
+    : client_(client), opener_(std::move(opener)), run_(fields_, relief_pool_) {}
 
 void HapticSession::note(Severity severity, std::string text) {
   client_.on_notice({severity, std::nullopt, std::move(text), {}});
@@ -139,7 +139,7 @@ bool HapticSession::prepare(const RunSettings &settings) {
   }
   if (!open_log(settings.log_location))
     return false;
-  run_ = Run(fields_);
+  run_ = Run(fields_, relief_pool_);
   run_.reopening.wait = kFirstReopening;
   run_.armed = is_armed();
   read_description();
@@ -188,6 +188,16 @@ void HapticSession::accept(std::span<const std::uint8_t> bytes, bool gap,
     loop_.submit(*std::move(result.motion));
   if (result.damaged && !std::exchange(run_.damage_reported, true))
     client_.on_notice({Severity::warning, NoticeCause::format, messages::kSampleDamaged,
+                       std::to_string(bytes.size()) + " bytes"});
+}
+
+void HapticSession::accept_relief(std::span<const std::uint8_t> bytes, bool gap,
+                                  std::int64_t time) {
+  ReliefIntake::Result result = run_.reliefs.accept(bytes, gap, time);
+  if (result.relief)
+    loop_.submit(*std::move(result.relief));
+  if (result.damaged && !std::exchange(run_.relief_damage_reported, true))
+    client_.on_notice({Severity::warning, NoticeCause::format, messages::kReliefDamaged,
                        std::to_string(bytes.size()) + " bytes"});
 }
 

@@ -8,6 +8,7 @@
 #include "device-choice.hpp"
 #include "haptic-loop.hpp"
 #include "pointer-mapping.hpp"
+#include "relief-intake.hpp"
 #include "sample-intake.hpp"
 #include "session-state.hpp"
 #include "system-services.hpp"
@@ -133,6 +134,21 @@ public:
   void begin_stream() noexcept { loop_.unhold(kHoldEnded); }
   void end_stream() noexcept { loop_.hold(kHoldEnded); }
 
+  // The streaming thread of the reliefs.
+
+  ReliefIntake &reliefs() noexcept { return run_.reliefs; }
+  const ReliefIntake &reliefs() const noexcept { return run_.reliefs; } ///< its counters
+  /// One relief (ReliefIntake::accept()). The first damaged one of a run yields a notice.
+  void accept_relief(std::span<const std::uint8_t> bytes, bool gap, std::int64_t time);
+  /// The same, for a stream that comes in the place of samples.
+  void accept_relief_alone(std::span<const std::uint8_t> bytes, bool gap, std::int64_t time) {
+    accept_relief(bytes, gap, time);
+    run_.intake.set_frame_duration(run_.reliefs.interval());
+  }
+  bool is_paused() const noexcept { return loop_.holds() & kHoldPaused; }
+  /// ns, now.
+  std::int64_t running_time() const noexcept { return loop_.running_time(monotonic_now()); }
+
   // Pointer thread.
 
   /// Does what round() does 100 times a second. SessionClient::on_point may end the thread.
@@ -154,11 +170,15 @@ private:
 
   // Everything that begins anew with a start, which replaces it as a whole.
   struct Run {
-    explicit Run(FieldPool &fields) noexcept : intake(fields) {}
+    Run(FieldPool &fields, ReliefPool &pool) noexcept : intake(fields), reliefs(pool) {}
 
     // Streaming thread; counters of the intake: any thread.
     SampleIntake intake;
     bool damage_reported = false;
+
+    // Streaming thread of the reliefs; their counters: any thread.
+    ReliefIntake reliefs;
+    bool relief_damage_reported = false;
 
     // Pointer thread.
     Reopening reopening;
@@ -207,6 +227,7 @@ private:
   SessionStateMachine state_; // any thread
 
   FieldPool fields_; // before the run and the loop, which give fields back
+  ReliefPool relief_pool_;
   Run run_;
   HapticLoop loop_; // its members have their threads
 

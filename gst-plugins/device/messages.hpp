@@ -27,6 +27,9 @@
           "A motion sample is damaged and was felt as nothing. Further ones are only counted "     \
           "(stats).",                                                                              \
           "Check the element before hapticsink: it makes wrong samples.")                          \
+  MESSAGE(kReliefDamaged,                                                                          \
+          "A relief is damaged and was felt as nothing. Further ones are only counted (stats).",   \
+          "Check the element before hapticsink: heights are metres, up to 1 m.")                   \
   MESSAGE(kAboutToSleep, "The machine is about to sleep. The force is off.",                       \
           "Once it is awake, take the grip and re-arm (signal arm).")                              \
   MESSAGE(kSamplesLost,                                                                            \

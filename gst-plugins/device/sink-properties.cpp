@@ -55,6 +55,16 @@ GType dead_man_type() {
   return type;
 }
 
+GType touch_type() {
+  static const GEnumValue values[] = {
+      {static_cast<gint>(TouchMode::off), "The motion is felt", "off"},
+      {static_cast<gint>(TouchMode::surface), "The surface of the relief is felt", "surface"},
+      {static_cast<gint>(TouchMode::surface_and_motion), "Both are felt", "surface+motion"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstHapticSinkTouch", values);
+  return type;
+}
+
 // ---- the table ----------------------------------------------------------------------------------
 
 using Text = std::string &(*)(SinkSettings &);
@@ -135,6 +145,10 @@ const Property kProperties[] = {
     {"wash-out", "Wash-out", kPlaying, Number(AT(loop.wash_out)), {0, 10},
      "How fast the frame moves under a hand that points away from its centre, 1/s, by at most 5 % of "
      "the hand's movement; 0: the workspace is the frame"},
+    {"touch", "Touch", kPlaying, enumeration<AT(loop.touch)>(touch_type), {},
+     "What is felt: the motion, the surface of a relief, or both"},
+    {"region-z", "Region Z", kPlaying, Number(AT(loop.region_z)), {-1, 1},
+     "With touch, the size of the felt region: that of a hand at this z, in half workspaces"},
     {"rate-law", "Rate Law", kPlaying, enumeration<AT(rate_law)>(rate_law_type), {},
      "What a film played slower or faster feels like"},
     {"geometry", "Geometry", kReady, Text(AT(choice.geometry)), {},
@@ -199,7 +213,7 @@ void install_sink_properties(GObjectClass *klass) {
   for (const Property &property : kProperties)
     g_object_class_install_property(klass, ++id, make_spec(property));
   for (const GType type : {force_law_type(), latency_mode_type(), rate_law_type(), dead_man_type(),
-                           session_state_type()})
+                           touch_type(), session_state_type()})
     gst_type_mark_as_plugin_api(type, static_cast<GstPluginAPIFlags>(0));
 }
 

@@ -19,7 +19,7 @@ struct SinkSettings {
 };
 
 /// Number of the properties in the table; their ids are 1 to kSinkProperties.
-inline constexpr guint kSinkProperties = 21;
+inline constexpr guint kSinkProperties = 23;
 
 /// The type of the property `session-state`.
 GType session_state_type();

@@ -29,10 +29,7 @@ haptic::MotionField apart(float speed = 100) {
 GstBuffer *packed(const haptic::MotionField &field, GstClockTime pts) {
   std::vector<std::uint8_t> bytes(haptic::packed_size(field));
   haptic::pack_motion_field(field, bytes);
-  GstBuffer *buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  GST_BUFFER_PTS(buffer) = pts;
-  GST_BUFFER_DURATION(buffer) = kFrame;
-  return buffer;
+  return test::packed(bytes, pts);
 }
 
 class HapticSinkField : public HapticSink {
@@ -49,19 +46,6 @@ protected:
     for (int n = static_cast<int>(seconds * 30); n > 0; --n, pts_ += kFrame)
       push(packed(field, pts_));
   }
-  std::vector<Row> felt() {
-    push_end();
-    set(GST_STATE_PLAYING);
-    wait_for_end();
-    return stop_and_read_log();
-  }
-  static Row at(const std::vector<Row> &rows, double time) {
-    for (const Row &row : rows)
-      if (row.time >= time)
-        return row;
-    ADD_FAILURE() << "no row at " << time << " s";
-    return {};
-  }
 };
 
 TEST_F(HapticSinkField, AHandOverEitherHalfFeelsThatHalf) {
@@ -69,7 +53,7 @@ TEST_F(HapticSinkField, AHandOverEitherHalfFeelsThatHalf) {
     build_for_fields("sim-hand=" + std::string(hand));
     pts_ = 0;
     push_fields(apart(), 0.5);
-    const Row row = at(felt(), 0.4);
+    const Row row = row_at(play_and_read_log(), 0.4);
     EXPECT_NEAR(row.vx, 100 * sign, 1e-3);
     EXPECT_NEAR(row.fx, equation5(100) * sign, 1e-6);
     EXPECT_EQ(row.fy, 0);
@@ -81,7 +65,7 @@ TEST_F(HapticSinkField, AHandOverEitherHalfFeelsThatHalf) {
 TEST_F(HapticSinkField, AMovingHandFeelsWhatItComesOver) {
   build_for_fields("sim-hand=circle:0.8,1");
   push_fields(apart(), 2);
-  const auto rows = felt();
+  const auto rows = play_and_read_log();
   double right = 0;
   double left = 0;
   for (const Row &row : rows) {
@@ -105,7 +89,7 @@ TEST_F(HapticSinkField, AMovingHandFeelsWhatItComesOver) {
 TEST_F(HapticSinkField, AMovingHandOverAStillFieldFeelsExactlyNothing) {
   build_for_fields("sim-hand=circle:0.8,0.5");
   push_fields(apart(0), 1);
-  for (const Row &row : felt()) {
+  for (const Row &row : play_and_read_log()) {
     ASSERT_EQ(row.vx, 0);
     ASSERT_EQ(row.force(), 0);
   }
@@ -118,7 +102,7 @@ TEST_F(HapticSinkField, FieldsMayFollowOnSamplesAndSamplesOnFieldsWithoutInterru
   push_fields(apart(), 0.4);
   set_caps(kCaps);
   push_motion(100, 0, 0.4);
-  const auto rows = undisturbed(felt());
+  const auto rows = undisturbed(play_and_read_log());
   EXPECT_FALSE(rows.empty());
   for (const Row &row : rows)
     ASSERT_NEAR(row.fx, 0.5, 1e-6) << row.time;
@@ -139,9 +123,7 @@ TEST_F(HapticSinkField, ASilentFieldAGapAndADuplicateAreFeltAsTheyAreWithSamples
   haptic::MotionField silent = apart();
   silent.cells.assign(silent.cells.size(), {});
   push_fields(silent, 0.3);
-  push_end();
-  set(GST_STATE_PLAYING);
-  wait_for_end();
+  play_to_end();
   EXPECT_EQ(count("gaps"), 10U);
   const auto rows = stop_and_read_log();
   for (const Row &row : undisturbed(rows))
@@ -162,10 +144,10 @@ TEST_F(HapticSinkField, WhereTheHandIsTheFieldMayBeSilentAndItFadesAndComesBack)
   push_fields(apart(), 0.4);
   push_fields(half, 0.4);
   push_fields(apart(), 0.4);
-  const auto rows = felt();
-  EXPECT_NEAR(at(rows, 0.3).fx, 0.5, 1e-6);
-  EXPECT_EQ(at(rows, 0.7).force(), 0);
-  EXPECT_NEAR(at(rows, 1.1).fx, 0.5, 1e-6);
+  const auto rows = play_and_read_log();
+  EXPECT_NEAR(row_at(rows, 0.3).fx, 0.5, 1e-6);
+  EXPECT_EQ(row_at(rows, 0.7).force(), 0);
+  EXPECT_NEAR(row_at(rows, 1.1).fx, 0.5, 1e-6);
 }
 
 TEST_F(HapticSinkField, DamagedFieldsAreNeverAForceAndAreWarnedOfOnce) {
@@ -194,11 +176,7 @@ TEST_F(HapticSinkField, AFlushIsSilentAndThenItGoesOn) {
   push_fields(apart(), 3);
   set(GST_STATE_PLAYING);
   ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
-  GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
-  gst_pad_send_event(pad, gst_event_new_flush_start());
-  EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
-  gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
-  gst_object_unref(pad);
+  flush();
   const auto rows = stop_and_read_log();
   EXPECT_EQ(rows.back().force(), 0);
   EXPECT_GT(std::ranges::max_element(rows, {}, &Row::fx)->fx, 0.45);

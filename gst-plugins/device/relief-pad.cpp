@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "relief-pad.hpp"
+
+#include "exception-barrier.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(5); // at the clock, while it waits
+constexpr std::uint64_t kLongestAhead = 750'000'000; // ns, as SampleIntake
+constexpr double kAheadIntervals = 1.5;
+
+// The parent's lock is never held here.
+class ReliefPad {
+public:
+  ReliefPad(HapticSession &session, PresentationTime time)
+      : session_(session), time_(std::move(time)) {
+    gst_segment_init(&segment_, GST_FORMAT_TIME);
+  }
+
+  GstFlowReturn chain(GstBuffer *buffer) {
+    const std::int64_t due = time_(segment_, GST_BUFFER_PTS(buffer));
+    if (due != kAtOnce && !wait_until(due - ahead()))
+      return GST_FLOW_FLUSHING;
+    GstMapInfo map{};
+    const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
+    session_.accept_relief(std::span<const std::uint8_t>(map.data, map.size),
+                           GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), due);
+    if (mapped)
+      gst_buffer_unmap(buffer, &map);
+    return GST_FLOW_OK;
+  }
+
+  void handle(GstEvent *event) {
+    switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_SEGMENT:
+      gst_event_copy_segment(event, &segment_);
+      break;
+    case GST_EVENT_FLUSH_START:
+      set_flushing(true);
+      break;
+    case GST_EVENT_FLUSH_STOP:
+      gst_segment_init(&segment_, GST_FORMAT_TIME);
+      set_flushing(false);
+      break;
+    default:
+      break;
+    }
+  }
+
+  void set_flushing(bool flushing) {
+    const std::lock_guard lock(mutex_);
+    flushing_ = flushing;
+    wake_.notify_all();
+  }
+
+private:
+  std::int64_t ahead() const {
+    const double intervals = kAheadIntervals * static_cast<double>(session_.reliefs().interval());
+    return static_cast<std::int64_t>(std::min(intervals, static_cast<double>(kLongestAhead)));
+  }
+
+  // Returns false if the pad is flushing.
+  bool wait_until(std::int64_t running) {
+    std::unique_lock lock(mutex_);
+    while (!flushing_ && (session_.is_paused() || session_.running_time() < running))
+      wake_.wait_for(lock, kLook);
+    return !flushing_;
+  }
+
+  HapticSession &session_;
+  PresentationTime time_;
+  GstSegment segment_{}; // streaming thread
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool flushing_ = true; // mutex_; until activated
+};
+
+ReliefPad &relief_of(GstPad *pad) {
+  return *static_cast<ReliefPad *>(gst_pad_get_element_private(pad));
+}
+
+void install_functions(GstPad *pad) {
+  gst_pad_set_chain_function(pad, [](GstPad *self, GstObject *parent, GstBuffer *buffer) {
+    const GstFlowReturn result =
+        guarded(parent, GST_FLOW_ERROR, [&] { return relief_of(self).chain(buffer); });
+    gst_buffer_unref(buffer);
+    return result;
+  });
+  gst_pad_set_event_function(pad, [](GstPad *self, GstObject *parent, GstEvent *event) -> gboolean {
+    guarded(parent, [&] { relief_of(self).handle(event); });
+    gst_event_unref(event); // the end of the stream is that of the pad `sink`
+    return TRUE;
+  });
+  gst_pad_set_activatemode_function(
+      pad, [](GstPad *self, GstObject *parent, GstPadMode mode, gboolean active) -> gboolean {
+        guarded(parent, [&] { relief_of(self).set_flushing(!active); });
+        return mode == GST_PAD_MODE_PUSH;
+      });
+}
+
+} // namespace
+
+GstPadTemplate *relief_pad_template() {
+  static GstStaticPadTemplate relief = GST_STATIC_PAD_TEMPLATE(
+      "relief", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(HAPTIC_RELIEF_CAPS));
+  return gst_static_pad_template_get(&relief);
+}
+
+GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
+                       PresentationTime time) {
+  if (GST_ELEMENT_CAST(element)->numsinkpads > 1)
+    return nullptr;
+  auto relief = std::make_unique<ReliefPad>(session, std::move(time));
+  GstPad *pad = gst_pad_new_from_template(of, "relief");
+  gst_pad_set_element_private(pad, relief.get());
+  g_object_set_data_full(G_OBJECT(pad), "relief-pad", relief.release(),
+                         [](gpointer data) { delete static_cast<ReliefPad *>(data); });
+  install_functions(pad);
+  gst_pad_set_active(pad, GST_STATE(element) > GST_STATE_READY);
+  gst_element_add_pad(element, pad);
+  return pad;
+}
+
+void remove_relief_pad(GstElement *element, GstPad *pad) {
+  gst_pad_set_active(pad, FALSE);
+  gst_element_remove_pad(element, pad);
+}
+
+} // namespace haptic
