@@ -43,6 +43,19 @@
           "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - " \
           "memlock 8192\" in "                                                                     \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
+  MESSAGE(kLayoutUnknown, "There is no layout \"%s\".",                                            \
+          "Use back-3x4, ring-8, shakers-2, coils-2, or the path of a file that ends in .ini.")    \
+  MESSAGE(kLayoutUnreadable, "The layout %s cannot be read: %s.",                                  \
+          "Its form is in docs/formats/array-layout.md.")                                          \
+  MESSAGE(kLayoutUnit, "%s: [array] has no unit of length.", "Add the line unit=cm, or m or mm.")  \
+  MESSAGE(kLayoutKeyMissing, "%s: [%s] has no %s.",                                                \
+          "An actuator needs x and y, and a carrier of its own or of [array].")                    \
+  MESSAGE(kLayoutKeyUnknown, "%s: [%s] has an unknown key, %s.",                                   \
+          "Correct the key, or number the actuators from 1 on without a gap.")                     \
+  MESSAGE(kLayoutNumber, "%s: [%s] %s=%s is no number from %g to %g.", "Correct it.")              \
+  MESSAGE(kLayoutCount, "%s has %zu actuators.", "An array has 2 to 64.")                          \
+  MESSAGE(kLayoutSamePlace, "%s: actuators %zu and %zu are at one place.",                         \
+          "Two actuators must be at least 1 mm apart.")                                            \
   MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
           "Install libevdev-dev and build it again.")                                              \
   MESSAGE(kNoJoystick, "No joystick or wheel with force feedback found.%s",                        \
