@@ -56,6 +56,13 @@
   MESSAGE(kLayoutCount, "%s has %zu actuators.", "An array has 2 to 64.")                          \
   MESSAGE(kLayoutSamePlace, "%s: actuators %zu and %zu are at one place.",                         \
           "Two actuators must be at least 1 mm apart.")                                            \
+  MESSAGE(kArrayChannels, "The output does not take the %d channels of the layout.",               \
+          "Choose a layout with no more actuators than the device has channels, and put "          \
+          "audioconvert before the device for the form of its samples.")                           \
+  MESSAGE(kArrayNeedsField, "map=field needs a field, and a motion sample says one motion.",       \
+          "Put motionfield before hapticarray instead of velocityavg, or set map=stroke.")         \
+  MESSAGE(kArraySampleDamaged, "A motion is damaged and was felt as nothing.",                     \
+          "Check the element before hapticarray: it makes wrong samples.")                         \
   MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
           "Install libevdev-dev and build it again.")                                              \
   MESSAGE(kNoJoystick, "No joystick or wheel with force feedback found.%s",                        \

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gsthapticarray.h"
 #include "gsthapticdeviceprovider.h"
 #include "gsthapticsink.h"
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(hapticarray, plugin);
   any |= GST_ELEMENT_REGISTER(hapticsink, plugin);
   any |= GST_DEVICE_PROVIDER_REGISTER(hapticdeviceprovider, plugin);
   return any;

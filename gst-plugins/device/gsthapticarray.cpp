@@ -1,0 +1,511 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// hapticarray makes motion felt on the skin: a channel of audio for each actuator of an array.
+//
+//   gst-launch-1.0 videotestsrc pattern=ball ! motionfield ! hapticarray ! audioconvert !
+//   autoaudiosink
+//
+// It is an aggregator with one pad, because only that class makes live output when input is late.
+#include "gsthapticarray.h"
+
+#include "array-drive.hpp"
+#include "array-voices.hpp"
+#include "documentation.hpp"
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "messages.hpp"
+#include "property-table.hpp"
+#include "safety-chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+GST_DEBUG_CATEGORY_STATIC(hapticarray_debug);
+#define GST_CAT_DEFAULT hapticarray_debug
+
+#define HAPTIC_ARRAY_CAPS                                                                          \
+  "audio/x-raw, format=(string)" HAPTIC_ARRAY_FORMAT ", layout=(string)interleaved, "              \
+  "rate=(int)[ 8000, 192000 ], channels=(int)[ 2, 64 ]"
+#if G_BYTE_ORDER == G_LITTLE_ENDIAN
+#define HAPTIC_ARRAY_FORMAT "F32LE"
+#else
+#define HAPTIC_ARRAY_FORMAT "F32BE"
+#endif
+
+namespace {
+
+using haptic::ArrayVoices;
+using haptic::guarded;
+using haptic::ObjectLock;
+
+// State
+
+constexpr char kDefaultLayout[] = "back-3x4";
+constexpr int kFrames = 2 * ArrayVoices::kStep; // of a buffer
+constexpr int kUsualRate = 48000;
+constexpr GstClockTime kFade = GST_SECOND / static_cast<int>(ArrayVoices::kSlew); // from 1 to 0
+
+struct Settings : haptic::DriveSettings {
+  std::string layout = kDefaultLayout;
+  haptic::VoiceLimits limits = {.level = 1, .continuous_level = 0.5};
+};
+
+struct State {
+  // Object lock: written by the application, read by the streaming thread.
+  Settings settings;
+
+  // From READY to PAUSED on, until stopped.
+  haptic::ArrayLayout layout;
+  std::unique_ptr<haptic::ArrayDrive> drive;
+
+  // Streaming thread only, or while it is stopped.
+  std::unique_ptr<ArrayVoices> voices; // once the rate is known
+  std::vector<double> amplitudes;
+  haptic::MotionField field;
+  bool is_field = false;   // of the caps
+  int rate = 0;            // frames a second
+  bool begins = true;      // nothing was made since the start or a flush
+  GstSegment motion = {};  // of the newest motion; the sound has the same stream time
+  GstClockTime origin = 0; // running time at which the segment begins
+  guint64 frames_made = 0; // at this rate, from there on
+  GstClockTime stale = 0;  // running time at which the newest motion is too old
+  GstClockTime ends = 0;   // running time until which it lasts
+  GstClockTime fades = GST_CLOCK_TIME_NONE; // running time from which nothing is felt
+
+  void begin_anew() {
+    begins = true;
+    motion = {};
+    frames_made = 0;
+    stale = 0;
+    ends = 0;
+    if (drive)
+      drive->rest();
+    if (voices)
+      voices->restart();
+  }
+  GstClockTime time_of(guint64 frames) const {
+    return gst_util_uint64_scale(frames, GST_SECOND, static_cast<guint64>(rate));
+  }
+  // Running time of the next frame, which is its time stamp too.
+  GstClockTime now() const { return origin + time_of(frames_made); }
+};
+
+} // namespace
+
+struct _GstHapticArray {
+  GstAggregator parent;
+  GstAggregatorPad *sink; // owned by the element
+  State *state;           // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                            GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS));
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_ARRAY_CAPS));
+
+G_DEFINE_TYPE_WITH_CODE(GstHapticArray, gst_haptic_array, GST_TYPE_AGGREGATOR,
+                        GST_DEBUG_CATEGORY_INIT(hapticarray_debug, "hapticarray", 0,
+                                                "motion on an array of actuators"))
+GST_ELEMENT_REGISTER_DEFINE(hapticarray, "hapticarray", GST_RANK_NONE, GST_TYPE_HAPTIC_ARRAY)
+
+namespace {
+
+// Properties
+
+GType map_type() {
+  using haptic::MapChoice;
+  static const GEnumValue values[] = {
+      {static_cast<int>(MapChoice::stroke),
+       "The motion at the pointer runs across the array in its direction", "stroke"},
+      {static_cast<int>(MapChoice::field),
+       "Each actuator vibrates with the motion at its place of the frame", "field"},
+      {static_cast<int>(MapChoice::point),
+       "The motion at the pointer is felt at the pointer's place on the array", "point"},
+      {0, nullptr, nullptr}};
+  static const GType type = g_enum_register_static("GstHapticArrayMap", values);
+  return type;
+}
+
+template <auto kPath>
+haptic::Property<Settings> number_row(const char *name, const char *nick, const char *blurb,
+                                      double most) {
+  const Settings usual;
+  return {g_param_spec_double(name, nick, blurb, 0, most, *kPath(usual), haptic::kReadWrite),
+          [](Settings &s, const GValue *value) { *kPath(s) = g_value_get_double(value); },
+          [](const Settings &s, GValue *value) { g_value_set_double(value, *kPath(s)); }};
+}
+
+std::span<const haptic::Property<Settings>> properties() {
+  constexpr double kSteepest = 10; // s/px
+  static const haptic::Property<Settings> table[] = {
+      {g_param_spec_string("layout", "Layout",
+                           "Where the actuators are: back-3x4, ring-8, shakers-2, coils-2, or the "
+                           "path of a layout file. Takes effect at the next start",
+                           kDefaultLayout,
+                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                    GST_PARAM_MUTABLE_READY)),
+       [](Settings &s, const GValue *value) {
+         const gchar *text = g_value_get_string(value);
+         s.layout = text ? text : kDefaultLayout;
+       },
+       [](const Settings &s, GValue *value) { g_value_set_string(value, s.layout.c_str()); }},
+      haptic::member_row<&Settings::map, Settings>(
+          g_param_spec_enum("map", "Map", "How a motion is spread over the array", map_type(),
+                            static_cast<gint>(haptic::MapChoice::stroke), haptic::kReadWrite)),
+      number_row<[](auto &s) { return &s.pointer.x; }>(
+          "pointer-x", "Pointer X", "Pointer in a field, fraction of the frame's width", 1),
+      number_row<[](auto &s) { return &s.pointer.y; }>(
+          "pointer-y", "Pointer Y", "Pointer in a field, fraction of the frame's height", 1),
+      number_row<[](auto &s) { return &s.alpha; }>(
+          "alpha", "Alpha", "Steepness, s/px in a frame 352 wide: 1/alpha px/s give half of level",
+          kSteepest),
+      number_row<[](auto &s) { return &s.limits.level; }>(
+          "level", "Level", "Highest amplitude of an actuator, of full scale", 1),
+      number_row<[](auto &s) { return &s.limits.continuous_level; }>(
+          "continuous-level", "Continuous Level",
+          "Amplitude that an actuator may keep up: rms over a minute, of full scale; 0: any", 1),
+  };
+  return table;
+}
+
+Settings settings_of(GstHapticArray *self) {
+  const ObjectLock lock(self);
+  return self->state->settings;
+}
+
+// Motion in
+
+// Whether the class made the buffer of a gap event: there is no motion.
+bool is_gap(GstBuffer *buffer) {
+  return GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(buffer) == 0;
+}
+
+// Takes over what a buffer says, from `time` (running time) on.
+void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Settings &settings) {
+  State &state = *self->state;
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return;
+  const std::span<const std::uint8_t> bytes{map.data, map.size};
+  guint64 interval = 0;
+  bool is_read = false;
+  if (state.is_field) {
+    is_read = haptic::unpack_motion_field(bytes, state.field);
+    if (is_read) {
+      interval = state.field.interval;
+      state.drive->follow(state.field, settings);
+    }
+  } else if (const auto sample = haptic::unpack_motion_sample(bytes)) {
+    is_read = true;
+    interval = sample->interval;
+    state.drive->follow(*sample, settings);
+  }
+  gst_buffer_unmap(buffer, &map);
+  if (!is_read) {
+    if (!is_gap(buffer))
+      GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
+    state.drive->rest();
+  }
+  const double seconds = haptic::stale_after(static_cast<double>(interval) / GST_SECOND);
+  const auto longest = static_cast<GstClockTime>(seconds * GST_SECOND);
+  const guint64 lasts =
+      GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : interval;
+  state.stale = time + longest;
+  state.ends = time + std::min<guint64>(lasts, longest);
+}
+
+GstSegment segment_of(GstAggregatorPad *pad) {
+  const ObjectLock lock(pad);
+  return pad->segment;
+}
+
+// Gives the sound the stream time of the motion's segment from running time `now` on; its own time
+// stamps are running time. Sound has no other rate than 1 and does not run backwards: the rate of a
+// seek is that of the motion, which comes by running time.
+void begin_segment(GstHapticArray *self, const GstSegment &motion, GstClockTime now) {
+  State &state = *self->state;
+  GstSegment own;
+  gst_segment_init(&own, GST_FORMAT_TIME);
+  own.applied_rate = motion.rate * motion.applied_rate;
+  own.base = own.start = own.position = now;
+  const guint64 position = gst_segment_position_from_running_time(&motion, GST_FORMAT_TIME, now);
+  const guint64 time = gst_segment_to_stream_time(&motion, GST_FORMAT_TIME, position);
+  own.time = GST_CLOCK_TIME_IS_VALID(time) ? time : 0;
+  state.fades = GST_CLOCK_TIME_NONE;
+  // Backwards, stream time is counted from the end, and sinks cut off what is behind it.
+  if (own.applied_rate < 0) {
+    own.stop = now + static_cast<guint64>(static_cast<double>(own.time) / -own.applied_rate);
+    own.time = 0;
+    state.fades = own.stop - std::min(own.stop, state.time_of(kFrames) + kFade);
+  }
+  state.motion = motion;
+  state.origin = now;
+  state.frames_made = 0;
+  gst_aggregator_update_segment(GST_AGGREGATOR(self), &own);
+}
+
+bool is_same(const GstSegment &a, const GstSegment &b) {
+  return a.rate == b.rate && a.applied_rate == b.applied_rate && a.start == b.start &&
+         a.stop == b.stop && a.base == b.base && a.offset == b.offset && a.time == b.time;
+}
+
+// Follows all buffers up to the running time `now`. Returns whether a later one waits.
+bool follow_until(GstHapticArray *self, GstClockTime now, const Settings &settings) {
+  while (auto buffer = haptic::BufferPtr(gst_aggregator_pad_peek_buffer(self->sink))) {
+    const GstSegment segment = segment_of(self->sink);
+    const GstClockTime time =
+        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer.get()));
+    if (GST_CLOCK_TIME_IS_VALID(time) && time > now)
+      return true;
+    gst_aggregator_pad_drop_buffer(self->sink);
+    if (GST_CLOCK_TIME_IS_VALID(time) && !is_same(segment, self->state->motion))
+      begin_segment(self, segment, now);
+    if (GST_CLOCK_TIME_IS_VALID(time) || !GST_BUFFER_PTS_IS_VALID(buffer.get()))
+      follow(self, buffer.get(), GST_CLOCK_TIME_IS_VALID(time) ? time : now, settings);
+  }
+  return false;
+}
+
+// Audio out
+
+GstFlowReturn push_buffer(GstHapticArray *self, const Settings &settings) {
+  State &state = *self->state;
+  const std::size_t channels = state.layout.actuators.size();
+  GstBuffer *out = gst_buffer_new_allocate(nullptr, kFrames * channels * sizeof(float), nullptr);
+  GstMapInfo map;
+  if (!gst_buffer_map(out, &map, GST_MAP_WRITE)) {
+    gst_buffer_unref(out);
+    return GST_FLOW_ERROR;
+  }
+  const std::span<float> frames{reinterpret_cast<float *>(map.data), kFrames * channels};
+  const double dt = static_cast<double>(ArrayVoices::kStep) / state.rate;
+  bool silent = true;
+  for (std::size_t at = 0; at < frames.size(); at += ArrayVoices::kStep * channels) {
+    silent = silent && state.voices->silent();
+    state.drive->step(dt, settings, state.amplitudes);
+    state.voices->make(state.amplitudes, settings.limits,
+                       frames.subspan(at, ArrayVoices::kStep * channels));
+  }
+  silent = silent && state.voices->silent();
+  gst_buffer_unmap(out, &map);
+  GstAggregator *aggregator = GST_AGGREGATOR(self);
+  GST_BUFFER_PTS(out) = state.now();
+  GST_BUFFER_OFFSET(out) = state.frames_made;
+  state.frames_made += kFrames;
+  GST_BUFFER_OFFSET_END(out) = state.frames_made;
+  GST_BUFFER_DURATION(out) = state.now() - GST_BUFFER_PTS(out);
+  if (silent)
+    GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
+  {
+    const ObjectLock lock(aggregator->srcpad);
+    GST_AGGREGATOR_PAD(aggregator->srcpad)->segment.position = state.now();
+  }
+  const GstFlowReturn flow = gst_aggregator_finish_buffer(aggregator, out);
+  // audioconvert, for one, accepts any number of channels and does not convert it.
+  if (flow == GST_FLOW_NOT_NEGOTIATED)
+    GST_ELEMENT_ERROR(self, CORE, NEGOTIATION,
+                      (haptic::messages::kArrayChannels, static_cast<int>(channels)), (nullptr));
+  return flow;
+}
+
+// The first frame is where the class put the position (property start-time-selection).
+void begin(GstHapticArray *self) {
+  const GstSegment own = segment_of(GST_AGGREGATOR_PAD(GST_AGGREGATOR(self)->srcpad));
+  const GstClockTime first = gst_segment_to_running_time(&own, GST_FORMAT_TIME, own.position);
+  GstSegment motion;
+  gst_segment_init(&motion, GST_FORMAT_TIME);
+  if (const haptic::BufferPtr buffer{gst_aggregator_pad_peek_buffer(self->sink)})
+    motion = segment_of(self->sink);
+  begin_segment(self, motion, GST_CLOCK_TIME_IS_VALID(first) ? first : 0);
+  self->state->begins = false;
+}
+
+GstFlowReturn aggregate(GstHapticArray *self, bool timeout) {
+  State &state = *self->state;
+  if (!state.voices)
+    return GST_FLOW_NOT_NEGOTIATED;
+  if (state.begins)
+    begin(self);
+  const Settings settings = settings_of(self);
+  const GstClockTime now = state.now();
+  const bool more = follow_until(self, now, settings);
+  const bool ended = gst_aggregator_pad_is_eos(self->sink);
+  if (!more && !ended && !timeout)
+    return GST_AGGREGATOR_FLOW_NEED_DATA;
+  if (now >= std::min(state.fades, ended ? state.ends : state.stale))
+    state.drive->rest();
+  if (ended && now >= state.ends && state.voices->silent())
+    return GST_FLOW_EOS;
+  return push_buffer(self, settings);
+}
+
+// Caps
+
+GstFlowReturn update_src_caps(GstHapticArray *self, GstCaps *wanted, GstCaps **caps) {
+  const auto channels = static_cast<gint>(self->state->layout.actuators.size());
+  haptic::CapsPtr own(gst_caps_copy(wanted));
+  // Channels beyond a pair are no loudspeakers: they have no position.
+  gst_caps_set_simple(own.get(), "channels", G_TYPE_INT, channels, nullptr);
+  const guint64 mask = channels == 2 ? 3 : 0;
+  gst_caps_set_simple(own.get(), "channel-mask", GST_TYPE_BITMASK, mask, nullptr);
+  const haptic::CapsPtr peer(gst_pad_peer_query_caps(GST_AGGREGATOR(self)->srcpad, nullptr));
+  *caps = gst_caps_intersect(own.get(), peer.get());
+  if (!gst_caps_is_empty(*caps))
+    return GST_FLOW_OK;
+  GST_ELEMENT_ERROR(self, CORE, NEGOTIATION, (haptic::messages::kArrayChannels, channels),
+                    ("%" GST_PTR_FORMAT, static_cast<void *>(peer.get())));
+  return GST_FLOW_NOT_NEGOTIATED;
+}
+
+GstCaps *fixate(GstCaps *caps) {
+  haptic::CapsPtr made(gst_caps_make_writable(caps));
+  gst_structure_fixate_field_nearest_int(gst_caps_get_structure(made.get(), 0), "rate", kUsualRate);
+  return gst_caps_fixate(made.release());
+}
+
+gboolean on_caps(GstHapticArray *self, GstCaps *caps) {
+  State &state = *self->state;
+  gint rate = 0;
+  if (!gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate) || rate <= 0)
+    return FALSE;
+  if (!state.voices) {
+    state.voices = std::make_unique<ArrayVoices>(state.layout, rate);
+  } else if (rate != state.rate) {
+    state.voices->set_rate(rate);
+    state.frames_made = gst_util_uint64_scale(state.frames_made, static_cast<guint64>(rate),
+                                              static_cast<guint64>(state.rate));
+  }
+  state.rate = rate;
+  const GstClockTime latency = state.time_of(kFrames);
+  gst_aggregator_set_latency(GST_AGGREGATOR(self), latency, latency);
+  return TRUE;
+}
+
+// States and events
+
+gboolean start(GstHapticArray *self) {
+  State &state = *self->state;
+  try {
+    state.layout = haptic::load_array_layout(settings_of(self).layout);
+  } catch (const std::runtime_error &error) {
+    GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
+    return FALSE;
+  }
+  state.drive = std::make_unique<haptic::ArrayDrive>(state.layout);
+  state.amplitudes.assign(state.layout.actuators.size(), 0);
+  state.voices.reset();
+  state.rate = 0;
+  state.begin_anew();
+  return TRUE;
+}
+
+void flush(GstHapticArray *self) {
+  self->state->begin_anew();
+  GstAggregatorPad *pad = GST_AGGREGATOR_PAD(GST_AGGREGATOR(self)->srcpad);
+  const ObjectLock lock(pad);
+  pad->segment.position = GST_CLOCK_TIME_NONE;
+}
+
+// After a seek that does not flush, the class would change the segment of the sound at once, before
+// the motion that belongs to it comes.
+bool is_for_motion_alone(GstEvent *event) {
+  if (GST_EVENT_TYPE(event) != GST_EVENT_SEEK)
+    return false;
+  GstSeekFlags flags = GST_SEEK_FLAG_NONE;
+  gst_event_parse_seek(event, nullptr, nullptr, &flags, nullptr, nullptr, nullptr, nullptr);
+  return !(flags & GST_SEEK_FLAG_FLUSH);
+}
+
+void on_sink_event(GstHapticArray *self, GstEvent *event) {
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
+    return;
+  GstCaps *caps = nullptr;
+  gst_event_parse_caps(event, &caps);
+  const gchar *layout = gst_structure_get_string(gst_caps_get_structure(caps, 0), "layout");
+  State &state = *self->state;
+  state.is_field = g_strcmp0(layout, "field") == 0;
+  if (!state.is_field && settings_of(self).map == haptic::MapChoice::field)
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT, (haptic::messages::kArrayNeedsField), (nullptr));
+}
+
+} // namespace
+
+static void gst_haptic_array_finalize(GObject *object) {
+  delete GST_HAPTIC_ARRAY(object)->state;
+  G_OBJECT_CLASS(gst_haptic_array_parent_class)->finalize(object);
+}
+
+static void install_object_vfuncs(GObjectClass *klass) {
+  klass->finalize = gst_haptic_array_finalize;
+  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
+    return GST_HAPTIC_ARRAY(object)->state->settings;
+  });
+}
+
+static void install_aggregator_vfuncs(GstAggregatorClass *klass) {
+  klass->start = [](GstAggregator *aggregator) {
+    return guarded(aggregator, FALSE, [&] { return start(GST_HAPTIC_ARRAY(aggregator)); });
+  };
+  klass->flush = [](GstAggregator *aggregator) {
+    return guarded(aggregator, GST_FLOW_ERROR, [&] {
+      flush(GST_HAPTIC_ARRAY(aggregator));
+      return GST_FLOW_OK;
+    });
+  };
+  klass->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event) {
+    guarded(aggregator, [&] { on_sink_event(GST_HAPTIC_ARRAY(aggregator), event); });
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->sink_event(aggregator, pad, event);
+  };
+  klass->src_event = [](GstAggregator *aggregator, GstEvent *event) -> gboolean {
+    if (guarded(aggregator, FALSE, [&] { return is_for_motion_alone(event); }))
+      return gst_pad_push_event(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), event);
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_event(aggregator, event);
+  };
+  // The class says of every aggregator that it cannot be sought in.
+  klass->src_query = [](GstAggregator *aggregator, GstQuery *query) -> gboolean {
+    if (GST_QUERY_TYPE(query) == GST_QUERY_SEEKING)
+      return gst_pad_peer_query(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), query);
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_query(aggregator, query);
+  };
+  klass->update_src_caps = [](GstAggregator *aggregator, GstCaps *wanted, GstCaps **caps) {
+    return guarded(aggregator, GST_FLOW_ERROR,
+                   [&] { return update_src_caps(GST_HAPTIC_ARRAY(aggregator), wanted, caps); });
+  };
+  klass->fixate_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
+    return guarded(aggregator, static_cast<GstCaps *>(nullptr), [&] { return fixate(caps); });
+  };
+  klass->negotiated_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
+    return guarded(aggregator, FALSE, [&] { return on_caps(GST_HAPTIC_ARRAY(aggregator), caps); });
+  };
+  klass->get_next_time = gst_aggregator_simple_get_next_time;
+  klass->aggregate = [](GstAggregator *aggregator, gboolean timeout) {
+    return guarded(aggregator, GST_FLOW_ERROR,
+                   [&] { return aggregate(GST_HAPTIC_ARRAY(aggregator), timeout != FALSE); });
+  };
+}
+
+static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(element_class, "Haptic array", "Filter/Converter/Haptics",
+                                        "Makes motion felt on an array of actuators",
+                                        "Feeling Wind project");
+  haptic::add_documentation(element_class, "hapticarray");
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  install_aggregator_vfuncs(GST_AGGREGATOR_CLASS(klass));
+}
+
+static void gst_haptic_array_init(GstHapticArray *self) {
+  self->state = new State;
+  GstPadTemplate *pad_template =
+      gst_element_class_get_pad_template(GST_ELEMENT_GET_CLASS(self), "sink");
+  self->sink = GST_AGGREGATOR_PAD(g_object_new(GST_TYPE_AGGREGATOR_PAD, "name", "sink", "direction",
+                                               GST_PAD_SINK, "template", pad_template, nullptr));
+  gst_element_add_pad(GST_ELEMENT(self), GST_PAD(self->sink));
+}
