@@ -18,6 +18,7 @@
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "messages.hpp"
+#include "problem-counters.hpp"
 #include "property-table.hpp"
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
@@ -26,7 +27,6 @@
 #include "track-time.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <deque>
 #include <memory>
@@ -53,44 +53,19 @@ using haptic::TrackProblemKind;
 constexpr guint kDefaultUnitDuration = 100; // ms
 constexpr guint kLongestUnitDuration = 4000;
 
-// What the property `stats` counts beside the samples. Each is a warning once, then only counted.
-enum Counter { kDamaged, kForeign, kOtherVersion, kOtherKind, kWithoutTime, kMissing, kCounters };
-
-constexpr std::array<const char *, kCounters> kCounterNames = {
-    "damaged", "foreign", "other-version", "other-kind", "without-time", "missing"};
-
-struct ProblemRow {
-  TrackProblemKind kind;
-  Counter counter;
-  const char *message;
-};
-
-constexpr ProblemRow kProblems[] = {
-    {TrackProblemKind::damaged, kDamaged, haptic::messages::kTrackIsDamaged},
-    {TrackProblemKind::foreign_klv, kForeign, haptic::messages::kTrackHasForeignKlv},
-    {TrackProblemKind::foreign_text, kForeign, haptic::messages::kTrackHasForeignText},
-    {TrackProblemKind::other_version, kOtherVersion, haptic::messages::kTrackIsOfLaterVersion},
-    {TrackProblemKind::other_kind, kOtherKind, haptic::messages::kTrackIsOfOtherKind},
-    {TrackProblemKind::missing, kMissing, haptic::messages::kTrackLostFields},
-    {TrackProblemKind::without_time, kWithoutTime, haptic::messages::kTrackHasNoTimes},
-};
-
 struct State {
   // Object lock.
   guint unit_duration = kDefaultUnitDuration; // ms
 
   // Atomic, for any thread.
   std::atomic<guint64> samples = 0;
-  std::array<std::atomic<guint64>, kCounters> counters{};
+  haptic::ProblemCounters problems;
 
   // Streaming thread only, or while it is stopped.
-  Form in = Form::raw;
-  Form out = Form::raw;
   TrackLayout layout = TrackLayout::point; // of the samples that come
   std::unique_ptr<TrackForm> reader;       // none before the first caps
   std::unique_ptr<TrackForm> writer;
   std::deque<BufferPtr> ready;
-  std::array<bool, kCounters> warned{};
   bool failed = false; // an error was posted
   bool discont = true;
   bool begun = false; // a sample has come since the start or the last flush
@@ -155,14 +130,15 @@ GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps 
 
 // ---- warnings -----------------------------------------------------------------------------------
 
+void warn_once(GstHapticConvert *self, const TrackProblem &problem) {
+  if (const char *message = self->state->problems.first_warning(problem.kind))
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("%s", message), ("%s", problem.details.c_str()));
+}
+
 void report(GstHapticConvert *self, const TrackProblem &problem) {
-  State &state = *self->state;
-  const auto *row = std::ranges::find(kProblems, problem.kind, &ProblemRow::kind);
-  ++state.counters[row->counter];
-  GST_DEBUG_OBJECT(self, "%s (%s)", row->message, problem.details.c_str());
-  if (!std::exchange(state.warned[row->counter], true))
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("%s", row->message),
-                        ("%s", problem.details.c_str()));
+  GST_DEBUG_OBJECT(self, "problem %d: %s", static_cast<int>(problem.kind), problem.details.c_str());
+  self->state->problems.count(problem.kind);
+  warn_once(self, problem);
 }
 
 // ---- time ---------------------------------------------------------------------------------------
@@ -239,7 +215,6 @@ bool change_layout(GstHapticConvert *self, TrackLayout layout) {
     if (!gst_caps_can_intersect(allowed.get(), caps.get()) ||
         !gst_base_transform_update_src_caps(trans, caps.get())) {
       state.failed = true;
-      const bool is_field = layout == TrackLayout::field;
       GST_ELEMENT_ERROR(self, STREAM, WRONG_TYPE,
                         (haptic::messages::kTrackLayoutIsRefused,
                          is_field ? "fields of the whole frame" : "of one point"),
@@ -258,9 +233,6 @@ struct ItemConverter {
     State &state = *self->state;
     if (!change_layout(self, TrackLayout::point))
       return;
-    complete_times(self, item.time, item.sample.time, item.sample.duration);
-    state.begun = true;
-    ++state.samples;
     haptic::TrackOutput output;
     state.writer->write(item, output);
     queue_output(self, output);
@@ -376,10 +348,6 @@ gboolean query(GstBaseTransform *trans, GstPadDirection direction, GstQuery *que
     return done;
   if (state.out != Form::hmpg || state.in == Form::hmpg)
     return done;
-  gboolean live = FALSE;
-  GstClockTime least = 0;
-  GstClockTime most = GST_CLOCK_TIME_NONE;
-  gst_query_parse_latency(query, &live, &least, &most);
   const ObjectLock lock(trans);
   const GstClockTime held = state.unit_duration * GST_MSECOND;
   gst_query_set_latency(query, live, least + held,
@@ -426,25 +394,14 @@ gboolean start(GstBaseTransform *trans) {
   state.reader.reset();
   state.writer.reset();
   restart_stream(state);
-  state.warned = {};
+  state.problems.reset();
   state.failed = false;
   state.samples = 0;
-  for (auto &counter : state.counters)
-    counter = 0;
   state.clock = {};
   return TRUE;
 }
 
 // ---- properties ---------------------------------------------------------------------------------
-
-haptic::StructurePtr make_stats(const State &state) {
-  haptic::StructurePtr stats(gst_structure_new("hapticconvert-stats", "samples", G_TYPE_UINT64,
-                                               state.samples.load(), nullptr));
-  for (std::size_t i = 0; i < kCounters; ++i)
-    gst_structure_set(stats.get(), kCounterNames[i], G_TYPE_UINT64, state.counters[i].load(),
-                      nullptr);
-  return stats;
-}
 
 std::span<const haptic::Property<State>> properties() {
   static const haptic::Property<State> table[] = {
@@ -458,7 +415,10 @@ std::span<const haptic::Property<State>> properties() {
                           GST_TYPE_STRUCTURE, haptic::kReadOnly),
        nullptr,
        [](const State &state, GValue *value) {
-         g_value_take_boxed(value, make_stats(state).release());
+         GstStructure *stats = gst_structure_new("hapticconvert-stats", "samples", G_TYPE_UINT64,
+                                                 state.samples.load(), nullptr);
+         state.problems.write(*stats);
+         g_value_take_boxed(value, stats);
        }},
   };
   return table;
