@@ -308,12 +308,6 @@ void restart_stream(State &state) {
   state.begun = false;
 }
 
-// A demuxer sends gap events when its other streams run ahead, so that nobody waits for the first
-// buffer. A track has samples of its own where nothing was measured.
-bool is_false_gap(const State &state) {
-  return state.in != Form::raw && state.begun;
-}
-
 gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
   State &state = state_of(trans);
   switch (GST_EVENT_TYPE(event)) {
@@ -329,7 +323,9 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
     state.clock.forget();
     break;
   case GST_EVENT_GAP:
-    if (is_false_gap(state)) {
+    // Demuxers send them when other streams run ahead, tsdemux 1.22 also before its segment. A
+    // track has samples where nothing was measured.
+    if ((state.in != Form::raw && state.begun) || trans->segment.format != GST_FORMAT_TIME) {
       gst_event_unref(event);
       return TRUE;
     }
