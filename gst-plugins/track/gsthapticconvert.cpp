@@ -56,6 +56,7 @@ constexpr guint kLongestUnitDuration = 4000;
 struct State {
   // Object lock.
   guint unit_duration = kDefaultUnitDuration; // ms
+  bool start_untied = false;
 
   // Atomic, for any thread.
   std::atomic<guint64> samples = 0;
@@ -143,19 +144,33 @@ void report(GstHapticConvert *self, const TrackProblem &problem) {
 
 // ---- time ---------------------------------------------------------------------------------------
 
+bool starts_untied(GstHapticConvert *self) {
+  const ObjectLock lock(self);
+  return self->state->start_untied;
+}
+
 // Completes the two times of a sample or field: `pts` of its buffer and the sender's `time`.
-void complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &time,
+// Returns false if nothing ties the sample to the streams beside it: its place among them is
+// unknown.
+bool complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &time,
                     GstClockTime duration) {
   State &state = *self->state;
   const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
   if (!state.reader->carries_time()) {
     time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
   } else if (!GST_CLOCK_TIME_IS_VALID(pts) && GST_CLOCK_TIME_IS_VALID(time)) {
-    const bool is_forward = segment.format == GST_FORMAT_TIME && segment.rate > 0;
-    pts = state.clock.recovered(time, is_forward ? segment.start : 0);
+    const bool has_times = segment.format == GST_FORMAT_TIME;
+    if (has_times && !state.clock.is_tied() && !starts_untied(self)) {
+      state.problems.count(TrackProblemKind::untied);
+      if (state.clock.wait_for_tie(time))
+        warn_once(self, {TrackProblemKind::untied, "no PTS so far"});
+      return false;
+    }
+    pts = state.clock.recovered(time, has_times && segment.rate > 0 ? segment.start : 0);
     report(self, {TrackProblemKind::without_time, "no PTS"});
   }
   state.clock.remember(pts, time, duration);
+  return true;
 }
 
 // ---- output -------------------------------------------------------------------------------------
@@ -230,20 +245,18 @@ struct ItemConverter {
   GstHapticConvert *self;
 
   void operator()(haptic::TimedSample &item) const {
-    State &state = *self->state;
-    if (!change_layout(self, TrackLayout::point))
+    if (!begins(TrackLayout::point, item.time, item.sample))
       return;
     haptic::TrackOutput output;
-    state.writer->write(item, output);
+    self->state->writer->write(item, output);
+    ++self->state->samples;
     queue_output(self, output);
   }
 
   void operator()(haptic::TimedField &item) const {
-    State &state = *self->state;
-    if (!change_layout(self, TrackLayout::field))
+    if (!begins(TrackLayout::field, item.time, item.field))
       return;
-    complete_times(self, item.time, item.field.time, item.field.duration);
-    state.begun = true;
+    State &state = *self->state;
     haptic::TrackOutput output;
     if (state.writer->write(item, output))
       ++state.samples;
@@ -261,6 +274,15 @@ struct ItemConverter {
   }
 
   void operator()(const TrackProblem &problem) const { report(self, problem); }
+
+private:
+  // Returns whether the item is converted.
+  bool begins(TrackLayout layout, GstClockTime &pts, auto &own) const {
+    if (!change_layout(self, layout) || !complete_times(self, pts, own.time, own.duration))
+      return false;
+    self->state->begun = true;
+    return true;
+  }
 };
 
 void convert(GstHapticConvert *self, GstBuffer *buffer) {
@@ -312,6 +334,9 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
   State &state = state_of(trans);
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_EOS:
+    if (state.clock.is_waiting())
+      warn_once(GST_HAPTIC_CONVERT(trans), {TrackProblemKind::untied, "no PTS"});
+    [[fallthrough]];
   case GST_EVENT_SEGMENT:
   case GST_EVENT_CAPS:
     push_remaining(GST_HAPTIC_CONVERT(trans));
@@ -407,6 +432,10 @@ std::span<const haptic::Property<State>> properties() {
           kLongestUnitDuration, kDefaultUnitDuration,
           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                    GST_PARAM_MUTABLE_READY))),
+      haptic::member_row<&State::start_untied>(g_param_spec_boolean(
+          "start-untied", "Start Untied",
+          "A track that has lost its time stamps begins where the other streams begin", FALSE,
+          haptic::kReadWrite)),
       {g_param_spec_boxed("stats", "Statistics", "Counters since the last start",
                           GST_TYPE_STRUCTURE, haptic::kReadOnly),
        nullptr,

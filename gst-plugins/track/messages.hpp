@@ -22,9 +22,11 @@
           "The haptic track has samples of a kind that this version does not know; they were left out.", \
           "Update this machine.") \
   MESSAGE(kTrackHasNoTimes, \
-          "The haptic track has lost its time stamps. The times inside of its samples are used; they " \
-          "may differ from the video's by a constant.", \
-          "Record anew with record.sh, or remux with another program.") \
+          "Some samples of the haptic track have no time stamp; the times inside of them are used.", \
+          "Nothing needs to be done.") \
+  MESSAGE(kTrackIsUntied, \
+          "The haptic track has lost its time stamps, so that nothing ties it to the picture; what has none is not felt.", \
+          "Copy the original again: put hapticmark behind its muxer first, or use another program than ffmpeg.") \
   MESSAGE(kTrackLostFields, \
           "A part of the motion fields was lost; they are silent until the next key sample, a second at most.", \
           "On a network, give the receiver a larger latency.") \

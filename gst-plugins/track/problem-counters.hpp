@@ -43,11 +43,12 @@ private:
     kOtherVersion,
     kOtherKind,
     kWithoutTime,
+    kUntied,
     kMissing,
     kCounters
   };
   static constexpr std::array<const char *, kCounters> kNames = {
-      "damaged", "foreign", "other-version", "other-kind", "without-time", "missing"};
+      "damaged", "foreign", "other-version", "other-kind", "without-time", "untied", "missing"};
 
   struct Row {
     TrackProblemKind kind;
@@ -62,6 +63,7 @@ private:
       {TrackProblemKind::other_kind, kOtherKind, messages::kTrackIsOfOtherKind},
       {TrackProblemKind::missing, kMissing, messages::kTrackLostFields},
       {TrackProblemKind::without_time, kWithoutTime, messages::kTrackHasNoTimes},
+      {TrackProblemKind::untied, kUntied, messages::kTrackIsUntied},
   };
 
   static const Row &row_of(TrackProblemKind kind) {

@@ -4,6 +4,11 @@
 #include <algorithm>
 
 namespace haptic {
+namespace {
+
+constexpr std::uint64_t kLongestWait = 2 * kSecond; // ns
+
+} // namespace
 
 std::uint64_t TrackClock::recovered(std::uint64_t time, std::uint64_t start) const noexcept {
   if (pts_ == kNoTime)
@@ -15,6 +20,12 @@ std::uint64_t TrackClock::recovered(std::uint64_t time, std::uint64_t start) con
   if (time_ != kNoTime && back <= std::min(kLargestTimeStep, pts_))
     return pts_ - back;
   return pts_ + duration_; // the sender was started anew
+}
+
+bool TrackClock::wait_for_tie(std::uint64_t time) noexcept {
+  if (first_untied_ == kNoTime)
+    first_untied_ = time;
+  return time - first_untied_ >= kLongestWait;
 }
 
 void TrackClock::remember(std::uint64_t pts, std::uint64_t time, std::uint64_t duration) noexcept {

@@ -42,8 +42,9 @@ enum class TrackProblemKind {
   foreign_text,
   other_version,
   other_kind,
-  missing,     ///< a field before this one was lost
-  without_time ///< the buffer has no time stamp
+  missing,      ///< a field before this one was lost
+  without_time, ///< the buffer has no time stamp; the sample's own time gave it one
+  untied        ///< it has none, and no buffer before it had one
 };
 
 struct TrackProblem {

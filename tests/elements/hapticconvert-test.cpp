@@ -126,7 +126,7 @@ TEST_F(HapticConvert, SamplesWithoutTimeStampsGetThoseInside) {
   auto klv =
       run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
   for (std::size_t i = 0; i < klv.size(); ++i)
-    if (i != 3)
+    if (i != 0)
       klv[i].pts = GST_CLOCK_TIME_NONE;
   const auto got = run(kKlvIn + kOut, klv);
   expect_exact(got.packets);
@@ -139,12 +139,39 @@ TEST_F(HapticConvert, ASenderThatIsStartedAnewGoesOnWhereTheOldOneEnded) {
       run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
   auto both = klv;
   both.insert(both.end(), klv.begin(), klv.end());
-  for (auto &packet : both)
-    packet.pts = GST_CLOCK_TIME_NONE;
+  for (std::size_t i = 1; i < both.size(); ++i)
+    both[i].pts = GST_CLOCK_TIME_NONE;
   const auto got = run(kKlvIn + kOut, both).packets;
   ASSERT_EQ(got.size(), both.size());
   for (const auto &packet : got)
     EXPECT_TRUE(GST_CLOCK_TIME_IS_VALID(packet.pts));
+}
+
+TEST_F(HapticConvert, ATrackThatLostAllTimeStampsIsNotFeltAndSaidSo) {
+  auto klv =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
+  for (auto &packet : klv)
+    packet.pts = GST_CLOCK_TIME_NONE;
+  klv.resize(5);
+  const auto lost = run(kKlvIn + kOut, klv);
+  EXPECT_TRUE(lost.packets.empty());
+  ASSERT_EQ(lost.warnings.size(), 1U);
+  EXPECT_NE(lost.warnings[0].find("nothing ties it to the picture"), std::string::npos);
+  const auto asked = run(
+      kKlvIn + " ! hapticconvert start-untied=true ! haptics/x-raw ! appsink name=out sync=false",
+      klv);
+  EXPECT_EQ(asked.packets.size(), klv.size()) << "on request it begins with the stream";
+}
+
+TEST_F(HapticConvert, WhatComesBeforeTheFirstTimeStampIsLeftOutWithoutAWarning) {
+  auto klv =
+      run(kIn + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track).packets;
+  for (std::size_t i = 0; i < 20; ++i)
+    klv[i].pts = GST_CLOCK_TIME_NONE;
+  const auto got = run(kKlvIn + kOut, klv);
+  EXPECT_TRUE(got.warnings.empty()) << got.warnings[0];
+  ASSERT_EQ(got.packets.size(), klv.size() - 20);
+  EXPECT_EQ(got.packets[0].pts, klv[20].pts);
 }
 
 TEST_F(HapticConvert, AFileThatIsCutOffIsPlayedUpToThere) {

@@ -48,4 +48,16 @@ TEST(TrackClock, SamplesWithoutATimeStampChangeNothing) {
   EXPECT_EQ(clock.recovered(101 * kSecond, 0), 0U);
 }
 
+TEST(TrackClock, ATrackHasLostItsTimesOnceItHadNoneForTwoSeconds) {
+  TrackClock clock;
+  EXPECT_FALSE(clock.is_waiting()) << "nothing has come";
+  EXPECT_FALSE(clock.wait_for_tie(5 * kSecond));
+  EXPECT_FALSE(clock.wait_for_tie(6 * kSecond));
+  EXPECT_TRUE(clock.wait_for_tie(7 * kSecond));
+  EXPECT_TRUE(clock.is_waiting());
+  clock.remember(0, 8 * kSecond, 0);
+  EXPECT_TRUE(clock.is_tied());
+  EXPECT_FALSE(clock.is_waiting());
+}
+
 } // namespace
