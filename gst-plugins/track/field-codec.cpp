@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-codec.hpp"
 
-#include "range-coder.hpp"
+#include "number-code.hpp"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 namespace haptic {
 namespace {
 
-constexpr std::uint64_t kMicrosecond = 1000;       // ns
-constexpr std::uint64_t kKeyEvery = 1'000'000'000; // ns
+constexpr std::uint64_t kMicrosecond = 1000; // ns
 // A sequence number must not come round between them.
 constexpr unsigned kMostBetweenKeys = 128;
 constexpr std::uint64_t kLongestInterval = std::uint64_t{1} << 53; // us
@@ -22,342 +19,17 @@ constexpr std::uint64_t kLongestInterval = std::uint64_t{1} << 53; // us
 // Bits of the first byte. The upper four are the flags of the field.
 constexpr std::uint8_t kKey = 1 << 0;
 constexpr std::uint8_t kRested = 1 << 1;   // fields were left out before this one: the frame rested
-constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; otherwise it has not changed
+constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; else it is the reference's
+// Of a key field: the interval of the scale follows; it is the second of its pair, or the first and
+// its own interval is another. Of another field:
+// the number of fields since its key field follows. Tracks of version 0.1 do not have it there: the
+// reference is the field before.
+constexpr std::uint8_t kOfPair = 1 << 3;
 constexpr unsigned kFlagShift = 4;
 constexpr std::uint16_t kFlags =
     kMotionStill | kMotionDuplicate | kMotionCut | kMotionDiscontinuity;
 
 constexpr std::size_t kCheckSize = 2; // bytes
-
-// ---- scale --------------------------------------------------------------------------------------
-
-// Speed in px per frame of the number n on the scale:
-//   n kStep                                          for n <= kEvenSteps,
-//   kEven exp((n - kEvenSteps) / kEvenSteps)         beyond.
-// Above kEven the step is 6 % of the speed. A hand feels differences of a force from 7 % on.
-constexpr float kStep = 1.F / 4;
-constexpr float kEven = 4;
-constexpr int kEvenSteps = 16;
-constexpr int kLargestNumber = 127; // 4100 px per frame
-constexpr float kFastest = 4000;
-// Tolerance of a velocity before it is coded anew. 0.2 px per frame are 3 % of the full force at 30
-// frames a second. Forces that differ by less than 7 % feel the same.
-constexpr float kTolerance = 0.2F;
-constexpr float kRelativeTolerance = 0.07F;
-constexpr float kFieldInterval = 1.F / 30; // s, of a field that names none
-
-std::int16_t number_of(float speed) {
-  const float size = std::abs(speed);
-  const float number =
-      size <= kEven ? size / kStep : kEvenSteps + kEvenSteps * std::log(size / kEven);
-  const auto rounded = std::min(static_cast<int>(std::lround(number)), kLargestNumber);
-  return static_cast<std::int16_t>(speed < 0 ? -rounded : rounded);
-}
-
-const std::array<float, kLargestNumber + 1> &speeds() {
-  static const auto table = [] {
-    std::array<float, kLargestNumber + 1> speeds{};
-    for (std::size_t i = 0; i < speeds.size(); ++i) {
-      const auto number = static_cast<float>(i);
-      speeds[i] =
-          i <= kEvenSteps ? number * kStep : kEven * std::exp((number - kEvenSteps) / kEvenSteps);
-    }
-    return speeds;
-  }();
-  return table;
-}
-
-float speed_of(int number) {
-  const float speed = speeds()[static_cast<std::size_t>(std::abs(number))];
-  return number < 0 ? -speed : speed;
-}
-
-constexpr int kLargestConfidence = 4;
-// A level stays until the next one is nearly reached, so that it does not flicker.
-constexpr float kConfidenceTolerance = 0.9F / kLargestConfidence;
-// The same for a cell at rest, which makes no force whatever its confidence is.
-constexpr float kRestingConfidenceTolerance = 0.25F;
-
-int confidence_number(float confidence) {
-  return confidence > 0
-             ? std::max(1, static_cast<int>(std::lround(confidence * kLargestConfidence)))
-             : 0;
-}
-
-float confidence_of(int number) {
-  return static_cast<float>(number) / kLargestConfidence;
-}
-
-float unit_of(const MotionField &field) {
-  return 1 / (field.interval > 0 ? static_cast<float>(field.interval) * 1e-9F : kFieldInterval);
-}
-
-FieldCell decoded(const CodedCell &cell, float unit) {
-  return {speed_of(cell.x) * unit, speed_of(cell.y) * unit, confidence_of(cell.confidence)};
-}
-
-bool is_near(float confidence, int number, float tolerance) {
-  return number > 0 && std::abs(confidence - confidence_of(number)) <= tolerance;
-}
-
-bool is_at_rest(const CodedCell &cell) {
-  return cell.x == 0 && cell.y == 0;
-}
-
-struct Steps {
-  int x = 0;
-  int y = 0;
-};
-
-// Returns the mean of the neighbours that are coded before the cell and have a confidence.
-Steps expected(const std::vector<CodedCell> &cells, std::size_t i, std::size_t columns) {
-  int count = 0;
-  Steps sum;
-  const auto add = [&](bool exists, std::size_t neighbour) {
-    if (!exists || cells[neighbour].confidence == 0)
-      return;
-    ++count;
-    sum.x += cells[neighbour].x;
-    sum.y += cells[neighbour].y;
-  };
-  const std::size_t column = i % columns;
-  add(column > 0, i - 1);
-  add(i >= columns, i - columns);
-  add(i >= columns && column + 1 < columns, i + 1 - columns);
-  const auto mean = [&](int total) { // rounded, half away from zero
-    return (2 * total + (total < 0 ? -count : count)) / (2 * count);
-  };
-  return count > 0 ? Steps{mean(sum.x), mean(sum.y)} : Steps{};
-}
-
-// Returns the numbers of a velocity in px per frame: the expected ones, which cost least, if they
-// are within the tolerance, or else the nearest ones.
-Steps steps_of(float x, float y, float tolerance, Steps expected) {
-  const Steps nearest{number_of(x), number_of(y)};
-  for (const Steps &cheap : {expected, Steps{expected.x, nearest.y}, Steps{nearest.x, expected.y}})
-    if (std::hypot(x - speed_of(cheap.x), y - speed_of(cheap.y)) <= tolerance)
-      return cheap;
-  return nearest;
-}
-
-// Returns the numbers to be held: new ones where a cell has left its tolerance, else the old ones.
-// The confidence of a cell at rest changes with key fields only, since such a cell makes no force.
-std::vector<CodedCell> updated(const CodedState &held, const MotionField &field, bool key) {
-  std::vector<CodedCell> next(held.cells.size());
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    const FieldCell &cell = field.cells[i];
-    next[i] = held.cells[i];
-    const bool rested = is_at_rest(next[i]);
-    if (!(cell.confidence > 0)) {
-      if (key || !rested)
-        next[i] = {};
-      continue;
-    }
-    const float x = std::clamp(cell.velocity_x / held.unit, -kFastest, kFastest);
-    const float y = std::clamp(cell.velocity_y / held.unit, -kFastest, kFastest);
-    const float tolerance = std::max(kTolerance, kRelativeTolerance * std::hypot(x, y));
-    if (std::hypot(x - speed_of(next[i].x), y - speed_of(next[i].y)) > tolerance) {
-      const Steps steps = steps_of(x, y, tolerance, expected(next, i, field.columns));
-      next[i].x = static_cast<std::int16_t>(steps.x);
-      next[i].y = static_cast<std::int16_t>(steps.y);
-    }
-    const bool rests = is_at_rest(next[i]);
-    if (!key && rested && rests)
-      continue;
-    const float margin = rests ? kRestingConfidenceTolerance : kConfidenceTolerance;
-    if (is_near(cell.confidence, next[i].confidence, margin))
-      continue;
-    // The level of a neighbour costs nothing where it is near enough.
-    const int left = i % field.columns > 0 ? next[i - 1].confidence : 0;
-    const int up = i >= field.columns ? next[i - field.columns].confidence : 0;
-    next[i].confidence = static_cast<std::uint8_t>(is_near(cell.confidence, left, margin) ? left
-                                                   : is_near(cell.confidence, up, margin)
-                                                       ? up
-                                                       : confidence_number(cell.confidence));
-  }
-  return next;
-}
-
-// ---- what is likely -----------------------------------------------------------------------------
-
-// The bits of one kind of number: whether it is 0, its sign, then its size as Exp-Golomb code.
-struct NumberModel {
-  static constexpr std::size_t kLengths = 10; // of numbers up to 1023
-  BitModel zero{2048};
-  BitModel sign;
-  std::array<BitModel, kLengths> longer;
-  std::array<BitModel, 2> first_bit;
-};
-
-constexpr std::size_t kSizes = 4;
-
-// A field starts with fresh models, so that it can be decoded without the one before.
-struct Models {
-  // By how many neighbours moved, whether the cell did with the field before, and whether it
-  // moves at all.
-  std::array<BitModel, 16> moved = make_moved();
-  std::array<BitModel, 4> turned = {BitModel(4050), BitModel(3000), BitModel(2000), BitModel(1000)};
-  std::array<NumberModel, kSizes> x; // by what the neighbours were off
-  std::array<NumberModel, kSizes> y;
-  std::array<NumberModel, 2> confidence;
-
-private:
-  static std::array<BitModel, 16> make_moved() {
-    std::array<BitModel, 16> models;
-    constexpr std::array<std::uint16_t, 16> kStill = {4070, 3600, 3300, 2600, 3900, 3000,
-                                                      2400, 1400, 3800, 3000, 2600, 1600,
-                                                      3000, 2000, 1400, 500};
-    for (std::size_t i = 0; i < models.size(); ++i)
-      models[i] = BitModel(kStill[i]);
-    return models;
-  }
-};
-
-// An Encoder or a Decoder is the `code` of the functions below, so that both directions share them:
-// a call gets the bit to be written and returns the bit that was written or read.
-class Encoder {
-public:
-  bool bit(BitModel &model, bool bit) { return out_.bit(model, bit), bit; }
-  bool even_bit(bool bit) { return out_.even_bit(bit), bit; }
-  void finish(std::vector<std::uint8_t> &bytes) { out_.finish(bytes); }
-
-private:
-  RangeEncoder out_;
-};
-
-class Decoder {
-public:
-  explicit Decoder(std::span<const std::uint8_t> bytes) : in_(bytes) {}
-  bool bit(BitModel &model, bool) { return in_.bit(model); }
-  bool even_bit(bool) { return in_.even_bit(); }
-
-private:
-  RangeDecoder in_;
-};
-
-template <typename Code>
-int code_number(Code &code, NumberModel &model, int number) {
-  if (code.bit(model.zero, number == 0))
-    return 0;
-  const bool negative = code.bit(model.sign, number < 0);
-  const auto size = static_cast<unsigned>(std::abs(number)); // from 1
-  unsigned length = 0;
-  while (length + 1 < NumberModel::kLengths &&
-         code.bit(model.longer[length], static_cast<unsigned>(std::bit_width(size)) > length + 1))
-    ++length;
-  unsigned read = 1;
-  for (unsigned i = length; i-- > 0;) {
-    const bool wanted = size >> i & 1;
-    const bool bit =
-        i + 1 == length ? code.bit(model.first_bit[length > 1], wanted) : code.even_bit(wanted);
-    read = read << 1 | unsigned{bit};
-  }
-  return negative ? -static_cast<int>(read) : static_cast<int>(read);
-}
-
-// Codes the change of every cell from `held` to `next`, row by row, and makes `held` the same as
-// `next`. A decoder has no `next`: it reads the changes.
-template <typename Code>
-class CellCoder {
-public:
-  CellCoder(Code &code, std::vector<CodedCell> &held, std::size_t columns,
-            const std::vector<CodedCell> *next)
-      : code_(code), held_(held), next_(next), columns_(columns), above_(columns + 2),
-        row_(columns + 2) {}
-
-  void run() {
-    for (std::size_t i = 0; i < held_.size(); ++i) {
-      if (i % columns_ == 0 && i > 0) {
-        std::swap(above_, row_);
-        std::ranges::fill(row_, Change{});
-      }
-      code_cell(i);
-    }
-  }
-
-private:
-  struct Change {
-    bool moved = false;  // the velocity changed
-    bool turned = false; // the confidence changed
-    int off_x = 0;       // velocity minus what was expected
-    int off_y = 0;
-    int confidence = 0; // difference from the confidence held
-  };
-
-  struct Neighbours {
-    const Change &left;
-    const Change &up;
-    const Change &up_left;
-    const Change &up_right;
-  };
-
-  void code_cell(std::size_t i) {
-    const std::size_t column = i % columns_;
-    const Neighbours near = {row_[column], above_[column + 1], above_[column], above_[column + 2]};
-    CodedCell &cell = held_[i];
-    const CodedCell wanted = next_ ? (*next_)[i] : CodedCell{};
-    Change &here = row_[column + 1];
-    here.moved = code_.bit(models_.moved[move_context(near, cell)],
-                           wanted.x != cell.x || wanted.y != cell.y);
-    const std::size_t turns = static_cast<std::size_t>(near.left.turned) + near.up.turned +
-                              (here.moved && cell.confidence == 0);
-    here.turned = code_.bit(models_.turned[turns], wanted.confidence != cell.confidence);
-    if (here.moved)
-      code_velocity(i, wanted, near, here);
-    if (here.turned)
-      code_confidence(cell, wanted, near, here);
-    cell.changed = here.moved;
-  }
-
-  static std::size_t move_context(const Neighbours &near, const CodedCell &cell) {
-    return static_cast<std::size_t>(near.left.moved) + near.up.moved +
-           (near.up_left.moved || near.up_right.moved) + (cell.changed ? 4U : 0U) +
-           (is_at_rest(cell) ? 0U : 8U);
-  }
-
-  void code_velocity(std::size_t i, const CodedCell &wanted, const Neighbours &near, Change &here) {
-    CodedCell &cell = held_[i];
-    const Steps guess = expected(held_, i, columns_);
-    here.off_x = code_number(code_, models_.x[size_class(near.left.off_x, near.up.off_x)],
-                             wanted.x - guess.x);
-    here.off_y =
-        code_number(code_, models_.y[size_class(near.left.off_y + here.off_x, near.up.off_y)],
-                    wanted.y - guess.y);
-    cell.x = limited(guess.x + here.off_x);
-    cell.y = limited(guess.y + here.off_y);
-  }
-
-  void code_confidence(CodedCell &cell, const CodedCell &wanted, const Neighbours &near,
-                       Change &here) {
-    const int left = near.left.confidence;
-    const int up = near.up.confidence;
-    const int guess = !near.up.turned     ? left
-                      : !near.left.turned ? up
-                                          : std::clamp(left + up - near.up_left.confidence,
-                                                       std::min(left, up), std::max(left, up));
-    here.confidence = guess + code_number(code_, models_.confidence[left == up],
-                                          wanted.confidence - cell.confidence - guess);
-    cell.confidence = static_cast<std::uint8_t>(
-        std::clamp(cell.confidence + here.confidence, 0, kLargestConfidence));
-  }
-
-  static std::size_t size_class(int a, int b) {
-    const int sum = std::abs(a) + std::abs(b);
-    return static_cast<std::size_t>(sum == 0 ? 0 : sum <= 1 ? 1 : sum <= 4 ? 2 : 3);
-  }
-
-  static std::int16_t limited(int number) {
-    return static_cast<std::int16_t>(std::clamp(number, -kLargestNumber, kLargestNumber));
-  }
-
-  Code &code_;
-  std::vector<CodedCell> &held_;
-  const std::vector<CodedCell> *next_; // may be none
-  std::size_t columns_;
-  Models models_;
-  std::vector<Change> above_; // of the row above, with one more cell at each end
-  std::vector<Change> row_;   // of this row, the same
-};
 
 // ---- the bytes around them ----------------------------------------------------------------------
 
@@ -401,22 +73,39 @@ private:
   bool failed_ = false;
 };
 
+// The numbers of a key field that describe its grid.
+template <typename Cells, typename State>
+auto grid_of(const State &state) {
+  const auto &field = state.field;
+  constexpr std::size_t kNumbers = Cells::kLargestStep > 0 ? 7 : 6;
+  std::array<std::uint32_t, kNumbers> numbers = {field.columns,        field.rows,
+                                                 field.frame_width,    field.frame_height,
+                                                 field.pixel_aspect_n, field.pixel_aspect_d};
+  if (kNumbers == 7)
+    numbers.back() = state.step;
+  return numbers;
+}
+
 // Returns FNV-1a of the first byte and of what both sides hold now, folded to 16 bits.
-std::uint16_t check_of(std::uint8_t head, const CodedState &state) {
+template <typename Cells, typename State>
+std::uint16_t check_of(std::uint8_t head, const State &state) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&](std::uint32_t value) { hash = (hash ^ value) * 16777619U; };
   add(head);
   add(state.sequence);
   add(static_cast<std::uint32_t>(state.field.interval / kMicrosecond));
-  for (const CodedCell &cell : state.cells) {
-    add(static_cast<std::uint16_t>(cell.x));
-    add(static_cast<std::uint16_t>(cell.y));
-    add(cell.confidence);
-  }
+  if ((head & kKey) != 0 && (head & kOfPair) != 0)
+    add(static_cast<std::uint32_t>(state.scale / kMicrosecond));
+  if (Cells::kLargestStep > 0)
+    for (const std::uint32_t number : grid_of<Cells>(state))
+      add(number);
+  for (const auto &cell : state.cells)
+    Cells::hash(cell, add);
   return static_cast<std::uint16_t>(hash ^ hash >> 16);
 }
 
-bool same_grid(const MotionField &a, const MotionField &b) {
+template <typename Field>
+bool same_grid(const Field &a, const Field &b) {
   return a.columns == b.columns && a.rows == b.rows && a.frame_width == b.frame_width &&
          a.frame_height == b.frame_height && a.pixel_aspect_n == b.pixel_aspect_n &&
          a.pixel_aspect_d == b.pixel_aspect_d;
@@ -426,8 +115,28 @@ std::uint64_t rounded_interval(std::uint64_t interval) {
   return std::min((interval + kMicrosecond / 2) / kMicrosecond, kLongestInterval) * kMicrosecond;
 }
 
-bool is_rest(const std::vector<CodedCell> &cells) {
-  return std::ranges::all_of(cells, is_at_rest);
+// Returns what stands before the checksum.
+template <typename Cells, typename State>
+std::vector<std::uint8_t> head_of(std::uint8_t head, const State &state, const State &reference) {
+  std::vector<std::uint8_t> bytes = {head, state.sequence};
+  const bool key = (head & kKey) != 0;
+  const auto &field = state.field;
+  if (!key)
+    bytes.push_back(static_cast<std::uint8_t>(state.sequence - reference.sequence));
+  if ((head & kInterval) != 0)
+    put_number(bytes, field.interval / kMicrosecond);
+  if (key && (head & kOfPair) != 0)
+    put_number(bytes, state.scale / kMicrosecond);
+  if (key)
+    for (const std::uint32_t number : grid_of<Cells>(state))
+      put_number(bytes, number);
+  return bytes;
+}
+
+constexpr float kFieldInterval = 1.F / 30; // s, of a field that names none
+
+float unit_of(std::uint64_t interval) {
+  return 1 / (interval > 0 ? static_cast<float>(interval) * 1e-9F : kFieldInterval);
 }
 
 } // namespace
@@ -436,67 +145,93 @@ bool is_key_field(std::span<const std::uint8_t> bytes) noexcept {
   return !bytes.empty() && (bytes[0] & kKey) != 0;
 }
 
+bool begins_pair(std::span<const std::uint8_t> bytes) noexcept {
+  return is_key_field(bytes) && (bytes[0] & kOfPair) == 0;
+}
+
 // ---- encoder ------------------------------------------------------------------------------------
 
-bool FieldEncoder::needs_key(const MotionField &field) const noexcept {
+template <typename Cells>
+bool GridEncoder<Cells>::needs_pair(const Field &field) const noexcept {
   if (!begun_ || !same_grid(field, state_.field) ||
       (field.flags & (kMotionCut | kMotionDiscontinuity)) != 0)
     return true;
-  if (since_key_ + field.interval / 2 >= kKeyEvery || sent_ >= kMostBetweenKeys)
+  if (since_key_ + field.interval / 2 >= key_interval_ || sent_ >= kMostBetweenKeys)
     return true;
-  // The steps are meant at the interval of the key field.
-  const float unit = unit_of(field);
+  if (Cells::step_for(field, state_.step) != state_.step)
+    return true;
+  // The steps of a velocity are meant at the interval of the key field.
+  const float unit = unit_of(field.interval);
   return unit > 1.5F * state_.unit || state_.unit > 1.5F * unit;
 }
 
-bool FieldEncoder::rests_on(const MotionField &field) const noexcept {
-  return is_rest(state_.cells) && std::ranges::all_of(field.cells, [&](const FieldCell &cell) {
-           return std::hypot(cell.velocity_x, cell.velocity_y) <= kTolerance * state_.unit;
-         });
-}
-
-std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &field) {
-  since_key_ += std::min(field.interval, kKeyEvery);
-  const bool key = needs_key(field);
-  if (!key && rests_on(field)) {
+template <typename Cells>
+std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &field) {
+  since_key_ += std::min(field.interval, key_interval_);
+  const bool first = needs_pair(field);
+  if (!first && Cells::rests_on(state_, field)) {
     rested_ = true;
     return std::nullopt;
   }
-  const std::uint64_t interval = rounded_interval(field.interval);
-  const bool has_interval = key || interval != state_.field.interval;
-  if (key) {
-    state_.field = field;
-    state_.unit = unit_of(field);
-    state_.cells.assign(field.cells.size(), {});
-    since_key_ = 0;
-    sent_ = 0;
-  }
-  ++state_.sequence;
-  ++sent_;
-  state_.field.interval = interval;
-  const std::vector<CodedCell> next = updated(state_, field, key);
+  if (first)
+    begin_pair(field, field.interval, Cells::step_for(field, state_.step));
+  const bool key = sent_ < keys_.size();
+  const auto next = Cells::updated(state_, field, key);
+  return code(field, next, rested_ && !Cells::is_rest(next));
+}
 
-  const bool ends_rest = rested_ && !is_rest(next);
-  std::vector<std::uint8_t> bytes;
-  bytes.push_back(static_cast<std::uint8_t>((key ? kKey : 0) | (ends_rest ? kRested : 0) |
-                                            (has_interval ? kInterval : 0) |
-                                            (field.flags & kFlags) << kFlagShift));
-  bytes.push_back(state_.sequence);
-  if (has_interval)
-    put_number(bytes, interval / kMicrosecond);
-  if (key)
-    for (std::uint32_t number :
-         {std::uint32_t{field.columns}, std::uint32_t{field.rows}, field.frame_width,
-          field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
-      put_number(bytes, number);
+template <typename Cells>
+std::vector<std::uint8_t> GridEncoder<Cells>::push_held(const State &held, bool ends_rest) {
+  since_key_ += std::min(held.field.interval, key_interval_);
+  if (needs_pair(held.field) || held.scale != state_.scale || held.step != state_.step)
+    begin_pair(held.field, held.scale, held.step);
+  return code(held.field, held.cells, ends_rest);
+}
+
+template <typename Cells>
+void GridEncoder<Cells>::begin_pair(const Field &field, std::uint64_t interval,
+                                    std::uint32_t step) {
+  state_.field = field;
+  state_.unit = unit_of(interval);
+  state_.scale = rounded_interval(interval);
+  // The numbers of a relief stay where they may: a step at each pair of key fields would be felt.
+  if (step == 0 || step != state_.step || state_.cells.size() != field.cells.size())
+    state_.cells.assign(field.cells.size(), {});
+  state_.step = step;
+  since_key_ = 0;
+  sent_ = 0;
+}
+
+template <typename Cells>
+std::vector<std::uint8_t> GridEncoder<Cells>::code(const Field &field,
+                                                   const std::vector<typename Cells::Cell> &next,
+                                                   bool ends_rest) {
+  const bool key = sent_ < keys_.size();
+  ++state_.sequence;
+  state_.field.interval = rounded_interval(field.interval);
+  const State &reference = keys_[sent_ % keys_.size()];
+  const bool has_interval = key || state_.field.interval != reference.field.interval;
+  const bool is_scale = sent_ == 0 && state_.field.interval == state_.scale;
+  std::vector<std::uint8_t> bytes = head_of<Cells>(
+      static_cast<std::uint8_t>((key ? kKey : 0) | (ends_rest ? kRested : 0) |
+                                (has_interval ? kInterval : 0) | (is_scale ? 0 : kOfPair) |
+                                (field.flags & kFlags) << kFlagShift),
+      state_, reference);
   const std::size_t check_at = bytes.size();
   bytes.resize(check_at + kCheckSize);
-  Encoder code;
-  CellCoder(code, state_.cells, field.columns, &next).run();
-  code.finish(bytes);
-  const std::uint16_t check = check_of(bytes[0], state_);
+  if (key)
+    state_.cells.assign(field.cells.size(), {});
+  else
+    state_.cells = reference.cells;
+  Encoder out;
+  Cells::write(out, state_.cells, field.columns, next);
+  out.finish(bytes);
+  const std::uint16_t check = check_of<Cells>(bytes[0], state_);
   bytes[check_at] = static_cast<std::uint8_t>(check);
   bytes[check_at + 1] = static_cast<std::uint8_t>(check >> 8);
+  if (key)
+    keys_[sent_] = state_;
+  ++sent_;
   begun_ = true;
   rested_ = false;
   return bytes;
@@ -504,67 +239,108 @@ std::optional<std::vector<std::uint8_t>> FieldEncoder::push(const MotionField &f
 
 // ---- decoder ------------------------------------------------------------------------------------
 
-FieldDecoder::Result FieldDecoder::break_off(Result result) {
-  broken_ = true;
-  if (state_.cells.empty())
-    return result == Result::missing ? Result::waiting : result;
-  std::ranges::fill(state_.field.cells, FieldCell{});
-  return result;
+// Returns what a field that is no key field is the difference from, or nothing if that was lost.
+template <typename Cells>
+auto GridDecoder<Cells>::reference_of(std::uint8_t head, std::uint8_t sequence,
+                                      std::uint8_t distance) const noexcept -> const State * {
+  const auto is = [](const State &state, std::uint8_t number) {
+    return !state.cells.empty() && state.sequence == number;
+  };
+  if ((head & kOfPair) == 0)
+    return is(state_, static_cast<std::uint8_t>(sequence - 1)) ? &state_ : nullptr;
+  for (std::size_t i = keys_.size(); i-- > 0;)
+    if (is(keys_[i], static_cast<std::uint8_t>(sequence - distance)))
+      return &keys_[i];
+  return nullptr;
 }
 
-FieldDecoder::Result FieldDecoder::push(std::span<const std::uint8_t> bytes) {
+namespace {
+
+// Reads the rest of the head of a key field. Returns false if it is damaged.
+template <typename Cells, typename State>
+bool read_grid(ByteReader &in, std::uint8_t head, State &state) {
+  constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
+  const bool has_scale = (head & kOfPair) != 0;
+  state.scale = has_scale ? in.number(kLongestInterval) * kMicrosecond : state.field.interval;
+  auto &grid = state.field;
+  grid.columns = static_cast<std::uint16_t>(in.number(kMostFieldCells));
+  grid.rows = static_cast<std::uint16_t>(in.number(kMostFieldCells));
+  for (auto *number :
+       {&grid.frame_width, &grid.frame_height, &grid.pixel_aspect_n, &grid.pixel_aspect_d})
+    *number = static_cast<std::uint32_t>(in.number(kMost32));
+  if (Cells::kLargestStep > 0)
+    state.step = static_cast<std::uint32_t>(in.number(Cells::kLargestStep));
+  const bool has_step = Cells::kLargestStep == 0 || state.step > 0;
+  const std::size_t cells = std::size_t{grid.columns} * grid.rows;
+  if (in.failed() || !has_step || cells == 0 || cells > kMostFieldCells || grid.frame_width == 0 ||
+      grid.frame_height == 0 || grid.pixel_aspect_n == 0 || grid.pixel_aspect_d == 0)
+    return false;
+  grid.cells.resize(cells);
+  state.unit = unit_of(state.scale);
+  state.cells.assign(cells, {});
+  return true;
+}
+
+} // namespace
+
+template <typename Cells>
+auto GridDecoder<Cells>::push(std::span<const std::uint8_t> bytes) -> Result {
   ByteReader in(bytes);
   const std::uint8_t head = in.byte();
   const std::uint8_t sequence = in.byte();
   const bool key = (head & kKey) != 0;
-  rested_ = false;
+  rested_ = lost_ = false;
   if (in.failed())
-    return break_off(Result::damaged);
-  const bool follows = !broken_ && sequence == static_cast<std::uint8_t>(state_.sequence + 1);
-  if (!key && !follows)
-    return break_off(Result::missing);
-  if ((head & kRested) != 0 && follows) {
-    rested_ = true;
-    rest_ = state_.field;
-    rest_.flags = kMotionStill;
+    return Result::damaged;
+  const bool begins =
+      begins_pair(bytes) && sequence == kFirstSequence; // a sender that was restarted
+  if (sequence_ && !begins)
+    lost_ = sequence != *sequence_ && sequence != static_cast<std::uint8_t>(*sequence_ + 1);
+  if (sequence_ || key)
+    sequence_ = sequence;
+  State next;
+  if (!key) {
+    const std::uint8_t distance = (head & kOfPair) != 0 ? in.byte() : 0;
+    const State *reference = reference_of(head, sequence, distance);
+    if (!reference)
+      return state_.cells.empty() ? Result::waiting : Result::missing;
+    next = *reference;
   }
-  constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
+  next.sequence = sequence;
+  next.field.flags = head >> kFlagShift;
   if ((head & kInterval) != 0)
-    state_.field.interval = in.number(kLongestInterval) * kMicrosecond;
-  else if (key)
-    return break_off(Result::damaged);
-  if (key) {
-    MotionField grid;
-    grid.columns = static_cast<std::uint16_t>(in.number(kMostFieldCells));
-    grid.rows = static_cast<std::uint16_t>(in.number(kMostFieldCells));
-    for (auto *number :
-         {&grid.frame_width, &grid.frame_height, &grid.pixel_aspect_n, &grid.pixel_aspect_d})
-      *number = static_cast<std::uint32_t>(in.number(kMost32));
-    const std::size_t cells = std::size_t{grid.columns} * grid.rows;
-    if (in.failed() || cells == 0 || cells > kMostFieldCells || grid.frame_width == 0 ||
-        grid.frame_height == 0 || grid.pixel_aspect_n == 0 || grid.pixel_aspect_d == 0)
-      return break_off(Result::damaged);
-    grid.interval = state_.field.interval;
-    grid.cells.resize(cells);
-    state_.field = std::move(grid);
-    state_.unit = unit_of(state_.field);
-    state_.cells.assign(cells, {});
-  }
-  state_.sequence = sequence;
-  state_.field.flags = head >> kFlagShift;
+    next.field.interval = in.number(kLongestInterval) * kMicrosecond;
+  if (key && ((head & kInterval) == 0 || !read_grid<Cells>(in, head, next)))
+    return Result::damaged;
   const auto check = static_cast<std::uint16_t>(in.byte() | in.byte() << 8);
   if (in.failed())
-    return break_off(Result::damaged);
+    return Result::damaged;
   Decoder code(in.rest());
-  CellCoder(code, state_.cells, state_.field.columns, nullptr).run();
-  if (check != check_of(head, state_)) {
-    rested_ = false;
-    return break_off(Result::damaged);
+  Cells::read(code, next.cells, next.field.columns);
+  if (check != check_of<Cells>(head, next))
+    return Result::damaged;
+  std::ranges::transform(next.cells, next.field.cells.begin(),
+                         [&](const auto &cell) { return Cells::decoded(cell, next); });
+  if ((head & kRested) != 0 && !state_.cells.empty())
+    set_rest();
+  state_ = std::move(next);
+  if (key) {
+    keys_[0] = std::move(keys_[1]);
+    keys_[1] = state_;
   }
-  std::ranges::transform(state_.cells, state_.field.cells.begin(),
-                         [&](const CodedCell &cell) { return decoded(cell, state_.unit); });
-  broken_ = false;
   return Result::field;
 }
+
+// The last field before the rest may have been lost: only that it rested is certain.
+template <typename Cells>
+void GridDecoder<Cells>::set_rest() {
+  rested_ = true;
+  rest_ = state_.field;
+  rest_.flags = kMotionStill;
+  Cells::rest(rest_);
+}
+
+template class GridEncoder<MotionCells>;
+template class GridDecoder<MotionCells>;
 
 } // namespace haptic

@@ -28,7 +28,7 @@
           "The haptic track has lost its time stamps, so that nothing ties it to the picture; what has none is not felt.", \
           "Copy the original again: put hapticmark behind its muxer first, or use another program than ffmpeg.") \
   MESSAGE(kTrackLostFields, \
-          "A part of the motion fields was lost; they are silent until the next key sample, a second at most.", \
+          "Motion fields were lost; those around them are felt.", \
           "On a network, give the receiver a larger latency.") \
   MESSAGE(kTrackLayoutIsRefused, \
           "The haptic track holds motion %s, but what follows hapticconvert does not take them.", \

@@ -17,6 +17,89 @@ TrackItem damage(const char *details) {
   return TrackProblem{TrackProblemKind::damaged, details};
 }
 
+// How motion fields and reliefs are packed, in the same words.
+struct Motion {
+  static constexpr FieldKind kKind = FieldKind::motion;
+  static constexpr char kUnreadable[] = "a motion field that does not say what it is";
+  static constexpr char kContradiction[] = "a motion field that contradicts itself";
+  static bool unpack(std::span<const std::uint8_t> bytes, MotionField &field) {
+    return unpack_motion_field(bytes, field);
+  }
+  static void pack(const MotionField &field, std::span<std::uint8_t> bytes) {
+    pack_motion_field(field, bytes);
+  }
+  static bool is_known(const FieldCell &cell) { return cell.confidence > 0; }
+};
+
+// Fields of one kind. `Kind` is Motion or Relief.
+template <typename Kind, typename Cells>
+class FieldForm {
+public:
+  void read(const InputPacket &packet, std::vector<TrackItem> &items) {
+    if (!Kind::unpack(packet.bytes, field_)) {
+      if (!packet.gap)
+        items.push_back(damage(Kind::kUnreadable));
+      return;
+    }
+    if (packet.gap)
+      std::ranges::fill(field_.cells, typename decltype(field_.cells)::value_type{});
+    if (packet.discontinuous)
+      encoder_.restart();
+    auto bytes = encoder_.push(field_);
+    if (!bytes) {
+      items.emplace_back(TimedRest{packet.time, packet.duration});
+      return;
+    }
+    TimedField item;
+    item.field.bytes = std::move(*bytes);
+    item.field.kind = Kind::kKind;
+    item.time = packet.time;
+    item.duration = packet.duration;
+    // The code holds the interval to the microsecond. Another duration is sent beside it.
+    const auto difference = static_cast<std::int64_t>(packet.duration - field_.interval);
+    if (std::abs(difference) > static_cast<std::int64_t>(kMicrosecond))
+      item.field.duration = packet.duration;
+    items.emplace_back(std::move(item));
+  }
+
+  bool write(const TimedField &item, TrackOutput &output) {
+    using Result = typename GridDecoder<Cells>::Result;
+    const Result result = decoder_.push(item.field.bytes);
+    if (decoder_.lost())
+      output.problems.push_back({TrackProblemKind::missing, "a sequence number is missing"});
+    if (result == Result::damaged)
+      output.problems.push_back({TrackProblemKind::damaged, Kind::kContradiction});
+    if (result != Result::field) // what follows passes over it, as over a sample that was lost
+      return false;
+    const std::uint64_t interval = decoder_.field().interval;
+    if (decoder_.rested() && item.time != kNoTime && item.time >= interval)
+      output.packets.push_back(packed(decoder_.rest(), item.time - interval, interval));
+    const bool lasts_for_interval = item.field.duration == kNoTime && interval > 0;
+    output.packets.push_back(
+        packed(decoder_.field(), item.time, lasts_for_interval ? interval : item.field.duration));
+    return true;
+  }
+
+  void restart() {
+    encoder_.restart();
+    decoder_.forget();
+  }
+
+private:
+  using Field = typename Cells::Field;
+
+  static OutputPacket packed(const Field &field, std::uint64_t time, std::uint64_t duration) {
+    OutputPacket packet{std::vector<std::uint8_t>(packed_size(field)), time, duration};
+    Kind::pack(field, packet.bytes);
+    packet.gap = std::ranges::none_of(field.cells, Kind::is_known);
+    return packet;
+  }
+
+  GridEncoder<Cells> encoder_;
+  GridDecoder<Cells> decoder_;
+  Field field_; // that was read last; kept for its memory
+};
+
 class RawForm final : public TrackForm {
 public:
   explicit RawForm(TrackLayout layout) : layout_(layout) {}
@@ -25,7 +108,7 @@ public:
 
   void read(const InputPacket &packet, std::vector<TrackItem> &items) override {
     if (layout_ == TrackLayout::field)
-      read_field(packet, items);
+      fields_.read(packet, items);
     else
       read_sample(packet, items);
   }
@@ -38,27 +121,11 @@ public:
   }
 
   bool write(const TimedField &item, TrackOutput &output) override {
-    using Result = FieldDecoder::Result;
-    const Result result = decoder_.push(item.field.bytes);
-    if (result == Result::missing)
-      output.problems.push_back({TrackProblemKind::missing, "a sequence number is missing"});
-    if (result == Result::damaged)
-      output.problems.push_back(
-          {TrackProblemKind::damaged, "a motion field that contradicts itself"});
-    if (!decoder_.has_field())
-      return false;
-    const std::uint64_t interval = decoder_.field().interval;
-    if (decoder_.rested() && item.time != kNoTime && item.time >= interval)
-      output.packets.push_back(packed(decoder_.rest(), item.time - interval, interval));
-    const bool lasts_for_interval = item.field.duration == kNoTime && interval > 0;
-    output.packets.push_back(
-        packed(decoder_.field(), item.time, lasts_for_interval ? interval : item.field.duration));
-    return true;
+    return fields_.write(item, output);
   }
 
   void restart() override {
-    encoder_.restart();
-    decoder_.forget();
+    fields_.restart();
   }
 
 private:
@@ -78,44 +145,8 @@ private:
     items.emplace_back(item);
   }
 
-  void read_field(const InputPacket &packet, std::vector<TrackItem> &items) {
-    if (!unpack_motion_field(packet.bytes, field_)) {
-      if (!packet.gap)
-        items.push_back(damage("a motion field that does not say what it is"));
-      return;
-    }
-    if (packet.gap)
-      std::ranges::fill(field_.cells, FieldCell{});
-    if (packet.discontinuous)
-      encoder_.restart();
-    auto bytes = encoder_.push(field_);
-    if (!bytes) {
-      items.emplace_back(TimedRest{packet.time, packet.duration});
-      return;
-    }
-    TimedField item;
-    item.field.bytes = std::move(*bytes);
-    item.time = packet.time;
-    item.duration = packet.duration;
-    // The code holds the interval to the microsecond. Another duration is sent beside it.
-    const auto difference = static_cast<std::int64_t>(packet.duration - field_.interval);
-    if (std::abs(difference) > static_cast<std::int64_t>(kMicrosecond))
-      item.field.duration = packet.duration;
-    items.emplace_back(std::move(item));
-  }
-
-  static OutputPacket packed(const MotionField &field, std::uint64_t time, std::uint64_t duration) {
-    OutputPacket packet{std::vector<std::uint8_t>(packed_size(field)), time, duration};
-    pack_motion_field(field, packet.bytes);
-    packet.gap =
-        std::ranges::none_of(field.cells, [](const auto &cell) { return cell.confidence > 0; });
-    return packet;
-  }
-
   TrackLayout layout_; // of what is read
-  FieldEncoder encoder_;
-  FieldDecoder decoder_;
-  MotionField field_; // that was read last; kept for its memory
+  FieldForm<Motion, MotionCells> fields_;
 };
 
 } // namespace

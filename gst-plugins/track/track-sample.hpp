@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A motion sample, or a coded motion field, with its own time: files and networks lose the time
-// stamps of buffers.
+// A motion sample, or a coded motion field or relief, with its own time: files and networks lose
+// the time stamps of buffers.
 #pragma once
 
 #include "motion-sample.hpp"
@@ -22,10 +22,14 @@ struct TrackSample {
   bool operator==(const TrackSample &) const = default;
 };
 
+/// What the cells of a field hold.
+enum class FieldKind { motion, relief };
+
 struct CodedField {
-  std::vector<std::uint8_t> bytes;  ///< of FieldEncoder
+  std::vector<std::uint8_t> bytes;  ///< of FieldEncoder or ReliefEncoder
   std::uint64_t time = kNoTime;     ///< ns, stream time at the sender
   std::uint64_t duration = kNoTime; ///< ns; none: the interval that the bytes hold
+  FieldKind kind = FieldKind::motion;
 
   bool operator==(const CodedField &) const = default;
 };

@@ -34,6 +34,13 @@ inline Packet packet_of(const haptic::MotionSample &sample, GstClockTime pts,
           sample.confidence > 0 ? 0U : static_cast<guint>(GST_BUFFER_FLAG_GAP)};
 }
 
+inline Packet packet_of_buffer(GstBuffer *buffer) {
+  Packet packet{Bytes(gst_buffer_get_size(buffer)), GST_BUFFER_PTS(buffer),
+                GST_BUFFER_DURATION(buffer), GST_BUFFER_FLAGS(buffer)};
+  gst_buffer_extract(buffer, 0, packet.bytes.data(), packet.bytes.size());
+  return packet;
+}
+
 inline haptic::MotionSample sample_of(const Packet &packet) {
   const auto sample = haptic::unpack_motion_sample(packet.bytes);
   EXPECT_TRUE(sample.has_value());
@@ -45,6 +52,15 @@ struct Outcome {
   std::vector<std::string> warnings;
   std::string error;
 };
+
+inline void push(GstAppSrc *in, const Packet &packet) {
+  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, packet.bytes.size(), nullptr);
+  gst_buffer_fill(buffer, 0, packet.bytes.data(), packet.bytes.size());
+  GST_BUFFER_PTS(buffer) = packet.pts;
+  GST_BUFFER_DURATION(buffer) = packet.duration;
+  GST_BUFFER_FLAG_SET(buffer, packet.flags);
+  gst_app_src_push_buffer(in, buffer);
+}
 
 class Pipeline {
 public:
@@ -89,20 +105,6 @@ public:
   GstElement *get() const { return pipeline_; }
 
 private:
-  static void push(GstAppSrc *in, const Packet &packet) {
-    GstBuffer *buffer = gst_buffer_new_allocate(nullptr, packet.bytes.size(), nullptr);
-    gst_buffer_fill(buffer, 0, packet.bytes.data(), packet.bytes.size());
-    GST_BUFFER_PTS(buffer) = packet.pts;
-    GST_BUFFER_DURATION(buffer) = packet.duration;
-    GST_BUFFER_FLAG_SET(buffer, packet.flags);
-    gst_app_src_push_buffer(in, buffer);
-  }
-  static Packet packet_of_buffer(GstBuffer *buffer) {
-    Packet packet{Bytes(gst_buffer_get_size(buffer)), GST_BUFFER_PTS(buffer),
-                  GST_BUFFER_DURATION(buffer), GST_BUFFER_FLAGS(buffer)};
-    gst_buffer_extract(buffer, 0, packet.bytes.data(), packet.bytes.size());
-    return packet;
-  }
   void wait(Outcome &outcome) {
     look_at_messages(outcome, 60 * GST_SECOND);
     if (!over_)

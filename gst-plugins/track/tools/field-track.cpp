@@ -4,6 +4,13 @@
 #include <algorithm>
 
 namespace haptic {
+namespace {
+
+std::uint8_t sequence_of(std::span<const std::uint8_t> bytes) {
+  return bytes[1]; // docs/formats/field-code.md
+}
+
+} // namespace
 
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call) {
@@ -19,19 +26,27 @@ void for_each_field(std::span<const CodedField> track,
 
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to) {
-  // Fields before the first key field depend on fields that are cut off: they are coded anew.
+  // Fields before the first pair of key fields depend on fields that are cut off: they are coded
+  // anew.
   const auto is_within = [&](std::uint64_t time) { return time >= from && time < to; };
   const auto key = std::ranges::find_if(track, [&](const CodedField &coded) {
-    return coded.time >= from && is_key_field(coded.bytes);
+    return coded.time >= from && begins_pair(coded.bytes);
   });
-  std::vector<CodedField> part;
-  FieldEncoder encoder;
-  for_each_field({track.begin(), key}, [&](const MotionField &field, std::uint64_t time) {
-    if (!is_within(time))
-      return;
-    if (auto bytes = encoder.push(field))
-      part.push_back({std::move(*bytes), time - from});
-  });
+  const auto coded_anew = [&](std::uint8_t sequence) {
+    std::vector<CodedField> fields;
+    FieldEncoder encoder(kKeyInterval, sequence);
+    for_each_field({track.begin(), key}, [&](const MotionField &field, std::uint64_t time) {
+      if (!is_within(time))
+        return;
+      if (auto bytes = encoder.push(field))
+        fields.push_back({std::move(*bytes), time - from});
+    });
+    return fields;
+  };
+  std::vector<CodedField> part = coded_anew(kFirstSequence);
+  // Their sequence numbers lead to that of the key field, so that none seems lost.
+  if (key != track.end() && !part.empty())
+    part = coded_anew(static_cast<std::uint8_t>(sequence_of(key->bytes) - part.size()));
   for (const auto &coded : std::span(key, track.end()))
     if (is_within(coded.time))
       part.push_back({coded.bytes, coded.time - from, coded.duration});
