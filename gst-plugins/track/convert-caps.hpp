@@ -12,10 +12,18 @@ enum class TrackFormKind { raw, klv, text, hmpg };
 /// Returns the form of fixed caps.
 TrackFormKind form_of(const GstCaps *caps);
 
-/// Returns "point" or "field".
+/// Returns what the samples of a layout are, for a message.
 constexpr const char *layout_name(TrackLayout layout) noexcept {
-  return layout == TrackLayout::field ? "field" : "point";
+  return layout == TrackLayout::relief  ? "reliefs"
+         : layout == TrackLayout::field ? "fields of the whole frame"
+                                        : "of one point";
 }
+
+/// Returns whether it is that of packed samples, fields or reliefs.
+bool is_raw(const GstStructure *structure);
+
+/// Makes of caps of one layout those of another. They must be writable.
+void set_layout(GstCaps *raw_caps, TrackLayout layout);
 
 /// Returns the layout that the structure names, or that of a point.
 TrackLayout layout_of(const GstStructure *structure);
@@ -24,5 +32,8 @@ TrackLayout layout_of(const GstStructure *structure);
 /// samples first.
 CapsPtr convertible_caps(const GstCaps *caps, GstStaticPadTemplate *other_pad,
                          GstPadDirection direction);
+
+/// Returns fixed caps; if packed samples come first, those of this layout.
+CapsPtr fixated_caps(CapsPtr caps, TrackLayout layout);
 
 } // namespace haptic

@@ -342,5 +342,7 @@ void GridDecoder<Cells>::set_rest() {
 
 template class GridEncoder<MotionCells>;
 template class GridDecoder<MotionCells>;
+template class GridEncoder<ReliefCells>;
+template class GridDecoder<ReliefCells>;
 
 } // namespace haptic

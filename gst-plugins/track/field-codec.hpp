@@ -4,6 +4,7 @@
 #pragma once
 
 #include "motion-field.hpp"
+#include "relief-field.hpp"
 
 #include <array>
 #include <cstdint>
@@ -40,6 +41,16 @@ struct CodedCell {
   bool operator==(const CodedCell &) const = default;
 };
 
+/// The same of a relief.
+struct CodedReliefCell {
+  std::int16_t height = 0;    ///< in steps
+  std::uint8_t stiffness = 0; ///< number on the scale of the code
+  std::uint8_t friction = 0;  ///< in steps
+  std::uint8_t validity = 0;  ///< 0..4
+  bool changed = false;       ///< with the field that was decoded last to this state
+
+  bool operator==(const CodedReliefCell &) const = default;
+};
 
 /// A field as encoder and decoder both hold it.
 template <typename Field, typename Cell>
@@ -52,6 +63,7 @@ struct CodedGrid {
   std::uint8_t sequence = 0;
 };
 using CodedState = CodedGrid<MotionField, CodedCell>;
+using CodedRelief = CodedGrid<ReliefField, CodedReliefCell>;
 
 class Encoder; // number-code.hpp
 class Decoder;
@@ -87,6 +99,30 @@ struct MotionCells {
   }
 };
 
+/// What it does with those of reliefs, which never rest: each is sent.
+struct ReliefCells {
+  using Field = ReliefField;
+  using Cell = CodedReliefCell;
+  static constexpr std::uint32_t kLargestStep = 100'000; ///< um
+
+  static std::vector<Cell> updated(const CodedRelief &held, const Field &field, bool key);
+  static void write(Encoder &out, std::vector<Cell> &held, std::size_t columns,
+                    const std::vector<Cell> &next);
+  static void read(Decoder &in, std::vector<Cell> &held, std::size_t columns);
+  static ReliefCell decoded(const Cell &cell, const CodedRelief &state);
+
+  static std::uint32_t step_for(const Field &field, std::uint32_t before);
+  static bool is_rest(const std::vector<Cell> &) { return false; }
+  static bool rests_on(const CodedRelief &, const Field &) { return false; }
+  static void rest(Field &) {}
+
+  template <typename Add>
+  static void hash(const Cell &cell, Add &&add) {
+    add(static_cast<std::uint16_t>(cell.height));
+    for (auto number : {cell.stiffness, cell.friction, cell.validity})
+      add(number);
+  }
+};
 
 /// `Cells` is MotionCells or ReliefCells.
 template <typename Cells>
@@ -179,8 +215,12 @@ private:
 
 using FieldEncoder = GridEncoder<MotionCells>;
 using FieldDecoder = GridDecoder<MotionCells>;
+using ReliefEncoder = GridEncoder<ReliefCells>;
+using ReliefDecoder = GridDecoder<ReliefCells>;
 
 extern template class GridEncoder<MotionCells>;
 extern template class GridDecoder<MotionCells>;
+extern template class GridEncoder<ReliefCells>;
+extern template class GridDecoder<ReliefCells>;
 
 } // namespace haptic

@@ -2,8 +2,8 @@
 /**
  * SECTION:element-hapticconvert
  *
- * Converts a haptic track between samples, fields, KLV, text and MPEG haptics. This element holds
- * caps and time; each form has a file of its own (track-form.hpp). See
+ * Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics. This
+ * element holds caps and time; each form has a file of its own (track-form.hpp). See
  * docs/elements/hapticconvert.md.
  *
  *     gst-launch-1.0 filesrc location=session.ts ! tsdemux ! meta/x-klv ! hapticconvert
@@ -81,8 +81,8 @@ struct _GstHapticConvert {
 };
 
 #define ALL_FORMS(text_formats)                                                                    \
-  HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_KLV_CAPS "; " HAPTIC_TEXT_TYPE             \
-                     ", format=(string)" text_formats "; " HAPTIC_HMPG_CAPS
+  HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS "; " HAPTIC_KLV_CAPS           \
+                     "; " HAPTIC_TEXT_TYPE ", format=(string)" text_formats "; " HAPTIC_HMPG_CAPS
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(ALL_FORMS("{ utf8, pango-markup }")));
 static GstStaticPadTemplate src_template =
@@ -113,20 +113,12 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
   return result.release();
 }
 
-// The caps of KLV and text do not show whether points or fields come. The layout that came last is
-// expected.
+// The caps of KLV and text do not show whether points, fields or reliefs come. The layout that came
+// last is expected.
 GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *othercaps) {
-  CapsPtr caps(othercaps);
-  const GstStructure *first = gst_caps_get_structure(caps.get(), 0);
-  if (direction == GST_PAD_SINK && gst_structure_has_name(first, HAPTIC_RAW_TYPE))
-    for (guint i = 0; i < gst_caps_get_size(caps.get()); ++i)
-      if (const GstStructure *structure = gst_caps_get_structure(caps.get(), i);
-          gst_structure_has_name(structure, HAPTIC_RAW_TYPE) &&
-          layout_of(structure) == self->state->layout) {
-        caps.reset(gst_caps_copy_nth(caps.get(), i));
-        break;
-      }
-  return gst_caps_fixate(caps.release());
+  if (direction != GST_PAD_SINK)
+    return gst_caps_fixate(othercaps);
+  return haptic::fixated_caps(CapsPtr(othercaps), self->state->layout).release();
 }
 
 // ---- warnings -----------------------------------------------------------------------------------
@@ -217,23 +209,22 @@ bool change_layout(GstHapticConvert *self, TrackLayout layout) {
     return !state.failed;
   push_remaining(self);
   state.layout = layout;
-  if (state.out == Form::hmpg && layout == TrackLayout::field) {
+  if (state.out == Form::hmpg && layout != TrackLayout::point) {
     state.failed = true;
     GST_ELEMENT_ERROR(self, STREAM, WRONG_TYPE, ("%s", haptic::messages::kTrackFieldsInHmpg),
-                      ("layout=field"));
+                      ("%s", haptic::layout_name(layout)));
   } else if (state.out == Form::raw) {
     auto *trans = GST_BASE_TRANSFORM(self);
     CapsPtr caps(gst_pad_get_current_caps(GST_BASE_TRANSFORM_SRC_PAD(trans)));
     caps.reset(gst_caps_make_writable(caps.release()));
-    gst_caps_set_simple(caps.get(), "layout", G_TYPE_STRING, haptic::layout_name(layout), nullptr);
+    haptic::set_layout(caps.get(), layout);
     const CapsPtr allowed(gst_pad_peer_query_caps(GST_BASE_TRANSFORM_SRC_PAD(trans), nullptr));
     if (!gst_caps_can_intersect(allowed.get(), caps.get()) ||
         !gst_base_transform_update_src_caps(trans, caps.get())) {
       state.failed = true;
       GST_ELEMENT_ERROR(self, STREAM, WRONG_TYPE,
-                        (haptic::messages::kTrackLayoutIsRefused,
-                         is_field ? "fields of the whole frame" : "of one point"),
-                        ("layout=%s", haptic::layout_name(layout)));
+                        (haptic::messages::kTrackLayoutIsRefused, haptic::layout_name(layout)),
+                        ("%" GST_PTR_FORMAT, static_cast<void *>(caps.get())));
     }
   }
   return !state.failed;
@@ -254,7 +245,7 @@ struct ItemConverter {
   }
 
   void operator()(haptic::TimedField &item) const {
-    if (!begins(TrackLayout::field, item.time, item.field))
+    if (!begins(haptic::layout_of(item.field.kind), item.time, item.field))
       return;
     State &state = *self->state;
     haptic::TrackOutput output;
@@ -400,6 +391,8 @@ gboolean set_caps(GstHapticConvert *self, GstCaps *in, GstCaps *out) {
     state.layout = layout_of(gst_caps_get_structure(in, 0));
   else if (form_in == Form::hmpg)
     state.layout = TrackLayout::point;
+  else if (form_out == Form::raw)
+    state.layout = layout_of(gst_caps_get_structure(out, 0)); // until another one comes
   if (!state.reader || form_in != state.in || form_in == Form::raw)
     state.reader = make_form(self, form_in, state.layout);
   if (!state.writer || form_out != state.out)
@@ -473,7 +466,7 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
 
   gst_element_class_set_static_metadata(
       element_class, "Haptic track converter", "Codec/Converter/Haptics",
-      "Converts a haptic track between samples, fields, KLV, text and MPEG haptics",
+      "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics",
       "Feeling Wind project");
   haptic::add_documentation(element_class, "hapticconvert");
   gst_element_class_add_static_pad_template(element_class, &sink_template);

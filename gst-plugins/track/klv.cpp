@@ -14,6 +14,7 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kPointSample = 0;
 constexpr std::uint8_t kFieldSample = 1;
+constexpr std::uint8_t kReliefSample = 2;
 
 enum MotionTag : std::uint8_t {
   kTagVersion = 1,
@@ -33,6 +34,7 @@ enum MotionTag : std::uint8_t {
   kTagPoints,
   kTagModel,
   kTagField = 32,
+  kTagRelief = 33,
   kMotionTags
 };
 
@@ -198,6 +200,10 @@ constexpr MotionValue kMotionValues[] = {
     {kTagPoints, 2, true},     {kTagModel, 1, true},
 };
 
+constexpr std::uint8_t tag_of(FieldKind kind) {
+  return kind == FieldKind::relief ? kTagRelief : kTagField;
+}
+
 KlvItem damaged(const char *error, std::size_t offset) {
   KlvItem item;
   item.error = error;
@@ -219,7 +225,7 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
     return item;
   }
   const std::uint8_t kind = values[kTagKind][0];
-  if (kind != kPointSample && kind != kFieldSample) {
+  if (kind != kPointSample && kind != kFieldSample && kind != kReliefSample) {
     item.kind = KlvKind::other_sample;
     return item;
   }
@@ -234,10 +240,11 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
     item.sample.time = read_unsigned(values[kTagTime]);
   if (values[kTagDuration].data())
     item.sample.duration = read_unsigned(values[kTagDuration]);
-  if (kind == kFieldSample) {
-    if (values[kTagField].empty())
+  if (kind != kPointSample) {
+    item.field_kind = kind == kReliefSample ? FieldKind::relief : FieldKind::motion;
+    item.field = values[tag_of(item.field_kind)];
+    if (item.field.empty())
       return damaged("a value is missing", offset);
-    item.field = values[kTagField];
     item.kind = KlvKind::field;
     return item;
   }
@@ -323,17 +330,21 @@ std::vector<std::uint8_t> write_klv(const TrackSample &sample) {
 std::vector<std::uint8_t> write_klv(const CodedField &field) {
   SetWriter out(kMotionKey);
   out.unsigned_values(kTagVersion, 1, {kVersion});
-  out.unsigned_values(kTagKind, 1, {kFieldSample});
+  out.unsigned_values(kTagKind, 1,
+                      {field.kind == FieldKind::relief ? kReliefSample : kFieldSample});
   if (field.time != kNoTime)
     out.unsigned_values(kTagTime, 8, {field.time});
   if (field.duration != kNoTime)
     out.unsigned_values(kTagDuration, 8, {field.duration});
-  out.bytes(kTagField, field.bytes);
+  out.bytes(tag_of(field.kind), field.bytes);
   return out.finish();
 }
 
 CodedField coded_field_of(const KlvItem &item) {
-  return {{item.field.begin(), item.field.end()}, item.sample.time, item.sample.duration};
+  return {{item.field.begin(), item.field.end()},
+          item.sample.time,
+          item.sample.duration,
+          item.field_kind};
 }
 
 std::optional<KlvItem> KlvReader::next() noexcept {

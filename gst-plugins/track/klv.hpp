@@ -39,7 +39,7 @@ std::vector<std::uint8_t> write_klv(const CodedField &field);
 /// What one KLV triplet turned out to be.
 enum class KlvKind {
   motion,        ///< a motion sample
-  field,         ///< a coded motion field
+  field,         ///< a coded motion field or relief
   foreign,       ///< a key of other origin, which is no error
   other_version, ///< a set of this project, of an unknown version
   other_sample,  ///< the same, of an unknown kind of sample
@@ -49,9 +49,10 @@ enum class KlvKind {
 struct KlvItem {
   KlvKind kind = KlvKind::damaged;
   TrackSample sample;                  ///< of KlvKind::motion; its times also of KlvKind::field
-  std::span<const std::uint8_t> field; ///< of KlvKind::field: what FieldDecoder takes
-  const char *error = "";              ///< of KlvKind::damaged: what is wrong
-  std::size_t offset = 0;              ///< where in the bytes the item begins, or the damage is
+  std::span<const std::uint8_t> field; ///< of KlvKind::field: what the decoder of its kind takes
+  FieldKind field_kind = FieldKind::motion;
+  const char *error = ""; ///< of KlvKind::damaged: what is wrong
+  std::size_t offset = 0; ///< where in the bytes the item begins, or the damage is
 };
 
 /// Returns the field of an item of KlvKind::field.

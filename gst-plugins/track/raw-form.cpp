@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The form haptics/x-raw (docs/formats/motion-sample.md, docs/formats/motion-field.md).
+// The form haptics/x-raw (docs/formats/motion-sample.md, docs/formats/motion-field.md)
+// and haptics/x-field (docs/formats/relief-field.md).
 #include "field-codec.hpp"
 #include "motion-field.hpp"
+#include "relief-field.hpp"
 #include "track-form.hpp"
 
 #include <algorithm>
@@ -29,6 +31,19 @@ struct Motion {
     pack_motion_field(field, bytes);
   }
   static bool is_known(const FieldCell &cell) { return cell.confidence > 0; }
+};
+
+struct Relief {
+  static constexpr FieldKind kKind = FieldKind::relief;
+  static constexpr char kUnreadable[] = "a relief that does not say what it is";
+  static constexpr char kContradiction[] = "a relief that contradicts itself";
+  static bool unpack(std::span<const std::uint8_t> bytes, ReliefField &field) {
+    return unpack_relief_field(bytes, field);
+  }
+  static void pack(const ReliefField &field, std::span<std::uint8_t> bytes) {
+    pack_relief_field(field, bytes);
+  }
+  static bool is_known(const ReliefCell &cell) { return cell.validity > 0; }
 };
 
 // Fields of one kind. `Kind` is Motion or Relief.
@@ -109,6 +124,8 @@ public:
   void read(const InputPacket &packet, std::vector<TrackItem> &items) override {
     if (layout_ == TrackLayout::field)
       fields_.read(packet, items);
+    else if (layout_ == TrackLayout::relief)
+      reliefs_.read(packet, items);
     else
       read_sample(packet, items);
   }
@@ -121,11 +138,13 @@ public:
   }
 
   bool write(const TimedField &item, TrackOutput &output) override {
-    return fields_.write(item, output);
+    return item.field.kind == FieldKind::relief ? reliefs_.write(item, output)
+                                                : fields_.write(item, output);
   }
 
   void restart() override {
     fields_.restart();
+    reliefs_.restart();
   }
 
 private:
@@ -147,6 +166,7 @@ private:
 
   TrackLayout layout_; // of what is read
   FieldForm<Motion, MotionCells> fields_;
+  FieldForm<Relief, ReliefCells> reliefs_;
 };
 
 } // namespace

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::string_view kPoint = "point";
 constexpr std::string_view kField = "field";
+constexpr std::string_view kRelief = "relief";
 constexpr std::size_t kLongestLine = 131072;
 
 // By the bits of MotionFlags, the lowest first.
@@ -187,9 +188,10 @@ std::optional<std::vector<std::uint8_t>> decode_base64(std::string_view text) {
   return decoded;
 }
 
-// Reads the line behind the word "field".
-TextLine read_field(std::string_view line) {
+// Reads the line behind the word "field" or "relief".
+TextLine read_field(std::string_view line, FieldKind kind) {
   CodedField field;
+  field.kind = kind;
   for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
     const auto equals = std::min(word.find('='), word.size());
     const auto name = word.substr(0, equals);
@@ -238,7 +240,7 @@ std::string write_text_line(const TrackSample &sample) {
 }
 
 std::string write_text_line(const CodedField &field) {
-  LineWriter out(kField);
+  LineWriter out(field.kind == FieldKind::relief ? kRelief : kField);
   if (field.time != kNoTime)
     out.time("t", field.time);
   if (field.duration != kNoTime)
@@ -260,7 +262,9 @@ TextLine read_text_line(std::string_view line) {
                                               : "this is not a motion sample");
   const auto kind = next_word(line);
   if (kind == kField)
-    return read_field(line);
+    return read_field(line, FieldKind::motion);
+  if (kind == kRelief)
+    return read_field(line, FieldKind::relief);
   if (kind != kPoint)
     return wrong("another kind of sample");
   TrackSample sample;

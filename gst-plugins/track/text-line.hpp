@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A motion sample, or a motion field, as one line of text (docs/formats/text-line.md).
+// A motion sample, a motion field or a relief as one line of text (docs/formats/text-line.md).
 #pragma once
 
 #include "track-sample.hpp"

@@ -4,8 +4,10 @@
 
 #include "gst-raii.hpp"
 #include "motion-field.hpp"
+#include "relief-field.hpp"
 
 #define HAPTIC_RAW_TYPE "haptics/x-raw"
+#define HAPTIC_RELIEF_TYPE "haptics/x-field"
 #define HAPTIC_KLV_TYPE "meta/x-klv"
 #define HAPTIC_TEXT_TYPE "text/x-raw"
 #define HAPTIC_HMPG_TYPE "haptics/hmpg" // RFC 9695, section 4.3.3
@@ -16,7 +18,7 @@
 #define HAPTIC_HMPG_CAPS                                                                           \
   HAPTIC_HMPG_TYPE ", stream-format=(string)mihs, alignment=(string)unit, rate=(int)[1,48000]"
 #define HAPTIC_HMPG_RTP_CAPS                                                                       \
-  "application/x-rtp, media=(string)haptics, payload=(int)[96,127], clock-rate=(int)[1,48000], "   \
+  "application/x-rtp, media=(string)haptics, clock-rate=(int)[1,48000], "                          \
   "encoding-name=(string)HMPG"
 
 namespace haptic {

@@ -14,7 +14,11 @@
 namespace haptic {
 
 /// What the samples of a track are of.
-enum class TrackLayout { point, field };
+enum class TrackLayout { point, field, relief };
+
+constexpr TrackLayout layout_of(FieldKind kind) noexcept {
+  return kind == FieldKind::relief ? TrackLayout::relief : TrackLayout::field;
+}
 
 /// One buffer that comes, without GStreamer.
 struct InputPacket {
@@ -100,7 +104,7 @@ public:
   virtual void restart() {}
 };
 
-/// Packed samples or fields: haptics/x-raw.
+/// Packed samples, fields or reliefs: haptics/x-raw, haptics/x-field.
 std::unique_ptr<TrackForm> make_raw_form(TrackLayout layout);
 /// Local sets of SMPTE ST 336: meta/x-klv.
 std::unique_ptr<TrackForm> make_klv_form();

@@ -114,7 +114,7 @@ TEST(Klv, OtherVersionsAndKindsAreToldFromDamage) {
   bytes[21] = 2;
   EXPECT_EQ(read_one(bytes).kind, KlvKind::other_version);
   bytes[21] = 1;
-  bytes[24] = 2; // the kind
+  bytes[24] = 3; // the kind
   EXPECT_EQ(read_one(bytes).kind, KlvKind::other_sample);
   bytes[24] = 1; // a field, but of none of its bytes
   EXPECT_EQ(read_one(bytes).kind, KlvKind::damaged);
