@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::int64_t kLongestSilence = 3600 * std::int64_t{kTrackTimescale}; // ticks
 constexpr std::uint8_t kPerception = 0;
-constexpr std::uint8_t kLinear = 2;
 
 } // namespace
 
@@ -21,8 +20,8 @@ HmpgExperience track_experience(std::string date) {
   e.perceptions = {{kPerception, kModalityForce, 0, "Force along the motion"}};
   e.channels = {{0, kPerception, 1, {{127, 0, 0}}, "to the right"},
                 {1, kPerception, 1, {{0, 127, 0}}, "up"}};
-  e.bands = {{0, kPerception, 0, BandType::curve, kLinear},
-             {1, kPerception, 1, BandType::curve, kLinear}};
+  e.bands = {{0, kPerception, 0, BandType::curve, CurveType::linear},
+             {1, kPerception, 1, BandType::curve, CurveType::linear}};
   return e;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace haptic {
 namespace {
@@ -43,6 +44,7 @@ public:
     }
     result.header = header_;
     result.curves = std::move(curves_);
+    result.has_composite = has_composite_;
     if (header_.type == UnitType::initialization)
       result.experience = std::move(fresh_);
     return result;
@@ -100,6 +102,10 @@ private:
       return initial ? channel() : fail("metadata outside of an initialization unit");
     case kMetadataBand:
       return initial ? band() : fail("metadata outside of an initialization unit");
+    case kEffectLibrary:
+      if (initial)
+        library();
+      break;
     case kData:
       if (header_.type == UnitType::temporal)
         return data();
@@ -203,8 +209,10 @@ private:
     require(type <= static_cast<std::uint32_t>(BandType::wavelet), "an impossible type of band");
     b.type = static_cast<BandType>(type);
     if (b.type == BandType::curve) {
-      b.curve = static_cast<std::uint8_t>(in_.get(4));
-      require(b.curve <= kHighestCurve, "an impossible type of curve");
+      const auto curve = in_.get(4);
+      require(curve <= static_cast<std::uint32_t>(CurveType::bspline),
+              "an impossible type of curve");
+      b.curve = static_cast<CurveType>(curve);
     } else if (b.type == BandType::wavelet) {
       in_.get(8);
     }
@@ -217,6 +225,53 @@ private:
     require(find(fresh_.channels, b.channel), "a band of no channel");
     require(!find(fresh_.bands, b.id), "a band is there twice");
     fresh_.bands.push_back(b);
+  }
+
+  // A library that cannot be read is left out: the rest does not need it.
+  void library() {
+    const auto perception = static_cast<std::uint8_t>(in_.get(8));
+    std::vector<HmpgLibraryEffect> effects;
+    bool is_whole = true;
+    for (auto count = in_.get(16); count > 0 && is_whole; --count) {
+      HmpgLibraryEffect effect;
+      effect.perception = perception;
+      is_whole = library_effect(effect, 0);
+      if (!effect.keyframes.empty())
+        effects.push_back(std::move(effect));
+    }
+    if (is_whole)
+      std::ranges::move(effects, std::back_inserter(fresh_.library));
+    in_ = BitReader({});
+  }
+
+  // Returns false if it cannot be read. One that is no curve gets no keyframes.
+  bool library_effect(HmpgLibraryEffect &effect, int depth) {
+    effect.id = static_cast<std::uint16_t>(in_.get(16));
+    in_.get(25); // position: that of the reference counts
+    in_.get(16); // phase
+    in_.get(4);  // base signal
+    bool is_curve = in_.get(2) == kBasisEffect;
+    for (auto count = in_.get(16); count > 0 && !in_.failed(); --count) {
+      const auto mask = in_.get(3);
+      HmpgKeyframe keyframe;
+      if (mask & kMaskPosition)
+        keyframe.position = static_cast<std::int32_t>(in_.get(16));
+      if (mask & kMaskAmplitude)
+        keyframe.amplitude = static_cast<std::uint8_t>(in_.get(8));
+      if (mask & kMaskFrequency)
+        in_.get(16);
+      is_curve =
+          is_curve && mask == (kMaskPosition | kMaskAmplitude) &&
+          (effect.keyframes.empty() || keyframe.position >= effect.keyframes.back().position);
+      if (is_curve)
+        effect.keyframes.push_back(keyframe);
+    }
+    if (!is_curve)
+      effect.keyframes.clear();
+    for (auto parts = in_.get(16); parts > 0 && !in_.failed(); --parts)
+      if (HmpgLibraryEffect part; depth == kDeepestEffect || !library_effect(part, depth + 1))
+        return false;
+    return !in_.failed();
   }
 
   void data() {
@@ -245,11 +300,17 @@ private:
     const auto type = in_.get(2);
     const auto raw = in_.get(25);
     require(type < kEffectTypes, "an impossible type of effect");
+    const auto begin = static_cast<std::int32_t>(raw << 7) >> 7; // 25 bits with a sign
+    if (type == kReferenceEffect && !in_.failed()) {
+      curve.reference = begin;
+      curves_.push_back(std::move(curve));
+      return true;
+    }
     if (type != kBasisEffect) {
+      has_composite_ = true;
       exact_ = false;
       return false;
     }
-    const auto begin = static_cast<std::int32_t>(raw << 7) >> 7; // 25 bits with a sign
     if (in_.get(1))
       in_.get(12);
     const auto count = in_.get(16);
@@ -276,6 +337,7 @@ private:
     require(has_haptics_, "an initialization unit without general metadata");
     require(perceptions_promised_ == fresh_.perceptions.size(),
             "another number of perceptions than promised");
+    std::ranges::stable_sort(fresh_.library, {}, id_in_library);
   }
 
   template <typename Item, typename Id>
@@ -298,6 +360,7 @@ private:
   bool has_haptics_ = false;
   std::uint32_t perceptions_promised_ = 0;
   std::vector<HmpgCurve> curves_;
+  bool has_composite_ = false;
 };
 
 } // namespace

@@ -6,12 +6,15 @@
 // of the bits is that of the standard's reference software, byte for byte (docs/formats/hmpg.md).
 #pragma once
 
+#include "curve-interpolation.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace haptic {
@@ -68,10 +71,32 @@ struct HmpgBand {
   std::uint8_t perception = 0;
   std::uint16_t channel = 0;
   BandType type = BandType::curve;
-  std::uint8_t curve = 2; ///< 2: linear
+  CurveType curve = CurveType::linear;
 
   bool operator==(const HmpgBand &) const = default;
 };
+
+/// Clause 5.9, haptic keyframe.
+struct HmpgKeyframe {
+  std::int32_t position = 0;  ///< ticks from the beginning of the unit, or of a library's effect
+  std::uint8_t amplitude = 0; ///< see amplitude_of_code()
+
+  bool operator==(const HmpgKeyframe &) const = default;
+};
+
+/// Clause 5.8, haptic effect: one that others name by its id, a curve.
+struct HmpgLibraryEffect {
+  std::uint8_t perception = 0;
+  std::uint16_t id = 0;
+  std::vector<HmpgKeyframe> keyframes;
+
+  bool operator==(const HmpgLibraryEffect &) const = default;
+};
+
+/// The order of a library.
+inline std::pair<std::uint8_t, std::uint16_t> id_in_library(const HmpgLibraryEffect &effect) {
+  return {effect.perception, effect.id};
+}
 
 /// Clause 5.2, haptic experience: the content of an initialization unit.
 struct HmpgExperience {
@@ -87,16 +112,9 @@ struct HmpgExperience {
   std::vector<HmpgPerception> perceptions;
   std::vector<HmpgChannel> channels;
   std::vector<HmpgBand> bands;
+  std::vector<HmpgLibraryEffect> library; ///< by id_in_library()
 
   bool operator==(const HmpgExperience &) const = default;
-};
-
-/// Clause 5.9, haptic keyframe.
-struct HmpgKeyframe {
-  std::int32_t position = 0;  ///< ticks from the beginning of the unit
-  std::uint8_t amplitude = 0; ///< see amplitude_of_code()
-
-  bool operator==(const HmpgKeyframe &) const = default;
 };
 
 /// Clause 5.8, haptic effect: one of a curve band.
@@ -104,8 +122,9 @@ struct HmpgCurve {
   std::uint8_t perception = 0;
   std::uint16_t channel = 0;
   std::uint8_t band = 0;
-  std::uint16_t effect = 0;
-  std::vector<HmpgKeyframe> keyframes; ///< 65535 at most, from the first on in 65535 ticks
+  std::uint16_t effect = 0;              ///< id, or that of an effect in the library
+  std::vector<HmpgKeyframe> keyframes;   ///< 65535 at most, from the first on in 65535 ticks
+  std::optional<std::int32_t> reference; ///< ticks: where the effect of the library begins
 
   bool operator==(const HmpgCurve &) const = default;
 };
@@ -142,11 +161,12 @@ struct HmpgUnit {
   UnitHeader header;
   std::optional<HmpgExperience> experience; ///< of an initialization unit
   std::vector<HmpgCurve> curves;            ///< of a temporal unit
+  bool has_composite = false;               ///< effects made of others were passed over
   std::optional<HmpgError> error;           ///< then the rest is empty
 };
 
 /// Reads exactly one unit. A temporal unit needs the experience that it belongs to. Bands that are
-/// no curves, effects that refer to a library, and checksums are passed over.
+/// no curves, composite effects, and checksums are passed over.
 HmpgUnit read_unit(std::span<const std::uint8_t> bytes, const HmpgExperience *experience);
 
 } // namespace haptic
