@@ -292,6 +292,17 @@ void convert(GstHapticConvert *self, GstBuffer *buffer) {
     std::visit(ItemConverter{self}, item);
 }
 
+// Converts and sends all that is held back.
+void drain(GstHapticConvert *self) {
+  State &state = *self->state;
+  std::vector<haptic::TrackItem> items;
+  if (state.reader && state.writer)
+    state.reader->finish_reading(items);
+  for (auto &item : items)
+    std::visit(ItemConverter{self}, item);
+  push_remaining(self);
+}
+
 GstFlowReturn generate_output(GstBaseTransform *trans, GstBuffer **out) {
   if (gst_base_transform_is_passthrough(trans))
     return parent_class()->generate_output(trans, out);
@@ -330,7 +341,7 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
     [[fallthrough]];
   case GST_EVENT_SEGMENT:
   case GST_EVENT_CAPS:
-    push_remaining(GST_HAPTIC_CONVERT(trans));
+    drain(GST_HAPTIC_CONVERT(trans));
     break;
   case GST_EVENT_FLUSH_STOP:
     restart_stream(state);

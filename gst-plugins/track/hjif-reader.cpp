@@ -7,17 +7,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace haptic {
 namespace {
 
 constexpr std::size_t kMostKeyframes = 1'000'000; // nine hours of 30 a second
-constexpr double kLatest = 1e9;                   // ticks
-constexpr double kLongestDirection = 127;         // 6.2.7: MPEG_haptics.vector, signed bytes
+constexpr std::size_t kMostPoints = 4'000'000;
+constexpr double kLatest = 1e9;           // ticks
+constexpr double kLongestDirection = 127; // 6.2.7: MPEG_haptics.vector, signed bytes
 constexpr double kLargestExponent = 30;
 constexpr double kHighestTimescale = 48000; // ticks/s, Main profile
+constexpr std::ptrdiff_t kMostAtOnce = 16;  // effects of one band that may overlap
+constexpr double kFinalSilence = 1.0 / 30;  // s
 
 // ---- where the reader is ------------------------------------------------------------------------
 
@@ -31,14 +36,17 @@ enum class Member {
   perceptions,
   modality, // 6.2.3 MPEG_haptics.perception
   exponent,
+  library,
   channels,
   gain, // 6.2.6 MPEG_haptics.channel
   direction,
   bands,
   part,      // 6.2.7 MPEG_haptics.vector: X, Y, Z
   band_type, // 6.2.8 MPEG_haptics.band
+  curve_type,
   effects,
   effect_type, // an effect, data model: clause 5.8
+  id,
   position,
   keyframes,
   relative_position, // a keyframe, data model: clause 5.9
@@ -60,13 +68,16 @@ constexpr Rule kRules[] = {
     {Level::experience, "perceptions", Member::perceptions, Kind::array},
     {Level::perception, "perception_modality", Member::modality, Kind::text},
     {Level::perception, "perception_unit_exponent", Member::exponent, Kind::number},
+    {Level::perception, "effect_library", Member::library, Kind::array},
     {Level::perception, "channels", Member::channels, Kind::array},
     {Level::channel, "gain", Member::gain, Kind::number},
     {Level::channel, "direction", Member::direction, Kind::object},
     {Level::channel, "bands", Member::bands, Kind::array},
     {Level::band, "band_type", Member::band_type, Kind::text},
+    {Level::band, "curve_type", Member::curve_type, Kind::text},
     {Level::band, "effects", Member::effects, Kind::array},
     {Level::effect, "effect_type", Member::effect_type, Kind::text},
+    {Level::effect, "id", Member::id, Kind::number},
     {Level::effect, "position", Member::position, Kind::number},
     {Level::effect, "keyframes", Member::keyframes, Kind::array},
     {Level::keyframe, "relative_position", Member::relative_position, Kind::number},
@@ -97,6 +108,7 @@ Level level_within(Member member) {
     return Level::direction;
   case Member::bands:
     return Level::band;
+  case Member::library:
   case Member::effects:
     return Level::effect;
   case Member::keyframes:
@@ -108,31 +120,61 @@ Level level_within(Member member) {
 
 // ---- what is read -------------------------------------------------------------------------------
 
+enum class EffectType { other, basis, reference };
+
+struct Effect {
+  std::vector<CurvePoint> keys;
+  double position = 0;
+  double id = -1;
+  EffectType type = EffectType::other;
+};
+
+struct Band {
+  std::vector<Effect> effects;
+  CurveType curve = CurveType::unknown;
+  bool is_curve = false;
+};
+
+struct Channel {
+  std::vector<Band> bands;
+  double gain = 1;
+  std::optional<std::array<double, 2>> direction;
+
+  bool is_felt() const { return direction && *direction != std::array<double, 2>{}; }
+};
+
 struct Perception {
-  std::vector<ChannelCurve> curves;
+  std::vector<Channel> channels;
+  std::map<double, std::vector<CurvePoint>> library; // curves by their id
   double exponent = 0;
   bool is_force = false;
 };
 
-struct Channel {
-  std::vector<ChannelCurve> curves;
-  double gain = 1;
-  std::optional<std::array<double, 2>> direction;
-};
+CurveType curve_type_of(std::string_view name) {
+  constexpr std::pair<std::string_view, CurveType> kTypes[] = {{"Cubic", CurveType::cubic},
+                                                               {"Linear", CurveType::linear},
+                                                               {"Akima", CurveType::akima},
+                                                               {"Bezier", CurveType::bezier},
+                                                               {"Bspline", CurveType::bspline}};
+  const auto *type = std::ranges::find(kTypes, name, [](const auto &pair) { return pair.first; });
+  return type == std::end(kTypes) ? CurveType::unknown : type->second;
+}
 
-struct Band {
-  std::vector<ChannelCurve> curves;
-  bool is_curve = false;
-};
-
-struct Effect {
-  ChannelCurve curve;
-  double position = 0;
-  bool is_basis = false;
-};
-
-void move_to(std::vector<ChannelCurve> &curves, std::vector<ChannelCurve> &all) {
-  std::move(curves.begin(), curves.end(), std::back_inserter(all));
+// Effects of one band that follow each other without a pause are one curve.
+void join_effects(std::vector<ChannelCurve> &curves) {
+  std::stable_sort(curves.begin(), curves.end(), begins_before);
+  std::vector<ChannelCurve> joined;
+  for (auto &curve : curves) {
+    const auto recent = joined.end() - std::min<std::ptrdiff_t>(kMostAtOnce, std::ssize(joined));
+    const auto before = std::find_if(recent, joined.end(), [&](const ChannelCurve &known) {
+      return touches(known, curve.points.front().tick);
+    });
+    if (before != joined.end())
+      join(*before, curve.points);
+    else
+      joined.push_back(std::move(curve));
+  }
+  curves = std::move(joined);
 }
 
 // Builds the curves of force while the events come. A value that no rule names is passed over with
@@ -220,6 +262,13 @@ public:
   }
   double timescale() const { return timescale_; }
   std::vector<ChannelCurve> &curves() { return curves_; }
+  /// What of the track gives no force, or not the one of its curve.
+  std::string left_out() const {
+    std::string what;
+    for (const char *name : left_out_)
+      what += (what.empty() ? "" : ", ") + std::string(name);
+    return what;
+  }
 
 private:
   struct Array {
@@ -276,11 +325,10 @@ private:
     case Level::perception:
       return end_perception();
     case Level::channel:
-      end_channel();
+      perception_.channels.push_back(std::move(channel_));
       break;
     case Level::band:
-      if (band_.is_curve)
-        move_to(band_.curves, channel_.curves);
+      channel_.bands.push_back(std::move(band_));
       break;
     case Level::effect:
       end_effect();
@@ -306,6 +354,9 @@ private:
       break;
     case Member::part:
       return store_part(value);
+    case Member::id:
+      effect_.id = value;
+      break;
     case Member::position:
       return store_tick(value, effect_.position);
     case Member::relative_position:
@@ -326,8 +377,12 @@ private:
       perception_.is_force = value == "Force";
     else if (member_ == Member::band_type)
       band_.is_curve = value == "Curve";
+    else if (member_ == Member::curve_type)
+      band_.curve = curve_type_of(value);
     else if (member_ == Member::effect_type)
-      effect_.is_basis = value == "Basis";
+      effect_.type = value == "Basis"       ? EffectType::basis
+                     : value == "Reference" ? EffectType::reference
+                                            : EffectType::other;
   }
 
   const char *store_part(double value) {
@@ -347,41 +402,76 @@ private:
     return nullptr;
   }
 
-  // newtons = amplitude * gain * 10^exponent (clause 5.4, perception_unit_exponent), 1 N at most.
+  // newtons = amplitude * gain * 10^exponent (clause 5.4, perception_unit_exponent).
   const char *end_perception() {
+    leave_out(!perception_.is_force, kOtherPerceptions);
     if (!perception_.is_force)
       return nullptr;
     has_force_ = true;
     if (!(std::abs(perception_.exponent) <= kLargestExponent))
       return "an impossible exponent";
-    const double scale = std::pow(10.0, perception_.exponent);
-    for (auto &curve : perception_.curves)
-      for (auto &point : curve.points)
-        point.value = std::clamp(point.value * scale, -1.0, 1.0);
-    move_to(perception_.curves, curves_);
+    for (auto &channel : perception_.channels) {
+      leave_out(!channel.is_felt(), kNoDirection);
+      if (channel.is_felt())
+        for (auto &band : channel.bands)
+          if (const char *wrong = end_band(channel, band))
+            return wrong;
+    }
     return nullptr;
   }
 
-  void end_channel() {
-    if (!channel_.direction)
-      return;
-    for (auto &curve : channel_.curves) {
-      curve.direction = *channel_.direction;
-      for (auto &point : curve.points)
-        point.value *= channel_.gain;
+  // Draws the effects of the band. Those of a library are known only at the end of its perception.
+  const char *end_band(const Channel &channel, Band &band) {
+    leave_out(!band.is_curve, kOtherBands);
+    leave_out(band.is_curve && !is_drawn(band.curve), kOtherCurves);
+    if (!band.is_curve)
+      return nullptr;
+    const double scale = std::pow(10.0, perception_.exponent);
+    std::vector<ChannelCurve> curves;
+    for (Effect &effect : band.effects) {
+      const auto named = perception_.library.find(effect.id);
+      if (effect.type == EffectType::reference && named != perception_.library.end())
+        effect.keys = named->second;
+      else if (effect.type == EffectType::reference)
+        effect.keys.clear();
+      leave_out(effect.type == EffectType::other, kComposite);
+      if (effect.type == EffectType::other || effect.keys.empty())
+        continue;
+      for (auto &key : effect.keys)
+        key.tick += static_cast<std::int64_t>(effect.position);
+      ChannelCurve curve;
+      curve.direction = *channel.direction;
+      curve.points = std::move(effect.keys);
+      scale_values(curve, channel.gain);
+      scale_values(curve, scale);
+      const auto keys = std::exchange(curve.points, {});
+      CurveDrawing drawing(band.curve, channel.gain * scale);
+      drawing.append(keys, curve.points);
+      drawing.finish(curve.points);
+      points_ += curve.points.size();
+      if (points_ > kMostPoints)
+        return "too many keyframes";
+      curves.push_back(std::move(curve));
     }
-    move_to(channel_.curves, perception_.curves);
+    join_effects(curves);
+    std::ranges::move(curves, std::back_inserter(curves_));
+    return nullptr;
+  }
+
+  void leave_out(bool is_there, const char *what) {
+    if (is_there && std::ranges::find(left_out_, what) == left_out_.end())
+      left_out_.push_back(what);
   }
 
   void end_effect() {
-    for (auto &point : effect_.curve.points)
-      point.tick += static_cast<std::int64_t>(effect_.position);
-    if (effect_.is_basis && !effect_.curve.points.empty())
-      band_.curves.push_back(std::move(effect_.curve));
+    if (levels_.back() == Level::band)
+      band_.effects.push_back(std::move(effect_));
+    else if (effect_.type == EffectType::basis)
+      perception_.library[effect_.id] = std::move(effect_.keys);
   }
 
   const char *end_keyframe() {
-    auto &points = effect_.curve.points;
+    auto &points = effect_.keys;
     keyframe_.tick = static_cast<std::int64_t>(keyframe_tick_);
     if (!(std::abs(keyframe_.value) <= 1))
       return "an amplitude beyond 1";
@@ -407,75 +497,33 @@ private:
   Channel channel_;
   Band band_;
   Effect effect_;
-  ChannelCurve::Point keyframe_;
+  CurvePoint keyframe_;
   double keyframe_tick_ = 0;
 
   bool has_version_ = false;
   bool has_force_ = false;
   double timescale_ = 0;
   std::size_t keyframes_ = 0;
+  std::size_t points_ = 0; // of the curves
   std::vector<ChannelCurve> curves_;
+  std::vector<const char *> left_out_;
 };
 
 // ---- samples ------------------------------------------------------------------------------------
 
-using Span = std::pair<std::int64_t, std::int64_t>; // ticks, [begin, end)
-
-// The times that the curves cover, joined where they overlap or touch.
-std::vector<Span> stretches_of(std::span<const ChannelCurve> curves) {
-  std::vector<Span> spans;
-  for (const auto &curve : curves)
-    spans.emplace_back(curve.points.front().tick, curve.points.back().tick + 1);
-  std::sort(spans.begin(), spans.end());
-  std::vector<Span> stretches;
-  for (const auto &span : spans) {
-    if (stretches.empty() || span.first > stretches.back().second)
-      stretches.push_back(span);
-    else
-      stretches.back().second = std::max(stretches.back().second, span.second);
-  }
-  return stretches;
-}
-
-std::uint64_t ns_of_ticks(std::int64_t ticks, double timescale) {
-  return static_cast<std::uint64_t>(
-      std::llround(static_cast<double>(ticks) / timescale * static_cast<double>(kSecond)));
-}
-
-void append_samples(std::vector<TrackSample> &samples, const std::vector<ForcePoint> &points,
-                    double timescale) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    TrackSample sample;
-    sample.motion = motion_of_force(points[i].force);
-    sample.time = ns_of_ticks(points[i].tick, timescale);
-    sample.duration = i + 1 < points.size()
-                          ? ns_of_ticks(points[i + 1].tick, timescale) - sample.time
-                          : kUsualInterval;
-    sample.motion.interval = std::min(sample.duration, kUsualInterval * 3);
-    samples.push_back(sample);
-  }
-  const TrackSample &last = samples.back();
-  samples.push_back(silent_sample(last.time + last.duration, kUsualInterval));
-}
-
-// Stretch by stretch, since only so many points are summed at once.
 const char *make_samples(std::vector<ChannelCurve> &curves, double timescale,
                          std::vector<TrackSample> &samples) {
-  const auto stretches = stretches_of(curves);
-  std::sort(curves.begin(), curves.end(), [](const auto &a, const auto &b) {
-    return a.points.front().tick < b.points.front().tick;
-  });
-  std::size_t used = 0;
-  for (const auto &[begin, end] : stretches) {
-    const std::size_t first = used;
-    while (used < curves.size() && curves[used].points.front().tick < end)
-      ++used;
-    const auto points = sum_curves(std::span(curves).subspan(first, used - first), begin, end);
-    if (points.empty())
-      return "too many keyframes in one stretch";
-    append_samples(samples, points, timescale);
-  }
-  return nullptr;
+  if (curves.empty())
+    return nullptr;
+  std::sort(curves.begin(), curves.end(), begins_before);
+  const auto last = std::max_element(curves.begin(), curves.end(),
+                                     [](const ChannelCurve &a, const ChannelCurve &b) {
+                                       return a.points.back().tick < b.points.back().tick;
+                                     });
+  const std::int64_t silence = last->points.back().tick + 1;
+  const auto rest = static_cast<std::int64_t>(std::ceil(timescale * kFinalSilence));
+  return ForceSampler().append(curves, curves.front().points.front().tick, silence + rest,
+                               {.timescale = timescale}, samples);
 }
 
 } // namespace
@@ -491,6 +539,7 @@ HjifTrack read_hjif(std::string_view text) {
   const char *wrong = handler.missing();
   if (!wrong)
     wrong = make_samples(handler.curves(), handler.timescale(), track.samples);
+  track.unsupported = handler.left_out();
   if (wrong) {
     track = {};
     track.error = wrong;

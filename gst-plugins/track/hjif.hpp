@@ -17,12 +17,13 @@ std::string write_hjif(std::span<const TrackSample> samples, const std::string &
 
 struct HjifTrack {
   std::vector<TrackSample> samples;
-  std::string error;      ///< empty if all is well
-  std::size_t offset = 0; ///< bytes, of the error
+  std::string unsupported; ///< what gives no force, or not the one of its curve
+  std::string error;       ///< empty if all is well
+  std::size_t offset = 0;  ///< bytes, of the error
 };
 
 /// Reads the perceptions of force: the bands of type Curve in channels that have a direction. The
-/// rest is passed over.
+/// rest is passed over and named.
 HjifTrack read_hjif(std::string_view text);
 
 } // namespace haptic

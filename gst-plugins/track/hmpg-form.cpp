@@ -16,14 +16,11 @@ public:
   bool carries_time() const noexcept override { return false; }
 
   void read(const InputPacket &packet, std::vector<TrackItem> &items) override {
-    auto result = decoder_.push(packet.bytes, packet.time);
-    if (!result.problem.empty())
-      items.emplace_back(TrackProblem{TrackProblemKind::damaged, result.problem});
-    for (auto &sample : result.samples) {
-      const std::uint64_t time = std::exchange(sample.time, kNoTime);
-      items.emplace_back(TimedSample{sample, time});
-    }
+    append(decoder_.push(packet.bytes, packet.time), items);
   }
+
+  void finish_reading(std::vector<TrackItem> &items) override { append(decoder_.finish(), items); }
+  void set_live(bool live) override { decoder_.set_live(live); }
 
   void write(const TimedSample &item, TrackOutput &output) override {
     if (item.time == kNoTime) {
@@ -50,6 +47,17 @@ public:
   }
 
 private:
+  static void append(HmpgDecoder::Result &&result, std::vector<TrackItem> &items) {
+    if (!result.problem.empty())
+      items.emplace_back(TrackProblem{TrackProblemKind::damaged, result.problem});
+    if (!result.unsupported.empty())
+      items.emplace_back(TrackProblem{TrackProblemKind::unsupported, result.unsupported});
+    for (auto &sample : result.samples) {
+      const std::uint64_t time = std::exchange(sample.time, kNoTime);
+      items.emplace_back(TimedSample{sample, time});
+    }
+  }
+
   static void append(std::vector<CodedUnit> &&units, TrackOutput &output) {
     for (auto &unit : units) {
       output.packets.push_back({std::move(unit.bytes), unit.time, unit.duration});

@@ -3,12 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace haptic {
 namespace {
 
 constexpr std::int64_t kLongestSilence = 3600 * std::int64_t{kTrackTimescale}; // ticks
+constexpr std::int64_t kLongestEffect = 65535;                                 // ticks: 16 bits
+constexpr std::uint64_t kLongestTimeStep = kSecond / 200; // ns, of time stamps without a loss
+constexpr std::size_t kMostEffects = 4096;                // at once
+constexpr std::size_t kManyEffects = kMostEffects / 2;    // too many to wait for
+constexpr std::size_t kMostHeldPoints = 2 * kMostForcePoints;
 constexpr std::uint8_t kPerception = 0;
+constexpr std::uint32_t kBandMask = 0xff0000; // of ChannelCurve::id
+constexpr std::uint32_t kWhole = 0x1000000;   // of an effect that nothing continues
+
+// A channel without a direction, or along z.
+bool gives_none(const HmpgChannel &channel) {
+  return !channel.direction || ((*channel.direction)[0] == 0 && (*channel.direction)[1] == 0);
+}
 
 } // namespace
 
@@ -133,67 +147,283 @@ HmpgDecoder::Result HmpgDecoder::push(std::span<const std::uint8_t> bytes, std::
             std::string(unit.error->what) + " (at byte " + std::to_string(unit.error->offset) +
                 " of the unit)"};
   }
-  if (unit.experience) {
-    tick_ = unit.experience->time;
-    experience_ = std::move(unit.experience);
-    const bool has_force = std::any_of(
-        experience_->perceptions.begin(), experience_->perceptions.end(),
-        [](const HmpgPerception &perception) { return perception.modality == kModalityForce; });
-    return {{}, has_force ? "" : "there is no perception of force in this stream"};
-  }
+  if (unit.experience)
+    return begin_experience(std::move(*unit.experience), time);
   if (!experience_)
     return {{}, "waiting for an initialization unit"};
-  const std::uint32_t timescale = experience_->timescale;
-  const std::uint64_t begin = time != kNoTime ? time : ns_of(tick_.value_or(0), timescale);
-  tick_ = tick_.value_or(0) + unit.header.duration;
-  switch (unit.header.type) {
-  case UnitType::temporal:
-    return read_temporal(unit, begin);
-  case UnitType::silent:
-    last_ = kNoTime;
-    return {{silent_sample(begin, ns_of(unit.header.duration, timescale))}, ""};
-  default:
-    return {};
-  }
+  Result result = begin_unit(unit.header, time);
+  const std::int64_t begin = *tick_;
+  *tick_ += unit.header.duration;
+  const char *problem = add_effects(unit, begin);
+  if (const char *other = sample_until(known_until(), result.samples); !problem)
+    problem = other;
+  if (problem)
+    result.problem = problem;
+  result.unsupported = left_out(unit.has_composite);
+  return result;
 }
 
-HmpgDecoder::Result HmpgDecoder::read_temporal(const HmpgUnit &unit, std::uint64_t begin) {
-  std::vector<ChannelCurve> curves;
-  for (const auto &curve : unit.curves) {
-    const auto same = [](auto id) { return [id](const auto &item) { return item.id == id; }; };
-    const auto channel = std::find_if(experience_->channels.begin(), experience_->channels.end(),
-                                      same(curve.channel));
-    const auto perception = std::find_if(experience_->perceptions.begin(),
-                                         experience_->perceptions.end(), same(curve.perception));
-    if (channel == experience_->channels.end() || perception == experience_->perceptions.end() ||
-        perception->modality != kModalityForce || !channel->direction)
-      continue;
-    const double gain = channel->gain * std::pow(10.0, perception->exponent);
-    ChannelCurve sum;
-    sum.direction = {(*channel->direction)[0] / 127.0, (*channel->direction)[1] / 127.0};
-    sum.points.reserve(curve.keyframes.size());
-    for (const auto &keyframe : curve.keyframes)
-      sum.points.push_back(
-          {keyframe.position, std::clamp(amplitude_of_code(keyframe.amplitude) * gain, -1.0, 1.0)});
-    curves.push_back(std::move(sum));
-  }
-  const auto points = sum_curves(curves, 0, unit.header.duration);
-  const std::uint32_t timescale = experience_->timescale;
+// Draws the rest of the curves whose last point is before this tick.
+void HmpgDecoder::draw_rest(std::int64_t before) {
+  for (auto &curve : curves_)
+    if (curve.points.back().tick < before)
+      curve.drawing.finish(curve.points);
+}
+
+HmpgDecoder::Result HmpgDecoder::finish() {
   Result result;
-  result.samples.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    TrackSample sample;
-    sample.motion = motion_of_force(points[i].force);
-    sample.time = begin + ns_of(points[i].tick, timescale);
-    const std::int64_t until = i + 1 < points.size() ? points[i + 1].tick : unit.header.duration;
-    sample.duration = ns_of(until - points[i].tick, timescale);
-    const std::uint64_t since =
-        last_ != kNoTime && last_ < sample.time ? sample.time - last_ : kNoTime;
-    sample.motion.interval = std::min(since, std::min(sample.duration, kUsualInterval * 3));
-    last_ = sample.time;
-    result.samples.push_back(sample);
-  }
+  if (!tick_)
+    return result;
+  draw_rest(std::numeric_limits<std::int64_t>::max());
+  std::int64_t end = *tick_;
+  for (const auto &curve : curves_)
+    end = std::max(end, curve.points.back().tick + 1);
+  if (!curves_.empty()) // silence behind them
+    end += ticks_of(kUsualInterval, experience_->timescale) + 1;
+  if (const char *problem = sample_until(end, result.samples))
+    result.problem = problem;
+  end_run();
   return result;
+}
+
+void HmpgDecoder::end_run() noexcept {
+  curves_.clear();
+  sampler_.restart();
+  sampled_ = tick_.value_or(0);
+}
+
+// A sender repeats the initialization unit, or changes the bands, with the time of what follows.
+HmpgDecoder::Result HmpgDecoder::begin_experience(HmpgExperience experience, std::uint64_t time) {
+  const std::int64_t tick = experience.time;
+  // With time stamps the ticks do not count.
+  const bool goes_on = experience_ && experience_->timescale == experience.timescale && tick_ &&
+                       (time != kNoTime || std::abs(tick - *tick_) <= 1);
+  Result result;
+  if (!goes_on) {
+    result = finish();
+    tick_ = tick;
+    end_run();
+  }
+  experience_ = std::move(experience);
+  result.unsupported = left_out(false);
+  const bool has_force = std::any_of(
+      experience_->perceptions.begin(), experience_->perceptions.end(),
+      [](const HmpgPerception &perception) { return perception.modality == kModalityForce; });
+  if (!has_force)
+    result.problem = "there is no perception of force in this stream";
+  return result;
+}
+
+// Names what of the stream gives no force, or not the one of its curve; nothing if that was
+// reported.
+std::string HmpgDecoder::left_out(bool has_composite) {
+  has_composite_ = has_composite_ || has_composite;
+  const auto &e = *experience_;
+  const auto is_force = [&](std::uint8_t id) {
+    const auto perception = std::ranges::find(e.perceptions, id, &HmpgPerception::id);
+    return perception != e.perceptions.end() && perception->modality == kModalityForce;
+  };
+  std::string what;
+  const auto add = [&](bool is_there, const char *name) {
+    if (is_there)
+      what += (what.empty() ? "" : ", ") + std::string(name);
+  };
+  add(std::ranges::any_of(e.perceptions, [&](const auto &p) { return !is_force(p.id); }),
+      kOtherPerceptions);
+  add(std::ranges::any_of(e.channels,
+                          [&](const auto &c) { return gives_none(c) && is_force(c.perception); }),
+      kNoDirection);
+  const auto any_band = [&](auto condition) {
+    return std::ranges::any_of(e.bands, [&](const HmpgBand &band) {
+      return is_force(band.perception) && condition(band);
+    });
+  };
+  add(any_band([](const HmpgBand &band) { return band.type != BandType::curve; }), kOtherBands);
+  add(any_band([](const HmpgBand &band) {
+        return band.type == BandType::curve && !is_drawn(band.curve);
+      }),
+      kOtherCurves);
+  add(has_composite_, kComposite);
+  return what == left_out_ ? "" : left_out_ = what;
+}
+
+// Gives the ticks of the unit their time. Where units are missing, effects are not continued:
+// returns what was held back of the units before.
+HmpgDecoder::Result HmpgDecoder::begin_unit(const UnitHeader &header, std::uint64_t time) {
+  Result result;
+  if (!tick_) {
+    tick_ = 0;
+    end_run();
+  }
+  const double timescale = experience_->timescale;
+  if (time == kNoTime) {
+    clock_ = {timescale, *tick_, ns_of(*tick_, experience_->timescale)};
+    return result;
+  }
+  const std::uint64_t expected = clock_.ns_at(*tick_);
+  const std::uint64_t step = time > expected ? time - expected : expected - time;
+  if (step > std::min(kLongestTimeStep, ns_of(header.duration, experience_->timescale) / 2)) {
+    draw_rest(std::numeric_limits<std::int64_t>::max());
+    std::int64_t end = sampled_;
+    for (const auto &curve : curves_)
+      end = std::max(end, std::min(curve.points.back().tick + 1, *tick_));
+    if (const char *problem = sample_until(end, result.samples))
+      result.problem = problem;
+    // The last tick only leads to the unit that is missing.
+    if (!result.samples.empty() && result.samples.back().time == clock_.ns_at(*tick_ - 1))
+      result.samples.pop_back();
+    end_run();
+  }
+  clock_ = {timescale, *tick_, time};
+  return result;
+}
+
+const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
+  std::size_t points = 0;
+  for (const auto &curve : curves_)
+    points += curve.points.size();
+  const char *problem = nullptr;
+  for (const auto &effect : unit.curves) {
+    // Keyframes may be far in the future: without a limit they would gather for ever.
+    auto curve = force_of(effect, begin, kMostHeldPoints - std::min(points, kMostHeldPoints));
+    if (!curve)
+      continue;
+    if (curve->points.empty()) {
+      problem = "too many keyframes at once";
+      continue;
+    }
+    const std::size_t drawn =
+        add_effect(std::move(*curve), effect.reference.has_value(), unit.header, begin);
+    points += drawn;
+    if (drawn == 0)
+      problem = "too many effects at once";
+  }
+  std::stable_sort(curves_.begin(), curves_.end(), begins_before);
+  return problem;
+}
+
+// The keyframes of the effect as a force along its channel, or nothing where there is none. More
+// keyframes than there is room for are left out, all of them.
+std::optional<ChannelCurve> HmpgDecoder::force_of(const HmpgCurve &effect, std::int64_t begin,
+                                                  std::size_t room) const {
+  const auto &e = *experience_;
+  const auto channel = std::ranges::find(e.channels, effect.channel, &HmpgChannel::id);
+  const auto perception = std::ranges::find(e.perceptions, effect.perception, &HmpgPerception::id);
+  const auto band = std::ranges::find(e.bands, effect.band, &HmpgBand::id);
+  if (channel == e.channels.end() || perception == e.perceptions.end() || band == e.bands.end() ||
+      perception->modality != kModalityForce || gives_none(*channel))
+    return std::nullopt;
+  std::span<const HmpgKeyframe> keyframes = effect.keyframes;
+  if (effect.reference) {
+    const auto id = std::pair(effect.perception, effect.effect);
+    const auto named = std::ranges::lower_bound(e.library, id, {}, id_in_library);
+    if (named != e.library.end() && id_in_library(*named) == id)
+      keyframes = named->keyframes;
+    begin += *effect.reference;
+  }
+  if (keyframes.empty())
+    return std::nullopt;
+  ChannelCurve curve;
+  curve.direction = {(*channel->direction)[0] / 127.0, (*channel->direction)[1] / 127.0};
+  curve.id = std::uint32_t{effect.band} << 16 | effect.effect;
+  if (keyframes.size() > room)
+    return curve;
+  curve.points.reserve(keyframes.size());
+  for (const auto &keyframe : keyframes)
+    curve.points.push_back({begin + keyframe.position, amplitude_of_code(keyframe.amplitude)});
+  const double scale = channel->gain * std::pow(10.0, perception->exponent);
+  scale_values(curve, scale);
+  curve.drawing = CurveDrawing(band->curve, scale);
+  return curve;
+}
+
+// Every effect of an independent unit is new, though its id may be that of an older one. One of a
+// library is whole. Returns the number of points, 0 if there is no room.
+std::size_t HmpgDecoder::add_effect(ChannelCurve curve, bool is_whole, const UnitHeader &header,
+                                    std::int64_t begin) {
+  const std::vector<CurvePoint> keys = std::exchange(curve.points, {});
+  const std::int64_t first = keys.front().tick;
+  const auto same = std::ranges::find_if(curves_, [&](const ChannelCurve &known) {
+    return header.dependent && !is_whole && known.id == curve.id &&
+           known.drawing.last(known.points.back().tick) <= first;
+  });
+  if (same != curves_.end()) {
+    const std::size_t before = same->points.size();
+    same->drawing.append(keys, same->points);
+    same->is_closed = false;
+    return same->points.size() - before + keys.size();
+  }
+  curve.drawing.append(keys, curve.points);
+  if (is_whole)
+    curve.drawing.finish(curve.points);
+  curve.is_closed = is_whole || (!header.dependent && !curve.drawing.waits() && keys.size() > 1 &&
+                                 keys.back().tick >= begin + header.duration - 1);
+  const std::size_t points = curve.points.size();
+  if (is_whole)
+    curve.id |= kWhole;
+  for (auto &known : curves_) {
+    // One that may go on is not over where one of the library begins.
+    if ((known.id & kBandMask) != (curve.id & kBandMask) || (is_whole && !known.is_closed))
+      continue;
+    if (const std::int64_t last = known.drawing.last(known.points.back().tick);
+        last == first || last == first - 1)
+      known.drawing.finish(known.points);
+    if (!touches(known, first))
+      continue;
+    join(known, curve.points);
+    known.drawing = std::move(curve.drawing);
+    known.id = curve.id;
+    known.is_closed = curve.is_closed;
+    return points;
+  }
+  if (curves_.size() == kMostEffects)
+    return 0;
+  curves_.push_back(std::move(curve));
+  return points;
+}
+
+// Until when the force is known. An effect may go on for as long as a keyframe may be from its
+// beginning; the last keyframe of one that is closed may belong to a line into the next unit.
+std::int64_t HmpgDecoder::known_until() {
+  const std::int64_t end = *tick_;
+  const std::int64_t patience =
+      is_live_ ? ticks_of(ns_of(kLongestHold, kTrackTimescale), experience_->timescale)
+               : kLongestEffect;
+  draw_rest(end - patience);
+  std::int64_t until = end;
+  std::size_t points = 0;
+  for (const auto &curve : curves_) {
+    const std::int64_t last = curve.points.back().tick;
+    points += curve.points.size();
+    if (curve.is_closed ? last >= end - 1 : last < end && end - last <= patience)
+      until = std::min(until, curve.is_closed ? end - 1 : last + 1);
+  }
+  if (points > kMostForcePoints || curves_.size() > kManyEffects) {
+    draw_rest(end);
+    until = end;
+  }
+  return std::max(until, sampled_);
+}
+
+const char *HmpgDecoder::sample_until(std::int64_t end, std::vector<TrackSample> &samples) {
+  const char *problem = sampler_.append(curves_, sampled_, end, clock_, samples);
+  sampled_ = end;
+  const std::int64_t next = *tick_; // unit
+  const bool are_many = curves_.size() > kManyEffects;
+  std::erase_if(curves_, [&](const ChannelCurve &curve) {
+    const std::int64_t last = curve.points.back().tick;
+    return last < sampled_ &&
+           (are_many || next - last > kLongestEffect || (curve.is_closed && last < next - 1));
+  });
+  // One point before is needed for the line to the next.
+  for (auto &curve : curves_) {
+    auto &points = curve.points;
+    const auto kept = std::find_if(points.begin(), points.end(),
+                                   [&](const auto &point) { return point.tick >= sampled_ - 1; });
+    if (kept - points.begin() > 1)
+      points.erase(points.begin(), kept - 1);
+  }
+  return problem;
 }
 
 } // namespace haptic

@@ -56,32 +56,53 @@ private:
   std::vector<CodedUnit> done_;
 };
 
-/// Reads the units of a track.
+/// Reads the units of a track. An effect may have its keyframes in several units, and the force
+/// between two keyframes is known when the later one comes: samples are held back until then.
 class HmpgDecoder {
 public:
   struct Result {
     std::vector<TrackSample> samples; ///< `time` is that of the sample in the stream
     std::string problem;              ///< empty if all is well
+    std::string unsupported;          ///< what gives no force, once; empty if there is nothing new
   };
 
+  /// Of a live stream: samples are held back for kLongestHold at most.
+  void set_live(bool live) noexcept { is_live_ = live; }
   /// Reads one unit. `time` (ns) is that of its beginning; with kNoTime the durations of the units
   /// before give it.
   Result push(std::span<const std::uint8_t> unit, std::uint64_t time);
+  /// Returns what was held back: no unit continues those before.
+  Result finish();
   /// Forgets the time of the stream and keeps the experience.
-  void seek() noexcept { tick_.reset(); }
-  /// Forgets everything.
-  void forget() noexcept {
-    experience_.reset();
+  void seek() noexcept {
+    end_run();
     tick_.reset();
-    last_ = kNoTime;
   }
 
 private:
-  Result read_temporal(const HmpgUnit &unit, std::uint64_t begin);
+  Result begin_experience(HmpgExperience experience, std::uint64_t time);
+  Result begin_unit(const UnitHeader &header, std::uint64_t time);
+  const char *add_effects(const HmpgUnit &unit, std::int64_t begin);
+  std::size_t add_effect(ChannelCurve curve, bool is_whole, const UnitHeader &header,
+                         std::int64_t begin);
+  std::string left_out(bool has_composite);
+  std::optional<ChannelCurve> force_of(const HmpgCurve &effect, std::int64_t begin,
+                                       std::size_t room) const;
+  std::int64_t known_until();
+  void draw_rest(std::int64_t before);
+  const char *sample_until(std::int64_t end, std::vector<TrackSample> &samples);
+  void end_run() noexcept;
 
   std::optional<HmpgExperience> experience_;
   std::optional<std::int64_t> tick_; // end of the unit before
-  std::uint64_t last_ = kNoTime;     // ns, time of the sample before
+  bool is_live_ = false;
+  bool has_composite_ = false;
+  std::string left_out_; // what was reported
+
+  std::vector<ChannelCurve> curves_; // effects that lasted at sampled_ or begin later, in order
+  std::int64_t sampled_ = 0;         // ticks: samples before it were returned
+  TickClock clock_;                  // of the unit before
+  ForceSampler sampler_;
 };
 
 } // namespace haptic

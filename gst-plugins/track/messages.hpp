@@ -40,6 +40,9 @@
   MESSAGE(kHmpgIsDamaged, \
           "A part of the MPEG haptics stream is damaged and was left out: %s.", \
           "The rest is felt. Get the file or the stream again.") \
+  MESSAGE(kHmpgIsUnsupported, \
+          "The MPEG haptics stream has parts that give no force here, or not the one of their curve.", \
+          "The rest is felt. haptic-track info names them; write them as Force with linear, cubic or Akima curves.") \
   MESSAGE(kHmpgIsNoUnit, \
           "A buffer is not one unit of MPEG haptics.", \
           "Put hmpgparse before rtphmpgpay.") \

@@ -61,6 +61,7 @@ private:
       {TrackProblemKind::foreign_text, kForeign, messages::kTrackHasForeignText},
       {TrackProblemKind::other_version, kOtherVersion, messages::kTrackIsOfLaterVersion},
       {TrackProblemKind::other_kind, kOtherKind, messages::kTrackIsOfOtherKind},
+      {TrackProblemKind::unsupported, kOtherKind, messages::kHmpgIsUnsupported},
       {TrackProblemKind::missing, kMissing, messages::kTrackLostFields},
       {TrackProblemKind::without_time, kWithoutTime, messages::kTrackHasNoTimes},
       {TrackProblemKind::untied, kUntied, messages::kTrackIsUntied},

@@ -46,6 +46,7 @@ enum class TrackProblemKind {
   foreign_text,
   other_version,
   other_kind,
+  unsupported,  ///< MPEG haptics that gives no force here
   missing,      ///< a field before this one was lost
   without_time, ///< the buffer has no time stamp; the sample's own time gave it one
   untied        ///< it has none, and no buffer before it had one
@@ -90,6 +91,10 @@ public:
 
   /// Appends what the packet holds, in its order.
   virtual void read(const InputPacket &packet, std::vector<TrackItem> &items) = 0;
+  /// Appends what was held back: nothing continues the packets before.
+  virtual void finish_reading(std::vector<TrackItem> &) {}
+  /// The packets of a live source must not be held back for long.
+  virtual void set_live(bool) {}
   /// Whether the samples of this form carry the sender's time. Otherwise that of the buffer is it.
   virtual bool carries_time() const noexcept = 0;
 

@@ -252,6 +252,23 @@ TEST_F(HapticConvert, TheStandardsFilesAreKnownByTheirContent) {
   EXPECT_EQ(type_of("golden.hjif"), "haptics/hjif");
 }
 
+TEST_F(HapticConvert, WhatOfMpegHapticsGivesNoForceIsSaidOnce) {
+  haptic::HmpgExperience experience = haptic::track_experience("2026-01-01");
+  experience.perceptions.push_back({1, 6, 0, "vibrotactile"});
+  experience.channels.push_back({2, 1, 1, {}, "at the wrist"});
+  const auto made = run(kIn + " ! hapticconvert ! haptics/hmpg ! appsink name=out", track).packets;
+  std::vector<Packet> input = {made};
+  input.insert(input.begin() + 1, Packet{haptic::write_initialization_unit(experience), 0, 0, 0});
+  const auto got = run(
+      "appsrc name=in format=time caps=haptics/hmpg,stream-format=mihs,alignment=unit,rate=8000" +
+          kOut,
+      input);
+  EXPECT_EQ(got.error, "");
+  EXPECT_GT(got.packets.size(), track.size() / 2) << "the rest is felt";
+  ASSERT_EQ(got.warnings.size(), 1U);
+  EXPECT_NE(got.warnings[0].find("parts that give no force here"), std::string::npos);
+}
+
 TEST_F(HapticConvert, ADamagedHmpgFileIsPlayedAroundTheDamage) {
   const auto made =
       run(kIn + " ! hapticconvert ! haptics/hmpg ! filesink location=" + file("track.hmpg"), track);

@@ -118,10 +118,22 @@ void read_text_file(const std::string &path, TrackFile &track) {
     count_remark(track, wrong - 5, "further lines were left out");
 }
 
+void add_left_out(TrackFile &track, const std::string &what) {
+  if (!what.empty())
+    track.remarks.push_back("left out: " + what);
+}
+
 void read_hmpg_file(const std::string &path, TrackFile &track) {
   const auto bytes = read_bytes(path);
   HmpgDecoder decoder;
-  for (std::size_t at = 0; at < bytes.size();) {
+  const auto append = [&](std::size_t at, HmpgDecoder::Result result) {
+    if (!result.problem.empty())
+      track.remarks.push_back("unit at byte " + std::to_string(at) + ": " + result.problem);
+    add_left_out(track, result.unsupported);
+    std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
+  };
+  std::size_t at = 0;
+  while (at < bytes.size()) {
     const auto rest = std::span(bytes).subspan(at);
     const auto header = read_unit_header(rest);
     const std::size_t size = header ? kUnitHeaderSize + header->length : 0;
@@ -129,14 +141,12 @@ void read_hmpg_file(const std::string &path, TrackFile &track) {
       track.remarks.push_back("byte " + std::to_string(at) + ": " +
                               (header ? "the last unit is cut off" : "this is no unit") +
                               "; the rest was left out");
-      return;
+      break;
     }
-    auto result = decoder.push(rest.first(size), kNoTime);
-    if (!result.problem.empty())
-      track.remarks.push_back("unit at byte " + std::to_string(at) + ": " + result.problem);
-    std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
+    append(at, decoder.push(rest.first(size), kNoTime));
     at += size;
   }
+  append(at, decoder.finish());
 }
 
 void read_hjif_file(const std::string &path, TrackFile &track) {
@@ -144,6 +154,7 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (!read.error.empty())
     throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
+  add_left_out(track, read.unsupported);
   track.samples = std::move(read.samples);
 }
 
