@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace haptic {
 namespace {
@@ -28,31 +29,55 @@ struct Stretch {
   std::vector<ForcePoint> points;
 };
 
+// The force holds until the last sample is over.
+void close(Stretch &stretch, std::int64_t end) {
+  const ForcePoint last = stretch.points.back();
+  if (end - 1 > last.tick)
+    stretch.points.push_back({end - 1, last.force});
+}
+
+// The line goes on in another effect. Effects that share a tick add there.
+Stretch split(Stretch &stretch) {
+  const ForcePoint joint = stretch.points.back();
+  const ForcePoint before = stretch.points[stretch.points.size() - 2];
+  stretch.points.pop_back();
+  if (const std::int64_t tick = joint.tick - 1; tick > before.tick) {
+    const double part =
+        static_cast<double>(tick - before.tick) / static_cast<double>(joint.tick - before.tick);
+    stretch.points.push_back({tick,
+                              {std::lerp(before.force.x, joint.force.x, part),
+                               std::lerp(before.force.y, joint.force.y, part)}});
+  }
+  return {joint.tick, {joint}};
+}
+
 std::vector<Stretch> stretches_of(std::span<const TrackSample> samples) {
   std::vector<Stretch> stretches;
   bool open = false;
+  std::int64_t end = 0; // of the sample before, ticks
   for (const auto &sample : samples) {
-    if (sample.time == kNoTime || !is_felt(sample.motion)) {
-      open = false;
-      continue;
-    }
-    const ForcePoint point{ticks_of(sample.time, kTrackTimescale), force_of_motion(sample.motion)};
+    const std::int64_t tick = sample.time == kNoTime ? 0 : ticks_of(sample.time, kTrackTimescale);
+    const bool felt = sample.time != kNoTime && is_felt(sample.motion);
     if (open) {
-      auto &points = stretches.back().points;
-      const auto since = point.tick - points.back().tick;
-      if (since == 0)
+      const auto since = tick - stretches.back().points.back().tick;
+      if (felt && since == 0)
         continue;
-      open = since > 0 && since <= kLongestHold;
-      if (open && point.tick - stretches.back().begin > kLongestEffect) {
-        const ForcePoint joint = points.back(); // the line has no gap
-        stretches.push_back({joint.tick, {joint}});
-      }
+      open = felt && since > 0 && since <= kLongestHold;
+      if (!open)
+        close(stretches.back(), sample.time != kNoTime && since > 0 ? std::min(end, tick) : end);
+      else if (tick - stretches.back().begin > kLongestEffect)
+        stretches.push_back(split(stretches.back()));
     }
+    if (!felt)
+      continue;
     if (!open)
-      stretches.push_back({point.tick, {}});
-    stretches.back().points.push_back(point);
+      stretches.push_back({tick, {}});
+    stretches.back().points.push_back({tick, force_of_motion(sample.motion)});
     open = true;
+    end = tick + ticks_held(sample.duration);
   }
+  if (open)
+    close(stretches.back(), end);
   return stretches;
 }
 

@@ -10,6 +10,7 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kLongestSilence = 3600 * std::int64_t{kTrackTimescale}; // ticks
+constexpr std::size_t kEffectIds = 65536;                                      // of a band
 constexpr std::int64_t kLongestEffect = 65535;                                 // ticks: 16 bits
 constexpr std::uint64_t kLongestTimeStep = kSecond / 200; // ns, of time stamps without a loss
 constexpr std::size_t kMostEffects = 4096;                // at once
@@ -60,17 +61,38 @@ void HmpgEncoder::begin(std::int64_t tick) {
   emit(write_initialization_unit(experience_), UnitType::initialization, tick, tick);
 }
 
+// The ids of the effects of a band have 16 bits, and a reader may append the keyframes of an id
+// that it knows to the old effect. So the track goes on in other bands when the ids are used up:
+// 128 times for two bands, since theirs have 8 bits. Effects are then new by their independent
+// units.
+void HmpgEncoder::begin_bands() {
+  effect_ = 0;
+  for (auto &band : experience_.bands)
+    band.id = static_cast<std::uint8_t>(band.id + experience_.bands.size());
+  experience_.time = static_cast<std::uint32_t>(cursor_);
+  emit(write_initialization_unit(experience_), UnitType::initialization, cursor_, cursor_);
+}
+
 void HmpgEncoder::close(std::int64_t end, const std::optional<CurveForce> &next) {
   if (points_.empty())
     return;
   end = std::max(end, points_.back().tick + 1);
-  // The last keyframe is where the next unit begins, so that the line has no gap.
-  points_.push_back({end, next.value_or(points_.back().force)});
+  // The line ends one tick before the next unit begins: effects that share a tick add there.
+  const ForcePoint last = points_.back();
+  if (const std::int64_t tick = end - 1; tick > last.tick) {
+    const CurveForce to = next.value_or(last.force);
+    const double part =
+        static_cast<double>(tick - last.tick) / static_cast<double>(end - last.tick);
+    points_.push_back(
+        {tick, {std::lerp(last.force.x, to.x, part), std::lerp(last.force.y, to.y, part)}});
+  }
+  if (effect_ + experience_.bands.size() > kEffectIds)
+    begin_bands();
   std::array<HmpgCurve, 2> curves;
   for (std::size_t axis = 0; axis < curves.size(); ++axis) {
     curves[axis].channel = static_cast<std::uint16_t>(axis);
-    curves[axis].band = static_cast<std::uint8_t>(axis);
-    curves[axis].effect = effect_++;
+    curves[axis].band = experience_.bands[axis].id;
+    curves[axis].effect = static_cast<std::uint16_t>(effect_++);
     for (const auto &point : points_)
       curves[axis].keyframes.push_back(
           {static_cast<std::int32_t>(point.tick - cursor_),
@@ -119,11 +141,7 @@ std::vector<CodedUnit> HmpgEncoder::push(const MotionSample &sample, std::uint64
   } else if (tick - cursor_ >= unit_ticks_) {
     silence(tick);
   }
-  last_end_ =
-      tick + std::clamp<std::int64_t>(
-                 ticks_of(duration == kNoTime ? kUsualInterval : std::min(duration, kSecond),
-                          kTrackTimescale),
-                 1, kLongestHold);
+  last_end_ = tick + ticks_held(duration);
   return std::move(done_);
 }
 

@@ -37,11 +37,8 @@ public:
   std::vector<CodedUnit> finish();
 
 private:
-  struct Point {
-    std::int64_t tick;
-    CurveForce force;
-  };
   void begin(std::int64_t tick);
+  void begin_bands();
   void close(std::int64_t end, const std::optional<CurveForce> &next);
   void silence(std::int64_t until);
   void emit(std::vector<std::uint8_t> bytes, UnitType type, std::int64_t begin, std::int64_t end);
@@ -49,10 +46,10 @@ private:
   HmpgExperience experience_;
   std::int64_t unit_ticks_;
   bool started_ = false;
-  std::vector<Point> points_; // of the unit that is being gathered
-  std::int64_t cursor_ = 0;   // end of what has been written
-  std::int64_t last_end_ = 0; // of the sample before
-  std::uint16_t effect_ = 0;
+  std::vector<ForcePoint> points_; // of the unit that is being gathered
+  std::int64_t cursor_ = 0;        // end of what has been written
+  std::int64_t last_end_ = 0;      // of the sample before
+  std::size_t effect_ = 0;         // id of the next effect in these bands
   std::vector<CodedUnit> done_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "track-sample.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -33,6 +34,13 @@ constexpr std::int64_t ticks_of(std::uint64_t ns, std::uint32_t timescale) noexc
 constexpr std::uint64_t ns_of(std::int64_t ticks, std::uint32_t timescale) noexcept {
   const auto whole = static_cast<std::uint64_t>(ticks);
   return whole / timescale * kSecond + (whole % timescale * kSecond + timescale / 2) / timescale;
+}
+
+/// Returns for how many ticks of kTrackTimescale a sample of this duration (ns) holds at the end.
+constexpr std::int64_t ticks_held(std::uint64_t duration) noexcept {
+  return std::clamp<std::int64_t>(
+      ticks_of(duration == kNoTime ? kUsualInterval : std::min(duration, kSecond), kTrackTimescale),
+      1, kLongestHold);
 }
 
 /// Returns today's date in UTC, as in ISO 8601.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Haptic tracks in files and packets: what goes in comes out.
 #include "force-curve.hpp"
+#include "hmpg-track.hpp"
 #include "klv.hpp"
 #include "track-pipeline.hpp"
 #include "track-samples.hpp"
@@ -250,6 +251,37 @@ TEST_F(HapticConvert, TheStandardsFilesAreKnownByTheirContent) {
   };
   EXPECT_EQ(type_of("golden.hmpg"), "haptics/hmpg");
   EXPECT_EQ(type_of("golden.hjif"), "haptics/hjif");
+}
+
+// The ids of the effects are used up after 32 768 units: other bands follow.
+TEST_F(HapticConvert, ASeekOverAChangeOfBandsIsFelt) {
+  constexpr std::uint64_t kUnit = GST_MSECOND;
+  haptic::HmpgEncoder encoder(kUnit, "2026-01-01");
+  MotionSample motion = sample_of(track[0]);
+  motion.confidence = 1;
+  Bytes bytes;
+  const auto append = [&](const std::vector<haptic::CodedUnit> &units) {
+    for (const auto &unit : units)
+      bytes.insert(bytes.end(), unit.bytes.begin(), unit.bytes.end());
+  };
+  for (std::uint64_t i = 0; i < 34'000; ++i)
+    append(encoder.push(motion, i * kUnit, kUnit));
+  append(encoder.finish());
+  test::write_file(file("long.hmpg"), bytes);
+  const test::Pipeline pipeline("filesrc location=" + file("long.hmpg") + " ! hmpgparse" + kOut);
+  const haptic::ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline.get()), "out"));
+  gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+  gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND);
+  for (const gint64 time : {33'500 * GST_MSECOND, 1'000 * GST_MSECOND, 33'000 * GST_MSECOND}) {
+    ASSERT_TRUE(
+        gst_element_seek_simple(pipeline.get(), GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, time));
+    GstSample *sample = gst_app_sink_try_pull_preroll(GST_APP_SINK(out.get()), 10 * GST_SECOND);
+    ASSERT_NE(sample, nullptr);
+    const Packet first = test::packet_of_buffer(gst_sample_get_buffer(sample));
+    gst_sample_unref(sample);
+    EXPECT_NEAR(static_cast<double>(first.pts), static_cast<double>(time), 2e6);
+    EXPECT_GT(sample_of(first).confidence, 0) << time;
+  }
 }
 
 TEST_F(HapticConvert, WhatOfMpegHapticsGivesNoForceIsSaidOnce) {

@@ -48,6 +48,38 @@ TEST(Hjif, TheForceComesBack) {
   EXPECT_EQ(got.samples.back().motion.confidence, 0) << "it ends in silence";
 }
 
+// Positions of the effects and of their last keyframes, in the order of the text.
+TEST(Hjif, NoTickHasTwoEffects) {
+  const auto sent = std::vector<TrackSample>(track(30));
+  std::vector<TrackSample> longer; // than an effect may be
+  for (int i = 0; i < 900; ++i) {
+    longer.push_back(sent[static_cast<std::size_t>(i) % 30]);
+    longer.back().time = static_cast<std::uint64_t>(i) * kFrame;
+  }
+  const std::string text = write_hjif(longer, "2026-01-01");
+  const std::string effect = "\"position\":";
+  const std::string keyframe = "\"relative_position\":";
+  int effects = 0;
+  long end = -1;
+  for (auto at = text.find(effect); at != std::string::npos; ++effects) {
+    const auto next = text.find(effect, at + 1);
+    const long begin = std::stol(text.substr(at + effect.size()));
+    if (begin > 0) { // in one channel
+      EXPECT_GT(begin, end);
+    }
+    const auto last = text.rfind(keyframe, next);
+    end = begin + std::stol(text.substr(last + keyframe.size()));
+    at = next;
+  }
+  EXPECT_EQ(effects, 8);
+}
+
+TEST(Hjif, TheForceHoldsUntilTheLastSampleIsOver) {
+  const auto got = read_hjif(write_hjif(track(10), "2026-01-01"));
+  EXPECT_EQ(got.samples.back().motion.confidence, 0);
+  EXPECT_NEAR(static_cast<double>(got.samples.back().time), 10.0 * kFrame, 0.13e6);
+}
+
 TEST(Hjif, NoTruncationIsTakenForWhole) {
   const std::string text = write_hjif(track(10), "2026-01-01");
   for (std::size_t size = 0; size + 1 < text.size(); ++size)

@@ -4,12 +4,15 @@
 #include "hmpg-rtp.hpp"
 #include "hmpg-track.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
 #include <numbers>
+#include <set>
+#include <span>
 
 namespace {
 
@@ -254,6 +257,63 @@ TEST(HmpgTrack, TheForceComesBackWithinHalfAStep) {
     }
 }
 
+// The ticks at which two effects of a band are both present.
+int shared_ticks(const std::vector<CodedUnit> &units) {
+  const HmpgExperience e = haptic::track_experience(kDate);
+  int shared = 0;
+  std::int64_t begin = 0;
+  std::array<std::int64_t, 2> ends = {-1, -1};
+  for (const auto &coded : units) {
+    const auto unit = read_unit(coded.bytes, &e);
+    for (const auto &effect : unit.curves) {
+      shared += begin + effect.keyframes.front().position <= ends.at(effect.band);
+      ends.at(effect.band) = begin + effect.keyframes.back().position;
+    }
+    begin += unit.header.duration;
+  }
+  return shared;
+}
+
+TEST(HmpgTrack, NoTickHasTwoEffects) {
+  for (const std::uint64_t unit : {33 * kMs, 100 * kMs, 1000 * kMs}) {
+    HmpgEncoder encoder(unit, kDate);
+    std::vector<CodedUnit> units;
+    for (std::uint64_t i = 0; i < 300; ++i)
+      append(units, encoder.push(motion(100, 0, i % 50 == 30 ? 0 : 1), i * kFrame, kFrame));
+    append(units, encoder.finish());
+    EXPECT_EQ(shared_ticks(units), 0);
+  }
+}
+
+// A reader may take an id that comes again for the old effect.
+TEST(HmpgTrack, NoEffectOfAnHourHasTheIdOfAnother) {
+  constexpr std::uint64_t kHour = 3600 * 1000 / 33;
+  HmpgEncoder encoder(33 * kMs, kDate);
+  HmpgDecoder decoder;
+  HmpgExperience experience;
+  std::set<std::pair<std::uint8_t, std::uint16_t>> ids;
+  std::uint64_t felt = 0;
+  const auto read = [&](const std::vector<CodedUnit> &units) {
+    for (const auto &coded : units) {
+      auto unit = read_unit(coded.bytes, &experience);
+      ASSERT_FALSE(unit.error) << unit.error->what;
+      if (unit.experience)
+        experience = *unit.experience;
+      for (const auto &effect : unit.curves)
+        EXPECT_TRUE(ids.insert({effect.band, effect.effect}).second);
+      for (const auto &sample : decoder.push(coded.bytes, haptic::kNoTime).samples) {
+        EXPECT_TRUE(sample.motion.confidence > 0 || coded.type == UnitType::silent);
+        felt += sample.motion.confidence > 0;
+      }
+    }
+  };
+  for (std::uint64_t i = 0; i < kHour; ++i)
+    read(encoder.push(motion(100, 50), i * 33 * kMs, 33 * kMs));
+  read(encoder.finish());
+  EXPECT_EQ(ids.size(), 2 * kHour);
+  EXPECT_NEAR(static_cast<double>(felt), static_cast<double>(kHour), 10);
+}
+
 TEST(HmpgTrack, NothingMeasuredIsSilence) {
   HmpgEncoder encoder(100 * kMs, kDate);
   std::vector<CodedUnit> units;
@@ -312,9 +372,13 @@ protected:
     append(units, encoder.finish());
   }
 
-  static void expect_file(const std::string &name, const std::string &content) {
+  static std::string content_of(const std::string &name) {
     std::ifstream file(SOURCE_ROOT "/tests/data/" + name, std::ios::binary);
-    EXPECT_EQ(content, std::string(std::istreambuf_iterator<char>(file), {})) << name;
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  static void expect_file(const std::string &name, const std::string &content) {
+    EXPECT_EQ(content, content_of(name)) << name;
     if (const char *folder = std::getenv("WRITE_GOLDEN"))
       std::ofstream(folder + ("/" + name), std::ios::binary) << content;
   }
@@ -330,6 +394,27 @@ TEST_F(Golden, TheBytesStayTheSame) {
     bytes.append(unit.bytes.begin(), unit.bytes.end());
   expect_file("golden.hmpg", bytes);
   expect_file("golden.hjif", haptic::write_hjif(samples, kDate));
+}
+
+// Tracks of earlier versions: the last keyframe of a unit is at the first tick of the next.
+TEST_F(Golden, UnitsThatShareATickAreFeltAlike) {
+  const std::string old = content_of("golden-shared-ticks.hmpg");
+  const Bytes bytes(old.begin(), old.end());
+  HmpgDecoder decoder;
+  std::vector<TrackSample> got;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const auto rest = std::span(bytes).subspan(at);
+    const auto unit = rest.first(haptic::kUnitHeaderSize + haptic::read_unit_header(rest)->length);
+    const auto result = decoder.push(unit, haptic::kNoTime);
+    got.insert(got.end(), result.samples.begin(), result.samples.end());
+    at += unit.size();
+  }
+  const auto expected = decode(units, false);
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    EXPECT_EQ(haptic::force_of_motion(got[i].motion), haptic::force_of_motion(expected[i].motion));
+    EXPECT_NEAR(static_cast<double>(got[i].time), static_cast<double>(expected[i].time), 0.13e6);
+  }
 }
 
 TEST_F(Golden, BothFormsAreFeltAlike) {
@@ -372,7 +457,7 @@ TEST(HmpgRtp, FragmentsGoTogetherAgain) {
     EXPECT_EQ(payloads[i][1], (first ? 0x80 : 0) | (last ? 0x40 : 0) | 1);
     const auto result = assembler.push(sequence++, payloads[i]);
     EXPECT_EQ(result.problem, nullptr);
-    EXPECT_EQ(result.unit, last ? unit : Bytes{});
+    EXPECT_EQ(result.units, last ? std::vector<Bytes>{unit} : std::vector<Bytes>{});
   }
 }
 
@@ -383,12 +468,12 @@ TEST(HmpgRtp, ALostFragmentLosesItsUnitOnly) {
   std::uint16_t sequence = 0;
   for (std::size_t i = 0; i < payloads.size(); ++i, ++sequence)
     if (i != 2) {
-      EXPECT_TRUE(assembler.push(sequence, payloads[i]).unit.empty());
+      EXPECT_TRUE(assembler.push(sequence, payloads[i]).units.empty());
     }
   for (const auto &payload : payloads) {
     const auto result = assembler.push(sequence++, payload);
     if (&payload == &payloads.back()) {
-      EXPECT_EQ(result.unit, unit);
+      EXPECT_EQ(result.units, std::vector<Bytes>{unit});
       EXPECT_TRUE(result.after_loss);
     }
   }
@@ -402,14 +487,47 @@ TEST(HmpgRtp, UnitsWaitForInitializationAndDependentOnesForAnIndependentOne) {
   const Bytes independent = haptic::write_silent_unit(10);
   Bytes dependent = independent;
   dependent[0] |= 1;
-  EXPECT_TRUE(send(0, independent).unit.empty());
+  EXPECT_TRUE(send(0, independent).units.empty());
   EXPECT_FALSE(
-      send(1, haptic::write_initialization_unit(haptic::track_experience(kDate))).unit.empty());
-  EXPECT_FALSE(send(2, independent).unit.empty());
-  EXPECT_FALSE(send(3, dependent).unit.empty());
-  EXPECT_TRUE(send(5, dependent).unit.empty());
-  EXPECT_FALSE(send(6, independent).unit.empty());
-  EXPECT_FALSE(send(7, dependent).unit.empty());
+      send(1, haptic::write_initialization_unit(haptic::track_experience(kDate))).units.empty());
+  EXPECT_FALSE(send(2, independent).units.empty());
+  EXPECT_FALSE(send(3, dependent).units.empty());
+  EXPECT_TRUE(send(5, dependent).units.empty());
+  EXPECT_FALSE(send(6, independent).units.empty());
+  EXPECT_FALSE(send(7, dependent).units.empty());
+}
+
+// RFC 9993, section 5.3.3: one byte of payload header, then each unit behind its size in 16 bits.
+TEST(HmpgRtp, UnitsOfOneTimeStampShareAPacket) {
+  const Bytes first = haptic::write_initialization_unit(haptic::track_experience(kDate));
+  const Bytes second = haptic::write_silent_unit(10);
+  const std::array<std::span<const std::uint8_t>, 2> units = {first, second};
+  const Bytes payload = haptic::aggregate_units(units, 1400);
+  ASSERT_EQ(payload.size(), 1 + 2 + first.size() + 2 + second.size());
+  EXPECT_EQ(payload[0], 0x50);
+  EXPECT_EQ(payload[1] << 8 | payload[2], static_cast<int>(first.size()));
+  EXPECT_TRUE(haptic::aggregate_units(units, payload.size() - 1).empty());
+  haptic::UnitAssembler assembler;
+  const auto result = assembler.push(0, payload);
+  EXPECT_EQ(result.problem, nullptr);
+  EXPECT_EQ(result.units, (std::vector<Bytes>{first, second}));
+}
+
+TEST(HmpgRtp, OfADamagedAggregationPacketTheUnitsBeforeAreRead) {
+  const Bytes first = haptic::write_initialization_unit(haptic::track_experience(kDate));
+  const std::array<std::span<const std::uint8_t>, 2> units = {first, first};
+  const Bytes payload = haptic::aggregate_units(units, 1400);
+  for (std::size_t size = 1 + 2 + first.size(); size < payload.size(); ++size) {
+    haptic::UnitAssembler assembler;
+    const auto result = assembler.push(0, std::span(payload).first(size));
+    EXPECT_EQ(result.units, std::vector<Bytes>{first});
+    EXPECT_EQ(result.problem != nullptr, size > 1 + 2 + first.size());
+  }
+}
+
+TEST(HmpgRtp, AggregationPacketsOfSeveralTimeStampsAreDropped) {
+  haptic::UnitAssembler assembler;
+  EXPECT_NE(assembler.push(0, Bytes{0x60, 0, 1, 0, 0, 0}).problem, nullptr);
 }
 
 } // namespace
