@@ -17,6 +17,7 @@
 #include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
+#include "latency-query.hpp"
 #include "messages.hpp"
 #include "problem-counters.hpp"
 #include "property-table.hpp"
@@ -61,6 +62,8 @@ struct State {
   // Atomic, for any thread.
   std::atomic<guint64> samples = 0;
   haptic::ProblemCounters problems;
+  std::atomic<Form> in = Form::raw; // written by the streaming thread
+  std::atomic<Form> out = Form::raw;
 
   // Streaming thread only, or while it is stopped.
   TrackLayout layout = TrackLayout::point; // of the samples that come
@@ -363,18 +366,21 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
   return parent_class()->sink_event(trans, event);
 }
 
-// The latency of MPEG haptics is one unit: it is sent when it is over.
+// MPEG haptics is written a unit at a time, when it is over. Live, its reader may hold samples
+// back.
 gboolean query(GstBaseTransform *trans, GstPadDirection direction, GstQuery *query) {
   const gboolean done = parent_class()->query(trans, direction, query);
   const State &state = state_of(trans);
   if (!done || direction != GST_PAD_SRC || GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
     return done;
-  if (state.out != Form::hmpg || state.in == Form::hmpg)
+  if ((state.out == Form::hmpg) == (state.in == Form::hmpg))
     return done;
   const ObjectLock lock(trans);
-  const GstClockTime held = state.unit_duration * GST_MSECOND;
-  gst_query_set_latency(query, live, least + held,
-                        GST_CLOCK_TIME_IS_VALID(most) ? most + held : most);
+  haptic::add_latency(query, [&](bool live) -> GstClockTime {
+    if (state.in != Form::hmpg)
+      return state.unit_duration * GST_MSECOND;
+    return live ? haptic::ns_of(haptic::kLongestHold, haptic::kTrackTimescale) : 0;
+  });
   return TRUE;
 }
 
@@ -408,6 +414,7 @@ gboolean set_caps(GstHapticConvert *self, GstCaps *in, GstCaps *out) {
     state.reader = make_form(self, form_in, state.layout);
   if (!state.writer || form_out != state.out)
     state.writer = make_form(self, form_out, state.layout);
+  state.reader->set_live(haptic::is_live(GST_BASE_TRANSFORM_SINK_PAD(self)));
   state.in = form_in;
   state.out = form_out;
   restart_stream(state);

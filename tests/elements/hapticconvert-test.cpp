@@ -284,6 +284,23 @@ TEST_F(HapticConvert, ASeekOverAChangeOfBandsIsFelt) {
   }
 }
 
+TEST_F(HapticConvert, TheLatencyIsOneUnitAndWhatALiveReaderHoldsBack) {
+  for (const bool live : {false, true}) {
+    test::Pipeline pipeline(kIn + (live ? " is-live=true" : "") +
+                            " ! hapticconvert unit-duration=40 ! haptics/hmpg" + kOut);
+    EXPECT_EQ(pipeline.run(track).error, "");
+    const haptic::ElementPtr convert(gst_bin_get_by_name(GST_BIN(pipeline.get()), "convert"));
+    const haptic::PadPtr pad(gst_element_get_static_pad(convert.get(), "src"));
+    const haptic::QueryPtr query(gst_query_new_latency());
+    ASSERT_TRUE(gst_pad_query(pad.get(), query.get()));
+    gboolean is_live = FALSE;
+    GstClockTime least = 0;
+    gst_query_parse_latency(query.get(), &is_live, &least, nullptr);
+    EXPECT_EQ(is_live != FALSE, live);
+    EXPECT_EQ(least, (live ? 290 : 40) * GST_MSECOND);
+  }
+}
+
 TEST_F(HapticConvert, WhatOfMpegHapticsGivesNoForceIsSaidOnce) {
   haptic::HmpgExperience experience = haptic::track_experience("2026-01-01");
   experience.perceptions.push_back({1, 6, 0, "vibrotactile"});
