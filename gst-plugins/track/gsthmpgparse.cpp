@@ -21,8 +21,10 @@
 #include "track-caps.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(hmpg_parse_debug);
 #define GST_CAT_DEFAULT hmpg_parse_debug
@@ -33,11 +35,29 @@ using haptic::guarded;
 using haptic::UnitHeader;
 using haptic::UnitType;
 
-// Streaming thread only, or while it is stopped.
+// Where a unit begins in a file.
+struct IndexEntry {
+  std::uint64_t offset = 0; // bytes
+  std::uint64_t tick = 0;
+  GstClockTime time = 0;
+  bool independent = false;
+  std::uint64_t initialization = 0; // bytes, the initialization unit that it needs
+};
+
+constexpr std::size_t kMostIndexed = 1'000'000; // nine hours of 33 ms
+
 struct State {
+  // Object lock. In order, from the beginning of the stream.
+  std::vector<IndexEntry> index;
+  std::uint64_t index_end = 0; // bytes
+
+  // Streaming thread only, or while it is stopped.
+  bool indexed = false;
   std::optional<haptic::HmpgExperience> experience;
-  std::uint64_t tick = 0; // end of the unit before
-  bool in_step = false;   // the unit before was sound
+  std::uint64_t initialization = 0;    // bytes, the unit of `experience`
+  std::optional<std::uint64_t> pushed; // bytes, the initialization unit that downstream has
+  std::uint64_t tick = 0;              // end of the unit before
+  bool in_step = false;                // the unit before was sound
   bool warned = false;
 };
 
@@ -150,8 +170,194 @@ Found find_unit(GstHmpgParse *self, Bytes bytes) {
   return {header, 0};
 }
 
+// Reads a file in chunks at any place.
+class FileReader {
+public:
+  explicit FileReader(GstPad *pad) : pad_(pad) {}
+
+  // Returns the bytes, fewer at the end of the file. They last until the next call.
+  Bytes read(std::uint64_t offset, std::size_t size) {
+    if (offset < begin_ || offset + size > begin_ + chunk_.size()) {
+      chunk_.clear();
+      begin_ = offset;
+      GstBuffer *raw = nullptr;
+      const auto wanted = static_cast<guint>(std::max(size, kChunk));
+      flow_ = gst_pad_pull_range(pad_, offset, wanted, &raw);
+      if (flow_ == GST_FLOW_OK) {
+        const haptic::BufferPtr buffer(raw);
+        if (const haptic::ReadableBuffer readable(buffer.get()); readable)
+          chunk_.assign(readable.bytes().begin(), readable.bytes().end());
+      }
+    }
+    const std::size_t skipped = offset - begin_;
+    return Bytes(chunk_).subspan(skipped, std::min(size, chunk_.size() - skipped));
+  }
+
+  // Returns how the last reading went.
+  GstFlowReturn flow() const { return flow_; }
+
+private:
+  static constexpr std::size_t kChunk = 65536;
+  GstPad *pad_;
+  GstFlowReturn flow_ = GST_FLOW_OK;
+  std::uint64_t begin_ = 0;
+  std::vector<std::uint8_t> chunk_;
+};
+
+// Lists the units up to the end. Returns nothing if it meets damage or the file cannot be read.
+std::vector<IndexEntry> read_index(FileReader &file, GstClockTime &end) {
+  std::vector<IndexEntry> index;
+  std::optional<haptic::HmpgExperience> experience;
+  std::uint64_t offset = 0;
+  std::uint64_t initialization = 0;
+  std::uint64_t tick = 0;
+  const auto time = [&] {
+    return gst_util_uint64_scale_round(tick, GST_SECOND, experience->timescale);
+  };
+  for (;;) {
+    const Bytes head = file.read(offset, haptic::kUnitHeaderSize);
+    const auto header = haptic::read_unit_header(head);
+    if (!header)
+      return file.flow() == GST_FLOW_EOS ? index : std::vector<IndexEntry>{};
+    const std::size_t size = haptic::kUnitHeaderSize + header->length;
+    if (header->type == UnitType::initialization) {
+      experience = haptic::read_unit(file.read(offset, size), nullptr).experience;
+      tick = experience ? experience->time : 0;
+      initialization = offset;
+    }
+    if (!experience)
+      return {};
+    if (index.size() == kMostIndexed)
+      return {};
+    index.push_back({offset, tick, time(), !header->dependent, initialization});
+    tick += header->duration;
+    end = time();
+    offset += size;
+  }
+}
+
+bool can_read_file(GstHmpgParse *self) {
+  return GST_PAD_MODE(GST_BASE_PARSE_SINK_PAD(self)) == GST_PAD_MODE_PULL;
+}
+
+// A file is read once, so that its duration and the places for seeks are known.
+void index_file(GstHmpgParse *self) {
+  State &state = *self->state;
+  GstPad *pad = GST_BASE_PARSE_SINK_PAD(self);
+  if (std::exchange(state.indexed, true) || !can_read_file(self))
+    return;
+  GstClockTime end = 0;
+  FileReader file(pad);
+  auto index = read_index(file, end);
+  if (file.flow() == GST_FLOW_FLUSHING) // a seek came between
+    state.indexed = false;
+  if (index.empty())
+    return;
+  {
+    const haptic::ObjectLock lock(self);
+    state.index = std::move(index);
+    state.index_end = std::numeric_limits<std::uint64_t>::max(); // complete
+  }
+  gst_base_parse_set_duration(GST_BASE_PARSE(self), GST_FORMAT_TIME, static_cast<gint64>(end), 0);
+}
+
+// Lists a unit of a stream that cannot be read at any place.
+void extend_index(GstHmpgParse *self, std::uint64_t offset, const UnitHeader &header) {
+  State &state = *self->state;
+  const haptic::ObjectLock lock(self);
+  if (offset != state.index_end || state.index.size() == kMostIndexed)
+    return;
+  state.index.push_back(
+      {offset, state.tick, time_of(state, state.tick), !header.dependent, state.initialization});
+  state.index_end = offset + haptic::kUnitHeaderSize + header.length;
+}
+
+std::optional<IndexEntry> entry_at(GstHmpgParse *self, std::uint64_t offset) {
+  const haptic::ObjectLock lock(self);
+  const auto &index = self->state->index;
+  const auto entry = std::ranges::lower_bound(index, offset, {}, &IndexEntry::offset);
+  if (entry == index.end() || entry->offset != offset)
+    return std::nullopt;
+  return *entry;
+}
+
+// Returns nothing if it cannot be read.
+std::vector<std::uint8_t> read_initialization(GstHmpgParse *self, std::uint64_t offset) {
+  FileReader file(GST_BASE_PARSE_SINK_PAD(self));
+  const auto header = haptic::read_unit_header(file.read(offset, haptic::kUnitHeaderSize));
+  if (!header)
+    return {};
+  const Bytes bytes = file.read(offset, haptic::kUnitHeaderSize + header->length);
+  return {bytes.begin(), bytes.end()};
+}
+
+// After a seek the unit is another one than that behind the one before, and may need another
+// initialization unit.
+void find_place(GstHmpgParse *self, std::uint64_t offset) {
+  State &state = *self->state;
+  const auto entry = entry_at(self, offset);
+  if (!entry)
+    return;
+  if (entry->initialization != state.initialization && entry->initialization != offset &&
+      can_read_file(self)) {
+    auto unit = haptic::read_unit(read_initialization(self, entry->initialization), nullptr);
+    if (unit.experience)
+      set_experience(self, std::move(*unit.experience));
+    state.initialization = entry->initialization;
+  }
+  state.tick = entry->tick;
+}
+
+// The base class leaves out what is before a seek, initialization units too.
+GstFlowReturn push_initialization(GstHmpgParse *self, GstBaseParseFrame *frame) {
+  State &state = *self->state;
+  const GstSegment &segment = GST_BASE_PARSE(self)->segment;
+  const GstClockTime time = GST_BUFFER_PTS(frame->buffer);
+  frame->flags |= GST_BASE_PARSE_FRAME_FLAG_CLIP;
+  if (!can_read_file(self) || segment.rate < 0 ||
+      time + GST_BUFFER_DURATION(frame->buffer) < segment.start)
+    return GST_FLOW_OK;
+  const bool has_it = state.pushed == state.initialization;
+  state.pushed = state.initialization;
+  if (has_it || GST_BUFFER_FLAG_IS_SET(frame->buffer, GST_BUFFER_FLAG_HEADER))
+    return GST_FLOW_OK;
+  const auto bytes = read_initialization(self, state.initialization);
+  if (bytes.empty())
+    return GST_FLOW_OK;
+  haptic::BufferPtr buffer = haptic::make_buffer(bytes, time, 0);
+  GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
+  return gst_pad_push(GST_BASE_PARSE_SRC_PAD(self), buffer.release());
+}
+
+// Returns the place of the last independent unit that begins at a time or before, or the time of a
+// place.
+gboolean convert(GstBaseParse *parse, GstFormat from, gint64 value, GstFormat to, gint64 *result) {
+  GstHmpgParse *self = GST_HMPG_PARSE(parse);
+  {
+    const haptic::ObjectLock lock(self);
+    const auto &index = self->state->index;
+    if (!index.empty() && value >= 0 && from == GST_FORMAT_TIME && to == GST_FORMAT_BYTES) {
+      auto entry =
+          std::ranges::upper_bound(index, static_cast<GstClockTime>(value), {}, &IndexEntry::time);
+      while (entry != index.begin() && !(--entry)->independent) {
+      }
+      *result = static_cast<gint64>(entry->offset);
+      return TRUE;
+    }
+    if (!index.empty() && value >= 0 && from == GST_FORMAT_BYTES && to == GST_FORMAT_TIME) {
+      const auto entry = std::ranges::upper_bound(index, static_cast<std::uint64_t>(value), {},
+                                                  &IndexEntry::offset);
+      *result = static_cast<gint64>((entry - 1)->time);
+      return TRUE;
+    }
+  }
+  return gst_base_parse_convert_default(parse, from, value, to, result);
+}
+
 GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *skip) {
   GstHmpgParse *self = GST_HMPG_PARSE(parse);
+  index_file(self);
+  find_place(self, frame->offset);
   Found found;
   {
     const haptic::ReadableBuffer readable(frame->buffer);
@@ -166,13 +372,20 @@ GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *
     return GST_FLOW_OK;
   }
   gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
+  if (found.header->type == UnitType::initialization)
+    self->state->initialization = frame->offset;
+  extend_index(self, frame->offset, *found.header);
   stamp(*self->state, frame->buffer, *found.header);
   return gst_base_parse_finish_frame(
       parse, frame, static_cast<gint>(haptic::kUnitHeaderSize + found.header->length));
 }
 
 gboolean start(GstBaseParse *parse) {
-  *GST_HMPG_PARSE(parse)->state = {};
+  GstHmpgParse *self = GST_HMPG_PARSE(parse);
+  {
+    const haptic::ObjectLock lock(self);
+    *self->state = {};
+  }
   gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
   return TRUE;
 }
@@ -202,6 +415,14 @@ static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
   gst_element_class_add_static_pad_template(element_class, &src_template);
   parse_class->start = [](GstBaseParse *parse) -> gboolean {
     return guarded(parse, FALSE, [&] { return start(parse); });
+  };
+  parse_class->convert = [](GstBaseParse *parse, GstFormat from, gint64 value, GstFormat to,
+                            gint64 *result) -> gboolean {
+    return guarded(parse, FALSE, [&] { return convert(parse, from, value, to, result); });
+  };
+  parse_class->pre_push_frame = [](GstBaseParse *parse, GstBaseParseFrame *frame) {
+    return guarded(parse, GST_FLOW_ERROR,
+                   [&] { return push_initialization(GST_HMPG_PARSE(parse), frame); });
   };
   parse_class->handle_frame = [](GstBaseParse *parse, GstBaseParseFrame *frame, gint *skip) {
     return guarded(parse, GST_FLOW_ERROR, [&] { return handle_frame(parse, frame, skip); });

@@ -6,6 +6,7 @@
 #include "track-pipeline.hpp"
 #include "track-samples.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <gst/base/gsttypefindhelper.h>
@@ -251,6 +252,58 @@ TEST_F(HapticConvert, TheStandardsFilesAreKnownByTheirContent) {
   };
   EXPECT_EQ(type_of("golden.hmpg"), "haptics/hmpg");
   EXPECT_EQ(type_of("golden.hjif"), "haptics/hjif");
+}
+
+// Each unit is found by its time, and has that time.
+void expect_exact_seeks(GstElement *pipeline, GstAppSink *sink, const std::vector<Packet> &whole) {
+  for (const auto flags : {GST_SEEK_FLAG_NONE, GST_SEEK_FLAG_ACCURATE, GST_SEEK_FLAG_KEY_UNIT})
+    for (const std::size_t unit : {56, 15, 78, 0, 2}) {
+      const GstClockTime time = whole[unit].pts;
+      ASSERT_TRUE(gst_element_seek_simple(pipeline, GST_FORMAT_TIME,
+                                          static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | flags),
+                                          static_cast<gint64>(time)));
+      GstSample *sample = gst_app_sink_try_pull_preroll(sink, 10 * GST_SECOND);
+      ASSERT_NE(sample, nullptr);
+      const Packet first = test::packet_of_buffer(gst_sample_get_buffer(sample));
+      gst_sample_unref(sample);
+      EXPECT_LE(first.pts, time);
+      EXPECT_TRUE(first.pts + first.duration > time || time == 0) << "it contains " << time;
+      EXPECT_TRUE(std::ranges::any_of(whole, [&](const Packet &packet) {
+        return packet.pts == first.pts && packet.bytes == first.bytes;
+      })) << "its time is right";
+    }
+}
+
+TEST_F(HapticConvert, AnHmpgFileHasADurationAndSeeksToTheUnitOfThatTime) {
+  const auto made = run(kIn +
+                            " ! hapticconvert unit-duration=33 ! haptics/hmpg ! "
+                            "filesink location=" +
+                            file("track.hmpg"),
+                        track);
+  ASSERT_EQ(made.error, "");
+  for (const std::string source : {"", " ! queue"}) { // by pulling and by pushing
+    const std::string line = "filesrc location=" + file("track.hmpg") + source +
+                             " ! hmpgparse ! appsink name=out sync=false";
+    const auto whole = run(line).packets;
+    const test::Pipeline pipeline(line);
+    const haptic::ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline.get()), "out"));
+    auto *sink = GST_APP_SINK(out.get());
+    if (!source.empty()) { // the places become known
+      gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+      while (GstSample *sample = gst_app_sink_try_pull_sample(sink, 10 * GST_SECOND))
+        gst_sample_unref(sample);
+      ASSERT_TRUE(gst_app_sink_is_eos(sink));
+    }
+    gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+    ASSERT_EQ(gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND),
+              GST_STATE_CHANGE_SUCCESS);
+    gint64 duration = 0;
+    EXPECT_TRUE(gst_element_query_duration(pipeline.get(), GST_FORMAT_TIME, &duration));
+    if (source.empty()) {
+      EXPECT_EQ(static_cast<GstClockTime>(duration), whole.back().pts + whole.back().duration);
+    }
+    expect_exact_seeks(pipeline.get(), sink, whole);
+  }
 }
 
 // The ids of the effects are used up after 32 768 units: other bands follow.
