@@ -44,6 +44,8 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   std::vector<std::uint8_t> initialization;
+  std::uint32_t first_tick = 0;                   // its time
+  GstClockTime first_pts = GST_CLOCK_TIME_NONE;   // its PTS
   GstClockTime initialized = GST_CLOCK_TIME_NONE; // PTS at which it was sent last
   bool silent = true;
 };
@@ -108,6 +110,22 @@ bool initialization_is_due(GstRtpHmpgPay *self, GstClockTime pts) {
           pts - state.initialized >= state.config_interval * GST_SECOND);
 }
 
+void keep_initialization(State &state, std::span<const std::uint8_t> unit, GstClockTime pts) {
+  state.initialization.assign(unit.begin(), unit.end());
+  const auto experience = haptic::read_unit(unit, nullptr).experience;
+  state.first_pts = experience ? pts : GST_CLOCK_TIME_NONE;
+  state.first_tick = experience ? experience->time : 0;
+}
+
+// The unit names the time of what follows it.
+void set_time(State &state, guint rate, GstClockTime pts) {
+  if (!GST_CLOCK_TIME_IS_VALID(state.first_pts) || pts < state.first_pts)
+    return;
+  const auto ticks = gst_util_uint64_scale_round(pts - state.first_pts, rate, GST_SECOND);
+  haptic::set_initialization_time(state.initialization,
+                                  static_cast<std::uint32_t>(state.first_tick + ticks));
+}
+
 GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit,
                           GstClockTime pts, GstClockTime duration) {
   GstRtpHmpgPay *self = GST_RTP_HMPG_PAY(payload);
@@ -119,12 +137,13 @@ GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8
     return GST_FLOW_ERROR;
   }
   if (header->type == UnitType::initialization) {
-    state.initialization.assign(unit.begin(), unit.end());
+    keep_initialization(state, unit, pts);
     state.initialized = pts;
     return send(payload, unit, pts, duration, false);
   }
   if (initialization_is_due(self, pts)) {
     state.initialized = pts;
+    set_time(state, payload->clock_rate, pts);
     if (const auto result = send(payload, state.initialization, pts, 0, false);
         result != GST_FLOW_OK)
       return result;
@@ -147,6 +166,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     State &state = *GST_RTP_HMPG_PAY(element)->state;
     state.initialization.clear();
+    state.first_pts = GST_CLOCK_TIME_NONE;
     state.initialized = GST_CLOCK_TIME_NONE;
     state.silent = true;
   }

@@ -375,6 +375,24 @@ double amplitude_of_code(std::uint8_t code) noexcept {
   return code / 255.0 * 2 - 1;
 }
 
+bool set_initialization_time(std::span<std::uint8_t> unit, std::uint32_t time) noexcept {
+  for (std::size_t at = kUnitHeaderSize; at + kPacketHeaderSize <= unit.size();) {
+    BitReader header(unit.subspan(at, kPacketHeaderSize));
+    const auto type = header.get(6);
+    const auto length = header.get(17);
+    at += kPacketHeaderSize;
+    if (length > unit.size() - at)
+      return false;
+    if (type == kInitializationTiming && length >= 4) {
+      for (std::size_t i = 0; i < 4; ++i)
+        unit[at + i] = static_cast<std::uint8_t>(time >> (24 - 8 * i));
+      return true;
+    }
+    at += length;
+  }
+  return false;
+}
+
 std::optional<UnitHeader> read_unit_header(Bytes bytes) noexcept {
   if (bytes.size() < kUnitHeaderSize)
     return std::nullopt;

@@ -142,6 +142,10 @@ std::vector<std::uint8_t> write_temporal_unit(std::uint32_t duration,
                                               std::span<const HmpgCurve> curves);
 std::vector<std::uint8_t> write_silent_unit(std::uint32_t duration);
 
+/// Replaces the time (ticks) of an initialization unit, and nothing else. Returns false if it has
+/// none.
+bool set_initialization_time(std::span<std::uint8_t> unit, std::uint32_t time) noexcept;
+
 // ---- reading ------------------------------------------------------------------------------------
 
 struct HmpgError {

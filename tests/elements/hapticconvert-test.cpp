@@ -402,6 +402,29 @@ TEST_F(HapticConvert, RtpCarriesKlvToTheBit) {
   expect_exact(got.packets);
 }
 
+TEST_F(HapticConvert, RepeatedInitializationUnitsNameTheTimeOfWhatFollows) {
+  const auto got = run(kIn + " ! hapticconvert unit-duration=33 ! rtphmpgpay ! rtphmpgdepay ! "
+                             "appsink name=out sync=false",
+                       track);
+  EXPECT_EQ(got.error, "");
+  haptic::HmpgDecoder decoder; // as of a file: without the time stamps
+  int initializations = 0;
+  GstClockTime end = 0;
+  for (const auto &packet : got.packets) {
+    const auto unit = haptic::read_unit(packet.bytes, nullptr);
+    if (unit.experience) {
+      ++initializations;
+      EXPECT_EQ(haptic::ns_of(unit.experience->time, unit.experience->timescale), packet.pts);
+    }
+    for (const auto &sample : decoder.push(packet.bytes, haptic::kNoTime).samples) {
+      EXPECT_GE(sample.time, end);
+      end = sample.time;
+    }
+  }
+  EXPECT_EQ(initializations, 3) << "one a second";
+  EXPECT_GE(end + kFrame, kCount * kFrame - GST_MSECOND);
+}
+
 TEST_F(HapticConvert, RtpCarriesMpegHapticsInPiecesAndWithLoss) {
   const std::string line = kIn +
                            " ! hapticconvert unit-duration=33 ! rtphmpgpay mtu=60 name=pay ! "
