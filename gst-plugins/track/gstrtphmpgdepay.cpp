@@ -20,6 +20,8 @@
 #include "track-caps.hpp"
 
 #include <gst/rtp/gstrtpbuffer.h>
+#include <utility>
+#include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_depay_debug);
 #define GST_CAT_DEFAULT rtp_hmpg_depay_debug
@@ -60,6 +62,18 @@ gboolean set_caps(GstRTPBaseDepayload *depayload, GstCaps *caps) {
   return gst_pad_set_caps(GST_RTP_BASE_DEPAYLOAD_SRCPAD(depayload), out.get());
 }
 
+GstBuffer *make_unit(const std::vector<std::uint8_t> &unit, bool after_loss) {
+  BufferPtr buffer = haptic::make_buffer(unit, GST_CLOCK_TIME_NONE, GST_CLOCK_TIME_NONE);
+  const auto header = haptic::read_unit_header(unit);
+  if (header && header->type == haptic::UnitType::initialization)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
+  if (header && header->dependent)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
+  if (after_loss)
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
+  return buffer.release();
+}
+
 GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
   State &state = *GST_RTP_HMPG_DEPAY(depayload)->state;
   const auto result = state.assembler.push(
@@ -67,17 +81,10 @@ GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
                                     gst_rtp_buffer_get_payload_len(rtp)});
   if (result.problem)
     GST_INFO_OBJECT(depayload, "dropped %s", result.problem);
-  const auto header = haptic::read_unit_header(result.unit);
-  if (!header)
-    return nullptr;
-  BufferPtr buffer = haptic::make_buffer(result.unit, GST_CLOCK_TIME_NONE, GST_CLOCK_TIME_NONE);
-  if (header->type == haptic::UnitType::initialization)
-    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
-  if (header->dependent)
-    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
-  if (result.after_loss)
-    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DISCONT);
-  return buffer.release();
+  bool after_loss = result.after_loss;
+  for (const auto &unit : result.units)
+    gst_rtp_base_depayload_push(depayload, make_unit(unit, std::exchange(after_loss, false)));
+  return nullptr;
 }
 
 gboolean handle_event(GstRTPBaseDepayload *depayload, GstEvent *event) {

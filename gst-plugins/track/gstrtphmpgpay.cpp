@@ -20,6 +20,8 @@
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
 
+#include <array>
+#include <atomic>
 #include <cstring>
 #include <gst/rtp/gstrtpbuffer.h>
 #include <span>
@@ -41,6 +43,9 @@ constexpr guint kLongestConfigInterval = 3600;
 struct State {
   // Object lock.
   guint config_interval = kDefaultConfigInterval; // s, 0: never
+  bool aggregate = false;
+
+  std::atomic<bool> refresh = false; // a receiver asks for the initialization unit
 
   // Streaming thread only, or while it is stopped.
   std::vector<std::uint8_t> initialization;
@@ -77,12 +82,15 @@ gboolean set_caps(GstRTPBasePayload *payload, GstCaps *caps) {
   return gst_rtp_base_payload_set_outcaps(payload, nullptr);
 }
 
-GstFlowReturn send(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit, GstClockTime pts,
+std::size_t largest_payload(GstRTPBasePayload *payload) {
+  return gst_rtp_buffer_calc_payload_len(GST_RTP_BASE_PAYLOAD_MTU(payload), 0, 0);
+}
+
+GstFlowReturn send(GstRTPBasePayload *payload,
+                   const std::vector<std::vector<std::uint8_t>> &payloads, GstClockTime pts,
                    GstClockTime duration, bool marker) {
-  const std::size_t largest =
-      gst_rtp_buffer_calc_payload_len(GST_RTP_BASE_PAYLOAD_MTU(payload), 0, 0);
   GstFlowReturn result = GST_FLOW_OK;
-  for (const auto &bytes : haptic::packetize_unit(unit, largest)) {
+  for (const auto &bytes : payloads) {
     BufferPtr buffer(gst_rtp_base_payload_allocate_output_buffer(
         payload, static_cast<guint>(bytes.size()), 0, 0));
     GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
@@ -102,7 +110,9 @@ GstFlowReturn send(GstRTPBasePayload *payload, std::span<const std::uint8_t> uni
 
 // Returns whether the initialization unit is to be sent again. A receiver cannot begin without it.
 bool initialization_is_due(GstRtpHmpgPay *self, GstClockTime pts) {
-  const State &state = *self->state;
+  State &state = *self->state;
+  if (!state.initialization.empty() && state.refresh.exchange(false))
+    return true;
   const ObjectLock lock(self);
   return !state.initialization.empty() && state.config_interval > 0 &&
          GST_CLOCK_TIME_IS_VALID(pts) &&
@@ -126,6 +136,11 @@ void set_time(State &state, guint rate, GstClockTime pts) {
                                   static_cast<std::uint32_t>(state.first_tick + ticks));
 }
 
+bool aggregates(GstRtpHmpgPay *self) {
+  const ObjectLock lock(self);
+  return self->state->aggregate;
+}
+
 GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit,
                           GstClockTime pts, GstClockTime duration) {
   GstRtpHmpgPay *self = GST_RTP_HMPG_PAY(payload);
@@ -136,21 +151,31 @@ GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8
                       ("%" G_GSIZE_FORMAT " bytes", unit.size()));
     return GST_FLOW_ERROR;
   }
+  const std::size_t largest = largest_payload(payload);
   if (header->type == UnitType::initialization) {
     keep_initialization(state, unit, pts);
     state.initialized = pts;
-    return send(payload, unit, pts, duration, false);
-  }
-  if (initialization_is_due(self, pts)) {
-    state.initialized = pts;
-    set_time(state, payload->clock_rate, pts);
-    if (const auto result = send(payload, state.initialization, pts, 0, false);
-        result != GST_FLOW_OK)
-      return result;
+    if (!aggregates(self))
+      return send(payload, haptic::packetize_unit(unit, largest), pts, duration, false);
+    state.refresh = true; // with the next unit, which has the same time
+    return GST_FLOW_OK;
   }
   const bool silent = header->type == UnitType::silent;
   const bool marker = std::exchange(state.silent, silent) && !silent;
-  return send(payload, unit, pts, duration, marker);
+  std::vector<std::vector<std::uint8_t>> payloads;
+  if (initialization_is_due(self, pts)) {
+    state.initialized = pts;
+    set_time(state, payload->clock_rate, pts);
+    const std::array<std::span<const std::uint8_t>, 2> both = {state.initialization, unit};
+    if (aggregates(self))
+      payloads.push_back(haptic::aggregate_units(both, largest));
+    if (!payloads.empty() && !payloads.front().empty())
+      return send(payload, payloads, pts, duration, marker);
+    payloads = haptic::packetize_unit(state.initialization, largest);
+    if (const auto result = send(payload, payloads, pts, 0, false); result != GST_FLOW_OK)
+      return result;
+  }
+  return send(payload, haptic::packetize_unit(unit, largest), pts, duration, marker);
 }
 
 GstFlowReturn handle_buffer(GstRTPBasePayload *payload, GstBuffer *raw) {
@@ -169,6 +194,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     state.first_pts = GST_CLOCK_TIME_NONE;
     state.initialized = GST_CLOCK_TIME_NONE;
     state.silent = true;
+    state.refresh = false;
   }
   return GST_ELEMENT_CLASS(gst_rtp_hmpg_pay_parent_class)->change_state(element, transition);
 }
@@ -182,6 +208,10 @@ std::span<const haptic::Property<State>> properties() {
                             "Seconds after which the initialization unit is sent again, for late "
                             "receivers; 0: never",
                             0, kLongestConfigInterval, kDefaultConfigInterval, haptic::kReadWrite)),
+      haptic::member_row<&State::aggregate>(g_param_spec_boolean(
+          "aggregate", "Aggregate",
+          "Send the initialization unit in one packet with the unit that follows", FALSE,
+          haptic::kReadWrite)),
   };
   return table;
 }

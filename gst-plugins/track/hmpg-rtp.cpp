@@ -2,6 +2,8 @@
 #include "hmpg-rtp.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -51,6 +53,27 @@ std::vector<std::vector<std::uint8_t>> packetize_unit(Bytes unit, std::size_t la
   return payloads;
 }
 
+// Of the payload header, D and L of several units are not defined: here of the first one, and the
+// highest priority. A receiver reads the units' own.
+std::vector<std::uint8_t> aggregate_units(std::span<const Bytes> units, std::size_t largest) {
+  std::vector<std::uint8_t> payload = {0};
+  for (const Bytes unit : units) {
+    const auto header = read_unit_header(unit);
+    if (!header || unit.size() > 0xFFFF)
+      return {};
+    if (payload.size() == 1)
+      payload[0] = payload_header(*header, kAggregationSameTime);
+    const unsigned layer = std::min<unsigned>(payload[0] & 0x0FU, header->layer);
+    payload[0] = static_cast<std::uint8_t>((payload[0] & 0xF0U) | layer);
+    payload.push_back(static_cast<std::uint8_t>(unit.size() >> 8));
+    payload.push_back(static_cast<std::uint8_t>(unit.size()));
+    payload.insert(payload.end(), unit.begin(), unit.end());
+  }
+  if (payload.size() > largest)
+    return {};
+  return payload;
+}
+
 UnitAssembler::Result UnitAssembler::push(std::uint16_t sequence, Bytes payload) {
   Result result = assemble(sequence, payload);
   if (result.problem)
@@ -65,30 +88,36 @@ UnitAssembler::Result UnitAssembler::assemble(std::uint16_t sequence, Bytes payl
   }
   last_ = sequence;
   if (payload.empty())
-    return {{}, "an empty packet", false};
+    return {.problem = "an empty packet"};
   const unsigned type = payload[0] >> 4 & 7U;
-  if (type != kFragment) {
-    in_fragment_ = false;
-    if (type == 0 || type >= kAggregationSameTime)
-      return {{}, type == 0 ? "a packet of reserved type" : "an aggregation packet", false};
-    const auto unit = payload.subspan(1);
-    const auto header = read_unit_header(unit);
-    if (!header || unit_type_code(header->type) != type)
-      return {{}, "a packet whose unit is not what it says", false};
-    return deliver({unit.begin(), unit.end()});
-  }
+  if (type == kFragment)
+    return assemble_fragment(payload);
+  in_fragment_ = false;
+  if (type == kAggregationSameTime)
+    return separate(payload.subspan(1));
+  if (type == 0 || type > kAggregationSameTime)
+    return {.problem = type == 0 ? "a packet of reserved type"
+                                 : "an aggregation packet of several time stamps"};
+  const auto unit = payload.subspan(1);
+  const auto header = read_unit_header(unit);
+  if (!header || unit_type_code(header->type) != type)
+    return {.problem = "a packet whose unit is not what it says"};
+  return deliver({unit.begin(), unit.end()});
+}
+
+UnitAssembler::Result UnitAssembler::assemble_fragment(Bytes payload) {
   if (payload.size() < 3)
-    return {{}, "a fragment without content", false};
+    return {.problem = "a fragment without content"};
   const unsigned fragment = payload[1];
   if (fragment & kFragmentStart) {
     partial_.clear();
     in_fragment_ = true;
   }
   if (!in_fragment_)
-    return {{}, "a fragment whose beginning is missing", false};
+    return {.problem = "a fragment whose beginning is missing"};
   if (partial_.size() + payload.size() - 2 > kLongestUnit + kUnitHeaderSize) {
     in_fragment_ = false;
-    return {{}, "a unit that is too long", false};
+    return {.problem = "a unit that is too long"};
   }
   partial_.insert(partial_.end(), payload.begin() + 2, payload.end());
   if (!(fragment & kFragmentEnd))
@@ -97,19 +126,40 @@ UnitAssembler::Result UnitAssembler::assemble(std::uint16_t sequence, Bytes payl
   return deliver(std::move(partial_));
 }
 
+// Before each unit stands its size in 16 bits.
+UnitAssembler::Result UnitAssembler::separate(Bytes aggregate) {
+  Result all;
+  while (!aggregate.empty()) {
+    const std::size_t size =
+        aggregate.size() < 2 ? 0 : std::size_t{aggregate[0]} << 8 | aggregate[1];
+    if (size == 0 || size > aggregate.size() - 2) {
+      all.problem = "the rest of a damaged aggregation packet";
+      break;
+    }
+    const auto unit = aggregate.subspan(2, size);
+    aggregate = aggregate.subspan(2 + size);
+    Result one = deliver({unit.begin(), unit.end()});
+    std::move(one.units.begin(), one.units.end(), std::back_inserter(all.units));
+    all.problem = one.problem ? one.problem : all.problem;
+    all.after_loss = all.after_loss || one.after_loss;
+    all.waits = one.waits;
+  }
+  return all;
+}
+
 UnitAssembler::Result UnitAssembler::deliver(std::vector<std::uint8_t> unit) {
   const auto header = read_unit_header(unit);
   if (!header || header->length != unit.size() - kUnitHeaderSize)
-    return {{}, "a damaged unit", false};
+    return {.problem = "a damaged unit"};
   if (header->type == UnitType::initialization)
     initialized_ = true;
   if (!initialized_)
-    return {{}, "a unit before the first initialization unit", false};
+    return {.problem = "a unit before the first initialization unit", .waits = true};
   if (lost_ && header->dependent)
-    return {{}, "a unit that depends on a lost one", false};
+    return {.problem = "a unit that depends on a lost one", .waits = true};
   Result result;
   result.after_loss = lost_;
-  result.unit = std::move(unit);
+  result.units.push_back(std::move(unit));
   lost_ = false;
   return result;
 }

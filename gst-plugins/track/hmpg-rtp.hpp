@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The RTP payload of haptics/hmpg: payload header (RFC 9993, section 5.2), single units (5.3.1) and
-// fragments (5.3.2).
+// The RTP payload of haptics/hmpg: payload header (RFC 9993, section 5.2), single units (5.3.1),
+// fragments (5.3.2) and aggregation packets (5.3.3) whose units have one time stamp. The text and
+// the figure of those with several time stamps disagree on the size of the offset: not supported.
 #pragma once
 
 #include "hmpg.hpp"
@@ -17,13 +18,19 @@ namespace haptic {
 std::vector<std::vector<std::uint8_t>> packetize_unit(std::span<const std::uint8_t> unit,
                                                       std::size_t largest);
 
+/// Returns the payload of an aggregation packet that carries these units, which have the same time
+/// stamp, or nothing if it would have more than `largest` bytes.
+std::vector<std::uint8_t> aggregate_units(std::span<const std::span<const std::uint8_t>> units,
+                                          std::size_t largest);
+
 /// Puts received units together.
 class UnitAssembler {
 public:
   struct Result {
-    std::vector<std::uint8_t> unit; ///< complete, or empty
-    const char *problem = nullptr;  ///< what was dropped, and why
-    bool after_loss = false;        ///< units before this one are missing
+    std::vector<std::vector<std::uint8_t>> units; ///< complete
+    const char *problem = nullptr;                ///< what was dropped, and why
+    bool after_loss = false;                      ///< units before these are missing
+    bool waits = false;                           ///< for an initialization or independent unit
   };
 
   /// Payloads come in the order of their sequence numbers, as a jitter buffer gives them. Units are
@@ -35,6 +42,8 @@ public:
 
 private:
   Result assemble(std::uint16_t sequence, std::span<const std::uint8_t> payload);
+  Result assemble_fragment(std::span<const std::uint8_t> payload);
+  Result separate(std::span<const std::uint8_t> aggregate);
   Result deliver(std::vector<std::uint8_t> unit);
 
   std::optional<std::uint16_t> last_;

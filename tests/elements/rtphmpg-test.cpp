@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Full intra requests and aggregation packets of MPEG haptics over RTP.
+#include "gst-raii.hpp"
+#include "hmpg-track.hpp"
+
+#include <gst/check/gstharness.h>
+#include <gst/rtp/gstrtpbuffer.h>
+#include <gtest/gtest.h>
+#include <memory>
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct Teardown {
+  void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
+};
+using Harness = std::unique_ptr<GstHarness, Teardown>;
+
+constexpr char kUnits[] = "haptics/hmpg, stream-format=mihs, alignment=unit, rate=8000";
+constexpr char kRtp[] = "application/x-rtp, media=haptics, encoding-name=HMPG, clock-rate=8000";
+
+const Bytes &initialization() {
+  static const Bytes unit =
+      haptic::write_initialization_unit(haptic::track_experience("2026-01-01"));
+  return unit;
+}
+
+class RtpHmpg : public testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  static void push(GstHarness *harness, const Bytes &bytes, GstClockTime pts) {
+    GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
+    gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
+    GST_BUFFER_PTS(buffer) = pts;
+    ASSERT_EQ(gst_harness_push(harness, buffer), GST_FLOW_OK);
+  }
+
+  // The first bytes of the payloads that were sent.
+  static std::vector<int> headers(GstHarness *pay) {
+    std::vector<int> all;
+    while (GstBuffer *buffer = gst_harness_try_pull(pay)) {
+      GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
+      if (gst_rtp_buffer_map(buffer, GST_MAP_READ, &rtp)) {
+        all.push_back(*static_cast<const guint8 *>(gst_rtp_buffer_get_payload(&rtp)));
+        gst_rtp_buffer_unmap(&rtp);
+      }
+      gst_buffer_unref(buffer);
+    }
+    return all;
+  }
+
+  static void request(GstHarness *pay) {
+    gst_harness_push_upstream_event(
+        pay, gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
+                                  gst_structure_new("GstForceKeyUnit", "all-headers",
+                                                    G_TYPE_BOOLEAN, TRUE, nullptr)));
+  }
+
+  const Bytes silent = haptic::write_silent_unit(800);
+};
+
+TEST_F(RtpHmpg, AFullIntraRequestBringsTheInitializationUnit) {
+  const Harness pay(gst_harness_new_parse("rtphmpgpay config-interval=0"));
+  gst_harness_set_src_caps_str(pay.get(), kUnits);
+  push(pay.get(), initialization(), 0);
+  push(pay.get(), silent, 0);
+  push(pay.get(), silent, 100 * GST_MSECOND);
+  EXPECT_EQ(headers(pay.get()), (std::vector{0x10, 0x40, 0x40}));
+  request(pay.get());
+  push(pay.get(), silent, 200 * GST_MSECOND);
+  push(pay.get(), silent, 300 * GST_MSECOND);
+  EXPECT_EQ(headers(pay.get()), (std::vector{0x10, 0x40, 0x40}));
+}
+
+TEST_F(RtpHmpg, AggregationSendsBothInOnePacket) {
+  const Harness pay(gst_harness_new_parse("rtphmpgpay aggregate=true config-interval=0"));
+  gst_harness_set_src_caps_str(pay.get(), kUnits);
+  push(pay.get(), initialization(), 0);
+  EXPECT_TRUE(headers(pay.get()).empty());
+  push(pay.get(), silent, 0);
+  push(pay.get(), silent, 100 * GST_MSECOND);
+  request(pay.get());
+  push(pay.get(), silent, 200 * GST_MSECOND);
+  EXPECT_EQ(headers(pay.get()), (std::vector{0x50, 0x40, 0x50}));
+}
+
+TEST_F(RtpHmpg, AReceiverThatWaitsAsksAndAgainAfterHalfASecond) {
+  const Harness pay(gst_harness_new("rtphmpgpay"));
+  gst_harness_set_src_caps_str(pay.get(), kUnits);
+  const Harness depay(gst_harness_new("rtphmpgdepay"));
+  gst_harness_set_src_caps_str(depay.get(), kRtp);
+  for (int i = 0; i < 9; ++i) { // the sender has begun before
+    push(pay.get(), silent, i * 100 * GST_MSECOND);
+    gst_harness_push(depay.get(), gst_harness_pull(pay.get()));
+  }
+  int requests = 0;
+  while (GstEvent *event = gst_harness_try_pull_upstream_event(depay.get())) {
+    requests += gst_event_has_name(event, "GstForceKeyUnit") ? 1 : 0;
+    gst_event_unref(event);
+  }
+  EXPECT_EQ(requests, 2) << "at 0 and 0.5 s of 0.9 s";
+  EXPECT_EQ(gst_harness_buffers_in_queue(depay.get()), 0U);
+}
+
+} // namespace
