@@ -17,6 +17,7 @@
 #include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
+#include "key-requests.hpp"
 #include "latency-query.hpp"
 #include "messages.hpp"
 #include "problem-counters.hpp"
@@ -62,6 +63,7 @@ struct State {
   // Atomic, for any thread.
   std::atomic<guint64> samples = 0;
   haptic::ProblemCounters problems;
+  haptic::KeyRequests key_requests;
   std::atomic<Form> in = Form::raw; // written by the streaming thread
   std::atomic<Form> out = Form::raw;
 
@@ -74,6 +76,7 @@ struct State {
   bool discont = true;
   bool begun = false; // a sample has come since the start or the last flush
   haptic::TrackClock clock;
+  haptic::KeyAsker key_asker;
 };
 
 } // namespace
@@ -254,6 +257,8 @@ struct ItemConverter {
     haptic::TrackOutput output;
     if (state.writer->write(item, output))
       ++state.samples;
+    else // a sender that hears it need not wait for its next key field
+      state.key_asker.ask(GST_BASE_TRANSFORM_SINK_PAD(self), item.time);
     queue_output(self, output);
   }
 
@@ -286,6 +291,10 @@ void convert(GstHapticConvert *self, GstBuffer *buffer) {
   const haptic::ReadableBuffer readable(buffer);
   if (!readable)
     return report(self, {TrackProblemKind::damaged, "a buffer that cannot be read"});
+  if (state.in == Form::raw &&
+      state.key_requests.is_due(gst_segment_to_running_time(
+          &GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))))
+    state.reader->restart();
   std::vector<haptic::TrackItem> items;
   state.reader->read({readable.bytes(), GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer),
                       GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
@@ -333,6 +342,15 @@ void restart_stream(State &state) {
       form->restart();
   state.discont = true;
   state.begun = false;
+}
+
+// Muxers and receivers ask for a key field where a segment begins or a packet was lost.
+gboolean src_event(GstBaseTransform *trans, GstEvent *event) {
+  State &state = state_of(trans);
+  if (state.in != Form::raw || !state.key_requests.add(event))
+    return parent_class()->src_event(trans, event);
+  gst_event_unref(event);
+  return TRUE;
 }
 
 gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
@@ -427,6 +445,8 @@ gboolean start(GstBaseTransform *trans) {
   state.writer.reset();
   restart_stream(state);
   state.problems.reset();
+  state.key_requests.clear();
+  state.key_asker = {};
   state.failed = false;
   state.samples = 0;
   state.clock = {};
@@ -509,6 +529,9 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
   };
   transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
     return guarded(trans, FALSE, [&] { return sink_event(trans, event); });
+  };
+  transform_class->src_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
+    return guarded(trans, FALSE, [&] { return src_event(trans, event); });
   };
   transform_class->query = [](GstBaseTransform *trans, GstPadDirection direction,
                               GstQuery *q) -> gboolean {

@@ -16,6 +16,7 @@
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "hmpg-rtp.hpp"
+#include "key-requests.hpp"
 #include "track-buffer.hpp"
 #include "track-caps.hpp"
 
@@ -31,7 +32,9 @@ using haptic::BufferPtr;
 using haptic::guarded;
 
 struct State {
-  haptic::UnitAssembler assembler; // streaming thread, or while it is stopped
+  // Streaming thread, or while it is stopped.
+  haptic::UnitAssembler assembler;
+  haptic::KeyAsker key_asker; // for the initialization unit
 };
 } // namespace
 
@@ -81,6 +84,8 @@ GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
                                     gst_rtp_buffer_get_payload_len(rtp)});
   if (result.problem)
     GST_INFO_OBJECT(depayload, "dropped %s", result.problem);
+  if (result.waits)
+    state.key_asker.ask(GST_RTP_BASE_DEPAYLOAD_SINKPAD(depayload), GST_BUFFER_PTS(rtp->buffer));
   bool after_loss = result.after_loss;
   for (const auto &unit : result.units)
     gst_rtp_base_depayload_push(depayload, make_unit(unit, std::exchange(after_loss, false)));
@@ -96,7 +101,7 @@ gboolean handle_event(GstRTPBaseDepayload *depayload, GstEvent *event) {
 
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
-    GST_RTP_HMPG_DEPAY(element)->state->assembler.reset();
+    *GST_RTP_HMPG_DEPAY(element)->state = {};
   return GST_ELEMENT_CLASS(gst_rtp_hmpg_depay_parent_class)->change_state(element, transition);
 }
 

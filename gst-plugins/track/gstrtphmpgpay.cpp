@@ -7,7 +7,8 @@
  *     gst-launch-1.0 videotestsrc is-live=true ! roitracker ! velocityavg ! hapticconvert
  *         ! rtphmpgpay ! udpsink host=127.0.0.1 port=5006 sync=false
  *
- * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header) and 5.3 (payload structures).
+ * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
+ * (full intra requests).
  */
 #include "gstrtphmpgpay.h"
 
@@ -187,6 +188,13 @@ GstFlowReturn handle_buffer(GstRTPBasePayload *payload, GstBuffer *raw) {
                      GST_BUFFER_DURATION(buffer.get()));
 }
 
+// A full intra request of RTCP (RFC 5104), which rtpsession turns into this event of video.
+gboolean src_event(GstRTPBasePayload *payload, GstEvent *event) {
+  if (gst_event_has_name(event, "GstForceKeyUnit"))
+    GST_RTP_HMPG_PAY(payload)->state->refresh = true;
+  return GST_RTP_BASE_PAYLOAD_CLASS(gst_rtp_hmpg_pay_parent_class)->src_event(payload, event);
+}
+
 GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     State &state = *GST_RTP_HMPG_PAY(element)->state;
@@ -246,6 +254,9 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   };
   payload_class->set_caps = [](GstRTPBasePayload *payload, GstCaps *caps) -> gboolean {
     return guarded(payload, FALSE, [&] { return set_caps(payload, caps); });
+  };
+  payload_class->src_event = [](GstRTPBasePayload *payload, GstEvent *event) -> gboolean {
+    return guarded(payload, FALSE, [&] { return src_event(payload, event); });
   };
   payload_class->handle_buffer = [](GstRTPBasePayload *payload, GstBuffer *buffer) {
     return guarded(payload, GST_FLOW_ERROR, [&] { return handle_buffer(payload, buffer); });

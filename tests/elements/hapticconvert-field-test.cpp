@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion fields in files and packets: what goes in comes out, but for what cannot be felt.
 #include "field-codec.hpp"
+#include "key-requests.hpp"
 #include "leaf-fields.hpp"
 #include "track-pipeline.hpp"
 #include "track-samples.hpp"
@@ -221,6 +222,61 @@ TEST_F(HapticConvertField, WhoTakesPointsOnlyIsToldWhy) {
   const auto direct =
       run(kFieldIn + " ! hapticconvert ! haptics/hmpg ! appsink name=out sync=false", track);
   EXPECT_NE(direct.error, "");
+}
+
+// An encoder of video answers the same event.
+TEST_F(HapticConvertField, AKeyFieldComesWhereItIsAskedFor) {
+  constexpr int kAsked = 17;
+  test::Pipeline pipeline(
+      kFieldIn + " ! hapticconvert name=convert ! meta/x-klv ! appsink name=out sync=false");
+  const haptic::ElementPtr convert(gst_bin_get_by_name(GST_BIN(pipeline.get()), "convert"));
+  const haptic::PadPtr src(gst_element_get_static_pad(convert.get(), "src"));
+  gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+  gst_pad_send_event(src.get(), haptic::make_key_request(kAsked * kFrame));
+  test::LeafFields fields(1);
+  std::vector<Packet> input;
+  for (int i = 0; i < 25; ++i)
+    input.push_back(packet_of(fields.next(), static_cast<GstClockTime>(i) * kFrame));
+  std::vector<int> keys;
+  const auto got = pipeline.run(input).packets;
+  for (std::size_t i = 0; i < got.size(); ++i)
+    if (!(got[i].flags & GST_BUFFER_FLAG_DELTA_UNIT))
+      keys.push_back(static_cast<int>(i));
+  EXPECT_EQ(keys, (std::vector{0, 1, kAsked, kAsked + 1})) << "pairs";
+}
+
+// The first key fields are lost. Only the sender's next ones, a second later, would end the wait.
+TEST_F(HapticConvertField, AReceiverWithoutAKeyFieldAsksTheSenderForOne) {
+  if (!test::has_elements({"rtpbin", "rtpklvpay", "rtpklvdepay"}))
+    GTEST_SKIP() << "gstreamer1.0-plugins-good is not installed";
+  test::Pipeline pipeline(
+      "rtpbin name=here rtp-profile=avpf  rtponesender name=there latency=0 " + kFieldIn +
+      " is-live=true ! hapticconvert name=sender ! meta/x-klv ! rtpklvpay ! here.send_rtp_sink_0 "
+      "here.send_rtp_src_0 ! identity name=network ! capssetter "
+      "caps=application/x-rtp,rtcp-fb-ccm-fir=true ! there.recv_rtp_sink_0 "
+      "there.send_rtcp_src_0 ! queue ! here.recv_rtcp_sink_0 "
+      "there.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! haptics/x-raw ! "
+      "appsink name=out sync=false async=false");
+  const haptic::ElementPtr in(gst_bin_get_by_name(GST_BIN(pipeline.get()), "in"));
+  const haptic::ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline.get()), "out"));
+  const haptic::ElementPtr network(gst_bin_get_by_name(GST_BIN(pipeline.get()), "network"));
+  g_object_set(network.get(), "drop-probability", 1.0F, nullptr);
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  // Their times advance more slowly than the clock, so that no key field comes by itself.
+  test::LeafFields leaves(1);
+  GstSample *felt = nullptr;
+  for (GstClockTime i = 0; i < 100 && !felt; ++i) {
+    if (i == 5)
+      g_object_set(network.get(), "drop-probability", 0.0F, nullptr);
+    MotionField field = leaves.next();
+    field.interval = GST_MSECOND;
+    for (auto &cell : field.cells)
+      cell.velocity_x *= kFrame / GST_MSECOND;
+    test::push(GST_APP_SRC(in.get()), packet_of(field, i * GST_MSECOND));
+    felt = gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), 50 * GST_MSECOND);
+  }
+  ASSERT_NE(felt, nullptr);
+  gst_sample_unref(felt);
 }
 
 } // namespace
