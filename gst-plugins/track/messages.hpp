@@ -46,6 +46,12 @@
   MESSAGE(kHmpgIsNoUnit, \
           "A buffer is not one unit of MPEG haptics.", \
           "Put hmpgparse before rtphmpgpay.") \
+  MESSAGE(kRtpSecondSender, \
+          "A second sender, %s (SSRC %08x), sends to the same port; it is left out.", \
+          "End one of them, or give each its own port.") \
+  MESSAGE(kRtpbinIsMissing, \
+          "GStreamer does not find the element rtpbin.", \
+          "As root run: apt-get install gstreamer1.0-plugins-good.") \
   MESSAGE(kPointerIsDamaged, \
           "A buffer at the pad pointer is not a pointer, or is damaged; it was passed over.", \
           "Link what pointerextract makes to the pad, or its KLV from the network.")

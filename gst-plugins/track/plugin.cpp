@@ -5,6 +5,7 @@
 #include "gstpointerinject.h"
 #include "gstrtphmpgdepay.h"
 #include "gstrtphmpgpay.h"
+#include "gstrtponesender.h"
 #include "track-typefind.hpp"
 
 static gboolean plugin_init(GstPlugin *plugin) {
@@ -13,6 +14,7 @@ static gboolean plugin_init(GstPlugin *plugin) {
   any |= GST_ELEMENT_REGISTER(hmpgparse, plugin);
   any |= GST_ELEMENT_REGISTER(rtphmpgpay, plugin);
   any |= GST_ELEMENT_REGISTER(rtphmpgdepay, plugin);
+  any |= GST_ELEMENT_REGISTER(rtponesender, plugin);
   any |= GST_ELEMENT_REGISTER(pointerextract, plugin);
   any |= GST_ELEMENT_REGISTER(pointerinject, plugin);
   any |= haptic::register_track_typefinders(plugin);

@@ -138,8 +138,9 @@ TEST(Pages, EachElementNamesItsPage) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,
-                         testing::Values("roitracker", "velocityavg", "motionfield", "hapticsink",
-                                         "hapticconvert", "rtphmpgpay"),
+                         testing::Values("roitracker", "velocityavg", "motionfield", "depthfield",
+                                         "reliefmap", "hapticsink", "hapticconvert", "rtphmpgpay",
+                                         "rtponesender"),
                          [](const auto &element) { return std::string(element.param); });
 
 } // namespace

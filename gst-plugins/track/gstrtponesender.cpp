@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-rtponesender
+ *
+ * Receives RTP of one sender a session, in step by RTCP. See docs/elements/rtponesender.md.
+ *
+ *     gst-launch-1.0 rtponesender name=rtp
+ *         udpsrc port=5002
+ * caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M !
+ * rtp.recv_rtp_sink_0  udpsrc port=5003 ! rtp.recv_rtcp_sink_0 rtp.recv_rtp_src_0 ! rtpklvdepay !
+ * hapticconvert ! hapticsink device=sim
+ *
+ * Standard: RFC 3550, sections 6.4.1 (sender reports) and 8 (SSRC); RFC 4585 (early feedback).
+ */
+#include "gstrtponesender.h"
+
+#include "documentation.hpp"
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+#include "messages.hpp"
+#include "one-sender.hpp"
+#include "property-table.hpp"
+
+#include <cstdio>
+#include <gst/net/gstnetaddressmeta.h>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+
+GST_DEBUG_CATEGORY_STATIC(rtp_one_sender_debug);
+#define GST_CAT_DEFAULT rtp_one_sender_debug
+
+namespace {
+
+using haptic::ElementPtr;
+using haptic::guarded;
+using haptic::OneSender;
+using haptic::PadPtr;
+
+constexpr guint kDefaultLatency = 30; // ms
+
+struct Session {
+  GstPad *out = nullptr; // the ghost pad, of which the bin is the owner
+  OneSender senders;
+};
+
+struct State {
+  GstElement *rtpbin = nullptr; // the bin is its owner; nullptr if there is none
+  // Object lock.
+  guint latency = kDefaultLatency; // ms
+
+  std::mutex mutex; // never held while calling another element
+  std::map<guint, Session> sessions;
+};
+
+} // namespace
+
+struct _GstRtpOneSender {
+  GstBin parent;
+  State *state; // made in _init, deleted in _finalize
+};
+
+static GstStaticPadTemplate rtp_sink_template = GST_STATIC_PAD_TEMPLATE(
+    "recv_rtp_sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS("application/x-rtp"));
+static GstStaticPadTemplate rtcp_sink_template = GST_STATIC_PAD_TEMPLATE(
+    "recv_rtcp_sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS("application/x-rtcp"));
+static GstStaticPadTemplate rtcp_src_template = GST_STATIC_PAD_TEMPLATE(
+    "send_rtcp_src_%u", GST_PAD_SRC, GST_PAD_REQUEST, GST_STATIC_CAPS("application/x-rtcp"));
+static GstStaticPadTemplate rtp_src_template = GST_STATIC_PAD_TEMPLATE(
+    "recv_rtp_src_%u", GST_PAD_SRC, GST_PAD_REQUEST, GST_STATIC_CAPS("application/x-rtp"));
+
+G_DEFINE_TYPE_WITH_CODE(GstRtpOneSender, gst_rtp_one_sender, GST_TYPE_BIN,
+                        GST_DEBUG_CATEGORY_INIT(rtp_one_sender_debug, "rtponesender", 0,
+                                                "RTP of one sender"))
+GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE, GST_TYPE_RTP_ONE_SENDER)
+
+namespace {
+
+// ---- senders ------------------------------------------------------------------------------------
+
+// One pad of rtpbin: recv_rtp_src_SESSION_SSRC_PT.
+struct Sender {
+  guint session = 0;
+  guint ssrc = 0;
+  guint type = 0;
+};
+
+std::optional<Sender> sender_of(GstPad *pad) {
+  const haptic::GCharPtr name(gst_pad_get_name(pad));
+  Sender sender;
+  if (std::sscanf(name.get(), "recv_rtp_src_%u_%u_%u", &sender.session, &sender.ssrc,
+                  &sender.type) != 3)
+    return std::nullopt;
+  return sender;
+}
+
+void warn_of_second(GstRtpOneSender *self, const Sender &sender, GstBuffer *buffer) {
+  haptic::GCharPtr address;
+  if (const auto *meta = gst_buffer_get_net_address_meta(buffer))
+    address.reset(g_socket_connectable_to_string(G_SOCKET_CONNECTABLE(meta->addr)));
+  GST_ELEMENT_WARNING(
+      self, RESOURCE, BUSY,
+      (haptic::messages::kRtpSecondSender, address ? address.get() : "?", sender.ssrc),
+      ("session %u", sender.session));
+}
+
+// Links the sender's pad to the pad of its session, in place of the sender before.
+void choose(GstRtpOneSender *self, GstPad *pad, GstPad *out) {
+  gst_ghost_pad_set_target(GST_GHOST_PAD(out), pad);
+  gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
+}
+
+// Lets what the chosen sender sends through.
+GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *info) {
+  State &state = *self->state;
+  const auto sender = sender_of(pad);
+  if (!sender)
+    return GST_PAD_PROBE_OK;
+  const auto now = static_cast<std::uint64_t>(g_get_monotonic_time()) * GST_USECOND;
+  OneSender::Verdict verdict = OneSender::Verdict::drop;
+  PadPtr out;
+  {
+    const std::lock_guard lock(state.mutex);
+    const auto session = state.sessions.find(sender->session);
+    if (session == state.sessions.end() || !session->second.out)
+      return GST_PAD_PROBE_DROP;
+    verdict = session->second.senders.packet(sender->ssrc, now);
+    out.reset(GST_PAD(gst_object_ref(session->second.out)));
+  }
+  switch (verdict) {
+  case OneSender::Verdict::pass:
+    if (gst_pad_is_linked(pad))
+      return GST_PAD_PROBE_OK;
+    [[fallthrough]]; // it has changed the payload type, for which rtpbin makes another pad
+  case OneSender::Verdict::chosen: // this packet came too early for caps and segment
+    choose(self, pad, out.get());
+    return GST_PAD_PROBE_DROP;
+  case OneSender::Verdict::intruder:
+    warn_of_second(self, *sender, GST_PAD_PROBE_INFO_BUFFER(info));
+    return GST_PAD_PROBE_DROP;
+  default:
+    return GST_PAD_PROBE_DROP;
+  }
+}
+
+void on_pad_added(GstRtpOneSender *self, GstPad *pad) {
+  if (!sender_of(pad))
+    return;
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad *source, GstPadProbeInfo *info, gpointer user) {
+        return guarded(user, GST_PAD_PROBE_DROP,
+                       [&] { return on_data(GST_RTP_ONE_SENDER(user), source, info); });
+      },
+      self, nullptr);
+}
+
+// The sender said good-bye, or rtpbin has not heard of it for long.
+void on_sender_left(GstRtpOneSender *self, guint number, guint ssrc) {
+  State &state = *self->state;
+  const std::lock_guard lock(state.mutex);
+  if (const auto session = state.sessions.find(number); session != state.sessions.end())
+    session->second.senders.leave(ssrc);
+}
+
+// The stream of a session ends although no sender ever came, or the last one left.
+void end_without_sender(GstRtpOneSender *self, guint number) {
+  State &state = *self->state;
+  PadPtr out;
+  {
+    const std::lock_guard lock(state.mutex);
+    if (const auto session = state.sessions.find(number);
+        session != state.sessions.end() && session->second.out)
+      out.reset(GST_PAD(gst_object_ref(session->second.out)));
+  }
+  if (!out || PadPtr(gst_ghost_pad_get_target(GST_GHOST_PAD(out.get()))))
+    return;
+  gst_pad_push_event(out.get(), gst_event_new_stream_start("nobody"));
+  gst_pad_push_event(out.get(), gst_event_new_eos());
+}
+
+GstPadProbeReturn on_input_event(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *info) {
+  const haptic::GCharPtr name(gst_pad_get_name(pad));
+  guint number = 0;
+  if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS &&
+      std::sscanf(name.get(), rtp_sink_template.name_template, &number) == 1)
+    end_without_sender(self, number);
+  return GST_PAD_PROBE_OK;
+}
+
+// ---- pads ---------------------------------------------------------------------------------------
+
+GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const gchar *name) {
+  State &state = *self->state;
+  guint number = 0;
+  const std::string form = GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template);
+  if (!state.rtpbin || !name || std::sscanf(name, form.c_str(), &number) != 1)
+    return nullptr;
+  GstPad *pad = nullptr;
+  if (form == rtp_src_template.name_template) {
+    const std::lock_guard lock(state.mutex);
+    Session &session = state.sessions[number];
+    if (session.out)
+      return nullptr;
+    pad = session.out = gst_ghost_pad_new_no_target_from_template(name, pad_template);
+  } else {
+    const PadPtr inner(gst_element_request_pad_simple(state.rtpbin, name));
+    if (!inner)
+      return nullptr;
+    pad = gst_ghost_pad_new_from_template(name, inner.get(), pad_template);
+    gst_pad_add_probe(
+        pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+        [](GstPad *sink, GstPadProbeInfo *info, gpointer user) {
+          return guarded(user, GST_PAD_PROBE_OK,
+                         [&] { return on_input_event(GST_RTP_ONE_SENDER(user), sink, info); });
+        },
+        self, nullptr);
+  }
+  gst_pad_set_active(pad, TRUE);
+  gst_element_add_pad(GST_ELEMENT(self), pad);
+  return pad;
+}
+
+void release_pad(GstRtpOneSender *self, GstPad *pad) {
+  State &state = *self->state;
+  const PadPtr inner(gst_ghost_pad_get_target(GST_GHOST_PAD(pad)));
+  bool is_output = false;
+  {
+    const std::lock_guard lock(state.mutex);
+    is_output = std::erase_if(state.sessions,
+                              [&](const auto &entry) { return entry.second.out == pad; }) > 0;
+  }
+  gst_element_remove_pad(GST_ELEMENT(self), pad);
+  if (inner && !is_output)
+    gst_element_release_request_pad(state.rtpbin, inner.get());
+}
+
+GstStateChangeReturn change_state(GstElement *element, GstStateChange transition) {
+  State &state = *GST_RTP_ONE_SENDER(element)->state;
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY && !state.rtpbin) {
+    GST_ELEMENT_ERROR(element, CORE, MISSING_PLUGIN, ("%s", haptic::messages::kRtpbinIsMissing),
+                      ("rtpbin"));
+    return GST_STATE_CHANGE_FAILURE;
+  }
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
+    const std::lock_guard lock(state.mutex);
+    for (auto &[number, session] : state.sessions)
+      session.senders = {};
+  }
+  return GST_ELEMENT_CLASS(gst_rtp_one_sender_parent_class)->change_state(element, transition);
+}
+
+// ---- properties ---------------------------------------------------------------------------------
+
+std::span<const haptic::Property<State>> properties() {
+  static const haptic::Property<State> table[] = {
+      haptic::member_row<&State::latency>(
+          g_param_spec_uint("latency", "Latency",
+                            "How long packets that come late or out of order are waited for, ms", 0,
+                            10000, kDefaultLatency,
+                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                     GST_PARAM_MUTABLE_READY))),
+  };
+  return table;
+}
+
+void add_rtpbin(GstRtpOneSender *self) {
+  State &state = *self->state;
+  state.rtpbin = gst_element_factory_make("rtpbin", nullptr);
+  if (!state.rtpbin)
+    return;
+  // 3: feedback at once (AVPF). A sender that has left makes room.
+  g_object_set(state.rtpbin, "rtp-profile", 3, "autoremove", TRUE, nullptr);
+  g_object_bind_property(self, "latency", state.rtpbin, "latency", G_BINDING_SYNC_CREATE);
+  gst_bin_add(GST_BIN(self), state.rtpbin);
+  g_signal_connect_object(state.rtpbin, "pad-added",
+                          G_CALLBACK(+[](GstElement *, GstPad *pad, GstRtpOneSender *one) {
+                            guarded(one, [&] { on_pad_added(one, pad); });
+                          }),
+                          self, static_cast<GConnectFlags>(0));
+  for (const char *signal : {"on-bye-ssrc", "on-timeout"})
+    g_signal_connect_object(
+        state.rtpbin, signal,
+        G_CALLBACK(+[](GstElement *, guint session, guint ssrc, GstRtpOneSender *one) {
+          guarded(one, [&] { on_sender_left(one, session, ssrc); });
+        }),
+        self, static_cast<GConnectFlags>(0));
+}
+
+void finalize(GObject *object) {
+  delete GST_RTP_ONE_SENDER(object)->state;
+  G_OBJECT_CLASS(gst_rtp_one_sender_parent_class)->finalize(object);
+}
+
+} // namespace
+
+static void gst_rtp_one_sender_init(GstRtpOneSender *self) {
+  guarded(self, [&] {
+    self->state = new State;
+    add_rtpbin(self);
+  });
+}
+
+static void gst_rtp_one_sender_class_init(GstRtpOneSenderClass *klass) {
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  haptic::install_properties<properties>(
+      object_class, [](GObject *object) -> State & { return *GST_RTP_ONE_SENDER(object)->state; });
+  gst_element_class_set_static_metadata(
+      element_class, "RTP of one sender", "Generic/Bin/Network/RTP",
+      "Receives RTP of one sender a session, in step by RTCP", "Feeling Wind project");
+  haptic::add_documentation(element_class, "rtponesender");
+  for (auto *pad : {&rtp_sink_template, &rtcp_sink_template, &rtp_src_template, &rtcp_src_template})
+    gst_element_class_add_static_pad_template(element_class, pad);
+  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *pad_template,
+                                      const gchar *name, const GstCaps *) {
+    return guarded(element, static_cast<GstPad *>(nullptr),
+                   [&] { return request_pad(GST_RTP_ONE_SENDER(element), pad_template, name); });
+  };
+  element_class->release_pad = [](GstElement *element, GstPad *pad) {
+    guarded(element, [&] { release_pad(GST_RTP_ONE_SENDER(element), pad); });
+  };
+  element_class->change_state = [](GstElement *element, GstStateChange transition) {
+    return guarded(element, GST_STATE_CHANGE_FAILURE,
+                   [&] { return change_state(element, transition); });
+  };
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// RTP of one sender, whatever it sends.
+#include "track-pipeline.hpp"
+
+#include <algorithm>
+
+namespace {
+
+using test::Packet;
+
+// A packet of RTP (RFC 3550, section 5.1) of the sender 1, 10 ms after the one before.
+Packet rtp_packet(int number, std::uint8_t payload_type) {
+  const int time = number * 900;
+  return {{0x80, payload_type, static_cast<std::uint8_t>(number >> 8),
+           static_cast<std::uint8_t>(number), 0, 0, static_cast<std::uint8_t>(time >> 8),
+           static_cast<std::uint8_t>(time), 0, 0, 0, 1, payload_type},
+          static_cast<GstClockTime>(number) * 10 * GST_MSECOND};
+}
+
+TEST(RtpOneSender, ASenderMayChangeThePayloadType) {
+  gst_init(nullptr, nullptr);
+  if (!test::has_elements({"rtpbin"}))
+    GTEST_SKIP() << "rtpbin is missing";
+  std::vector<Packet> packets;
+  for (int i = 0; i < 60; ++i)
+    packets.push_back(rtp_packet(i, i < 30 ? 97 : 98));
+  const auto outcome = test::run(
+      "appsrc name=in format=time caps=application/x-rtp,media=application,clock-rate=90000,"
+      "encoding-name=SMPTE336M ! identity sleep-time=5000 ! rtp.recv_rtp_sink_0 "
+      "rtponesender name=rtp latency=0 rtp.recv_rtp_src_0 ! "
+      "appsink name=out sync=false async=false",
+      packets);
+  EXPECT_EQ(outcome.error, "");
+  EXPECT_EQ(outcome.warnings.size(), 0U);
+  const auto of_type = [&](std::uint8_t type) {
+    return std::ranges::count_if(outcome.packets,
+                                 [&](const Packet &packet) { return packet.bytes[12] == type; });
+  };
+  EXPECT_GE(of_type(97), 28);
+  EXPECT_GE(of_type(98), 28);
+}
+
+} // namespace
