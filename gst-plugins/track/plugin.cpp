@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gsthapticconvert.h"
+#include "gsthapticmark.h"
 #include "gsthmpgparse.h"
 #include "gstpointerextract.h"
 #include "gstpointerinject.h"
@@ -11,6 +12,7 @@
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;
   any |= GST_ELEMENT_REGISTER(hapticconvert, plugin);
+  any |= GST_ELEMENT_REGISTER(hapticmark, plugin);
   any |= GST_ELEMENT_REGISTER(hmpgparse, plugin);
   any |= GST_ELEMENT_REGISTER(rtphmpgpay, plugin);
   any |= GST_ELEMENT_REGISTER(rtphmpgdepay, plugin);

@@ -69,7 +69,7 @@ protected:
         run(kIn +
                 " ! hapticconvert ! meta/x-klv ! queue ! mux. videotestsrc num-buffers=90 ! "
                 "video/x-raw,width=64,height=48,framerate=30/1 ! x264enc tune=zerolatency ! "
-                "h264parse ! queue ! mux. mpegtsmux name=mux ! filesink location=" +
+                "h264parse ! queue ! mux. mpegtsmux name=mux ! hapticmark ! filesink location=" +
                 path,
             track);
     ASSERT_EQ(outcome.error, "");
@@ -109,7 +109,8 @@ TEST_F(HapticConvert, MatroskaTextGivesBackEverySample) {
   EXPECT_LE(time_error(got.packets), 1);
 }
 
-TEST_F(HapticConvert, ARemuxByFfmpegLosesNoSample) {
+// tests/pipelines/remux-test.sh has the other copies.
+TEST_F(HapticConvert, ACopyByFfmpegKeepsEverySampleAndItsTime) {
   if (std::system("command -v ffmpeg >/dev/null") != 0)
     GTEST_SKIP() << "ffmpeg is not installed";
   record_ts(file("session.ts"));
@@ -122,6 +123,7 @@ TEST_F(HapticConvert, ARemuxByFfmpegLosesNoSample) {
   EXPECT_EQ(got.error, "");
   expect_exact(got.packets);
   EXPECT_LE(time_error(got.packets), 0.02);
+  EXPECT_TRUE(got.warnings.empty()) << "no time stamp was lost";
 }
 
 TEST_F(HapticConvert, SamplesWithoutTimeStampsGetThoseInside) {
@@ -456,6 +458,10 @@ TEST_F(HapticConvert, RtpCarriesMpegHapticsInPiecesAndWithLoss) {
     EXPECT_EQ(haptic::force_of_motion(sample_of(whole[at])).x,
               haptic::force_of_motion(sample_of(packet)).x);
   }
+}
+
+TEST_F(HapticConvert, HapticmarkRefusesBytesWithoutCaps) {
+  EXPECT_NE(run("appsrc name=in format=time ! hapticmark ! fakesink", track).error, "");
 }
 
 TEST_F(HapticConvert, NoTrackExceedsTheLocalMaxForce) {

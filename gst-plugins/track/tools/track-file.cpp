@@ -423,9 +423,9 @@ void write_track_file(const std::string &path, const TrackFile &track) {
   if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
     throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
-    write_container(part, track, HAPTIC_KLV_TYPE " ! mpegtsmux");
+    write_container(part, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
   } else if (ending == ".mkv") {
-    write_container(part, track, HAPTIC_TEXT_TYPE " ! matroskamux");
+    write_container(part, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
   } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif") {
     std::ofstream file(part, std::ios::binary);
     file << bytes_of(track, ending) << std::flush;

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-hapticmark
+ *
+ * Marks the haptic track behind a muxer, so that other programs copy and show the file as they
+ * should. See docs/elements/hapticmark.md.
+ *
+ *     gst-launch-1.0 ... ! velocityavg ! hapticconvert ! meta/x-klv ! mpegtsmux ! hapticmark
+ *         ! filesink location=session.ts
+ *
+ * Standards: ISO/IEC 13818-1 (2.4.3.7, stream_id), RFC 9559 (5.1.4.1.5, FlagDefault).
+ */
+#include "gsthapticmark.h"
+
+#include "container-mark.hpp"
+#include "documentation.hpp"
+#include "exception-barrier.hpp"
+#include "gst-raii.hpp"
+
+#include <span>
+
+GST_DEBUG_CATEGORY_STATIC(haptic_mark_debug);
+#define GST_CAT_DEFAULT haptic_mark_debug
+
+struct _GstHapticMark {
+  GstBaseTransform parent;
+  gboolean behind_header; // of Matroska; streaming thread
+};
+
+#define CONTAINERS                                                                                 \
+  "video/mpegts, systemstream=(boolean)true; video/x-matroska; audio/x-matroska; "                 \
+  "application/x-matroska"
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
+
+G_DEFINE_TYPE_WITH_CODE(GstHapticMark, gst_haptic_mark, GST_TYPE_BASE_TRANSFORM,
+                        GST_DEBUG_CATEGORY_INIT(haptic_mark_debug, "hapticmark", 0,
+                                                "marks of a haptic track in a container"))
+GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, GST_TYPE_HAPTIC_MARK)
+
+namespace {
+
+using haptic::guarded;
+
+GstFlowReturn mark(GstHapticMark *self, GstBuffer *buffer) {
+  const haptic::CapsPtr caps(
+      gst_pad_get_current_caps(GST_BASE_TRANSFORM_SINK_PAD(GST_BASE_TRANSFORM(self))));
+  if (!caps)
+    return GST_FLOW_NOT_NEGOTIATED;
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READWRITE)) {
+    GST_ELEMENT_ERROR(self, RESOURCE, READ, (nullptr), ("a buffer cannot be mapped"));
+    return GST_FLOW_ERROR;
+  }
+  const std::span bytes(map.data, map.size);
+  if (gst_structure_has_name(gst_caps_get_structure(caps.get(), 0), "video/mpegts"))
+    haptic::keep_times_of_track(bytes);
+  else if (!self->behind_header)
+    self->behind_header = haptic::hide_text_track(bytes);
+  gst_buffer_unmap(buffer, &map);
+  return GST_FLOW_OK;
+}
+
+} // namespace
+
+static void gst_haptic_mark_init(GstHapticMark *) {}
+
+static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(
+      element_class, "Haptic track marker", "Codec/Formatter/Haptics",
+      "Marks the haptic track in MPEG-TS and Matroska for other programs", "Feeling Wind project");
+  haptic::add_documentation(element_class, "hapticmark");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->start = [](GstBaseTransform *trans) -> gboolean {
+    GST_HAPTIC_MARK(trans)->behind_header = FALSE;
+    return TRUE;
+  };
+  transform_class->transform_ip = [](GstBaseTransform *trans, GstBuffer *buffer) {
+    return guarded(trans, GST_FLOW_ERROR, [&] { return mark(GST_HAPTIC_MARK(trans), buffer); });
+  };
+}
