@@ -53,6 +53,7 @@ test_packages=(
   clang-format
   clang-tidy
   shellcheck
+  afl++ # tests/fuzz/coverage.sh
   xvfb
   xauth # xvfb-run needs it
   xdotool

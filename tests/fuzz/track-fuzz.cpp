@@ -2,25 +2,38 @@
 // Feeds damaged tracks to every parser: whole ones with mutations, always the same ones. Built with
 // the sanitizers, any finding ends the program.
 //
-//   track-fuzz [PARSER [INPUTS [SEED]]]     PARSER: klv, pointer, text, field, hmpg,
-//                                           hjif, rtp or all
+//   track-fuzz [PARSER [INPUTS [SEED]]]     PARSER: klv, pointer, text, field, relief,
+//                                           hmpg, hjif, rtp or all
+//   track-fuzz PARSER --seeds FOLDER        writes the whole ones
+//   track-fuzz PARSER --file FILE           feeds one input
+//
+// Built by afl++ (coverage.sh), `track-fuzz PARSER` gets its inputs from afl-fuzz.
+#include "bits.hpp"
+#include "depth-scene.hpp"
 #include "field-codec.hpp"
 #include "hjif.hpp"
 #include "hmpg-rtp.hpp"
 #include "hmpg-track.hpp"
 #include "klv.hpp"
 #include "leaf-fields.hpp"
+#include "mutator.hpp"
 #include "text-line.hpp"
 #include "track-samples.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <string>
+#include <unistd.h> // read(), in the macros of afl++
+
+#ifdef __AFL_COMPILER
+__AFL_FUZZ_INIT();
+#endif
 
 namespace {
 
@@ -29,8 +42,9 @@ std::size_t largest_allocation = 0;
 
 } // namespace
 
-// Counts what is asked for, and ends the program where it is too much.
-void *operator new(std::size_t size) {
+// Counts what is asked for, and ends the program where it is too much. Inlined, GCC 14 would
+// compare malloc() with the operator that frees.
+[[gnu::noinline]] void *operator new(std::size_t size) {
   largest_allocation = std::max(largest_allocation, size);
   void *memory = size <= kLargestAllocation ? std::malloc(size) : nullptr;
   if (!memory) {
@@ -39,16 +53,20 @@ void *operator new(std::size_t size) {
   }
   return memory;
 }
-void operator delete(void *memory) noexcept {
+[[gnu::noinline]] void *operator new(std::size_t size,
+                                     const std::nothrow_t &) noexcept { // of std::stable_sort
+  return operator new(size);
+}
+[[gnu::noinline]] void operator delete(void *memory) noexcept {
   std::free(memory);
 }
-void operator delete(void *memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void *memory, std::size_t) noexcept {
   std::free(memory);
 }
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using test::Bytes;
 
 void require(bool condition, const char *what) {
   if (!condition) {
@@ -83,6 +101,15 @@ std::vector<Bytes> fields() {
   return coded;
 }
 
+std::vector<Bytes> reliefs() {
+  haptic::ReliefEncoder encoder;
+  std::vector<Bytes> coded;
+  while (coded.size() < 4)
+    coded.push_back(
+        encoder.push(test::DepthScene::relief(static_cast<int>(coded.size()), 16)).value());
+  return coded;
+}
+
 Bytes bytes_of(const std::string &text) {
   return {text.begin(), text.end()};
 }
@@ -100,58 +127,61 @@ std::vector<Bytes> units() {
   return result;
 }
 
-// ---- mutation -----------------------------------------------------------------------------------
-
-class Mutator {
-public:
-  explicit Mutator(unsigned seed) : state_(seed * 2654435761U + 1) {}
-
-  std::uint32_t number() { // xorshift: the mutations must not cost more than the parsers
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 7;
-    state_ ^= state_ << 17;
-    return static_cast<std::uint32_t>(state_ >> 16);
+// An initialization unit whose library has an effect, and a unit that refers to it, in Akima's
+// curve.
+Bytes library_stream() {
+  auto experience = haptic::track_experience("2026-01-01");
+  experience.bands[0].curve = haptic::CurveType::akima;
+  const Bytes init = haptic::write_initialization_unit(experience);
+  haptic::BitWriter library;
+  library.put(6, 6); // the packet's header
+  library.put(36, 17);
+  library.put(0, 1);
+  library.put(0, 8); // perception
+  library.put(1, 16);
+  library.put(5, 16); // id
+  library.put(0, 25 + 16 + 4 + 2);
+  library.put(6, 16);
+  for (unsigned i = 0; i < 6; ++i) {
+    library.put(3, 3);
+    library.put(100 * i, 16);
+    library.put(40 * i, 8);
   }
-  std::size_t below(std::size_t limit) { return limit == 0 ? 0 : number() % limit; }
+  library.put(0, 32);
+  const auto append_unit = [](Bytes &stream, unsigned type, const Bytes &payload) {
+    haptic::BitWriter header;
+    header.put(type, 12);
+    header.put(type == 64 ? 500 : 0, 24);
+    header.put(payload.size(), 36U - 4);
+    header.put(0, 4);
+    stream.insert(stream.end(), header.bytes().begin(), header.bytes().end());
+    stream.insert(stream.end(), payload.begin(), payload.end());
+  };
+  Bytes payload(init.begin() + haptic::kUnitHeaderSize, init.end());
+  payload.insert(payload.end(), library.bytes().begin(), library.bytes().begin() + 3 + 36);
+  haptic::BitWriter data;
+  data.put(5, 6);
+  data.put(12, 17);
+  data.put(0, 1 + 1 + 8 + 16 + 8); // the header's end, independent, perception, channel, band
+  data.put(1, 16);
+  data.put(5, 16);
+  data.put(1, 2); // a reference
+  data.put(20, 25);
+  Bytes stream;
+  append_unit(stream, 0, payload);
+  append_unit(stream, 64, data.bytes());
+  return stream;
+}
 
-  void mutate(Bytes &bytes, std::span<const Bytes> seeds) {
-    constexpr std::array<std::uint8_t, 9> kTelling = {0, 1, 0x7F, 0x80, 0xFF, 0x82, '0', '"', '['};
-    for (auto times = 1 + below(4); times > 0; --times) {
-      const std::size_t at = below(bytes.size());
-      const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-      switch (bytes.empty() ? 4U : number() % 7) {
-      case 0:
-        bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 1U << below(8));
-        break;
-      case 1:
-        bytes[at] = static_cast<std::uint8_t>(number());
-        break;
-      case 2:
-        bytes[at] = kTelling[below(kTelling.size())];
-        break;
-      case 3:
-        bytes.resize(at);
-        break;
-      case 4: { // another one from there on
-        const Bytes &other = seeds[below(seeds.size())];
-        const auto from = static_cast<std::ptrdiff_t>(below(other.size()));
-        bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), other.begin() + from,
-                     other.end());
-        break;
-      }
-      case 5:
-        bytes.erase(place, place + static_cast<std::ptrdiff_t>(1 + below(bytes.size() - at)));
-        break;
-      default:
-        bytes.insert(place, static_cast<std::uint8_t>(number()));
-        break;
-      }
-    }
-  }
-
-private:
-  std::uint64_t state_;
-};
+constexpr char kLibraryJson[] =
+    R"({"version":"2023","timescale":1000,"perceptions":[{"perception_modality":"Force",)"
+    R"("channels":[{"gain":2,"direction":{"X":127,"Y":0,"Z":0},"bands":[{"band_type":"Curve",)"
+    R"("curve_type":"Akima","effects":[{"effect_type":"Reference","id":3,"position":50},)"
+    R"({"effect_type":"Basis","position":9,"keyframes":[{"relative_position":0,)"
+    R"("amplitude_modulation":0.5},{"relative_position":40,"amplitude_modulation":-1},)"
+    R"({"relative_position":90,"amplitude_modulation":1}]}]}]}],"effect_library":[{"id":3,)"
+    R"("effect_type":"Basis","position":0,"keyframes":[{"relative_position":0,)"
+    R"("amplitude_modulation":0.1},{"relative_position":99,"amplitude_modulation":0.9}]}]}]})";
 
 // ---- parsers ------------------------------------------------------------------------------------
 
@@ -161,21 +191,26 @@ struct Parser {
   void (*parse)(const Bytes &bytes);
 };
 
-void decode_field(haptic::FieldDecoder &decoder, std::span<const std::uint8_t> bytes) {
-  if (decoder.push(bytes) == haptic::FieldDecoder::Result::field)
+template <typename Decoder>
+void decode_field(Decoder &decoder, std::span<const std::uint8_t> bytes) {
+  if (decoder.push(bytes) == Decoder::Result::field)
     require(is_valid(decoder.field()) && (!decoder.rested() || is_valid(decoder.rest())),
             "a field that is not valid got through");
-  require(!decoder.has_field() || is_valid(decoder.field()), "silence that is not valid");
 }
 
-void decode_field(std::span<const std::uint8_t> bytes) {
-  haptic::FieldDecoder decoder;
-  decode_field(decoder, bytes);
+void decode_field(haptic::FieldKind kind, std::span<const std::uint8_t> bytes) {
+  haptic::FieldDecoder fields;
+  haptic::ReliefDecoder reliefs;
+  if (kind == haptic::FieldKind::relief)
+    decode_field(reliefs, bytes);
+  else
+    decode_field(fields, bytes);
 }
 
 // Coded fields with their length, two bytes, before each, and one decoder all along.
+template <typename Decoder>
 void parse_fields(const Bytes &bytes) {
-  haptic::FieldDecoder decoder;
+  Decoder decoder;
   for (std::size_t at = 0; at + 2 <= bytes.size();) {
     const std::size_t size =
         std::min<std::size_t>(bytes[at] | bytes[at + 1] << 8, bytes.size() - at - 2);
@@ -193,7 +228,7 @@ void parse_klv(const Bytes &bytes) {
     if (item->kind == haptic::KlvKind::motion)
       require_valid(item->sample.motion);
     if (item->kind == haptic::KlvKind::field)
-      decode_field(item->field);
+      decode_field(item->field_kind, item->field);
   }
 }
 
@@ -211,7 +246,7 @@ void parse_text(const Bytes &bytes) {
   if (line.sample)
     require_valid(line.sample->motion);
   else if (line.field)
-    decode_field(line.field->bytes);
+    decode_field(line.field->kind, line.field->bytes);
   else
     require(!line.error.empty(), "refused without a reason");
 }
@@ -234,6 +269,8 @@ void parse_hmpg(const Bytes &bytes) {
       require_valid(sample.motion);
     at += size;
   }
+  for (const auto &sample : decoder.finish().samples)
+    require_valid(sample.motion);
 }
 
 void parse_hjif(const Bytes &bytes) {
@@ -252,8 +289,8 @@ void parse_rtp(const Bytes &bytes) {
     const std::size_t size = std::min<std::size_t>(bytes[at], bytes.size() - at - 1);
     sequence = static_cast<std::uint16_t>(sequence + (bytes[at] == 77 ? 2 : 1));
     const auto result = assembler.push(sequence, std::span(bytes).subspan(at + 1, size));
-    if (!result.unit.empty())
-      for (const auto &sample : decoder.push(result.unit, at).samples)
+    for (const auto &unit : result.units)
+      for (const auto &sample : decoder.push(unit, at).samples)
         require_valid(sample.motion);
     at += 1 + size;
   }
@@ -266,16 +303,23 @@ std::vector<Parser> parsers() {
     klv.seeds.push_back(write_klv(sample));
     text.seeds.push_back(bytes_of(write_text_line(sample)));
   }
-  Parser field{"field", {}, parse_fields};
-  Bytes sequence;
-  for (const auto &bytes : fields()) {
-    klv.seeds.push_back(write_klv(haptic::CodedField{bytes, 1, 2}));
-    text.seeds.push_back(bytes_of(write_text_line(haptic::CodedField{bytes, 1, 2})));
-    sequence.push_back(static_cast<std::uint8_t>(bytes.size()));
-    sequence.push_back(static_cast<std::uint8_t>(bytes.size() >> 8));
-    sequence.insert(sequence.end(), bytes.begin(), bytes.end());
-  }
-  field.seeds.push_back(sequence);
+  const auto add_fields = [&](haptic::FieldKind kind, const std::vector<Bytes> &coded,
+                              Parser parser) {
+    Bytes sequence;
+    for (const auto &bytes : coded) {
+      klv.seeds.push_back(write_klv(haptic::CodedField{bytes, 1, 2, kind}));
+      text.seeds.push_back(bytes_of(write_text_line(haptic::CodedField{bytes, 1, 2, kind})));
+      sequence.push_back(static_cast<std::uint8_t>(bytes.size()));
+      sequence.push_back(static_cast<std::uint8_t>(bytes.size() >> 8));
+      sequence.insert(sequence.end(), bytes.begin(), bytes.end());
+    }
+    parser.seeds.push_back(sequence);
+    return parser;
+  };
+  const Parser field = add_fields(haptic::FieldKind::motion, fields(),
+                                  {"field", {}, parse_fields<haptic::FieldDecoder>});
+  const Parser relief = add_fields(haptic::FieldKind::relief, reliefs(),
+                                   {"relief", {}, parse_fields<haptic::ReliefDecoder>});
   Bytes stream;
   Bytes packets;
   std::vector<Bytes> hmpg = units();
@@ -287,20 +331,46 @@ std::vector<Parser> parsers() {
     }
   }
   hmpg.push_back(stream);
+  hmpg.push_back(library_stream());
   return {klv,
           {"pointer",
            {write_klv(haptic::TrackPointer{7, 0.2, 0.8, -0.5, true, "SPIDAR"})},
            parse_pointer},
           text,
           field,
+          relief,
           {"hmpg", hmpg, parse_hmpg},
-          {"hjif", {bytes_of(haptic::write_hjif(track(), "2026-01-01"))}, parse_hjif},
+          {"hjif",
+           {bytes_of(haptic::write_hjif(track(), "2026-01-01")), bytes_of(kLibraryJson)},
+           parse_hjif},
           {"rtp", {packets}, parse_rtp}};
+}
+
+#ifdef __AFL_COMPILER
+void fuzz_for_afl(const Parser &parser) {
+  __AFL_INIT();
+  const unsigned char *input = __AFL_FUZZ_TESTCASE_BUF;
+  while (__AFL_LOOP(10'000))
+    parser.parse(Bytes(input, input + __AFL_FUZZ_TESTCASE_LEN));
+}
+#endif
+
+void write_seeds(const Parser &parser, const std::string &folder) {
+  for (std::size_t i = 0; i < parser.seeds.size(); ++i) {
+    std::ofstream file(folder + "/" + std::to_string(i), std::ios::binary);
+    file.write(reinterpret_cast<const char *>(parser.seeds[i].data()),
+               static_cast<std::streamsize>(parser.seeds[i].size()));
+  }
+}
+
+void parse_file(const Parser &parser, const std::string &path) {
+  std::ifstream file(path, std::ios::binary);
+  parser.parse(Bytes(std::istreambuf_iterator<char>(file), {}));
 }
 
 void fuzz(const Parser &parser, std::uint64_t inputs, unsigned seed) {
   const auto begin = std::chrono::steady_clock::now();
-  Mutator mutator(seed);
+  test::Mutator mutator(seed);
   Bytes bytes;
   for (std::uint64_t i = 0; i < inputs; ++i) {
     bytes = parser.seeds[mutator.below(parser.seeds.size())];
@@ -319,11 +389,27 @@ int main(int argc, char **argv) {
   const std::uint64_t inputs = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20'000;
   const unsigned seed = argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1;
   bool any = false;
-  for (const auto &parser : parsers())
-    if (which == "all" || which == parser.name) {
-      fuzz(parser, inputs, seed);
-      any = true;
+  const std::string option = argc > 3 ? argv[2] : "";
+  for (const auto &parser : parsers()) {
+    if (which != "all" && which != parser.name)
+      continue;
+    any = true;
+    if (option == "--seeds") {
+      write_seeds(parser, argv[3]);
+      continue;
     }
+    if (option == "--file") {
+      parse_file(parser, argv[3]);
+      continue;
+    }
+#ifdef __AFL_COMPILER
+    if (argc == 2) {
+      fuzz_for_afl(parser);
+      continue;
+    }
+#endif
+    fuzz(parser, inputs, seed);
+  }
   if (!any)
     std::fprintf(stderr, "there is no parser '%s'\n", which.c_str());
   return any ? EXIT_SUCCESS : EXIT_FAILURE;
