@@ -63,6 +63,9 @@
   MESSAGE(kTrackFileIsTooLarge, \
           "\"%s\": the file is too large to be a track of this form (64 MiB).", \
           "Cut it while it is a recording.") \
+  MESSAGE(kTrackIsTooLong, \
+          "\"%s\": there are more than %zu samples in this track.", \
+          "Cut the recording before, or take the original: this file may be damaged.") \
   MESSAGE(kFileIsMissing, \
           "\"%s\": there is no such file.", \
           "Check the name; the path is relative to where you stand.") \

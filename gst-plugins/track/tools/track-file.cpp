@@ -25,6 +25,7 @@ namespace haptic {
 namespace {
 
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
+constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -79,6 +80,16 @@ bool append_line(TextLine &&line, TrackFile &track) {
   return line.sample || line.field;
 }
 
+// A unit of some bytes may last for hours, and containers have any size.
+bool is_too_long(const TrackFile &track) {
+  return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
+}
+
+void check_length(const std::string &path, const TrackFile &track) {
+  if (is_too_long(track))
+    throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
+}
+
 void read_klv_file(const std::string &path, TrackFile &track) {
   const auto bytes = read_bytes(path);
   KlvReader reader(bytes);
@@ -131,6 +142,7 @@ void read_hmpg_file(const std::string &path, TrackFile &track) {
       track.remarks.push_back("unit at byte " + std::to_string(at) + ": " + result.problem);
     add_left_out(track, result.unsupported);
     std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
+    check_length(path, track);
   };
   std::size_t at = 0;
   while (at < bytes.size()) {
@@ -278,6 +290,7 @@ void read_container(const std::string &path, const char *demuxer, const char *fo
     gst_sample_unref(sample);
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  check_length(path, track);
   if (!container.has_track && track.beside.empty())
     throw_error(messages::kContainerIsEmpty, path.c_str());
   if (!container.has_track)
