@@ -86,10 +86,19 @@
           "Record or copy it again.") \
   MESSAGE(kContainerHasNoTrack, \
           "\"%s\": there is no haptic track in this file, only %s.", \
-          "Take a file that record.sh or haptic-track author wrote.") \
+          "Take a file that record.sh or haptic-track author wrote; ffmpeg and mkvmerge leave KLV out of other containers.") \
+  MESSAGE(kStreamIsNoTrack, \
+          "\"%s\": the stream %s is no haptic track, but %s is.", \
+          "Choose one of those that haptic-track info names.") \
+  MESSAGE(kTrackIsLonger, \
+          "the track goes on for %.1f s after the film beside it.", \
+          "See whether it was made of this film.") \
+  MESSAGE(kTrackHasOtherFrame, \
+          "the track was measured in frames of %d x %d px, and the film beside it has %d x %d.", \
+          "See whether it was made of this film; if it was, its motion is felt at the right places.") \
   MESSAGE(kTrackFormIsUnknown, \
           "\"%s\": this is no haptic track.", \
-          "Known are .ts, .mkv, .klv, .txt, .hmpg and .hjif.") \
+          "Known are .ts, .mkv, .mp4, .mov, .klv, .txt, .hmpg and .hjif.") \
   MESSAGE(kOutputFormIsUnknown, \
           "\"%s\": which form?", \
           "The name must end in .ts, .mkv, .klv, .txt, .hmpg or .hjif.") \

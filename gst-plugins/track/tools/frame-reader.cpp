@@ -32,8 +32,11 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
                                int width, int height) {
   std::vector<Frame> frames(times.size());
   const std::string line =
-      "filesrc name=in ! decodebin ! videoconvert ! videoscale add-borders=false ! video/x-raw,"
-      "format=RGB,pixel-aspect-ratio=1/1,width=" +
+      // With these properties decodebin leaves the sound out: unlinked, it could keep it from
+      // starting.
+      "filesrc name=in ! decodebin caps=\"video/x-raw(ANY)\" expose-all-streams=false "
+      "! videoconvert ! videoscale add-borders=false ! video/x-raw,format=RGB,"
+      "pixel-aspect-ratio=1/1,width=" +
       std::to_string(width) + ",height=" + std::to_string(height) +
       " ! appsink name=out sync=false max-buffers=2";
   GstElement *made = gst_parse_launch(line.c_str(), nullptr);

@@ -39,6 +39,7 @@ constexpr char kUsage[] =
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
     "written. Only the track is written: a video beside it stays where it is.\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
+    "  --stream      the track with this name, where info shows several\n"
     "  --force       write over an output that exists\n"
     "author writes for each video a copy with the motion of its whole frame beside it:\n"
     "NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it "
@@ -54,6 +55,7 @@ struct Arguments {
   std::optional<double> from;
   std::optional<double> to;
   bool force = false;
+  std::string stream;
   haptic::AuthorOptions author;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
@@ -97,11 +99,14 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
-    } else if (word == "--output" || word == "--columns" || word == "--jobs") {
+    } else if (word == "--output" || word == "--columns" || word == "--jobs" ||
+               word == "--stream") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       if (word == "--output")
         arguments.author.folder = words[i];
+      else if (word == "--stream")
+        arguments.stream = words[i];
       else if (word == "--columns")
         arguments.author.columns = parse_count(word, words[i], 4, 96);
       else
@@ -197,11 +202,15 @@ void info_of_samples(const std::vector<TrackSample> &samples) {
   std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
 }
 
-void info(const std::string &path) {
-  const TrackFile track = haptic::read_track_file(path);
+void info(const std::string &path, const std::string &stream) {
+  const TrackFile track = haptic::read_track_file(path, stream);
   std::printf("%s: %s\n", path.c_str(), track.form.c_str());
-  for (const auto &stream : track.beside)
-    std::printf("  beside it  %s\n", stream.c_str());
+  if (!track.stream.empty())
+    std::printf("  stream     %s\n", track.stream.c_str());
+  for (const auto &other : track.others)
+    std::printf("  another    %s\n", other.c_str());
+  for (const auto &other : track.beside)
+    std::printf("  beside it  %s\n", other.c_str());
   if (!track.fields.empty()) {
     std::printf("  fields     %zu\n", track.fields.size());
     info_of_fields(track.fields);
@@ -268,7 +277,7 @@ int run(const Arguments &arguments) {
     int failures = 0;
     for (const auto &file : arguments.files)
       try {
-        info(file);
+        info(file, arguments.stream);
       } catch (const TrackFileError &error) {
         std::fprintf(stderr, "haptic-track: %s\n", error.what());
         ++failures;

@@ -24,6 +24,7 @@
 namespace haptic {
 namespace {
 
+constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size of the first box
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
 constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
 
@@ -170,44 +171,139 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   track.samples = std::move(read.samples);
 }
 
-// The streams of a container: the track is linked to `convert`, the others to a fakesink.
+// Returns the type of a stream, and the size of its frames, for people to read.
+std::string text_of(GstPad *pad) {
+  const CapsPtr caps(gst_pad_get_current_caps(pad));
+  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
+  gint width = 0;
+  gint height = 0;
+  std::string text = gst_structure_get_name(structure);
+  if (gst_structure_get_int(structure, "width", &width) &&
+      gst_structure_get_int(structure, "height", &height))
+    text += ", " + std::to_string(width) + " x " + std::to_string(height);
+  return text;
+}
+
+// The streams of a container. `convert` and `sink` get the track: the first stream that begins with
+// a sample of this project. Other streams, other KLV and subtitles too, go to fakesinks.
 struct Container {
   GstElement *pipeline = nullptr;
-  GstElement *convert = nullptr;
+  ElementPtr convert;
+  ElementPtr sink;
   std::atomic<bool> has_track = false;
-  std::atomic<bool> all_known = false; // no more streams will be found
   TrackFile *track = nullptr;
+  std::string wanted;  // the only stream that is the track, or empty
+  gint film_width = 0; // px, 0: not known
+  gint film_height = 0;
+  std::atomic<GstClockTime> film_end = 0; // stream time
 };
+
+} // namespace
+
+bool is_own_track(GstBuffer *buffer) {
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return false;
+  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  const bool own = begins_with(bytes, kTextName) ||
+                   (bytes.size() >= kMotionKey.size() &&
+                    std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
+  gst_buffer_unmap(buffer, &map);
+  return own;
+}
+
+namespace {
+
+// Once a stream turns out to be the track, its pad is linked to `convert` and its fakesink goes.
+GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &container = *static_cast<Container *>(data);
+  if (!is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
+    return GST_PAD_PROBE_OK;
+  const GCharPtr name(gst_pad_get_name(pad));
+  auto &beside = container.track->beside; // another stream may have the same caps
+  if (const auto entry = std::ranges::find(beside, text_of(pad)); entry != beside.end())
+    beside.erase(entry);
+  if (container.has_track || (!container.wanted.empty() && container.wanted != name.get())) {
+    container.track->others.emplace_back(name.get());
+    return GST_PAD_PROBE_REMOVE;
+  }
+  const PadPtr before(gst_pad_get_peer(pad));
+  const ElementPtr fakesink(gst_pad_get_parent_element(before.get()));
+  gst_pad_unlink(pad, before.get());
+  gst_element_set_state(fakesink.get(), GST_STATE_NULL);
+  gst_bin_remove(GST_BIN(container.pipeline), fakesink.get());
+  for (const auto *element : {&container.sink, &container.convert})
+    gst_bin_add(GST_BIN(container.pipeline), element->get());
+  gst_element_link(container.convert.get(), container.sink.get());
+  for (const auto *element : {&container.sink, &container.convert})
+    gst_element_sync_state_with_parent(element->get());
+  const PadPtr sink(gst_element_get_static_pad(container.convert.get(), "sink"));
+  gst_pad_link(pad, sink.get());
+  container.track->stream = name.get();
+  container.has_track = true;
+  return GST_PAD_PROBE_REMOVE;
+}
+
+GstPadProbeReturn watch_film(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
+  const GstSegment *segment = nullptr;
+  if (!event)
+    return GST_PAD_PROBE_OK;
+  gst_event_parse_segment(event.get(), &segment);
+  const GstClockTime time = gst_segment_to_stream_time(
+      segment, GST_FORMAT_TIME, GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
+  auto &end = static_cast<Container *>(data)->film_end;
+  if (GST_CLOCK_TIME_IS_VALID(time))
+    end = std::max<GstClockTime>(end, time);
+  return GST_PAD_PROBE_OK;
+}
 
 void link_stream(GstElement *, GstPad *pad, gpointer data) {
   auto &container = *static_cast<Container *>(data);
   const CapsPtr caps(gst_pad_get_current_caps(pad));
   if (!caps)
     return;
+  container.track->beside.push_back(text_of(pad));
+  GstElement *sink = gst_element_factory_make("fakesink", nullptr);
+  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
+  gst_bin_add(GST_BIN(container.pipeline), sink);
+  gst_element_sync_state_with_parent(sink);
+  const PadPtr to(gst_element_get_static_pad(sink, "sink"));
+  gst_pad_link(pad, to.get());
   const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
-  const bool is_track = gst_structure_has_name(structure, HAPTIC_KLV_TYPE) ||
-                        gst_structure_has_name(structure, HAPTIC_TEXT_TYPE);
-  GstElement *next = nullptr;
-  if (is_track && !container.has_track) {
-    container.has_track = true;
-    next = GST_ELEMENT(gst_object_ref(container.convert));
-  } else {
-    gint width = 0;
-    gint height = 0;
-    std::string text = gst_structure_get_name(structure);
-    if (gst_structure_get_int(structure, "width", &width) &&
-        gst_structure_get_int(structure, "height", &height))
-      text += ", " + std::to_string(width) + " x " + std::to_string(height);
-    container.track->beside.push_back(text);
-    next = gst_element_factory_make("fakesink", nullptr);
-    g_object_set(next, "sync", FALSE, "async", FALSE, nullptr);
-    gst_bin_add(GST_BIN(container.pipeline), GST_ELEMENT(gst_object_ref(next)));
-    gst_element_sync_state_with_parent(next);
-  }
-  GstPad *sink = gst_element_get_static_pad(next, "sink");
-  gst_pad_link(pad, sink);
-  gst_object_unref(sink);
-  gst_object_unref(next);
+  if (gst_structure_has_name(structure, HAPTIC_KLV_TYPE) ||
+      gst_structure_has_name(structure, HAPTIC_TEXT_TYPE))
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, find_track, &container, nullptr);
+  const std::string_view type = gst_structure_get_name(structure);
+  if (!type.starts_with("video/") && !type.starts_with("image/"))
+    return;
+  gst_structure_get_int(structure, "width", &container.film_width);
+  gst_structure_get_int(structure, "height", &container.film_height);
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, watch_film, &container, nullptr);
+}
+
+// What can be known of a track of another film: its frames have another size, or it does not end
+// with the film. It may be shorter, since frames at rest are not written.
+void compare_with_film(const Container &container, TrackFile &track) {
+  if (track.empty() || container.film_end == 0)
+    return;
+  const std::uint64_t end =
+      track.fields.empty() ? track.samples.back().time : track.fields.back().time;
+  if (end != kNoTime && end > container.film_end + kSecond)
+    track.remarks.push_back(
+        formatted(messages::kTrackIsLonger, static_cast<double>(end - container.film_end) * 1e-9));
+  FieldDecoder decoder;
+  const bool has_size = !track.samples.empty() ||
+                        decoder.push(track.fields.front().bytes) == FieldDecoder::Result::field;
+  if (!has_size || container.film_width <= 0)
+    return;
+  const auto width = static_cast<gint>(track.fields.empty() ? track.samples[0].motion.frame_width
+                                                            : decoder.field().frame_width);
+  const auto height = static_cast<gint>(track.fields.empty() ? track.samples[0].motion.frame_height
+                                                             : decoder.field().frame_height);
+  if (width != container.film_width || height != container.film_height)
+    track.remarks.push_back(formatted(messages::kTrackHasOtherFrame, width, height,
+                                      container.film_width, container.film_height));
 }
 
 // Appends one set or one line. Its time is that of its buffer.
@@ -251,54 +347,62 @@ bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
 
 // `form` is the one that the container does not hold: hapticconvert passes the same form on
 // untouched, and only a conversion recovers times and finds damage.
+// An `untied` track has lost its time stamps and begins at 0.
 void read_container(const std::string &path, const char *demuxer, const char *form,
-                    TrackFile &track) {
+                    TrackFile &track, const std::string &wanted, bool untied = false) {
   const ElementPtr pipeline = make_pipeline();
   GstElement *source = add_element(pipeline.get(), "filesrc");
   GstElement *demux = add_element(pipeline.get(), demuxer);
-  GstElement *convert = add_element(pipeline.get(), "hapticconvert");
-  GstElement *sink = add_element(pipeline.get(), "appsink");
+  const ElementPtr convert = make_element("hapticconvert");
+  const ElementPtr sink = make_element("appsink");
   g_object_set(source, "location", path.c_str(), nullptr);
+  g_object_set(convert.get(), "start-untied", static_cast<gboolean>(untied), nullptr);
   const CapsPtr caps(gst_caps_from_string(form));
-  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+  g_object_set(sink.get(), "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
   gst_element_link(source, demux);
-  gst_element_link(convert, sink);
   Container container;
   container.pipeline = pipeline.get();
-  container.convert = convert;
+  container.convert.reset(GST_ELEMENT(gst_object_ref(convert.get())));
+  container.sink.reset(GST_ELEMENT(gst_object_ref(sink.get())));
   container.track = &track;
+  container.wanted = wanted;
   g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
-  g_signal_connect(demux, "no-more-pads", G_CALLBACK(+[](GstElement *, gpointer data) {
-                     static_cast<Container *>(data)->all_known = true;
-                   }),
-                   &container);
   const BusPtr bus(gst_element_get_bus(pipeline.get()));
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
   // Without a track nothing reaches the appsink: the end is on the bus.
   std::string failure;
   for (bool over = false; !over;) {
-    while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
+    while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)) {
       append_buffer(sample, track);
       gst_sample_unref(sample);
     }
-    over = read_messages(bus.get(), track, failure) ||
-           (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink))) ||
-           (container.all_known && !container.has_track);
+    over = read_messages(bus.get(), track, failure) || is_too_long(track) ||
+           (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink.get())));
   }
-  while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0)) {
+  while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)) {
     append_buffer(sample, track);
     gst_sample_unref(sample);
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   check_length(path, track);
+  if (!container.has_track && !track.others.empty())
+    throw_error(messages::kStreamIsNoTrack, path.c_str(), wanted.c_str(),
+                track.others.front().c_str());
   if (!container.has_track && track.beside.empty())
     throw_error(messages::kContainerIsEmpty, path.c_str());
   if (!container.has_track)
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
+  if (track.empty() && !untied && std::ranges::count(track.remarks, messages::kTrackIsUntied)) {
+    TrackFile again{track.form};
+    read_container(path, demuxer, form, again, wanted, true);
+    again.remarks = track.remarks;
+    track = std::move(again);
+  }
   if (!failure.empty() && track.empty())
     throw_error("\"%s\": %s", path.c_str(), failure.c_str());
   if (!failure.empty())
     track.remarks.push_back("the file ends early: " + failure);
+  compare_with_film(container, track);
 }
 
 // ---- writing ------------------------------------------------------------------------------------
@@ -393,7 +497,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
 
 } // namespace
 
-TrackFile read_track_file(const std::string &path) {
+TrackFile read_track_file(const std::string &path, const std::string &stream) {
   const auto head = first_bytes(path);
   TrackFile track;
   const auto text = std::find_if_not(head.begin(), head.end(),
@@ -413,10 +517,13 @@ TrackFile read_track_file(const std::string &path) {
     read_hjif_file(path, track);
   } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
     track.form = "KLV in MPEG-TS";
-    read_container(path, "tsdemux", HAPTIC_TEXT_TYPE, track);
+    read_container(path, "tsdemux", HAPTIC_TEXT_TYPE, track, stream);
   } else if (begins_with(head, kMatroskaMagic)) {
     track.form = "text lines in Matroska";
-    read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track);
+    read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track, stream);
+  } else if (begins_with(std::span(head).subspan(std::min(head.size(), kMp4BrandAt)), "ftyp")) {
+    track.form = "text lines in MP4";
+    read_container(path, "qtdemux", HAPTIC_KLV_CAPS, track, stream);
   } else {
     throw_error(messages::kTrackFormIsUnknown, path.c_str());
   }

@@ -16,6 +16,8 @@ inline constexpr std::string_view kMatroskaMagic = "\x1a\x45\xdf\xa3";
 
 struct TrackFile {
   std::string form;                 ///< for people to read
+  std::string stream;               ///< name of its pad at the demuxer; of a bare track empty
+  std::vector<std::string> others;  ///< names of further haptic tracks
   std::vector<std::string> beside;  ///< caps of the other streams in the file
   std::vector<std::string> remarks; ///< what was left out, and why
   std::vector<TrackSample> samples; ///< with times; or else
@@ -24,11 +26,15 @@ struct TrackFile {
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
 };
 
-/// Reads a file by its content, whatever its name. Throws TrackFileError.
-TrackFile read_track_file(const std::string &path);
+/// Reads a file by its content, whatever its name. Of several haptic tracks in a container the
+/// first one, or `stream`. Throws TrackFileError.
+TrackFile read_track_file(const std::string &path, const std::string &stream = {});
 
 /// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
 /// under its name when it is whole. Throws TrackFileError.
 void write_track_file(const std::string &path, const TrackFile &track);
+
+/// Returns whether the buffer begins with a sample or field of this project.
+bool is_own_track(GstBuffer *buffer);
 
 } // namespace haptic
