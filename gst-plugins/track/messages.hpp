@@ -195,6 +195,9 @@
   MESSAGE(kOutputExists, \
           "\"%s\" exists.", \
           "Use --force, which writes over it, or give another name.") \
+  MESSAGE(kTrackHoldsReliefs, \
+          "\"%s\" holds reliefs and no motion.", \
+          "Read them by haptic-track info, or in a pipeline by hapticconvert.") \
   MESSAGE(kTrackIsEmpty, \
           "\"%s\": there is not one sample in this track.", \
           "Take another file.") \

@@ -133,7 +133,7 @@ void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples)
   std::printf("\n");
 }
 
-void info_of_fields(const std::vector<CodedField> &fields) {
+void info_of_code(const std::vector<CodedField> &fields) {
   std::size_t keys = 0;
   std::size_t bytes = 0;
   for (const auto &coded : fields) {
@@ -141,6 +141,61 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     bytes += haptic::write_klv(coded).size();
   }
   info_of_times(fields.front().time, fields.back().time, fields.size());
+  const double length = seconds(fields.back().time) - seconds(fields.front().time);
+  std::printf("  keys       %zu\n", keys);
+  if (length > 0)
+    std::printf("  size       %.1f kbit/s as KLV\n", 8e-3 * static_cast<double>(bytes) / length);
+}
+
+// `known`: what a share of the cells is.
+template <typename Cell>
+void info_of_grid(const haptic::Field<Cell> &field, const char *known, double share) {
+  std::printf("  grid       %u x %u cells\n", field.columns, field.rows);
+  std::printf("  %-10s %.1f %% of the cells\n", known, 100 * share);
+  std::printf("  frame      %u x %u px, pixels %u:%u\n", field.frame_width, field.frame_height,
+              field.pixel_aspect_n, field.pixel_aspect_d);
+}
+
+void info_of_reliefs(const std::vector<CodedField> &reliefs) {
+  std::printf("  reliefs    %zu\n", reliefs.size());
+  info_of_code(reliefs);
+  haptic::ReliefDecoder decoder;
+  double cells = 0;
+  double surface = 0;
+  haptic::ReliefCell least = {haptic::kMostReliefHeight, haptic::kMostReliefStiffness,
+                              haptic::kMostReliefFriction, 1};
+  haptic::ReliefCell most = {-haptic::kMostReliefHeight, 0, 0, 0};
+  for (const auto &coded : reliefs) {
+    if (decoder.push(coded.bytes) != haptic::ReliefDecoder::Result::field)
+      continue;
+    cells += static_cast<double>(decoder.field().cells.size());
+    for (const auto &cell : decoder.field().cells) {
+      if (!(cell.validity > 0))
+        continue;
+      ++surface;
+      for (auto number : {&haptic::ReliefCell::height, &haptic::ReliefCell::stiffness,
+                          &haptic::ReliefCell::friction}) {
+        least.*number = std::min(least.*number, cell.*number);
+        most.*number = std::max(most.*number, cell.*number);
+      }
+    }
+  }
+  if (!(cells > 0))
+    return;
+  info_of_grid(decoder.field(), "surface", surface / cells);
+  if (!(surface > 0))
+    return;
+  std::printf("  height     %.1f to %.1f mm\n", 1e3 * static_cast<double>(least.height),
+              1e3 * static_cast<double>(most.height));
+  std::printf("  stiffness  %.0f to %.0f N/m\n", static_cast<double>(least.stiffness),
+              static_cast<double>(most.stiffness));
+  std::printf("  friction   %.2f to %.2f\n", static_cast<double>(least.friction),
+              static_cast<double>(most.friction));
+}
+
+void info_of_fields(const std::vector<CodedField> &fields) {
+  std::printf("  fields     %zu\n", fields.size());
+  info_of_code(fields);
   std::size_t decoded = 0;
   double measured = 0;
   double cells = 0;
@@ -160,16 +215,9 @@ void info_of_fields(const std::vector<CodedField> &fields) {
       fastest = std::max(fastest, speed);
     }
   });
-  const double length = seconds(fields.back().time) - seconds(fields.front().time);
-  std::printf("  keys       %zu\n", keys);
-  if (length > 0)
-    std::printf("  size       %.1f kbit/s as KLV\n", 8e-3 * static_cast<double>(bytes) / length);
   if (decoded == 0)
     return;
-  std::printf("  grid       %u x %u cells\n", first.columns, first.rows);
-  std::printf("  measured   %.1f %% of the cells\n", 100 * measured / cells);
-  std::printf("  frame      %u x %u px, pixels %u:%u\n", first.frame_width, first.frame_height,
-              first.pixel_aspect_n, first.pixel_aspect_d);
+  info_of_grid(first, "measured", measured / cells);
   if (measured > 0)
     std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
 }
@@ -211,10 +259,11 @@ void info(const std::string &path, const std::string &stream) {
     std::printf("  another    %s\n", other.c_str());
   for (const auto &other : track.beside)
     std::printf("  beside it  %s\n", other.c_str());
+  if (!track.reliefs.empty())
+    info_of_reliefs(track.reliefs);
   if (!track.fields.empty()) {
-    std::printf("  fields     %zu\n", track.fields.size());
     info_of_fields(track.fields);
-  } else {
+  } else if (track.reliefs.empty() || !track.samples.empty()) {
     std::printf("  samples    %zu\n", track.samples.size());
   }
   if (!track.samples.empty())
@@ -233,8 +282,12 @@ void check_output(const Arguments &arguments) {
 TrackFile read_some(const std::string &path) {
   TrackFile track = haptic::read_track_file(path);
   print_remarks(path, track);
+  if (!track.reliefs.empty())
+    std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs were left out\n", path.c_str(),
+                 track.reliefs.size());
   if (track.empty())
-    throw_error(messages::kTrackIsEmpty, path.c_str());
+    throw_error(track.reliefs.empty() ? messages::kTrackIsEmpty : messages::kTrackHoldsReliefs,
+                path.c_str());
   return track;
 }
 

@@ -21,8 +21,10 @@ struct TrackFile {
   std::vector<std::string> beside;  ///< caps of the other streams in the file
   std::vector<std::string> remarks; ///< what was left out, and why
   std::vector<TrackSample> samples; ///< with times; or else
-  std::vector<CodedField> fields;   ///< with times
+  std::vector<CodedField> fields;   ///< of motion, with times
+  std::vector<CodedField> reliefs;  ///< with times
 
+  /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
 };
 
