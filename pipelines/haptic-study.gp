@@ -4,14 +4,11 @@
 #   gnuplot -c haptic-study.gp TABLE.csv PLOT.png
 if (ARGC != 2) { print "usage: gnuplot -c haptic-study.gp TABLE.csv PLOT.png"; exit status 1 }
 
+load system("dirname '" . ARG0 . "'") . "/palette.gp"
 set terminal pngcairo size 900,600 font "DejaVu Sans,15" background "white"
 set output ARG2
 set datafile separator ","
-set border 3 linecolor rgb "#444444"
-set tics nomirror out
-set grid ytics linecolor rgb "#CCCCCC" linewidth 1
-set key outside top right horizontal samplen 2
-set style fill solid
+set grid noxtics
 set boxwidth 0.36
 set xrange [-0.6:2.6]
 set yrange [0:5.9]
@@ -21,7 +18,6 @@ set ylabel "weighted average value"
 at(aspect) = aspect eq "interactivity" ? 0 : aspect eq "sensitivity" ? 1 : 2
 is(word, column) = strcol(column) eq word
 
-# The palette of Okabe and Ito suits every kind of colour vision.
-plot ARG1 using (is("without", 2) ? at(strcol(1)) - 0.2 : NaN):"WAV" with boxes linecolor rgb "#999999" title "without force", \
-     "" using (is("with", 2) ? at(strcol(1)) + 0.2 : NaN):"WAV" with boxes linecolor rgb "#0072B2" title "with force", \
+plot ARG1 using (is("without", 2) ? at(strcol(1)) - 0.2 : NaN):"WAV" with boxes linetype 3 title "without force", \
+     "" using (is("with", 2) ? at(strcol(1)) + 0.2 : NaN):"WAV" with boxes linetype 1 title "with force", \
      "" using (at(strcol(1)) + (is("with", 2) ? 0.2 : -0.2)):9:(sprintf("%s\nn = %s", strcol(9), strcol(3))) every ::1 with labels offset 0,1.7 notitle

@@ -4,7 +4,8 @@
 # the paper. (Figure 12 needs people: haptic-study.sh.)
 #
 # The hand moves in a circle for figure 6 and rests on a twig for the others, which run
-#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! videorate rate=SPEED ! video/x-raw,format=GRAY8 \
+#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! videorate rate=SPEED ! video/x-raw,format=GRAY8 \
 #       ! roitracker method=opencv ! velocityavg average=mean ! hapticsink force-law=arctan log-location=trace.csv
 #
 # Usage: pipelines/paper.sh [--video FILE] [--speed SPEED] [--hand HAND] [FOLDER]
@@ -42,8 +43,8 @@ program=$build/pipelines/motion-log
 [ -n "$video" ] || { video=$(tree_video) && speed=${speed:-8}; }
 speed=${speed:-1}
 [[ $speed =~ ^[0-9]*\.?[0-9]+$ ]] || fail "--speed needs a number, not '$speed'"
-need_file "$video"
 use_elements
+need_video "$video"
 mkdir -p "$output" || fail "the folder '$output' cannot be made; give another"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -51,7 +52,7 @@ trap 'rm -rf "$work"' EXIT
 # `measure NAME HAND LAW` runs the whole loop with the paper's methods and writes its logs to $work/NAME.
 measure() {
   mkdir "$work/$1"
-  "$program" "$work/$1" "filesrc location=$(quoted "$video") ! decodebin ! videoconvert ! videorate rate=$speed
+  "$program" "$work/$1" "${film[*]} ! videorate rate=$speed
     ! video/x-raw,format=GRAY8
     ! roitracker name=tracker method=opencv ! velocityavg average=mean
     ! hapticsink device=sim sim-hand=$(quoted "$2") force-law=$3 log-location=$(quoted "$work/$1/trace.csv")"
@@ -66,6 +67,21 @@ join_pointers() {
     { t = int($1 * 1000 + 0.5); if (t in x) print x[t] "," y[t] "," $2 "," $3 }' "$1/trace.csv" "$1/pointers.csv"
 }
 
+# Prints speed and force of every third tick, and whether the force is kept below the law: it changes as fast as slew-rate
+# lets it (20 mN in a tick), or within the last 0.1 s it was held or the confidence below 0.5, from which it fades in again.
+gain_points() {
+  echo speed,force,limited
+  awk -F, -v width="$width" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    {
+      fx = $at["fx"]; fy = $at["fy"]
+      if ($at["hold"] != 0 || $at["confidence"] < 0.5) faded = $at["time"] + 0.1
+      limited = $at["time"] < faded || sqrt((fx - before_x) ^ 2 + (fy - before_y) ^ 2) > 0.018
+      before_x = fx; before_y = fy
+      if (NR % 3 == 0) print sqrt($at["vx"] ^ 2 + $at["vy"] ^ 2) * 352 / width "," sqrt(fx ^ 2 + fy ^ 2) "," limited
+    }' "$1/trace.csv"
+}
+
 echo "Measuring in ${video##*/}: the hand in a circle, on the twig, and on the twig with the linear law ..."
 measure round circle:0.9,4 arctan &
 measure twig "$hand" arctan &
@@ -75,8 +91,9 @@ for _ in 1 2 3; do wait -n || fail "the video could not be measured; see the mes
 join_pointers "$work/round" >"$work/mapping.csv"
 IFS=, read -r frame width height < <(tail -n 1 "$work/twig/pair.csv")
 awk -F, -v frame="$frame" 'NR == 1 || $1 == frame' "$work/twig/patches.csv" >"$work/flow.csv"
+for law in twig linear; do gain_points "$work/$law" >"$work/$law-gain.csv"; done
 for figure in mapping features flow gain trace; do
-  gnuplot -e "figure='$figure'; work='$work'; width=$width; height=$height" "$root/pipelines/paper/figures.gp" \
+  gnuplot -e "figure='$figure'; pipelines='$root/pipelines'; work='$work'; width=$width; height=$height" "$root/pipelines/paper/figures.gp" \
     >"$work/$figure.png" || fail "gnuplot could not draw $figure.png; install gnuplot-nox"
   mv "$work/$figure.png" "$output/$figure.png"
 done

@@ -4,30 +4,32 @@
 #
 #   gnuplot -c trace.gp TRACE.csv PLOT.png TITLE
 if (ARGC != 3) { print "usage: gnuplot -c trace.gp TRACE.csv PLOT.png TITLE"; exit status 1 }
+load system("dirname '" . ARG0 . "'") . "/palette.gp"
 
-set terminal pngcairo size 1200,800 font "DejaVu Sans,15" background "white"
+set terminal pngcairo size 1200,800 font "DejaVu Sans,17" background "white"
 set output ARG2
 set datafile separator ","
 set datafile columnheaders
-
-# Blue and vermillion of Okabe and Ito, which suit every kind of colour vision, in two widths.
-set linetype 1 linecolor rgb "#0072B2" linewidth 2.5
-set linetype 2 linecolor rgb "#D55E00" linewidth 1.5
-set border 3 linecolor rgb "#444444"
-set tics nomirror out
-set grid linecolor rgb "#CCCCCC" linewidth 1
 set xzeroaxis linetype -1 linecolor rgb "#444444"
-set key outside top right horizontal samplen 3
-set lmargin 10
-set rmargin 3
-set offsets graph 0, 0, 0.05, 0.05
+set xrange [0:*] noextend
+set y2range [0:1]
+set key at screen 0.98, 0.92 # below the title
+set offsets 0, 0, 0.05, 0.05
 
-set multiplot layout 2,1 title ARG3 noenhanced
-set ylabel "velocity under the hand (px/s)"
-plot ARG1 using (column("time")):(column("vx")) with lines linetype 1 title "to the right", \
+# In grey, below the curves: when nothing was measured.
+unmeasured = 'ARG1 using (column("time")):(column("confidence") > 0 ? 0 : 1) axes x1y2 with fillsteps linecolor rgb "#E8E8E8"'
+
+set multiplot layout 2,1 title ARG3 noenhanced margins 0.10, 0.98, 0.11, 0.87 spacing 0, 0.07
+set format x ""
+set ylabel "velocity (px/s)"
+plot @unmeasured title "not measured", \
+     ARG1 using (column("time")):(column("vx")) with lines linetype 1 title "to the right", \
      ARG1 using (column("time")):(-column("vy")) with lines linetype 2 title "upwards"
-set ylabel "force on the hand (N)"
+unset key
+set format x "%g"
+set ylabel "force (N)"
 set xlabel "time (s)"
-plot ARG1 using (column("time")):(column("fx")) with lines linetype 1 title "to the right", \
-     ARG1 using (column("time")):(column("fy")) with lines linetype 2 title "upwards"
+plot @unmeasured, \
+     ARG1 using (column("time")):(column("fx")) with lines linetype 1, \
+     ARG1 using (column("time")):(column("fy")) with lines linetype 2
 unset multiplot

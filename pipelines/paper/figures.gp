@@ -1,17 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Draws one of the paper's figures to standard output; paper.sh sets figure, work, width and height.
-set terminal pngcairo size 1100,620 font "DejaVu Sans,14" background "white"
+# Draws one of the paper's figures to standard output; paper.sh sets figure, pipelines, work, width and height.
+load pipelines . "/palette.gp"
+set terminal pngcairo size 1100,620 font "DejaVu Sans,17" background "white"
 set datafile separator ","
 set datafile columnheaders
-
-# The palette of Okabe and Ito suits every kind of colour vision; widths differ too.
-set linetype 1 linecolor rgb "#0072B2" linewidth 2.5 pointtype 7 pointsize 0.8
-set linetype 2 linecolor rgb "#D55E00" linewidth 1.5 pointtype 6 pointsize 1.4
-set linetype 3 linecolor rgb "#999999" linewidth 1.5 pointtype 7 pointsize 0.3
-set border 3 linecolor rgb "#444444"
-set tics nomirror out
-set grid linecolor rgb "#CCCCCC" linewidth 1
-set key outside top right horizontal samplen 3
 
 half = 25.0       # mm, half the workspace of the default geometry
 f_max = 1.0       # N
@@ -25,11 +17,11 @@ if (figure eq "mapping") {
   set xlabel "x of the grip (mm, to the right)"
   set ylabel "w in the frame (px)"
   plot width / 2.0 + width / (2 * half) * x with lines linetype 3 title "equation (1a)", \
-       data("mapping.csv") using "x":(column("pointer_x") * width) with points linetype 1 title "pointer events"
+       data("mapping.csv") using "x":(column("pointer_x") * width) with points linetype 1 pointsize 0.8 title "pointer events"
   set xlabel "y of the grip (mm, upwards)"
   set ylabel "h in the frame (px)"
   plot height / 2.0 - height / (2 * half) * x with lines linetype 3 title "equation (1b)", \
-       data("mapping.csv") using "y":(column("pointer_y") * height) with points linetype 1 title "pointer events"
+       data("mapping.csv") using "y":(column("pointer_y") * height) with points linetype 1 pointsize 0.8 title "pointer events"
   unset multiplot
 }
 
@@ -48,7 +40,7 @@ if (figure eq "features") {
   set xrange [0:width]
   set yrange [height:0]
   set object 1 rectangle from left_min, top_min rto side_min, side_min front fillstyle empty border linecolor rgb "#E69F00" linewidth 2.5
-  eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 1 title 'features', '' using (left_min + side_min / 2):(top_min + side_min / 2) every ::0::0 with points linetype 2 pointtype 7 title 'haptic interface point'"
+  eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 1 pointsize 0.8 title 'features', '' using (left_min + side_min / 2):(top_min + side_min / 2) every ::0::0 with points linetype 2 pointtype 7 title 'haptic interface point'"
 }
 
 if (figure eq "flow") {
@@ -66,24 +58,32 @@ if (figure eq "flow") {
 if (figure eq "gain") {
   set xlabel "speed (px/s in a frame 352 px wide)"
   set ylabel "force (N)"
-  speed = "sqrt(column('vx') ** 2 + column('vy') ** 2) * reference / width"
-  force = "sqrt(column('fx') ** 2 + column('fy') ** 2)"
-  set xrange [0:150]
+  set xrange [0:110]
   set yrange [0:1.05]
-  set key top left inside vertical
-  eval "plot 2 * f_max / pi * atan(alpha * x) with lines linetype 3 title 'equation (5)', data('linear/trace.csv') using (" . speed . "):(" . force . ") every 3 with points linetype 2 pointsize 0.6 title 'felt: linear', data('twig/trace.csv') using (" . speed . "):(" . force . ") every 3 with points linetype 1 pointsize 0.5 title 'felt: arctan'"
+  set key top right inside vertical Left reverse samplen 2
+  law(x) = 2 * f_max / pi * atan(alpha * x)
+  points(law, limited) = sprintf("'%s/%s-gain.csv' using (column('limited') == %d ? column('speed') : NaN):'force' with points", work, law, limited)
+  eval "plot " . points("linear", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' title 'limited, fading or not trusted', " . \
+    points("twig", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' notitle, " . \
+    points("linear", 0) . " linetype 2 pointtype 7 pointsize 0.6 title 'felt with the linear law', " . \
+    points("twig", 0) . " linetype 1 pointsize 0.6 title 'felt with the arctangent', " . \
+    "law(x) with lines linewidth 2 linecolor rgb '#000000' title 'equation (5)'"
 }
 
 if (figure eq "trace") {
   set xzeroaxis linetype -1 linecolor rgb "#444444"
-  set lmargin 10
-  set multiplot layout 2,1
+  set xrange [0:*] noextend
+  set y2range [0:1]
+  set offsets 0, 0, 0.05, 0.05
+  unmeasured = "data('twig/trace.csv') using 'time':(column('confidence') > 0 ? 0 : 1) axes x1y2 with fillsteps linecolor rgb '#E8E8E8'"
+  set multiplot layout 2,1 margins 0.11, 0.98, 0.16, 0.92 spacing 0, 0.08
+  set format x ""
   set ylabel "velocity (px/s)"
-  plot data("twig/trace.csv") using "time":"vx" with lines linetype 1 title "to the right", \
-       "" using "time":(-column("vy")) with lines linetype 2 title "upwards"
+  eval "plot " . unmeasured . " title 'not measured', '' using 'time':'vx' with lines linetype 1 title 'to the right', '' using 'time':(-column('vy')) with lines linetype 2 title 'upwards'"
+  unset key
+  set format x "%g"
   set ylabel "force (N)"
   set xlabel "time (s)"
-  plot data("twig/trace.csv") using "time":"fx" with lines linetype 1 title "to the right", \
-       "" using "time":"fy" with lines linetype 2 title "upwards"
+  eval "plot " . unmeasured . ", '' using 'time':'fx' with lines linetype 1, '' using 'time':'fy' with lines linetype 2"
   unset multiplot
 }

@@ -4,13 +4,11 @@
 #include "field-track.hpp"
 #include "force-curve.hpp"
 #include "frame-reader.hpp"
+#include "gnuplot.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <utility>
 
 namespace haptic {
 namespace {
@@ -31,56 +29,17 @@ double seconds(std::uint64_t ns) {
   return static_cast<double>(ns) * 1e-9;
 }
 
-class Gnuplot {
-public:
-  explicit Gnuplot(const std::string &output) : output_(output) {
-    if (std::system("command -v gnuplot >/dev/null") != 0)
-      throw_error(messages::kGnuplotIsMissing);
-    if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
-      throw_error(messages::kGnuplotRefusesName, output.c_str());
-    pipe_ = popen("gnuplot", "w");
-    if (!pipe_)
-      throw_error(messages::kGnuplotFails);
-  }
-  ~Gnuplot() {
-    if (pipe_)
-      pclose(pipe_);
-  }
-  Gnuplot(const Gnuplot &) = delete;
-  Gnuplot &operator=(const Gnuplot &) = delete;
-
-  template <typename... Values>
-  void line(const char *format, Values... values) {
-    std::fprintf(pipe_, format, values...); // NOLINT(cert-err33-c): seen when it is closed
-    std::fputc('\n', pipe_);
-  }
-  void line(const char *text) { std::fprintf(pipe_, "%s\n", text); }
-  void bytes(const std::vector<std::uint8_t> &bytes) {
-    std::fwrite(bytes.data(), 1, bytes.size(), pipe_);
-  }
-  void set_terminal(const char *type, int width, int height) {
-    line("set terminal %s size %d,%d", type, width, height);
-    line("set output '%s'", output_.c_str());
-  }
-  void finish() {
-    if (pclose(std::exchange(pipe_, nullptr)) != 0)
-      throw_error(messages::kPlotFails, output_.c_str());
-  }
-
-private:
-  std::string output_;
-  std::FILE *pipe_ = nullptr;
-};
-
 // ---- points -------------------------------------------------------------------------------------
 
 void plot_points(const TrackFile &track, Gnuplot &out) {
-  out.set_terminal("pngcairo", 1200, 600);
-  out.line("set multiplot layout 2,1");
-  out.line("set grid");
-  out.line("set ylabel 'velocity, px/s'");
-  out.line("plot '-' using 1:2 with lines title 'to the right', "
-           "'-' using 1:2 with lines title 'down'");
+  out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 800);
+  out.line("set multiplot layout 2,1 margins 0.1, 0.98, 0.11, 0.93 spacing 0, 0.13");
+  out.line("set xzeroaxis linetype -1 linecolor rgb '#444444'");
+  out.line("set xrange [*:*] noextend");
+  out.line("set key at screen 0.98, 0.98");
+  out.line("set ylabel 'velocity (px/s)'");
+  out.line("plot '-' using 1:2 with lines linetype 1 title 'to the right', "
+           "'-' using 1:2 with lines linetype 2 title 'upwards'");
   const auto send = [&](auto &&value) {
     for (const auto &sample : track.samples) {
       if (sample.motion.confidence > 0)
@@ -91,17 +50,18 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
     out.line("e");
   };
   send([](const TrackSample &s) { return s.motion.velocity_x; });
-  send([](const TrackSample &s) { return s.motion.velocity_y; });
-  out.line("set xlabel 'time, s'");
-  out.line("set ylabel 'force, share of the full one'");
+  send([](const TrackSample &s) { return -s.motion.velocity_y; });
+  out.line("set key at screen 0.98, 0.505");
+  out.line("set xlabel 'time (s)'");
+  out.line("set ylabel 'share of the full force'");
   out.line("set yrange [0:1.05]");
-  out.line("plot '-' using 1:2 with lines title 'force', "
-           "'-' using 1:2 with lines title 'confidence'");
+  out.line("plot '-' using 1:2 with lines linetype 3 title 'confidence', "
+           "'-' using 1:2 with lines linetype 1 title 'force'");
+  send([](const TrackSample &s) { return s.motion.confidence; });
   send([](const TrackSample &s) {
     const auto force = force_of_motion(s.motion);
     return std::hypot(force.x, force.y);
   });
-  send([](const TrackSample &s) { return s.motion.confidence; });
 }
 
 // ---- fields -------------------------------------------------------------------------------------
@@ -163,7 +123,7 @@ std::vector<MotionField> fields_at(const TrackFile &track,
 void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, const Overview &all) {
   out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
   out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
-  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#ffd000'";
+  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#F0E442'";
   if (frame.rgb.empty()) {
     out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
     out.line("plot %s", arrows);
@@ -192,13 +152,13 @@ void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, cons
 
 void draw_energy(Gnuplot &out, const Overview &all, const std::vector<std::uint64_t> &marks) {
   out.line("unset object; unset key; unset arrow");
-  out.line("set xtics; unset ytics; set xlabel 'time, s' offset 0,0.7");
+  out.line("set xtics; unset ytics; set xlabel 'time (s)' offset 0,0.7");
   out.line("set autoscale; set xrange [%.3f:%.3f]; set yrange [0:*]", seconds(all.times.front()),
            std::max(seconds(all.times.back()), seconds(all.times.front()) + 0.1));
   for (const auto mark : marks)
-    out.line("set arrow from %.3f, graph 0 to %.3f, graph 1 nohead lc rgb '#ffb000'", seconds(mark),
+    out.line("set arrow from %.3f, graph 0 to %.3f, graph 1 nohead linetype 2", seconds(mark),
              seconds(mark));
-  out.line("plot '-' using 1:2 with filledcurves x1 lc rgb '#4070b0'");
+  out.line("plot '-' using 1:2 with filledcurves x1 linetype 1");
   for (std::size_t i = 0; i < all.times.size(); ++i)
     out.line("%.3f %.6g", seconds(all.times[i]), std::sqrt(all.energies[i]));
   out.line("e");

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// gnuplot as a process that draws one picture.
+#pragma once
+
+#include "palette.hpp"
+#include "track-error.hpp"
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptic {
+
+/// Throws TrackFileError if there is no gnuplot, and in finish() if it could not draw.
+class Gnuplot {
+public:
+  explicit Gnuplot(const std::string &output) : output_(output) {
+    if (std::system("command -v gnuplot >/dev/null") != 0)
+      throw_error(messages::kGnuplotIsMissing);
+    if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
+      throw_error(messages::kGnuplotRefusesName, output.c_str());
+    pipe_ = popen("gnuplot", "w");
+    if (!pipe_)
+      throw_error(messages::kGnuplotFails);
+    line(kPalette);
+  }
+  ~Gnuplot() {
+    if (pipe_)
+      pclose(pipe_);
+  }
+  Gnuplot(const Gnuplot &) = delete;
+  Gnuplot &operator=(const Gnuplot &) = delete;
+
+  template <typename... Values>
+  void line(const char *format, Values... values) {
+    std::fprintf(pipe_, format, values...); // NOLINT(cert-err33-c): seen when it is closed
+    std::fputc('\n', pipe_);
+  }
+  void line(const char *text) { std::fprintf(pipe_, "%s\n", text); }
+  void bytes(const std::vector<std::uint8_t> &bytes) {
+    std::fwrite(bytes.data(), 1, bytes.size(), pipe_);
+  }
+  void set_terminal(const char *type, int width, int height) {
+    line("set terminal %s size %d,%d", type, width, height);
+    line("set output '%s'", output_.c_str());
+  }
+  void finish() {
+    if (pclose(std::exchange(pipe_, nullptr)) != 0)
+      throw_error(messages::kPlotFails, output_.c_str());
+  }
+
+private:
+  std::string output_;
+  std::FILE *pipe_ = nullptr;
+};
+
+} // namespace haptic

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# What all charts share, those of haptic-track too. The colours of Okabe and Ito suit every kind of colour vision;
+# widths differ too. 1: to the right, or what is felt; 2: upwards, or what it is compared with; 3: the rest.
+set encoding utf8
+set border 3 linecolor rgb "#444444"
+set tics nomirror out
+set grid linecolor rgb "#DDDDDD" linewidth 1
+set linetype 1 linecolor rgb "#0072B2" linewidth 2.5 pointtype 7
+set linetype 2 linecolor rgb "#D55E00" linewidth 1.5 pointtype 6
+set linetype 3 linecolor rgb "#999999" linewidth 1.5 pointtype 7
+set style fill solid noborder
+set key outside top right horizontal samplen 3
