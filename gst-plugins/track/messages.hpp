@@ -204,6 +204,15 @@
   MESSAGE(kCutIsEmpty, \
           "\"%s\": there is no sample between these times.", \
           "Take other times; haptic-track info shows those of the file.") \
+  MESSAGE(kLogIsWrong, \
+          "\"%s\": line %zu: %s.", \
+          "Take a log of hapticsink, or a table with the columns time, fx and fy (docs/formats/csv-log.md).") \
+  MESSAGE(kNothingToCompare, \
+          "\"%s\": there is no force between these times.", \
+          "Take another file, or other --from and --to.") \
+  MESSAGE(kTooLongToCompare, \
+          "\"%s\": lasts longer than 4 hours.", \
+          "Compare a part of it with --from and --to.") \
   MESSAGE(kCommandNeedsVideo, \
           "author needs a video.", \
           "See --help.") \

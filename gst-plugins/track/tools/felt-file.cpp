@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "felt-file.hpp"
+
+#include "field-sampler.hpp"
+#include "field-track.hpp"
+#include "region-size.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace haptic {
+namespace {
+
+constexpr double kPathStep = 0.01;        // s, between motions under a hand that moves
+constexpr double kLongest = 4 * 3600 + 1; // s
+
+// Keeps the times rising.
+void append(std::vector<FeltMotion> &motions, const FeltMotion &motion) {
+  if (motions.empty() || motion.time > motions.back().time)
+    motions.push_back(motion);
+}
+
+// Appends the motions under a moving hand between two fields, with the second one. The hand feels
+// both fields where it is at each time.
+void append_along(const std::vector<TimedPlace> &path, const MotionField &before,
+                  std::uint64_t time_before, const MotionField &field, std::uint64_t time,
+                  std::vector<FeltMotion> &motions) {
+  const double begin = felt_motion(frame_of(before), time_before).time;
+  const double end = felt_motion(frame_of(field), time).time;
+  const double length = end - begin;
+  if (time_before != kNoTime && length <= kLongestMotionGap)
+    for (double at = begin + kPathStep; at < end - kPathStep / 2; at += kPathStep) {
+      const PointerPosition place = place_at(path, at);
+      append(motions,
+             interpolated(felt_motion(sample_field(before, place), time_before),
+                          felt_motion(sample_field(field, place), time), (at - begin) / length));
+    }
+  append(motions, felt_motion(sample_field(field, place_at(path, end)), time));
+}
+
+template <typename Timed>
+void erase_outside(std::vector<Timed> &all, const TimeRange &range) {
+  std::erase_if(all,
+                [&](const Timed &one) { return one.time < range.from || one.time >= range.to; });
+}
+
+template <typename Timed>
+void add_to_times(std::vector<Timed> &all, double offset) {
+  for (Timed &one : all)
+    one.time += offset;
+}
+
+} // namespace
+
+FeltFile::FeltFile(const std::string &path) : path_(path) {
+  if (is_force_log(path)) {
+    log_ = read_force_log(path);
+    return;
+  }
+  track_ = read_track_file(path);
+  for (const auto &remark : track_.remarks)
+    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+}
+
+std::vector<TimedPlace> FeltFile::hand() const {
+  std::vector<TimedPlace> path = log_.places;
+  add_to_times(path, offset_);
+  for (const auto &[sample, time, duration] : track_.samples) {
+    const double side = static_cast<double>(sample.region_width) * sample.frame_width;
+    // region_growth() inverted
+    const double z =
+        side > 0 ? std::log2(side / default_region_side(static_cast<int>(sample.frame_width))) / 2
+                 : 0;
+    const double middle = felt_motion(sample, time).time + offset_;
+    if (path.empty() || middle > path.back().time)
+      path.push_back({middle, sample.pointer_x, sample.pointer_y,
+                      static_cast<float>(std::clamp(z, -1.0, 1.0))});
+  }
+  return path;
+}
+
+void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &range) {
+  law_ = law;
+  motions_.clear();
+  if (has_fields()) {
+    Hands in_own_time = hands;
+    add_to_times(in_own_time.path, -offset_);
+    feel_fields(in_own_time);
+  } else if (!track_.empty()) {
+    auto &motions = motions_.emplace_back();
+    for (const auto &sample : track_.samples)
+      append(motions, felt_motion(sample.motion, sample.time));
+  }
+  add_to_times(log_.forces, offset_);
+  erase_outside(log_.forces, range);
+  for (auto &motions : motions_) {
+    add_to_times(motions, offset_);
+    erase_outside(motions, range);
+  }
+  if (!log_.forces.empty())
+    set_times(log_.forces.front().time, log_.forces.back().time);
+  else if (!motions_.empty() && !motions_.front().empty())
+    set_times(motions_.front().front().time, motions_.front().back().time);
+  else
+    throw_error(messages::kNothingToCompare, path_.c_str());
+}
+
+void FeltFile::feel_fields(const Hands &hands) {
+  motions_.resize(hands.count());
+  MotionField before;
+  std::uint64_t time_before = kNoTime;
+  for_each_field(track_.fields, [&](const MotionField &field, std::uint64_t time) {
+    if (hands.path.empty())
+      for (std::size_t i = 0; i < hands.resting.size(); ++i)
+        append(motions_[i], felt_motion(sample_field(field, hands.resting[i]), time));
+    else
+      append_along(hands.path, before, time_before, field, time, motions_.front());
+    before = field;
+    time_before = time;
+  });
+  if (time_before == kNoTime)
+    throw_error(messages::kNoFieldIsDecoded);
+}
+
+void FeltFile::set_times(double begin, double end) {
+  if (!(end - begin <= kLongest))
+    throw_error(messages::kTooLongToCompare, path_.c_str());
+  begin_ = begin;
+  end_ = end;
+}
+
+ForceSignal FeltFile::signal(std::size_t hand) const {
+  if (motions_.empty())
+    return signal_of_log(log_.forces);
+  return signal_of_motions(motions_[std::min(hand, motions_.size() - 1)], law_);
+}
+
+} // namespace haptic

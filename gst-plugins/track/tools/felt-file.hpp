@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What hands at some places of the frame feel from a file: a log or a track of any form.
+#pragma once
+
+#include "force-log.hpp"
+#include "pointer-position.hpp"
+#include "track-file.hpp"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+/// The hands: several at rest, or one along a path.
+struct Hands {
+  std::vector<PointerPosition> resting;
+  std::vector<TimedPlace> path; ///< in rising order of time; if not empty, nobody rests
+
+  std::size_t count() const noexcept { return path.empty() ? resting.size() : 1; }
+};
+
+/// s, [from, to)
+struct TimeRange {
+  double from = -std::numeric_limits<double>::infinity();
+  double to = std::numeric_limits<double>::infinity();
+};
+
+class FeltFile {
+public:
+  /// Throws TrackFileError.
+  explicit FeltFile(const std::string &path);
+
+  const std::string &path() const noexcept { return path_; }
+  /// Sets s that are added to all times; before hand() and feel().
+  void delay(double offset) noexcept { offset_ = offset; }
+  bool has_fields() const noexcept { return !track_.fields.empty(); }
+  /// Returns where the hand was for which the file was made; nothing if it has fields.
+  std::vector<TimedPlace> hand() const;
+
+  /// Once: makes the force that each of the hands feels within a time. What is no field has one
+  /// hand, whatever `hands` says. Throws TrackFileError if there is none, or if it is too long.
+  void feel(const Hands &hands, const ForceLaw &law, const TimeRange &range);
+  /// Of the hands of feel().
+  ForceSignal signal(std::size_t hand) const;
+  double begin() const noexcept { return begin_; } ///< s
+  double end() const noexcept { return end_; }     ///< s
+
+private:
+  void feel_fields(const Hands &hands);
+  void set_times(double begin, double end);
+
+  std::string path_;
+  ForceLog log_;
+  TrackFile track_;
+  ForceLaw law_;
+  std::vector<std::vector<FeltMotion>> motions_; // of each hand; empty of a log
+  double offset_ = 0;                            // s
+  double begin_ = 0;                             // s
+  double end_ = 0;                               // s
+};
+
+} // namespace haptic

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "force-log.hpp"
+
+#include "track-error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+
+namespace haptic {
+namespace {
+
+constexpr std::size_t kMostRows = 15'000'000;   // 4 h
+constexpr std::streamsize kLongestLine = 65536; // bytes, with its end
+constexpr double kWorkspaceHalf = 0.025;        // m, of every built-in geometry
+constexpr double kLatest = 1e6;                 // s
+constexpr double kStrongest = 1e3;              // N
+
+enum Column : std::size_t { kTime, kForceX, kForceY, kForceZ, kX, kY, kZ, kColumns };
+constexpr std::array<std::string_view, kColumns> kNames = {"time", "fx", "fy", "fz", "x", "y", "z"};
+
+// Calls `call(index, value)` for each value of a line.
+template <typename Call>
+void for_each_value(std::string_view line, const Call &call) {
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' '))
+    line.remove_suffix(1);
+  for (std::size_t index = 0;; ++index) {
+    const std::size_t end = std::min(line.find(','), line.size());
+    call(index, line.substr(0, end));
+    if (end == line.size())
+      return;
+    line.remove_prefix(end + 1);
+  }
+}
+
+// Where the columns stand in a line, or nowhere.
+using Places = std::array<std::size_t, kColumns>;
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+
+Places places_in(std::string_view header) {
+  Places places;
+  places.fill(kNowhere);
+  for_each_value(header, [&](std::size_t index, std::string_view name) {
+    const auto found = std::ranges::find(kNames, name);
+    if (found != kNames.end())
+      places[static_cast<std::size_t>(found - kNames.begin())] = index;
+  });
+  return places;
+}
+
+bool has_force(const Places &places) {
+  return places[kTime] != kNowhere && places[kForceX] != kNowhere && places[kForceY] != kNowhere;
+}
+
+bool has_hand(const Places &places) {
+  return places[kX] != kNowhere && places[kY] != kNowhere;
+}
+
+class LogReader {
+public:
+  explicit LogReader(const std::string &path) : path_(path), file_(path) {
+    if (!file_)
+      throw_error(messages::kFileIsMissing, path.c_str());
+    if (!next_line())
+      refuse("there is no header");
+    places_ = places_in(line_.data());
+    if (!has_force(places_))
+      refuse("the header has no time, fx and fy");
+  }
+
+  ForceLog read() {
+    ForceLog log;
+    while (next_line()) {
+      const std::string_view line = line_.data();
+      if (line.find_first_not_of(" \r") == std::string_view::npos)
+        continue;
+      read_row(line);
+      if (log.forces.size() >= kMostRows)
+        refuse("the log is longer than 4 hours");
+      append(log);
+    }
+    return log;
+  }
+
+private:
+  bool next_line() {
+    ++number_;
+    if (file_.getline(line_.data(), kLongestLine))
+      return true;
+    if (!file_.eof())
+      refuse("the line is too long");
+    return false;
+  }
+
+  void read_row(std::string_view line) {
+    values_.fill(0);
+    std::size_t found = 0;
+    for_each_value(line, [&](std::size_t index, std::string_view text) {
+      const auto place = std::ranges::find(places_, index);
+      if (place == places_.end())
+        return;
+      double &value = values_[static_cast<std::size_t>(place - places_.begin())];
+      const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
+        refuse("there is no number in a column");
+      ++found;
+    });
+    if (found < kColumns - static_cast<std::size_t>(std::ranges::count(places_, kNowhere)))
+      refuse("columns are missing");
+    const double force = std::hypot(values_[kForceX], values_[kForceY], values_[kForceZ]);
+    if (!(std::abs(values_[kTime]) <= kLatest) || !(force <= kStrongest))
+      refuse("a number is out of range");
+  }
+
+  void append(ForceLog &log) {
+    const double time = values_[kTime];
+    if (!log.forces.empty() && time < log.forces.back().time)
+      refuse("the time goes back");
+    if (!log.forces.empty() && time == log.forces.back().time) {
+      log.forces.pop_back();
+      if (!log.places.empty())
+        log.places.pop_back();
+    }
+    const auto value = [&](Column column) { return static_cast<float>(values_[column]); };
+    log.forces.push_back({time, {value(kForceX), value(kForceY), value(kForceZ)}});
+    if (has_hand(places_)) // equation 1 of the paper
+      log.places.push_back(
+          {time, static_cast<float>(std::clamp(0.5 + values_[kX] / (2 * kWorkspaceHalf), 0.0, 1.0)),
+           static_cast<float>(std::clamp(0.5 - values_[kY] / (2 * kWorkspaceHalf), 0.0, 1.0)),
+           static_cast<float>(std::clamp(values_[kZ] / kWorkspaceHalf, -1.0, 1.0))});
+  }
+
+  [[noreturn]] void refuse(const char *what) const {
+    throw_error(messages::kLogIsWrong, path_.c_str(), number_, what);
+  }
+
+  std::string path_;
+  std::ifstream file_;
+  std::size_t number_ = 0;
+  std::vector<char> line_ = std::vector<char>(kLongestLine);
+  Places places_ = {};
+  std::array<double, kColumns> values_ = {};
+};
+
+} // namespace
+
+PointerPosition place_at(const std::vector<TimedPlace> &path, double time) {
+  const auto after = std::ranges::upper_bound(path, time, {}, &TimedPlace::time);
+  return (after == path.begin() ? after : after - 1)->position();
+}
+
+PointerPosition TimedPlace::position() const {
+  PointerPosition position;
+  position.x = x;
+  position.y = y;
+  position.z = z;
+  return position;
+}
+
+bool is_force_log(const std::string &path) {
+  std::ifstream file(path);
+  std::array<char, 4096> line = {};
+  file.getline(line.data(), line.size());
+  return has_force(places_in(line.data()));
+}
+
+ForceLog read_force_log(const std::string &path) {
+  return LogReader(path).read();
+}
+
+} // namespace haptic

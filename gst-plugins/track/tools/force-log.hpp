@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Reads logs of hapticsink (docs/formats/csv-log.md), or tables of others with the same columns.
+#pragma once
+
+#include "force-signal.hpp"
+#include "pointer-position.hpp"
+
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+struct TimedPlace {
+  double time = 0; ///< s
+  float x = 0.5F;  ///< 0..1, fractions of the frame as of PointerPosition
+  float y = 0.5F;
+  float z = 0; ///< -1..1
+
+  PointerPosition position() const;
+};
+
+/// Returns the place at a time; before the path begins, its first one. The path is not empty.
+PointerPosition place_at(const std::vector<TimedPlace> &path, double time);
+
+struct ForceLog {
+  std::vector<TimedForce> forces; ///< in rising order of time
+  std::vector<TimedPlace> places; ///< of the same rows; empty if the log has none
+};
+
+/// Returns whether a file begins with the names of columns.
+bool is_force_log(const std::string &path);
+
+/// Reads the columns time, fx, fy, and, where they are, fz, x, y and z. Of rows with one time, as
+/// while paused, the last one counts. Throws TrackFileError.
+ForceLog read_force_log(const std::string &path);
+
+} // namespace haptic

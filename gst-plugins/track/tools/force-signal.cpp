@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "force-signal.hpp"
+
+#include "force-curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+constexpr double kLongestLogGap = 0.1; // s
+
+// Samples `between(before, after, share)` at each step. A gap is zero.
+template <typename Knot, typename Between>
+ForceSignal sampled(std::span<const Knot> knots, double longest_gap, const Between &between) {
+  ForceSignal signal;
+  if (knots.empty())
+    return signal;
+  const auto step_of = [](double time) {
+    return static_cast<std::int64_t>(std::ceil(time / kForceStep - 1e-6));
+  };
+  signal.first = step_of(knots.front().time);
+  const std::int64_t end = std::max(step_of(knots.back().time), signal.first) + 1;
+  signal.forces.resize(static_cast<std::size_t>(end - signal.first));
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    const Knot &before = knots[i];
+    const Knot &after = knots[std::min(i + 1, knots.size() - 1)];
+    const double length = after.time - before.time;
+    const std::int64_t until = i + 1 < knots.size() ? step_of(after.time) : end;
+    for (std::int64_t step = step_of(before.time); step < until && !(length > longest_gap);
+         ++step) {
+      const double since = static_cast<double>(step) * kForceStep - before.time;
+      const double share = length > 0 ? std::clamp(since / length, 0.0, 1.0) : 0;
+      signal.forces[static_cast<std::size_t>(step - signal.first)] = between(before, after, share);
+    }
+  }
+  return signal;
+}
+
+Force force_between(const TimedForce &a, const TimedForce &b, double share) {
+  const auto s = static_cast<float>(share);
+  return {std::lerp(a.force.x, b.force.x, s), std::lerp(a.force.y, b.force.y, s),
+          std::lerp(a.force.z, b.force.z, s)};
+}
+
+Force force_of(const FeltMotion &motion, const ForceLaw &law) {
+  const double gain = arctan_gain(std::hypot(motion.right, motion.up), law.alpha, law.max_force) *
+                      confidence_gate(motion.confidence);
+  return {static_cast<float>(gain * motion.right), static_cast<float>(gain * motion.up), 0};
+}
+
+} // namespace
+
+FeltMotion felt_motion(const MotionSample &sample, std::uint64_t time) noexcept {
+  const auto velocity = reference_velocity(sample);
+  const double middle = static_cast<double>(time) - 0.5 * static_cast<double>(sample.interval);
+  return {middle * 1e-9, velocity.right, velocity.up, sample.confidence};
+}
+
+FeltMotion interpolated(const FeltMotion &a, const FeltMotion &b, double share) noexcept {
+  const FeltMotion &from = a.confidence > 0 ? a : b;
+  const FeltMotion &to = b.confidence > 0 ? b : a;
+  return {std::lerp(a.time, b.time, share), std::lerp(from.right, to.right, share),
+          std::lerp(from.up, to.up, share),
+          std::lerp(a.confidence, b.confidence, static_cast<float>(share))};
+}
+
+ForceSignal signal_of_log(std::span<const TimedForce> rows) {
+  return sampled(rows, kLongestLogGap, [](const TimedForce &a, const TimedForce &b, double share) {
+    return force_between(a, b, share);
+  });
+}
+
+ForceSignal signal_of_motions(std::span<const FeltMotion> motions, const ForceLaw &law) {
+  return sampled(motions, kLongestMotionGap,
+                 [&law](const FeltMotion &a, const FeltMotion &b, double share) {
+                   return force_of(interpolated(a, b, share), law);
+                 });
+}
+
+} // namespace haptic
