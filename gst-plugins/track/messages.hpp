@@ -204,6 +204,9 @@
   MESSAGE(kCutIsEmpty, \
           "\"%s\": there is no sample between these times.", \
           "Take other times; haptic-track info shows those of the file.") \
+  MESSAGE(kCompareNeedsFiles, \
+          "compare needs two files.", \
+          "See --help.") \
   MESSAGE(kLogIsWrong, \
           "\"%s\": line %zu: %s.", \
           "Take a log of hapticsink, or a table with the columns time, fx and fy (docs/formats/csv-log.md).") \
@@ -213,6 +216,27 @@
   MESSAGE(kTooLongToCompare, \
           "\"%s\": lasts longer than 4 hours.", \
           "Compare a part of it with --from and --to.") \
+  MESSAGE(kTimesDoNotMeet, \
+          "\"%s\" lasts from %.3f to %.3f s, \"%s\" from %.3f to %.3f s: they have no time in common.", \
+          "Cut one of them with haptic-track cut, which lets its times begin at 0.") \
+  MESSAGE(kPlacesNeedFields, \
+          "neither file has motion fields, so the hand is where it was.", \
+          "Leave out --places and --hand.") \
+  MESSAGE(kPlacesAreGiven, \
+          "the place of the hand is given twice.", \
+          "Use --places only with two tracks of motion fields, and without --hand.") \
+  MESSAGE(kHandIsMissing, \
+          "\"%s\": there is no hand in this file.", \
+          "Name a log with the columns time, fx, fy, x and y with --hand.") \
+  MESSAGE(kOptionNeedsPlaces, \
+          "%s needs columns and rows of a grid, not '%s'.", \
+          "Give two numbers from 1 to 32, such as 5x3.") \
+  MESSAGE(kOptionNeedsNumber, \
+          "%s needs a number from %g to %g, not '%s'.", \
+          "See --help.") \
+  MESSAGE(kShareIsAbove, \
+          "a hand could tell the files apart in %.1f %% of the time; %.1f %% were allowed.", \
+          "See with --plot when, and --help for the options.") \
   MESSAGE(kCommandNeedsVideo, \
           "author needs a video.", \
           "See --help.") \

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Shows, converts, cuts, plots and authors haptic tracks. See docs/haptic-track.md.
+// Shows, converts, cuts, plots, compares and authors haptic tracks. See docs/haptic-track.md.
 #include "author.hpp"
+#include "compare.hpp"
 #include "field-track.hpp"
 #include "force-curve.hpp"
 #include "klv.hpp"
@@ -33,14 +34,28 @@ constexpr char kUsage[] =
     "       haptic-track convert [--force] FILE OUTPUT\n"
     "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
     "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
+    "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
-    "Shows, converts, cuts and plots haptic tracks. FILE may be a recording (.ts, "
+    "Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
     "written. Only the track is written: a video beside it stays where it is.\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
     "  --stream      the track with this name, where info shows several\n"
     "  --force       write over an output that exists\n"
+    "compare prints how much of the time a hand could tell two files apart; each may be a track or "
+    "a "
+    "log\n"
+    "of hapticsink (.csv).\n"
+    "  --at-most     the exit status is 1 above this percentage\n"
+    "  --json        as JSON\n"
+    "  --plot        draws both forces\n"
+    "  --from, --to  seconds of A's time\n"
+    "  --offset      seconds that are added to B's times\n"
+    "  --places      of motion fields: columns and rows of the places compared; otherwise 5x3\n"
+    "  --hand        of motion fields: a log of hapticsink whose hand feels them\n"
+    "  --alpha       of tracks: steepness of the force law, in s/px; otherwise 0.01\n"
+    "  --max-force   of tracks: force of the fastest motion, in N; otherwise 1\n"
     "author writes for each video a copy with the motion of its whole frame beside it:\n"
     "NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it "
     "goes\n"
@@ -57,6 +72,7 @@ struct Arguments {
   bool force = false;
   std::string stream;
   haptic::AuthorOptions author;
+  haptic::CompareOptions compare;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
@@ -83,6 +99,50 @@ unsigned parse_count(const std::string &option, const std::string &text, unsigne
   return value;
 }
 
+double parse_number(const std::string &option, const std::string &text, double least, double most) {
+  double value = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size() ||
+      !(value >= least && value <= most))
+    throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
+  return value;
+}
+
+void parse_places(const std::string &option, const std::string &text,
+                  haptic::CompareOptions &options) {
+  const char *const end = text.data() + text.size();
+  const auto columns = std::from_chars(text.data(), end, options.columns);
+  const bool has_rows = columns.ptr != end && *columns.ptr == 'x';
+  const auto rows = std::from_chars(columns.ptr + has_rows, end, options.rows);
+  const auto is_count = [](unsigned count) { return count >= 1 && count <= 32; };
+  if (!has_rows || rows.ptr != end || !is_count(options.columns) || !is_count(options.rows))
+    throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
+}
+
+bool is_compare_option(const std::string &word) {
+  constexpr std::string_view kOptions[] = {"--plot", "--offset", "--at-most",  "--places",
+                                           "--hand", "--alpha",  "--max-force"};
+  return std::ranges::find(kOptions, word) != std::end(kOptions);
+}
+
+void parse_compare_option(const std::string &option, const std::string &text,
+                          haptic::CompareOptions &options) {
+  if (option == "--plot")
+    options.plot = text;
+  else if (option == "--at-most")
+    options.at_most = parse_number(option, text, 0, 100);
+  else if (option == "--places")
+    parse_places(option, text, options);
+  else if (option == "--offset")
+    options.offset = parse_number(option, text, -1e6, 1e6);
+  else if (option == "--hand")
+    options.hand = text;
+  else if (option == "--alpha")
+    options.law.alpha = parse_number(option, text, 0.0001, 10);
+  else
+    options.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
+}
+
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
   bool options_end = false;
@@ -95,6 +155,12 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       options_end = true;
     } else if (word == "--force") {
       arguments.force = true;
+    } else if (word == "--json") {
+      arguments.compare.json = true;
+    } else if (is_compare_option(word)) {
+      if (++i == words.size())
+        throw_error(messages::kOptionNeedsValue, word.c_str());
+      parse_compare_option(word, words[i], arguments.compare);
     } else if (word == "--from" || word == "--to") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
@@ -272,11 +338,15 @@ void info(const std::string &path, const std::string &stream) {
     std::printf("  remark     %s\n", remark.c_str());
 }
 
+void check_may_be_written(const Arguments &arguments, const std::string &output) {
+  if (!arguments.force && std::filesystem::exists(output))
+    throw_error(messages::kOutputExists, output.c_str());
+}
+
 void check_output(const Arguments &arguments) {
   if (arguments.files.size() != 2)
     throw_error(messages::kCommandNeedsFiles, arguments.command.c_str());
-  if (!arguments.force && std::filesystem::exists(arguments.files[1]))
-    throw_error(messages::kOutputExists, arguments.files[1].c_str());
+  check_may_be_written(arguments, arguments.files[1]);
 }
 
 TrackFile read_some(const std::string &path) {
@@ -317,6 +387,16 @@ void plot(const Arguments &arguments) {
   haptic::plot_track(file, read_some(file), arguments.files[1]);
 }
 
+int compare(const Arguments &arguments) {
+  if (arguments.files.size() != 2)
+    throw_error(messages::kCompareNeedsFiles);
+  haptic::CompareOptions options = arguments.compare;
+  options.from = arguments.from;
+  options.to = arguments.to;
+  check_may_be_written(arguments, options.plot);
+  return haptic::compare(arguments.files[0], arguments.files[1], options);
+}
+
 int run(const Arguments &arguments) {
   if (arguments.command == "author") {
     if (arguments.files.empty())
@@ -337,6 +417,8 @@ int run(const Arguments &arguments) {
       }
     return failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
   }
+  if (arguments.command == "compare")
+    return compare(arguments);
   if (arguments.command == "convert")
     convert(arguments);
   else if (arguments.command == "cut")

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "compare.hpp"
+
+#include "compare-plot.hpp"
+#include "felt-file.hpp"
+#include "perception.hpp"
+#include "track-error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace haptic {
+namespace {
+
+constexpr unsigned kColumns = 5;
+constexpr unsigned kRows = 3;
+
+std::vector<PointerPosition> grid(unsigned columns, unsigned rows) {
+  std::vector<PointerPosition> places;
+  for (unsigned row = 0; row < rows; ++row)
+    for (unsigned column = 0; column < columns; ++column) {
+      PointerPosition place;
+      place.x = (column + 0.5) / columns;
+      place.y = (row + 0.5) / rows;
+      places.push_back(place);
+    }
+  return places;
+}
+
+// The hands that feel the fields of either file: those of the options, else the one for which the
+// other file was made, else a grid.
+Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &options) {
+  if (!a.has_fields() && !b.has_fields()) {
+    if (options.columns > 0 || !options.hand.empty())
+      throw_error(messages::kPlacesNeedFields);
+    return {grid(1, 1), {}};
+  }
+  const bool both = a.has_fields() && b.has_fields();
+  if (options.columns > 0 && (!both || !options.hand.empty()))
+    throw_error(messages::kPlacesAreGiven);
+  if (!options.hand.empty() || !both) {
+    const FeltFile &other = a.has_fields() ? b : a;
+    auto path = options.hand.empty() ? other.hand() : read_force_log(options.hand).places;
+    if (path.empty())
+      throw_error(messages::kHandIsMissing,
+                  options.hand.empty() ? other.path().c_str() : options.hand.c_str());
+    return {{}, std::move(path)};
+  }
+  return {options.columns > 0 ? grid(options.columns, options.rows) : grid(kColumns, kRows), {}};
+}
+
+void check_times(const FeltFile &a, const FeltFile &b) {
+  if (std::max(a.begin(), b.begin()) > std::min(a.end(), b.end()))
+    throw_error(messages::kTimesDoNotMeet, a.path().c_str(), a.begin(), a.end(), b.path().c_str(),
+                b.begin(), b.end());
+}
+
+std::size_t worst_place(const Comparison &result) {
+  const auto worst = std::ranges::max_element(result.places, {}, &PlaceComparison::distinguishable);
+  return static_cast<std::size_t>(worst - result.places.begin());
+}
+
+std::string shift_text(const Comparison &result) {
+  const double ms = 1e3 * result.shift;
+  if (ms == 0)
+    return "none";
+  return formatted("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",
+                   result.is_late() ? ", which is felt" : "");
+}
+
+// Returns what stands above the picture.
+std::string caption_of(const Hands &hands, const Comparison &result) {
+  std::string all = formatted("told apart: %.1f %% of the time; shift: %s",
+                              100 * result.all.distinguishable, shift_text(result).c_str());
+  if (result.places.size() < 2)
+    return all;
+  const PointerPosition &worst = hands.resting[worst_place(result)];
+  return all + formatted("; drawn: (%.2f, %.2f)", worst.x, worst.y);
+}
+
+void print_text(const FeltFile &a, const FeltFile &b, const Hands &hands,
+                const Comparison &result) {
+  std::printf("A                %.3f to %.3f s  %s\n", a.begin(), a.end(), a.path().c_str());
+  std::printf("B                %.3f to %.3f s  %s\n", b.begin(), b.end(), b.path().c_str());
+  std::printf("shift            %s\n", shift_text(result).c_str());
+  std::printf("felt             %.1f %% of the time\n", 100 * result.all.felt);
+  std::printf("difference       %.1f mN (rms), while something is felt\n",
+              1e3 * result.all.force_rms);
+  std::printf("distinguishable  %.1f %% of the time", 100 * result.all.distinguishable);
+  if (result.places.size() > 1) {
+    const std::size_t worst = worst_place(result);
+    std::printf(" at %zu places, %.1f %% at the worst one (%.2f, %.2f)", result.places.size(),
+                100 * result.places[worst].distinguishable, hands.resting[worst].x,
+                hands.resting[worst].y);
+  }
+  std::printf("\n");
+}
+
+void print_numbers(const PlaceComparison &numbers) {
+  std::printf(R"("distinguishable": %.6f, "felt": %.6f, "force_rms_n": %.6f)",
+              numbers.distinguishable, numbers.felt, numbers.force_rms);
+}
+
+void print_json(const Hands &hands, const Comparison &result) {
+  std::printf("{");
+  print_numbers(result.all);
+  std::printf(R"(, "shift_ms": %.0f, "seconds": %.3f, "places": [)", 1e3 * result.shift,
+              static_cast<double>(result.end - result.first) * kForceStep);
+  for (std::size_t i = 0; i < hands.resting.size() && result.places.size() > 1; ++i) {
+    std::printf("%s\n  {\"x\": %.4f, \"y\": %.4f, ", i > 0 ? "," : "", hands.resting[i].x,
+                hands.resting[i].y);
+    print_numbers(result.places[i]);
+    std::printf("}");
+  }
+  std::printf("]}\n");
+}
+
+} // namespace
+
+int compare(const std::string &path_a, const std::string &path_b, const CompareOptions &options) {
+  FeltFile a(path_a);
+  FeltFile b(path_b);
+  b.delay(options.offset);
+  const Hands hands = hands_for(a, b, options);
+  const TimeRange all;
+  const TimeRange range{options.from.value_or(all.from), options.to.value_or(all.to)};
+  a.feel(hands, options.law, range);
+  b.feel(hands, options.law, range);
+  check_times(a, b);
+  const auto signals = [&](std::size_t hand) { return SignalPair(a.signal(hand), b.signal(hand)); };
+  const Comparison result = compare_signals(hands.count(), signals);
+  if (!options.plot.empty())
+    plot_comparison(result, signals, worst_place(result), caption_of(hands, result), options.plot);
+  if (options.json)
+    print_json(hands, result);
+  else
+    print_text(a, b, hands, result);
+  const double percent = 100 * result.all.distinguishable;
+  if (!options.at_most || percent <= *options.at_most)
+    return EXIT_SUCCESS;
+  std::fprintf(stderr, "haptic-track: ");
+  std::fprintf(stderr, messages::kShareIsAbove, percent, *options.at_most);
+  std::fprintf(stderr, "\n");
+  return EXIT_FAILURE;
+}
+
+} // namespace haptic

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Compares what two files let a hand feel: see docs/comparing.md.
+#pragma once
+
+#include "force-signal.hpp"
+
+#include <optional>
+#include <string>
+
+namespace haptic {
+
+struct CompareOptions {
+  ForceLaw law;
+  unsigned columns = 0; ///< of the grid of places in fields; 0: not given
+  unsigned rows = 0;
+  std::string hand;  ///< a log whose hand feels the fields
+  std::string plot;  ///< a .png to draw
+  double offset = 0; ///< s, added to the times of the second file
+  bool json = false;
+  std::optional<double> at_most; ///< percent of the time
+  std::optional<double> from;    ///< s
+  std::optional<double> to;      ///< s
+};
+
+/// Prints how much of the time a hand could tell the files apart. Returns the exit status: 1 if
+/// that is more than `at_most`. Throws TrackFileError.
+int compare(const std::string &a, const std::string &b, const CompareOptions &options);
+
+} // namespace haptic
