@@ -101,13 +101,19 @@
           "Known are .ts, .mkv, .mp4, .mov, .klv, .txt, .hmpg and .hjif.") \
   MESSAGE(kOutputFormIsUnknown, \
           "\"%s\": which form?", \
-          "The name must end in .ts, .mkv, .klv, .txt, .hmpg or .hjif.") \
+          "The name must end in .ts, .mkv, .klv, .txt, .hmpg, .hjif, .wav or .ahap.") \
   MESSAGE(kOutputFails, \
           "\"%s\": the file cannot be written: %s.", \
           "Choose another place, or make room on the disk.") \
   MESSAGE(kOutputHoldsPoints, \
           "\"%s\": MPEG haptics can hold the motion of one point only, and this track holds fields of the whole frame.", \
           "Write .ts, .mkv, .klv or .txt.") \
+  MESSAGE(kMapIsUnknown, \
+          "--map knows %s, not '%s'.", \
+          "Give one of these words.") \
+  MESSAGE(kMapNeedsFields, \
+          "--map field needs motion fields, and this track holds the motion of one point.", \
+          "Leave out --map and --hand, or take a track that haptic-track author made.") \
   MESSAGE(kFileIsBeingWritten, \
           "\"%s\": another process is writing this file.", \
           "Wait until it has ended, or name another folder with --output.") \

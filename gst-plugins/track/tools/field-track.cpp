@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-track.hpp"
 
+#include "field-sampler.hpp"
+
 #include <algorithm>
 
 namespace haptic {
@@ -51,6 +53,35 @@ std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint6
     if (is_within(coded.time))
       part.push_back({coded.bytes, coded.time - from, coded.duration});
   return part;
+}
+
+std::vector<TrackSample> samples_at_hand(std::span<const CodedField> track,
+                                         const std::vector<TimedPlace> &hand) {
+  std::vector<TrackSample> samples;
+  for_each_field(track, [&](const MotionField &field, std::uint64_t time) {
+    const PointerPosition place = place_at(hand, static_cast<double>(time) * 1e-9);
+    MotionSample sample = sample_field(field, place);
+    sample.pointer_x = static_cast<float>(place.x);
+    sample.pointer_y = static_cast<float>(place.y);
+    samples.push_back({sample, time, field.interval});
+  });
+  return samples;
+}
+
+std::vector<CodedField> with_keys_at(std::span<const CodedField> track,
+                                     std::span<const std::uint64_t> times) {
+  std::vector<CodedField> all;
+  FieldDecoder decoder;
+  FieldEncoder encoder;
+  for (const auto &coded : track) {
+    if (decoder.push(coded.bytes) != FieldDecoder::Result::field)
+      continue;
+    for (; !times.empty() && coded.time >= times.front(); times = times.subspan(1))
+      encoder.restart();
+    all.push_back(
+        {encoder.push_held(decoder.state(), decoder.rested()), coded.time, coded.duration});
+  }
+  return all;
 }
 
 double field_energy(const MotionField &field) {

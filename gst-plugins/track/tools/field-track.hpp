@@ -3,6 +3,7 @@
 #pragma once
 
 #include "field-codec.hpp"
+#include "force-log.hpp"
 #include "track-sample.hpp"
 
 #include <functional>
@@ -18,6 +19,11 @@ void for_each_field(std::span<const CodedField> track,
 /// Returns the fields in [from, to) ns. Their times begin at 0, and the first one is a key field.
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to);
+
+/// Returns the motion under a hand in each field.
+std::vector<TrackSample> samples_at_hand(std::span<const CodedField> track,
+                                         const std::vector<TimedPlace> &hand);
+
 
 /// Returns the amount of motion in a frame: the mean over its cells of confidence times speed
 /// squared, in (frame widths a second)^2.

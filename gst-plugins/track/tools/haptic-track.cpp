@@ -31,15 +31,20 @@ using haptic::TrackSample;
 
 constexpr char kUsage[] =
     "Usage: haptic-track info FILE...\n"
-    "       haptic-track convert [--force] FILE OUTPUT\n"
     "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
+    "       haptic-track convert [--force] [--hand LOG] FILE OUTPUT\n"
     "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
     "Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
-    "written. Only the track is written: a video beside it stays where it is.\n"
+    "written: one of these, or what hapticarray makes of it, as sound with a channel for each\n"
+    "actuator (.wav) or for telephones (.ahap). A video beside the track stays where it is.\n"
+    "  --hand        of motion fields: a log of hapticsink; the motion under its hand is written\n"
+    "  --layout      of .wav: the layout of hapticarray; otherwise back-3x4\n"
+    "  --map         of .wav: stroke, field or point; otherwise stroke\n"
+    "  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
     "  --stream      the track with this name, where info shows several\n"
     "  --force       write over an output that exists\n"
@@ -73,6 +78,7 @@ struct Arguments {
   std::string stream;
   haptic::AuthorOptions author;
   haptic::CompareOptions compare;
+  haptic::VibrationOptions vibration;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
@@ -161,6 +167,10 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       parse_compare_option(word, words[i], arguments.compare);
+    } else if (word == "--layout" || word == "--map") {
+      if (++i == words.size())
+        throw_error(messages::kOptionNeedsValue, word.c_str());
+      (word == "--layout" ? arguments.vibration.layout : arguments.vibration.map) = words[i];
     } else if (word == "--from" || word == "--to") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
@@ -349,8 +359,9 @@ void check_output(const Arguments &arguments) {
   check_may_be_written(arguments, arguments.files[1]);
 }
 
-TrackFile read_some(const std::string &path) {
-  TrackFile track = haptic::read_track_file(path);
+TrackFile read_some(const Arguments &arguments) {
+  const std::string &path = arguments.files[0];
+  TrackFile track = haptic::read_track_file(path, arguments.stream);
   print_remarks(path, track);
   if (!track.reliefs.empty())
     std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs were left out\n", path.c_str(),
@@ -363,12 +374,25 @@ TrackFile read_some(const std::string &path) {
 
 void convert(const Arguments &arguments) {
   check_output(arguments);
-  haptic::write_track_file(arguments.files[1], read_some(arguments.files[0]));
+  TrackFile track = read_some(arguments);
+  haptic::VibrationOptions vibration = arguments.vibration;
+  vibration.alpha = arguments.compare.law.alpha;
+  if (!arguments.compare.hand.empty() && !track.fields.empty()) {
+    const auto hand = haptic::read_force_log(arguments.compare.hand).places;
+    if (hand.empty())
+      throw_error(messages::kHandIsMissing, arguments.compare.hand.c_str());
+    track.samples = haptic::samples_at_hand(track.fields, hand);
+    track.fields.clear();
+  }
+  const std::string &output = arguments.files[1];
+  if (output.ends_with(".wav") || output.ends_with(".ahap"))
+    haptic::begin_at_zero(track);
+  haptic::write_track_file(output, track, vibration);
 }
 
 void cut(const Arguments &arguments) {
   check_output(arguments);
-  TrackFile track = read_some(arguments.files[0]);
+  TrackFile track = read_some(arguments);
   const auto from = static_cast<std::uint64_t>(std::llround(arguments.from.value_or(0) * 1e9));
   const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
   std::erase_if(track.samples,
@@ -384,7 +408,7 @@ void cut(const Arguments &arguments) {
 void plot(const Arguments &arguments) {
   check_output(arguments);
   const std::string &file = arguments.files[0];
-  haptic::plot_track(file, read_some(file), arguments.files[1]);
+  haptic::plot_track(file, read_some(arguments), arguments.files[1]);
 }
 
 int compare(const Arguments &arguments) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "track-file.hpp"
 
+#include "ahap.hpp"
+
 #include "field-codec.hpp"
+#include "field-track.hpp"
 #include "gst-raii.hpp"
 #include "hjif.hpp"
 #include "hmpg-track.hpp"
@@ -451,7 +454,9 @@ void push(GstElement *in, std::span<const std::uint8_t> bytes, BufferTimes times
   gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
 }
 
-void write_container(const std::string &path, const TrackFile &track, const std::string &line) {
+// A hapticarray of the line has the name "array".
+void write_container(const std::string &path, const TrackFile &track, const std::string &line,
+                     const VibrationOptions &vibration = {}) {
   GError *error = nullptr;
   const std::string caps =
       track.fields.empty() ? "haptics/x-raw,modality=velocity,layout=point" : HAPTIC_KLV_CAPS;
@@ -469,6 +474,8 @@ void write_container(const std::string &path, const TrackFile &track, const std:
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
   g_object_set(out.get(), "location", path.c_str(), nullptr);
+  if (const ElementPtr array{gst_bin_get_by_name(GST_BIN(made), "array")})
+    set_vibration(array.get(), vibration, !track.fields.empty());
   gst_element_set_state(made, GST_STATE_PLAYING);
   for (const auto &sample : track.samples)
     push(in.get(), pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
@@ -487,6 +494,21 @@ void write_container(const std::string &path, const TrackFile &track, const std:
   gst_element_set_state(made, GST_STATE_NULL);
   if (!failure.empty())
     throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+}
+
+constexpr char kArrayLine[] = "haptics/x-raw ! hapticarray name=array ! ";
+
+// The carrier of the layout is that of coils-2.
+std::string ahap_of(const std::string &part, const TrackFile &track, VibrationOptions options) {
+  constexpr int kRate = 48000;     // as of .wav, in steps as short
+  constexpr double kCarrier = 180; // Hz, of coils-2
+  options.layout = "coils-2";
+  write_container(part, track, kArrayLine + ("audio/x-raw,rate=" + std::to_string(kRate)), options);
+  std::ifstream file(part, std::ios::binary);
+  std::vector<float> samples(std::filesystem::file_size(part) / sizeof(float));
+  file.read(reinterpret_cast<char *>(samples.data()),
+            static_cast<std::streamsize>(samples.size() * sizeof(float)));
+  return write_ahap({samples, 2, kRate}, kCarrier);
 }
 
 [[noreturn]] void discard_output(const std::string &part, const std::string &path) {
@@ -541,7 +563,18 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   return track;
 }
 
-void write_track_file(const std::string &path, const TrackFile &track) {
+void begin_at_zero(TrackFile &track) {
+  const auto shift = [](auto &all) {
+    const std::uint64_t first = all.empty() ? 0 : all.front().time;
+    for (auto &one : all)
+      one.time -= first;
+  };
+  shift(track.samples);
+  shift(track.fields);
+}
+
+void write_track_file(const std::string &path, const TrackFile &track,
+                      const VibrationOptions &vibration) {
   const std::string ending = std::filesystem::path(path).extension().string();
   const std::string part = path + ".part";
   if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
@@ -550,9 +583,14 @@ void write_track_file(const std::string &path, const TrackFile &track) {
     write_container(part, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
   } else if (ending == ".mkv") {
     write_container(part, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
-  } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif") {
+  } else if (ending == ".wav") {
+    write_container(part, track, std::string(kArrayLine) + "wavenc", vibration);
+  } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif" ||
+             ending == ".ahap") {
+    const std::string bytes =
+        ending == ".ahap" ? ahap_of(part, track, vibration) : bytes_of(track, ending);
     std::ofstream file(part, std::ios::binary);
-    file << bytes_of(track, ending) << std::flush;
+    file << bytes << std::flush;
     if (!file)
       discard_output(part, path);
   } else {

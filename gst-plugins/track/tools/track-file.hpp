@@ -4,6 +4,7 @@
 
 #include "track-error.hpp"
 #include "track-sample.hpp"
+#include "vibration.hpp"
 
 #include <string>
 #include <string_view>
@@ -32,9 +33,13 @@ struct TrackFile {
 /// first one, or `stream`. Throws TrackFileError.
 TrackFile read_track_file(const std::string &path, const std::string &stream = {});
 
-/// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
-/// under its name when it is whole. Throws TrackFileError.
-void write_track_file(const std::string &path, const TrackFile &track);
+/// Subtracts the first time from all.
+void begin_at_zero(TrackFile &track);
+
+/// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif, .wav, .ahap. The
+/// file appears under its name when it is whole. Throws TrackFileError.
+void write_track_file(const std::string &path, const TrackFile &track,
+                      const VibrationOptions &vibration = {});
 
 /// Returns whether the buffer begins with a sample or field of this project.
 bool is_own_track(GstBuffer *buffer);

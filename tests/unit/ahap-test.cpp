@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AHAP as Apple's Core Haptics reads it: its keys and ranges, and the intensity that a player
+// makes.
+#include "ahap.hpp"
+
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <rapidjson/document.h>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr int kRate = 8000;
+constexpr double kCarrier = 180;
+
+// A carrier whose amplitude follows a function of the time, s.
+std::vector<float> vibration(double seconds, const std::function<double(double)> &amplitude) {
+  std::vector<float> samples;
+  for (int i = 0; i < seconds * kRate; ++i) {
+    const double time = static_cast<double>(i) / kRate;
+    samples.push_back(
+        static_cast<float>(amplitude(time) * std::sin(2 * std::numbers::pi * kCarrier * time)));
+  }
+  return samples;
+}
+
+// A file as a player holds it.
+class Player {
+public:
+  explicit Player(const std::vector<float> &samples, int channels = 1) {
+    document_.Parse(haptic::write_ahap({samples, channels, kRate}, kCarrier).c_str());
+    EXPECT_FALSE(document_.HasParseError());
+    EXPECT_EQ(document_["Version"].GetDouble(), 1);
+    for (const auto &item : document_["Pattern"].GetArray()) {
+      EXPECT_EQ(item.MemberCount(), 1U);
+      if (item.HasMember("Event"))
+        add_event(item["Event"]);
+      else
+        add_curve(item["ParameterCurve"]);
+    }
+  }
+
+  int continuous = 0;
+  int transient = 0;
+
+  // Intensity, without the transient events.
+  double at(double time) const {
+    double event = 0;
+    for (const auto &[begin, end] : events_)
+      if (time >= begin && time <= end)
+        event = 1;
+    double control = 1;
+    for (std::size_t i = 1; i < points_.size(); ++i)
+      if (points_[i - 1].first <= time && time <= points_[i].first) {
+        const auto &[t0, v0] = points_[i - 1];
+        const auto &[t1, v1] = points_[i];
+        control = t1 > t0 ? v0 + (v1 - v0) * (time - t0) / (t1 - t0) : v1;
+      }
+    return event * control;
+  }
+
+private:
+  void add_event(const rapidjson::Value &event) {
+    const std::string type = event["EventType"].GetString();
+    const double time = event["Time"].GetDouble();
+    EXPECT_GE(time, 0);
+    for (const auto &parameter : event["EventParameters"].GetArray()) {
+      EXPECT_GE(parameter["ParameterValue"].GetDouble(), 0);
+      EXPECT_LE(parameter["ParameterValue"].GetDouble(), 1);
+    }
+    if (type == "HapticTransient") {
+      ++transient;
+      EXPECT_FALSE(event.HasMember("EventDuration"));
+      return;
+    }
+    EXPECT_EQ(type, "HapticContinuous");
+    ++continuous;
+    const double duration = event["EventDuration"].GetDouble();
+    EXPECT_GT(duration, 0);
+    EXPECT_LE(duration, 30);
+    events_.emplace_back(time, time + duration);
+  }
+  void add_curve(const rapidjson::Value &curve) {
+    EXPECT_STREQ(curve["ParameterID"].GetString(), "HapticIntensityControl");
+    const auto points = curve["ParameterCurveControlPoints"].GetArray();
+    EXPECT_GE(points.Size(), 2U);
+    EXPECT_LE(points.Size(), 16U);
+    for (const auto &point : points) {
+      EXPECT_GE(point["ParameterValue"].GetDouble(), 0);
+      EXPECT_LE(point["ParameterValue"].GetDouble(), 1);
+      points_.emplace_back(curve["Time"].GetDouble() + point["Time"].GetDouble(),
+                           point["ParameterValue"].GetDouble());
+    }
+  }
+
+  rapidjson::Document document_;
+  std::vector<std::pair<double, double>> events_;
+  std::vector<std::pair<double, double>> points_; // of all curves
+};
+
+TEST(Ahap, TheIntensityIsTheAmplitude) {
+  const auto amplitude = [](double time) { return 0.5 + 0.4 * std::sin(3 * time); };
+  const Player player(vibration(10, amplitude));
+  for (double time = 0.05; time < 9.9; time += 0.01)
+    EXPECT_NEAR(player.at(time), amplitude(time), 0.04) << time;
+  EXPECT_EQ(player.continuous, 1);
+  EXPECT_EQ(player.transient, 0);
+}
+
+TEST(Ahap, TheEnergyOfAllActuatorsCounts) {
+  std::vector<float> pair;
+  for (const float sample : vibration(1, [](double) { return 0.5; })) {
+    pair.push_back(0.6F * sample);
+    pair.push_back(0.8F * sample);
+  }
+  EXPECT_NEAR(Player(pair, 2).at(0.5), 0.5, 0.02);
+}
+
+TEST(Ahap, LongVibrationsAreSeveralEvents) {
+  const Player player(vibration(70, [](double time) { return 0.3 + 0.2 * std::sin(time); }));
+  EXPECT_EQ(player.continuous, 3);
+  for (double time = 1; time < 69; time += 0.1)
+    EXPECT_NEAR(player.at(time), 0.3 + 0.2 * std::sin(time), 0.04) << time;
+}
+
+TEST(Ahap, SilenceIsNoEventAndAKnockIsTransient) {
+  EXPECT_EQ(Player(vibration(1, [](double) { return 0; })).continuous, 0);
+  const Player knock(vibration(1, [](double time) { return time > 0.5 && time < 0.53 ? 0.7 : 0; }));
+  EXPECT_EQ(knock.continuous, 0);
+  EXPECT_EQ(knock.transient, 1);
+  EXPECT_EQ(Player({}).continuous, 0);
+}
+
+} // namespace
