@@ -15,13 +15,19 @@ inline ElementPtr make_pipeline() {
   return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
 }
 
-/// Throws TrackFileError if there is no such element. The pipeline owns it.
-inline GstElement *add_element(GstElement *pipeline, const char *factory) {
+/// Throws TrackFileError if there is no such element.
+inline ElementPtr make_element(const char *factory) {
   GstElement *element = gst_element_factory_make(factory, nullptr);
   if (!element)
     throw_error(messages::kElementIsMissing, factory);
-  gst_bin_add(GST_BIN(pipeline), element);
-  return element;
+  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(element)));
+}
+
+/// Throws TrackFileError if there is no such element. The pipeline owns it.
+inline GstElement *add_element(GstElement *pipeline, const char *factory) {
+  const ElementPtr element = make_element(factory);
+  gst_bin_add(GST_BIN(pipeline), element.get());
+  return element.get();
 }
 
 inline std::string error_of(GstMessage *message) {

@@ -454,14 +454,17 @@ void push(GstElement *in, std::span<const std::uint8_t> bytes, BufferTimes times
   gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
 }
 
+const char *caps_of_track(bool has_fields) {
+  return has_fields ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
+}
+
 // A hapticarray of the line has the name "array".
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
                      const VibrationOptions &vibration = {}) {
   GError *error = nullptr;
-  const std::string caps =
-      track.fields.empty() ? "haptics/x-raw,modality=velocity,layout=point" : HAPTIC_KLV_CAPS;
-  const std::string whole = "appsrc name=in format=time caps=\"" + caps + "\" ! hapticconvert ! " +
-                            line + " ! filesink name=out";
+  const std::string whole = "appsrc name=in format=time caps=\"" +
+                            std::string(caps_of_track(!track.fields.empty())) +
+                            "\" ! hapticconvert ! " + line + " ! filesink name=out";
   GstElement *made = gst_parse_launch(whole.c_str(), &error);
   if (!made || error) {
     const std::string what = error ? error->message : "unknown";
@@ -477,12 +480,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
   if (const ElementPtr array{gst_bin_get_by_name(GST_BIN(made), "array")})
     set_vibration(array.get(), vibration, !track.fields.empty());
   gst_element_set_state(made, GST_STATE_PLAYING);
-  for (const auto &sample : track.samples)
-    push(in.get(), pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
-  for (const auto &field : track.fields)
-    push(in.get(), write_klv(field), {field.time, field.duration},
-         is_key_field(field.bytes) ? 0 : GST_BUFFER_FLAG_DELTA_UNIT);
-  gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
+  push_track(in.get(), track);
   const BusPtr bus(gst_element_get_bus(made));
   GstMessage *message =
       gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
@@ -492,8 +490,10 @@ void write_container(const std::string &path, const TrackFile &track, const std:
     failure = error_of(message);
   gst_message_unref(message);
   gst_element_set_state(made, GST_STATE_NULL);
-  if (!failure.empty())
-    throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+  if (failure.empty())
+    return;
+  std::remove(path.c_str());
+  throw_error("\"%s\": %s", path.c_str(), failure.c_str());
 }
 
 constexpr char kArrayLine[] = "haptics/x-raw ! hapticarray name=array ! ";
@@ -598,6 +598,29 @@ void write_track_file(const std::string &path, const TrackFile &track,
   }
   if (std::rename(part.c_str(), path.c_str()) != 0)
     discard_output(part, path);
+}
+
+void push_track(GstElement *in, const TrackFile &track) {
+  for (const auto &sample : track.samples)
+    push(in, pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
+  for (const auto &field : track.fields)
+    push(in, write_klv(field), {field.time, field.duration},
+         is_key_field(field.bytes) ? 0 : GST_BUFFER_FLAG_DELTA_UNIT);
+  gst_app_src_end_of_stream(GST_APP_SRC(in));
+}
+
+TrackSource add_track_source(GstElement *pipeline, bool has_fields, GstElement *mux,
+                             bool is_matroska) {
+  GstElement *in = add_element(pipeline, "appsrc");
+  GstElement *convert = add_element(pipeline, "hapticconvert");
+  GstElement *form = add_element(pipeline, "capsfilter");
+  const CapsPtr raw(gst_caps_from_string(caps_of_track(has_fields)));
+  const CapsPtr coded(gst_caps_from_string(is_matroska ? HAPTIC_TEXT_CAPS : HAPTIC_KLV_CAPS));
+  g_object_set(in, "format", GST_FORMAT_TIME, "caps", raw.get(), "max-bytes", guint64{0}, nullptr);
+  g_object_set(form, "caps", coded.get(), nullptr);
+  if (!gst_element_link_many(in, convert, form, mux, nullptr))
+    throw_error(messages::kMuxerHasNoPlace, is_matroska ? HAPTIC_TEXT_TYPE : HAPTIC_KLV_TYPE);
+  return {in, form};
 }
 
 } // namespace haptic

@@ -6,6 +6,8 @@
 #include "track-sample.hpp"
 #include "vibration.hpp"
 
+#include <cstdint>
+#include <gst/gst.h>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,5 +45,18 @@ void write_track_file(const std::string &path, const TrackFile &track,
 
 /// Returns whether the buffer begins with a sample or field of this project.
 bool is_own_track(GstBuffer *buffer);
+
+/// Pushes the track into an appsrc that runs, and its end.
+void push_track(GstElement *in, const TrackFile &track);
+
+struct TrackSource {
+  GstElement *in;    ///< an appsrc
+  GstElement *coded; ///< its source pad has what the muxer gets
+};
+
+/// Adds an appsrc for a track of samples, or of fields as KLV, and links it to the muxer. Throws
+/// TrackFileError.
+TrackSource add_track_source(GstElement *pipeline, bool has_fields, GstElement *mux,
+                             bool is_matroska);
 
 } // namespace haptic

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The coded streams of a film, held in a pipeline until each has its place.
+#pragma once
+
+#include "gst-raii.hpp"
+
+#include <atomic>
+#include <functional>
+#include <gst/gst.h>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptic {
+
+/// Called some times a second while a pipeline runs. What it throws ends the work.
+using Poll = std::function<void()>;
+
+/// What the streams are for. A decoder may begin at any key frame: the parameter sets are repeated
+/// there.
+enum class FilmUse { copy, decode };
+
+class FilmStreams {
+public:
+  /// Opens the film and waits until all its streams are known. None flows before play(). Throws
+  /// TrackFileError. Initializes GStreamer.
+  FilmStreams(const std::string &path, FilmUse use, const Poll &poll);
+  ~FilmStreams();
+  FilmStreams(const FilmStreams &) = delete;
+  FilmStreams &operator=(const FilmStreams &) = delete;
+
+  GstElement *pipeline() const noexcept { return pipeline_.get(); }
+  GstPad *video() const noexcept { return video_; } ///< the first one
+  const std::vector<GstPad *> &audio() const noexcept { return audio_; }
+  const std::vector<GstPad *> &others() const noexcept { return others_; }
+
+  /// Lets the streams flow, each of which is linked, to their end or until an application message.
+  /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline.
+  void play(const Poll &poll);
+
+private:
+  static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);
+  static void block(GstElement *, GstPad *pad, gpointer data);
+  MessagePtr wait_for(GstMessageType wanted, const Poll &poll);
+  void wait_for_streams(const Poll &poll);
+  void sort();
+
+  FilmUse use_;
+  ElementPtr pipeline_;
+  // The source's streaming thread until all streams are known, then the main thread.
+  std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
+  std::atomic<std::size_t> shown_ = 0;
+  std::string unknown_; // caps of a stream that no parser knows
+  GstPad *video_ = nullptr;
+  std::vector<GstPad *> audio_;
+  std::vector<GstPad *> others_;
+};
+
+/// Drops what comes from the pad. A sink would hold the thread of the demuxer until the decoder has
+/// a frame, which waits for that thread.
+void discard_stream(GstPad *pad);
+
+/// Returns the running time of a frame (ns), or GST_CLOCK_TIME_NONE. In AVI, frames that depend on
+/// others have a decoding time only.
+GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
+
+} // namespace haptic
