@@ -102,6 +102,12 @@
   MESSAGE(kOutputFormIsUnknown, \
           "\"%s\": which form?", \
           "The name must end in .ts, .mkv, .klv, .txt, .hmpg, .hjif, .wav or .ahap.") \
+  MESSAGE(kFilmFormIsUnknown, \
+          "\"%s\": a film is cut into MPEG-TS or Matroska.", \
+          "The name must end in .ts or .mkv.") \
+  MESSAGE(kFilmHasNoVideo, \
+          "\"%s\": there is no video in this file.", \
+          "Cut the track without --with-video.") \
   MESSAGE(kOutputFails, \
           "\"%s\": the file cannot be written: %s.", \
           "Choose another place, or make room on the disk.") \

@@ -3,6 +3,7 @@
 #include "author.hpp"
 #include "compare.hpp"
 #include "field-track.hpp"
+#include "film-cut.hpp"
 #include "force-curve.hpp"
 #include "klv.hpp"
 #include "track-file.hpp"
@@ -31,8 +32,8 @@ using haptic::TrackSample;
 
 constexpr char kUsage[] =
     "Usage: haptic-track info FILE...\n"
-    "       haptic-track cut [--force] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
     "       haptic-track convert [--force] [--hand LOG] FILE OUTPUT\n"
+    "       haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
     "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
@@ -46,6 +47,7 @@ constexpr char kUsage[] =
     "  --map         of .wav: stroke, field or point; otherwise stroke\n"
     "  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
+    "  --with-video  cut the video and the sound too (.ts, .mkv), at the key frames around\n"
     "  --stream      the track with this name, where info shows several\n"
     "  --force       write over an output that exists\n"
     "compare prints how much of the time a hand could tell two files apart; each may be a track or "
@@ -75,6 +77,7 @@ struct Arguments {
   std::optional<double> from;
   std::optional<double> to;
   bool force = false;
+  bool with_video = false;
   std::string stream;
   haptic::AuthorOptions author;
   haptic::CompareOptions compare;
@@ -171,6 +174,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       (word == "--layout" ? arguments.vibration.layout : arguments.vibration.map) = words[i];
+    } else if (word == "--with-video") {
+      arguments.with_video = true;
     } else if (word == "--from" || word == "--to") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
@@ -395,13 +400,16 @@ void cut(const Arguments &arguments) {
   TrackFile track = read_some(arguments);
   const auto from = static_cast<std::uint64_t>(std::llround(arguments.from.value_or(0) * 1e9));
   const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
-  std::erase_if(track.samples,
-                [&](const TrackSample &sample) { return sample.time < from || sample.time >= to; });
-  track.fields = haptic::cut_fields(track.fields, from, to);
+  if (arguments.with_video) {
+    for (const auto &remark :
+         haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]))
+      std::fprintf(stderr, "haptic-track: \"%s\": %s\n", arguments.files[0].c_str(),
+                   remark.c_str());
+    return;
+  }
+  haptic::cut_track(track, from, to);
   if (track.empty())
     throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
-  for (auto &sample : track.samples)
-    sample.time -= from;
   haptic::write_track_file(arguments.files[1], track);
 }
 

@@ -609,6 +609,14 @@ void push_track(GstElement *in, const TrackFile &track) {
   gst_app_src_end_of_stream(GST_APP_SRC(in));
 }
 
+void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to) {
+  std::erase_if(track.samples,
+                [&](const TrackSample &sample) { return sample.time < from || sample.time >= to; });
+  for (auto &sample : track.samples)
+    sample.time -= from;
+  track.fields = cut_fields(track.fields, from, to);
+}
+
 TrackSource add_track_source(GstElement *pipeline, bool has_fields, GstElement *mux,
                              bool is_matroska) {
   GstElement *in = add_element(pipeline, "appsrc");

@@ -43,6 +43,9 @@ void begin_at_zero(TrackFile &track);
 void write_track_file(const std::string &path, const TrackFile &track,
                       const VibrationOptions &vibration = {});
 
+/// Removes what is not within [from, to) (ns). What is left begins at 0.
+void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);
+
 /// Returns whether the buffer begins with a sample or field of this project.
 bool is_own_track(GstBuffer *buffer);
 
