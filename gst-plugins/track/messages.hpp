@@ -153,6 +153,9 @@
   MESSAGE(kCopyHoldsNoFields, \
           "\"%s\": exists and holds no motion fields.", \
           "Move it away, or name another folder with --output.") \
+  MESSAGE(kVideoHasTrack, \
+          "there is a haptic track in this file already.", \
+          "Play it as it is, or author the video that it was made from.") \
   MESSAGE(kElementIsMissing, \
           "GStreamer has no element %s.", \
           "Those of this project come with its plugins (GST_PLUGIN_PATH), all others with gstreamer1.0-plugins-base, -good and -bad.") \
@@ -186,6 +189,9 @@
   MESSAGE(kProcessCrashed, \
           "\"%s\": its process %s.", \
           "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
+  MESSAGE(kKeysAreSparse, \
+          "there are up to %.0f s between two of its key frames, and a chunk begins with one: it has few chunks.", \
+          "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to share it.") \
   MESSAGE(kFolderIsMissing, \
           "there is no folder \"%s\".", \
           "Make it, or name another one with --output.") \

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "film-index.hpp"
+
+#include "copied-stream.hpp"
+#include "pipeline.hpp"
+#include "track-file.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <memory>
+
+namespace haptic {
+namespace {
+
+// Of the key frames at which the decoder may begin for a span, the last one that has so many frames
+// before the span: kFramesBefore, and those that a decoder may leave out after an open group.
+constexpr std::uint64_t kDecodedBefore = 32;
+// A film whose key frames are further apart (ns) is said to have few.
+constexpr std::uint64_t kSparse = 60'000'000'000;
+// A file ends early if it lacks more than this share of its length and more than this time.
+constexpr double kMissingShare = 0.02;
+constexpr GstClockTime kMissing = GST_SECOND;
+
+struct KeyFrame {
+  std::uint64_t time = 0;   // ns, running time
+  std::uint64_t number = 0; // of the frame, as they are decoded
+};
+
+struct Scan {
+  GstElement *pipeline = nullptr;
+  GstPad *video = nullptr;
+  std::vector<KeyFrame> keys; // the video's streaming thread, as the rest
+  std::uint64_t frames = 0;
+  std::string rotation;       // as the tag has it
+  std::uint64_t position = 0; // ns, the end of the video that was read
+  // ns, the end of all streams that were read: sound may be longer. Any streaming thread.
+  std::atomic<std::uint64_t> end = 0;
+};
+
+void raise(std::atomic<std::uint64_t> &time, std::uint64_t to) {
+  for (std::uint64_t before = time; before < to;)
+    if (time.compare_exchange_weak(before, to))
+      break;
+}
+
+// Moves the end, and that of the video, to the end of a buffer, if that is later.
+GstPadProbeReturn advance(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  const GstClockTime start = running_time_of(pad, buffer);
+  if (!GST_CLOCK_TIME_IS_VALID(start))
+    return GST_PAD_PROBE_OK;
+  const std::uint64_t end =
+      start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0);
+  auto &scan = *static_cast<Scan *>(data);
+  if (pad == scan.video)
+    scan.position = std::max(scan.position, end);
+  raise(scan.end, end);
+  return GST_PAD_PROBE_OK;
+}
+
+GstPadProbeReturn note_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &scan = *static_cast<Scan *>(data);
+  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  const GstClockTime time = running_time_of(pad, buffer);
+  if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
+    scan.keys.push_back({time, scan.frames});
+  ++scan.frames;
+  return GST_PAD_PROBE_OK;
+}
+
+GstPadProbeReturn note_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
+    return GST_PAD_PROBE_OK;
+  GstTagList *tags = nullptr;
+  gst_event_parse_tag(event, &tags);
+  gchar *text = nullptr;
+  if (gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text))
+    static_cast<Scan *>(data)->rotation = GCharPtr(text).get();
+  return GST_PAD_PROBE_OK;
+}
+
+// A copy has one haptic track.
+GstPadProbeReturn refuse_track(GstPad *, GstPadProbeInfo *info, gpointer data) {
+  if (is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
+    GST_ELEMENT_ERROR(static_cast<Scan *>(data)->pipeline, STREAM, FORMAT,
+                      ("%s", messages::kVideoHasTrack), (nullptr));
+  return GST_PAD_PROBE_OK;
+}
+
+bool is_matroska(const std::string &path) {
+  char head[kMatroskaMagic.size()] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof head);
+  return std::string_view(head, sizeof head) == kMatroskaMagic;
+}
+
+// Returns the ending of MPEG-TS if that has a place for all streams. Streams from Matroska have no
+// decoding times and go back into Matroska.
+std::string choose_ending(const std::string &path, const FilmStreams &film) {
+  const auto fits = [](GstPad *pad) { return has_place(muxer_of(kTransportStream), pad); };
+  if (!is_matroska(path) && fits(film.video()) && std::ranges::all_of(film.audio(), fits))
+    return kTransportStream;
+  if (!has_place(muxer_of(kMatroska), film.video()))
+    throw_error(messages::kNoContainer, name_of(caps_of(film.video()).get()));
+  return kMatroska;
+}
+
+void find_warnings(const FilmStreams &film, FilmIndex &index) {
+  const auto warn_of = [&](GstPad *pad, const char *what) {
+    if (!has_place(muxer_of(index.ending), pad))
+      index.warnings.push_back(std::string(what) + " was left out: " + name_of(caps_of(pad).get()));
+  };
+  if (g_str_equal(name_of(caps_of(film.video()).get()), "video/x-dnxhd"))
+    index.warnings.emplace_back(
+        "in Matroska, GStreamer does not know DNxHD; players with FFmpeg do");
+  for (GstPad *pad : film.audio())
+    warn_of(pad, "the sound");
+  for (GstPad *pad : film.others())
+    warn_of(pad, "a further stream");
+}
+
+// Returns the spans. The first one begins with the film.
+std::vector<Span> divide(const std::vector<KeyFrame> &keys) {
+  std::vector<Span> spans = {{}};
+  auto start = keys.begin(); // where the decoder begins
+  for (const KeyFrame &key : keys) {
+    const std::uint64_t least = spans.size() > 1 ? spans.back().begin : keys.front().time;
+    if (key.time < least + kSpanLength)
+      continue;
+    while (start + 1 != keys.end() && (start + 1)->number + kDecodedBefore <= key.number)
+      ++start;
+    spans.push_back({key.time, start->time});
+  }
+  return spans;
+}
+
+void warn_of_sparse_keys(const Scan &scan, FilmIndex &index) {
+  std::uint64_t longest = 0;
+  for (std::size_t i = 0; i < scan.keys.size(); ++i) {
+    const std::uint64_t next = i + 1 < scan.keys.size() ? scan.keys[i + 1].time : scan.position;
+    longest = std::max(longest, next - std::min(next, scan.keys[i].time));
+  }
+  if (longest > kSparse)
+    index.warnings.push_back(
+        formatted(messages::kKeysAreSparse, static_cast<double>(longest) * 1e-9));
+}
+
+void check_whole(const Scan &scan, GstClockTime duration) {
+  const std::uint64_t position = scan.end;
+  if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
+      static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
+    throw_error(messages::kFileEndsEarly, static_cast<double>(position) * 1e-9,
+                static_cast<double>(duration) * 1e-9);
+}
+
+// The film ends when each of its sinks has an end.
+void read_to_end(const FilmStreams &film, GstPad *pad) {
+  GstElement *sink = add_element(film.pipeline(), "fakesink");
+  g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
+  link_pad(pad, sink);
+}
+
+// Refuses another size than the first one.
+struct SizeWatch {
+  GstElement *pipeline = nullptr;
+  gint width = 0; // px
+  gint height = 0;
+  double position = 0; // s
+};
+
+GstPadProbeReturn watch_size(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &watch = *static_cast<SizeWatch *>(data);
+  if ((GST_PAD_PROBE_INFO_TYPE(info) & GST_PAD_PROBE_TYPE_BUFFER) != 0) {
+    if (const auto time = running_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
+        GST_CLOCK_TIME_IS_VALID(time))
+      watch.position = static_cast<double>(time) * 1e-9;
+    return GST_PAD_PROBE_OK;
+  }
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
+    return GST_PAD_PROBE_OK;
+  GstCaps *caps = nullptr;
+  gst_event_parse_caps(event, &caps);
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  gint width = 0;
+  gint height = 0;
+  if (!gst_structure_get_int(structure, "width", &width) ||
+      !gst_structure_get_int(structure, "height", &height))
+    return GST_PAD_PROBE_OK;
+  if (watch.width == 0) {
+    watch.width = width;
+    watch.height = height;
+  }
+  if (width == watch.width && height == watch.height)
+    return GST_PAD_PROBE_OK;
+  GST_ELEMENT_ERROR(
+      watch.pipeline, STREAM, FORMAT,
+      (messages::kFrameSizeChanges, watch.width, watch.height, width, height, watch.position),
+      (nullptr));
+  return GST_PAD_PROBE_DROP;
+}
+
+} // namespace
+
+void refuse_other_size(GstElement *pipeline, GstPad *pad) {
+  auto watch = std::make_unique<SizeWatch>(SizeWatch{.pipeline = pipeline});
+  gst_pad_add_probe(
+      pad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM | GST_PAD_PROBE_TYPE_BUFFER),
+      watch_size, watch.release(), [](gpointer data) { delete static_cast<SizeWatch *>(data); });
+}
+
+const char *muxer_of(const std::string &ending) {
+  return ending == kMatroska ? "matroskamux" : "mpegtsmux";
+}
+
+FilmIndex index_film(const std::string &path, const Poll &poll) {
+  FilmStreams film(path, FilmUse::copy, poll);
+  Scan scan{.pipeline = film.pipeline(), .video = film.video()};
+  FilmIndex index;
+  index.ending = choose_ending(path, film);
+  find_warnings(film, index);
+  gint64 duration = 0;
+  const bool has_duration =
+      gst_pad_query_duration(film.video(), GST_FORMAT_TIME, &duration) && duration > 0;
+  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, note_frame, &scan, nullptr);
+  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, note_rotation, &scan,
+                    nullptr);
+  refuse_other_size(film.pipeline(), film.video());
+  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
+  for (GstPad *pad : film.audio()) {
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
+    read_to_end(film, pad);
+  }
+  for (GstPad *pad : film.others()) {
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, refuse_track, &scan, nullptr);
+    read_to_end(film, pad);
+  }
+  read_to_end(film, film.video());
+  film.play(poll);
+  if (scan.frames == 0)
+    throw_error(messages::kNoFrameIsDecoded);
+  check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE);
+  index.duration = scan.position;
+  index.spans = divide(scan.keys);
+  warn_of_sparse_keys(scan, index);
+  if (!scan.rotation.empty() && scan.rotation != "rotate-0")
+    index.warnings.push_back("the rotation was left out: " + scan.rotation);
+  return index;
+}
+
+} // namespace haptic

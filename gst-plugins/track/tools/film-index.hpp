@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What must be known of a film before it is authored: where it can be divided, which container its
+// copy gets, and what of it has no place there.
+#pragma once
+
+#include "film-streams.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+/// A span begins at a key frame. What is measured in it depends on no frame further back than
+/// kFramesBefore (span-measure.hpp), so that any process can measure it.
+struct Span {
+  std::uint64_t begin = 0;       ///< ns, running time
+  std::uint64_t decode_from = 0; ///< ns, of the key frame at which the decoder has to begin
+};
+
+/// A span ends at the first key frame that is so much later than its begin (ns).
+inline constexpr std::uint64_t kSpanLength = 10'000'000'000;
+
+struct FilmIndex {
+  std::vector<Span> spans;
+  std::string ending;                ///< of the copy: kTransportStream or kMatroska
+  std::uint64_t duration = 0;        ///< ns
+  std::vector<std::string> warnings; ///< what of the film is not in the copy
+};
+
+inline constexpr char kTransportStream[] = ".ts";
+inline constexpr char kMatroska[] = ".mkv";
+
+/// Reads the whole film without decoding it. Throws TrackFileError if it cannot be authored.
+FilmIndex index_film(const std::string &path, const Poll &poll);
+
+/// Returns the name of the muxer of such a copy.
+const char *muxer_of(const std::string &ending);
+
+/// Lets an error message be posted if the caps of the pad change the size of the frames.
+void refuse_other_size(GstElement *pipeline, GstPad *pad);
+
+} // namespace haptic
