@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chunk-file.hpp"
+
+#include "track-error.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+#include <string_view>
+
+namespace haptic {
+namespace {
+
+// The last line: this, the mark, frames, confidence and the SHA-256 of what stands before it.
+constexpr std::string_view kLastLine = "\nfeeling-wind-chunk ";
+constexpr std::size_t kLongestLine = 256;
+
+} // namespace
+
+// ---- writing ------------------------------------------------------------------------------------
+
+ChunkWriter::ChunkWriter(std::string path, std::string mark)
+    : path_(std::move(path)), mark_(std::move(mark)), part_(path_ + ".part"),
+      file_(part_.path(), std::ios::binary | std::ios::trunc) {}
+
+void ChunkWriter::write(const void *bytes, std::size_t size) {
+  if (!file_.write(static_cast<const char *>(bytes), static_cast<std::streamsize>(size)))
+    throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
+}
+
+void ChunkWriter::add(const CodedField &field) {
+  const std::vector<std::uint8_t> set = write_klv(field);
+  hash_.add(set.data(), set.size());
+  write(set.data(), set.size());
+}
+
+void ChunkWriter::finish(const ChunkStats &stats) {
+  std::ostringstream line;
+  line << kLastLine << mark_ << ' ' << stats.frames << ' ' << stats.confidence << ' '
+       << hash_.digits() << '\n';
+  const std::string text = line.str();
+  write(text.data(), text.size());
+  if (!file_.flush())
+    throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
+  part_.keep_as(path_);
+}
+
+// ---- reading ------------------------------------------------------------------------------------
+
+ChunkReader::ChunkReader(const std::string &path, const std::string &mark) {
+  file_.reset(g_mapped_file_new(path.c_str(), FALSE, nullptr));
+  if (!file_)
+    return;
+  state_ = ChunkState::damaged;
+  const std::string_view all(g_mapped_file_get_contents(file_.get()),
+                             g_mapped_file_get_length(file_.get()));
+  const std::size_t from = all.size() > kLongestLine ? all.size() - kLongestLine : 0;
+  const std::size_t at = all.substr(from).rfind(kLastLine);
+  if (at == all.npos)
+    return;
+  size_ = from + at;
+  std::istringstream line{std::string(all.substr(size_ + kLastLine.size()))};
+  std::string held_mark;
+  std::string held_sum;
+  if (!(line >> held_mark >> stats_.frames >> stats_.confidence >> held_sum))
+    return;
+  ContentHash hash;
+  hash.add(all.data(), size_);
+  if (held_sum == hash.digits())
+    state_ = held_mark == mark ? ChunkState::whole : ChunkState::foreign;
+}
+
+std::span<const std::uint8_t> ChunkReader::fields() const noexcept {
+  return {reinterpret_cast<const std::uint8_t *>(g_mapped_file_get_contents(file_.get())), size_};
+}
+
+} // namespace haptic

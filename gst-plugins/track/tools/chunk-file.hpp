@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The motion fields of some spans of a film as a file: sets of KLV, and a line of text that says
+// what they belong to.
+#pragma once
+
+#include "klv.hpp"
+#include "part-file.hpp"
+#include "source-mark.hpp"
+
+#include <cstdint>
+#include <fstream>
+#include <glib.h>
+#include <memory>
+#include <string>
+
+namespace haptic {
+
+struct ChunkStats {
+  std::uint64_t frames = 0;     ///< that were measured
+  std::uint64_t confidence = 0; ///< sum over the frames of their cells' mean confidence, millionths
+};
+
+/// Appears under its name when it is whole and on the disk. Throws TrackFileError.
+class ChunkWriter {
+public:
+  /// `mark` names film, settings and spans.
+  ChunkWriter(std::string path, std::string mark);
+  void add(const CodedField &field);
+  void finish(const ChunkStats &stats);
+
+private:
+  void write(const void *bytes, std::size_t size);
+
+  std::string path_;
+  std::string mark_;
+  PartFile part_;
+  std::ofstream file_;
+  ContentHash hash_;
+};
+
+enum class ChunkState {
+  whole,
+  missing,
+  damaged,
+  foreign ///< of another film or version, or with other settings
+};
+
+class ChunkReader {
+public:
+  ChunkReader(const std::string &path, const std::string &mark);
+  ChunkState state() const noexcept { return state_; }
+  const ChunkStats &stats() const noexcept { return stats_; }
+  /// All fields, as sets of KLV. They stay valid while this object exists.
+  std::span<const std::uint8_t> fields() const noexcept;
+
+private:
+  std::unique_ptr<GMappedFile, decltype(&g_mapped_file_unref)> file_{nullptr, g_mapped_file_unref};
+  std::size_t size_ = 0; // bytes of the fields
+  ChunkState state_ = ChunkState::missing;
+  ChunkStats stats_;
+};
+
+} // namespace haptic

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "span-measure.hpp"
+
+#include "copied-stream.hpp"
+#include "key-requests.hpp"
+#include "motion-field.hpp"
+#include "pipeline.hpp"
+#include "track-buffer.hpp"
+#include "track-form.hpp"
+
+#include <deque>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr guint kQueueBytes = 4 << 20;
+constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
+
+// Frames come from the decoder, go to motionfield, and their fields to the file.
+struct Measuring {
+  std::span<const Span> spans;
+  SpanRange range;
+  ChunkWriter &out;
+  FilmStreams &film;
+
+  // The decoder's streaming thread. Its sending of frames to motionfield returns when the field is
+  // written.
+  PadPtr field_in;
+  std::deque<BufferPtr> before; // the last frames
+  std::size_t next = 0;         // span, not yet begun
+  bool within = false;          // a span of the range
+  bool repeats = false;         // frames before a span are measured again
+  bool over = false;
+  std::unique_ptr<TrackForm> form; // with the encoder
+  ChunkStats stats;
+  std::string failure;
+  MotionField field; // kept for its memory
+
+  KeyRequests keys{std::numeric_limits<std::size_t>::max()}; // the queue limits them
+  bool decodes = false;                                      // the video's streaming thread
+
+  std::atomic<std::uint64_t> frames = 0;
+  std::atomic<std::uint64_t> position = 0; // ns
+
+  std::uint64_t begin_of(std::size_t span) const {
+    return span < spans.size() ? spans[span].begin : kNoEnd;
+  }
+};
+
+// ---- coded frames -------------------------------------------------------------------------------
+
+// Leaves out what stands before the key frame at which the decoder begins, and notes the times of
+// key frames: a player that tunes in begins with one, so that the field beside it is a key field.
+GstPadProbeReturn watch_coded(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &all = *static_cast<Measuring *>(data);
+  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  const bool is_key = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
+  const GstClockTime time = running_time_of(pad, buffer);
+  const bool has_time = GST_CLOCK_TIME_IS_VALID(time);
+  const std::uint64_t from = all.spans[all.range.begin].decode_from;
+  all.decodes = all.decodes || from == 0 || (is_key && has_time && time >= from);
+  if (!all.decodes)
+    return GST_PAD_PROBE_DROP;
+  if (is_key && has_time)
+    all.keys.add(EventPtr(make_key_request(time)).get());
+  return GST_PAD_PROBE_OK;
+}
+
+// ---- frames -------------------------------------------------------------------------------------
+
+void end(Measuring &all, std::string failure = {}) {
+  if (std::exchange(all.over, true))
+    return;
+  all.failure = std::move(failure);
+  GstElement *pipeline = all.film.pipeline();
+  gst_element_post_message(
+      pipeline, gst_message_new_application(GST_OBJECT(pipeline), gst_structure_new_empty("over")));
+}
+
+// The tracker forgets all before the first of the frames that it is given again.
+void begin_span(Measuring &all) {
+  all.form = make_raw_form(TrackLayout::field);
+  all.within = all.repeats = true;
+  bool is_first = true;
+  for (const BufferPtr &frame : all.before) {
+    BufferPtr again(gst_buffer_copy(frame.get()));
+    GST_BUFFER_FLAG_UNSET(again.get(), GST_BUFFER_FLAG_DISCONT);
+    if (std::exchange(is_first, false))
+      GST_BUFFER_FLAG_SET(again.get(), GST_BUFFER_FLAG_DISCONT);
+    gst_pad_chain(all.field_in.get(), again.release());
+  }
+  all.repeats = false;
+}
+
+GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &all = *static_cast<Measuring *>(data);
+  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+  const std::uint64_t time = running_time_of(pad, frame); // without one: the largest number
+  bool begins = false;
+  while (time != kNoEnd && time >= all.begin_of(all.next)) {
+    ++all.next;
+    begins = true;
+  }
+  if (all.next > all.range.end)
+    end(all);
+  if (all.over)
+    return GST_PAD_PROBE_DROP;
+  if (begins && all.next > all.range.begin)
+    begin_span(all);
+  all.before.emplace_back(gst_buffer_ref(frame));
+  if (all.before.size() > kFramesBefore)
+    all.before.pop_front();
+  return all.within ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
+}
+
+// ---- fields -------------------------------------------------------------------------------------
+
+std::uint64_t mean_confidence(const MotionField &field) {
+  const double sum = std::accumulate(
+      field.cells.begin(), field.cells.end(), 0.0,
+      [](double all, const auto &cell) { return all + static_cast<double>(cell.confidence); });
+  return static_cast<std::uint64_t>(1e6 * sum / static_cast<double>(field.cells.size()));
+}
+
+void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
+  const ReadableBuffer readable(buffer);
+  if (!readable || !unpack_motion_field(readable.bytes(), all.field))
+    return;
+  const GstClockTime time = running_time_of(pad, buffer);
+  if (!GST_CLOCK_TIME_IS_VALID(time))
+    return;
+  if (all.keys.is_due(time))
+    all.form->restart();
+  std::vector<TrackItem> items;
+  all.form->read({readable.bytes(), time, GST_BUFFER_DURATION(buffer),
+                  GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
+                  GST_BUFFER_IS_DISCONT(buffer) != FALSE},
+                 items);
+  for (TrackItem &item : items)
+    if (auto *timed = std::get_if<TimedField>(&item)) {
+      timed->field.time = timed->time;
+      all.out.add(timed->field);
+    }
+  ++all.stats.frames;
+  all.stats.confidence += mean_confidence(all.field);
+  all.frames = all.stats.frames;
+  all.position = time;
+}
+
+GstPadProbeReturn convert_field(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  auto &all = *static_cast<Measuring *>(data);
+  if (all.repeats || all.over)
+    return GST_PAD_PROBE_OK;
+  try {
+    write_field(all, pad, GST_PAD_PROBE_INFO_BUFFER(info));
+  } catch (const std::exception &error) {
+    end(all, error.what());
+  }
+  return GST_PAD_PROBE_OK;
+}
+
+// ---- the pipeline -------------------------------------------------------------------------------
+
+// Links video -> decoder -> motionfield. The decoder has a pad when it has seen a frame.
+void build(Measuring &all, unsigned columns) {
+  GstElement *pipeline = all.film.pipeline();
+  GstElement *queue = add_queue(pipeline, kQueueBytes);
+  GstElement *decoder = add_element(pipeline, "decodebin");
+  GstElement *convert = add_element(pipeline, "videoconvert");
+  GstElement *field = add_element(pipeline, "motionfield");
+  GstElement *sink = add_element(pipeline, "fakesink");
+  g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
+  if (columns > 0)
+    g_object_set(field, "field-columns", columns, nullptr);
+  link_elements(queue, decoder);
+  link_elements(convert, field);
+  link_elements(field, sink);
+  gst_pad_add_probe(all.film.video(), GST_PAD_PROBE_TYPE_BUFFER, watch_coded, &all, nullptr);
+  const PadPtr in(gst_element_get_static_pad(convert, "sink"));
+  refuse_other_size(pipeline, in.get());
+  const PadPtr frames(gst_element_get_static_pad(convert, "src"));
+  gst_pad_add_probe(frames.get(), GST_PAD_PROBE_TYPE_BUFFER, divide_frames, &all, nullptr);
+  all.field_in.reset(gst_element_get_static_pad(field, "sink"));
+  const PadPtr fields(gst_element_get_static_pad(field, "src"));
+  gst_pad_add_probe(fields.get(), GST_PAD_PROBE_TYPE_BUFFER, convert_field, &all, nullptr);
+  g_signal_connect(decoder, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
+                     const PadPtr to(
+                         gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));
+                     if (!gst_pad_is_linked(to.get()))
+                       gst_pad_link(pad, to.get());
+                   }),
+                   convert);
+  link_pad(all.film.video(), queue);
+  for (const auto *others : {&all.film.audio(), &all.film.others()})
+    for (GstPad *pad : *others)
+      discard_stream(pad);
+}
+
+} // namespace
+
+ChunkStats
+measure_spans(const std::string &path, unsigned columns, std::span<const Span> spans,
+              SpanRange range, ChunkWriter &out,
+              const std::function<void(std::uint64_t frames, std::uint64_t position)> &report) {
+  FilmStreams film(path, FilmUse::decode, [&] { report(0, 0); });
+  Measuring all{.spans = spans, .range = range, .out = out, .film = film};
+  build(all, columns);
+  film.play([&] { report(all.frames, all.position); });
+  if (!all.failure.empty())
+    throw TrackFileError(all.failure);
+  if (all.stats.frames == 0)
+    throw_error(messages::kNoFrameIsDecoded);
+  return all.stats;
+}
+
+} // namespace haptic
