@@ -189,9 +189,18 @@
   MESSAGE(kProcessCrashed, \
           "\"%s\": its process %s.", \
           "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
+  MESSAGE(kFilmHasChanged, \
+          "\"%s\": the video has changed since the plan was made.", \
+          "Make a new plan with haptic-track author --plan.") \
   MESSAGE(kKeysAreSparse, \
           "there are up to %.0f s between two of its key frames, and a chunk begins with one: it has few chunks.", \
           "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to share it.") \
+  MESSAGE(kPlanIsWrong, \
+          "\"%s\": this is no plan, or it was changed.", \
+          "Make one with haptic-track author --plan VIDEO... > plan.json.") \
+  MESSAGE(kPlanIsOfOtherVersion, \
+          "\"%s\": version %s made this plan, and this is version %s.", \
+          "Use one version on all machines, and make a new plan with it.") \
   MESSAGE(kFolderIsMissing, \
           "there is no folder \"%s\".", \
           "Make it, or name another one with --output.") \

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The plan of an authoring: which films, and the chunks that processes measure in any order.
+#pragma once
+
+#include "film-index.hpp"
+#include "span-measure.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+/// Of a motion field (field-columns of motionfield).
+inline constexpr unsigned kFewestColumns = 4;
+inline constexpr unsigned kMostColumns = 96;
+
+struct AuthorOptions {
+  std::string folder;   ///< of the copies; empty: that of each video
+  unsigned columns = 0; ///< of the motion field; 0: as motionfield has it
+};
+
+struct PlannedFilm {
+  std::string path;
+  std::uint64_t size = 0;    ///< bytes
+  std::int64_t modified = 0; ///< ns since 1970
+  std::string hash;          ///< SHA-256
+  FilmIndex index;
+};
+
+struct PlannedChunk {
+  std::size_t film = 0; ///< index
+  SpanRange spans;
+};
+
+struct Plan {
+  AuthorOptions options;
+  std::vector<PlannedFilm> films;
+  std::vector<PlannedChunk> chunks; ///< those of a film stand together, in order
+};
+
+/// Returns the film without an index. Throws TrackFileError if it cannot be read.
+PlannedFilm identify(const std::string &path);
+
+/// Throws TrackFileError if the film is no longer the same. A film with another time has to have
+/// the same content, and so has each one if `wholly`.
+void check_unchanged(const PlannedFilm &film, bool wholly);
+
+/// Divides the spans of the films into about `count` chunks, as long as each other; at least one a
+/// film, and of a single film not more than it has spans.
+std::vector<PlannedChunk> divide_films(const std::vector<PlannedFilm> &films, std::size_t count);
+
+/// Returns the name of the copy without its ending. Two videos may not have the same one.
+std::string author_stem(const std::string &path, const AuthorOptions &options);
+
+/// Returns the mark of the copy.
+std::string copy_mark(const PlannedFilm &film, const AuthorOptions &options);
+
+/// Returns the file with the fields of a chunk, and its mark.
+std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options);
+std::string chunk_mark(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options);
+
+/// Returns the plan as JSON.
+std::string write_plan(const Plan &plan);
+
+/// Throws TrackFileError if it is none, or one of another version of this program.
+Plan read_plan(const std::string &path);
+
+} // namespace haptic
