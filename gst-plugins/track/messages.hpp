@@ -153,6 +153,9 @@
   MESSAGE(kCopyHoldsNoFields, \
           "\"%s\": exists and holds no motion fields.", \
           "Move it away, or name another folder with --output.") \
+  MESSAGE(kCopyIsOfAnother, \
+          "\"%s\": may be the copy of \"%s\", a video of the same name.", \
+          "Remove the copy, rename one of the videos, or name another folder with --output.") \
   MESSAGE(kVideoHasTrack, \
           "there is a haptic track in this file already.", \
           "Play it as it is, or author the video that it was made from.") \
@@ -184,11 +187,14 @@
           "no further process can be started: %s.", \
           "Give fewer --jobs, or end other programs.") \
   MESSAGE(kCopyNamesCollide, \
-          "\"%s\": its copy would have the name of that of \"%s\".", \
-          "Rename it, or name another folder with --output.") \
+          "\"%s\": its copy would have the name of that of \"%s\"; nothing was begun.", \
+          "Rename one of them, or author them one by one into two folders (--output).") \
   MESSAGE(kProcessCrashed, \
-          "\"%s\": its process %s.", \
+          "\"%s\": its process was ended by the signal: %s.", \
           "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
+  MESSAGE(kAuthoringIsInterrupted, \
+          "it was interrupted.", \
+          "Run it again to go on.") \
   MESSAGE(kFilmHasChanged, \
           "\"%s\": the video has changed since the plan was made.", \
           "Make a new plan with haptic-track author --plan.") \
@@ -201,6 +207,21 @@
   MESSAGE(kPlanIsOfOtherVersion, \
           "\"%s\": version %s made this plan, and this is version %s.", \
           "Use one version on all machines, and make a new plan with it.") \
+  MESSAGE(kChunkIsUnknown, \
+          "\"%s\": there is no chunk %u in this plan, which has %zu.", \
+          "The first chunk is 0.") \
+  MESSAGE(kChunkIsMissing, \
+          "\"%s\": this chunk is missing, number %zu of the plan.", \
+          "Run haptic-track author --chunk with this number, then merge again.") \
+  MESSAGE(kChunkIsDamaged, \
+          "\"%s\": this chunk is damaged, number %zu of the plan.", \
+          "Run haptic-track author --chunk with this number, then merge again.") \
+  MESSAGE(kChunkIsForeign, \
+          "\"%s\": this chunk is of another video or version, or has other settings than number %zu of the plan.", \
+          "Run haptic-track author --chunk with this number, then merge again.") \
+  MESSAGE(kCommandNeedsPlan, \
+          "%s needs one plan.", \
+          "Make it with haptic-track author --plan VIDEO... > plan.json.") \
   MESSAGE(kFolderIsMissing, \
           "there is no folder \"%s\".", \
           "Make it, or name another one with --output.") \
@@ -265,7 +286,7 @@
           "a hand could tell the files apart in %.1f %% of the time; %.1f %% were allowed.", \
           "See with --plot when, and --help for the options.") \
   MESSAGE(kCommandNeedsVideo, \
-          "author needs a video.", \
+          "%s needs a video.", \
           "See --help.") \
   MESSAGE(kCommandNeedsFile, \
           "info needs a file.", \

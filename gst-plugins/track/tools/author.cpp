@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author.hpp"
 
-#include "track-file.hpp"
+#include "author-file.hpp"
+#include "author-manifest.hpp"
+#include "source-mark.hpp"
+#include "track-error.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -11,9 +14,6 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
-#include <poll.h>
-#include <sstream>
-#include <string_view>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -23,330 +23,378 @@
 namespace haptic {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLineEvery = std::chrono::seconds(10); // where there is no terminal
-constexpr auto kBarEvery = std::chrono::milliseconds(200);
-constexpr int kBarWidth = 24; // characters
-constexpr int kInterrupted = 130;
+constexpr auto kLineEvery = std::chrono::seconds(10); // of progress
+constexpr int kInterrupted = 130;                     // exit statuses of a process
+constexpr int kExists = 3;
 
 volatile std::sig_atomic_t interrupted = 0;
 
-std::string single_line(std::string text) {
-  std::ranges::replace(text, '\n', ' ');
-  return text;
-}
-
-// ---- the process of one video -------------------------------------------------------------------
-
-// Authors one video and writes lines to `out`: "P done frames" (progress) again and again, "R
-// remark", and at the end "D frames path" (done), "S frames path" (it was there) or "E error".
-int work_on(const std::string &path, const AuthorOptions &options, int out) {
-  const auto send_line = [&](const std::string &line) {
-    const std::string whole = single_line(line) + "\n";
-    // Nobody reads the lines any more.
-    if (write(out, whole.data(), whole.size()) < 0)
-      _exit(EXIT_FAILURE);
-  };
-  try {
-    const Authored made = author_file(path, options, [&](const AuthorProgress &progress) {
-      send_line("P " + std::to_string(progress.done) + " " + std::to_string(progress.frames));
-    });
-    for (const auto &remark : made.remarks)
-      send_line("R " + remark);
-    send_line((made.existed ? "S " : "D ") + std::to_string(made.frames) + " " + made.path);
-    return EXIT_SUCCESS;
-  } catch (const std::exception &error) {
-    send_line(std::string("E ") + error.what());
-    return EXIT_FAILURE;
-  }
-}
-
-struct Job {
-  std::string path;
-  double weight = 1; // bytes of the video
-  pid_t pid = 0;
-  int in = -1;
-  std::string unread; // a line that has not wholly come
-  double done = 0;
-  std::uint64_t frames = 0;
-  std::string result; // the last line
-  Clock::time_point begun;
-};
-
-Job start(const std::string &path, const AuthorOptions &options) {
-  int ends[2];
-  if (pipe(ends) != 0)
-    throw_error(messages::kProcessFails, std::strerror(errno));
-  std::fflush(nullptr);
-  const pid_t parent = getpid();
-  const pid_t pid = fork();
-  if (pid < 0)
-    throw_error(messages::kProcessFails, std::strerror(errno));
-  if (pid == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL); // nobody works on for a dead one
-    if (getppid() != parent)
-      _exit(EXIT_FAILURE);
-    signal(SIGINT, SIG_IGN); // the parent decides
-    signal(SIGTERM, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
-    close(ends[0]);
-    const int status = work_on(path, options, ends[1]);
-    std::fflush(nullptr);
-    _exit(status);
-  }
-  close(ends[1]);
-  Job job;
-  job.path = path;
-  job.pid = pid;
-  job.in = ends[0];
-  job.begun = Clock::now();
-  return job;
-}
-
-// ---- what the user sees -------------------------------------------------------------------------
-
-std::string duration_text(double seconds) {
-  char text[32];
-  const auto whole = static_cast<long>(seconds);
-  if (whole < 60)
-    std::snprintf(text, sizeof text, "%ld s", whole);
-  else if (whole < 3600)
-    std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
-  else
-    std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
-  return text;
-}
-
-double since(Clock::time_point time) {
-  return std::max(1e-3, std::chrono::duration<double>(Clock::now() - time).count());
-}
-
-double size_of(const std::string &path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  return error ? 1 : std::max(1.0, static_cast<double>(size));
-}
-
-class Authoring {
-public:
-  Authoring(const std::vector<std::string> &files, const AuthorOptions &options)
-      : files_(files), options_(options) {
-    for (const auto &file : files)
-      all_weight_ += size_of(file);
-  }
-
-  int run(unsigned most_jobs) {
-    for (;;) {
-      while (interrupted == 0 && jobs_.size() < most_jobs && next_ < files_.size())
-        begin_next();
-      if (jobs_.empty())
-        break;
-      if (interrupted != 0) {
-        stop_all();
-        break;
-      }
-      listen();
-      show_progress();
-    }
-    erase_bar();
-    return summary();
-  }
-
-private:
-  void begin_next() {
-    const std::string &path = files_[next_++];
-    // A second video of the same name would be taken for done when the first one is.
-    const auto [other, is_new] = stems_.emplace(author_stem(path, options_), path);
-    if (!is_new && other->second != path) {
-      report_failure(formatted(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
-      done_weight_ += size_of(path);
-      return;
-    }
-    jobs_.push_back(start(path, options_));
-    jobs_.back().weight = size_of(path);
-  }
-
-  void listen() {
-    std::vector<pollfd> waiting;
-    for (const Job &job : jobs_)
-      waiting.push_back({job.in, POLLIN, 0});
-    if (poll(waiting.data(), waiting.size(), 200) <= 0)
-      return;
-    for (std::size_t i = waiting.size(); i-- > 0;)
-      if (waiting[i].revents != 0 && !read_lines(jobs_[i])) {
-        finish(jobs_[i]);
-        jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(i));
-      }
-  }
-
-  // Returns false at the end of the lines.
-  bool read_lines(Job &job) {
-    char bytes[4096];
-    const ssize_t count = read(job.in, bytes, sizeof bytes);
-    if (count <= 0)
-      return count < 0 && errno == EINTR;
-    job.unread.append(bytes, static_cast<std::size_t>(count));
-    for (auto end = job.unread.find('\n'); end != std::string::npos; end = job.unread.find('\n')) {
-      read_line(job, job.unread.substr(0, end));
-      job.unread.erase(0, end + 1);
-    }
-    return true;
-  }
-
-  void read_line(Job &job, const std::string &line) {
-    if (line.starts_with("P ")) {
-      std::istringstream(line.substr(2)) >> job.done >> job.frames;
-    } else if (line.starts_with("R ")) {
-      print_line(stderr, "\"" + job.path + "\": " + line.substr(2));
-    } else {
-      job.result = line;
-    }
-  }
-
-  void finish(Job &job) {
-    close(job.in);
-    int status = 0;
-    waitpid(job.pid, &status, 0);
-    done_weight_ += job.weight;
-    const bool has_path = job.result.starts_with("D ") || job.result.starts_with("S ");
-    if (has_path && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-      std::istringstream words(job.result.substr(2));
-      std::uint64_t frames = 0;
-      std::string copy;
-      std::getline(words >> frames >> std::ws, copy);
-      if (job.result[0] == 'S') {
-        ++existed_;
-        print_line(stdout, "there already: " + copy);
-        return;
-      }
-      ++written_;
-      frames_ += frames;
-      char speed[64];
-      std::snprintf(speed, sizeof speed, " (%llu frames, %.0f a second)",
-                    static_cast<unsigned long long>(frames),
-                    static_cast<double>(frames) / since(job.begun));
-      print_line(stdout, "written: " + copy + speed);
-      return;
-    }
-    remove_part(job);
-    if (job.result.starts_with("E "))
-      report_failure(job.result.substr(2));
-    else
-      report_failure(
-          formatted(messages::kProcessCrashed, job.path.c_str(), how_it_ended(status).c_str()));
-  }
-
-  void remove_part(const Job &job) const {
-    std::error_code error;
-    std::filesystem::remove(author_part(job.path, options_), error);
-  }
-
-  void stop_all() {
-    for (Job &job : jobs_) {
-      kill(job.pid, SIGKILL);
-      waitpid(job.pid, nullptr, 0);
-      close(job.in);
-      remove_part(job);
-    }
-    jobs_.clear();
-  }
-
-  static std::string how_it_ended(int status) {
-    if (!WIFSIGNALED(status))
-      return "ended without a result";
-    return std::string("was ended by the signal ") + strsignal(WTERMSIG(status));
-  }
-
-  void report_failure(const std::string &why) {
-    ++failed_;
-    print_line(stderr, "haptic-track: " + why);
-  }
-
-  void print_line(std::FILE *where, const std::string &line) {
-    erase_bar();
-    std::fprintf(where, "%s\n", line.c_str());
-    std::fflush(where);
-  }
-
-  void erase_bar() {
-    if (std::exchange(bar_shown_, false))
-      std::fputs("\r\033[K", stderr);
-  }
-
-  void show_progress() {
-    const auto every = terminal_ ? Clock::duration(kBarEvery) : Clock::duration(kLineEvery);
-    if (Clock::now() - shown_ < every)
-      return;
-    shown_ = Clock::now();
-    double done = done_weight_;
-    std::uint64_t frames = frames_;
-    for (const Job &job : jobs_) {
-      done += job.weight * job.done;
-      frames += job.frames;
-    }
-    done = std::min(done / all_weight_, 1.0);
-    const double seconds = since(begun_);
-    char text[160];
-    std::snprintf(text, sizeof text, "%3.0f %%  %zu of %zu files, %llu frames, %.0f a second",
-                  100 * done, written_ + existed_ + failed_, files_.size(),
-                  static_cast<unsigned long long>(frames), static_cast<double>(frames) / seconds);
-    std::string line = text;
-    if (done > 0.005 && seconds > 1)
-      line += ", " + duration_text(seconds * (1 - done) / done) + " left";
-    if (!terminal_) {
-      std::fprintf(stderr, "%s\n", line.c_str());
-      return;
-    }
-    const int full = static_cast<int>(kBarWidth * done);
-    std::fprintf(
-        stderr, "\r\033[K[%s%s] %s", std::string(static_cast<std::size_t>(full), '#').c_str(),
-        std::string(static_cast<std::size_t>(kBarWidth - full), '.').c_str(), line.c_str());
-    std::fflush(stderr);
-    bar_shown_ = true;
-  }
-
-  int summary() const {
-    rusage usage{};
-    getrusage(RUSAGE_CHILDREN, &usage);
-    const double seconds = since(begun_);
-    std::printf("%zu written, %zu there already, %zu failed", written_, existed_, failed_);
-    if (interrupted != 0)
-      std::printf(", %zu not done: run it again to go on",
-                  files_.size() - written_ - existed_ - failed_);
-    std::printf("; %llu frames in %s, %.0f a second, at most %ld MB a process\n",
-                static_cast<unsigned long long>(frames_), duration_text(seconds).c_str(),
-                static_cast<double>(frames_) / seconds, usage.ru_maxrss / 1024);
-    return interrupted != 0 ? kInterrupted : failed_ > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
-  }
-
-  const std::vector<std::string> &files_;
-  const AuthorOptions &options_;
-  std::size_t next_ = 0;
-  std::vector<Job> jobs_;
-  std::map<std::string, std::string> stems_; // of copies, and their videos
-  double all_weight_ = 0;
-  double done_weight_ = 0;
-  std::size_t written_ = 0;
-  std::size_t existed_ = 0;
-  std::size_t failed_ = 0;
-  std::uint64_t frames_ = 0;
-  const bool terminal_ = isatty(STDERR_FILENO) == 1;
-  bool bar_shown_ = false;
-  const Clock::time_point begun_ = Clock::now();
-  Clock::time_point shown_ = Clock::now();
-};
-
-} // namespace
-
-int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
-  if (!options.folder.empty() && !std::filesystem::is_directory(options.folder))
-    throw_error(messages::kFolderIsMissing, options.folder.c_str());
+// What is half-written is removed before the process ends.
+void stop_when_interrupted() {
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  return Authoring(files, options).run(jobs);
+  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
+}
+
+void throw_if_interrupted() {
+  if (interrupted != 0)
+    throw_error(messages::kAuthoringIsInterrupted);
+}
+
+int status_of_failure() {
+  return interrupted != 0 ? kInterrupted : EXIT_FAILURE;
+}
+
+void print_error(const std::string &text) {
+  std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
+}
+
+void print_warnings(const PlannedFilm &film) {
+  for (const std::string &warning : film.index.warnings)
+    std::fprintf(stderr, "\"%s\": %s\n", film.path.c_str(), warning.c_str());
+}
+
+// Calls `work`. Returns whether it did not throw. Its error is printed with the name of the video.
+template <typename Work>
+bool succeeds(const std::string &path, Work &&work) {
+  try {
+    work();
+    return true;
+  } catch (const std::exception &error) {
+    const std::string text = error.what();
+    const bool has_name = text.starts_with("\"");
+    print_error(has_name ? text : "\"" + path + "\": " + text);
+    return false;
+  }
+}
+
+double seconds_since(Clock::time_point time) {
+  return std::max(1e-3, std::chrono::duration<double>(Clock::now() - time).count());
+}
+
+// ---- one film -----------------------------------------------------------------------------------
+
+// Prints a line about the work on some spans now and then.
+class Progress {
+public:
+  Progress(const PlannedFilm &film, SpanRange spans) : name_(film.path) {
+    const auto &all = film.index.spans;
+    begin_ = all[spans.begin].begin;
+    length_ = (spans.end < all.size() ? all[spans.end].begin : film.index.duration) - begin_;
+  }
+
+  void operator()(std::uint64_t frames, std::uint64_t position) {
+    throw_if_interrupted();
+    if (Clock::now() - shown_ < kLineEvery || position <= begin_ || length_ == 0)
+      return;
+    shown_ = Clock::now();
+    const double done =
+        std::min(1.0, static_cast<double>(position - begin_) / static_cast<double>(length_));
+    const double seconds = seconds_since(begun_);
+    std::fprintf(stderr, "\"%s\": %.0f %%, %.0f frames a second, %.0f s left\n", name_.c_str(),
+                 100 * done, static_cast<double>(frames) / seconds, seconds * (1 - done) / done);
+  }
+
+private:
+  std::string name_;
+  std::uint64_t begin_ = 0; // ns
+  std::uint64_t length_ = 0;
+  const Clock::time_point begun_ = Clock::now();
+  Clock::time_point shown_ = begun_;
+};
+
+// Measures the spans, unless they were.
+void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
+  const std::string path = chunk_path(film, spans, options);
+  const std::string mark = chunk_mark(film, spans, options);
+  if (ChunkReader(path, mark).state() == ChunkState::whole)
+    return;
+  ChunkWriter out(path, mark);
+  Progress progress(film, spans);
+  out.finish(
+      measure_spans(film.path, options.columns, film.index.spans, spans, out, std::ref(progress)));
+}
+
+int author_one(const std::string &path, const AuthorOptions &options) {
+  const auto begun = Clock::now();
+  std::string copy;
+  std::string chunk;
+  std::uint64_t frames = 0;
+  if (fs::path(path).stem().extension() == ".haptic" && fs::exists(path) && mark_in(path))
+    copy = path;
+  const bool is_done = succeeds(path, [&] {
+    if (!copy.empty())
+      return;
+    PlannedFilm film = identify(path);
+    copy = find_copy(film, options);
+    if (!copy.empty())
+      return;
+    film.index = index_film(film.path, throw_if_interrupted);
+    print_warnings(film);
+    const SpanRange all = {0, film.index.spans.size()};
+    measure(film, all, options);
+    chunk = chunk_path(film, all, options);
+    std::vector<ChunkReader> chunks;
+    chunks.emplace_back(chunk, chunk_mark(film, all, options));
+    frames = chunks[0].stats().frames;
+    copy = write_copy(film, options, chunks, throw_if_interrupted);
+  });
+  std::error_code error;
+  fs::remove(chunk, error);
+  if (!is_done)
+    return status_of_failure();
+  if (frames == 0) {
+    std::printf("there already: %s\n", copy.c_str());
+    return kExists;
+  }
+  std::printf("written: %s (%llu frames, %.0f a second)\n", copy.c_str(),
+              static_cast<unsigned long long>(frames),
+              static_cast<double>(frames) / seconds_since(begun));
+  return EXIT_SUCCESS;
+}
+
+// Two videos of one name would replace each other's copies. That is found before the work of hours
+// begins. A video that is named twice counts once. Returns false after an error.
+bool copies_differ(std::vector<std::string> &files, const AuthorOptions &options) {
+  if (!options.folder.empty() && !fs::is_directory(options.folder))
+    throw_error(messages::kFolderIsMissing, options.folder.c_str());
+  std::map<std::string, std::string> videos; // of the copies
+  bool differ = true;
+  std::erase_if(files, [&](const std::string &path) {
+    std::error_code error;
+    const auto copy = fs::weakly_canonical(author_stem(path, options), error);
+    const auto [other, is_new] = videos.emplace(copy.string(), path);
+    const bool is_same = path == other->second || fs::equivalent(path, other->second, error);
+    if (!is_new && !is_same) {
+      print_error(formatted(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
+      differ = false;
+    }
+    return !is_new && is_same;
+  });
+  return differ;
+}
+
+// ---- several at a time --------------------------------------------------------------------------
+
+// A process for each video: one that crashes or runs out of memory ends no other.
+class Processes {
+public:
+  Processes(const std::vector<std::string> &files, const AuthorOptions &options)
+      : files_(files), options_(options) {}
+
+  int run(unsigned jobs) {
+    std::size_t next = 0;
+    while (next < files_.size() || !running_.empty()) {
+      if (interrupted == 0 && next < files_.size() && running_.size() < jobs)
+        start(files_[next++]);
+      else if (running_.empty())
+        break;
+      else
+        wait_for_one();
+    }
+    return summary();
+  }
+
+private:
+  void start(const std::string &path) {
+    std::fflush(nullptr);
+    const pid_t parent = getpid();
+    const pid_t pid = fork();
+    if (pid < 0)
+      throw_error(messages::kProcessFails, std::strerror(errno));
+    if (pid > 0) {
+      running_[pid] = path;
+      return;
+    }
+    prctl(PR_SET_PDEATHSIG, SIGTERM); // nobody works on for a dead one
+    const int status = getppid() == parent ? author_one(path, options_) : EXIT_FAILURE;
+    std::fflush(nullptr);
+    _exit(status);
+  }
+
+  void wait_for_one() {
+    int status = 0;
+    const pid_t pid = waitpid(-1, &status, 0);
+    if (pid < 0) { // a signal came
+      for (const auto &[running, path] : running_)
+        kill(running, SIGTERM);
+      return;
+    }
+    if (!WIFEXITED(status))
+      print_error(
+          formatted(messages::kProcessCrashed, running_[pid].c_str(), strsignal(WTERMSIG(status))));
+    ++counts_[WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE];
+    running_.erase(pid);
+  }
+
+  int summary() {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    const std::size_t failed = counts_[EXIT_FAILURE];
+    const std::size_t done = counts_[EXIT_SUCCESS] + counts_[kExists] + failed;
+    std::printf("%zu written, %zu there already, %zu failed", counts_[EXIT_SUCCESS],
+                counts_[kExists], failed);
+    if (interrupted != 0)
+      std::printf(", %zu not done: run it again to go on", files_.size() - done);
+    std::printf("; %.0f s, at most %ld MB a process\n", seconds_since(begun_),
+                usage.ru_maxrss / 1024);
+    if (interrupted != 0)
+      return kInterrupted;
+    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  }
+
+  const std::vector<std::string> &files_;
+  const AuthorOptions &options_;
+  std::map<pid_t, std::string> running_;
+  std::map<int, std::size_t> counts_; // of exit statuses
+  const Clock::time_point begun_ = Clock::now();
+};
+
+// ---- merging ------------------------------------------------------------------------------------
+
+std::string manifest_stem(const std::string &plan_path, const Plan &plan) {
+  const fs::path path(plan_path);
+  const fs::path folder =
+      plan.options.folder.empty() ? path.parent_path() : fs::path(plan.options.folder);
+  return (folder / path.stem()).string() + ".manifest";
+}
+
+// Opens the chunks of a film. Throws if one is not whole.
+std::vector<ChunkReader> open_chunks(const Plan &plan, std::size_t film) {
+  std::vector<ChunkReader> chunks;
+  for (std::size_t k = 0; k < plan.chunks.size(); ++k) {
+    if (plan.chunks[k].film != film)
+      continue;
+    const SpanRange spans = plan.chunks[k].spans;
+    const std::string path = chunk_path(plan.films[film], spans, plan.options);
+    chunks.emplace_back(path, chunk_mark(plan.films[film], spans, plan.options));
+    const ChunkState state = chunks.back().state();
+    if (state != ChunkState::whole)
+      throw_error(state == ChunkState::missing   ? messages::kChunkIsMissing
+                  : state == ChunkState::damaged ? messages::kChunkIsDamaged
+                                                 : messages::kChunkIsForeign,
+                  path.c_str(), k);
+  }
+  return chunks;
+}
+
+ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
+                   const std::vector<ChunkReader> &chunks) {
+  ManifestRow row;
+  row.video = film.path;
+  row.video_hash = film.hash;
+  row.copy = copy;
+  row.copy_hash = hash_of_file(copy);
+  row.size = fs::file_size(copy);
+  row.duration = static_cast<double>(film.index.duration) * 1e-9;
+  row.warnings = film.index.warnings;
+  std::uint64_t confidence = 0; // millionths
+  double bytes = 0;
+  for (const ChunkReader &chunk : chunks) {
+    row.frames += chunk.stats().frames;
+    confidence += chunk.stats().confidence;
+    bytes += static_cast<double>(chunk.fields().size());
+  }
+  row.confidence =
+      1e-6 * static_cast<double>(confidence) / std::max(1.0, static_cast<double>(row.frames));
+  row.kilobits = row.duration > 0 ? 8e-3 * bytes / row.duration : 0;
+  return row;
+}
+
+// Merges one film, unless the manifest knows its copy and that is unchanged.
+ManifestRow merge_film(const Plan &plan, std::size_t i, const std::vector<ManifestRow> &before) {
+  const PlannedFilm &film = plan.films[i];
+  check_unchanged(film, true);
+  std::string copy = find_copy(film, plan.options);
+  const auto row = std::ranges::find(before, copy, &ManifestRow::copy);
+  if (!copy.empty() && row != before.end() && row->copy_hash == hash_of_file(copy))
+    return *row;
+  const std::vector<ChunkReader> chunks = open_chunks(plan, i);
+  const char *word = "there already";
+  if (copy.empty()) {
+    copy = write_copy(film, plan.options, chunks, throw_if_interrupted);
+    word = "written";
+  }
+  std::printf("%s: %s\n", word, copy.c_str());
+  return row_of(film, copy, chunks);
+}
+
+} // namespace
+
+int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
+  std::vector<std::string> different = files;
+  if (!copies_differ(different, options))
+    return EXIT_FAILURE;
+  stop_when_interrupted();
+  return Processes(different, options).run(jobs);
+}
+
+int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &options,
+                   unsigned chunks) {
+  std::vector<std::string> different = files;
+  Plan plan{.options = options};
+  if (!copies_differ(different, options))
+    return EXIT_FAILURE;
+  stop_when_interrupted();
+  if (!options.folder.empty())
+    plan.options.folder = fs::absolute(options.folder).lexically_normal().string();
+  double minutes = 0;
+  for (const std::string &path : different)
+    succeeds(path, [&] {
+      PlannedFilm film = identify(path);
+      find_copy(film, plan.options); // throws where another file has its name
+      film.index = index_film(film.path, throw_if_interrupted);
+      print_warnings(film);
+      minutes += static_cast<double>(film.index.duration) / 60e9;
+      plan.films.push_back(std::move(film));
+    });
+  if (interrupted != 0)
+    return kInterrupted;
+  const auto usual = static_cast<unsigned>(std::clamp(minutes, 1.0, 1.0 * kMostChunks));
+  plan.chunks = divide_films(plan.films, chunks > 0 ? chunks : usual);
+  std::fputs(write_plan(plan).c_str(), stdout);
+  return std::fflush(stdout) == 0 && plan.films.size() == different.size() ? EXIT_SUCCESS
+                                                                           : EXIT_FAILURE;
+}
+
+int author_chunk(const std::string &path, unsigned chunk) {
+  stop_when_interrupted();
+  const Plan plan = read_plan(path);
+  if (chunk >= plan.chunks.size())
+    throw_error(messages::kChunkIsUnknown, path.c_str(), chunk, plan.chunks.size());
+  const PlannedChunk &planned = plan.chunks[chunk];
+  const PlannedFilm &film = plan.films[planned.film];
+  const bool is_done = succeeds(film.path, [&] {
+    check_unchanged(film, false);
+    measure(film, planned.spans, plan.options);
+  });
+  return is_done ? EXIT_SUCCESS : status_of_failure();
+}
+
+int merge_chunks(const std::string &path) {
+  stop_when_interrupted();
+  const Plan plan = read_plan(path);
+  const std::string stem = manifest_stem(path, plan);
+  const std::vector<ManifestRow> before = read_manifest(stem + ".json");
+  std::vector<ManifestRow> rows;
+  std::vector<std::size_t> merged;
+  for (std::size_t i = 0; i < plan.films.size() && interrupted == 0; ++i)
+    if (succeeds(plan.films[i].path, [&] { rows.push_back(merge_film(plan, i, before)); }))
+      merged.push_back(i);
+  if (interrupted != 0)
+    return kInterrupted;
+  write_manifest(stem, rows);
+  std::error_code error;
+  for (const PlannedChunk &chunk : plan.chunks)
+    if (std::ranges::find(merged, chunk.film) != merged.end())
+      fs::remove(chunk_path(plan.films[chunk.film], chunk.spans, plan.options), error);
+  std::printf("manifest: %s.json, .csv\n", stem.c_str());
+  return rows.size() == plan.films.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 } // namespace haptic

@@ -30,6 +30,8 @@ using haptic::TrackFile;
 using haptic::TrackFileError;
 using haptic::TrackSample;
 
+constexpr unsigned kMostSpans = 1'000'000; // of a plan
+
 constexpr char kUsage[] =
     "Usage: haptic-track info FILE...\n"
     "       haptic-track convert [--force] [--hand LOG] FILE OUTPUT\n"
@@ -37,6 +39,9 @@ constexpr char kUsage[] =
     "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
+    "       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...\n"
+    "       haptic-track author --chunk K PLAN\n"
+    "       haptic-track author --merge PLAN\n"
     "Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
@@ -69,7 +74,11 @@ constexpr char kUsage[] =
     "on where it was stopped. The exit status is 0 if all copies are there.\n"
     "  --output      folder of the copies; otherwise that of each video\n"
     "  --columns     columns of the motion field\n"
-    "  --jobs        videos at a time; otherwise one for each processor core\n";
+    "  --jobs        videos at a time; otherwise one for each processor core\n"
+    "  --plan        prints a plan (JSON) of chunks that processes measure in any order\n"
+    "  --chunks      about so many; otherwise one for each minute\n"
+    "  --chunk       measures one, counted from 0\n"
+    "  --merge       makes the copies and a manifest from all\n"
 
 struct Arguments {
   std::string command;
@@ -82,6 +91,10 @@ struct Arguments {
   haptic::AuthorOptions author;
   haptic::CompareOptions compare;
   haptic::VibrationOptions vibration;
+  bool plan = false;
+  bool merge = false;
+  std::optional<unsigned> chunk;
+  unsigned chunks = 0;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
@@ -162,6 +175,15 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       arguments.files.push_back(word);
     } else if (word == "--") {
       options_end = true;
+    } else if (word == "--plan" || word == "--merge") {
+      (word == "--plan" ? arguments.plan : arguments.merge) = true;
+    } else if (word == "--chunk" || word == "--chunks") {
+      if (++i == words.size())
+        throw_error(messages::kOptionNeedsValue, word.c_str());
+      if (word == "--chunk")
+        arguments.chunk = parse_count(word, words[i], 0, kMostSpans);
+      else
+        arguments.chunks = parse_count(word, words[i], 1, kMostSpans);
     } else if (word == "--force") {
       arguments.force = true;
     } else if (word == "--json") {
@@ -189,7 +211,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       else if (word == "--stream")
         arguments.stream = words[i];
       else if (word == "--columns")
-        arguments.author.columns = parse_count(word, words[i], 4, 96);
+        arguments.author.columns =
+            parse_count(word, words[i], haptic::kFewestColumns, haptic::kMostColumns);
       else
         arguments.jobs = parse_count(word, words[i], 1, 1024);
     } else if (is_option) {
@@ -429,12 +452,23 @@ int compare(const Arguments &arguments) {
   return haptic::compare(arguments.files[0], arguments.files[1], options);
 }
 
-int run(const Arguments &arguments) {
-  if (arguments.command == "author") {
-    if (arguments.files.empty())
-      throw_error(messages::kCommandNeedsVideo);
-    return haptic::author(arguments.files, arguments.author, arguments.jobs);
+int author(const Arguments &arguments) {
+  const auto &files = arguments.files;
+  if (arguments.chunk || arguments.merge) {
+    if (files.size() != 1)
+      throw_error(messages::kCommandNeedsPlan, arguments.merge ? "--merge" : "--chunk");
+    return arguments.merge ? haptic::merge_chunks(files[0])
+                           : haptic::author_chunk(files[0], *arguments.chunk);
   }
+  if (files.empty())
+    throw_error(messages::kCommandNeedsVideo, "author");
+  return arguments.plan ? haptic::plan_authoring(files, arguments.author, arguments.chunks)
+                        : haptic::author(files, arguments.author, arguments.jobs);
+}
+
+int run(const Arguments &arguments) {
+  if (arguments.command == "author")
+    return author(arguments);
   gst_init(nullptr, nullptr);
   if (arguments.command == "info") {
     if (arguments.files.empty())
