@@ -59,9 +59,15 @@ test_packages=(
   xdotool
   python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording; moving-picture.sh
-  parallel # runs author-cluster.sh
+  parallel # runs pipelines/author/parallel.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
+)
+
+# Engines for batches (pipelines/author). They bring much with them: only for --all, which can do without them.
+engine_packages=(
+  snakemake
+  slurm-wlm
 )
 
 # To build the Debian package and look at it.

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Authors motion fields for videos with GNU parallel: a plan, its chunks in any order, one process on each core of each
+# machine, and their merge. All machines must see the folders under the same names.
+#
+# Usage: pipelines/author/parallel.sh [--machines LOGIN,...] [--output FOLDER] [--chunks N] FILE...
+#   --machines  as parallel's --sshlogin: names of machines, N/NAME for N processes there; : is this machine
+#               (default)
+#   --output    folder of the copies (default: that of each video)
+#   --chunks    about so many (default: one for each minute)
+# The plan is plan.json in the folder where you stand. A second run continues where the first was stopped. The exit
+# status is 0 if all copies exist.
+
+source "$(dirname "$0")/../common.sh"
+
+machines=: options=()
+while [ $# -gt 0 ]; do
+  case $1 in
+  --help | -h) show_help && exit ;;
+  --machines | --output | --chunks)
+    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
+    if [ "$1" = --machines ]; then machines=$2; else options+=("$1" "$2"); fi
+    shift 2
+    ;;
+  -*) fail "unknown option '$1'; see --help" ;;
+  *) break ;;
+  esac
+done
+[ $# -gt 0 ] || fail "which videos? See --help"
+command -v parallel >/dev/null || fail "GNU parallel is not installed; as root run: apt-get install parallel"
+use_elements motionfield hapticconvert
+program=$build/gst-plugins/track/tools/haptic-track
+[ -x "$program" ] || program=$(command -v haptic-track) || fail "haptic-track is neither built nor installed; run ./pipelines/demo.sh"
+
+# What cannot be authored is said and not in the plan. The rest goes on.
+status=0
+"$program" author --plan "${options[@]}" -- "$@" >plan.json || status=1
+[ -s plan.json ] || exit 1
+seq 0 $(($(grep -c '"first-span"' plan.json) - 1)) |
+  parallel --will-cite --sshlogin "$machines" --env GST_PLUGIN_PATH --env GST_REGISTRY --workdir "$PWD" \
+    --line-buffer "$program" author --chunk {} plan.json || status=1
+"$program" author --merge plan.json || status=1
+exit $status
