@@ -65,46 +65,62 @@ need_file() {
   [ ! -f "$1" ] || [ -s "$1" ] || fail "the file '$1' is empty, not a video; give another"
 }
 
-# Prints the first error in a log of gst-launch, or else its last line.
+# Reads a log of gst-launch and prints its first error, or else its last line.
 reason() {
-  local text
-  text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' "$1" |
+  local log text
+  log=$(cat)
+  text=$(sed -n '/^ERROR: from element/,/^Additional debug info/p' <<<"$log" |
     sed '/^Additional debug info/,$d; s/^ERROR: from element [^ ]*: //')
-  printf '%s' "${text:-$(tail -n 1 "$1")}"
+  printf '%s' "${text:-$(tail -n 1 <<<"$log")}"
 }
 
-# `decoding INPUT` sets the array $film to the first part of a line, for a video file or a URL: its frames,
-# without interlacing and upright as the camera's rotation tag says.
+# `decoding INPUT [sound]` sets the array $film to the first part of a line, for a video file or a URL: its frames,
+# without interlacing and upright as the camera's rotation tag says. With `sound`, film. is the sound.
 decoding() {
-  local source=(filesrc "location=$(quoted "$1")" ! decodebin name=film)
-  ! is_url "$1" || source=(uridecodebin "uri=$(quoted "$1")" name=film)
-  film=("${source[@]}" ! videoconvert ! deinterlace ! videoflip video-direction=auto)
+  # Without these properties, decodebin of GStreamer 1.22 sometimes never starts when a film has a stream that
+  # nothing is linked to.
+  local streams=('caps="video/x-raw(ANY)'"${2:+;audio/x-raw(ANY)}\"" expose-all-streams=false name=film)
+  film=(filesrc "location=$(quoted "$1")" ! decodebin "${streams[@]}")
+  ! is_url "$1" || film=(uridecodebin "uri=$(quoted "$1")" "${streams[@]}")
+  film+=(! videoconvert ! deinterlace ! videoflip video-direction=auto)
 }
 
 is_url() {
   [[ $1 =~ ^[a-z][a-z0-9+.-]*:// ]]
 }
 
-# `need_video INPUT` fails if the file or URL shows no moving frames. Sets $film, and $has_sound to yes or no.
+# `need_input INPUT` fails if it is neither a URL nor a file with something in it.
+need_input() {
+  is_url "$1" || need_file "$1"
+}
+
+# `need_video INPUT [sound]` fails if the file or URL shows no moving frames. Sets $film (see decoding), $has_sound
+# to yes or no, and $film_rate to the frames in a second as a fraction, or nothing if they are unknown.
 need_video() {
-  local log status=0 seconds=30 # a server may be slow
-  is_url "$1" || { seconds=15 && need_file "$1"; }
+  local facts missing cause sound='' seconds=15
+  need_input "$1"
+  ! is_url "$1" || seconds=30 # a server may be slow
   find_plugins
-  decoding "$1"
-  log=$(timeout $seconds gst-launch-1.0 -v "${film[@]}" ! fakesink num-buffers=1 2>&1) || status=$?
+  need_packaged_elements deinterlace videoflip
+  facts=$(timeout $((2 * seconds)) gst-discoverer-1.0 -v -t $seconds "$1" 2>&1 | cut -c 1-200) || true
   has_sound=no
-  ! grep -q 'caps = audio/' <<<"$log" || has_sound=yes
-  if grep -qE 'typefind.*caps = image/(jpeg|png|bmp|tiff|webp|svg)' <<<"$log"; then
+  ! grep -qE '^ *audio #' <<<"$facts" || has_sound=yes sound=${2:-}
+  film_rate=$(sed -n 's|^ *Frame rate: \([1-9][0-9]*/[1-9][0-9]*\)$|\1|p' <<<"$facts" | head -n 1)
+  # Of the frames; a haptic track has no decoder either.
+  missing=$(sed -nE 's/^ \(gstreamer\|1\.0\|[^|]*\|([^|]*)\|(decoder-(video|image)\/|demuxer-).*/\1/p' <<<"$facts" | head -n 1)
+  if grep -qE '^ *video\(image\) #' <<<"$facts"; then
     fail "'$1' is a still picture, and nothing moves in it; give a video"
-  elif grep -q 'typefind.*caps = image/gif' <<<"$log"; then
+  elif grep -qE '^ *container #0: image/gif' <<<"$facts"; then
     fail "GStreamer reads no times of frames from a GIF; make a video of it: ffmpeg -i '$1' video.mp4"
-  elif [ $status = 124 ]; then
-    fail "'$1' is not a video that GStreamer can play: no frame came within $seconds s; try another one"
-  elif [ $status != 0 ] && [ $has_sound = yes ] && ! grep -q 'caps = video/' <<<"$log"; then
+  elif [ -n "$missing" ]; then
+    fail "'$1' needs a part of GStreamer that is not installed ($missing); as root run: apt-get install $element_packages"
+  elif [ $has_sound = yes ] && ! grep -qE '^ *video #' <<<"$facts"; then
     fail "'$1' is not a video: it holds sound only; give another"
-  elif [ $status != 0 ]; then
-    fail "'$1' is not a video that GStreamer can play; try another one ($(reason <(echo "$log")))"
+  elif ! grep -qE '^ *video #' <<<"$facts"; then
+    cause=$(sed -n '/^An error was encountered/{n;s/^ *//p;}' <<<"$facts")
+    fail "'$1' is not a video that GStreamer can play; try another one (${cause:-no answer came within $seconds s})"
   fi
+  decoding "$1" "$sound"
 }
 
 need_camera() {
@@ -173,8 +189,11 @@ find_plugins() {
     export GST_REGISTRY=${GST_REGISTRY:-$build/registry.bin}
     export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
   fi
-  command -v gst-inspect-1.0 >/dev/null ||
-    fail "GStreamer's tools are not installed; run ./pipelines/demo.sh, which installs and builds everything"
+  local tool
+  for tool in gst-inspect-1.0 gst-discoverer-1.0; do
+    command -v $tool >/dev/null ||
+      fail "GStreamer's tool $tool is not installed; run ./pipelines/demo.sh, which installs and builds everything"
+  done
 }
 
 # `use_elements [ELEMENT...]` fails if one of the given elements (default: the usual three) is not found.
@@ -210,12 +229,15 @@ launch() {
   exec gst-launch-1.0 -e "$@"
 }
 
-# Fails if one of the given elements of gstreamer1.0-plugins-bad or -ugly is missing.
+# The packages that hold the elements which the scripts need.
+element_packages="gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav"
+
+# Fails if one of the given elements of these packages is missing.
 need_packaged_elements() {
   local element
   for element; do
     gst-inspect-1.0 --exists "$element" ||
-      fail "GStreamer does not find the element $element; as root run: apt-get install gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly"
+      fail "GStreamer does not find the element $element; as root run: apt-get install $element_packages"
   done
 }
 
@@ -230,14 +252,15 @@ haptic_track() {
 test_source=(videotestsrc is-live=true pattern=checkers-8 horizontal-speed=2
   ! "video/x-raw,width=352,height=288,framerate=30/1")
 
-# `frames_of INPUT` sets the array $frames to the first part of a line, for a video file, a URL or
-# --test-source. A file is read at its own speed. $has_sound says whether there is sound.
+# `frames_of INPUT [sound]` sets the array $frames to the first part of a line, for a video file, a URL or
+# --test-source. A file is read at its own speed. $has_sound says whether there is sound; with `sound` after
+# INPUT, film. is that sound.
 frames_of() {
   case $1 in
   --test-source) frames=("${test_source[@]}") has_sound=no ;;
   -*) fail "unknown option '$1'; see --help" ;;
   *)
-    need_video "$1"
+    need_video "$@"
     frames=("${film[@]}" ! clocksync)
     ;;
   esac

@@ -53,7 +53,7 @@ read_options() {
 
 check_options() {
   [ -z "$video" ] || [ -z "$camera" ] || fail "give either --video or --camera, not both"
-  [ -z "$video" ] || is_url "$video" || need_file "$video"
+  [ -z "$video" ] || need_input "$video"
   [ -z "$camera" ] || [ "$camera" = test ] || need_camera "$camera"
   [ -z "$camera" ] || seconds=${seconds:-30}
   [[ ${seconds:-1} =~ ^[1-9][0-9]{0,5}$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
@@ -211,7 +211,7 @@ run() {
   } | follow "$log"
   status=${PIPESTATUS[0]}
   set -e
-  [ "$status" = 0 ] || fail "${camera:+the camera $camera: }$(reason "$log") (log: $log)"
+  [ "$status" = 0 ] || fail "${camera:+the camera $camera: }$(reason <"$log") (log: $log)"
   summarise "$log"
   draw
 }

@@ -5,6 +5,7 @@
 Shows how the elements, their properties and their messages are used from Python (package python3-gi).
 
 Usage: pipelines/follow.py VIDEO
+  VIDEO  a file or URL
 """
 
 import math
@@ -33,20 +34,21 @@ def find_build():
 def main(arguments):
     if len(arguments) != 2 or arguments[1].startswith("-"):
         return __doc__
-    video = pathlib.Path(arguments[1])
-    if not video.is_file():
+    video = arguments[1]
+    if "://" not in video and not pathlib.Path(video).is_file():
         return f"there is no file '{video}'; check the name"
 
     find_build()
     Gst.init(None)
     try:
         pipeline = Gst.parse_launch(
-            "filesrc name=file ! decodebin ! videoconvert ! clocksync ! roitracker name=tracker pointer-source=property"
-            " ! velocityavg post-messages=true ! hapticsink name=sink device=sim"
+            'uridecodebin name=film caps="video/x-raw(ANY)" expose-all-streams=false ! videoconvert ! clocksync'
+            " ! roitracker name=tracker pointer-source=property ! velocityavg post-messages=true"
+            " ! hapticsink name=sink device=sim"
         )
     except GLib.Error as error:
         return f"{error.message}; run ./pipelines/demo.sh, which installs and builds everything"
-    pipeline.get_by_name("file").set_property("location", str(video))
+    pipeline.get_by_name("film").set_property("uri", video if "://" in video else Gst.filename_to_uri(video))
     tracker = pipeline.get_by_name("tracker")
     loop = GLib.MainLoop()
     wrong = []

@@ -9,7 +9,7 @@
 # It runs in real time: the overlay draws the force that the simulated device currently feels.
 #
 # Usage: pipelines/moving-picture.sh [VIDEO] OUTPUT
-#   VIDEO   its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with the
+#   VIDEO   a file or URL; its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with the
 #           pointer in the crown of the tree, and arrows enlarged.
 #   OUTPUT  the file, with the ending .webp
 
@@ -32,7 +32,7 @@ use_elements roitracker velocityavg hapticsink hapticoverlay
 need_packaged_elements y4mdec
 
 if [ -n "$video" ]; then
-  need_file "$video"
+  need_input "$video"
   sink=("sim-hand=hold:0,0,0") cut=() filter=fps=30 tracker=() overlay=()
 else
   video=$(wind_film)

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# What this project takes from Debian, 12 and 13 alike: the one list of packages, and a film; and the film of the
-# demonstration. To be sourced after common.sh.
+# The packages that this project takes from Debian, 12 and 13 alike, and its two films: wind.ts of the demonstration,
+# and tree.avi from a package. To be sourced after common.sh.
 
 # To run the pipelines.
 run_packages=(
   gstreamer1.0-tools        # gst-launch-1.0, gst-inspect-1.0
   gstreamer1.0-plugins-base # decodebin, videoconvert, videotestsrc
-  gstreamer1.0-plugins-base-apps # gst-device-monitor-1.0 lists the cameras
-  gstreamer1.0-plugins-good # avidemux, deinterlace, videoflip, jpegdec, v4l2src, autovideosink, progressreport
+  gstreamer1.0-plugins-base-apps # gst-discoverer-1.0; gst-device-monitor-1.0 lists the cameras
+  gstreamer1.0-plugins-good # avidemux, deinterlace, videoflip, jpegdec, v4l2src, autovideosink, level, progressreport
   gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse, y4mdec
   gstreamer1.0-plugins-ugly # x264enc
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi

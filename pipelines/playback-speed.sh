@@ -26,18 +26,10 @@ fi
 read_arguments "$@"
 need_video "$input"
 
-# Prints the frame rate as a fraction, or 30/1 if it is unknown.
-frame_rate() {
-  local rate
-  rate=$(gst-launch-1.0 -v "${film[@]}" ! identity eos-after=1 ! fakesink 2>/dev/null |
-    sed -n 's|.*framerate=(fraction)\([1-9][0-9]*/[1-9][0-9]*\).*|\1|p' | head -n 1) || true
-  echo "${rate:-30/1}"
-}
-
 trap exit INT # instead of the next speed
 
 # The new frame rate shows each frame once: repeated frames would make a uniform motion uneven.
-rate=$(frame_rate)
+rate=${film_rate:-30/1}
 for speed in "${speeds[@]}"; do
   echo "at $speed times normal speed"
   played=$(awk -v "rate=$rate" -v "speed=$speed" \

@@ -60,6 +60,7 @@ for script in play-file.sh playback-speed.sh; do
   refuses "still picture" "$script" "$work/still.jpg"
   refuses "not a video" "$script" "http://127.0.0.1:1/nothing.mp4"
 done
+GST_PLUGIN_FEATURE_RANK=jpegdec:NONE,avdec_mjpeg:NONE refuses "is not installed .*JPEG" play-file.sh "$work/clip.mkv"
 refuses "from 0.01 to 100" playback-speed.sh --speed 0 "$work/clip.mkv"
 refuses "is empty" record.sh "$work/empty.mp4" "$work/never.ts"
 refuses "still picture" record.sh "$work/still.jpg" "$work/never.ts"

@@ -25,15 +25,16 @@ pushes() {
 
 # `plays TEXT NAME [X Y]`: the film plays and pushes into this direction (y up), to the right by default.
 plays() {
-  promise "$1 plays" timeout 60 "$root/pipelines/play-file.sh" "$work/$2" -- device=sim "log-location=$work/log.csv"
+  local source=$2
+  is_url "$source" || source=$work/$source
+  promise "$1 plays" timeout 60 "$root/pipelines/play-file.sh" "$source" -- device=sim "log-location=$work/log.csv"
   promise "and pushes as it moves" pushes "$work/log.csv" "${3:-1}" "${4:-0}"
 }
 
 h264=(-c:v libx264 -preset veryfast -crf 18 -pix_fmt yuv420p)
 film upright.mp4 "${h264[@]}"
 # A telephone held upright: the frames lie on their side, and a tag says so.
-ffmpeg -v error -display_rotation 90 -i "$work/upright.mp4" -c copy "$work/rotated.mp4" 2>/dev/null </dev/null ||
-  ffmpeg -v error -i "$work/upright.mp4" -c copy -metadata:s:v rotate=90 "$work/rotated.mp4" </dev/null
+lay_on_its_side "$work/upright.mp4" "$work/rotated.mp4"
 plays "a film of a telephone held upright" rotated.mp4 0 1
 
 film interlaced.mpg -vf tinterlace=interleave_top,fieldorder=tff -c:v mpeg2video -flags +ilme+ildct -q:v 2
@@ -51,7 +52,24 @@ plays "a film as the web has it" vp9.webm
 head -c $(($(stat -c %s "$work/right.mkv") * 3 / 4)) "$work/right.mkv" >"$work/cut.mkv"
 plays "a film that is cut off" cut.mkv
 
+# `serve FOLDER`: a web server that prints its port.
+serve() {
+  python3 -c 'if True:
+    import functools, http.server, sys
+    files = functools.partial(http.server.SimpleHTTPRequestHandler, directory=sys.argv[1])
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), files)
+    print(server.server_port, flush=True)
+    server.serve_forever()' "$1" 2>/dev/null
+}
+exec {port}< <(serve "$work")
+server=$!
+trap 'kill "$server" 2>/dev/null; rm -rf "$work"' EXIT
+read -r -u "$port" number
+plays "a film of a web server" "http://127.0.0.1:$number/vp9.webm"
+plays "a film by its file URL" "file://$work/upright.mp4"
+
 film sound.mkv -f lavfi -i "sine=duration=2" -map 0:v -map 1:a -c:v copy -c:a libvorbis
 "$root/pipelines/record.sh" "$work/sound.mkv" "$work/recorded.ts" -- device=sim >/dev/null
 promise "a recording keeps the sound" grep -q Audio: <(ffmpeg -i "$work/recorded.ts" 2>&1)
+plays "a film with a haptic track" recorded.ts
 promise "and has the track" grep -q samples <(haptic_track info "$work/recorded.ts")

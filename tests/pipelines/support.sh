@@ -24,6 +24,13 @@ clip() {
       ! videoconvert ! "${encoder[@]}" ! filesink "location=$1"
 }
 
+# `lay_on_its_side INPUT OUTPUT`: the same frames with a rotation of 90 degrees in the container. From its version
+# 6.0 on, ffmpeg has an option for this and ignores the tag of the versions before.
+lay_on_its_side() {
+  ffmpeg -v error -display_rotation 90 -i "$1" -c copy "$2" 2>/dev/null </dev/null ||
+    ffmpeg -v error -i "$1" -c copy -metadata:s:v rotate=90 "$2" </dev/null
+}
+
 # At least so many pixels of the picture have the colour (hexadecimal, as od prints it).
 has_colour() {
   local count
@@ -46,11 +53,11 @@ in_window_system() {
 # `interrupt_at LOG SECONDS COMMAND...`: Ctrl-C once the log has reached that running time.
 interrupt_at=$root/tests/pipelines/interrupt-at.sh
 
-# `free_ports COUNT`: the first of so many UDP ports in a row that nobody uses. It depends on the process, so
+# `free_ports COUNT`: the first of so many ports in a row that nobody uses, for UDP or TCP. It depends on the process, so
 # that two tests at once do not choose the same.
 free_ports() {
   local first port used
-  used=$(awk 'FNR > 1 { sub(".*:", "", $2); print $2 }' /proc/net/udp /proc/net/udp6)
+  used=$(cat /proc/net/{udp,tcp}{,6} 2>/dev/null | awk '{ sub(".*:", "", $2); print $2 }') || true # IPv6 may be off
   for ((first = 20000 + $$ * 20 % 12000; ; first += 20)); do
     for ((port = first; port < first + $1; port++)); do
       ! grep -qx "$(printf %04X "$port")" <<<"$used" || continue 2

@@ -5,7 +5,7 @@
 
 source "$(dirname "$0")/support.sh"
 tree=$(found_tree_video) ||
-  skip "tree.avi is not here; ./pipelines/demo.sh or ./tests/run.sh fetches it"
+  skip "tree.avi is not here; ./tests/run.sh fetches it"
 
 # As fast as it decodes, with one message per picture.
 gst-launch-1.0 -m filesrc "location=$tree" ! decodebin ! videoconvert ! roitracker \
