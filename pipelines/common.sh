@@ -152,10 +152,18 @@ camera_frames=(
   ! queue leaky=downstream max-size-buffers=1 ! decodebin ! videoconvert
 )
 
+# The window of a live video. A pipeline plays only once each of its sinks has its first buffer, a live one too: where
+# the first frame of a stream is lost, the force would wait for the next that can be decoded. With async=false
+# nothing waits for the window. autovideosink hands the property on to whichever sink it chooses.
+live_window=(autovideosink name=window)
+for sink in xvimage ximage glimage wayland kms; do
+  live_window+=("window-actual-sink-$sink::async=false")
+done
+
 # The part of a gst-launch line between roitracker and velocityavg that shows the video in a window, with
 # motion and force drawn over it. Each branch of the tee needs its own queue, otherwise the pipeline
 # never starts.
-window_branch=(tee name=t t. ! queue ! videoconvert ! hapticoverlay ! autovideosink t. ! queue !)
+window_branch=(tee name=t t. ! queue ! videoconvert ! hapticoverlay ! "${live_window[@]}" t. ! queue !)
 
 # The same for a file, without the drawing. A file is read as fast as the window shows it: with longer
 # queues the tracker would be ahead of the window, and the hand would feel a pointer move a second late.

@@ -2,7 +2,9 @@
 // A bad network: passes UDP packets on between ports of this machine, loses some, and delays each
 // by another time, so that they overtake one another. The same ones for the same seed.
 //
-//   lossy-relay LOSS-PERCENT JITTER-MS SEED FROM:TO...
+//   lossy-relay LOSS-PERCENT JITTER-MS SEED FROM:TO[:FIRST-LOST]...
+//
+// FIRST-LOST: how many packets at the beginning are lost besides.
 #include <arpa/inet.h>
 #include <chrono>
 #include <cstdio>
@@ -21,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 struct Way {
   int socket = -1;
   sockaddr_in to{};
+  int first_lost = 0;
 };
 
 struct Packet {
@@ -39,7 +42,7 @@ sockaddr_in local(int port) {
 bool open_way(const char *text, Way &way) {
   int from = 0;
   int to = 0;
-  if (std::sscanf(text, "%d:%d", &from, &to) != 2)
+  if (std::sscanf(text, "%d:%d:%d", &from, &to, &way.first_lost) < 2)
     return false;
   way.socket = socket(AF_INET, SOCK_DGRAM, 0);
   way.to = local(to);
@@ -51,7 +54,7 @@ bool open_way(const char *text, Way &way) {
 
 int main(int argc, char **argv) {
   if (argc < 5) {
-    std::fputs("usage: lossy-relay LOSS-PERCENT JITTER-MS SEED FROM:TO...\n", stderr);
+    std::fputs("usage: lossy-relay LOSS-PERCENT JITTER-MS SEED FROM:TO[:FIRST-LOST]...\n", stderr);
     return EXIT_FAILURE;
   }
   const double loss = std::atof(argv[1]) / 100;
@@ -85,6 +88,10 @@ int main(int argc, char **argv) {
       const auto size = recv(ways[i].socket, bytes.data(), bytes.size(), 0);
       if (size < 0 || chance(random) < loss)
         continue;
+      if (ways[i].first_lost > 0) {
+        --ways[i].first_lost;
+        continue;
+      }
       const auto delay = std::chrono::duration<double, std::milli>(jitter * chance(random));
       waiting.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(delay),
                       Packet{i, {bytes.begin(), bytes.begin() + size}});
