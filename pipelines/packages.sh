@@ -14,6 +14,7 @@ run_packages=(
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
   gstreamer1.0-x            # video windows
   gnuplot-nox               # the plot of a trace
+  python3-gi gir1.2-gstreamer-1.0 # launch.py: a pipeline with a key; the example in Python
 )
 
 # To build the plugins.
@@ -57,7 +58,6 @@ test_packages=(
   xvfb
   xauth # xvfb-run needs it
   xdotool
-  python3-gi gir1.2-gstreamer-1.0 # the example in Python
   ffmpeg # remuxes a recording; moving-picture.sh
   parallel # runs pipelines/author/parallel.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
