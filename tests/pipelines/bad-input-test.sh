@@ -76,7 +76,14 @@ refuses "no file" record.sh "$work/missing.mp4" "$work/out.ts"
 refuses "no file" play-track.sh "$work/missing.ts"
 refuses "which video" send.sh
 refuses "no file" send.sh "$work/missing.mp4"
-refuses "--port needs a number" receive.sh --port many
+refuses "one input only" send.sh "$work/clip.mkv" "$work/clip.mkv"
+cp "$work/clip.mkv" "$work/kept.mkv"
+refuses "exists and is no description" send.sh --sdp "$work/kept.mkv" "$work/clip.mkv"
+cmp "$work/kept.mkv" "$work/clip.mkv" || fail "send.sh wrote over a film"
+refuses "exists and is no description" send.sh --sdp /dev/null "$work/clip.mkv"
+refuses "needs --sdp" send.sh --srtp "$work/clip.mkv"
+refuses "not a description" receive.sh --sdp "$work/clip.mkv"
+refuses "--port needs an even number" receive.sh --port many
 refuses "unknown option" receive.sh --fro
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99

@@ -132,3 +132,36 @@ felt() {
     }
     END { print right + 0 " of " NR - 1 " rows have the force"; exit bad || right < 500 }' "$1"
 }
+
+# `smooth FILE`: the force changes by no more than slew-rate allows in the time between two rows.
+smooth() {
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) if ($i == "mono") mono = i; next }
+    NR > 2 {
+      step = sqrt(($8 - fx) ^ 2 + ($9 - fy) ^ 2 + ($10 - fz) ^ 2)
+      if (step > 20 * ($mono - before) * 1.05 + 0.0005) { print "row " NR ": " step " N"; bad = 1; exit }
+    }
+    { before = $mono; fx = $8; fy = $9; fz = $10 }
+    END { exit bad || NR < 1000 }' "$1"
+}
+
+# `send_through RELAY PORT VIDEO RECEIVER...`: sends the video to the port of a relay, whose process ends with it,
+# while the command receives. What they say is in $work/sender and $work/receiver, and none of it may be a warning.
+send_through() {
+  local relay=$1 port=$2 video=$3 receiver status=0
+  shift 3
+  "$@" >"$work/receiver" 2>&1 &
+  receiver=$!
+  until grep -q PLAYING "$work/receiver"; do
+    kill -0 "$receiver" 2>/dev/null || { cat "$work/receiver"; return 1; }
+    sleep 0.2
+  done
+  timeout -k 10 60 "$root/pipelines/send.sh" --port "$port" "$video" >"$work/sender" 2>&1 || status=1
+  sleep 1
+  kill -INT "$receiver"
+  wait "$receiver" || status=1
+  kill "$relay"
+  wait "$relay" || true
+  ! grep -E '^(WARNING|ERROR)' "$work/receiver" "$work/sender" || status=1
+  return "$status"
+}
