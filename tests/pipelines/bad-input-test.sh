@@ -85,6 +85,10 @@ refuses "needs --sdp" send.sh --srtp "$work/clip.mkv"
 refuses "not a description" receive.sh --sdp "$work/clip.mkv"
 refuses "--port needs an even number" receive.sh --port many
 refuses "unknown option" receive.sh --fro
+refuses "10 to 79 letters" send-ts.sh --passphrase short "$work/clip.mkv"
+printf '\n' >"$work/no-words"
+refuses "has no passphrase in its first line" send-ts.sh --passphrase-file "$work/no-words" "$work/clip.mkv"
+refuses "not for --receive" send-ts.sh --receive "$work/clip.mkv"
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99
 refuses "not a camera" camera.sh /dev/null
@@ -100,7 +104,7 @@ refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive field-multicast author-cluster view moving-picture paper; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast author/parallel view moving-picture paper; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"
