@@ -5,17 +5,18 @@
 #   gst-launch-1.0 -e v4l2src device=/dev/video0 ! videoconvert ! motionfield ! hapticconvert ! meta/x-klv \
 #       ! rtpklvpay ! udpsink host=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true sync=false async=false
 #
-#   gst-launch-1.0 -e udpsrc address=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true \
-#         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
-#       ! rtpjitterbuffer latency=30 ! rtpklvdepay ! hapticconvert ! hapticsink
+#   gst-launch-1.0 -e rtponesender name=rtp latency=30 \
+#       udpsrc address=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true \
+#         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M ! rtp.recv_rtp_sink_0 \
+#       rtp.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! hapticsink
 #
-# No pointer goes back: a receiver costs the sender nothing. Nothing is encrypted or signed: use it in a
+# No pointer goes back: a receiver costs the sender nothing. Of two senders the first is felt. Nothing is encrypted or signed: use it in a
 # network that you trust. No track from the network exceeds hapticsink's max-force.
 #
 # Usage: pipelines/field-multicast.sh [--group ADDRESS] [--port PORT] [--interface NAME] INPUT
 #        pipelines/field-multicast.sh --receive [--group ADDRESS] [--port PORT] [--interface NAME]
 #            [--latency MS] [-- OPTION=VALUE...]
-#   INPUT        a video file, a camera such as /dev/video0, or --test-source: a live test video that moves to
+#   INPUT        a video file or URL, a camera such as /dev/video0, or --test-source: a live test video that moves to
 #                the left at 60 px/s
 #   --receive    feel what is sent
 #   --group      multicast address (239.255.43.1)
@@ -59,11 +60,12 @@ done
 if [ -n "$receives" ]; then
   [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
   read_arguments "$@"
-  elements=(hapticconvert hapticsink)
-  need_packaged_elements rtpklvdepay
-  launch udpsrc "address=$group" "port=$port" "multicast-iface=$interface" auto-multicast=true \
-    caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M \
-    ! rtpjitterbuffer "latency=$latency" ! rtpklvdepay ! hapticconvert ! hapticsink "${sink_options[@]}"
+  elements=(rtponesender hapticconvert hapticsink)
+  need_packaged_elements rtpbin rtpklvdepay
+  launch rtponesender name=rtp "latency=$latency" \
+    udpsrc "address=$group" "port=$port" "multicast-iface=$interface" auto-multicast=true \
+    caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M ! rtp.recv_rtp_sink_0 \
+    rtp.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! hapticsink "${sink_options[@]}"
 fi
 
 [ $# -eq 0 ] || fail "options of hapticsink go with --receive; see --help"
