@@ -59,6 +59,7 @@ test_packages=(
   xauth # xvfb-run needs it
   xdotool
   ffmpeg # remuxes a recording; moving-picture.sh
+  mkvtoolnix # remuxes a recording
   parallel # runs pipelines/author/parallel.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab

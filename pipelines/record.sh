@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Record a video together with its haptic track into one file, while feeling it.
 #
-#   gst-launch-1.0 -e filesrc location=INPUT ! decodebin name=film ! videoconvert ! deinterlace \
-#       ! videoflip video-direction=auto ! clocksync ! roitracker ! tee name=t \
+#   gst-launch-1.0 -e filesrc location=INPUT ! decodebin name=film caps="video/x-raw(ANY);audio/x-raw(ANY)" \
+#         expose-all-streams=false ! videoconvert ! deinterlace ! videoflip video-direction=auto ! clocksync \
+#         ! roitracker ! tee name=t \
 #       t. ! queue ! videoconvert ! video/x-raw,format=I420 ! x264enc tune=zerolatency key-int-max=30 \
 #         ! h264parse ! queue ! mux. \
 #       t. ! queue ! velocityavg ! tee name=h \
 #       h. ! queue ! hapticconvert ! meta/x-klv ! mux. \
 #       h. ! queue ! hapticsink \
 #       film. ! queue ! audioconvert ! audioresample ! avenc_aac ! aacparse ! queue ! mux. \
-#       mpegtsmux name=mux latency=1000000000 ! filesink location=OUTPUT
+#       mpegtsmux name=mux latency=1000000000 ! hapticmark ! filesink location=OUTPUT
 #
 # Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
 #   INPUT   a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
@@ -35,8 +36,8 @@ case $input in
 *) fail "the name of the recording must end in .ts or .mkv, not '$input'" ;;
 esac
 [ ! -e "$input" ] || fail "'$input' exists; give another name, or remove it"
-frames_of "$video"
-elements=(roitracker velocityavg hapticconvert hapticsink)
+frames_of "$video" sound
+elements=(roitracker velocityavg hapticconvert hapticmark hapticsink)
 need_packaged_elements "${mux[0]}" x264enc h264parse
 sound=()
 if [ "$has_sound" = yes ]; then
@@ -49,4 +50,4 @@ launch "${frames[@]}" ! roitracker ! tee name=t \
   t. ! queue ! velocityavg ! tee name=h \
   h. ! queue ! hapticconvert ! "$track" ! mux. \
   h. ! queue ! hapticsink "${sink_options[@]}" \
-  "${sound[@]}" "${mux[@]}" name=mux ! filesink "location=$(quoted "$input")"
+  "${sound[@]}" "${mux[@]}" name=mux ! hapticmark ! filesink "location=$(quoted "$input")"

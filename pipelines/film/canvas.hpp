@@ -95,8 +95,6 @@ public:
   void clear();
 
   int width() const { return width_; }
-  int height() const { return height_; }
-  const std::vector<std::uint32_t> &pixels() const { return pixels_; }
   const Motion &motion(int x, int y) const {
     return motions_[static_cast<std::size_t>(y) * width_ + x];
   }

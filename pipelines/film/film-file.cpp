@@ -27,6 +27,10 @@ haptic::ElementPtr source_of(GstElement *pipeline, const char *name, const std::
   return source;
 }
 
+void end_source(GstElement *source) {
+  gst_app_src_end_of_stream(GST_APP_SRC(source));
+}
+
 } // namespace
 
 FilmFile::FilmFile(const std::string &path, int width, int height, int rate)
@@ -40,7 +44,7 @@ FilmFile::FilmFile(const std::string &path, int width, int height, int rate)
       "appsrc name=track ! hapticconvert ! " +
       std::string(matroska ? "text/x-raw ! queue max-size-time=0 ! mux. matroskamux"
                            : "meta/x-klv ! queue max-size-time=0 ! mux. mpegtsmux") +
-      " name=mux ! filesink name=file";
+      " name=mux ! hapticmark ! filesink name=file";
   GError *error = nullptr;
   pipeline_.reset(gst_parse_launch(line.c_str(), &error));
   const haptic::ErrorPtr owned(error);
@@ -61,6 +65,17 @@ FilmFile::FilmFile(const std::string &path, int width, int height, int rate)
                 kFrames * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   track_ = source_of(pipeline_.get(), "track", HAPTIC_FIELD_CAPS + size, 0);
   bus_.reset(gst_element_get_bus(pipeline_.get()));
+  // After an error nothing empties the sources: their end wakes a thread that waits in push().
+  gst_bus_set_sync_handler(
+      bus_.get(),
+      [](GstBus *, GstMessage *message, gpointer data) noexcept {
+        const auto &self = *static_cast<FilmFile *>(data);
+        if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+          for (const haptic::ElementPtr *source : {&self.film_, &self.track_})
+            end_source(source->get());
+        return GST_BUS_PASS;
+      },
+      this, nullptr);
   if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw_error();
 }
@@ -105,8 +120,8 @@ void FilmFile::write(std::span<const std::uint8_t> frame, const haptic::MotionFi
 }
 
 void FilmFile::finish() {
-  gst_app_src_end_of_stream(GST_APP_SRC(film_.get()));
-  gst_app_src_end_of_stream(GST_APP_SRC(track_.get()));
+  end_source(film_.get());
+  end_source(track_.get());
   const haptic::MessagePtr message(
       gst_bus_timed_pop_filtered(bus_.get(), GST_CLOCK_TIME_NONE,
                                  static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));

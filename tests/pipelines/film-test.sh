@@ -14,7 +14,8 @@ for ending in ts mkv; do
   promise "complete" test ! -e "$made.part"
   haptic_track info "$made" >"$work/info"
   cat "$work/info"
-  promise "with a field for each frame that moves" grep -qE '32 *(x|×|columns).*18' "$work/info"
+  promise "with fields of 32 columns and 18 rows" grep -qE '32 *(x|×|columns).*18' "$work/info"
+  promise "one for each frame" grep -qE '^ *fields +30$' "$work/info"
   gst-launch-1.0 -m filesrc "location=$made" ! decodebin ! videoconvert ! motionfield ! fakesink >"$work/out"
   promise "that plays" grep -q 'Got EOS from element' "$work/out"
 done
@@ -28,12 +29,18 @@ promise "of many greens" has_colour "$work/still.png" '[2-6]. [4-9]. [0-3].' 200
 fails_with() {
   local text=$1 status=0
   shift
-  "$program" "$@" >"$work/said" 2>&1 || status=$?
+  timeout 60 "$program" "$@" >"$work/said" 2>&1 || status=$?
   cat "$work/said"
   [ "$status" = 1 ] && grep -q -- "$text" "$work/said"
 }
 promise "a foreign ending is refused" fails_with "must end in .ts, .mkv or .png" "$work/film.avi"
 promise "an odd size" fails_with "even numbers" --width 321 "$work/other.ts"
 promise "a folder that is not there" fails_with "Give another name" "${small[@]}" "$work/none/film.ts"
+disk_is_full() (
+  trap '' XFSZ # write() fails instead
+  ulimit -f 100
+  fails_with "make room on the disk" --width 320 --height 180 --duration 20 "$work/other.ts"
+)
+promise "a disk that is full" disk_is_full
 promise "an unknown option" fails_with "see --help" --wide "$work/other.ts"
 promise "no file is left" test ! -e "$work/other.ts" -a ! -e "$work/other.ts.part"
