@@ -28,19 +28,60 @@ for ending in klv txt hmpg hjif; do
   promise "and is felt as the video was" felt "$work/log.csv" "$fx" "$fy"
 done
 
-promise "a part is cut out" haptic_track cut --from 1 --to 2 "$work/session.ts" "$work/part.txt"
-promise "with the samples of one second" test "$(wc -l <"$work/part.txt")" = 30
-promise "a picture is drawn" haptic_track plot "$work/session.ts" "$work/plot.png"
-promise "which is not empty" test -s "$work/plot.png"
-
 # `complains PATTERN COMMAND...`: fails with a message that matches.
 complains() {
   local pattern=$1
   shift
   ! "$@" >/dev/null 2>"$work/stderr" && grep -qE "$pattern" "$work/stderr"
 }
+
+# Other KLV and subtitles stand before the track.
+printf '1\n00:00:00,000 --> 00:00:01,000\nmy words\n' >"$work/words.srt"
+LC_ALL=C sed 's/HAPTIC/OTHERS/g' "$work/session.ts" >"$work/other.ts"
+other=(filesrc "location=$work/other.ts" ! tsdemux ! meta/x-klv)
+words=(filesrc "location=$work/words.srt" ! subparse ! text/x-raw)
+gst-launch-1.0 -q mpegtsmux name=mux ! filesink "location=$work/second.ts" "${other[@]}" ! mux.sink_65 \
+  filesrc "location=$work/session.ts" ! tsdemux ! meta/x-klv ! mux.sink_66
+gst-launch-1.0 -q matroskamux name=mux ! filesink "location=$work/second.mkv" "${words[@]}" ! mux.subtitle_0 \
+  filesrc "location=$work/session.ts" ! tsdemux ! meta/x-klv ! hapticconvert ! text/x-raw ! mux.subtitle_1
+gst-launch-1.0 -q "${other[@]}" ! mpegtsmux ! filesink "location=$work/none.ts"
+gst-launch-1.0 -q "${words[@]}" ! matroskamux ! filesink "location=$work/none.mkv"
+for ending in ts mkv; do
+  promise "the track is found behind another in .$ending" \
+    grep -q '^  samples    90$' <(haptic_track info "$work/second.$ending")
+  promise "and none is not taken for one" complains 'no haptic track in this file, only' haptic_track info "$work/none.$ending"
+done
+gst-launch-1.0 -q matroskamux name=mux ! filesink "location=$work/film.mkv" "${words[@]}" ! queue ! mux.subtitle_0 \
+  filesrc "location=$work/session.ts" ! tsdemux ! meta/x-klv ! hapticconvert ! text/x-raw ! queue ! mux.subtitle_1 \
+  filesrc "location=$work/in.mkv" ! matroskademux ! jpegdec ! videoconvert ! vp8enc deadline=1 ! queue ! mux. \
+  audiotestsrc num-buffers=129 ! audioconvert ! avenc_aac ! aacparse ! queue ! mux.
+plays_film() {
+  "$root/pipelines/play-track.sh" "$work/film.mkv" -- device=sim "log-location=$work/log.csv" >"$work/line" || return 1
+  grep -q '! hapticconvert .* decodebin .* film\. .* autoaudiosink' "$work/line"
+}
+promise "a film with another codec and sound plays with its track" plays_film
+promise "and is felt as the video was" felt "$work/log.csv" "$fx" "$fy"
+
+no_player_shows_it() {
+  ffprobe -v error -select_streams s -show_entries stream_disposition=default,forced -of csv=p=0 "$1" | grep -x 0,0
+}
+promise "no player shows the track as subtitles" no_player_shows_it "$work/session.mkv"
+
+promise "a part is cut out" haptic_track cut --from 1 --to 2 "$work/session.ts" "$work/part.txt"
+promise "with the samples of one second" test "$(wc -l <"$work/part.txt")" = 30
+promise "a picture is drawn" haptic_track plot "$work/session.ts" "$work/plot.png"
+promise "which is not empty" test -s "$work/plot.png"
+
 head -c 10000 /dev/urandom >"$work/noise.ts"
 promise "noise is no track" complains 'no haptic track' haptic_track info "$work/noise.ts"
+# 3 145 728 silent units of 9 bytes.
+printf '\x0c\0\0\0\x10\0\0\0\0' >"$work/units"
+for _ in {1..20}; do
+  cat "$work/units" "$work/units" >"$work/twice"
+  mv "$work/twice" "$work/units"
+done
+cat "$root/tests/data/golden.hmpg" "$work"/units{,,} >"$work/long.hmpg"
+promise "a track of millions of samples is refused" complains 'more than 3000000 samples' haptic_track info "$work/long.hmpg"
 promise "a video without a track is called so" complains 'no haptic track in this file, only' \
   haptic_track info "$work/in.mkv"
 promise "an output that exists stays" complains 'exists' \
