@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The film of the demonstration: its true motion is what the trackers find, and its tree is felt.
 #include "field-frames.hpp"
+#include "force-defaults.hpp"
+#include "motion-conditioning.hpp"
 #include "region-tracking.hpp"
 #include "scene.hpp"
 
@@ -8,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <gtest/gtest.h>
-#include <numbers>
 
 namespace {
 
@@ -111,12 +112,12 @@ std::vector<haptic::Rectangle> hands_in_crown(const film::Scene &scene, int widt
   return hands;
 }
 
-// N, by equation 5 after the deadband of docs/force.md, with the `alpha` of the demonstration.
+// N, after the deadband, with the `alpha` of the demonstration. `speed` in px/s.
 double force_of(double speed, int width) {
-  constexpr double kAlpha = 0.04; // s/px
-  const double scaled = speed * 352 / width;
-  const double felt = scaled < 3 ? 0 : scaled < 6 ? 2 * (scaled - 3) : scaled;
-  return 2 / std::numbers::pi * std::atan(kAlpha * felt);
+  haptic::Motion motion;
+  motion.velocity.x = speed * haptic::kReferenceWidth / width;
+  const double felt = haptic::MotionConditioner().step(motion, 0, 1e-3).velocity.x;
+  return haptic::arctan_gain(felt, WIND_ALPHA, 1) * felt;
 }
 
 TEST(WindFilm, AHandAnywhereInTheCrownFeelsItAtLeastHalfOfTheTime) {
