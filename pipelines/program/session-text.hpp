@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The state of the force in words and as a light.
+#pragma once
+
+#include "player.hpp"
+
+#include <cairo.h>
+#include <string>
+
+namespace program {
+
+enum class Light { off, waiting, on, fault };
+
+/// `armed`: of the device; in the states open and closed the session does not say it.
+Light light_of(const Session &session, bool armed);
+
+/// Returns whether there is a force, why not, and what brings it back.
+std::string session_sentence(const Session &session, bool armed);
+
+/// Draws the light into a square of `size`: each has a shape of its own beside its colour.
+void draw_light(cairo_t *cairo, double size, Light light);
+
+} // namespace program
