@@ -37,10 +37,13 @@ build_packages=(
   rapidjson-dev # MPEG haptics as JSON
 )
 
-# The window of view.sh.
+# The program feeling-wind.
 view_packages=(
   libgtk-3-dev
   gstreamer1.0-gtk3
+  gstreamer1.0-pulseaudio # sound, also through PipeWire
+  gstreamer1.0-alsa       # sound without a sound server
+  adwaita-icon-theme      # the icons of its buttons
 )
 
 # To build and run the tests.
