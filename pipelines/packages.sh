@@ -61,6 +61,13 @@ test_packages=(
   xvfb
   xauth # xvfb-run needs it
   xdotool
+  openbox # full screen under a window manager
+  weston  # the program under Wayland
+  gir1.2-gst-rtsp-server-1.0 gstreamer1.0-rtsp # a server of rtsp
+  pulseaudio # a sound server without a sound card
+  at-spi2-core gir1.2-atspi-2.0 # what a screen reader finds in the program
+  gir1.2-gtk-3.0 # a window from which a film is dragged
+  appstream # appstreamcli checks what software centres read of the program
   ffmpeg # remuxes a recording; moving-picture.sh
   mkvtoolnix # remuxes a recording
   parallel # runs pipelines/author/parallel.sh
