@@ -73,6 +73,7 @@ test_packages=(
   parallel # runs pipelines/author/parallel.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
+  nodejs # the decoder of the player (pipelines/web) against the C++ one
 )
 
 # Engines for batches (pipelines/author). They bring much with them: only for --all, which can do without them.

@@ -44,7 +44,7 @@ for room in gst-plugins/common gst-plugins/vision gst-plugins/track gst-plugins/
   while read -r file; do
     file=${file#"$room"/}
     words "$named" | grep -qxF -e "$file" -e "${file%.*}" || complain "$room/$file is not in the table"
-  done < <(find "$room" ! -name messages.hpp \( -name "*.[ch]pp" -o -name "*.h" \))
+  done < <(find "$room" ! -name messages.hpp \( -name "*.[ch]pp" -o -name "*.h" -o -name "*.js" \))
 done
 
 echo "$count names checked, $wrong wrong"

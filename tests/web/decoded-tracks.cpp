@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Writes coded fields and KLV sets, whole and damaged, with what the C++ readers make of them, for
+// web-decoder-test.mjs:
+//
+//   decoded-tracks GOLDEN.klv COUNT >tracks.bin
+//
+// Numbers are little-endian. A record is its type (u8: 0 a new stream, 1 a coded field of the
+// stream, 2 KLV), the bytes with their length (u32) and the number of numbers with them (u32).
+#include "field-codec.hpp"
+#include "klv.hpp"
+#include "mutator.hpp"
+#include "track-samples.hpp"
+
+#include <bit>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+namespace {
+
+using test::Bytes;
+
+// FNV-1a of whole numbers.
+class Hash {
+public:
+  void add(std::uint32_t number) { value_ = (value_ ^ number) * 16777619U; }
+  void add(float number) { add(std::bit_cast<std::uint32_t>(number)); }
+  std::uint32_t value() const { return value_; }
+
+private:
+  std::uint32_t value_ = 2166136261U;
+};
+
+void put(std::uint32_t number) {
+  for (int shift = 0; shift < 32; shift += 8)
+    std::putchar(static_cast<int>(number >> shift & 0xFF));
+}
+
+void put_record(int type, std::span<const std::uint8_t> bytes,
+                const std::vector<std::uint32_t> &numbers) {
+  std::putchar(type);
+  put(static_cast<std::uint32_t>(bytes.size()));
+  for (const auto byte : bytes)
+    std::putchar(byte);
+  put(static_cast<std::uint32_t>(numbers.size()));
+  for (const auto number : numbers)
+    put(number);
+}
+
+std::uint32_t hash_of(const haptic::MotionField &field) {
+  Hash hash;
+  const std::uint64_t interval = field.interval / 1000; // us
+  for (const auto number :
+       {static_cast<std::uint32_t>(interval), static_cast<std::uint32_t>(interval >> 32),
+        std::uint32_t{field.flags}, std::uint32_t{field.columns}, std::uint32_t{field.rows},
+        field.frame_width, field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
+    hash.add(number);
+  for (const auto &cell : field.cells) {
+    hash.add(cell.velocity_x);
+    hash.add(cell.velocity_y);
+    hash.add(cell.confidence);
+  }
+  return hash.value();
+}
+
+void put_field(haptic::FieldDecoder &decoder, std::span<const std::uint8_t> bytes) {
+  const auto result = decoder.push(bytes);
+  std::vector<std::uint32_t> numbers = {static_cast<std::uint32_t>(result), decoder.lost()};
+  if (result == haptic::FieldDecoder::Result::field) {
+    numbers.push_back(hash_of(decoder.field()));
+    if (decoder.rested())
+      numbers.push_back(hash_of(decoder.rest()));
+  }
+  put_record(1, bytes, numbers);
+}
+
+std::uint32_t hash_of(const haptic::MotionSample &s) {
+  Hash hash;
+  for (const float value : {s.velocity_x, s.velocity_y, s.spin, s.divergence, s.pointer_x,
+                            s.pointer_y, s.region_width, s.region_height, s.confidence})
+    hash.add(value);
+  for (const auto number :
+       {std::uint32_t{s.flags}, s.frame_width, s.frame_height, s.pixel_aspect_n, s.pixel_aspect_d,
+        std::uint32_t{s.points}, static_cast<std::uint32_t>(s.model)})
+    hash.add(number);
+  return hash.value();
+}
+
+void put_klv(std::span<const std::uint8_t> bytes) {
+  haptic::KlvReader reader(bytes);
+  std::vector<std::uint32_t> numbers;
+  while (const auto item = reader.next()) {
+    // The player has no use for reliefs.
+    const bool is_relief =
+        item->kind == haptic::KlvKind::field && item->field_kind == haptic::FieldKind::relief;
+    const haptic::KlvKind kind = is_relief ? haptic::KlvKind::other_sample : item->kind;
+    numbers.push_back(static_cast<std::uint32_t>(kind));
+    numbers.push_back(static_cast<std::uint32_t>(item->offset));
+    Hash hash;
+    if (kind == haptic::KlvKind::motion)
+      numbers.push_back(hash_of(item->sample.motion));
+    if (kind == haptic::KlvKind::field)
+      for (const auto byte : item->field)
+        hash.add(std::uint32_t{byte});
+    numbers.push_back(hash.value());
+  }
+  put_record(2, bytes, numbers);
+}
+
+// Fields of few cells with every kind of change: cuts, rests, other grids, other intervals.
+class OddFields {
+public:
+  explicit OddFields(unsigned seed) : random_(seed) {}
+
+  haptic::MotionField next() {
+    if (below(40) == 0)
+      change_grid();
+    if (below(10) == 0)
+      rests_ = !rests_;
+    if (below(20) == 0)
+      speed_ = std::exp(number(-2, 10));
+    field_.flags = static_cast<std::uint16_t>(below(30) == 0 ? 1 + below(15) : 0);
+    for (auto &cell : field_.cells) {
+      if (below(4) == 0)
+        cell.confidence = static_cast<float>(number(-0.3, 1) < 0 ? 0 : number(0, 1));
+      if (below(3) == 0)
+        cell.velocity_x = static_cast<float>(number(-speed_, speed_));
+      if (below(3) == 0)
+        cell.velocity_y = static_cast<float>(number(-speed_, speed_));
+      if (rests_ || cell.confidence == 0)
+        cell.velocity_x = cell.velocity_y = 0;
+    }
+    return field_;
+  }
+  unsigned below(unsigned limit) { return static_cast<unsigned>(random_() % limit); }
+
+private:
+  double number(double from, double to) {
+    return from + (to - from) * static_cast<double>(random_()) / static_cast<double>(random_.max());
+  }
+  void change_grid() {
+    field_.columns = static_cast<std::uint16_t>(1 + below(9));
+    field_.rows = static_cast<std::uint16_t>(1 + below(6));
+    field_.frame_width = 1 + below(4000);
+    field_.frame_height = 1 + below(4000);
+    field_.pixel_aspect_n = 1 + below(20);
+    field_.pixel_aspect_d = 1 + below(20);
+    // Up to the longest there is.
+    field_.interval = below(3) ? 33'333'333 : static_cast<std::uint64_t>(std::exp(number(0, 44)));
+    field_.cells.assign(std::size_t{field_.columns} * field_.rows, {});
+  }
+
+  std::mt19937 random_;
+  haptic::MotionField field_ = {
+      33'333'333, 640, 360, 1, 1, 0, 4, 3, std::vector<haptic::FieldCell>(12)};
+  bool rests_ = false;
+  double speed_ = 100; // px/s
+};
+
+void put_golden(const std::string &path, std::vector<Bytes> &sets) {
+  std::ifstream file(path, std::ios::binary);
+  const Bytes track(std::istreambuf_iterator<char>(file), {});
+  if (track.empty())
+    std::exit(EXIT_FAILURE);
+  put_klv(track);
+  put_record(0, {}, {});
+  haptic::FieldDecoder decoder;
+  haptic::KlvReader reader(track);
+  while (const auto item = reader.next()) {
+    if (item->kind != haptic::KlvKind::field)
+      continue;
+    put_field(decoder, item->field);
+    sets.push_back(write_klv(haptic::coded_field_of(*item)));
+  }
+}
+
+// Streams that lose a field now and then; each other field comes twice damaged before it comes
+// whole.
+void put_streams(unsigned count) {
+  OddFields fields(1);
+  test::Mutator mutator(2);
+  std::vector<Bytes> before;
+  haptic::FieldEncoder encoder;
+  haptic::FieldDecoder decoder;
+  for (unsigned i = 0; i < count; ++i) {
+    if (i % 1000 == 0) {
+      put_record(0, {}, {});
+      encoder =
+          haptic::FieldEncoder(haptic::kKeyInterval, static_cast<std::uint8_t>(fields.below(256)));
+      decoder = {};
+      before.clear();
+    }
+    const auto coded = encoder.push(fields.next());
+    if (!coded || fields.below(20) == 0)
+      continue;
+    before.push_back(*coded);
+    for (int times = 0; times < 2; ++times) {
+      Bytes damaged = *coded;
+      mutator.mutate(damaged, before);
+      put_field(decoder, damaged);
+    }
+    put_field(decoder, *coded);
+  }
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  if (argc != 3)
+    return EXIT_FAILURE;
+  const auto count = static_cast<unsigned>(std::strtoul(argv[2], nullptr, 10));
+  std::vector<Bytes> sets;
+  put_golden(argv[1], sets);
+  put_streams(count);
+  test::TrackSamples samples(1);
+  for (int i = 0; i < 12; ++i)
+    sets.push_back(write_klv(samples.next()));
+  test::Mutator mutator(3);
+  for (unsigned i = 0; i < count / 4; ++i) {
+    Bytes bytes = sets[mutator.below(sets.size())];
+    mutator.mutate(bytes, sets);
+    put_klv(bytes);
+  }
+  return EXIT_SUCCESS;
+}
