@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The packets of a film by their time, and the motion under the hand at any time of it: straight lines between the
+// middles of the intervals that velocities were measured over, as gst-plugins/device/motion-interpolator.cpp.
+import { CUT, FieldDecoder, beginsPair } from './field-codec.js';
+import { sampleField } from './field-sampler.js';
+import { readKlv } from './klv.js';
+
+const DUPLICATE = 2; // flag: the motion before continues
+const LONGEST_RAMP = 1; // s
+const FASTEST = 1e6; // px/s; faster ones are damage
+const MOST_BYTES = 64 * 2 ** 20; // of packets, an hour of a lively film
+const MOST_CELLS = 1e5, MOST_PACKETS = 1000; // decoded in one call; a hostile track needs several
+const NOTHING = Object.freeze({ x: 0, y: 0, confidence: 0, measured: false, cut: false, age: 0, interval: 0 });
+
+// Index of the first sorted item that is later.
+function after(items, time) {
+  let low = 0, high = items.length;
+  while (low < high) {
+    const middle = low + high >> 1;
+    if (items[middle].time > time) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+const isPlausible = field => field.x.every((x, i) => Math.hypot(x, field.y[i]) <= FASTEST);
+const hasMeasurement = field => field.confidence.some(confidence => confidence > 0);
+
+const sizeOf = packet => 200 + (packet.code?.length ?? 0);
+const isSame = ({ code: a }, { code: b }) => a && b && a.length === b.length && a.every((byte, i) => byte === b[i]);
+
+export class MotionTrack {
+  #packets = []; // {time: s, code or point, starts: whether decoding may begin here}
+  #knots = []; // decoded motions in order: see #addKnot
+  #next = 0; // packet to be decoded; -1: none yet
+  #first = 0; // the first one that was
+  #bytes = 0; // of all packets
+  #decoder = new FieldDecoder();
+  /** Sets that could not be read. */
+  damaged = 0;
+
+  get empty() { return this.#packets.length === 0; }
+  get length() { return this.#packets.length; }
+
+  /** Adds the KLV sets in `bytes`, which belong to the frame at `time` (s). A packet of the same time is replaced. */
+  add(bytes, time) {
+    if (!Number.isFinite(time)) return;
+    for (const item of readKlv(bytes)) {
+      if (item.kind === 'damaged') ++this.damaged;
+      if (item.kind !== 'field' && item.kind !== 'point') continue;
+      const packet = { time, code: item.code?.slice(), point: item.point };
+      packet.starts = !item.code || beginsPair(item.code);
+      this.#insert(packet);
+    }
+  }
+
+  #insert(packet) {
+    const at = after(this.#packets, packet.time);
+    const before = this.#packets[at - 1];
+    const same = before && packet.time - before.time < 1e-4;
+    if (same && isSame(before, packet)) return;
+    const grown = sizeOf(packet) - (same ? sizeOf(before) : 0);
+    if (this.#bytes + grown > MOST_BYTES) return;
+    this.#bytes += grown;
+    this.#packets.splice(same ? at - 1 : at, same ? 1 : 0, packet);
+    if (at < this.#next + Number(same)) this.#restart();
+  }
+
+  /** Drops the packets before `time` (s). */
+  forgetBefore(time) {
+    const count = after(this.#packets, time) - 1;
+    if (count < 1000) return; // seldom, and many at once
+    for (const packet of this.#packets.splice(0, count)) this.#bytes -= sizeOf(packet);
+    this.#next -= count;
+    if (this.#next < 0) this.#restart();
+  }
+
+  #restart() {
+    this.#knots = [];
+    this.#next = -1;
+  }
+
+  #decode(packet) {
+    if (packet.point) return this.#addKnot(packet.point, packet.time);
+    const result = this.#decoder.push(packet.code);
+    if (result === 'damaged') ++this.damaged;
+    if (result !== 'field') return; // the line goes on to the next one
+    const { field, rest } = this.#decoder;
+    // It comes with the field. A line to the field begins then anyway where there is a motion before.
+    if (rest && !this.#knots.at(-1)?.measured) this.#addKnot(rest, packet.time - field.interval / 1e6, packet.time);
+    this.#addKnot(field, packet.time);
+  }
+
+  // `sent`: the time of its packet, which comes one and a half frames early.
+  #addKnot(motion, due, sent = due) {
+    if (motion.flags & DUPLICATE) return;
+    const interval = Math.min(motion.interval / 1e6, LONGEST_RAMP);
+    const field = motion.columns ? motion : null;
+    const measured = field ? hasMeasurement(field) && isPlausible(field)
+      : motion.confidence > 0 && Math.hypot(motion.x, motion.y) <= FASTEST;
+    const time = due - interval / 2;
+    while (this.#knots.length && this.#knots.at(-1).time > time - interval / 4) this.#knots.pop();
+    this.#knots.push({
+      time, due, comes: sent - 1.5 * interval, interval, motion, field, measured, cut: (motion.flags & CUT) !== 0,
+    });
+  }
+
+  // Decodes what is needed around `time`, or a part of it. @returns whether the knots reach from before it to behind it
+  #reach(time) {
+    const knots = this.#knots;
+    const from = this.#start(time);
+    const isPast = knots.length ? knots[0].time > time : from < this.#first;
+    if (this.#next < 0 || isPast || from > this.#next) {
+      this.#restart();
+      this.#decoder.forget();
+      this.#next = this.#first = from;
+    }
+    const isReached = () => this.#next >= this.#packets.length || this.#knots.at(-1)?.time > time;
+    const most = this.#decoder.cells + MOST_CELLS;
+    for (let i = 0; i < MOST_PACKETS && this.#decoder.cells < most && !isReached(); ++i)
+      this.#decode(this.#packets[this.#next++]);
+    const old = after(this.#knots, time - 1) - 2;
+    if (old > 0) this.#knots.splice(0, old);
+    return isReached();
+  }
+
+  // The last packet until `time` at which decoding may begin.
+  #start(time) {
+    let i = after(this.#packets, time) - 1;
+    while (i > 0 && !this.#packets[i].starts) --i;
+    return Math.max(i, 0);
+  }
+
+  /** The decoded field of the frame shown at `time` (s), or null. */
+  fieldAt(time) {
+    if (!this.#reach(time)) return null;
+    const knot = this.#knots.findLast(knot => knot.due <= time + 1e-3);
+    return knot?.field ?? null;
+  }
+
+  /**
+   * The motion at `time` (s) at `place`: {x, y: px/s, y down, confidence, measured, cut: one was passed since `since`,
+   * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}
+   */
+  at(time, place, since = time) {
+    if (this.empty || !this.#reach(time)) return NOTHING;
+    const i = after(this.#knots, time) - 1;
+    if (i < 0) return NOTHING;
+    const from = this.#knots[i], to = this.#knots[i + 1];
+    const cut = this.#knots.some(knot => knot.cut && knot.time > since && knot.time <= time);
+    const begins = to ? Math.max(from.time, to.comes) : Infinity;
+    const newest = time >= begins ? to : from;
+    const now = {
+      ...motionAt(from, place), cut, age: Math.max(time - newest.due, 0), interval: newest.interval,
+      width: from.motion.width, aspect: from.motion.aspectN / from.motion.aspectD,
+    };
+    now.measured = from.measured && now.confidence > 0;
+    if (!now.measured) return { ...now, confidence: 0 };
+    if (to && time >= begins) interpolate(now, to, place, (time - begins) / Math.max(to.time - begins, 1e-9));
+    return now;
+  }
+}
+
+function motionAt(knot, place) {
+  return knot.field ? sampleField(knot.field, place)
+    : { x: knot.motion.x, y: knot.motion.y, confidence: knot.motion.confidence };
+}
+
+function interpolate(now, to, place, share) {
+  const there = motionAt(to, place);
+  if (!to.measured || !(there.confidence > 0)) return;
+  const { motion } = to;
+  const scaleX = now.width / motion.width; // frames may change their size
+  const scaleY = scaleX * motion.aspectD / motion.aspectN * now.aspect;
+  now.x += (there.x * scaleX - now.x) * share;
+  now.y += (there.y * scaleY - now.y) * share;
+  now.confidence += (there.confidence - now.confidence) * share;
+}
