@@ -82,6 +82,11 @@ engine_packages=(
   slurm-wlm
 )
 
+# npm comes with a nodejs that is not Debian's, and Debian's npm cannot be installed beside one.
+install_npm() {
+  command -v npm >/dev/null || install_packages npm
+}
+
 # To build the Debian package and look at it.
 package_packages=(
   build-essential

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Plays a plain playlist of CMAF by Media Source Extensions alone, where hls.js is not beside the page: one rendition,
+// VOD, segments as whole files, not encrypted, as `haptic-track package` writes them.
+
+const AHEAD = 20; // s to be buffered
+const BEHIND = 60; // s to be kept
+const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
+
+/** @returns {variant} or {map, segments: [{url, start: s, duration: s}]}, or null */
+export function readPlaylist(text, address) {
+  if (!text.startsWith('#EXTM3U') || /^#EXT-X-(KEY|BYTERANGE)/m.test(text)) return null;
+  const lines = text.split(/\r?\n/);
+  const urlOf = name => new URL(name, address).href;
+  const variant = lines.findIndex(line => line.startsWith('#EXT-X-STREAM-INF'));
+  if (variant >= 0) return lines[variant + 1] ? { variant: urlOf(lines[variant + 1]) } : null;
+  const map = text.match(/^#EXT-X-MAP:URI="([^"]+)"\s*$/m)?.[1];
+  const segments = [];
+  let start = 0, duration = 0;
+  for (const line of lines) {
+    if (line.startsWith('#EXTINF:')) duration = parseFloat(line.slice(8));
+    if (!line || line.startsWith('#')) continue;
+    if (!(duration > 0)) return null;
+    segments.push({ url: urlOf(line), start, duration });
+    start += duration;
+  }
+  return map && segments.length ? { map: urlOf(map), segments } : null;
+}
+
+// Yields the boxes at the top of a file.
+function* boxes(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  for (let at = 0; at + 8 <= bytes.length;) {
+    const size = view.getUint32(at) || bytes.length - at;
+    if (size < 8 || size > bytes.length - at) return;
+    yield { type: String.fromCharCode(...bytes.subarray(at + 4, at + 8)), content: bytes.subarray(at + 8, at + size) };
+    at += size;
+  }
+}
+
+/** Yields {time: s, bytes} of each packet of the track in a segment that begins at `start` (ISO/IEC 23009-1, 5.10.3.3). */
+export function* readPackets(segment, start) {
+  for (const { type, content } of boxes(segment)) {
+    if (type !== 'emsg' || content.length < 24) continue;
+    const view = new DataView(content.buffer, content.byteOffset, content.length);
+    const isNew = content[0] === 1;
+    let at = isNew ? 24 : 4;
+    const text = () => {
+      const end = content.indexOf(0, at);
+      const string = end < 0 ? '' : String.fromCharCode(...content.subarray(at, Math.min(end, at + 200)));
+      at = end < 0 ? content.length : end + 1;
+      return string;
+    };
+    const scheme = text();
+    text();
+    if (!scheme.startsWith(KLV_SCHEME) || (!isNew && at + 16 > content.length)) continue;
+    const scale = view.getUint32(isNew ? 4 : at);
+    const time = isNew ? Number(view.getBigUint64(8)) / scale : start + view.getUint32(at + 4) / scale;
+    yield { time, bytes: content.subarray(isNew ? at : at + 16) };
+  }
+}
+
+/** @returns the type of media of an initialization segment, or null without H.264 */
+export function mediaType(header) {
+  const text = new TextDecoder('latin1').decode(header);
+  const at = text.indexOf('avcC');
+  if (at < 0 || at + 8 > header.length) return null;
+  const avc = Array.from(header.subarray(at + 5, at + 8), byte => byte.toString(16).padStart(2, '0')).join('');
+  return `video/mp4; codecs="avc1.${avc}${text.includes('mp4a') ? ', mp4a.40.2' : ''}"`;
+}
+
+class PlainFilm {
+  #video;
+  #load;
+  #onPacket;
+  #onProblem;
+  #list;
+  #buffer;
+  #last = null; // segment that was appended; not fetched again and again if it fills no gap
+  #url = null; // of the MediaSource
+  #ended = new AbortController();
+
+  constructor(video, load, onPacket, onProblem, list) {
+    [this.#video, this.#load, this.#onPacket, this.#onProblem, this.#list] = [video, load, onPacket, onProblem, list];
+    video.addEventListener('seeking', () => { this.#last = null; }, { signal: this.#ended.signal });
+  }
+
+  async begin() {
+    const header = await this.#load(this.#list.map);
+    const type = mediaType(header);
+    if (!type || !MediaSource.isTypeSupported(type)) throw new Error('This browser cannot play the film’s codec.');
+    if (this.#ended.signal.aborted) return;
+    const source = new MediaSource();
+    const opened = new Promise(done => source.addEventListener('sourceopen', done, { once: true }));
+    this.#url = this.#video.src = URL.createObjectURL(source);
+    await opened;
+    URL.revokeObjectURL(this.#url);
+    const last = this.#list.segments.at(-1);
+    source.duration = last.start + last.duration;
+    this.#buffer = source.addSourceBuffer(type);
+    await this.#change(() => this.#buffer.appendBuffer(header));
+    while (!this.#ended.signal.aborted) {
+      const segment = this.#wanted();
+      if (segment && segment !== this.#last) // after a failure a seek goes on elsewhere
+        await this.#append(segment, source, segment === last).catch(error => this.#onProblem(error.message));
+      else if (segment === undefined && source.readyState === 'open') source.endOfStream(); // after a seek back, too
+      else await new Promise(done => setTimeout(done, 200));
+    }
+  }
+
+  end() {
+    this.#ended.abort();
+    if (this.#url && this.#video.src === this.#url) letGo(this.#video);
+  }
+
+  // The segment that follows what is buffered at the present time: null if there is enough, undefined at the end.
+  #wanted() {
+    const { buffered } = this.#buffer;
+    let time = this.#video.currentTime;
+    const now = time;
+    for (let i = 0; i < buffered.length; ++i)
+      if (buffered.start(i) <= time + 0.2 && buffered.end(i) > time) time = buffered.end(i);
+    if (time - now > AHEAD) return null;
+    const { segments } = this.#list, last = segments.at(-1);
+    const isLastThere = buffered.length > 0 && buffered.end(buffered.length - 1) > last.start;
+    return segments.find(({ start, duration }) => start + duration > time + 0.15) ?? (isLastThere ? undefined : last);
+  }
+
+  async #append(segment, source, isLast) {
+    this.#last = segment;
+    const bytes = await this.#load(segment.url);
+    for (const { time, bytes: packet } of readPackets(bytes, segment.start)) this.#onPacket(packet, time);
+    if (this.#ended.signal.aborted) return;
+    const old = this.#video.currentTime - BEHIND;
+    if (old > 0) await this.#change(() => this.#buffer.remove(0, old));
+    await this.#change(() => this.#buffer.appendBuffer(bytes));
+    if (isLast && source.readyState === 'open') source.endOfStream();
+  }
+
+  #change(begin) {
+    return new Promise((done, fail) => {
+      this.#buffer.onupdateend = done;
+      this.#buffer.onerror = () => fail(new Error('A part of the film is damaged.'));
+      begin();
+    });
+  }
+}
+
+export function letGo(video) {
+  video.removeAttribute('src');
+  video.load();
+}
+
+/** `load(url)` gives the bytes of a file, or fails. @returns the film, or null if the playlist is not plain enough */
+export async function playPlainly(video, address, load, onPacket, onProblem) {
+  const read = async url => readPlaylist(new TextDecoder().decode(await load(url)), url);
+  let list = await read(address);
+  if (list?.variant) list = await read(list.variant);
+  if (!list?.map || !globalThis.MediaSource) return null;
+  const film = new PlainFilm(video, load, onPacket, onProblem, list);
+  film.begin().catch(error => onProblem(error.message));
+  return film;
+}
