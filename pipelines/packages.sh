@@ -73,6 +73,7 @@ test_packages=(
   parallel # runs pipelines/author/parallel.sh
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
+  node-typescript # compiles the types of the player
   nodejs # the decoder of the player (pipelines/web) against the C++ one
 )
 

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The player without a page: attach() lets a hand feel the film in a video element (docs/web.md, "Embed it").
+import { forgottenBefore, playFilm, playlistAddress } from './film.js';
+import { ForceChain } from './force-chain.js';
+import { MotionTrack } from './motion-track.js';
+import { Rumble, magnitudes, rumblePads } from './rumble.js';
+
+export { Refusal } from './film.js';
+
+const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
+const STALLED = 40; // ms without progress of the film
+const WATCH = 20; // ms
+const LONGEST_FRAME = 0.1; // s; between frames time goes on for so long
+const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
+const NO_FORCE = Object.freeze({ x: 0, y: 0 });
+const HIGHEST_ALPHA = 0.2; // s/px
+
+const within = (value, low, high, otherwise) => Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
+
+class Player {
+  #video;
+  #options;
+  #track = new MotionTrack();
+  #chain = new ForceChain();
+  #rumble = new Rumble();
+  #place = null;
+  #strength = 1;
+  #frame = null; // {mediaTime: s, shown: ms} of the last frame
+  #progress = { time: -1, at: 0 }; // of the film: s, ms
+  #said = new Set();
+  #ended = new AbortController();
+  #release = () => {};
+
+  constructor(video, options) {
+    this.#video = video;
+    this.#options = options;
+    this.strength = options.strength ?? 1;
+    this.alpha = options.alpha ?? 0.01;
+    const { signal } = this.#ended;
+    const stop = () => this.#silence();
+    for (const event of STOPS) video.addEventListener(event, stop, { signal });
+    for (const event of ['pagehide', 'freeze']) window.addEventListener(event, stop, { signal });
+    document.addEventListener('visibilitychange', () => document.hidden && stop(), { signal });
+    window.addEventListener('gamepaddisconnected', stop, { signal });
+    const watch = setInterval(() => this.#watch(), WATCH);
+    signal.addEventListener('abort', () => clearInterval(watch));
+    this.#followFrames();
+    requestAnimationFrame(now => this.#tick(now));
+  }
+
+  async load(playlist) {
+    const address = playlistAddress(playlist);
+    this.#silence();
+    this.#release();
+    this.#release = () => {};
+    this.#said.clear();
+    const track = this.#track = new MotionTrack(); // no later film is felt by this one's packets
+    const isWanted = () => this.#track === track && !this.#ended.signal.aborted;
+    const release = await playFilm(this.#video, address, {
+      onPacket: (bytes, time) => isWanted() && this.addPacket(bytes, time),
+      onProblem: sentence => isWanted() && this.#say(sentence),
+    });
+    if (isWanted()) this.#release = release;
+    else release();
+  }
+
+  addPacket(bytes, time) {
+    this.#track.add(bytes, time);
+    this.#track.forgetBefore(forgottenBefore(this.#video.currentTime));
+    if (this.#track.damaged) this.#say('Some packets of the haptic track are damaged; they are not felt.');
+  }
+
+  get place() { return this.#place; }
+  set place(place) {
+    const valid = place && [place.x, place.y].every(Number.isFinite);
+    this.#place = valid ? { x: within(place.x, 0, 1), y: within(place.y, 0, 1), z: within(place.z, -1, 1, 0) } : null;
+  }
+  get strength() { return this.#strength; }
+  set strength(strength) { this.#strength = within(strength, 0, 1, this.#strength); }
+  get alpha() { return this.#chain.alpha; }
+  set alpha(alpha) { this.#chain.alpha = within(alpha, 0, HIGHEST_ALPHA, this.#chain.alpha); }
+  get force() { return this.#chain.force; }
+  get field() { return this.#track.fieldAt(this.#mediaTime(performance.now())); }
+  get hasTrack() { return !this.#track.empty; }
+  get gamepads() { return rumblePads().map(pad => pad.id); }
+
+  detach() {
+    this.#silence();
+    this.#ended.abort();
+    this.#release();
+  }
+
+  // ---- what is felt now
+
+  #followFrames() {
+    if (!this.#video.requestVideoFrameCallback) return; // then the element's time must do
+    const next = (_, { mediaTime, expectedDisplayTime }) => {
+      if (this.#ended.signal.aborted) return;
+      this.#frame = { mediaTime, shown: expectedDisplayTime };
+      this.#video.requestVideoFrameCallback(next);
+    };
+    this.#video.requestVideoFrameCallback(next);
+  }
+
+  #mediaTime(now) {
+    if (!this.#frame) return this.#video.currentTime;
+    const since = within((now - this.#frame.shown) / 1000, 0, LONGEST_FRAME, 0);
+    return this.#frame.mediaTime + (this.#video.paused ? 0 : since * this.#video.playbackRate);
+  }
+
+  get #plays() {
+    const video = this.#video;
+    return !video.paused && !video.seeking && !video.ended && video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA &&
+      !document.hidden && video.playbackRate > 0 && video.playbackRate <= 2;
+  }
+
+  // Whether the film stands still although it should play. Its time moves with each frame of the screen.
+  #stalls(now) {
+    if (this.#video.currentTime !== this.#progress.time) this.#progress = { time: this.#video.currentTime, at: now };
+    return now - this.#progress.at > STALLED;
+  }
+
+  #watch() {
+    if (!this.#plays || this.#stalls(performance.now())) this.#silence();
+  }
+
+  #tick(now) {
+    if (this.#ended.signal.aborted) return;
+    requestAnimationFrame(next => this.#tick(next));
+    const { currentTime, playbackRate } = this.#video;
+    if (this.#plays && currentTime > UNTRACKED && this.#track.empty) this.#say('This film has no haptic track: nothing is felt.');
+    if (!this.#plays || this.#stalls(now) || !this.#place) return this.#silence();
+    const place = this.#place;
+    this.#chain.advance(this.#mediaTime(now), (time, since) => this.#track.at(time, place, since), playbackRate);
+    this.#report(now);
+  }
+
+  #report(now) {
+    const { force } = this.#chain;
+    const newtons = Math.hypot(force.x, force.y);
+    const wanted = magnitudes(newtons, this.#chain.maxForce, this.#strength);
+    if (this.#options.rumble !== false) this.#rumble.play(wanted, now);
+    this.#options.onForce?.({ ...force, newtons, ...wanted, time: this.#chain.time });
+  }
+
+  #silence() {
+    this.#rumble.stop();
+    if (this.#chain.silent) return;
+    this.#chain.silence();
+    this.#options.onForce?.({ ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
+  }
+
+  #say(sentence) {
+    if (this.#said.has(sentence)) return;
+    this.#said.add(sentence);
+    this.#options.onProblem?.(sentence);
+  }
+}
+
+/** See player.d.ts. */
+export function attach(video, options = {}) {
+  const player = new Player(video, options);
+  if (options.playlist !== undefined)
+    player.load(options.playlist).catch(error => options.onProblem?.(error.message));
+  return player;
+}

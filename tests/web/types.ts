@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What others write with the player's types (pipelines/web/player.d.ts). Compiled, not run.
+import { attach, Refusal, type Field, type Force, type Options, type Place, type Player } from '../../pipelines/web/player.js';
+
+// As much of a browser as is needed: all of it takes seconds to compile.
+declare global {
+  interface HTMLVideoElement { readonly currentTime: number }
+}
+declare const film: HTMLVideoElement;
+declare const console: { log(...values: unknown[]): void };
+
+const options: Options = {
+  playlist: 'film.m3u8', strength: 0.5, alpha: 0.04, rumble: false,
+  onForce: ({ x, y, newtons, strongMagnitude, weakMagnitude, time }: Force) =>
+    console.log(x + y + newtons + strongMagnitude + weakMagnitude + time),
+  onProblem: sentence => console.log(sentence.toUpperCase()),
+};
+const player: Player = attach(film, options);
+const place: Place = { x: 0.5, y: 0.5 };
+player.place = place;
+player.place = null;
+[player.strength, player.alpha] = [1, 0.01];
+player.addPacket(new Uint8Array(3), player.force.x + player.force.y);
+player.load('film.m3u8').catch((error: unknown) => console.log(error instanceof Refusal && error.message));
+const field: Field | null = player.field;
+console.log(field?.x.length, field && field.columns * field.rows + field.width + field.height + field.confidence.length);
+console.log(player.hasTrack, player.gamepads.join());
+player.detach();
+
+// @ts-expect-error: it is read only
+player.force = { x: 1, y: 1 };
+// @ts-expect-error: y is missing
+player.place = { x: 1 };
+// @ts-expect-error: there is no such option
+attach(film, { stength: 1 });
