@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The page around the player: film, hand, controls and keys.
+import { attach } from './player.js';
+import { draw, pictureIn } from './drawing.js';
+import { StickHand } from './stick-hand.js';
+
+const element = id => document.getElementById(id);
+const [stage, film, canvas] = ['stage', 'film', 'drawing'].map(element);
+const ALPHA = 0.01; // s/px, for each step of sensitivity
+const SEEK = 5; // s
+const STEP = 0.02; // of the picture, a key moves the hand
+const WORDS = 2; // times a second, for screen readers
+
+const asked = new URLSearchParams(location.search);
+const player = attach(film, {
+  playlist: asked.get('playlist') ?? 'film.m3u8',
+  onProblem: addProblem,
+});
+const stick = new StickHand();
+let touching = false;
+
+function addProblem(sentence) {
+  const item = document.createElement('li');
+  item.textContent = sentence;
+  element('problems').append(item);
+}
+
+// ---- film
+
+async function togglePlay() {
+  if (!film.paused) return film.pause();
+  try {
+    await film.play();
+    element('begin').hidden = true;
+  } catch (error) {
+    if (error.name === 'NotAllowedError') addProblem('The browser wants a click on Play first.');
+  }
+}
+
+function seekBy(seconds) {
+  if (Number.isFinite(film.duration)) film.currentTime = Math.min(Math.max(film.currentTime + seconds, 0), film.duration);
+}
+
+function clock(seconds) {
+  const whole = Math.floor(Number.isFinite(seconds) ? seconds : 0);
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
+}
+
+function showTime() {
+  const position = element('position');
+  element('time').textContent = `${clock(film.currentTime)} / ${clock(film.duration)}`;
+  if (Number.isFinite(film.duration)) position.max = film.duration;
+  position.value = film.currentTime;
+  position.setAttribute('aria-valuetext', `${clock(film.currentTime)} of ${clock(film.duration)}`);
+}
+
+function showPlaying() {
+  const play = element('play');
+  play.classList.toggle('playing', !film.paused);
+  play.setAttribute('aria-label', film.paused ? 'Play' : 'Pause');
+  if (!film.paused) element('begin').hidden = true;
+}
+
+for (const event of ['play', 'pause', 'ended']) film.addEventListener(event, showPlaying);
+for (const event of ['timeupdate', 'durationchange', 'seeked']) film.addEventListener(event, showTime);
+film.addEventListener('loadedmetadata', () => {
+  if (film.videoWidth > 0) element('player').style.setProperty('--ratio', film.videoWidth / film.videoHeight);
+  else addProblem('There is sound only: this film has no picture.');
+});
+film.addEventListener('volumechange', () => element('sound').setAttribute('aria-pressed', String(!film.muted)));
+element('position').addEventListener('input', event => { film.currentTime = Number(event.target.value); });
+element('play').addEventListener('click', togglePlay);
+element('begin').addEventListener('click', () => {
+  togglePlay();
+  stage.focus();
+});
+
+// ---- hand
+
+function pointAt(event) {
+  const box = stage.getBoundingClientRect();
+  const picture = pictureIn(stage, film);
+  const x = (event.clientX - box.left - picture.x) / picture.width;
+  const y = (event.clientY - box.top - picture.y) / picture.height;
+  player.place = x >= 0 && x <= 1 && y >= 0 && y <= 1 ? { x, y } : null;
+}
+
+stage.addEventListener('pointerdown', event => {
+  touching = event.pointerType !== 'mouse';
+  pointAt(event);
+});
+stage.addEventListener('pointermove', pointAt);
+stage.addEventListener('pointerleave', () => { player.place = null; });
+for (const event of ['pointerup', 'pointercancel'])
+  stage.addEventListener(event, () => { if (touching) player.place = null; });
+stage.addEventListener('dblclick', toggleFull);
+
+function moveHand(dx, dy) {
+  const { x, y } = player.place ?? { x: 0.5, y: 0.5 };
+  player.place = { x: x + dx, y: y + dy };
+}
+
+// ---- switches
+
+function toggleFull() {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else element('player').requestFullscreen?.();
+}
+
+function toggle(button) {
+  const on = button.getAttribute('aria-pressed') !== 'true';
+  button.setAttribute('aria-pressed', String(on));
+}
+
+function changeStrength(percent) {
+  const strength = element('strength');
+  strength.value = Number(strength.value) + percent;
+  strength.dispatchEvent(new Event('input'));
+}
+
+function showSlider(slider, text) {
+  slider.setAttribute('aria-valuetext', text);
+  slider.title = text;
+}
+
+document.addEventListener('fullscreenchange', () =>
+  element('full').setAttribute('aria-pressed', String(Boolean(document.fullscreenElement))));
+element('full').addEventListener('click', toggleFull);
+element('sound').addEventListener('click', () => { film.muted = !film.muted; });
+element('field').addEventListener('click', event => toggle(event.currentTarget));
+element('help').addEventListener('click', () => element('keys').showModal());
+element('strength').addEventListener('input', ({ target }) => {
+  player.strength = Number(target.value) / 100;
+  showSlider(target, `${target.value} %`);
+});
+element('sensitivity').addEventListener('input', ({ target }) => {
+  player.alpha = ALPHA * Number(target.value);
+  showSlider(target, `${target.value} times`);
+});
+
+// ---- keys
+
+const KEYS = {
+  ' ': togglePlay, k: togglePlay, j: () => seekBy(-SEEK), l: () => seekBy(SEEK), f: toggleFull,
+  m: () => element('sound').click(), v: () => element('field').click(), '+': () => changeStrength(5),
+  '-': () => changeStrength(-5), '?': () => element('help').click(), F1: () => element('help').click(),
+  Escape: () => { player.place = null; },
+};
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+document.addEventListener('keydown', event => {
+  if (event.ctrlKey || event.altKey || event.metaKey || element('keys').open) return;
+  const { target, key } = event;
+  const isControl = target instanceof HTMLInputElement || (target instanceof HTMLButtonElement && key === ' ');
+  const arrow = ARROWS[key];
+  const action = KEYS[key.length === 1 ? key.toLowerCase() : key];
+  if (arrow && target instanceof HTMLInputElement) return;
+  if (arrow) moveHand(...arrow.map(step => step * STEP * (event.shiftKey ? 4 : 1)));
+  else if (action && !(isControl && key === ' ')) action();
+  else return;
+  event.preventDefault();
+});
+
+// ---- what is seen
+
+function showForce() {
+  const newtons = Math.hypot(player.force.x, player.force.y);
+  element('level').style.transform = `scaleX(${Math.min(newtons, 1)})`;
+  element('newtons').textContent = `${newtons.toFixed(2)} N`;
+}
+
+function direction({ x, y }) {
+  const names = ['right', 'up and right', 'up', 'up and left', 'left', 'down and left', 'down', 'down and right'];
+  return names[(Math.round(Math.atan2(y, x) / (Math.PI / 4)) + 8) % 8];
+}
+
+function describeForce() {
+  const newtons = Math.hypot(player.force.x, player.force.y);
+  const meter = element('meter');
+  meter.setAttribute('aria-valuenow', Math.min(newtons, 1).toFixed(2));
+  meter.setAttribute('aria-valuetext', newtons < 0.01 ? 'none' : `${newtons.toFixed(2)} newtons ${direction(player.force)}`);
+}
+
+function describeDevice() {
+  const pads = player.gamepads;
+  const phone = Boolean(navigator.vibrate) && matchMedia('(pointer: coarse)').matches;
+  const text = pads.length ? `You feel it in your gamepad (${pads[0].replace(/ *\(.*/, '')}).`
+    : phone ? 'Put a finger on the film: the phone vibrates as hard as the picture moves there.'
+    : 'No gamepad: the arrow shows what you would feel. Connect one and press a button of it.';
+  const status = element('status');
+  if (status.textContent !== text) status.textContent = text;
+}
+
+function frame(now) {
+  requestAnimationFrame(frame);
+  const step = stick.step(now);
+  if (step) moveHand(step.x, step.y);
+  showForce();
+  draw(canvas, stage, film, {
+    place: player.place, force: player.force,
+    field: element('field').getAttribute('aria-pressed') === 'true' ? player.field : null,
+  });
+}
+
+if (asked.has('array'))
+  import('./array.js').then(({ showArray }) => showArray(stage, film, player, asked.get('array')))
+    .catch(({ message }) => addProblem(message));
+for (const id of ['strength', 'sensitivity']) element(id).dispatchEvent(new Event('input'));
+setInterval(() => {
+  describeForce();
+  describeDevice();
+}, 1000 / WORDS);
+describeDevice();
+requestAnimationFrame(frame);
