@@ -77,6 +77,11 @@ test_packages=(
   nodejs # the decoder of the player (pipelines/web) against the C++ one
 )
 
+# The tests of the player in a browser. npm fetches hls.js and puppeteer-core, which are no Debian packages.
+browser_packages=(
+  chromium
+)
+
 # Engines for batches (pipelines/author). They bring much with them: only for --all, which can do without them.
 engine_packages=(
   snakemake

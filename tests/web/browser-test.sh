@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# The player of pipelines/web in Chromium, with a film that the build draws.
+#
+# From the environment: FEELING_WIND_BUILD, WEB_PACKAGES (the folder of npm's packages). SCREENSHOTS=FOLDER keeps
+# pictures of the page.
+
+source "$(dirname "$0")/../pipelines/support.sh"
+
+here=$root/tests/web
+command -v node >/dev/null || skip "node is not installed"
+command -v chromium >/dev/null || skip "chromium is not installed"
+[ -d "$WEB_PACKAGES/node_modules/puppeteer-core" ] || skip "npm has not fetched puppeteer-core (no network, or no npm)"
+[ -f "$build/pipelines/web/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
+wind_film=$build/pipelines/film/wind-film
+haptic_track=$build/gst-plugins/track/tools/haptic-track
+[ -x "$wind_film" ] || skip "wind-film is not built"
+
+# `playlist NAME PART...`: a playlist of parts of 20 s.
+playlist() {
+  local name=$1 part
+  shift
+  {
+    printf '#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:21\n#EXT-X-PLAYLIST-TYPE:VOD\n'
+    for part; do
+      printf '#EXT-X-DISCONTINUITY\n#EXTINF:20.0,\n%s\n' "$part"
+    done
+    echo '#EXT-X-ENDLIST'
+  } >"$films/$name.m3u8"
+}
+
+films=$work/films
+mkdir "$films"
+cp "$here"/{embed,follow}.{html,js} "$here/blank.html" "$films"
+promise "a film is drawn" "$wind_film" --width 640 --height 360 --rate 30 --duration 20 "$films/film.ts"
+ffmpeg -v error -ss 4 -i "$films/film.ts" -frames:v 1 "$films/poster.jpg" </dev/null
+ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy "$films/no-track.ts" </dev/null
+promise "a track alone" "$haptic_track" convert "$films/film.ts" "$films/track-only.ts"
+cp "$films/film.ts" "$films/damaged.ts"
+head -c 30000 /dev/urandom | dd of="$films/damaged.ts" bs=1000 seek=1000 conv=notrunc status=none
+for name in film no-track track-only damaged; do
+  playlist "$name" "$name.ts"
+done
+
+promise "a short film is drawn" "$wind_film" --width 640 --height 360 --rate 30 --duration 8 "$films/sink.ts"
+playlist sink sink.ts
+promise "and felt by hapticsink" gst-launch-1.0 -q filesrc "location=$films/sink.ts" ! tsdemux ! meta/x-klv ! hapticconvert \
+  ! hapticsink device=sim sim-hand=hold:-0.16,0.16,0 alpha=0.04 "log-location=$work/sink.csv"
+
+playlist stalls film.ts never.ts
+playlist part-missing missing.ts
+playlist part-elsewhere https://elsewhere.invalid/part.ts
+playlist key-elsewhere film.ts
+sed -i '/^#EXTINF/i #EXT-X-KEY:METHOD=AES-128,URI="https://elsewhere.invalid/key"' "$films/key-elsewhere.m3u8"
+
+promise "the sets of the track" "$haptic_track" convert "$films/film.ts" "$work/track.klv"
+ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy -avoid_negative_ts make_zero \
+  -movflags +frag_keyframe+empty_moov+default_base_moof "$work/film.mp4" </dev/null
+promise "CMAF with the track" node "$here/make-cmaf.mjs" "$work/film.mp4" "$work/track.klv" 30 "$films"
+promise "a film in five segments" env FEELING_WIND_WEB="$build/pipelines/web" \
+  "$haptic_track" package --output "$films/packaged" "$films/film.ts"
+sed 's|cmaf-header.mp4|https://elsewhere.invalid/header.mp4|' "$films/cmaf.m3u8" >"$films/map-elsewhere.m3u8"
+
+printf '#EXTM3U\n#EXT-X-STREAM-INF:BANDWIDTH=1000000\nhttps://elsewhere.invalid/film.m3u8\n' >"$films/list-elsewhere.m3u8"
+head -c 5000 /dev/urandom >"$films/noise.m3u8"
+
+without=$work/without-hls
+cp -r "$build/pipelines/web" "$without"
+rm "$without"/hls.*
+
+node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
+node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
+share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')
+promise "a hand could tell them apart for $share of the time, less than 0.05" awk "BEGIN { exit !($share < 0.05) }"
+node "$here/page-test.mjs" "$build/pipelines/web" "$films" "${SCREENSHOTS:-}"
+node "$here/bad-input-test.mjs" "$build/pipelines/web" "$films" "$without"
+node "$here/embed-test.mjs" "$build/pipelines/web" "$films" "$without"

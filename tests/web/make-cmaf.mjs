@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Cuts a fragmented MP4 at its fragments and puts the KLV sets of a track before them, as emsg boxes:
+//
+//   make-cmaf.mjs FILM.mp4 TRACK.klv FRAMES-PER-SECOND FOLDER     writes cmaf.m3u8 and its files
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+const [film, track, rate, folder] = process.argv.slice(2);
+const SCALE = 90_000;
+
+function* boxes(bytes) {
+  for (let at = 0; at < bytes.length; at += bytes.readUInt32BE(at))
+    yield { type: bytes.toString('latin1', at + 4, at + 8), bytes: bytes.subarray(at, at + bytes.readUInt32BE(at)) };
+}
+
+function emsg(set, time, id) {
+  const names = Buffer.from('urn:misb:KLV:bin:1910.1\0\0');
+  const head = Buffer.alloc(32);
+  head.writeUInt32BE(head.length + names.length + set.length, 0);
+  head.write('emsg', 4);
+  head[8] = 1; // version
+  head.writeUInt32BE(SCALE, 12);
+  head.writeBigUInt64BE(BigInt(Math.round(time * SCALE)), 16);
+  head.writeUInt32BE(Math.round(SCALE / rate), 24);
+  head.writeUInt32BE(id, 28);
+  return Buffer.concat([head, names, set]);
+}
+
+const klv = readFileSync(track);
+const sets = []; // of write_klv(): a key of 16 bytes, then 0x82 and two bytes of length
+for (let at = 0; at < klv.length; at += sets.at(-1).length) sets.push(klv.subarray(at, at + 19 + klv.readUInt16BE(at + 17)));
+
+const header = [], fragments = [];
+for (const { type, bytes } of boxes(readFileSync(film)))
+  if (type === 'moof') fragments.push([bytes]);
+  else if (fragments.length === 0) header.push(bytes);
+  else if (type === 'mdat') fragments.at(-1).push(bytes);
+writeFileSync(join(folder, 'cmaf-header.mp4'), Buffer.concat(header));
+
+const seconds = sets.length / rate;
+const lines = ['#EXTM3U', '#EXT-X-VERSION:7', '#EXT-X-TARGETDURATION:21', '#EXT-X-PLAYLIST-TYPE:VOD',
+  '#EXT-X-MAP:URI="cmaf-header.mp4"'];
+const packets = sets.map((set, i) => emsg(set, i / rate, i));
+writeFileSync(join(folder, 'cmaf-film.m4s'), Buffer.concat([...packets, ...fragments.flat()]));
+lines.push(`#EXTINF:${seconds.toFixed(3)},`, 'cmaf-film.m4s', '#EXT-X-ENDLIST', '');
+writeFileSync(join(folder, 'cmaf.m3u8'), lines.join('\n'));

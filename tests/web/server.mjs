@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A static server on the loopback for the tests of the page. It knows nothing of films.
+import { createReadStream, statSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join, normalize } from 'node:path';
+
+const TYPES = {
+  '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.ts': 'video/mp2t',
+  '.m3u8': 'application/vnd.apple.mpegurl', '.jpg': 'image/jpeg', '.mp4': 'video/mp4', '.m4s': 'video/iso.segment',
+};
+
+/** Serves the files of `folders`, the first that has one. A name in `silent` gets no answer. */
+export async function serve(folders, silent = new Set()) {
+  const server = createServer((request, response) => {
+    const name = normalize(decodeURIComponent(new URL(request.url, 'http://here').pathname));
+    if (silent.has(name.slice(1))) return;
+    const file = folders.map(folder => join(folder, name === '/' ? 'index.html' : name)).find(isFile);
+    if (!file) return response.writeHead(404).end();
+    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
+    createReadStream(file).pipe(response);
+  });
+  await new Promise(ready => server.listen(0, '127.0.0.1', ready));
+  const close = () => {
+    server.closeAllConnections();
+    server.close();
+  };
+  return { origin: `http://127.0.0.1:${server.address().port}`, close };
+}
+
+function isFile(path) {
+  return statSync(path, { throwIfNoEntry: false })?.isFile() ?? false;
+}
