@@ -288,6 +288,28 @@
   MESSAGE(kCommandNeedsVideo, \
           "%s needs a video.", \
           "See --help.") \
+  MESSAGE(kBrowserLacksVideo, \
+          "\"%s\": a browser does not play %s.", \
+          "Encode it anew: ffmpeg -i VIDEO -vf yadif=deint=interlaced -c:v libx264 -pix_fmt yuv420p " \
+          "-force_key_frames 'expr:gte(t,n_forced*4)' -c:a aac NEW.mp4, and package that.") \
+  MESSAGE(kBrowserLacksSound, \
+          "\"%s\": a browser does not play its sound, %s.", \
+          "Encode it anew: ffmpeg -i VIDEO -c:v copy -c:a aac NEW.mp4, and package that.") \
+  MESSAGE(kFilmChanges, \
+          "\"%s\": the frames change their size or form on the way.", \
+          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and package that.") \
+  MESSAGE(kFilmHasNoTimes, \
+          "\"%s\": a frame has no time.", \
+          "Give it times: ffmpeg -fflags +genpts -i VIDEO -c copy NEW.mp4, and package that.") \
+  MESSAGE(kFilmRunsBackwards, \
+          "\"%s\": the frames' times do not increase after %.3f s.", \
+          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and package that.") \
+  MESSAGE(kFilmHasNoStart, \
+          "\"%s\": it has no IDR frame, where a browser can begin.", \
+          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a copy NEW.mp4, and package that.") \
+  MESSAGE(kFilmIsNotCut, \
+          "\"%s\": it has no IDR frame for %.0f s, and segments begin with one.", \
+          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package that.") \
   MESSAGE(kCommandNeedsFile, \
           "info needs a file.", \
           "See --help.") \

@@ -24,6 +24,10 @@ std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint6
 std::vector<TrackSample> samples_at_hand(std::span<const CodedField> track,
                                          const std::vector<TimedPlace> &hand);
 
+/// Returns the same fields, decoded cell for cell the same, with a key field at the first one at or
+/// after each of the times (ns, in order). Those that cannot be decoded are left out.
+std::vector<CodedField> with_keys_at(std::span<const CodedField> track,
+                                     std::span<const std::uint64_t> times);
 
 /// Returns the amount of motion in a frame: the mean over its cells of confidence times speed
 /// squared, in (frame widths a second)^2.

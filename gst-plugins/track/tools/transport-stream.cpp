@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "transport-stream.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace haptic {
+namespace {
+
+constexpr std::size_t kHead = 4;
+constexpr std::uint8_t kSync = 0x47;
+constexpr std::uint8_t kFill = 0xFF;
+// Of the first frame: decoding times and the clock, which runs ahead of them, stay positive.
+constexpr std::int64_t kOrigin = 900'000;
+constexpr std::int64_t kClockAhead = 63'000;
+constexpr std::int64_t kTimeMask = (std::int64_t{1} << 33) - 1;
+// A unit of sound begins with the next frame once it has so many bytes.
+constexpr std::size_t kSoundUnit = 2600;
+
+constexpr std::uint8_t kH264 = 0x1B; // stream types
+constexpr std::uint8_t kAac = 0x0F;
+constexpr std::uint8_t kPrivate = 0x06;
+
+void put_number(std::vector<std::uint8_t> &bytes, std::uint64_t number, unsigned size) {
+  for (unsigned i = size; i-- > 0;)
+    bytes.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
+}
+
+// ISO/IEC 13818-1, annex A: polynomial 0x04C11DB7.
+std::uint32_t check_of(std::span<const std::uint8_t> bytes) {
+  std::uint32_t check = 0xFFFFFFFF;
+  for (const std::uint8_t byte : bytes) {
+    check ^= std::uint32_t{byte} << 24;
+    for (int bit = 0; bit < 8; ++bit)
+      check = (check & 0x80000000U) != 0 ? check << 1 ^ 0x04C11DB7U : check << 1;
+  }
+  return check;
+}
+
+// A time in the head of a unit, with the four bits that say which (2.4.3.7).
+void put_time(std::vector<std::uint8_t> &bytes, unsigned kind, std::int64_t ticks) {
+  const auto time = static_cast<std::uint64_t>(ticks & kTimeMask);
+  put_number(bytes, kind << 4 | (time >> 30 & 7) << 1 | 1, 1);
+  put_number(bytes, (time >> 15 & 0x7FFF) << 1 | 1, 2);
+  put_number(bytes, (time & 0x7FFF) << 1 | 1, 2);
+}
+
+} // namespace
+
+std::vector<std::uint8_t> byte_stream_of(const FilmFormat &format, const SegmentFrame &frame) {
+  constexpr std::array<std::uint8_t, 4> kStart = {0, 0, 0, 1};
+  std::vector<std::uint8_t> coded = {0, 0, 0, 1, 9, 0xF0}; // a delimiter
+  const auto put = [&](std::span<const std::uint8_t> unit) {
+    coded.insert(coded.end(), kStart.begin(), kStart.end());
+    coded.insert(coded.end(), unit.begin(), unit.end());
+  };
+  if (frame.is_idr)
+    for (const auto *sets : {&format.sequence_sets, &format.picture_sets})
+      for (const auto &set : *sets)
+        put(set);
+  for (std::span<const std::uint8_t> rest = frame.bytes; rest.size() >= 4;) {
+    const std::size_t size = std::size_t{rest[0]} << 24 | std::size_t{rest[1]} << 16 |
+                             std::size_t{rest[2]} << 8 | rest[3];
+    put(rest.subspan(4, size));
+    rest = rest.subspan(4 + size);
+  }
+  return coded;
+}
+
+TransportStreamWriter::TransportStreamWriter(const FilmFormat &format, std::int64_t reordering)
+    : format_(format), reordering_(ticks_of(reordering) + (reordering > 0 ? 1 : 0)) {}
+
+std::vector<std::uint8_t> TransportStreamWriter::write(const FilmSegment &segment) {
+  out_.clear();
+  put_tables();
+  auto sound = segment.sounds.begin();
+  auto field = segment.fields.begin();
+  const auto put_fields = [&](std::int64_t until) {
+    for (; field != segment.fields.end() && field->presentation <= until; ++field)
+      put_unit(fields_, field->presentation, field->presentation, field->set, {});
+  };
+  const auto put_sounds = [&](std::int64_t until) {
+    while (sound != segment.sounds.end() && ticks_of(sound->time) <= until) {
+      const std::int64_t time = ticks_of(sound->time);
+      std::vector<std::uint8_t> unit;
+      for (; sound != segment.sounds.end() && unit.size() < kSoundUnit; ++sound) {
+        const auto framed = framed_sound(sound->bytes);
+        unit.insert(unit.end(), framed.begin(), framed.end());
+      }
+      put_unit(sound_, time, time, std::move(unit), {});
+    }
+  };
+  for (const SegmentFrame &frame : segment.frames) {
+    put_fields(frame.turn);
+    put_sounds(frame.turn);
+    const std::int64_t decoding = frame.turn - reordering_;
+    put_unit(video_, frame.presentation, decoding, byte_stream_of(format_, frame),
+             {decoding - kClockAhead + kOrigin, frame.is_idr});
+  }
+  put_fields(std::numeric_limits<std::int64_t>::max());
+  // An empty unit: hls.js 1.7 passes on a unit of KLV when the next one of the same segment begins.
+  if (!segment.fields.empty())
+    put_unit(fields_, field[-1].presentation, field[-1].presentation, {}, {});
+  put_sounds(std::numeric_limits<std::int64_t>::max());
+  return std::move(out_);
+}
+
+// The program association table and the program map (2.4.4).
+void TransportStreamWriter::put_tables() {
+  put_table(0, {0x00, 0xB0, 13, 0, 1, 0xC1, 0, 0, 0, 1,
+                static_cast<std::uint8_t>(0xE0 | tables_[1].pid >> 8),
+                static_cast<std::uint8_t>(tables_[1].pid)});
+  std::vector<std::uint8_t> map = {0x02, 0xB0, 0, 0, 1, 0xC1, 0, 0};
+  put_number(map, 0xE000 | video_.pid, 2); // has the clock
+  put_number(map, 0xF000, 2);
+  const auto put_stream = [&](std::uint8_t type, const Stream &stream,
+                              std::span<const std::uint8_t> descriptors) {
+    put_number(map, type, 1);
+    put_number(map, 0xE000 | stream.pid, 2);
+    put_number(map, 0xF000 | descriptors.size(), 2);
+    map.insert(map.end(), descriptors.begin(), descriptors.end());
+  };
+  put_stream(kH264, video_, {});
+  if (!format_.sound.empty())
+    put_stream(kAac, sound_, {});
+  constexpr std::array<std::uint8_t, 6> kRegistration = {5, 4, 'K', 'L', 'V', 'A'};
+  put_stream(kPrivate, fields_, kRegistration);
+  map[2] = static_cast<std::uint8_t>(map.size() - 3 + 4); // below 1021
+  put_table(1, std::move(map));
+}
+
+void TransportStreamWriter::put_table(unsigned number, std::vector<std::uint8_t> section) {
+  put_number(section, check_of(section), 4);
+  section.insert(section.begin(), 0); // it begins at once
+  section.resize(kPacket - kHead, kFill);
+  put_packets(tables_.at(number), section, {});
+}
+
+void TransportStreamWriter::put_unit(Stream &stream, std::int64_t presentation,
+                                     std::int64_t decoding, std::vector<std::uint8_t> payload,
+                                     Clock clock) {
+  const bool has_decoding = decoding != presentation;
+  std::vector<std::uint8_t> unit;
+  unit.reserve(payload.size() + 19);
+  put_number(unit, 0x100 | stream.id, 4);
+  const std::size_t times = has_decoding ? 10 : 5;
+  const std::size_t size = 3 + times + payload.size();
+  // A frame may be too long for the number.
+  put_number(unit, size > 0xFFFF || stream.id == video_.id ? 0 : size, 2);
+  put_number(unit, has_decoding ? 0x81C0 : 0x8180, 2);
+  put_number(unit, times, 1);
+  put_time(unit, has_decoding ? 3 : 2, presentation + kOrigin);
+  if (has_decoding)
+    put_time(unit, 1, decoding + kOrigin);
+  unit.insert(unit.end(), payload.begin(), payload.end());
+  put_packets(stream, unit, clock);
+}
+
+void TransportStreamWriter::put_packets(Stream &stream, Bytes unit, Clock clock) {
+  for (bool first = true; first || !unit.empty(); first = false) {
+    std::vector<std::uint8_t> adaptation; // behind its length
+    if (first && clock.reference >= 0) {
+      adaptation.push_back(static_cast<std::uint8_t>(0x10 | (clock.is_idr ? 0x40 : 0)));
+      put_number(adaptation, static_cast<std::uint64_t>(clock.reference & kTimeMask) << 15 | 0x7E00,
+                 6);
+    }
+    const std::size_t room = kPacket - kHead - (adaptation.empty() ? 0 : 1 + adaptation.size());
+    const std::size_t taken = std::min(room, unit.size());
+    std::size_t fill = room - taken;
+    const bool has_adaptation = !adaptation.empty() || fill > 0;
+    put_number(out_, kSync, 1);
+    put_number(out_, (first ? 0x4000U : 0U) | stream.pid, 2);
+    put_number(out_, (has_adaptation ? 0x30U : 0x10U) | (stream.packets++ & 0xFU), 1);
+    if (adaptation.empty() && fill > 0) {
+      --fill; // for the length
+      if (fill > 0) {
+        --fill;
+        adaptation.push_back(0); // no flag
+      }
+    }
+    if (has_adaptation) {
+      adaptation.resize(adaptation.size() + fill, kFill);
+      put_number(out_, adaptation.size(), 1);
+      out_.insert(out_.end(), adaptation.begin(), adaptation.end());
+    }
+    out_.insert(out_.end(), unit.begin(), unit.begin() + static_cast<std::ptrdiff_t>(taken));
+    unit = unit.subspan(taken);
+  }
+}
+
+// Returns the sound behind a head of ADTS (ISO/IEC 13818-7, 6.2).
+std::vector<std::uint8_t> TransportStreamWriter::framed_sound(Bytes sound) const {
+  const auto &config = format_.sound;
+  const unsigned object = config[0] >> 3;
+  const unsigned rate = (config[0] & 7U) << 1 | config[1] >> 7;
+  const unsigned channels = config[1] >> 3 & 0xFU;
+  const std::size_t size = sound.size() + 7;
+  // Objects above 4 are extensions of AAC-LC, which a decoder finds itself.
+  const unsigned profile = object >= 1 && object <= 4 ? object - 1 : 1;
+  std::vector<std::uint8_t> framed;
+  put_number(framed, 0xFFF1, 2);
+  put_number(framed,
+             std::uint64_t{profile} << 38 | std::uint64_t{rate} << 34 |
+                 std::uint64_t{channels} << 30 | std::uint64_t{size} << 13 | 0x7FFU << 2,
+             5);
+  framed.insert(framed.end(), sound.begin(), sound.end());
+  return framed;
+}
+
+} // namespace haptic
