@@ -71,6 +71,7 @@ test_packages=(
   ffmpeg # remuxes a recording; moving-picture.sh
   mkvtoolnix # remuxes a recording
   parallel # runs pipelines/author/parallel.sh
+  curl # asks the server of a packaged film
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
   node-typescript # compiles the types of the player
@@ -80,6 +81,12 @@ test_packages=(
 # The tests of the player in a browser. npm fetches hls.js and puppeteer-core, which are no Debian packages.
 browser_packages=(
   chromium
+)
+
+# A server of a packaged film. Debian starts it on port 80, and cannot configure it without IPv6: only for --all, which
+# can do without it.
+server_packages=(
+  nginx-light
 )
 
 # Engines for batches (pipelines/author). They bring much with them: only for --all, which can do without them.

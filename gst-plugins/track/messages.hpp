@@ -310,6 +310,36 @@
   MESSAGE(kFilmIsNotCut, \
           "\"%s\": it has no IDR frame for %.0f s, and segments begin with one.", \
           "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package that.") \
+  MESSAGE(kSegmentsAreLong, \
+          "segments of up to %.1f s, from one IDR frame to the next, make seeking slow.", \
+          "Shorter ones: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package that.") \
+  MESSAGE(kFilmHasPoints, \
+          "\"%s\": its haptic track is the motion of one point, but each viewer points elsewhere.", \
+          "Package the video that it was made from.") \
+  MESSAGE(kRatesDiffer, \
+          "\"%s\" and \"%s\" are not one film: %s.", \
+          "Name bit rates of one film that were encoded from the same frames.") \
+  MESSAGE(kRatesAreNotAligned, \
+          "its IDR frames are at other times than those of the first bit rate, so that a change between them takes longer.", \
+          "Encode all with -force_key_frames 'expr:gte(t,n_forced*4)'.") \
+  MESSAGE(kAuthoringFailed, \
+          "\"%s\": its motion could not be measured.", \
+          "The lines above say why; haptic-track author measures it alone.") \
+  MESSAGE(kFolderHoldsOther, \
+          "\"%s\": this folder has another site's index.html.", \
+          "Name a new folder with --output.") \
+  MESSAGE(kPlayerIsMissing, \
+          "\"%s\": the web player is not there.", \
+          "Install it with meson install, or name its folder in FEELING_WIND_WEB.") \
+  MESSAGE(kPosterFails, \
+          "no poster can be made: %s.", \
+          "See whether gst-play-1.0 plays the video; gstreamer1.0-libav has the decoder.") \
+  MESSAGE(kPackageNeedsFolder, \
+          "package needs a folder.", \
+          "Name it with --output.") \
+  MESSAGE(kCarriageIsUnknown, \
+          "--carriage is cmaf or ts, not '%s'.", \
+          "See --help.") \
   MESSAGE(kCommandNeedsFile, \
           "info needs a file.", \
           "See --help.") \

@@ -6,6 +6,7 @@
 #include "film-cut.hpp"
 #include "force-curve.hpp"
 #include "klv.hpp"
+#include "package.hpp"
 #include "track-file.hpp"
 #include "track-plot.hpp"
 
@@ -42,6 +43,7 @@ constexpr char kUsage[] =
     "       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...\n"
     "       haptic-track author --chunk K PLAN\n"
     "       haptic-track author --merge PLAN\n"
+    "       haptic-track package [--carriage cmaf|ts] [--columns N] --output FOLDER VIDEO...\n"
     "Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, "
     ".mkv),\n"
     "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
@@ -79,6 +81,9 @@ constexpr char kUsage[] =
     "  --chunks      about so many; otherwise one for each minute\n"
     "  --chunk       measures one, counted from 0\n"
     "  --merge       makes the copies and a manifest from all\n"
+    "package makes a folder of files for any web server: a page where the film is seen and\n"
+    "felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.\n"
+    "  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)\n";
 
 struct Arguments {
   std::string command;
@@ -91,6 +96,7 @@ struct Arguments {
   haptic::AuthorOptions author;
   haptic::CompareOptions compare;
   haptic::VibrationOptions vibration;
+  haptic::Carriage carriage = haptic::Carriage::fragments;
   bool plan = false;
   bool merge = false;
   std::optional<unsigned> chunk;
@@ -165,6 +171,12 @@ void parse_compare_option(const std::string &option, const std::string &text,
     options.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
 }
 
+haptic::Carriage parse_carriage(const std::string &text) {
+  if (text != "ts" && text != "cmaf")
+    throw_error(messages::kCarriageIsUnknown, text.c_str());
+  return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
+}
+
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
   bool options_end = false;
@@ -203,7 +215,7 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         throw_error(messages::kOptionNeedsValue, word.c_str());
       (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
     } else if (word == "--output" || word == "--columns" || word == "--jobs" ||
-               word == "--stream") {
+               word == "--carriage" || word == "--stream") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       if (word == "--output")
@@ -213,6 +225,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       else if (word == "--columns")
         arguments.author.columns =
             parse_count(word, words[i], haptic::kFewestColumns, haptic::kMostColumns);
+      else if (word == "--carriage")
+        arguments.carriage = parse_carriage(words[i]);
       else
         arguments.jobs = parse_count(word, words[i], 1, 1024);
     } else if (is_option) {
@@ -470,6 +484,13 @@ int run(const Arguments &arguments) {
   if (arguments.command == "author")
     return author(arguments);
   gst_init(nullptr, nullptr);
+  if (arguments.command == "package") {
+    if (arguments.files.empty())
+      throw_error(messages::kCommandNeedsVideo, "package");
+    if (arguments.author.folder.empty())
+      throw_error(messages::kPackageNeedsFolder);
+    return haptic::package(arguments.files, {arguments.carriage, arguments.author});
+  }
   if (arguments.command == "info") {
     if (arguments.files.empty())
       throw_error(messages::kCommandNeedsFile);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The folder of a package: files and folders appear under their names when they are whole.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace haptic {
+
+/// The main playlist, which the player plays.
+inline constexpr char kMainPlaylist[] = "film.m3u8";
+
+/// Writes a file to the disk. Throws TrackFileError.
+void write_whole(const std::string &path, std::span<const std::uint8_t> bytes);
+void write_whole(const std::string &path, const std::string &text);
+
+class PackageFolder {
+public:
+  /// Makes the folder and locks it against other processes. Throws TrackFileError, also where it
+  /// holds another site.
+  explicit PackageFolder(std::string path, std::string player);
+  ~PackageFolder();
+  PackageFolder(const PackageFolder &) = delete;
+  PackageFolder &operator=(const PackageFolder &) = delete;
+
+  const std::string &path() const noexcept { return path_; }
+  /// A folder for what is not whole. It stays until finish(), so that the next process can go on.
+  const std::string &work() const noexcept { return work_; }
+
+  bool has(const std::string &name) const;
+  /// Returns the path of an empty folder, which publish() gives its name.
+  std::string begin(const std::string &name);
+  void publish(const std::string &name);
+  /// Writes a file, or over it.
+  void write(const std::string &name, std::span<const std::uint8_t> bytes);
+  /// Copies a file of the folder.
+  void copy(const std::string &from, const std::string &to);
+  void copy_player();
+
+  /// Writes the main playlist and removes the bit rates that are not among the given names.
+  void finish(const std::string &playlist, const std::vector<std::string> &names);
+
+private:
+  std::string path_;
+  std::string player_;
+  std::string work_;
+  int lock_ = -1;
+};
+
+/// Returns the folder of the player's files. Throws TrackFileError if it is not there.
+std::string player_folder();
+
+} // namespace haptic

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "package.hpp"
+
+#include "film-segments.hpp"
+#include "fragment-writer.hpp"
+#include "package-folder.hpp"
+#include "poster.hpp"
+#include "source-mark.hpp"
+#include "track-file.hpp"
+#include "transport-stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace haptic {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kLongSegment = 6'000'000'000; // ns
+constexpr double kSameAspect = 0.02;                 // sizes are rounded to even numbers
+constexpr std::int64_t kSameTime = 1'000'000;        // ns
+constexpr char kPlaylist[] = "film.m3u8";            // of a bit rate
+constexpr char kPoster[] = "poster.jpg";
+constexpr char kHead[] = "head.mp4";
+// Of the names of folders: a change of what is written into them changes it.
+constexpr char kForm[] = "package 1";
+
+// A bit rate of the film.
+struct Rate {
+  std::string path;
+  FilmPlan plan;
+  std::string name; // of its folder
+};
+
+double seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+void print_remark(const std::string &path, const std::string &remark) {
+  std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+}
+
+// ---- the films ----------------------------------------------------------------------------------
+
+Rate plan_rate(const std::string &path) {
+  Rate rate{path, plan_film(path), {}};
+  for (const std::string &caps : rate.plan.format.left_out)
+    if (!caps.starts_with("text/") || !mark_in(path)) // which may be the haptic track
+      print_remark(path, "a further stream was left out: " + caps);
+  if (rate.plan.skipped > 0)
+    print_remark(path, std::to_string(rate.plan.skipped) +
+                           " frames before the first IDR frame were left out");
+  if (rate.plan.longest > kLongSegment)
+    print_remark(path, formatted(messages::kSegmentsAreLong, seconds(rate.plan.longest)));
+  return rate;
+}
+
+double aspect_of(const FilmFormat &format) {
+  return static_cast<double>(format.width) * format.pixel_aspect_n /
+         (static_cast<double>(format.height) * format.pixel_aspect_d);
+}
+
+// Throws if the rates are not one film.
+void compare_rates(const Rate &first, const Rate &other) {
+  const auto differ = [&](const std::string &how) {
+    throw_error(messages::kRatesDiffer, first.path.c_str(), other.path.c_str(), how.c_str());
+  };
+  const auto frame = [](const Rate &rate) {
+    return rate.plan.end / static_cast<std::int64_t>(rate.plan.times.size());
+  };
+  if (std::abs(first.plan.end - other.plan.end) > std::max(frame(first), frame(other)))
+    differ(
+        formatted("they last %.3f and %.3f s", seconds(first.plan.end), seconds(other.plan.end)));
+  const double aspect = aspect_of(first.plan.format);
+  if (std::abs(aspect_of(other.plan.format) - aspect) > kSameAspect * aspect)
+    differ(formatted("their frames are %d x %d and %d x %d px", first.plan.format.width,
+                     first.plan.format.height, other.plan.format.width, other.plan.format.height));
+  if (first.plan.format.sound.empty() != other.plan.format.sound.empty())
+    differ("one has sound");
+  if (first.name == other.name)
+    differ("they are the same file");
+  const auto start_differs = [&](std::size_t i) {
+    return std::abs(first.plan.start_of(i) - other.plan.start_of(i)) > kSameTime;
+  };
+  bool aligned = first.plan.starts.size() == other.plan.starts.size();
+  for (std::size_t i = 0; aligned && i < first.plan.starts.size(); ++i)
+    aligned = !start_differs(i);
+  if (!aligned)
+    print_remark(other.path, messages::kRatesAreNotAligned);
+}
+
+// ---- the track ----------------------------------------------------------------------------------
+
+// Returns the fields of a recording or a copy, or nothing if it has no haptic track.
+std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
+  if (!mark_in(path))
+    return std::nullopt;
+  TrackFile track = read_track_file(path);
+  for (const std::string &remark : track.remarks)
+    print_remark(path, remark);
+  if (track.fields.empty())
+    throw_error(messages::kFilmHasPoints, path.c_str());
+  return std::move(track.fields);
+}
+
+// Runs `haptic-track author` as a process of its own: it forks, which this one may no longer do.
+std::string author_copy(const std::string &video, const std::string &folder, unsigned columns) {
+  std::vector<std::string> words = {"haptic-track", "author", "--output", folder};
+  if (columns > 0)
+    words.insert(words.end(), {"--columns", std::to_string(columns)});
+  words.insert(words.end(), {"--", video});
+  std::vector<char *> arguments;
+  arguments.reserve(words.size() + 1);
+  for (std::string &word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::fflush(nullptr);
+  const pid_t pid = fork();
+  if (pid < 0)
+    throw_error(messages::kProcessFails, std::strerror(errno));
+  if (pid == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    execv("/proc/self/exe", arguments.data());
+    _exit(EXIT_FAILURE);
+  }
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS)
+    throw_error(messages::kAuthoringFailed, video.c_str());
+  AuthorOptions options;
+  options.folder = folder;
+  const std::string stem = author_stem(video, options);
+  std::error_code error;
+  return stem + (fs::exists(stem + ".ts", error) ? ".ts" : ".mkv");
+}
+
+// Returns the fields with times from the first frame of the film on: those of the first video that
+// has some, else they are authored from the first video.
+std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOptions &options,
+                                 const std::string &work) {
+  std::optional<std::vector<CodedField>> fields;
+  std::int64_t origin = 0;
+  for (const Rate &rate : rates)
+    if (!fields) {
+      fields = fields_in(rate.path);
+      origin = rate.plan.origin;
+    }
+  if (!fields) {
+    const std::string copy = author_copy(rates[0].path, work, options.author.columns);
+    fields = fields_in(copy);
+    origin = plan_film(copy).origin;
+  }
+  if (!fields)
+    throw_error(messages::kAuthoringFailed, rates[0].path.c_str());
+  std::vector<CodedField> track;
+  track.reserve(fields->size());
+  for (CodedField &field : *fields) {
+    const std::int64_t time = static_cast<std::int64_t>(field.time) - origin;
+    if (time < -kSameTime || time >= rates[0].plan.end + kSameTime)
+      continue;
+    field.time = static_cast<std::uint64_t>(std::max<std::int64_t>(time, 0));
+    track.push_back(std::move(field));
+  }
+  return track;
+}
+
+// ---- the files ----------------------------------------------------------------------------------
+
+std::string segment_name(std::size_t number, Carriage carriage) {
+  return formatted("%05zu.%s", number + 1, carriage == Carriage::fragments ? "mp4" : "ts");
+}
+
+std::string playlist_of(const FilmPlan &plan, Carriage carriage) {
+  const bool is_mp4 = carriage == Carriage::fragments;
+  std::string text = formatted("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-TARGETDURATION:%ld\n"
+                               "#EXT-X-MEDIA-SEQUENCE:0\n#EXT-X-PLAYLIST-TYPE:VOD\n"
+                               "#EXT-X-INDEPENDENT-SEGMENTS\n",
+                               is_mp4 ? 7 : 6, std::max(1L, std::lround(seconds(plan.longest))));
+  if (is_mp4)
+    text += formatted("#EXT-X-MAP:URI=\"%s\"\n", kHead);
+  for (std::size_t i = 0; i < plan.starts.size(); ++i)
+    text += formatted("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
+                      segment_name(i, carriage).c_str());
+  return text + "#EXT-X-ENDLIST\n";
+}
+
+// Writes the segments, the poster and the playlist of a rate.
+template <typename Writer>
+void write_segments(const Rate &rate, const PackageOptions &options,
+                    std::span<const CodedField> track, const std::string &folder, Writer &writer) {
+  std::size_t video = 0; // bytes
+  std::size_t fields = 0;
+  for_each_segment(rate.path, rate.plan, track, [&](const FilmSegment &segment) {
+    if (segment.frames.empty())
+      throw_error(messages::kFilmChanges, rate.path.c_str());
+    for (const SegmentFrame &frame : segment.frames)
+      video += frame.bytes.size();
+    fields += segment.fields.size();
+    write_whole((fs::path(folder) / segment_name(segment.number, options.carriage)).string(),
+                writer.write(segment));
+    // The first frames of many films are black.
+    if (segment.number == rate.plan.starts.size() / 3)
+      write_whole((fs::path(folder) / kPoster).string(),
+                  poster_of(rate.plan.format, segment.frames[0]));
+  });
+  write_whole((fs::path(folder) / kPlaylist).string(), playlist_of(rate.plan, options.carriage));
+  const double length = seconds(rate.plan.end);
+  const auto kilobits = [&](std::size_t bytes) {
+    return 8e-3 * static_cast<double>(bytes) / length;
+  };
+  std::printf("written: %s (%zu segments, at most %.1f s; video %.0f kbit/s; track %.0f kbit/s, "
+              "%.1f %% of it, %zu fields)\n",
+              rate.name.c_str(), rate.plan.starts.size(), seconds(rate.plan.longest),
+              kilobits(video), kilobits(writer.track_bytes()),
+              100.0 * static_cast<double>(writer.track_bytes()) / static_cast<double>(video),
+              fields);
+}
+
+void write_rate(const Rate &rate, const PackageOptions &options, std::span<const CodedField> track,
+                PackageFolder &folder) {
+  const std::string part = folder.begin(rate.name);
+  try {
+    if (options.carriage == Carriage::fragments) {
+      FragmentWriter writer(rate.plan.format);
+      write_whole((fs::path(part) / kHead).string(), writer.head());
+      write_segments(rate, options, track, part, writer);
+    } else {
+      TransportStreamWriter writer(rate.plan.format, rate.plan.reordering);
+      write_segments(rate, options, track, part, writer);
+    }
+    folder.publish(rate.name);
+  } catch (const TrackFileError &) {
+    std::error_code error;
+    fs::remove_all(part, error);
+    throw;
+  }
+}
+
+// Returns the lines of a rate in the main playlist (RFC 8216, 4.3.4.2).
+std::string entry_of(const Rate &rate, const PackageOptions &options, const std::string &folder) {
+  double most = 0;
+  double all = 0;
+  for (std::size_t i = 0; i < rate.plan.starts.size(); ++i) {
+    const auto bits = 8 * static_cast<double>(fs::file_size(fs::path(folder) / rate.name /
+                                                            segment_name(i, options.carriage)));
+    most = std::max(most, bits / seconds(rate.plan.start_of(i + 1) - rate.plan.start_of(i)));
+    all += bits;
+  }
+  const double length = seconds(rate.plan.end);
+  const FilmFormat &format = rate.plan.format;
+  return formatted("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
+                   "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
+                   std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
+                   aspect_of(format) * format.height, format.height,
+                   static_cast<double>(rate.plan.times.size()) / length, rate.name.c_str(),
+                   kPlaylist);
+}
+
+std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
+                             const PackageOptions &options) {
+  std::vector<Rate> rates;
+  rates.reserve(videos.size());
+  for (const std::string &video : videos)
+    rates.push_back(plan_rate(video));
+  // The fields depend on all videos, of which one has them.
+  std::string settings =
+      std::string(kForm) + " columns " + std::to_string(options.author.columns) + ' ';
+  for (const std::string &video : videos)
+    settings += hash_of_file(video);
+  for (Rate &rate : rates) {
+    rate.name = (options.carriage == Carriage::fragments ? "cmaf-" : "ts-") +
+                mark_of(hash_of_file(rate.path), settings);
+    if (&rate != rates.data())
+      compare_rates(rates[0], rate);
+  }
+  return rates;
+}
+
+} // namespace
+
+int package(const std::vector<std::string> &videos, const PackageOptions &options) {
+  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
+  const std::string player = player_folder();
+  const std::vector<Rate> rates = plan_rates(videos, options);
+  PackageFolder folder(options.author.folder, player);
+  const auto is_there = [&](const Rate &rate) { return folder.has(rate.name); };
+  std::vector<CodedField> track;
+  if (!std::ranges::all_of(rates, is_there))
+    track = track_of(rates, options, folder.work());
+  std::string playlist = formatted("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-INDEPENDENT-SEGMENTS\n",
+                                   options.carriage == Carriage::fragments ? 7 : 6);
+  std::vector<std::string> names;
+  for (const Rate &rate : rates) {
+    if (is_there(rate))
+      std::printf("there already: %s\n", rate.name.c_str());
+    else
+      write_rate(rate, options, track, folder);
+    std::fflush(stdout);
+    playlist += entry_of(rate, options, folder.path());
+    names.push_back(rate.name);
+  }
+  folder.copy_player();
+  folder.copy(names[0] + '/' + kPoster, kPoster);
+  folder.finish(playlist, names);
+  std::printf("Open %s from a web server; docs/web.md has the configuration.\n",
+              (fs::path(folder.path()) / "index.html").c_str());
+  return EXIT_SUCCESS;
+}
+
+} // namespace haptic
