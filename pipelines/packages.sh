@@ -68,6 +68,9 @@ test_packages=(
   at-spi2-core gir1.2-atspi-2.0 # what a screen reader finds in the program
   gir1.2-gtk-3.0 # a window from which a film is dragged
   appstream # appstreamcli checks what software centres read of the program
+  gir1.2-gst-plugins-base-1.0 # appsink and regions of interest in Python
+  python3-numpy      # motion fields as arrays (docs/python.md)
+  python3-matplotlib # the plot of docs/python.md
   ffmpeg # remuxes a recording; moving-picture.sh
   mkvtoolnix # remuxes a recording
   parallel # runs pipelines/author/parallel.sh
