@@ -70,6 +70,7 @@ test_packages=(
   appstream # appstreamcli checks what software centres read of the program
   gir1.2-gst-plugins-base-1.0 # appsink and regions of interest in Python
   python3-numpy      # motion fields as arrays (docs/python.md)
+  mkdocs-material # the pages as a site (mkdocs.yml)
   python3-matplotlib # the plot of docs/python.md
   ffmpeg # remuxes a recording; moving-picture.sh
   mkvtoolnix # remuxes a recording
