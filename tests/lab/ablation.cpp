@@ -3,14 +3,12 @@
 
 #include "cases.hpp"
 #include "h264.hpp"
+#include "measure.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 namespace lab {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kSide = 30;
 const cv::Size kFrame(352, 288);
@@ -159,7 +157,7 @@ void observe(Method &method, const Stratum &stratum, bool is_first, Observations
       const Task task{sequence.frames[i - 1], sequence.frames[i], sequence.pointer, kSide, i > 1};
       const auto begin = Clock::now();
       const Reading reading = method.measure(task);
-      const double time = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+      const double time = microseconds_since(begin);
       if (!is_first) {
         seen.times[at] = std::min(seen.times[at], time);
         continue;
@@ -176,23 +174,18 @@ void observe(Method &method, const Stratum &stratum, bool is_first, Observations
   }
 }
 
-// Of all rendered strata: what the confidence ought to be low for, and how steady the answers are.
-struct Judged {
-  std::vector<double> confidences;
-  std::vector<bool> bad;
+// Answers and steps of all rendered strata.
+struct Total {
+  Judged judged;
   std::vector<double> steps;
 
   void add(const Stratum &stratum, const Observations &seen) {
-    constexpr double kBad = 0.3; // px
     steps.insert(steps.end(), seen.steps.begin(), seen.steps.end());
     std::size_t at = 0;
     for (const Sequence &sequence : stratum.sequences)
-      for (std::size_t i = 0; i < sequence.truths.size(); ++i, ++at) {
-        confidences.push_back(seen.confidences[at]);
-        bad.push_back(sequence.is_unseen || seen.errors[at] > kBad);
-      }
+      for (std::size_t i = 0; i < sequence.truths.size(); ++i, ++at)
+        judged.add(seen.confidences[at], seen.errors[at], sequence.is_unseen);
   }
-  double area() const { return area_under(roc(confidences, bad)); }
 };
 
 AblationCell compare(const Stratum &stratum, const Observations &with, const Observations &off) {
@@ -221,8 +214,8 @@ std::vector<AblationRow> measure_ablation(bool quick, const std::vector<TruePair
     const auto whole = make_default();
     const auto without = configuration.make();
     AblationRow row{.part = configuration.parameters};
-    Judged judged;
-    Judged judged_off;
+    Total total;
+    Total total_off;
     for (const Stratum &stratum : strata) {
       Observations with;
       Observations off;
@@ -237,13 +230,13 @@ std::vector<AblationRow> measure_ablation(bool quick, const std::vector<TruePair
       row.cells.push_back(compare(stratum, with, off));
       if (stratum.name == "pairs")
         continue;
-      judged.add(stratum, with);
-      judged_off.add(stratum, off);
+      total.add(stratum, with);
+      total_off.add(stratum, off);
     }
-    row.area = judged.area();
-    row.area_off = judged_off.area();
-    row.step = percentile(judged.steps, 0.99);
-    row.step_off = percentile(judged_off.steps, 0.99);
+    row.area = total.judged.area();
+    row.area_off = total_off.judged.area();
+    row.step = percentile(total.steps, 0.99);
+    row.step_off = percentile(total_off.steps, 0.99);
     rows.push_back(std::move(row));
   }
   return rows;

@@ -6,35 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 namespace lab {
 namespace {
 
-constexpr double kBad = 0.3; // px
 constexpr int kSeeds = 5;
 constexpr std::size_t kBins = 10;
-
-// Answers of one method.
-struct Judged {
-  std::vector<double> confidences;
-  std::vector<double> errors; // px; of an answer where there should be none: infinite
-
-  void add(double confidence, double error) {
-    confidences.push_back(confidence);
-    errors.push_back(error);
-  }
-  void add(const Judged &more) {
-    for (std::size_t i = 0; i < more.errors.size(); ++i)
-      add(more.confidences[i], more.errors[i]);
-  }
-  std::vector<RocPoint> curve() const {
-    std::vector<bool> bad;
-    for (const double error : errors)
-      bad.push_back(error > kBad);
-    return roc(confidences, bad);
-  }
-};
 
 bool has_confidence(const Configuration &c) {
   constexpr std::array kMethods = {"fast", "method=opencv", "PyrLK crop back", "phase correlation",
@@ -47,8 +24,7 @@ Judged judge(const Configuration &configuration, const CaseSet &set) {
   const std::vector<Answer> answers = measure(configuration, set);
   for (std::size_t i = 0; i < answers.size(); ++i)
     if (const Case &one = set.cases[i]; one.scene != kRoundedMotion)
-      judged.add(answers[i].confidence,
-                 one.is_unseen ? std::numeric_limits<double>::infinity() : answers[i].error);
+      judged.add(answers[i].confidence, answers[i].error, one.is_unseen);
   return judged;
 }
 
@@ -59,7 +35,7 @@ void add_calibration(const std::string &method, const Judged &judged, Report &re
         judged.errors[i]);
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const auto good = static_cast<std::size_t>(
-        std::ranges::count_if(bins[bin], [](double error) { return error <= kBad; }));
+        std::ranges::count_if(bins[bin], [](double error) { return error <= kBadError; }));
     const std::size_t all = bins[bin].size();
     if (all > 0)
       report.reliability.push_back({method, (static_cast<double>(bin) + 0.5) / kBins, all,
@@ -79,7 +55,7 @@ void measure_confidence(const std::vector<Configuration> &defaults, bool quick, 
       if (!has_confidence(c))
         continue;
       const Judged judged = judge(c, set);
-      report.area[c.method].push_back(area_under(judged.curve()));
+      report.area[c.method].push_back(judged.area());
       all[c.method].add(judged);
     }
   }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "h264.hpp"
 
-#include "frame-sample.hpp"
+#include "pipeline.hpp"
 
-#include <functional>
-#include <gst/app/gstappsink.h>
-#include <gst/app/gstappsrc.h>
 #include <gst/video/video.h>
 #include <stdexcept>
 #include <string>
@@ -14,6 +11,7 @@ namespace lab {
 namespace {
 
 bool is_installed(const char *element) {
+  gst_init(nullptr, nullptr);
   GstElementFactory *factory = gst_element_factory_find(element);
   if (factory)
     gst_object_unref(factory);
@@ -33,40 +31,6 @@ GstBuffer *buffer_of(const cv::Mat &luma) {
                     static_cast<gsize>(luma.cols));
   return buffer;
 }
-
-// A pipeline with elements named `in` and `out` that plays until its end of life.
-class Pipeline {
-public:
-  explicit Pipeline(const std::string &line,
-                    const std::function<void(GstElement *)> &prepare = {}) {
-    gst_init(nullptr, nullptr);
-    pipeline_.reset(gst_parse_launch(line.c_str(), nullptr));
-    if (!pipeline_)
-      throw std::runtime_error("an element of this pipeline is missing: " + line);
-    in_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "in"));
-    out_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "out"));
-    if (prepare)
-      prepare(in_.get());
-    gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
-  }
-  ~Pipeline() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
-  Pipeline(const Pipeline &) = delete;
-  Pipeline &operator=(const Pipeline &) = delete;
-
-  GstAppSrc *in() const { return GST_APP_SRC(in_.get()); }
-
-  // Nothing at the end, or after an error.
-  Sample pull() const {
-    constexpr GstClockTime kPatience = 10 * GST_SECOND; // after an error nothing comes
-    return Sample{gst_app_sink_try_pull_sample(GST_APP_SINK(out_.get()), kPatience)};
-  }
-
-private:
-  using Element = std::unique_ptr<GstElement, Unref<gst_object_unref>>;
-  Element pipeline_;
-  Element in_;
-  Element out_;
-};
 
 // One thread and no processor-specific algorithm: the same frames on every machine. zerolatency
 // has no B frames, and no look-ahead, whose effect would depend on the clip's length.
@@ -104,9 +68,12 @@ H264Stream pull_units(const Pipeline &pipeline, std::size_t most) {
 
 } // namespace
 
+bool has_h264_encoder() {
+  return is_installed("x264enc");
+}
+
 bool has_h264() {
-  gst_init(nullptr, nullptr);
-  return is_installed("x264enc") && is_installed("avdec_h264");
+  return has_h264_encoder() && is_installed("avdec_h264");
 }
 
 std::vector<cv::Mat> through_h264(const std::vector<cv::Mat> &clip, int crf) {
@@ -133,9 +100,8 @@ H264Stream encode_h264(const std::vector<cv::Mat> &clip, int crf, int references
 }
 
 H264Stream read_h264(const std::filesystem::path &file, std::size_t most) {
-  const Pipeline pipeline(
-      "filesrc name=in ! parsebin ! h264parse ! " + std::string(kByteStream),
-      [&](GstElement *in) { g_object_set(in, "location", file.c_str(), nullptr); });
+  const Pipeline pipeline("filesrc name=in ! parsebin ! h264parse ! " + std::string(kByteStream),
+                          file);
   return pull_units(pipeline, most);
 }
 

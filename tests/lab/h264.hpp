@@ -9,6 +9,9 @@
 
 namespace lab {
 
+/// Whether GStreamer's x264enc is installed.
+bool has_h264_encoder();
+
 /// Whether GStreamer's x264enc and avdec_h264 are installed.
 bool has_h264();
 

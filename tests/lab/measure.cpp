@@ -1,18 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "measure.hpp"
 
-#include <chrono>
-
 namespace lab {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double microseconds(Clock::duration time) {
-  return std::chrono::duration<double, std::micro>(time).count();
-}
-
-} // namespace
 
 std::vector<Answer> measure(const Configuration &configuration, const CaseSet &set,
                             std::size_t stride) {
@@ -29,7 +18,7 @@ std::vector<Answer> measure(const Configuration &configuration, const CaseSet &s
     method->forget();
     const auto begin = Clock::now();
     const Reading reading = method->measure(one.task);
-    const double time = microseconds(Clock::now() - begin);
+    const double time = microseconds_since(begin);
     const Vector difference = (reading.confidence > 0 ? reading.velocity : Vector()) - one.truth;
     answers.push_back({cv::norm(difference), reading.confidence, time, difference});
     total += time;
@@ -40,7 +29,7 @@ std::vector<Answer> measure(const Configuration &configuration, const CaseSet &s
       method->forget();
       const auto begin = Clock::now();
       method->measure(set.cases[i * stride].task);
-      answers[i].time = std::min(answers[i].time, microseconds(Clock::now() - begin));
+      answers[i].time = std::min(answers[i].time, microseconds_since(begin));
     }
   return answers;
 }
@@ -52,7 +41,7 @@ std::vector<double> measure(Method &method, const Stream &stream) {
     const Task task{stream.frames[i - 1], stream.frames[i], {0.5, 0.5}, 30, i > 1};
     const auto begin = Clock::now();
     method.measure(task);
-    const double time = microseconds(Clock::now() - begin);
+    const double time = microseconds_since(begin);
     if (i > 1)
       times.push_back(time);
   }

@@ -4,9 +4,16 @@
 
 #include "cases.hpp"
 
+#include <chrono>
 #include <vector>
 
 namespace lab {
+
+using Clock = std::chrono::steady_clock;
+
+inline double microseconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
 
 struct Answer {
   double error = 0;      ///< px; where only silence is right, the length of what was said

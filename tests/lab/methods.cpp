@@ -155,12 +155,14 @@ std::vector<Configuration> configurations_without_parts() {
   using haptic::TrackerParts;
   tracker("test for unchanged pixels", &TrackerParts::still_pixels);
   tracker("rest of a zero translation", &TrackerParts::still_translation);
+  tracker("sudden changes", &TrackerParts::sudden);
   tracker("prior", &TrackerParts::prior);
   tracker("search", &TrackerParts::search);
   tracker("period", &TrackerParts::period);
   add_fast(list, "one translation", {.options = {.always_grid = true}});
   tracker("coarse starts", &TrackerParts::coarse_starts);
   tracker("dither", &TrackerParts::dither);
+  tracker("bend", &TrackerParts::bend);
   tracker("second pass", &TrackerParts::second_pass);
   tracker("strain", &TrackerParts::strain);
   tracker("noise at rest", &TrackerParts::noise_at_rest);
@@ -168,6 +170,8 @@ std::vector<Configuration> configurations_without_parts() {
   tracker("trust", &TrackerParts::trust);
   tracker("cut", &TrackerParts::cut);
   tracker("votes", &TrackerParts::votes);
+  tracker("labels", &TrackerParts::labels);
+  tracker("layers", &TrackerParts::layers);
   add_fast(list, "models beyond translation",
            {.estimator = {.choice = haptic::ModelChoice::translation}});
   add_fast(list, "models below affine", {.estimator = {.choice = haptic::ModelChoice::affine}});

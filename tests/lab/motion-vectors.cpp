@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <ctime>
 #include <limits>
 #include <stdexcept>
@@ -36,12 +35,7 @@ std::vector<VectorRow> measure_vectors(bool, const std::optional<std::filesystem
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr int kSide = 30;
-
-double microseconds(Clock::duration time) {
-  return std::chrono::duration<double, std::micro>(time).count();
-}
 
 struct Decoded {
   cv::Mat luma;
@@ -204,7 +198,7 @@ public:
     const cv::Rect region(place, cv::Size(kSide, kSide));
     const auto begin = Clock::now();
     const Reading of_vectors = mean_vector(now.vectors, region);
-    vectors_.add(of_vectors, truth, microseconds(Clock::now() - begin));
+    vectors_.add(of_vectors, truth, microseconds_since(begin));
     const Vector middle(place.x + kSide / 2.0, place.y + kSide / 2.0);
     const Task task{
         before.luma, now.luma, {middle.x / now.luma.cols, middle.y / now.luma.rows}, kSide};
@@ -212,7 +206,7 @@ public:
       entry.method->forget();
       const auto start = Clock::now();
       const Reading reading = entry.method->measure(task);
-      entry.tally.add(reading, truth, microseconds(Clock::now() - start));
+      entry.tally.add(reading, truth, microseconds_since(start));
     }
   }
 
@@ -315,7 +309,7 @@ void measure_clip(const std::filesystem::path &file, bool quick, std::vector<Vec
 } // namespace
 
 std::string why_no_motion_vectors() {
-  return has_h264() ? "" : "x264enc or avdec_h264 is not installed";
+  return has_h264_encoder() ? "" : "x264enc is not installed";
 }
 
 std::vector<VectorRow> measure_vectors(bool quick,

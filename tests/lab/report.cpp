@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <json-glib/json-glib.h>
 #include <sstream>
 #include <stdexcept>
@@ -45,73 +46,53 @@ private:
   std::ofstream stream_;
 };
 
-void write_confidence(const Report &report, const fs::path &folder) {
-  {
-    File file(folder / "reliability.csv");
-    file.row("method", "confidence", "cases", "good", "good_low", "good_high");
-    for (const ReliabilityRow &r : report.reliability)
-      file.row(r.method, r.confidence, r.cases, r.good, r.good_95.low, r.good_95.high);
-  }
-  {
-    File file(folder / "roc.csv");
-    file.row("method", "threshold", "false_alarms", "detections");
-    for (const RocRow &r : report.roc)
-      file.row(r.method, r.point.threshold, r.point.false_alarms, r.point.detections);
-  }
-}
-
 void write_tables(const Report &report, const fs::path &folder) {
-  {
-    File file(folder / "sweep.csv");
-    file.row("stratum", "method", "parameters", "peer", "default", "threads", "cases", "error",
-             "error_low", "error_high", "error_p50", "error_p95", "gross", "us_p50", "us_p99",
-             "front");
-    for (const SweepRow &r : report.sweep)
-      file.row(r.stratum, r.method, r.parameters, r.is_peer, r.is_default, r.threads, r.cases,
-               r.error, r.error_95.low, r.error_95.high, r.median, r.p95, r.gross, r.time,
-               r.time_99, r.on_front);
-  }
-  {
-    File file(folder / "series.csv");
-    file.row("series", "method", "x", "error", "bias", "gross", "us_p50");
-    for (const SeriesRow &r : report.series)
-      file.row(r.series, r.method, r.x, r.error, r.bias, r.gross, r.time);
-  }
-  {
-    File file(folder / "streams.csv");
-    file.row("scene", "us_p50", "us_p99");
-    for (const StreamRow &r : report.streams)
-      file.row(r.scene, r.time, r.time_99);
-  }
-  write_confidence(report, folder);
-  {
-    File file(folder / "scenes.csv");
-    file.row("scene", "method", "error", "bound");
-    for (const SceneRow &r : report.scenes)
-      file.row(r.scene, r.method, r.error, r.bound);
-  }
-  {
-    File file(folder / "clips.csv");
-    file.row("clip", "method", "cases", "answered", "shift_error_p50", "shift_error_p95",
-             "reversal_error_p50");
-    for (const ClipRow &r : report.clips)
-      file.row(r.clip, r.method, r.cases, r.answered, r.shift_error, r.shift_95, r.reversal_error);
-  }
-  {
-    File file(folder / "vectors.csv");
-    file.row("video", "method", "cases", "answered", "error", "error_p95", "us_decoding",
-             "us_region");
-    for (const VectorRow &r : report.vectors)
-      file.row(r.video, r.method, r.cases, r.answered, r.error, r.p95, r.decoding, r.time);
-  }
-  {
-    File file(folder / "fields.csv");
-    file.row("pair", "method", "cells", "error", "answered", "error_answered", "error_answered_p95",
-             "ms");
-    for (const FieldRow &r : report.fields)
-      file.row(r.pair, r.method, r.cells, r.error, r.answered, r.error_answered, r.p95_answered,
-               r.time);
-  }
+  const auto table = [&](const char *name, const char *columns, const auto &rows,
+                         const auto &write) {
+    File file(folder / name);
+    file.row(columns);
+    for (const auto &row : rows)
+      write(file, row);
+  };
+  table("sweep.csv",
+        "stratum,method,parameters,peer,default,threads,cases,error,error_low,error_high,error_p50,"
+        "error_p95,gross,us_p50,us_p99,front",
+        report.sweep, [](File &file, const SweepRow &r) {
+          file.row(r.stratum, r.method, r.parameters, r.is_peer, r.is_default, r.threads, r.cases,
+                   r.error, r.error_95.low, r.error_95.high, r.median, r.p95, r.gross, r.time,
+                   r.time_99, r.on_front);
+        });
+  table("series.csv", "series,method,x,error,bias,gross,us_p50", report.series,
+        [](File &file, const SeriesRow &r) {
+          file.row(r.series, r.method, r.x, r.error, r.bias, r.gross, r.time);
+        });
+  table("streams.csv", "scene,us_p50,us_p99", report.streams,
+        [](File &file, const StreamRow &r) { file.row(r.scene, r.time, r.time_99); });
+  table("reliability.csv", "method,confidence,cases,good,good_low,good_high", report.reliability,
+        [](File &file, const ReliabilityRow &r) {
+          file.row(r.method, r.confidence, r.cases, r.good, r.good_95.low, r.good_95.high);
+        });
+  table("roc.csv", "method,threshold,false_alarms,detections", report.roc,
+        [](File &file, const RocRow &r) {
+          file.row(r.method, r.point.threshold, r.point.false_alarms, r.point.detections);
+        });
+  table("scenes.csv", "scene,method,error,bound", report.scenes,
+        [](File &file, const SceneRow &r) { file.row(r.scene, r.method, r.error, r.bound); });
+  table("clips.csv",
+        "clip,method,cases,answered,shift_error_p50,shift_error_p95,reversal_error_p50",
+        report.clips, [](File &file, const ClipRow &r) {
+          file.row(r.clip, r.method, r.cases, r.answered, r.shift_error, r.shift_95,
+                   r.reversal_error);
+        });
+  table("vectors.csv", "video,method,cases,answered,error,error_p95,us_decoding,us_region",
+        report.vectors, [](File &file, const VectorRow &r) {
+          file.row(r.video, r.method, r.cases, r.answered, r.error, r.p95, r.decoding, r.time);
+        });
+  table("fields.csv", "pair,method,cells,error,answered,error_answered,error_answered_p95,ms",
+        report.fields, [](File &file, const FieldRow &r) {
+          file.row(r.pair, r.method, r.cells, r.error, r.answered, r.error_answered, r.p95_answered,
+                   r.time);
+        });
 }
 
 // JSON
@@ -223,6 +204,48 @@ std::string rounded(double value) {
   return text.str();
 }
 
+std::string percent(double share) {
+  return rounded(100 * share) + "%";
+}
+
+std::string rounded_or_dash(double value, bool is_known) {
+  return is_known ? rounded(value) : "–";
+}
+
+std::string text(double value) {
+  return rounded(value);
+}
+std::string text(std::size_t count) {
+  return std::to_string(count);
+}
+const std::string &text(const std::string &words) {
+  return words;
+}
+
+template <typename... Cells>
+void write_line(std::ostream &out, const Cells &...cells) {
+  ((out << '|' << text(cells)), ...);
+  out << "|\n";
+}
+
+void write_head(std::ostream &out, std::initializer_list<const char *> names) {
+  for (const char *name : names)
+    out << '|' << name;
+  out << "|\n";
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out << "|---";
+  out << "|\n";
+}
+
+// The texts of all rows with a separator between them.
+template <typename Rows, typename Text>
+std::string joined(const Rows &rows, const char *separator, const Text &text_of) {
+  std::string all;
+  for (const auto &row : rows)
+    all += (all.empty() ? "" : separator) + text_of(row);
+  return all;
+}
+
 bool is_ours(const SweepRow &row) {
   return row.method == "fast" && row.is_default && row.threads == 1;
 }
@@ -240,14 +263,12 @@ std::string name_of(const SweepRow &row) {
 }
 
 void write_strata(const Report &report, std::ostream &out) {
-  out << "| stratum | who | mean error (px) | 95 % interval | errors > 0.5 px | p50 (µs) | p99 "
-         "(µs) |\n"
-         "|---|---|---|---|---|---|---|\n";
+  write_head(out, {"stratum", "who", "mean error (px)", "95 % interval", "errors > 0.5 px",
+                   "p50 (µs)", "p99 (µs)"});
   const auto line = [&](const char *role, const SweepRow &r) {
-    out << "| " << r.stratum << " | " << role << name_of(r) << " | " << rounded(r.error) << " | "
-        << rounded(r.error_95.low) << "–" << rounded(r.error_95.high) << " | "
-        << rounded(100 * r.gross) << "% | " << rounded(r.time) << " | " << rounded(r.time_99)
-        << " |\n";
+    write_line(out, r.stratum, role + name_of(r), r.error,
+               rounded(r.error_95.low) + "–" + rounded(r.error_95.high), percent(r.gross), r.time,
+               r.time_99);
   };
   for (const std::string &stratum : strata_of(report.sweep)) {
     const SweepRow *best_peer = nullptr;
@@ -279,18 +300,18 @@ const SweepRow *shipped(const Report &report, const std::string &stratum, const 
 }
 
 void write_shipped(const Report &report, std::ostream &out) {
-  out << "| method as shipped | translation: error (px) | pairs: error (px) | p50 (µs) | times the "
-         "default's | all threads (µs) |\n|---|---|---|---|---|---|\n";
+  write_head(out, {"method as shipped", "translation: error (px)", "pairs: error (px)", "p50 (µs)",
+                   "times the default's", "all threads (µs)"});
   const SweepRow *own = shipped(report, "translation", "fast", true);
   for (const SweepRow &row : report.sweep) {
     if (row.stratum != "translation" || !row.is_default || row.threads != 1)
       continue;
     const SweepRow *pairs = shipped(report, "pairs", row.method, true);
     const SweepRow *threaded = shipped(report, "translation", row.method, false);
-    out << "| " << row.method << " | " << rounded(row.error) << " | "
-        << (pairs ? rounded(pairs->error) : "–") << " | " << rounded(row.time) << " | "
-        << (own && own->time > 0 ? rounded(row.time / own->time) : "–") << " | "
-        << (threaded ? rounded(threaded->time) : "–") << " |\n";
+    const bool has_own = own && own->time > 0;
+    write_line(out, row.method, row.error, rounded_or_dash(pairs ? pairs->error : 0, pairs),
+               row.time, rounded_or_dash(has_own ? row.time / own->time : 0, has_own),
+               rounded_or_dash(threaded ? threaded->time : 0, threaded));
   }
 }
 
@@ -298,20 +319,22 @@ void write_confidence(const Report &report, std::ostream &out) {
   if (report.area.empty())
     return;
   out << "Area under the ROC curve for errors above 0.3 px, every hard scene with each of "
-      << report.area.begin()->second.size()
-      << " seeds.\n\n| method | worst seed | mean |\n|---|---|---|\n";
+      << report.area.begin()->second.size() << " seeds.\n\n";
+  write_head(out, {"method", "worst seed", "mean"});
   for (const auto &[method, areas] : report.area)
-    out << "| " << (method == "fast" ? "**default**" : method) << " | "
-        << rounded(std::ranges::min(areas)) << " | " << rounded(mean(areas)) << " |\n";
-  out << "\nThe default's confidence and the share of good answers, with its 95 % interval:\n\n"
-         "| confidence | answers | good (at most 0.3 px) |\n|---|---|---|\n";
+    write_line(out, method == "fast" ? std::string("**default**") : method, std::ranges::min(areas),
+               mean(areas));
+  out << "\nThe default's confidence and the share of good answers, with its 95 % interval:\n\n";
+  write_head(out, {"confidence", "answers", "good (at most 0.3 px)"});
   constexpr double kHalf = 5; // per cent, of a bin
   for (const ReliabilityRow &r : report.reliability)
     if (r.method == "fast")
-      out << "| " << std::lround(100 * r.confidence - kHalf) << "–"
-          << std::lround(100 * r.confidence + kHalf) << "% | " << r.cases << " | "
-          << rounded(100 * r.good) << "% (" << rounded(100 * r.good_95.low) << "–"
-          << rounded(100 * r.good_95.high) << ") |\n";
+      write_line(out,
+                 std::to_string(std::lround(100 * r.confidence - kHalf)) + "–" +
+                     std::to_string(std::lround(100 * r.confidence + kHalf)) + "%",
+                 r.cases,
+                 percent(r.good) + " (" + rounded(100 * r.good_95.low) + "–" +
+                     rounded(100 * r.good_95.high) + ")");
 }
 
 // The peer whose worst area under the ROC curve exceeds the default's most, or nothing.
@@ -361,7 +384,7 @@ const SceneRow *best_peer(const Report &report, const SceneRow &own) {
 
 void write_scenes(const Report &report, std::ostream &out) {
   constexpr double kNegligible = 0.01; // px
-  out << "| scene | bound | default | method=opencv | best peer |\n|---|---|---|---|---|\n";
+  write_head(out, {"scene", "bound", "default", "method=opencv", "best peer"});
   for (const SceneRow &own : report.scenes) {
     if (own.method != "fast")
       continue;
@@ -371,48 +394,44 @@ void write_scenes(const Report &report, std::ostream &out) {
     const SceneRow *best = best_peer(report, own);
     if (!best || best->error + kNegligible >= own.error)
       continue;
-    out << "| " << own.scene << " | " << (own.bound < 1 ? rounded(own.bound) : "–") << " | "
-        << rounded(own.error) << " | "
-        << (reference != report.scenes.end() ? rounded(reference->error) : "–") << " | "
-        << rounded(best->error) << " " << best->method << " |\n";
+    const bool has_reference = reference != report.scenes.end();
+    write_line(out, own.scene, rounded_or_dash(own.bound, own.bound < 1), own.error,
+               rounded_or_dash(has_reference ? reference->error : 0, has_reference),
+               rounded(best->error) + " " + best->method);
   }
 }
 
 void write_clips(const Report &report, std::ostream &out) {
-  out << "| clip | method | regions | answered | shift: median (px) | p95 (px) | reversal: median "
-         "(px) |\n|---|---|---|---|---|---|---|\n";
+  write_head(out, {"clip", "method", "regions", "answered", "shift: median (px)", "p95 (px)",
+                   "reversal: median (px)"});
   for (const ClipRow &r : report.clips)
     if (r.method == "fast" || r.method == "method=opencv" || r.method == "PyrLK crop")
-      out << "| " << r.clip << " | " << r.method << " | " << r.cases << " | "
-          << rounded(100 * r.answered) << "% | " << rounded(r.shift_error) << " | "
-          << rounded(r.shift_95) << " | " << rounded(r.reversal_error) << " |\n";
+      write_line(out, r.clip, r.method, r.cases, percent(r.answered), r.shift_error, r.shift_95,
+                 r.reversal_error);
 }
 
 void write_fields(const Report &report, std::ostream &out) {
   out << "32 columns, one thread, from the luma of both frames to the cells. Dense flow is "
-         "averaged "
-         "over the same cells. A cell is sure where the field's confidence is 0.5 or more. A field "
-         "without an answer counts as no motion.\n\n"
-         "| pair | method | error (px) | sure | error there (px) | p95 there (px) | time "
-         "(ms) |\n|---|---|---|---|---|---|---|\n";
+         "averaged over the same cells. A cell is sure where the field's confidence is 0.5 or "
+         "more. A field "
+         "without an answer counts as no motion.\n\n";
+  write_head(out, {"pair", "method", "error (px)", "sure", "error there (px)", "p95 there (px)",
+                   "time (ms)"});
   for (const FieldRow &r : report.fields)
-    out << "| " << r.pair << " | " << r.method << " | " << rounded(r.error) << " | "
-        << rounded(100 * r.answered) << "% | " << rounded(r.error_answered) << " | "
-        << rounded(r.p95_answered) << " | " << rounded(r.time) << " |\n";
+    write_line(out, r.pair, r.method, r.error, percent(r.answered), r.error_answered,
+               r.p95_answered, r.time);
 }
 
 void write_vectors(const Report &report, std::ostream &out) {
   out << "The mean of a decoder's motion vectors (libavcodec) over the region. Error against the "
          "truth of a scene (352×288, one reference frame unless said otherwise), in a clip against "
          "DIS medium with finest-scale=0. Decoding: what exporting the vectors costs per "
-         "frame.\n\n"
-         "| video | method | regions | answered | error (px) | p95 (px) | decoding (µs) | region "
-         "(µs) |\n|---|---|---|---|---|---|---|---|\n";
+         "frame.\n\n";
+  write_head(out, {"video", "method", "regions", "answered", "error (px)", "p95 (px)",
+                   "decoding (µs)", "region (µs)"});
   for (const VectorRow &r : report.vectors)
-    out << "| " << r.video << " | " << r.method << " | " << r.cases << " | "
-        << rounded(100 * r.answered) << "% | " << rounded(r.error) << " | " << rounded(r.p95)
-        << " | " << (r.decoding != 0 ? rounded(r.decoding) : "–") << " | " << rounded(r.time)
-        << " |\n";
+    write_line(out, r.video, r.method, r.cases, percent(r.answered), r.error, r.p95,
+               rounded_or_dash(r.decoding, r.decoding != 0), r.time);
 }
 
 constexpr double kNoticeable = 0.01; // of the error
@@ -441,8 +460,7 @@ void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
   out << "The mean error (px) without one part / its time in relation to that with all parts. "
          "**Bold**: worse without it, *italic*: better, each by 1 % at least and with a 95 % "
          "interval of the difference that leaves out zero. Area: under the ROC curve. Step: 99 % "
-         "of "
-         "the changes from frame to frame are smaller (px).\n\n|without|";
+         "of the changes from frame to frame are smaller (px).\n\n|without|";
   std::string rule = "|---|";
   for (const AblationCell &c : rows.front().cells) {
     out << c.stratum << "|";
@@ -462,41 +480,21 @@ void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
     out << rounded(row.area_off) << "|" << rounded(row.step_off) << "|\n";
   }
   out << "\nParts that save neither error, time or step (5 %), nor area (0.005) on any stratum: ";
-  const char *separator = "";
-  for (const AblationRow &row : rows)
-    if (!pays(row)) {
-      out << separator << row.part;
-      separator = ", ";
-    }
-  out << (*separator ? ".\n" : "none.\n");
-}
-
-// Tables without the spaces around their bars.
-std::string compact(const std::string &page) {
-  std::istringstream lines(page);
-  std::string result;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with('|'))
-      for (const std::string_view spaced : {" |", "| "})
-        for (std::size_t at; (at = line.find(spaced)) != std::string::npos;)
-          line.replace(at, spaced.size(), "|");
-    result += line + "\n";
-  }
-  return result;
+  std::vector<AblationRow> idle;
+  std::ranges::copy_if(rows, std::back_inserter(idle), [](const auto &row) { return !pays(row); });
+  out << (idle.empty() ? "none" : joined(idle, ", ", [](const auto &row) { return row.part; }))
+      << ".\n";
 }
 
 void write_page(const Report &report, const fs::path &path) {
   File file(path);
-  std::ostringstream out;
+  std::ostream &out = file.text();
   out << "# Results of the lab\n\n"
          "Written by `tests/lab/run.sh`; [the lab](lab.md) explains the terms. All rows are in the "
          "CSV files that the command writes to `build-lab/results/`.\n\n";
-  const char *separator = "";
-  for (const auto &[name, value] : report.circumstances) {
-    out << separator << name << ": " << value;
-    separator = "; ";
-  }
-  out << ".\n";
+  out << joined(report.circumstances, "; ", [](const auto &row) {
+    return row.first + ": " + row.second;
+  }) << ".\n";
   out << "\n## Speed and accuracy\n\n";
   write_strata(report, out);
   out << "\n## Where a peer is ahead\n\n";
@@ -504,36 +502,26 @@ void write_page(const Report &report, const fs::path &path) {
   out << "\n## Everything as shipped\n\n";
   write_shipped(report, out);
   out << "\n## Scenes where a peer is ahead\n\nMean error in px, each method as shipped, where it "
-         "is "
-         "0.01 px below the default's. The bound is that of Cramér and Rao for one translation. "
-         "All "
-         "scenes are in `scenes.csv`.\n\n";
+         "is 0.01 px below the default's. The bound is that of Cramér and Rao for one translation. "
+         "All scenes are in `scenes.csv`.\n\n";
   write_scenes(report, out);
   out << "\n## Time of the default by scene, in a stream\n\nMedian and 99th percentile in µs: ";
-  separator = "";
-  for (const StreamRow &r : report.streams) {
-    out << separator << r.scene << " " << rounded(r.time) << " and " << rounded(r.time_99);
-    separator = ", ";
-  }
+  out << joined(report.streams, ", ", [](const StreamRow &r) {
+    return r.scene + " " + rounded(r.time) + " and " + rounded(r.time_99);
+  });
   out << ".\n\n## Confidence\n\n";
   write_confidence(report, out);
-  if (!report.fields.empty()) {
-    out << "\n## The field of a whole frame\n\n";
-    write_fields(report, out);
-  }
-  if (!report.clips.empty()) {
-    out << "\n## Real clips\n\n";
-    write_clips(report, out);
-  }
-  if (!report.vectors.empty()) {
-    out << "\n## Motion vectors of H.264\n\n";
-    write_vectors(report, out);
-  }
-  if (!report.ablation.empty()) {
-    out << "\n## What each part is worth\n\n";
-    write_ablation(report.ablation, out);
-  }
-  file.text() << compact(out.str());
+  const auto section = [&](const char *title, const auto &rows, const auto &body) {
+    if (rows.empty())
+      return;
+    out << "\n## " << title << "\n\n";
+    body();
+  };
+  section("The field of a whole frame", report.fields, [&] { write_fields(report, out); });
+  section("Real clips", report.clips, [&] { write_clips(report, out); });
+  section("Motion vectors of H.264", report.vectors, [&] { write_vectors(report, out); });
+  section("What each part is worth", report.ablation,
+          [&] { write_ablation(report.ablation, out); });
 }
 
 } // namespace

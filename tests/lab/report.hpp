@@ -145,8 +145,9 @@ std::vector<SweepRow> dominating_peers(const std::vector<SweepRow> &sweep);
 /// ablation.csv and ablation.md. Throws std::runtime_error where a file cannot be written.
 void write_ablation(const std::vector<AblationRow> &rows, const std::filesystem::path &folder);
 
-/// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv, fields.csv,
-/// lab.json and results.md. Throws std::runtime_error where a file cannot be written.
+/// sweep.csv, series.csv, streams.csv, reliability.csv, roc.csv, scenes.csv, clips.csv,
+/// vectors.csv, fields.csv, lab.json, results.md and the files of write_ablation. Throws
+/// std::runtime_error where a file cannot be written.
 void write(Report report, const std::filesystem::path &folder);
 
 } // namespace lab

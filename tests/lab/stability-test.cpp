@@ -454,7 +454,7 @@ TEST(Stability, TheShakeOfTheCameraIsFeltWithTheWind) {
 }
 
 TEST(Stability, OfTwoMotionsTheMeanByAreaIsFelt) {
-  expect_accurate(pairs("two motions"), Unreached{.target = 0.10, .reached = 0.115});
+  expect_accurate(pairs("two motions"), 0.10);
 }
 
 TEST(Stability, TwoMotionsDoNotTakeTurns) {
@@ -464,17 +464,17 @@ TEST(Stability, TwoMotionsDoNotTakeTurns) {
     const auto shots = stream(scene.make(random), 10, random);
     for (std::size_t k = 1; k < shots.size(); ++k)
       EXPECT_LE(cv::norm(force(shots[k].reading.velocity) - force(shots[k - 1].reading.velocity)),
-                80)
+                60)
           << "scene " << i << ", frame " << k;
   }
 }
 
 TEST(Stability, ASmallThingThatMovesCountsByItsArea) {
   const auto shots = pairs("mover");
-  expect_accurate(shots, Unreached{.target = 0.15, .reached = 0.245});
+  expect_accurate(shots, 0.15);
 }
 
-TEST(Stability, NoneOfAThousandMoversIsCalledStill) {
+TEST(Stability, NoneOfAThousandMoversIsStillWithAConfidenceAboveNineTenths) {
   constexpr int kMovers = 1000;
   const auto make = scene_named(hard_scenes(kSide), "mover").make;
   Random random(23);
@@ -486,7 +486,7 @@ TEST(Stability, NoneOfAThousandMoversIsCalledStill) {
 }
 
 TEST(Stability, AReflectionDoesNotHideWhatIsBehindIt) {
-  expect_accurate(pairs("overlay"), Unreached{.target = 0.12, .reached = 0.31});
+  expect_accurate(pairs("overlay"), Unreached{.target = 0.12, .reached = 0.195});
 }
 
 // Time, place and size
@@ -670,43 +670,22 @@ TEST(Stability, NumbersThatAreNotFiniteNeverComeOut) {
 
 // Whether it knows
 
-constexpr double kBadError = 0.3; // px
-
-struct Answers {
-  std::vector<double> confidences;
-  std::vector<double> errors; // px; of an answer where there should be none: infinite
-
-  void add(const Answers &more) {
-    confidences.insert(confidences.end(), more.confidences.begin(), more.confidences.end());
-    errors.insert(errors.end(), more.errors.begin(), more.errors.end());
-  }
-  double area() const {
-    std::vector<bool> bad;
-    for (const double error : errors)
-      bad.push_back(error > kBadError);
-    return area_under(roc(confidences, bad));
-  }
-};
-
-Answers answers_to_all_scenes(std::uint64_t seed, int cases) {
-  Answers answers;
+Judged answers_to_all_scenes(std::uint64_t seed, int cases) {
+  Judged answers;
   for (const Scene &scene : hard_scenes(kSide)) {
     if (scene.name == kRoundedMotion)
       continue;
-    for (const Shot &shot : pairs_of(scene.make, seed++, cases)) {
-      answers.confidences.push_back(shot.reading.confidence);
-      answers.errors.push_back(shot.is_unseen ? std::numeric_limits<double>::infinity()
-                                              : shot.error());
-    }
+    for (const Shot &shot : pairs_of(scene.make, seed++, cases))
+      answers.add(shot.reading.confidence, shot.error(), shot.is_unseen);
   }
   return answers;
 }
 
 TEST(Stability, MoreConfidenceMeansFewerErrors) {
   constexpr int kCasesOfASeed = 16; // of each scene: about 560 answers
-  Answers answers;
+  Judged answers;
   for (const std::uint64_t seed : {20, 120, 220, 320, 420}) {
-    const Answers some = answers_to_all_scenes(seed, kCasesOfASeed);
+    const Judged some = answers_to_all_scenes(seed, kCasesOfASeed);
     std::cout << "seed " << seed << ": area under the ROC " << some.area() << "\n";
     EXPECT_GE(some.area(), 0.965) << "seed " << seed;
     answers.add(some);

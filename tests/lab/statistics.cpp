@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -105,6 +106,23 @@ double area_under(std::span<const RocPoint> curve) {
     area += (curve[i].false_alarms - curve[i - 1].false_alarms) *
             (curve[i].detections + curve[i - 1].detections) / 2;
   return area;
+}
+
+void Judged::add(double confidence, double error, bool is_unseen) {
+  confidences.push_back(confidence);
+  errors.push_back(is_unseen ? std::numeric_limits<double>::infinity() : error);
+}
+
+void Judged::add(const Judged &more) {
+  confidences.insert(confidences.end(), more.confidences.begin(), more.confidences.end());
+  errors.insert(errors.end(), more.errors.begin(), more.errors.end());
+}
+
+std::vector<RocPoint> Judged::curve() const {
+  std::vector<bool> bad;
+  for (const double error : errors)
+    bad.push_back(error > kBadError);
+  return roc(confidences, bad);
 }
 
 } // namespace lab

@@ -50,4 +50,17 @@ std::vector<RocPoint> roc(std::span<const double> confidences, const std::vector
 /// Area under the curve, 0.5 for guessing, 1 for always right.
 double area_under(std::span<const RocPoint> curve);
 
+inline constexpr double kBadError = 0.3; ///< px; an answer with a larger error is bad
+
+/// Answers with their confidence.
+struct Judged {
+  std::vector<double> confidences;
+  std::vector<double> errors; ///< px; of an answer where there should be none: infinite
+
+  void add(double confidence, double error, bool is_unseen);
+  void add(const Judged &more);
+  std::vector<RocPoint> curve() const; ///< of bad answers
+  double area() const { return area_under(curve()); }
+};
+
 } // namespace lab
