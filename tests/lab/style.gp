@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Settings of all charts of the lab. The palette of Okabe and Ito suits every kind of colour vision;
-# each method also has its own symbol.
+# Settings of all charts of the lab. The colours are those of the palette and more; each method also has
+# its own symbol.
+load system("dirname '" . ARG0 . "'") . "/../../pipelines/palette.gp"
 set datafile separator ","
 set datafile columnheaders
-set encoding utf8
-set border 3 linecolor rgb "#444444"
-set tics nomirror out
-set grid linecolor rgb "#DDDDDD" linewidth 1
 
 # `terminal(FILE, WIDTH, HEIGHT)` returns the commands that open a PNG file for output.
 terminal(file, width, height) = \
-  sprintf("set terminal pngcairo size %d,%d font 'DejaVu Sans,12' background '#ffffff'; set output '%s'", width, height, file)
+  sprintf("set terminal pngcairo size %d,%d font 'DejaVu Sans,15' background '#ffffff'; set output '%s'", width, height, file)
 
 # Methods in groups, a colour and a symbol each.
-titles = "'fast' 'method=opencv' 'PyrLK on the crop' 'PyrLK on the frame' 'RLOF' 'DIS' 'Farneback' 'phase correlation' 'ECC' 'block search'"
 group(method) = \
   method eq "fast" ? 1 : method eq "method=opencv" ? 2 : \
   method[1:9] eq "PyrLK cro" ? 3 : method[1:9] eq "PyrLK fra" ? 4 : \
