@@ -5,7 +5,8 @@
 # package there and here. Closes with one line: N passed, N failed, N skipped. The exit status is 0 only when
 # nothing failed.
 #
-# Usage: tests/other-debian.sh [--fresh] [--cache FOLDER]
+# Usage: tests/other-debian.sh [--part build|tests] [--fresh] [--cache FOLDER]
+#   --part          only builds the project and its packages, or only runs the tests of a build that is there
 #   --fresh         makes the chroot anew; without it, one that is there is used again
 #   --cache FOLDER  where the chroot is kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
 #
@@ -16,12 +17,17 @@ source "$(dirname "$0")/../pipelines/common.sh"
 source "$(dirname "$0")/../pipelines/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 
-fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
+part=all fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 
 read_options() {
   while [ $# -gt 0 ]; do
     case $1 in
     --help | -h) show_help && exit ;;
+    --part)
+      part=${2:-}
+      [[ $part = build || $part = tests ]] || fail "--part is build or tests; see --help"
+      shift
+      ;;
     --fresh) fresh=yes ;;
     --cache)
       cache=${2:-}
@@ -194,7 +200,7 @@ copy_tree_and_film() {
 # By the project's own script, as on any machine.
 install_in_chroot() {
   local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}"
-    "${chroot_packages[@]}")
+    "${chroot_packages[@]}" "${server_packages[@]}")
   local package
   for package in "${test_packages[@]}"; do
     case $package in
@@ -220,8 +226,8 @@ run_tests_in_chroot() {
   local report=$chroot/build/meson-logs/testlog.json before=$failed status=0
   printf '\n== Unit, element and pipeline tests on Debian %s\n' "$version"
   rm -f "$report"
-  offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs \
-    --suite unit --suite elements --suite pipelines </dev/null || status=1
+  offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs --num-processes $((2 * $(nproc))) \
+    --timeout-multiplier 3 --suite unit --suite elements --suite pipelines </dev/null || status=1
   passed=$((passed + $(results "$report" 'OK|EXPECTEDFAIL')))
   skipped=$((skipped + $(results "$report" 'SKIP|IGNORED')))
   failed=$((failed + $(results "$report" 'FAIL|TIMEOUT|INTERRUPT|ERROR|UNEXPECTEDPASS')))
@@ -270,9 +276,13 @@ chroot=$cache/debian-$version
 enter=(chroot "$chroot" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb sh -c)
 
 check "A chroot of Debian $version is there" make_chroot
+if [ "$part" = tests ]; then
+  run_tests_in_chroot
+  exit
+fi
 check "The tree is copied" copy_tree_and_film
 check "The packages are installed on Debian $version" install_in_chroot
-if check "Everything builds without a warning on Debian $version" build_in_chroot; then
+if check "Everything builds without a warning on Debian $version" build_in_chroot && [ "$part" = all ]; then
   run_tests_in_chroot
 fi
 check "The Debian package builds on Debian $version" package_there || true

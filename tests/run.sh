@@ -5,8 +5,9 @@
 # style or scripts counts as one test. Without an option it takes at most ten minutes on two processors.
 #
 # Usage: tests/run.sh [--all]
-#   --all  every test there is, in at most an hour: also the sanitizers, the virtual machine, the lab,
-#          clang-tidy, the demonstration built from nothing, and the other Debian
+#   --all  every test there is, in at most an hour: also the long ones, the player in a browser, the sanitizers,
+#          inputs that coverage guides, the virtual machine, the lab, clang-tidy, the demonstration built from
+#          nothing, and the other Debian
 #
 # Builds in build-tests/, and with --all in build-sanitized/ too.
 
@@ -76,6 +77,14 @@ set_up() {
   install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" \
     "${test_packages[@]}" "${vm_packages[@]}"
   echo "tree.avi: $(tree_video)"
+  [ "$all" = no ] || set_up_web
+}
+
+# Without them the tests of the player in a browser and of a packaged film on a server are skipped.
+set_up_web() {
+  (install_packages "${browser_packages[@]}" && install_npm && pipelines/web/fetch.sh --tests) || true
+  (install_packages "${server_packages[@]}") || true
+  (install_packages "${engine_packages[@]}") || true
 }
 
 # `build_in FOLDER MESON-OPTION...`
@@ -98,7 +107,7 @@ build_plain() {
   local lab=disabled
   [ "$all" = no ] || lab=enabled
   build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=$lab \
-    -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
+    -Ddocumentation-uri="file://$root/build-site" -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
 }
 
 # Without precompiled headers, which hide a missing #include. Less optimised, which halves the time to compile.
@@ -144,7 +153,7 @@ run_plain_tests() {
   if [ "$all" = yes ]; then
     run_meson_tests '' build-tests --timeout-multiplier 3
   else
-    run_meson_tests '' build-tests --timeout-multiplier 3 --no-suite hil
+    run_meson_tests '' build-tests --timeout-multiplier 3 --no-suite hil --no-suite long
   fi
 }
 
@@ -173,13 +182,13 @@ run_sanitized_tests() {
 }
 
 check_format() {
-  find gst-plugins spidar tests \( -name '*.[ch]pp' -o -name '*.[ch]' \) -print0 |
+  find gst-plugins pipelines spidar tests \( -name '*.[ch]pp' -o -name '*.[ch]' \) -print0 |
     xargs -0 clang-format --dry-run --Werror
 }
 
 # With the commands of the sanitized build: clang cannot read GCC's precompiled headers.
 check_style() {
-  run-clang-tidy -p build-sanitized -quiet -j "$(nproc)" "$root/(gst-plugins|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
+  run-clang-tidy -p build-sanitized -quiet -j "$(nproc)" "$root/(gst-plugins|pipelines|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
     { grep -E -A 5 'warning:|error:' build-sanitized/clang-tidy.log; return 1; }
 }
 
@@ -188,41 +197,52 @@ check_scripts() {
     xargs -0 shellcheck -x -P SCRIPTDIR
 }
 
-# In a copy without a build folder. The fetched film is the only thing that it shares.
+# In a copy without a build folder; the moving picture of the README too.
 check_demonstration() {
   local copy=$scratch/demonstration
   mkdir "$copy"
   tar --exclude='./build*' --exclude=./.git -cf - . | tar -xf - -C "$copy"
-  [ ! -d build-data ] || ln -s "$root/build-data" "$copy/build-data"
-  "$copy/pipelines/demo.sh" --output "$copy/demo-output"
+  "$copy/pipelines/demo.sh" --output "$copy/demo-output" &&
+    "$copy/pipelines/moving-picture.sh" "$copy/moving.webp"
 }
 
 # What needs only processor time, beside the tests that wait.
 check_in_background() {
-  check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized &&
-    check "clang-tidy finds nothing" check_style
+  if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized; then
+    check "clang-tidy finds nothing" check_style || true
+  fi
+  check "It builds on the other Debian" tests/other-debian.sh --part build || true
+}
+
+sanitized_build_ended() {
+  cut -f 2 "$results" | grep -q AddressSanitizer
 }
 
 set_up
 check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
+background=
 if check "Everything builds without a warning" build_plain; then
   if [ "$all" = yes ]; then
     in_idle_time check_in_background >build-tests/background.log 2>&1 &
     background=$!
   fi
   run_plain_tests
-  if [ "$all" = yes ]; then
-    wait "$background" || true
-    cat build-tests/background.log
-    if grep -q '^passed.*AddressSanitizer' "$results"; then
-      run_sanitized_tests
-    fi
+fi
+if [ -n "$background" ]; then
+  until sanitized_build_ended || ! kill -0 "$background" 2>/dev/null; do
+    sleep 1
+  done
+  if grep -q '^passed.*AddressSanitizer' "$results"; then
+    run_sanitized_tests
   fi
 fi
 if [ "$all" = yes ]; then
+  check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
   check "The demonstration runs as a user starts it" check_demonstration || true
-  if [ -x tests/other-debian.sh ]; then
-    check "It builds and runs on the other Debian" tests/other-debian.sh || true
-  fi
+fi
+if [ -n "$background" ]; then
+  wait "$background" || true
+  cat build-tests/background.log
+  check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true
 fi
