@@ -230,14 +230,16 @@ show_line() {
 elements=()
 
 # Prints the gst-launch-1.0 line and replaces this shell by it. With -e, Ctrl-C ends the stream properly:
-# the force fades out and the log is complete. $secret stands where the line has @secret@; it is not shown.
+# the force fades out and the log is complete. $secret stands where the line has @secret@; it is not shown. $launcher
+# is launch.py where a pipeline without a secret needs it, too.
 launch() {
   use_elements "${elements[@]}"
   show_line gst-launch-1.0 -e "$@"
-  if [ -n "${secret:-}" ]; then
+  if [ -n "${secret:-${launcher:-}}" ]; then
     /usr/bin/python3 -c 'import gi; gi.require_version("Gst", "1.0")' 2>/dev/null ||
-      fail "a key needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
-    LAUNCH_SECRET=$secret exec "$root/pipelines/launch.py" "$@"
+      fail "a key, or RIST, needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
+    [ -z "${secret:-}" ] || export LAUNCH_SECRET=$secret
+    exec "$root/pipelines/launch.py" "$@"
   fi
   exec gst-launch-1.0 -e "$@"
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Send a video and its haptic track as one MPEG transport stream over SRT; the hand at the other end points.
+# Send a video and its haptic track as one MPEG transport stream over SRT or RIST; the hand at the other end points.
 #
 #   gst-launch-1.0 -e filesrc location=INPUT ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! clocksync ! roitracker ! pointerinject name=in ! tee name=t \
@@ -12,15 +12,18 @@
 #       srtsrc uri=srt://:5022?mode=listener passphrase=WORDS keep-listening=true \
 #         ! meta/x-klv,parsed=true ! in.pointer
 #
-# SRT repeats what is lost, and encrypts with the passphrase.
+# Both repeat what is lost. SRT encrypts with the passphrase; RIST (its simple profile) does not encrypt.
+# With --rist: ! rtpmp2tpay ! ristsink address=HOST port=5020, and the pointer is RTP.
 #
-# Usage: pipelines/send-ts.sh [--port PORT] [--passphrase-file FILE] INPUT
-#        pipelines/send-ts.sh --receive [--from HOST] [--port PORT] [--passphrase-file FILE] [--latency MS]
+# Usage: pipelines/send-ts.sh [--rist [--to HOST]] [--port PORT] [--passphrase-file FILE] INPUT
+#        pipelines/send-ts.sh --receive [--rist] [--from HOST] [--port PORT] [--passphrase-file FILE] [--latency MS]
 #            [-- OPTION=VALUE...]
 #   INPUT         a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
 #   --receive     show and feel what is sent
+#   --rist        RIST in place of SRT, the same at both ends
+#   --to          the machine that receives RIST (127.0.0.1); of SRT each receiver calls
 #   --from        the machine that sends (127.0.0.1)
-#   --port        UDP port (5020), even; the pointer uses PORT+2
+#   --port        UDP port (5020), even; the pointer uses PORT+2, RIST PORT+1, too
 #   --latency     ms in which lost packets are repeated (125)
 #   --passphrase-file  10 to 79 letters or digits in its first line, the same at both ends; without it nothing is
 #                 encrypted. --passphrase WORDS shows them to other users of the machine.
@@ -29,11 +32,11 @@
 source "$(dirname "$0")/common.sh"
 source "$(dirname "$0")/rtp.sh"
 
-from=127.0.0.1 port=5020 passphrase='' latency=125 receives='' video=''
+from=127.0.0.1 to='' port=5020 passphrase='' latency=125 receives='' rist='' video=''
 while [ $# -gt 0 ] && [ "$1" != -- ]; do
   case $1 in
   --help | -h) show_help && exit ;;
-  --from | --port | --passphrase | --passphrase-file | --latency)
+  --from | --to | --port | --passphrase | --passphrase-file | --latency)
     [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
     if [ "$1" = --passphrase-file ]; then
       need_file "$2"
@@ -45,6 +48,7 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
     shift
     ;;
   --receive) receives=yes ;;
+  --rist) rist=yes ;;
   *)
     [ -z "$video" ] || fail "one input only; see --help"
     video=$1
@@ -56,11 +60,18 @@ need_rtp_port "$port"
 [[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
 [[ $passphrase =~ ^([[:alnum:]]{10,79})?$ ]] || fail "the passphrase needs 10 to 79 letters or digits"
 secret=$passphrase
+if [ -n "$rist" ]; then
+  [ -z "$secret" ] || fail "RIST does not encrypt: leave the passphrase out, or use SRT"
+  launcher=launch.py
+elif [ -n "$to" ]; then
+  fail "--to is for --rist; of SRT each receiver calls with --from"
+fi
 
 # `srt ELEMENT PORT [OPTION...]`: sets $link. The sender of the video is the listener, so that a wrong passphrase is
 # known at the receiver.
 srt() {
   local side="listener"
+  need_packaged_elements srtsrc srtsink
   [ -z "$receives" ] || side="caller"
   link=("srt$1" "uri=$(quoted "srt://${receives:+$from}:$2?mode=$side")" ${secret:+passphrase=@secret@} "latency=$latency" "${@:3}")
 }
@@ -85,14 +96,20 @@ if [ -n "$receives" ]; then
   [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
   read_arguments "$@"
   elements=(hapticconvert pointerextract hapticsink)
-  need_packaged_elements tsdemux h264parse avdec_h264 srtsrc srtsink
+  need_packaged_elements tsdemux h264parse avdec_h264
   window=(fakesink sync=false async=false)
   ! has_display || window=("${live_window[@]}")
-  srt src "$port" auto-reconnect=false
-  stream=("${link[@]}" !)
-  srt sink "$((port + 2))" auto-reconnect=false sync=false async=false
-  pointer=("${link[@]}")
-  exec 2> >(explain_errors >&2)
+  if [ -n "$rist" ]; then
+    need_packaged_elements ristsrc rtpmp2tdepay rtpklvpay
+    stream=(ristsrc "port=$port" "receiver-buffer=$latency" ! rtpmp2tdepay !)
+    pointer=(rtpklvpay pt=97 ! udpsink "host=$from" "port=$((port + 2))" sync=false async=false)
+  else
+    srt src "$port" auto-reconnect=false
+    stream=("${link[@]}" !)
+    srt sink "$((port + 2))" auto-reconnect=false sync=false async=false
+    pointer=("${link[@]}")
+    exec 2> >(explain_errors >&2)
+  fi
   launch "${stream[@]}" tsparse set-timestamps=true ! tsdemux latency=0 name=d \
     d. ! queue ! h264parse ! avdec_h264 ! videoconvert ! "${window[@]}" \
     d. ! meta/x-klv ! queue ! hapticconvert ! pointerextract name=p ! hapticsink "${sink_options[@]}" \
@@ -103,12 +120,18 @@ fi
 [ -n "$video" ] || fail "which video? See --help"
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert pointerinject)
-need_packaged_elements x264enc h264parse mpegtsmux srtsink srtsrc
+need_packaged_elements x264enc h264parse mpegtsmux
 [ "$has_sound" = no ] || echo "The sound of '$video' is not sent."
-srt sink "$port" wait-for-connection=false sync=false
-stream=("${link[@]}")
-srt src "$((port + 2))" keep-listening=true
-pointer=("${link[@]}" ! "meta/x-klv,parsed=true")
+if [ -n "$rist" ]; then
+  need_packaged_elements ristsink rtpmp2tpay rtpklvdepay
+  stream=(rtpmp2tpay ! ristsink "address=${to:-127.0.0.1}" "port=$port")
+  pointer=(udpsrc "port=$((port + 2))" "caps=$rtp_klv" ! rtpklvdepay)
+else
+  srt sink "$port" wait-for-connection=false sync=false
+  stream=("${link[@]}")
+  srt src "$((port + 2))" keep-listening=true
+  pointer=("${link[@]}" ! "meta/x-klv,parsed=true")
+fi
 
 # mpegtsmux waits for the encoder for 100 ms.
 launch "${frames[@]}" ! roitracker ! pointerinject name=in ! tee name=t \

@@ -88,6 +88,8 @@ refuses "unknown option" receive.sh --fro
 refuses "10 to 79 letters" send-ts.sh --passphrase short "$work/clip.mkv"
 printf '\n' >"$work/no-words"
 refuses "has no passphrase in its first line" send-ts.sh --passphrase-file "$work/no-words" "$work/clip.mkv"
+refuses "RIST does not encrypt" send-ts.sh --rist --passphrase secret12345 "$work/clip.mkv"
+refuses "is for --rist" send-ts.sh --to 10.0.0.1 "$work/clip.mkv"
 refuses "not for --receive" send-ts.sh --receive "$work/clip.mkv"
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no camera" camera.sh /dev/video99
