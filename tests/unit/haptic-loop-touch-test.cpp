@@ -13,6 +13,11 @@ using test::kMs;
 
 class TouchingLoop : public test::Loop {
 protected:
+  // The loop outlives the pool here, and must have given everything back.
+  void TearDown() override {
+    loop_.prepare({});
+    ticks(1);
+  }
   void open_touching(TouchMode mode, const std::string &hand) {
     open(hand);
     haptic::LoopSettings settings;
