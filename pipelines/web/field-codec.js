@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-codec.cpp bit for bit.
-// Velocities are single precision there, so each step is rounded with Math.fround.
+// Velocities are single precision there, so each step is rounded with Math.fround. relief-codec.js adds reliefs.
 
 const KEY = 1, RESTED = 2, INTERVAL = 4, OF_PAIR = 8; // bits of the first byte; above them the field's flags
 const FLAG_SHIFT = 4;
@@ -12,7 +12,7 @@ const FIRST_SEQUENCE = 1;
 
 // ---- scale
 
-const fround = Math.fround;
+export const fround = Math.fround;
 const LARGEST_NUMBER = 127;
 const EVEN_STEPS = 16;
 // px per frame of each number: n / 4 up to 4, then 4 exp((n - 16) / 16).
@@ -37,12 +37,13 @@ function unitOf(us) {
 
 // ---- range decoder (gst-plugins/track/range-coder.hpp)
 
-// Places of the models in one array. A model of numbers: zero, sign, 10 lengths, 2 first bits.
+// Places of the models in one array.
 const NUMBER_SIZE = 14;
+export const EVEN = 2048; // of 4096
 const MOVED = 0, TURNED = 16, X = 20, Y = X + 4 * NUMBER_SIZE, CONFIDENCE = Y + 4 * NUMBER_SIZE;
 const MODELS = CONFIDENCE + 2 * NUMBER_SIZE;
 const LENGTHS = 10;
-const FRESH = new Uint16Array(MODELS).fill(2048);
+const FRESH = new Uint16Array(MODELS).fill(EVEN);
 FRESH.set([4070, 3600, 3300, 2600, 3900, 3000, 2400, 1400, 3800, 3000, 2600, 1600, 3000, 2000, 1400, 500], MOVED);
 FRESH.set([4050, 3000, 2000, 1000], TURNED);
 
@@ -50,8 +51,8 @@ const zeros = new Uint16Array(MODELS); // of 4096 bits of a kind
 const seen = new Uint8Array(MODELS);
 let bytes, at, range, code;
 
-function begin(input, from) {
-  zeros.set(FRESH);
+function begin(input, from, fresh) {
+  zeros.set(fresh);
   seen.fill(0);
   bytes = input;
   at = from;
@@ -72,7 +73,7 @@ function normalize() {
   }
 }
 
-function bit(model) {
+export function bit(model) {
   const p = zeros[model];
   const bound = (range >>> 12) * p;
   const rate = seen[model] < 6 ? 3 + (seen[model]++ >> 1) : 5;
@@ -97,24 +98,25 @@ function evenBit() {
   return one ? 1 : 0;
 }
 
-function number(model) {
+// The bits of a kind of number of `lengths` bits at most: zero, sign, lengths, 2 first bits.
+export function number(model, lengths = LENGTHS) {
   if (bit(model)) return 0;
   const negative = bit(model + 1);
   let length = 0;
-  while (length + 1 < LENGTHS && bit(model + 2 + length)) ++length;
+  while (length + 1 < lengths && bit(model + 2 + length)) ++length;
   let size = 1;
   for (let i = length; i-- > 0;)
-    size = size << 1 | (i + 1 === length ? bit(model + 2 + LENGTHS + (length > 1 ? 1 : 0)) : evenBit());
+    size = size << 1 | (i + 1 === length ? bit(model + 2 + lengths + (length > 1 ? 1 : 0)) : evenBit());
   return negative ? -size : size;
 }
 
 // ---- cells
 
-const sizeClass = (a, b) => {
+export const sizeClass = (a, b) => {
   const sum = Math.abs(a) + Math.abs(b);
-  return NUMBER_SIZE * (sum === 0 ? 0 : sum <= 1 ? 1 : sum <= 4 ? 2 : 3);
+  return sum <= 1 ? sum : sum <= 4 ? 2 : 3;
 };
-const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 const limited = n => clamp(n, -LARGEST_NUMBER, LARGEST_NUMBER);
 
 // The changes of one row, with one more cell at each end.
@@ -132,20 +134,6 @@ class Row {
     this.x.fill(0);
     this.y.fill(0);
     this.confidence.fill(0);
-  }
-}
-
-class Cells {
-  constructor(count) {
-    this.x = new Int16Array(count); // velocity as its number on the scale
-    this.y = new Int16Array(count);
-    this.confidence = new Uint8Array(count);
-    this.changed = new Uint8Array(count);
-  }
-  copy() {
-    const copy = new Cells(0);
-    for (const key of ['x', 'y', 'confidence', 'changed']) copy[key] = this[key].slice();
-    return copy;
   }
 }
 
@@ -178,8 +166,8 @@ function decodeCells(cells, columns) {
     if (moved) {
       const guessX = expected(x, confidence, i, column, columns);
       const guessY = expected(y, confidence, i, column, columns);
-      const offX = row.x[here] = number(X + sizeClass(row.x[column], above.x[here]));
-      const offY = row.y[here] = number(Y + sizeClass(row.y[column] + offX, above.y[here]));
+      const offX = row.x[here] = number(X + NUMBER_SIZE * sizeClass(row.x[column], above.x[here]));
+      const offY = row.y[here] = number(Y + NUMBER_SIZE * sizeClass(row.y[column] + offX, above.y[here]));
       x[i] = limited(guessX + offX);
       y[i] = limited(guessY + offY);
     }
@@ -194,6 +182,28 @@ function turn(row, above, column) {
     : clamp(left + up - above.confidence[column], Math.min(left, up), Math.max(left, up));
   return row.confidence[column + 1] = guess + number(CONFIDENCE + (left === up ? NUMBER_SIZE : 0));
 }
+
+// What the code does with the cells of a kind of field.
+const MOTION = {
+  fresh: FRESH,
+  step: 0, // µm, the largest of a height: there is none
+  // `x` and `y`: the velocity as its number on the scale.
+  make: count => ({
+    x: new Int16Array(count), y: new Int16Array(count), confidence: new Uint8Array(count),
+    changed: new Uint8Array(count),
+  }),
+  decode: decodeCells,
+  // What the checksum holds of each cell.
+  hashed: ({ x, y, confidence }) => [x, y, confidence],
+  // Velocities in px/s, y down.
+  values({ cells, unit }) {
+    const velocity = n => n < 0 ? -SPEEDS[-n] * unit : SPEEDS[n] * unit; // the array rounds
+    return {
+      x: Float32Array.from(cells.x, velocity), y: Float32Array.from(cells.y, velocity),
+      confidence: Float32Array.from(cells.confidence, n => n / LARGEST_CONFIDENCE),
+    };
+  },
+};
 
 // ---- the bytes around them
 
@@ -231,58 +241,43 @@ class Reader {
 export const beginsPair = code => (code[0] & (KEY | OF_PAIR)) === KEY;
 
 // FNV-1a of the first byte and of what both sides hold, folded to 16 bits.
-function checkOf(head, state) {
+function checkOf(kind, head, state) {
   let hash = 2166136261;
   const add = value => { hash = Math.imul(hash ^ value, 16777619); };
   add(head);
   add(state.sequence);
   add(state.interval % 2 ** 32 | 0);
   if ((head & KEY) && (head & OF_PAIR)) add(state.scale % 2 ** 32 | 0);
-  const { x, y, confidence } = state.cells;
-  for (let i = 0; i < x.length; ++i) {
-    add(x[i] & 0xFFFF);
-    add(y[i] & 0xFFFF);
-    add(confidence[i]);
-  }
+  if (state.step) GRID.forEach(name => add(state[name]));
+  const cells = kind.hashed(state.cells);
+  for (let i = 0; i < cells[0].length; ++i)
+    for (const numbers of cells) add(numbers[i] & 0xFFFF);
   return (hash ^ hash >>> 16) & 0xFFFF;
 }
 
-function readGrid(reader, head, state) {
+const GRID = ['columns', 'rows', 'width', 'height', 'aspectN', 'aspectD', 'step'];
+
+function readGrid(kind, reader, head, state) {
   state.scale = head & OF_PAIR ? reader.number(LONGEST_INTERVAL) : state.interval;
-  state.columns = reader.number(MOST_CELLS);
-  state.rows = reader.number(MOST_CELLS);
-  state.width = reader.number(MOST_32);
-  state.height = reader.number(MOST_32);
-  state.aspectN = reader.number(MOST_32);
-  state.aspectD = reader.number(MOST_32);
+  const names = kind.step ? GRID : GRID.slice(0, -1);
+  names.forEach((name, i) => { state[name] = reader.number(i < 2 ? MOST_CELLS : i < 6 ? MOST_32 : kind.step); });
   const count = state.columns * state.rows;
-  if (reader.failed || count === 0 || count > MOST_CELLS || !state.width || !state.height || !state.aspectN ||
-    !state.aspectD)
-    return false;
+  if (reader.failed || count > MOST_CELLS || names.some(name => !state[name])) return false;
   state.unit = unitOf(state.scale);
-  state.cells = new Cells(count);
+  state.cells = kind.make(count);
   return true;
 }
 
-// Returns a field: velocities in px/s, y down; the interval in µs.
-function fieldOf(state) {
-  const { cells, unit } = state;
-  const count = cells.x.length;
-  const field = {
-    flags: state.flags, interval: state.interval, columns: state.columns, rows: state.rows, width: state.width,
-    height: state.height, aspectN: state.aspectN, aspectD: state.aspectD, x: new Float32Array(count),
-    y: new Float32Array(count), confidence: new Float32Array(count),
-  };
-  const velocity = n => n < 0 ? -SPEEDS[-n] * unit : SPEEDS[n] * unit; // the array rounds
-  for (let i = 0; i < count; ++i) {
-    field.x[i] = velocity(cells.x[i]);
-    field.y[i] = velocity(cells.y[i]);
-    field.confidence[i] = cells.confidence[i] / LARGEST_CONFIDENCE;
-  }
-  return field;
+const copyOf = cells => Object.fromEntries(Object.entries(cells).map(([name, numbers]) => [name, numbers.slice()]));
+
+// Returns a field: the interval in µs, the frame in px.
+function fieldOf(kind, state) {
+  const { flags, interval, columns, rows, width, height, aspectN, aspectD } = state;
+  return { flags, interval, columns, rows, width, height, aspectN, aspectD, ...kind.values(state) };
 }
 
 export class FieldDecoder {
+  #kind;
   #state = null; // of the last field
   #keys = [null, null]; // the last two key fields, the older one first
   #sequence = null;
@@ -293,6 +288,8 @@ export class FieldDecoder {
   rest = null;
   /** How many were decoded so far. */
   cells = 0;
+
+  constructor(kind = MOTION) { this.#kind = kind; }
 
   /** The next field has to be a key field. */
   forget() {
@@ -317,21 +314,21 @@ export class FieldDecoder {
     if (!key) {
       const reference = this.#reference(head, sequence, head & OF_PAIR ? reader.byte() : 0);
       if (!reference) return this.#state ? 'missing' : 'waiting';
-      Object.assign(next, reference, { cells: reference.cells.copy() });
+      Object.assign(next, reference, { cells: copyOf(reference.cells) });
     }
     next.sequence = sequence;
     next.flags = head >> FLAG_SHIFT;
     if (head & INTERVAL) next.interval = reader.number(LONGEST_INTERVAL);
-    if (key && (!(head & INTERVAL) || !readGrid(reader, head, next))) return 'damaged';
+    if (key && (!(head & INTERVAL) || !readGrid(this.#kind, reader, head, next))) return 'damaged';
     const check = reader.byte() | reader.byte() << 8;
     if (reader.failed) return 'damaged';
-    this.cells += next.cells.x.length;
-    begin(code, reader.at);
-    decodeCells(next.cells, next.columns);
-    if (check !== checkOf(head, next)) return 'damaged';
+    this.cells += next.columns * next.rows;
+    begin(code, reader.at, this.#kind.fresh);
+    this.#kind.decode(next.cells, next.columns);
+    if (check !== checkOf(this.#kind, head, next)) return 'damaged';
     if ((head & RESTED) && this.#state) this.#setRest();
     this.#state = next;
-    this.field = fieldOf(next);
+    this.field = fieldOf(this.#kind, next);
     if (key) this.#keys = [this.#keys[1], next];
     return 'field';
   }
@@ -343,7 +340,7 @@ export class FieldDecoder {
   }
 
   #setRest() {
-    const { x, y } = this.field;
-    this.rest = { ...this.field, flags: STILL, x: new Float32Array(x.length), y: new Float32Array(y.length) };
+    const { x, y } = this.field; // of motion
+    this.rest = { ...this.field, flags: STILL, x: x?.map(() => 0), y: y?.map(() => 0) };
   }
 }

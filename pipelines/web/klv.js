@@ -88,7 +88,7 @@ function readMotion(bytes, offset) {
   if (kind !== POINT) {
     const code = values[kind === FIELD ? T.field : T.relief];
     if (!code?.length) return damaged('a value is missing', offset);
-    return kind === FIELD ? { kind: 'field', offset, code } : { kind: 'other kind', offset };
+    return { kind: kind === FIELD ? 'field' : 'relief', offset, code };
   }
   const point = pointOf(values);
   return isValid(point) ? { kind: 'point', offset, point } : damaged('a value is out of its range', offset);
@@ -101,8 +101,8 @@ function findKey(bytes, at) {
   return at;
 }
 
-// Yields {kind, offset} with `point`, `code` (of a field) or `error`. Kinds: point, field, foreign, other version,
-// other kind, damaged.
+// Yields {kind, offset} with `point`, `code` (of a field or relief) or `error`. Kinds: point, field, relief, foreign,
+// other version, other kind, damaged.
 export function* readKlv(bytes) {
   for (let at = 0; at < bytes.length;) {
     const start = at;

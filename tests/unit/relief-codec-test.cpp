@@ -6,7 +6,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <random>
 
 namespace {
@@ -186,6 +189,38 @@ TEST(ReliefCodec, DamageIsRefusedOrSeen) {
     }
   }
   EXPECT_LE(accepted, 8); // of 8000: bits behind the last one that counts
+}
+
+// The golden track, which tests/web/decoder-test.mjs reads, too. WRITE_GOLDEN=FOLDER writes one.
+TEST(ReliefCodec, AGoldenTrackIsDecoded) {
+  constexpr int kColumns = 16;
+  constexpr int kReliefs = 40; // over two pairs of key fields
+  if (const char *folder = std::getenv("WRITE_GOLDEN")) {
+    ReliefEncoder encoder;
+    std::ofstream file(folder + std::string("/golden-relief.klv"), std::ios::binary);
+    for (int i = 0; i < kReliefs; ++i) {
+      const Bytes set = haptic::write_klv(
+          CodedField{encoder.push(DepthScene::relief(i, kColumns)).value(),
+                     i * DepthScene::kInterval, haptic::kNoTime, FieldKind::relief});
+      file.write(reinterpret_cast<const char *>(set.data()),
+                 static_cast<std::streamsize>(set.size()));
+    }
+  }
+  std::ifstream file(SOURCE_ROOT "/tests/data/golden-relief.klv", std::ios::binary);
+  const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
+  haptic::KlvReader reader(bytes);
+  ReliefDecoder decoder;
+  int count = 0;
+  double largest = 0;
+  while (const auto item = reader.next()) {
+    ASSERT_EQ(item->field_kind, FieldKind::relief);
+    ASSERT_EQ(decoder.push(item->field), Result::field) << count;
+    largest =
+        std::max(largest, largest_error(DepthScene::relief(count, kColumns), decoder.field()));
+    ++count;
+  }
+  EXPECT_EQ(count, kReliefs);
+  EXPECT_LE(largest, 0.02 * DepthScene::kRange);
 }
 
 TEST(ReliefCodec, AReliefIsNoMotionFieldInKlvAndText) {

@@ -2,16 +2,19 @@
 // Writes coded fields and KLV sets, whole and damaged, with what the C++ readers make of them, for
 // web-decoder-test.mjs:
 //
-//   decoded-tracks GOLDEN.klv COUNT >tracks.bin
+//   decoded-tracks GOLDEN.klv GOLDEN-RELIEF.klv COUNT >tracks.bin
 //
 // Numbers are little-endian. A record is its type (u8: 0 a new stream, 1 a coded field of the
-// stream, 2 KLV), the bytes with their length (u32) and the number of numbers with them (u32).
+// stream, 2 KLV, 3 a new stream of reliefs), the bytes with their length (u32) and the number of
+// numbers with them (u32).
 #include "field-codec.hpp"
 #include "klv.hpp"
 #include "mutator.hpp"
 #include "track-samples.hpp"
 
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -38,7 +41,9 @@ void put(std::uint32_t number) {
     std::putchar(static_cast<int>(number >> shift & 0xFF));
 }
 
-void put_record(int type, std::span<const std::uint8_t> bytes,
+enum Record { kNewStream, kCode, kKlv, kNewReliefs };
+
+void put_record(Record type, std::span<const std::uint8_t> bytes,
                 const std::vector<std::uint32_t> &numbers) {
   std::putchar(type);
   put(static_cast<std::uint32_t>(bytes.size()));
@@ -49,7 +54,16 @@ void put_record(int type, std::span<const std::uint8_t> bytes,
     put(number);
 }
 
-std::uint32_t hash_of(const haptic::MotionField &field) {
+std::array<float, 3> values_of(const haptic::FieldCell &cell) {
+  return {cell.velocity_x, cell.velocity_y, cell.confidence};
+}
+
+std::array<float, 4> values_of(const haptic::ReliefCell &cell) {
+  return {cell.height, cell.stiffness, cell.friction, cell.validity};
+}
+
+template <typename Cell>
+std::uint32_t hash_of(const haptic::Field<Cell> &field) {
   Hash hash;
   const std::uint64_t interval = field.interval / 1000; // us
   for (const auto number :
@@ -57,23 +71,22 @@ std::uint32_t hash_of(const haptic::MotionField &field) {
         std::uint32_t{field.flags}, std::uint32_t{field.columns}, std::uint32_t{field.rows},
         field.frame_width, field.frame_height, field.pixel_aspect_n, field.pixel_aspect_d})
     hash.add(number);
-  for (const auto &cell : field.cells) {
-    hash.add(cell.velocity_x);
-    hash.add(cell.velocity_y);
-    hash.add(cell.confidence);
-  }
+  for (const auto &cell : field.cells)
+    for (const float value : values_of(cell))
+      hash.add(value);
   return hash.value();
 }
 
-void put_field(haptic::FieldDecoder &decoder, std::span<const std::uint8_t> bytes) {
+template <typename Cells>
+void put_field(haptic::GridDecoder<Cells> &decoder, std::span<const std::uint8_t> bytes) {
   const auto result = decoder.push(bytes);
   std::vector<std::uint32_t> numbers = {static_cast<std::uint32_t>(result), decoder.lost()};
-  if (result == haptic::FieldDecoder::Result::field) {
+  if (result == haptic::GridDecoder<Cells>::Result::field) {
     numbers.push_back(hash_of(decoder.field()));
     if (decoder.rested())
       numbers.push_back(hash_of(decoder.rest()));
   }
-  put_record(1, bytes, numbers);
+  put_record(kCode, bytes, numbers);
 }
 
 std::uint32_t hash_of(const haptic::MotionSample &s) {
@@ -88,25 +101,26 @@ std::uint32_t hash_of(const haptic::MotionSample &s) {
   return hash.value();
 }
 
+// The number of a kind of item that KlvKind has not.
+constexpr std::uint32_t kRelief = static_cast<std::uint32_t>(haptic::KlvKind::damaged) + 1;
+
 void put_klv(std::span<const std::uint8_t> bytes) {
   haptic::KlvReader reader(bytes);
   std::vector<std::uint32_t> numbers;
   while (const auto item = reader.next()) {
-    // The player has no use for reliefs.
     const bool is_relief =
         item->kind == haptic::KlvKind::field && item->field_kind == haptic::FieldKind::relief;
-    const haptic::KlvKind kind = is_relief ? haptic::KlvKind::other_sample : item->kind;
-    numbers.push_back(static_cast<std::uint32_t>(kind));
+    numbers.push_back(is_relief ? kRelief : static_cast<std::uint32_t>(item->kind));
     numbers.push_back(static_cast<std::uint32_t>(item->offset));
     Hash hash;
-    if (kind == haptic::KlvKind::motion)
+    if (item->kind == haptic::KlvKind::motion)
       numbers.push_back(hash_of(item->sample.motion));
-    if (kind == haptic::KlvKind::field)
+    if (item->kind == haptic::KlvKind::field)
       for (const auto byte : item->field)
         hash.add(std::uint32_t{byte});
     numbers.push_back(hash.value());
   }
-  put_record(2, bytes, numbers);
+  put_record(kKlv, bytes, numbers);
 }
 
 // Fields of few cells with every kind of change: cuts, rests, other grids, other intervals.
@@ -159,14 +173,66 @@ private:
   double speed_ = 100; // px/s
 };
 
-void put_golden(const std::string &path, std::vector<Bytes> &sets) {
+// Reliefs of few cells with every kind of change: cuts, holes, other grids, other ranges of height.
+class OddReliefs {
+public:
+  explicit OddReliefs(unsigned seed) : random_(seed) { change_grid(); }
+
+  haptic::ReliefField next() {
+    if (below(40) == 0)
+      change_grid();
+    if (below(50) == 0)
+      range_ = std::exp(number(-9, 0));
+    field_.flags = static_cast<std::uint16_t>(below(30) == 0 ? 1 + below(15) : 0);
+    const unsigned still = below(8);
+    for (auto &cell : field_.cells) {
+      if (below(3) == 0 && still > 0)
+        cell.height = static_cast<float>(number(-range_, range_));
+      if (below(20) == 0)
+        change_material(cell);
+    }
+    return field_;
+  }
+  unsigned below(unsigned limit) { return static_cast<unsigned>(random_() % limit); }
+
+private:
+  double number(double from, double to) {
+    return from + (to - from) * static_cast<double>(random_()) / static_cast<double>(random_.max());
+  }
+  void change_material(haptic::ReliefCell &cell) {
+    if (below(4) == 0) {
+      cell = {};
+      return;
+    }
+    cell.validity = static_cast<float>(number(0.01, 1));
+    cell.stiffness = static_cast<float>(std::exp(number(-2, std::log(1e5))));
+    cell.friction = static_cast<float>(number(0, 1) * number(0, 10));
+  }
+  void change_grid() {
+    field_.columns = static_cast<std::uint16_t>(1 + below(9));
+    field_.rows = static_cast<std::uint16_t>(1 + below(6));
+    field_.frame_width = 1 + below(4000);
+    field_.frame_height = 1 + below(4000);
+    field_.interval = below(3) ? 33'333'333 : static_cast<std::uint64_t>(std::exp(number(0, 44)));
+    field_.cells.assign(std::size_t{field_.columns} * field_.rows, {});
+    for (auto &cell : field_.cells)
+      change_material(cell);
+  }
+
+  std::mt19937 random_;
+  haptic::ReliefField field_;
+  double range_ = 0.02; // m
+};
+
+template <typename Cells>
+void put_golden(const std::string &path, Record stream, std::vector<Bytes> &sets) {
   std::ifstream file(path, std::ios::binary);
   const Bytes track(std::istreambuf_iterator<char>(file), {});
   if (track.empty())
     std::exit(EXIT_FAILURE);
   put_klv(track);
-  put_record(0, {}, {});
-  haptic::FieldDecoder decoder;
+  put_record(stream, {}, {});
+  haptic::GridDecoder<Cells> decoder;
   haptic::KlvReader reader(track);
   while (const auto item = reader.next()) {
     if (item->kind != haptic::KlvKind::field)
@@ -178,17 +244,17 @@ void put_golden(const std::string &path, std::vector<Bytes> &sets) {
 
 // Streams that lose a field now and then; each other field comes twice damaged before it comes
 // whole.
-void put_streams(unsigned count) {
-  OddFields fields(1);
+template <typename Cells, typename Fields>
+void put_streams(unsigned count, Record stream, Fields fields) {
   test::Mutator mutator(2);
   std::vector<Bytes> before;
-  haptic::FieldEncoder encoder;
-  haptic::FieldDecoder decoder;
+  haptic::GridEncoder<Cells> encoder;
+  haptic::GridDecoder<Cells> decoder;
   for (unsigned i = 0; i < count; ++i) {
     if (i % 1000 == 0) {
-      put_record(0, {}, {});
-      encoder =
-          haptic::FieldEncoder(haptic::kKeyInterval, static_cast<std::uint8_t>(fields.below(256)));
+      put_record(stream, {}, {});
+      encoder = haptic::GridEncoder<Cells>(haptic::kKeyInterval,
+                                           static_cast<std::uint8_t>(fields.below(256)));
       decoder = {};
       before.clear();
     }
@@ -208,12 +274,14 @@ void put_streams(unsigned count) {
 } // namespace
 
 int main(int argc, char **argv) {
-  if (argc != 3)
+  if (argc != 4)
     return EXIT_FAILURE;
-  const auto count = static_cast<unsigned>(std::strtoul(argv[2], nullptr, 10));
+  const auto count = static_cast<unsigned>(std::strtoul(argv[3], nullptr, 10));
   std::vector<Bytes> sets;
-  put_golden(argv[1], sets);
-  put_streams(count);
+  put_golden<haptic::MotionCells>(argv[1], kNewStream, sets);
+  put_golden<haptic::ReliefCells>(argv[2], kNewReliefs, sets);
+  put_streams<haptic::MotionCells>(count, kNewStream, OddFields(1));
+  put_streams<haptic::ReliefCells>(count, kNewReliefs, OddReliefs(1));
   test::TrackSamples samples(1);
   for (int i = 0; i < 12; ++i)
     sets.push_back(write_klv(samples.next()));

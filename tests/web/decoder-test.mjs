@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The decoder of the page against the C++ one, bit for bit:
 //
-//   decoder-test.mjs DECODED-TRACKS GOLDEN.klv COUNT
+//   decoder-test.mjs DECODED-TRACKS GOLDEN.klv GOLDEN-RELIEF.klv COUNT
 import { spawnSync } from 'node:child_process';
 import { FieldDecoder } from '../../pipelines/web/field-codec.js';
 import { readKlv } from '../../pipelines/web/klv.js';
+import { RELIEF } from '../../pipelines/web/relief-codec.js';
 import { promise } from './promise.mjs';
 
-const [program, golden, count] = process.argv.slice(2);
-const { stdout: records, status } = spawnSync(program, [golden, count], { maxBuffer: 2 ** 30 });
+const [program, ...given] = process.argv.slice(2);
+const { stdout: records, status } = spawnSync(program, given, { maxBuffer: 2 ** 30 });
 promise('the C++ readers have read', status === 0 && records.length > 0);
 
 const RESULTS = ['field', 'missing', 'waiting', 'damaged'];
-const KINDS = ['point', 'field', 'foreign', 'other version', 'other kind', 'damaged'];
+const KINDS = ['point', 'field', 'foreign', 'other version', 'other kind', 'damaged', 'relief'];
 
 const word = new DataView(new ArrayBuffer(4));
 const bits = number => (word.setFloat32(0, number), word.getUint32(0));
@@ -26,7 +27,8 @@ function hashOf(numbers, floats = []) {
 
 function hashOfField(field) {
   const cells = [];
-  for (let i = 0; i < field.x.length; ++i) cells.push(field.x[i], field.y[i], field.confidence[i]);
+  const values = field.z ? [field.z, field.stiffness, field.friction, field.validity] : [field.x, field.y, field.confidence];
+  for (let i = 0; i < values[0].length; ++i) for (const numbers of values) cells.push(numbers[i]);
   return hashOf([field.interval % 2 ** 32 | 0, Math.floor(field.interval / 2 ** 32), field.flags, field.columns,
     field.rows, field.width, field.height, field.aspectN, field.aspectD], cells);
 }
@@ -59,9 +61,9 @@ function items(bytes) {
   return numbers;
 }
 
-let decoder = null;
+const NEW_STREAM = 0, CODE = 1, NEW_RELIEFS = 3;
+let decoder = null, isRelief = false;
 const tally = {};
-const slowest = [];
 for (let at = 0; at < records.length;) {
   const type = records[at];
   const size = records.readUInt32LE(at + 1);
@@ -69,16 +71,18 @@ for (let at = 0; at < records.length;) {
   at += 5 + size;
   const expected = Array.from({ length: records.readUInt32LE(at) }, (_, i) => records.readUInt32LE(at + 4 + 4 * i));
   at += 4 + 4 * expected.length;
-  if (type === 0) {
-    decoder = new FieldDecoder();
+  if (type === NEW_STREAM || type === NEW_RELIEFS) {
+    isRelief = type === NEW_RELIEFS;
+    decoder = isRelief ? new FieldDecoder(RELIEF) : new FieldDecoder();
     continue;
   }
-  const found = type === 1 ? decoded(decoder, bytes) : items(bytes);
+  const found = type === CODE ? decoded(decoder, bytes) : items(bytes);
   if (String(found) !== String(expected))
     promise(`record type ${type}, ${bytes.toString('hex')}: C++ ${expected}, JavaScript ${found}`, false);
-  const kind = type === 1 ? RESULTS[expected[0]] : `KLV ${KINDS[expected[0]] ?? 'nothing'}`;
+  const kind = type !== CODE ? `KLV ${KINDS[expected[0]] ?? 'nothing'}` : (isRelief ? 'relief ' : '') + RESULTS[expected[0]];
   tally[kind] = (tally[kind] ?? 0) + 1;
 }
 console.log(tally);
 promise('both decoders read the same and refuse the same',
-  ['field', 'missing', 'waiting', 'damaged', 'KLV point', 'KLV field', 'KLV damaged'].every(kind => tally[kind] > 0));
+  [...RESULTS, ...RESULTS.map(result => `relief ${result}`), 'KLV point', 'KLV field', 'KLV relief', 'KLV damaged']
+    .every(kind => tally[kind] > 0));
