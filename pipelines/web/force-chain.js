@@ -17,7 +17,7 @@ const FADES = { gap: [0.1, 0.05], stale: [0.1, 0.05], cut: [0.05, 0.05] };
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 export const confidenceGate = confidence => clamp((confidence - 0.2) / 0.3, 0, 1);
-const staleAfter = interval => clamp(3 * interval, 0.1, 2);
+export const staleAfter = interval => clamp(3 * interval, 0.1, 2);
 
 export function shareKept(speed) {
   if (speed <= STILL_SPEED) return 0;
@@ -83,7 +83,7 @@ export class ForceChain {
     return this.force;
   }
 
-  /** One tick with the motion of MotionTrack.at(). */
+  /** One tick with the motion of MotionTrack.at(), or of Touch.felt(): `share` of it is felt, and `push` (N) added. */
   tick(motion, rate = 1) {
     const holds = new Set();
     if (!motion.measured) holds.add('gap');
@@ -105,7 +105,8 @@ export class ForceChain {
     this.#fastest = Math.max(this.#fastest * Math.exp(-TICK / RELEASE), Math.hypot(x, y));
     const keep = shareKept(this.#fastest);
     const gain = keep * arctanGain(keep * Math.hypot(x, y), this.alpha, this.maxForce);
-    return { x: gain * x, y: -gain * y };
+    const { share = 1, push } = motion;
+    return { x: share * gain * x + (push?.x ?? 0), y: (push?.y ?? 0) - share * gain * y };
   }
 
   // F(t) = F(0) (1 - t / T), so that the force reaches zero after T.

@@ -29,29 +29,40 @@ const hasMeasurement = field => field.confidence.some(confidence => confidence >
 const sizeOf = packet => 200 + (packet.code?.length ?? 0);
 const isSame = ({ code: a }, { code: b }) => a && b && a.length === b.length && a.every((byte, i) => byte === b[i]);
 
-export class MotionTrack {
+/** Packets by their time, decoded around the time that is asked for. MotionTrack and ReliefTrack (touch.js) use it. */
+export class PacketTrack {
   #packets = []; // {time: s, code or point, starts: whether decoding may begin here}
-  #knots = []; // decoded motions in order: see #addKnot
+  #knots = []; // what was decoded, in order: see knotOf()
   #next = 0; // packet to be decoded; -1: none yet
   #first = 0; // the first one that was
   #bytes = 0; // of all packets
-  #decoder = new FieldDecoder();
+  #decoder;
+  #kinds;
   /** Sets that could not be read. */
   damaged = 0;
+
+  /** `kinds` of items of KLV. A subclass has knotOf(motion, due, sent). */
+  constructor(decoder, kinds) { [this.#decoder, this.#kinds] = [decoder, kinds]; }
 
   get empty() { return this.#packets.length === 0; }
   get length() { return this.#packets.length; }
 
-  /** Adds the KLV sets in `bytes`, which belong to the frame at `time` (s). A packet of the same time is replaced. */
+  /**
+   * Adds the KLV sets in `bytes`, which belong to the frame at `time` (s). A packet of the same time is replaced.
+   * @returns whether there are reliefs among them
+   */
   add(bytes, time) {
-    if (!Number.isFinite(time)) return;
+    let relief = false;
+    if (!Number.isFinite(time)) return relief;
     for (const item of readKlv(bytes)) {
       if (item.kind === 'damaged') ++this.damaged;
-      if (item.kind !== 'field' && item.kind !== 'point') continue;
+      relief ||= item.kind === 'relief';
+      if (!this.#kinds.includes(item.kind)) continue;
       const packet = { time, code: item.code?.slice(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
       this.#insert(packet);
     }
+    return relief;
   }
 
   #insert(packet) {
@@ -93,16 +104,11 @@ export class MotionTrack {
 
   // `sent`: the time of its packet, which comes one and a half frames early.
   #addKnot(motion, due, sent = due) {
-    if (motion.flags & DUPLICATE) return;
+    if (motion.flags & DUPLICATE && !motion.z) return; // a surface stays
     const interval = Math.min(motion.interval / 1e6, LONGEST_RAMP);
-    const field = motion.columns ? motion : null;
-    const measured = field ? hasMeasurement(field) && isPlausible(field)
-      : motion.confidence > 0 && Math.hypot(motion.x, motion.y) <= FASTEST;
-    const time = due - interval / 2;
-    while (this.#knots.length && this.#knots.at(-1).time > time - interval / 4) this.#knots.pop();
-    this.#knots.push({
-      time, due, comes: sent - 1.5 * interval, interval, motion, field, measured, cut: (motion.flags & CUT) !== 0,
-    });
+    const knot = this.knotOf(motion, due, interval);
+    while (this.#knots.at(-1)?.time > knot.time - interval / 4) this.#knots.pop();
+    this.#knots.push({ ...knot, due, comes: sent - 1.5 * interval, interval, motion, cut: (motion.flags & CUT) !== 0 });
   }
 
   // Decodes what is needed around `time`, or a part of it. @returns whether the knots reach from before it to behind it
@@ -131,23 +137,43 @@ export class MotionTrack {
     return Math.max(i, 0);
   }
 
-  /** The decoded field of the frame shown at `time` (s), or null. */
-  fieldAt(time) {
-    if (!this.#reach(time)) return null;
-    const knot = this.#knots.findLast(knot => knot.due <= time + 1e-3);
-    return knot?.field ?? null;
+  /** The knot of the frame shown at `time` (s), or undefined. */
+  shownAt(time) {
+    return this.#reach(time) ? this.#knots.findLast(knot => knot.due <= time + 1e-3) : undefined;
   }
+
+  /** {from, to: the knots around `time` (s); `to` may be missing, cut: one was passed since `since`}, or null */
+  around(time, since) {
+    if (this.empty || !this.#reach(time)) return null;
+    const i = after(this.#knots, time) - 1;
+    if (i < 0) return null;
+    const cut = this.#knots.some(knot => knot.cut && knot.time > since && knot.time <= time);
+    return { from: this.#knots[i], to: this.#knots[i + 1], cut };
+  }
+}
+
+export class MotionTrack extends PacketTrack {
+  constructor() { super(new FieldDecoder(), ['field', 'point']); }
+
+  // A velocity is that of the middle of its interval.
+  knotOf(motion, due, interval) {
+    const field = motion.columns ? motion : null;
+    const measured = field ? hasMeasurement(field) && isPlausible(field)
+      : motion.confidence > 0 && Math.hypot(motion.x, motion.y) <= FASTEST;
+    return { time: due - interval / 2, field, measured };
+  }
+
+  /** The decoded field of the frame shown at `time` (s), or null. */
+  fieldAt(time) { return this.shownAt(time)?.field ?? null; }
 
   /**
    * The motion at `time` (s) at `place`: {x, y: px/s, y down, confidence, measured, cut: one was passed since `since`,
    * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}
    */
   at(time, place, since = time) {
-    if (this.empty || !this.#reach(time)) return NOTHING;
-    const i = after(this.#knots, time) - 1;
-    if (i < 0) return NOTHING;
-    const from = this.#knots[i], to = this.#knots[i + 1];
-    const cut = this.#knots.some(knot => knot.cut && knot.time > since && knot.time <= time);
+    const around = this.around(time, since);
+    if (!around) return NOTHING;
+    const { from, to, cut } = around;
     const begins = to ? Math.max(from.time, to.comes) : Infinity;
     const newest = time >= begins ? to : from;
     const now = {

@@ -15,6 +15,7 @@ const asked = new URLSearchParams(location.search);
 const player = attach(film, {
   playlist: asked.get('playlist') ?? 'film.m3u8',
   onProblem: addProblem,
+  onRelief: () => load('./relief-page.js', 'showReliefs'),
 });
 const stick = new StickHand();
 let touching = false;
@@ -23,6 +24,15 @@ function addProblem(sentence) {
   const item = document.createElement('li');
   item.textContent = sentence;
   element('problems').append(item);
+}
+
+// Loads what only some films or addresses need, and shows it.
+async function load(file, show, ...options) {
+  try {
+    await (await import(file))[show](stage, film, player, ...options);
+  } catch ({ message }) {
+    addProblem(message);
+  }
 }
 
 // ---- film
@@ -202,9 +212,7 @@ function frame(now) {
   });
 }
 
-if (asked.has('array'))
-  import('./array.js').then(({ showArray }) => showArray(stage, film, player, asked.get('array')))
-    .catch(({ message }) => addProblem(message));
+if (asked.has('array')) load('./array.js', 'showArray', asked.get('array'));
 for (const id of ['strength', 'sensitivity']) element(id).dispatchEvent(new Event('input'));
 setInterval(() => {
   describeForce();

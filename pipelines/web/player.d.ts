@@ -20,6 +20,8 @@ export interface Options {
   playlist?: string;
   /** Called for each frame of the screen while the film plays under a hand, and once with zero when a force ends. */
   onForce?(force: Force): void;
+  /** Called once for each film that can be touched, with its first relief. */
+  onRelief?(): void;
   /** Called once with each sentence for the viewer. */
   onProblem?(sentence: string): void;
   /** Share of the gamepad's strength, 0..1; default 1. */
@@ -36,14 +38,32 @@ export interface Field {
   x: Float32Array; y: Float32Array; confidence: Float32Array;
 }
 
+/** A surface: numbers of each cell, row by row. */
+export interface Relief {
+  columns: number; rows: number; width: number; height: number;
+  /** m, towards the viewer; the picture is 0.05 m wide and high. */
+  z: Float32Array;
+  /** N/m. */
+  stiffness: Float32Array;
+  friction: Float32Array;
+  /** 0: there is no surface. */
+  validity: Float32Array;
+}
+
 export interface Player {
   /** Where the hand is; null: nowhere, and nothing is felt. */
   place: Place | null;
+  /** Whether the hand presses on the surface; without it only motion is felt. */
+  pressed: boolean;
   strength: number;
   alpha: number;
   readonly force: { x: number; y: number };
   /** The field of the frame that is shown. */
   readonly field: Field | null;
+  /** The relief of the frame that is shown. */
+  readonly relief: Relief | null;
+  /** Where the surface is touched, 0..1 from the top left corner, and the force out of the picture. */
+  readonly contact: { x: number; y: number; newtons: number } | null;
   readonly hasTrack: boolean;
   /** Names of the gamepads that can rumble. */
   readonly gamepads: string[];

@@ -23,7 +23,9 @@ class Player {
   #track = new MotionTrack();
   #chain = new ForceChain();
   #rumble = new Rumble();
+  #touch = null; // once a relief came
   #place = null;
+  #pressed = false;
   #strength = 1;
   #frame = null; // {mediaTime: s, shown: ms} of the last frame
   #progress = { time: -1, at: 0 }; // of the film: s, ms
@@ -55,6 +57,7 @@ class Player {
     this.#release = () => {};
     this.#said.clear();
     const track = this.#track = new MotionTrack(); // no later film is felt by this one's packets
+    this.#touch = null;
     const isWanted = () => this.#track === track && !this.#ended.signal.aborted;
     const release = await playFilm(this.#video, address, {
       onPacket: (bytes, time) => isWanted() && this.addPacket(bytes, time),
@@ -65,9 +68,7 @@ class Player {
   }
 
   addPacket(bytes, time) {
-    this.#track.add(bytes, time);
-    this.#track.forgetBefore(forgottenBefore(this.#video.currentTime));
-    if (this.#track.damaged) this.#say('Some packets of the haptic track are damaged; they are not felt.');
+    if (this.#keep(this.#track, bytes, time)) this.#addReliefs(bytes.slice(), time);
   }
 
   get place() { return this.#place; }
@@ -75,19 +76,42 @@ class Player {
     const valid = place && [place.x, place.y].every(Number.isFinite);
     this.#place = valid ? { x: within(place.x, 0, 1), y: within(place.y, 0, 1), z: within(place.z, -1, 1, 0) } : null;
   }
+  get pressed() { return this.#pressed; }
+  set pressed(pressed) { this.#pressed = Boolean(pressed); }
   get strength() { return this.#strength; }
   set strength(strength) { this.#strength = within(strength, 0, 1, this.#strength); }
   get alpha() { return this.#chain.alpha; }
   set alpha(alpha) { this.#chain.alpha = within(alpha, 0, HIGHEST_ALPHA, this.#chain.alpha); }
   get force() { return this.#chain.force; }
   get field() { return this.#track.fieldAt(this.#mediaTime(performance.now())); }
-  get hasTrack() { return !this.#track.empty; }
+  get relief() { return this.#touch?.track.shownAt(this.#mediaTime(performance.now()))?.motion ?? null; }
+  get contact() { return this.#touch?.contact ?? null; }
+  get hasTrack() { return !this.#track.empty || this.#touch !== null; }
   get gamepads() { return rumblePads().map(pad => pad.id); }
 
   detach() {
     this.#silence();
     this.#ended.abort();
     this.#release();
+  }
+
+  #keep(track, bytes, time) {
+    const hasReliefs = track.add(bytes, time);
+    track.forgetBefore(forgottenBefore(this.#video.currentTime));
+    if (track.damaged) this.#say('Some packets of the haptic track are damaged; they are not felt.');
+    return hasReliefs;
+  }
+
+  // What reliefs need is loaded with the first one.
+  async #addReliefs(bytes, time) {
+    const track = this.#track;
+    const module = await import('./touch.js').catch(() => this.#say('What can be touched cannot be loaded. Check the server.'));
+    if (!module || track !== this.#track) return; // or of another film
+    if (!this.#touch) {
+      this.#touch = new module.Touch();
+      this.#options.onRelief?.();
+    }
+    this.#keep(this.#touch.track, bytes, time);
   }
 
   // ---- what is felt now
@@ -128,10 +152,13 @@ class Player {
     if (this.#ended.signal.aborted) return;
     requestAnimationFrame(next => this.#tick(next));
     const { currentTime, playbackRate } = this.#video;
-    if (this.#plays && currentTime > UNTRACKED && this.#track.empty) this.#say('This film has no haptic track: nothing is felt.');
+    if (this.#plays && currentTime > UNTRACKED && !this.hasTrack) this.#say('This film has no haptic track: nothing is felt.');
     if (!this.#plays || this.#stalls(now) || !this.#place) return this.#silence();
     const place = this.#place;
-    this.#chain.advance(this.#mediaTime(now), (time, since) => this.#track.at(time, place, since), playbackRate);
+    this.#chain.advance(this.#mediaTime(now), (time, since) => {
+      const motion = this.#track.at(time, place, since);
+      return this.#touch?.felt(motion, time, since, place, this.#pressed) ?? motion;
+    }, playbackRate);
     this.#report(now);
   }
 
@@ -145,6 +172,7 @@ class Player {
 
   #silence() {
     this.#rumble.stop();
+    this.#touch?.release();
     if (this.#chain.silent) return;
     this.#chain.silence();
     this.#options.onForce?.({ ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What others write with the player's types (pipelines/web/player.d.ts). Compiled, not run.
-import { attach, Refusal, type Field, type Force, type Options, type Place, type Player } from '../../pipelines/web/player.js';
+import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player.js';
 
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {
@@ -13,6 +13,7 @@ const options: Options = {
   playlist: 'film.m3u8', strength: 0.5, alpha: 0.04, rumble: false,
   onForce: ({ x, y, newtons, strongMagnitude, weakMagnitude, time }: Force) =>
     console.log(x + y + newtons + strongMagnitude + weakMagnitude + time),
+  onRelief: () => console.log(player.hasTrack),
   onProblem: sentence => console.log(sentence.toUpperCase()),
 };
 const player: Player = attach(film, options);
@@ -24,6 +25,10 @@ player.addPacket(new Uint8Array(3), player.force.x + player.force.y);
 player.load('film.m3u8').catch((error: unknown) => console.log(error instanceof Refusal && error.message));
 const field: Field | null = player.field;
 console.log(field?.x.length, field && field.columns * field.rows + field.width + field.height + field.confidence.length);
+player.pressed = true;
+const relief: Relief | null = player.relief;
+console.log(relief && [relief.z, relief.stiffness, relief.friction, relief.validity].length * relief.columns * relief.rows);
+console.log(player.contact && player.contact.x + player.contact.y + player.contact.newtons);
 console.log(player.hasTrack, player.gamepads.join());
 player.detach();
 

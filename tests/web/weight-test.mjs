@@ -2,6 +2,7 @@
 // What a browser has to load before the film, as a server compresses it:
 //
 //   weight-test.mjs WEB-FOLDER
+import { spawnSync } from 'node:child_process';
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
@@ -14,16 +15,27 @@ const weight = names => names.reduce((sum, name) => sum + gzipSync(read(name)).l
 
 const isHls = name => name.startsWith('hls.');
 const ON_REQUEST = ['array.js']; // the address asks for it
-const own = names.filter(name => !isHls(name) && !ON_REQUEST.includes(name));
-console.log(`without hls.js ${weight(own)} bytes, with it ${weight(names)}`);
+const WITH_RELIEFS = ['touch.js', 'contact.js', 'relief-codec.js', 'relief-page.js']; // the first relief does
+const later = [...ON_REQUEST, ...WITH_RELIEFS];
+const own = names.filter(name => !isHls(name) && !later.includes(name));
+console.log(`without hls.js ${weight(own)} bytes, with it ${weight(names)}; of a film that can be touched ${weight(WITH_RELIEFS)} more`);
 promise('the page weighs at most 30 kB', weight(own) > 10_000 && weight(own) <= 30_000);
 promise('and 250 kB with hls.js', weight(names) <= 250_000);
 
-promise('what the address may ask for weighs at most 5 kB, and nothing else loads it', weight(ON_REQUEST) <= 5_000
-  && own.every(name => !/from '\.\/array\.js'/.test(read(name))));
-for (const name of [...own, ...ON_REQUEST])
-  for (const [, file] of read(name).toString().matchAll(/(?:from |src="|href=")'?(?:\.\/)?([\w.-]+\.(?:js|css))['"]/g))
-    promise(`${name} finds ${file}`, names.includes(file));
+promise('what the address may ask for weighs at most 5 kB', weight(ON_REQUEST) > 1_000 && weight(ON_REQUEST) <= 5_000);
+promise('what a relief needs weighs at most 8 kB', weight(WITH_RELIEFS) > 4_000 && weight(WITH_RELIEFS) <= 8_000);
+const FILE = /'?(?:\.\/)?([\w.-]+\.(?:js|css))['"]/.source;
+const filesIn = (name, before) =>
+  Array.from(read(name).toString().matchAll(new RegExp(before + FILE, 'g')), ([, file]) => file);
+const isHlsOr = list => file => isHls(file) || list.includes(file);
+for (const name of [...own, ...later]) {
+  const atOnce = filesIn(name, '(?:from |src="|href=")');
+  for (const file of atOnce) promise(`${name} finds ${file}`, names.includes(file));
+  promise(`${name} loads nothing at once that is for later`, !own.includes(name) || !atOnce.some(isHlsOr(later)));
+  promise(`${name} finds what it loads later`, filesIn(name, '(?:import|load)\\(').every(isHlsOr(later)));
+  promise(`${name} is whole without its comments`, spawnSync(process.execPath, ['--check', join(folder, name)]).status === 0
+    || !name.endsWith('.js'));
+}
 const policy = read('index.html').toString().match(/Content-Security-Policy" content="([^"]*)"/)?.[1];
 promise('its policy has no unsafe source and no other host', policy.startsWith("default-src 'none'")
   && !/unsafe|https?:|\*/.test(policy));

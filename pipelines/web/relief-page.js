@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the page shows of a film that can be touched: height as shading, and the touched place. It also reads what presses:
+// the button of the mouse, a finger, a key, a button of a gamepad. The page loads this file with the first relief.
+import { HALF } from './contact.js';
+import { pictureIn } from './drawing.js';
+
+const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up
+const DARKEST = 0.75, BRIGHTEST = 0.5; // opacity of the shading
+const KEYS = { p: 'press on the surface', h: 'height as shading' };
+const HINT = 'This film can be touched: press the mouse button, a finger, P, or the first button of a gamepad.';
+const COLOURS = { edge: '#000000', touched: '#e69f00' }; // of Okabe and Ito
+
+/** Grey and opacity of each cell, as the pixels of a picture: lit slopes are white, the others black. */
+export function shadingOf({ columns, rows, z, validity }) {
+  const pixels = new Uint8ClampedArray(4 * columns * rows);
+  const width = 2 * HALF / columns, height = 2 * HALF / rows;
+  // Rise over run between the neighbours that have a surface; `from` and `to` may be outside.
+  const slope = (from, to, i, run) => {
+    const isKnown = j => j !== null && validity[j] > 0;
+    const cells = Number(isKnown(from)) + Number(isKnown(to));
+    return cells ? (z[isKnown(to) ? to : i] - z[isKnown(from) ? from : i]) / (cells * run) : 0;
+  };
+  for (let i = 0; i < columns * rows; ++i) {
+    if (!(validity[i] > 0)) continue;
+    const column = i % columns, row = Math.floor(i / columns);
+    const across = slope(column > 0 ? i - 1 : null, column + 1 < columns ? i + 1 : null, i, width);
+    const up = slope(row + 1 < rows ? i + columns : null, row > 0 ? i - columns : null, i, height);
+    const lit = (LIGHT[2] - LIGHT[0] * across - LIGHT[1] * up) / Math.hypot(across, up, 1) - LIGHT[2];
+    pixels.fill(lit > 0 ? 255 : 0, 4 * i, 4 * i + 3);
+    pixels[4 * i + 3] = 255 * (lit > 0 ? BRIGHTEST * lit / (1 - LIGHT[2]) : DARKEST * Math.min(-lit / LIGHT[2], 1));
+  }
+  return pixels;
+}
+
+function drawShading(context, picture, relief, cells) {
+  [cells.width, cells.height] = [relief.columns, relief.rows];
+  cells.getContext('2d').putImageData(new ImageData(shadingOf(relief), relief.columns, relief.rows), 0, 0);
+  context.imageSmoothingQuality = 'high';
+  context.drawImage(cells, picture.x, picture.y, picture.width, picture.height);
+}
+
+// The touched place, larger the harder it is pressed, and the spring to the hand.
+function drawContact(context, picture, { x, y, newtons }, place) {
+  const at = { x: picture.x + x * picture.width, y: picture.y + y * picture.height };
+  for (const [colour, more] of [[COLOURS.edge, 2], [COLOURS.touched, 0]]) {
+    context.strokeStyle = context.fillStyle = colour;
+    context.lineWidth = 3 + 2 * more;
+    context.beginPath();
+    context.moveTo(at.x, at.y);
+    context.lineTo(picture.x + place.x * picture.width, picture.y + place.y * picture.height);
+    context.stroke();
+    context.beginPath();
+    context.arc(at.x, at.y, 4 + 8 * Math.min(Math.max(newtons, 0), 1) + more, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
+function draw(canvas, stage, film, player, isShaded, cells) {
+  const dots = devicePixelRatio;
+  const width = Math.round(stage.clientWidth * dots), height = Math.round(stage.clientHeight * dots);
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  const context = canvas.getContext('2d');
+  context.setTransform(dots, 0, 0, dots, 0, 0);
+  context.clearRect(0, 0, width, height);
+  const picture = pictureIn(stage, film);
+  const relief = isShaded ? player.relief : null, { contact, place } = player;
+  if (relief) drawShading(context, picture, relief, cells);
+  if (contact && place) drawContact(context, picture, contact, place);
+}
+
+// Sets player.pressed. The stage has the pointer; a release counts wherever it is.
+function watchPressing(stage, player) {
+  let isDown = false, isKeyDown = false;
+  stage.addEventListener('pointerdown', event => { isDown = event.isPrimary && event.button === 0; });
+  for (const event of ['pointerup', 'pointercancel', 'blur']) window.addEventListener(event, () => { isDown = false; });
+  window.addEventListener('blur', () => { isKeyDown = false; });
+  document.addEventListener('keyup', ({ key }) => { if (key.toLowerCase() === 'p') isKeyDown = false; });
+  document.addEventListener('keydown', ({ key, ctrlKey, altKey, metaKey }) => {
+    if (key.toLowerCase() === 'p' && !ctrlKey && !altKey && !metaKey) isKeyDown = true;
+  });
+  return () => {
+    const pads = Array.from(navigator.getGamepads?.() ?? []);
+    player.pressed = isDown || isKeyDown || pads.some(pad => pad?.connected && pad.buttons[0]?.pressed);
+  };
+}
+
+function addButton() {
+  const button = document.getElementById('field').cloneNode(true);
+  button.id = 'height';
+  button.title = 'Height as shading (H)';
+  button.setAttribute('aria-label', 'Show the height of the picture');
+  button.setAttribute('aria-pressed', 'true');
+  button.querySelector('path').setAttribute('d', 'M2 19 9 6l4 7 3-4 6 10z');
+  button.addEventListener('click', () =>
+    button.setAttribute('aria-pressed', String(button.getAttribute('aria-pressed') !== 'true')));
+  document.addEventListener('keydown', ({ key, ctrlKey, altKey, metaKey }) => {
+    if (key.toLowerCase() === 'h' && !ctrlKey && !altKey && !metaKey) button.click();
+  });
+  document.getElementById('field').after(button);
+  return button;
+}
+
+function addWords() {
+  for (const [key, what] of Object.entries(KEYS)) {
+    const row = document.createElement('div');
+    const [term, text] = [document.createElement('dt'), document.createElement('dd')];
+    term.append(Object.assign(document.createElement('kbd'), { textContent: key.toUpperCase() }));
+    text.textContent = what;
+    row.append(term, text);
+    document.querySelector('#keys dl').append(row);
+  }
+  const hint = Object.assign(document.createElement('p'), { id: 'hint', textContent: HINT });
+  document.getElementById('status').after(hint);
+}
+
+/** Shows the reliefs of the player's films over the stage, from now on. */
+export function showReliefs(stage, film, player) {
+  if (document.getElementById('relief')) return; // of the film before
+  const canvas = Object.assign(document.createElement('canvas'), { id: 'relief', ariaHidden: 'true' });
+  Object.assign(canvas.style, { position: 'absolute', inset: 0, width: '100%', height: '100%', pointerEvents: 'none' });
+  document.getElementById('drawing').before(canvas);
+  const button = addButton(), read = watchPressing(stage, player), cells = document.createElement('canvas');
+  addWords();
+  const frame = () => {
+    requestAnimationFrame(frame);
+    read();
+    draw(canvas, stage, film, player, button.getAttribute('aria-pressed') === 'true', cells);
+  };
+  frame();
+}
