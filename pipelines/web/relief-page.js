@@ -5,13 +5,26 @@ import { HALF } from './contact.js';
 import { pictureIn } from './drawing.js';
 
 const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up
-const DARKEST = 0.75, BRIGHTEST = 0.5; // opacity of the shading
+const DARKEST = 0.65, BRIGHTEST = 0.45; // opacity of the shading
 const KEYS = { p: 'press on the surface', h: 'height as shading' };
 const HINT = 'This film can be touched: press the mouse button, a finger, P, or the first button of a gamepad.';
 const COLOURS = { edge: '#000000', touched: '#e69f00' }; // of Okabe and Ito
 
+// The heights, each the mean of the cell and those around it: the steps of the code are no slopes.
+function smoothed({ columns, rows, z, validity }) {
+  return z.map((_, i) => {
+    const column = i % columns, row = Math.floor(i / columns);
+    let sum = 0, count = 0;
+    for (let y = Math.max(row - 1, 0); y <= Math.min(row + 1, rows - 1); ++y)
+      for (let x = Math.max(column - 1, 0); x <= Math.min(column + 1, columns - 1); ++x)
+        if (validity[y * columns + x] > 0) [sum, count] = [sum + z[y * columns + x], count + 1];
+    return count ? sum / count : 0;
+  });
+}
+
 /** Grey and opacity of each cell, as the pixels of a picture: lit slopes are white, the others black. */
-export function shadingOf({ columns, rows, z, validity }) {
+export function shadingOf(relief) {
+  const { columns, rows, validity } = relief, z = smoothed(relief);
   const pixels = new Uint8ClampedArray(4 * columns * rows);
   const width = 2 * HALF / columns, height = 2 * HALF / rows;
   // Rise over run between the neighbours that have a surface; `from` and `to` may be outside.
@@ -32,9 +45,12 @@ export function shadingOf({ columns, rows, z, validity }) {
   return pixels;
 }
 
+// `cells`: a canvas with a pixel for each cell, and the relief that it shows.
 function drawShading(context, picture, relief, cells) {
-  [cells.width, cells.height] = [relief.columns, relief.rows];
-  cells.getContext('2d').putImageData(new ImageData(shadingOf(relief), relief.columns, relief.rows), 0, 0);
+  if (cells.relief !== relief) {
+    [cells.width, cells.height, cells.relief] = [relief.columns, relief.rows, relief];
+    cells.getContext('2d').putImageData(new ImageData(shadingOf(relief), relief.columns, relief.rows), 0, 0);
+  }
   context.imageSmoothingQuality = 'high';
   context.drawImage(cells, picture.x, picture.y, picture.width, picture.height);
 }
@@ -68,11 +84,15 @@ function draw(canvas, stage, film, player, isShaded, cells) {
   if (contact && place) drawContact(context, picture, contact, place);
 }
 
-// Sets player.pressed. The stage has the pointer; a release counts wherever it is.
+// Returns what sets player.pressed. The stage keeps a pointer that presses, wherever it goes.
 function watchPressing(stage, player) {
   let isDown = false, isKeyDown = false;
-  stage.addEventListener('pointerdown', event => { isDown = event.isPrimary && event.button === 0; });
-  for (const event of ['pointerup', 'pointercancel', 'blur']) window.addEventListener(event, () => { isDown = false; });
+  stage.addEventListener('pointerdown', event => {
+    if (!event.isPrimary || event.button !== 0 || event.target.closest('button')) return;
+    isDown = true;
+    stage.setPointerCapture(event.pointerId);
+  });
+  stage.addEventListener('lostpointercapture', () => { isDown = false; });
   window.addEventListener('blur', () => { isKeyDown = false; });
   document.addEventListener('keyup', ({ key }) => { if (key.toLowerCase() === 'p') isKeyDown = false; });
   document.addEventListener('keydown', ({ key, ctrlKey, altKey, metaKey }) => {
@@ -110,6 +130,7 @@ function addWords() {
     document.querySelector('#keys dl').append(row);
   }
   const hint = Object.assign(document.createElement('p'), { id: 'hint', textContent: HINT });
+  Object.assign(hint.style, { margin: '.3rem 0 0', color: 'var(--quiet)' });
   document.getElementById('status').after(hint);
 }
 

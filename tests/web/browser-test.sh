@@ -56,7 +56,15 @@ sed -i '/^#EXTINF/i #EXT-X-KEY:METHOD=AES-128,URI="https://elsewhere.invalid/key
 promise "the sets of the track" "$haptic_track" convert "$films/film.ts" "$work/track.klv"
 ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy -avoid_negative_ts make_zero \
   -movflags +frag_keyframe+empty_moov+default_base_moof "$work/film.mp4" </dev/null
-promise "CMAF with the track" node "$here/make-cmaf.mjs" "$work/film.mp4" "$work/track.klv" 30 "$films"
+promise "CMAF with the track" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" cmaf "$work/track.klv"
+# A ball in relief, as its own picture: it rolls to and fro.
+ffmpeg -v error -f lavfi -i "color=gray:160x90:r=30:d=20,format=gray,geq=lum='30+200*sqrt(max(0,1-(pow(X-80-30*sin(T),2)+pow(Y-45,2))/900))'" \
+  -vf scale=640:360 -c:v libx264 -pix_fmt yuv420p -g 30 -movflags +frag_keyframe+empty_moov+default_base_moof "$work/ball.mp4" </dev/null
+promise "reliefs of a ball" gst-launch-1.0 -q filesrc "location=$work/ball.mp4" ! qtdemux ! avdec_h264 ! videoconvert \
+  ! video/x-raw,format=GRAY8 ! depthfield kind=disparity scale=255 near=1 far=255 range=0.03 ! hapticconvert ! meta/x-klv \
+  ! filesink "location=$work/reliefs.klv"
+promise "a film to be touched" node "$here/make-cmaf.mjs" "$work/ball.mp4" 30 "$films" ball "$work/reliefs.klv"
+promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/track.klv" "$work/reliefs.klv"
 promise "a film in five segments" env FEELING_WIND_WEB="$build/pipelines/web" \
   "$haptic_track" package --output "$films/packaged" "$films/film.ts"
 sed 's|cmaf-header.mp4|https://elsewhere.invalid/header.mp4|' "$films/cmaf.m3u8" >"$films/map-elsewhere.m3u8"
@@ -73,5 +81,6 @@ node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$wo
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')
 promise "a hand could tell them apart for $share of the time, less than 0.05" awk "BEGIN { exit !($share < 0.05) }"
 node "$here/page-test.mjs" "$build/pipelines/web" "$films" "${SCREENSHOTS:-}"
+node "$here/relief-test.mjs" "$build/pipelines/web" "$films" "$without" "${SCREENSHOTS:-}"
 node "$here/bad-input-test.mjs" "$build/pipelines/web" "$films" "$without"
 node "$here/embed-test.mjs" "$build/pipelines/web" "$films" "$without"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Cuts a fragmented MP4 at its fragments and puts the KLV sets of a track before them, as emsg boxes:
+// Cuts a fragmented MP4 at its fragments and puts the KLV sets of tracks before them, as emsg boxes:
 //
-//   make-cmaf.mjs FILM.mp4 TRACK.klv FRAMES-PER-SECOND FOLDER     writes cmaf.m3u8 and its files
+//   make-cmaf.mjs FILM.mp4 FRAMES-PER-SECOND FOLDER NAME TRACK.klv...     writes NAME.m3u8 and its files
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-const [film, track, rate, folder] = process.argv.slice(2);
+const [film, rate, folder, name, ...tracks] = process.argv.slice(2);
 const SCALE = 90_000;
 
 function* boxes(bytes) {
@@ -26,21 +26,25 @@ function emsg(set, time, id) {
   return Buffer.concat([head, names, set]);
 }
 
-const klv = readFileSync(track);
-const sets = []; // of write_klv(): a key of 16 bytes, then 0x82 and two bytes of length
-for (let at = 0; at < klv.length; at += sets.at(-1).length) sets.push(klv.subarray(at, at + 19 + klv.readUInt16BE(at + 17)));
+// One for each frame, of write_klv(): a key of 16 bytes, then 0x82 and two bytes of length.
+function setsOf(track) {
+  const klv = readFileSync(track), sets = [];
+  for (let at = 0; at < klv.length; at += sets.at(-1).length) sets.push(klv.subarray(at, at + 19 + klv.readUInt16BE(at + 17)));
+  return sets;
+}
+const all = tracks.map(setsOf);
 
 const header = [], fragments = [];
 for (const { type, bytes } of boxes(readFileSync(film)))
   if (type === 'moof') fragments.push([bytes]);
   else if (fragments.length === 0) header.push(bytes);
   else if (type === 'mdat') fragments.at(-1).push(bytes);
-writeFileSync(join(folder, 'cmaf-header.mp4'), Buffer.concat(header));
+writeFileSync(join(folder, `${name}-header.mp4`), Buffer.concat(header));
 
-const seconds = sets.length / rate;
+const seconds = all[0].length / rate;
 const lines = ['#EXTM3U', '#EXT-X-VERSION:7', '#EXT-X-TARGETDURATION:21', '#EXT-X-PLAYLIST-TYPE:VOD',
-  '#EXT-X-MAP:URI="cmaf-header.mp4"'];
-const packets = sets.map((set, i) => emsg(set, i / rate, i));
-writeFileSync(join(folder, 'cmaf-film.m4s'), Buffer.concat([...packets, ...fragments.flat()]));
-lines.push(`#EXTINF:${seconds.toFixed(3)},`, 'cmaf-film.m4s', '#EXT-X-ENDLIST', '');
-writeFileSync(join(folder, 'cmaf.m3u8'), lines.join('\n'));
+  `#EXT-X-MAP:URI="${name}-header.mp4"`];
+const packets = all.flatMap((sets, track) => sets.map((set, i) => emsg(set, i / rate, i * all.length + track)));
+writeFileSync(join(folder, `${name}-film.m4s`), Buffer.concat([...packets, ...fragments.flat()]));
+lines.push(`#EXTINF:${seconds.toFixed(3)},`, `${name}-film.m4s`, '#EXT-X-ENDLIST', '');
+writeFileSync(join(folder, `${name}.m3u8`), lines.join('\n'));

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Films that can be touched, in a real browser: shading, the touched place, and what is felt with the button of the mouse,
+// a key and a finger.
+//
+//   relief-test.mjs WEB-FOLDER FILM-FOLDER WEB-FOLDER-WITHOUT-HLS [SCREENSHOTS]     with the films that browser-test.sh makes
+import { join } from 'node:path';
+import { openBrowser, openPage } from './browser.mjs';
+import { promise } from './promise.mjs';
+import { serve } from './server.mjs';
+
+const [web, films, poorWeb, shots] = process.argv.slice(2);
+const browser = await openBrowser();
+process.on('exit', () => browser.process()?.kill('SIGKILL'));
+const server = await serve([web, films]), poor = await serve([poorWeb, films]);
+const shoot = (page, name) => shots && page.screenshot({ path: join(shots, `${name}.png`) });
+
+async function open(server, film, options) {
+  const page = await openPage(browser, server.origin, options);
+  page.asked = [];
+  page.on('request', request => page.asked.push(new URL(request.url()).pathname));
+  await page.goto(`${server.origin}/?playlist=${film}.m3u8`);
+  await page.waitForFunction(() => document.querySelector('video').readyState >= 3);
+  await page.click('#play');
+  return page;
+}
+const timeIs = (page, time) => page.waitForFunction(time => document.querySelector('video').currentTime >= time, {}, time);
+const felt = page => page.waitForFunction(() => window.motorAt(performance.now()) > 0, { polling: 10 });
+const rests = page => page.waitForFunction(() => window.motorAt(performance.now()) === 0, { polling: 10 });
+async function placeAt(page, x, y) {
+  const box = await (await page.$('#stage')).boundingBox();
+  return [box.x + x * box.width, box.y + y * box.height];
+}
+// How many pixels of the canvas are shaded, and how many have the colour of the touched place.
+const drawn = page => page.evaluate(() => {
+  const canvas = document.getElementById('relief');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  const count = { shaded: 0, touched: 0 };
+  for (let i = 0; i < data.length; i += 4) {
+    const isTouched = data[i] === 0xE6 && data[i + 1] === 0x9F && data[i + 2] === 0 && data[i + 3] === 255;
+    if (isTouched) ++count.touched;
+    else if (data[i + 3] > 20) ++count.shaded;
+  }
+  return count;
+});
+const ON_BALL = [0.5, 0.36];
+
+for (const [what, site] of [['with hls.js', server], ['without hls.js', poor]]) {
+  const page = await open(site, 'ball');
+  await page.mouse.move(...await placeAt(page, ...ON_BALL));
+  await page.waitForSelector('#relief');
+  await timeIs(page, 1);
+  const hovering = await drawn(page);
+  console.log(hovering);
+  promise(`height is shading, ${what}`, hovering.shaded > 10_000 && hovering.touched === 0);
+  promise('nothing is felt without pressing', await page.evaluate(() => !window.motor.some(({ weak }) => weak > 0)));
+  await page.mouse.down();
+  await felt(page);
+  const pressed = await drawn(page);
+  console.log(pressed);
+  await shoot(page, `relief-${what.replaceAll(/\W/g, '-')}`);
+  promise('with the button pressed the ball is felt, and the touched place is a dot', pressed.touched > 30);
+  await page.mouse.up();
+  await rests(page);
+  promise('and no longer when it is let go', (await drawn(page)).touched === 0);
+  await page.keyboard.down('p');
+  await felt(page);
+  await page.keyboard.up('p');
+  await rests(page);
+  promise('P presses', true);
+  await page.keyboard.press('h');
+  await new Promise(done => setTimeout(done, 100));
+  promise('H hides the shading', (await drawn(page)).shaded === 0);
+  await page.keyboard.press('?');
+  promise('the keys are in the list', /press on the surface/.test(await page.$eval('#keys', keys => keys.textContent)));
+  await shoot(page, 'relief-keys');
+  console.log(page.trouble, await page.$eval('#problems', list => list.textContent));
+  promise('nothing is wrong', page.trouble.length === 0 && await page.$eval('#problems', list => list.textContent === ''));
+  await page.close();
+}
+
+const both = await open(server, 'both');
+await both.mouse.move(...await placeAt(both, 0.42, 0.42));
+await felt(both);
+promise('of a film with both the motion is felt without pressing', true);
+await both.waitForSelector('#relief');
+await timeIs(both, 2);
+await both.mouse.down();
+await new Promise(done => setTimeout(done, 300));
+const together = await drawn(both);
+await shoot(both, 'relief-both');
+promise('and the surface with it', together.shaded > 10_000 && together.touched > 30 && both.trouble.length === 0);
+await both.close();
+
+const phone = await open(server, 'ball', { width: 390, height: 844, phone: true });
+await timeIs(phone, 1);
+await phone.touchscreen.touchStart(...await placeAt(phone, ...ON_BALL));
+await felt(phone);
+await shoot(phone, 'relief-phone');
+await phone.touchscreen.touchEnd();
+await rests(phone);
+promise('a finger presses while it is there', true);
+promise('nothing is wider than the phone', await phone.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+await phone.close();
+
+const plain = await open(server, 'cmaf');
+await timeIs(plain, 2);
+promise('a film without reliefs loads nothing for them', !plain.asked.some(path => /touch|contact|relief/.test(path)));
+await plain.close();
+
+await browser.close();
+for (const { close } of [server, poor]) close();
