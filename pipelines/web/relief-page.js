@@ -137,7 +137,8 @@ function addWords() {
 /** Shows the reliefs of the player's films over the stage, from now on. */
 export function showReliefs(stage, film, player) {
   if (document.getElementById('relief')) return; // of the film before
-  const canvas = Object.assign(document.createElement('canvas'), { id: 'relief', ariaHidden: 'true' });
+  const canvas = Object.assign(document.createElement('canvas'), { id: 'relief' });
+  canvas.setAttribute('aria-hidden', 'true');
   Object.assign(canvas.style, { position: 'absolute', inset: 0, width: '100%', height: '100%', pointerEvents: 'none' });
   document.getElementById('drawing').before(canvas);
   const button = addButton(), read = watchPressing(stage, player), cells = document.createElement('canvas');

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <spidar/geometry.hpp>
 
 namespace {
 
@@ -23,7 +24,7 @@ constexpr std::int64_t kTick = 1'000'000; // ns
 constexpr auto kFrame = static_cast<std::int64_t>(test::DepthScene::kInterval);
 constexpr int kFrames = 120;
 constexpr int kColumns = 32;
-const Vector3 kHalf(0.025, 0.025, 0.025); // m, workspace of the default geometry
+const Vector3 kHalf = spidar::Geometry{}.workspace_half;
 // Of the finger, as in pipelines/web/contact.js.
 constexpr double kDepth = 0.0025;
 constexpr double kSteepest = 0.25;
