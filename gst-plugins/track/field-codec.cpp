@@ -158,8 +158,6 @@ bool GridEncoder<Cells>::needs_pair(const Field &field) const noexcept {
     return true;
   if (since_key_ + field.interval / 2 >= key_interval_ || sent_ >= kMostBetweenKeys)
     return true;
-  if (Cells::step_for(field, state_.step) != state_.step)
-    return true;
   // The steps of a velocity are meant at the interval of the key field.
   const float unit = unit_of(field.interval);
   return unit > 1.5F * state_.unit || state_.unit > 1.5F * unit;
@@ -168,7 +166,7 @@ bool GridEncoder<Cells>::needs_pair(const Field &field) const noexcept {
 template <typename Cells>
 std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &field) {
   since_key_ += std::min(field.interval, key_interval_);
-  const bool first = needs_pair(field);
+  const bool first = needs_pair(field) || Cells::step_for(field, state_.step) != state_.step;
   if (!first && Cells::rests_on(state_, field)) {
     rested_ = true;
     return std::nullopt;

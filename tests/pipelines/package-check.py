@@ -3,7 +3,7 @@
 """Reads what haptic-track package wrote without its code: `package-check.py FOLDER`.
 
 Checks playlists (RFC 8216), transport streams (ISO/IEC 13818-1) or MP4 fragments (ISO/IEC 14496-12), that each segment
-begins with an IDR frame and a key field, and that each field has the time of a frame. Prints one line for each
+begins with an IDR frame and key fields, and that each field and relief has the time of a frame. Prints one line for each
 segment: its first time in ticks of 90 kHz, frames, fields, bytes of the codes of the fields.
 """
 import re
@@ -16,7 +16,7 @@ ORIGIN = 900_000  # ticks, of the first frame in a transport stream
 
 
 def code_of(klv):
-    """The code of a field in a KLV set, whose length has two bytes."""
+    """Tag and code of a field (32) or relief (33) in a KLV set, whose length has two bytes."""
     assert klv[:16] == KEY and klv[16] == 0x82, klv[:19].hex()
     rest, code = klv[19:], None
     assert len(rest) == struct.unpack(">H", klv[17:19])[0]
@@ -25,7 +25,7 @@ def code_of(klv):
         if size & 0x80:
             at += size & 0x7F
             size = int.from_bytes(rest[2:at], "big")
-        code = rest[at : at + size] if tag == 32 else code
+        code = (tag, rest[at : at + size]) if tag in (32, 33) else code
         rest = rest[at + size :]
     return code
 
@@ -155,10 +155,12 @@ def check_rate(playlist):
         assert frames[0][1] and frames[0][0] == times[0], "no IDR frame first"
         assert abs(times[0] - start * 90000) <= 1, (times[0], start)
         codes = [code_of(klv) for _, klv in fields]
-        assert not codes or codes[0][0] & 1, "no key field first"
+        for kind in {tag for tag, _ in codes}:
+            assert next(code for tag, code in codes if tag == kind)[0] & 1, "no key field first"
+            own = [time for (time, _), (tag, _) in zip(fields, codes) if tag == kind]
+            assert own == sorted(set(own))
         assert all(time in set(times) for time, _ in fields), "a field between two frames"
-        assert [time for time, _ in fields] == sorted({time for time, _ in fields})
-        print(f"{playlist.parent.name}/{name} {times[0]} {len(frames)} {len(fields)} {sum(map(len, codes))}")
+        print(f"{playlist.parent.name}/{name} {times[0]} {len(frames)} {len(fields)} {sum(len(code) for _, code in codes)}")
         start += length
 
 

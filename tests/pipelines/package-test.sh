@@ -5,7 +5,7 @@
 source "$(dirname "$0")/support.sh"
 
 haptic_track=$build/gst-plugins/track/tools/haptic-track
-use_elements motionfield hapticconvert
+use_elements motionfield hapticconvert reliefmap
 for command in ffmpeg ffprobe python3; do
   command -v "$command" >/dev/null || skip "$command is not installed"
 done
@@ -107,6 +107,29 @@ cp -r "$work/film" "$work/both"
 promise "another carriage replaces it" says 0 "written: ts-" package --carriage ts --output "$work/both" "$work/wind.mp4"
 promise "with the same bytes" diff -r "$work/ts" "$work/both"
 promise "a copy that was authored gives its track" says 0 "225 fields" package --output "$work/copy" "$work/wind.haptic.ts"
+
+# A film with a surface, as a stream of its own, and alone.
+# `with_surface FILE [BRANCH...]`: the authored copy without its track, and reliefs of its colours.
+with_surface() {
+  local file=$1
+  shift
+  gst-launch-1.0 -q mpegtsmux name=mux ! filesink "location=$file" \
+    filesrc "location=$work/wind.haptic.ts" ! tsdemux name=demux demux. ! video/x-h264 ! h264parse ! tee name=film \
+    film. ! queue ! mux.sink_65 film. ! queue ! avdec_h264 ! videoconvert ! video/x-raw,format=RGB ! reliefmap ! hapticconvert \
+    ! meta/x-klv ! queue ! mux.sink_66 "$@"
+}
+promise "a film with motion and surface is made" with_surface "$work/touched.ts" demux. ! meta/x-klv ! queue ! mux.sink_67
+promise "and one with a surface alone" with_surface "$work/surface.ts"
+for carriage in cmaf ts; do
+  promise "both are packaged as $carriage" says 0 "225 fields, 225 reliefs" \
+    package --carriage "$carriage" --output "$work/touched-$carriage" "$work/touched.ts"
+  promise "as they should be" check "$work/touched-$carriage"
+done
+promise "so is the surface alone" says 0 "0 fields, 225 reliefs" package --output "$work/surface" "$work/surface.ts"
+promise "as it should be" check "$work/surface"
+promise "another program reads the motion beside it" \
+  says 0 "fields     100" "$haptic_track" info "$(echo "$work"/touched-ts/ts-*/00001.ts)"
+
 killed_and_again() {
   local delay
   for delay in 0.1 0.2 0.4; do

@@ -223,6 +223,30 @@ TEST(ReliefCodec, AGoldenTrackIsDecoded) {
   EXPECT_LE(largest, 0.02 * DepthScene::kRange);
 }
 
+// haptic-track package codes tracks anew with key fields where segments begin.
+TEST(ReliefCodec, WithOtherKeyFieldsEachValueStays) {
+  ReliefEncoder encoder;
+  ReliefEncoder again;
+  ReliefDecoder decoder;
+  ReliefDecoder other;
+  int keys = 0;
+  for (int i = 0; i < 90; ++i) {
+    ReliefField sent = DepthScene::relief(i, 16);
+    const float scale = 0.4F + 0.01F * static_cast<float>(i); // the step changes on the way
+    for (ReliefCell &cell : sent.cells)
+      cell.height *= scale;
+    ASSERT_EQ(decoder.push(encoder.push(sent).value()), Result::field);
+    if (i == 50)
+      again.restart();
+    const Bytes bytes = again.push_held(decoder.state(), false);
+    keys += haptic::is_key_field(bytes);
+    EXPECT_TRUE(i != 50 || haptic::begins_pair(bytes));
+    ASSERT_EQ(other.push(bytes), Result::field) << i;
+    ASSERT_EQ(other.field().cells, decoder.field().cells) << i;
+  }
+  EXPECT_LE(keys, 12); // a pair each second, where the step changes, and at 50
+}
+
 TEST(ReliefCodec, AReliefIsNoMotionFieldInKlvAndText) {
   const CodedField sent{coded(1)[0], 5'000'000'000, haptic::kNoTime, FieldKind::relief};
   const Bytes klv = haptic::write_klv(sent);

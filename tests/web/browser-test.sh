@@ -63,6 +63,12 @@ ffmpeg -v error -f lavfi -i "color=gray:160x90:r=30:d=20,format=gray,geq=lum='30
 promise "reliefs of a ball" gst-launch-1.0 -q filesrc "location=$work/ball.mp4" ! qtdemux ! avdec_h264 ! videoconvert \
   ! video/x-raw,format=GRAY8 ! depthfield kind=disparity scale=255 near=1 far=255 range=0.03 ! hapticconvert ! meta/x-klv \
   ! filesink "location=$work/reliefs.klv"
+promise "the ball as a film with a surface" gst-launch-1.0 -q mpegtsmux name=mux ! filesink "location=$work/ball.ts" \
+  filesrc "location=$work/ball.mp4" ! qtdemux ! h264parse ! tee name=film film. ! queue ! mux. film. ! queue ! avdec_h264 \
+  ! videoconvert ! video/x-raw,format=GRAY8 ! depthfield kind=disparity scale=255 near=1 far=255 range=0.03 ! hapticconvert \
+  ! meta/x-klv ! queue ! mux.
+promise "packaged as a transport stream" env FEELING_WIND_WEB="$build/pipelines/web" \
+  "$haptic_track" package --carriage ts --output "$films/ball" "$work/ball.ts"
 promise "a film to be touched" node "$here/make-cmaf.mjs" "$work/ball.mp4" 30 "$films" ball "$work/reliefs.klv"
 promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/track.klv" "$work/reliefs.klv"
 promise "a film in five segments" env FEELING_WIND_WEB="$build/pipelines/web" \

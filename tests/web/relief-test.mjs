@@ -78,6 +78,15 @@ for (const [what, site] of [['with hls.js', server], ['without hls.js', poor]]) 
   await page.close();
 }
 
+const packaged = await open(server, 'ball/film');
+await packaged.waitForSelector('#relief');
+await timeIs(packaged, 5); // the second segment
+await packaged.mouse.move(...await placeAt(packaged, 0.32, 0.5)); // where the ball is
+await packaged.mouse.down();
+await felt(packaged);
+promise('a packaged film is touched, in each segment', (await drawn(packaged)).touched > 30 && packaged.trouble.length === 0);
+await packaged.close();
+
 const both = await open(server, 'both');
 await both.mouse.move(...await placeAt(both, 0.42, 0.42));
 await felt(both);

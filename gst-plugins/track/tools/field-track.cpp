@@ -12,6 +12,21 @@ std::uint8_t sequence_of(std::span<const std::uint8_t> bytes) {
   return bytes[1]; // docs/formats/field-code.md
 }
 
+template <typename Cells>
+void append_with_keys(std::span<const CodedField> track, FieldKind kind,
+                      std::span<const std::uint64_t> times, std::vector<CodedField> &all) {
+  GridDecoder<Cells> decoder;
+  GridEncoder<Cells> encoder;
+  for (const auto &coded : track) {
+    if (coded.kind != kind || decoder.push(coded.bytes) != GridDecoder<Cells>::Result::field)
+      continue;
+    for (; !times.empty() && coded.time >= times.front(); times = times.subspan(1))
+      encoder.restart();
+    all.push_back(
+        {encoder.push_held(decoder.state(), decoder.rested()), coded.time, coded.duration, kind});
+  }
+}
+
 } // namespace
 
 void for_each_field(std::span<const CodedField> track,
@@ -71,16 +86,9 @@ std::vector<TrackSample> samples_at_hand(std::span<const CodedField> track,
 std::vector<CodedField> with_keys_at(std::span<const CodedField> track,
                                      std::span<const std::uint64_t> times) {
   std::vector<CodedField> all;
-  FieldDecoder decoder;
-  FieldEncoder encoder;
-  for (const auto &coded : track) {
-    if (decoder.push(coded.bytes) != FieldDecoder::Result::field)
-      continue;
-    for (; !times.empty() && coded.time >= times.front(); times = times.subspan(1))
-      encoder.restart();
-    all.push_back(
-        {encoder.push_held(decoder.state(), decoder.rested()), coded.time, coded.duration});
-  }
+  append_with_keys<MotionCells>(track, FieldKind::motion, times, all);
+  append_with_keys<ReliefCells>(track, FieldKind::relief, times, all);
+  std::ranges::stable_sort(all, {}, &CodedField::time);
   return all;
 }
 

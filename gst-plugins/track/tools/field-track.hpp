@@ -24,8 +24,9 @@ std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint6
 std::vector<TrackSample> samples_at_hand(std::span<const CodedField> track,
                                          const std::vector<TimedPlace> &hand);
 
-/// Returns the same fields, decoded cell for cell the same, with a key field at the first one at or
-/// after each of the times (ns, in order). Those that cannot be decoded are left out.
+/// Returns the same fields and reliefs, decoded cell for cell the same, with a key field at the
+/// first one of each kind at or after each of the times (ns, in order). Those that cannot be
+/// decoded are left out. In the order of their times, fields before reliefs.
 std::vector<CodedField> with_keys_at(std::span<const CodedField> track,
                                      std::span<const std::uint64_t> times);
 

@@ -83,14 +83,14 @@ std::int64_t frame_at(const FilmPlan &plan, std::int64_t time) {
   return after != plan.times.end() && *after <= time + kSameTime ? *after : time;
 }
 
-// Returns the fields with times of this film's frames, and a key field at each start.
+// Returns the fields and reliefs with times of this film's frames, and key fields at each start.
 std::vector<CodedField> track_of(const FilmPlan &plan, std::span<const CodedField> track) {
   std::vector<CodedField> fields;
   for (const CodedField &coded : track)
     fields.push_back(
         {coded.bytes,
          static_cast<std::uint64_t>(frame_at(plan, static_cast<std::int64_t>(coded.time))),
-         coded.duration});
+         coded.duration, coded.kind});
   std::vector<std::uint64_t> starts;
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
     starts.push_back(static_cast<std::uint64_t>(plan.start_of(i)));
@@ -151,8 +151,8 @@ private:
     std::move(sounds_.begin(), heard, std::back_inserter(segment.sounds));
     sounds_.erase(sounds_.begin(), heard);
     for (; field_ < fields_.size() && (is_last || is_before(fields_[field_], end)); ++field_)
-      segment.fields.push_back(
-          {ticks_of(static_cast<std::int64_t>(fields_[field_].time)), write_klv(fields_[field_])});
+      segment.fields.push_back({ticks_of(static_cast<std::int64_t>(fields_[field_].time)),
+                                fields_[field_].kind, write_klv(fields_[field_])});
     call_(segment);
   }
 

@@ -51,6 +51,7 @@ struct SegmentSound {
 
 struct SegmentField {
   std::int64_t presentation = 0; ///< ticks
+  FieldKind kind = FieldKind::motion;
   std::vector<std::uint8_t> set; ///< KLV
 };
 
@@ -60,7 +61,7 @@ struct FilmSegment {
   std::int64_t end = 0;
   std::vector<SegmentFrame> frames;
   std::vector<SegmentSound> sounds;
-  std::vector<SegmentField> fields; ///< the first one is a key field
+  std::vector<SegmentField> fields; ///< the first one of each kind is a key field
 };
 
 /// Reads the whole film once. Throws TrackFileError if it cannot be cut, or not be played by a
@@ -68,7 +69,7 @@ struct FilmSegment {
 FilmPlan plan_film(const std::string &path);
 
 /// Reads the film again and calls `call` for each of its segments. The times of `track` are ns from
-/// the first frame of the film on.
+/// the first frame of the film on; it holds fields, reliefs or both.
 void for_each_segment(const std::string &path, const FilmPlan &plan,
                       std::span<const CodedField> track,
                       const std::function<void(const FilmSegment &)> &call);

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -33,7 +34,7 @@ constexpr char kPlaylist[] = "film.m3u8";            // of a bit rate
 constexpr char kPoster[] = "poster.jpg";
 constexpr char kHead[] = "head.mp4";
 // Of the names of folders: a change of what is written into them changes it.
-constexpr char kForm[] = "package 1";
+constexpr char kForm[] = "package 2";
 
 // A bit rate of the film.
 struct Rate {
@@ -101,15 +102,24 @@ void compare_rates(const Rate &first, const Rate &other) {
 
 // ---- the track ----------------------------------------------------------------------------------
 
-// Returns the fields of a recording or a copy, or nothing if it has no haptic track.
+// Returns the fields and reliefs of a recording or a copy, or nothing if it has no haptic track.
 std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
   if (!mark_in(path))
     return std::nullopt;
   TrackFile track = read_track_file(path);
   for (const std::string &remark : track.remarks)
     print_remark(path, remark);
-  if (track.fields.empty())
+  // Motion and surface may be streams of their own.
+  for (const std::string &stream : track.others) {
+    TrackFile other = read_track_file(path, stream);
+    if (track.empty())
+      track.fields = std::move(other.fields);
+    if (track.reliefs.empty())
+      track.reliefs = std::move(other.reliefs);
+  }
+  if (track.fields.empty() && (track.reliefs.empty() || !track.samples.empty()))
     throw_error(messages::kFilmHasPoints, path.c_str());
+  std::ranges::move(track.reliefs, std::back_inserter(track.fields));
   return std::move(track.fields);
 }
 
@@ -146,8 +156,8 @@ std::string author_copy(const std::string &video, const std::string &folder, uns
   return stem + (fs::exists(stem + ".ts", error) ? ".ts" : ".mkv");
 }
 
-// Returns the fields with times from the first frame of the film on: those of the first video that
-// has some, else they are authored from the first video.
+// Returns the fields and reliefs with times from the first frame of the film on: those of the first
+// video that has some, else they are authored from the first video.
 std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOptions &options,
                                  const std::string &work) {
   std::optional<std::vector<CodedField>> fields;
@@ -202,12 +212,14 @@ void write_segments(const Rate &rate, const PackageOptions &options,
                     std::span<const CodedField> track, const std::string &folder, Writer &writer) {
   std::size_t video = 0; // bytes
   std::size_t fields = 0;
+  std::size_t reliefs = 0;
   for_each_segment(rate.path, rate.plan, track, [&](const FilmSegment &segment) {
     if (segment.frames.empty())
       throw_error(messages::kFilmChanges, rate.path.c_str());
     for (const SegmentFrame &frame : segment.frames)
       video += frame.bytes.size();
-    fields += segment.fields.size();
+    for (const SegmentField &field : segment.fields)
+      ++(field.kind == FieldKind::relief ? reliefs : fields);
     write_whole((fs::path(folder) / segment_name(segment.number, options.carriage)).string(),
                 writer.write(segment));
     // The first frames of many films are black.
@@ -220,12 +232,13 @@ void write_segments(const Rate &rate, const PackageOptions &options,
   const auto kilobits = [&](std::size_t bytes) {
     return 8e-3 * static_cast<double>(bytes) / length;
   };
+  const std::string more = reliefs > 0 ? formatted(", %zu reliefs", reliefs) : "";
   std::printf("written: %s (%zu segments, at most %.1f s; video %.0f kbit/s; track %.0f kbit/s, "
-              "%.1f %% of it, %zu fields)\n",
+              "%.1f %% of it, %zu fields%s)\n",
               rate.name.c_str(), rate.plan.starts.size(), seconds(rate.plan.longest),
               kilobits(video), kilobits(writer.track_bytes()),
               100.0 * static_cast<double>(writer.track_bytes()) / static_cast<double>(video),
-              fields);
+              fields, more.c_str());
 }
 
 void write_rate(const Rate &rate, const PackageOptions &options, std::span<const CodedField> track,
