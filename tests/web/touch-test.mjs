@@ -137,3 +137,21 @@ const late = touch.felt(NOTHING, last + 0.5, last + 0.499, steepest, true);
 promise('reliefs that end are felt no longer', late === NOTHING && touch.contact === null);
 promise('a seek finds them again', touch.felt(NOTHING, 1, 0.999, steepest, true).push.z > 0);
 promise('no place is no number', touch.felt(NOTHING, 1, 0.999, { x: NaN, y: 0.5 }, true).push.z === 0);
+
+// Damaged packets, always the same ones.
+let state = 1, most = 0;
+const random = limit => (state = Math.imul(state, 1664525) + 1013904223 >>> 0) % limit;
+for (let round = 0; round < 20; ++round) {
+  const hostile = new Touch();
+  for (const { set, time } of packets) {
+    const damaged = Uint8Array.from(set);
+    if (random(3) === 0) for (let times = random(3); times > 0; --times) damaged[random(damaged.length)] = random(256);
+    hostile.track.add(damaged, time);
+  }
+  for (let time = 0; time < 4; time += 0.05) {
+    const { push } = hostile.felt(NOTHING, time, time - 1e-3, { x: random(100) / 99, y: random(100) / 99 }, true);
+    if (push) most = Math.max(most, Math.hypot(push.x, push.y, push.z));
+  }
+  if (round === 0) promise('damaged reliefs are counted', hostile.track.damaged > 0);
+}
+promise('and no force of a damaged track is above 1 N', most > 0 && most < 1 + 1e-9);
