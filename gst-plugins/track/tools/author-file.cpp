@@ -184,7 +184,7 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
     if (is_dnxhd)
       name_dnxhd(part.path());
   }
-  const std::string copy = stem + film.index.ending;
+  std::string copy = stem + film.index.ending;
   part.keep_as(copy);
   // One of another video of this name, in the other container.
   std::error_code error;

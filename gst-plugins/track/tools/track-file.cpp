@@ -551,10 +551,13 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   }
   std::erase_if(track.samples, [](const TrackSample &sample) { return sample.time == kNoTime; });
   std::erase_if(track.fields, [](const CodedField &field) { return field.time == kNoTime; });
-  const auto reliefs = std::ranges::stable_partition(
-      track.fields, [](const CodedField &field) { return field.kind == FieldKind::motion; });
-  track.reliefs.assign(reliefs.begin(), reliefs.end());
-  track.fields.erase(reliefs.begin(), reliefs.end());
+  // clang 14 does not compile that of std::ranges.
+  const auto reliefs =
+      std::stable_partition(track.fields.begin(), track.fields.end(), [](const CodedField &field) {
+        return field.kind == FieldKind::motion;
+      });
+  track.reliefs.assign(reliefs, track.fields.end());
+  track.fields.erase(reliefs, track.fields.end());
   if (!track.samples.empty() && !track.fields.empty()) {
     count_remark(track, track.samples.size(),
                  "samples of one point beside the fields were left out");
