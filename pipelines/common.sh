@@ -95,16 +95,19 @@ need_input() {
 }
 
 # `need_video INPUT [sound]` fails if the file or URL shows no moving frames. Sets $film (see decoding), $has_sound
-# to yes or no, and $film_rate to the frames in a second as a fraction, or nothing if they are unknown.
+# to yes or no, $film_rate to the frames in a second as a fraction, $film_width to px, and $film_colours to its
+# colorimetry; to nothing if unknown.
 need_video() {
   local facts missing cause sound='' seconds=15
   need_input "$1"
   ! is_url "$1" || seconds=30 # a server may be slow
   find_plugins
   need_packaged_elements deinterlace videoflip
-  facts=$(timeout $((2 * seconds)) gst-discoverer-1.0 -v -t $seconds "$1" 2>&1 | cut -c 1-200) || true
+  facts=$(timeout $((2 * seconds)) gst-discoverer-1.0 -v -t $seconds "$1" 2>&1 | cut -c 1-1000) || true
   has_sound=no
   ! grep -qE '^ *audio #' <<<"$facts" || has_sound=yes sound=${2:-}
+  film_width=$(sed -n 's|^ *Width: \([1-9][0-9]*\)$|\1|p' <<<"$facts" | head -n 1)
+  film_colours=$(sed -n '/^ *video #/s|.* colorimetry=(string)\([^,]*\).*|\1|p' <<<"$facts" | head -n 1)
   film_rate=$(sed -n 's|^ *Frame rate: \([1-9][0-9]*/[1-9][0-9]*\)$|\1|p' <<<"$facts" | head -n 1)
   # Of the frames; a haptic track has no decoder either.
   missing=$(sed -nE 's/^ \(gstreamer\|1\.0\|[^|]*\|([^|]*)\|(decoder-(video|image)\/|demuxer-).*/\1/p' <<<"$facts" | head -n 1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# The packages that this project takes from Debian, 12 and 13 alike, and its two films: wind.ts of the demonstration,
-# and tree.avi from a package. To be sourced after common.sh.
+# The packages that this project takes from Debian, 12 and 13 alike, and its films: wind.ts of the
+# demonstration, depth.mkv to touch, and tree.avi from a package. To be sourced after common.sh.
 
 # To run the pipelines.
 run_packages=(
@@ -185,22 +185,42 @@ install_packages() {
   rm -f "$log"
 }
 
-# Prints the path of the film of the demonstration, which wind-film draws in less time than it plays. It is kept
-# until there is a newer wind-film. For $(...) only: its trap is that of the subshell.
+# Prints the path of the film of the demonstration.
 wind_film() {
-  local kept=$root/build-data/wind.ts program=$build/pipelines/film/wind-film
-  [ -x "$program" ] || program=$(command -v wind-film) ||
-    fail "wind-film is not built; run ./pipelines/demo.sh, which installs and builds everything"
+  drawn_film wind.ts wind-film "a tree in the wind"
+}
+
+# Prints the path of the film of touch-depth.sh: balls in a room, with their depth to the right of them.
+depth_film() {
+  drawn_film depth.mkv depth-film "balls and their depth"
+}
+
+# `drawn_film NAME PROGRAM TEXT` prints the path of a film, which the program draws in less time than it plays. It is
+# kept until there is a newer program. For $(...) only: its trap is that of the subshell.
+drawn_film() {
+  local kept=$root/build-data/$1 program=$build/pipelines/film/$2
+  [ -x "$program" ] || program=$(command -v "$2") ||
+    fail "$2 is not built; run ./pipelines/demo.sh, which installs and builds everything"
   if [ ! -f "$kept" ] || [ "$program" -nt "$kept" ]; then
     mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made; check the permissions of its parent"
     find_plugins
-    echo "Drawing the film of a tree in the wind ..." >&2
-    new=$(mktemp "${kept%/*}/wind.XXXXXX.ts")
+    echo "Drawing the film of $3 ..." >&2
+    new=$(mktemp "${kept%.*}.XXXXXX.${kept##*.}")
     trap 'rm -f "$new" "$new.part"' EXIT
-    "$program" "$new" || return
+    case $2 in
+    wind-film) "$program" "$new" || return ;;
+    depth-film) write_depth_film "$program" "$new" 15 || fail "'$kept' could not be written; make room on the disk" ;;
+    esac
     mv "$new" "$kept"
   fi
   echo "$kept"
+}
+
+# `write_depth_film PROGRAM FILE SECONDS`: of its depth, coding changes a brightness by one step at most.
+write_depth_film() {
+  "$1" "$3" | gst-launch-1.0 -q fdsrc ! rawvideoparse format=i420 width=1280 height=360 framerate=30/1 \
+    ! x264enc pass=quant quantizer=4 speed-preset=veryfast key-int-max=30 ! h264parse ! matroskamux \
+    ! filesink "location=$2" >&2
 }
 
 # Strength of the demonstration. With the paper's alpha, 0.01, leaves are felt for less than half of the time.
@@ -213,30 +233,35 @@ default_to_wind_film() {
   sink_options=("alpha=$wind_alpha" "${sink_options[@]}")
 }
 
-# Prints the path of tree.avi, a tree in the wind, from the Debian package opencv-doc. Where that file is not
-# installed (the package takes 274 MB), the package is fetched and only this file is extracted.
+# Prints the path of tree.avi, a tree in the wind.
 tree_video() {
-  found_tree_video || { fetch_tree_video >&2 && found_tree_video; }
+  opencv_file tree.avi
 }
 
-found_tree_video() {
+# `opencv_file NAME` prints the path of an example's data in the Debian package opencv-doc: tree.avi, or aloeL.jpg and
+# aloeGT.png, an aloe and its disparity. Where they are not installed (the package takes 274 MB), the package is fetched
+# and only these files are extracted.
+opencv_file() {
+  found_opencv_file "$1" || { fetch_opencv_files >&2 && found_opencv_file "$1"; }
+}
+
+found_opencv_file() {
   local file
-  for file in /usr/share/doc/opencv-doc/examples/data/tree.avi "$root/build-data/tree.avi"; do
+  for file in "/usr/share/doc/opencv-doc/examples/data/$1" "$root/build-data/$1"; do
     [ ! -f "$file" ] || { echo "$file"; return; }
   done
   return 1
 }
 
-fetch_tree_video() {
-  local kept=$root/build-data/tree.avi folder
-  mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made; check the permissions of its parent"
-  folder=$(mktemp -d "${kept%/*}/fetch.XXXXXX")
-  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to extract tree.avi ..."
+fetch_opencv_files() {
+  local kept=$root/build-data folder name data=./usr/share/doc/opencv-doc/examples/data
+  mkdir -p "$kept" || fail "the folder '$kept' cannot be made; check the permissions of its parent"
+  folder=$(mktemp -d "$kept/fetch.XXXXXX")
+  echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to extract its tree and its aloe ..."
   if download_package opencv-doc "$folder" &&
     dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb |
-      tar -xO ./usr/share/doc/opencv-doc/examples/data/tree.avi \
-        >"$folder/tree.avi"; then
-    mv "$folder/tree.avi" "$kept"
+      tar -x -C "$folder" --strip-components=7 $data/{tree.avi,aloeL.jpg,aloeGT.png}; then
+    mv "$folder"/{tree.avi,aloeL.jpg,aloeGT.png} "$kept"
     rm -rf "$folder"
   else
     tail -n 5 "$folder/log" >&2

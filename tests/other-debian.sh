@@ -192,9 +192,11 @@ copy_tree() {
 }
 
 copy_tree_and_film() {
-  local film
-  copy_tree "$chroot/feeling-wind" && film=$(tree_video) || return
-  mkdir "$chroot/feeling-wind/build-data" && cp "$film" "$chroot/feeling-wind/build-data/"
+  local name file
+  copy_tree "$chroot/feeling-wind" && mkdir "$chroot/feeling-wind/build-data" || return
+  for name in tree.avi aloeL.jpg aloeGT.png; do
+    file=$(opencv_file $name) && cp "$file" "$chroot/feeling-wind/build-data/" || return
+  done
 }
 
 # By the project's own script, as on any machine.

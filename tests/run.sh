@@ -77,6 +77,7 @@ set_up() {
   install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" \
     "${test_packages[@]}" "${vm_packages[@]}"
   echo "tree.avi: $(tree_video)"
+  echo "aloe: $(opencv_file aloeGT.png)"
   [ "$all" = no ] || set_up_web
 }
 

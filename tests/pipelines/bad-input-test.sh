@@ -100,13 +100,31 @@ refuses "no camera" field-multicast.sh /dev/video99
 refuses "239.0.0.0" field-multicast.sh --group 10.0.0.1 --test-source
 refuses "no network interface 'wire'" field-multicast.sh --interface wire --receive
 refuses "not for --receive" field-multicast.sh --receive "$work/clip.mkv"
+for script in touch-depth.sh touch-colour.sh; do
+  refuses "surface\+motion, surface or off, not 'hard'" "$script" --touch hard
+  refuses "needs a value" "$script" --video
+  refuses "unknown option '--bogus'" "$script" --bogus
+  refuses "Give a video with --video" "$script" "$work/clip.mkv"
+  refuses "no file" "$script" --video "$work/missing.mp4"
+  refuses "still picture" "$script" --video "$work/still.jpg"
+  refuses "cannot be written" "$script" --video "$work/clip.mkv" --output /proc/touch-output
+done
+refuses "not both" touch-depth.sh --still --video "$work/clip.mkv"
+refuses "unknown option '--table'" touch-depth.sh --table fabric
+refuses "unknown option '--still'" touch-colour.sh --still
+ffmpeg -v error -i "$work/clip.mkv" -vf crop=351:288:0:0 -c:v ffv1 -pix_fmt yuv444p "$work/odd.mkv" </dev/null
+refuses "351 px wide and cannot be halved" touch-depth.sh --video "$work/odd.mkv"
+refuses "silk" touch-colour.sh --table silk
+refuses "noise.ini" touch-colour.sh --table "$work/noise.ini"
+cp "$work/noise.avi" "$work/noise.ini"
+refuses "noise.ini" touch-colour.sh --table "$work/noise.ini"
 unset DISPLAY WAYLAND_DISPLAY
 refuses "no display" play-file-with-display.sh "$work/clip.mkv"
 refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast author/parallel view moving-picture paper; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast author/parallel view moving-picture paper touch-depth touch-colour; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"

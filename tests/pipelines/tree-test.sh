@@ -4,7 +4,7 @@
 # stamps.
 
 source "$(dirname "$0")/support.sh"
-tree=$(found_tree_video) ||
+tree=$(found_opencv_file tree.avi) ||
   skip "tree.avi is not here; ./tests/run.sh fetches it"
 
 # As fast as it decodes, with one message per picture.
