@@ -70,6 +70,12 @@ promise "and then no longer" in_log "$log" 'time < 1.45 || force < 0.001'
 promise "without a jolt" smooth "$log"
 promise "to the end of the film" sound_log "$log" 1 2.9
 
+for coded in mjpeg libx264; do # with luma to 255, and to 235
+  ffmpeg -v error -f lavfi -i "color=white:s=320x120:r=30:d=2" -c:v $coded "$work/white.mkv" -y </dev/null
+  promise "white depth in $coded" touch_it touch-depth hold:0,0,0.7 --video "$work/white.mkv"
+  promise "is high" rows 'touch == 1 && fz > 0.2' 1000
+done
+
 ffmpeg -v error -f lavfi -i "color=black:s=320x240:r=30:d=2,drawbox=x=160:w=160:h=240:color=white:t=fill" \
   -c:v libx264 -qp 4 "$work/halves.mkv" </dev/null
 printf '%s\n' '[table]' unit=mm '[entry-1]' colour=#ffffff height=4 stiffness=150 friction=0 \
