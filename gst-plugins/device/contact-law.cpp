@@ -23,8 +23,9 @@ constexpr double kDampingTime = 0.005;   // s: damper over spring
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
-constexpr double kAtRest = 1e-8; // m of slip that is not worth a step
-constexpr int kBisections = 16;  // of the hand's way in one tick
+constexpr double kAtRest = 1e-8;  // m of slip that is not worth a step
+constexpr double kHanging = 1e-4; // m outside the friction cone
+constexpr int kBisections = 16;   // of the hand's way in one tick
 
 } // namespace
 
@@ -126,6 +127,19 @@ void ContactLaw::slide(const ReliefSurface &surface, const Vector3 &hand,
   stiffness_ = std::min(point.stiffness, most_stiffness);
 }
 
+// A proxy that a falling flank took beneath the hand, and that cannot slip back into the friction
+// cone, would pull the hand in. Another spring begins at the hand, without energy.
+bool ContactLaw::hangs(const ReliefSurface &surface, const Vector3 &hand) const noexcept {
+  const Vector3 &proxy = contact_.proxy;
+  const Vector3 spring = proxy - hand;
+  if (spring.z() >= 0)
+    return false;
+  const Vector3 normal = surface.normal(proxy.x(), proxy.y());
+  const double depth = std::max(spring.dot(normal), 0.0);
+  const double friction = surface.at(proxy.x(), proxy.y()).friction;
+  return (spring - depth * normal).norm() > friction * depth + kHanging;
+}
+
 const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &hand,
                                 const Vector3 &velocity, const ContactLimits &limits,
                                 double dt) noexcept {
@@ -158,6 +172,11 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
     return contact_;
   }
   slide(surface, hand, most);
+  if (hangs(surface, hand)) {
+    lag_ = hand.z() - here.height;
+    contact_.proxy = hand;
+    stiffness_ = 0;
+  }
   const Vector3 moved =
       touched ? Vector3(hand - before - Vector3(0, 0, rise * dt)) : Vector3::Zero();
   exert(wanted(hand, velocity - Vector3(0, 0, rise), moved, limits), limits, dt);

@@ -48,6 +48,7 @@ private:
                          double most_stiffness, double dt) noexcept;
   void slide(const ReliefSurface &surface, const spidar::Vector3 &hand,
              double most_stiffness) noexcept;
+  bool hangs(const ReliefSurface &surface, const spidar::Vector3 &hand) const noexcept;
   spidar::Vector3 wanted(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
                          const spidar::Vector3 &moved, const ContactLimits &limits) noexcept;
   void exert(const spidar::Vector3 &wanted, const ContactLimits &limits, double dt) noexcept;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The surface of a relief and the force of touching it, as gst-plugins/device/relief-surface.cpp and contact-law.cpp
-// (docs/force.md, "Touch"), for a finger that presses DEPTH deep. Without the damper and the rules of energy there: they
+// (docs/force.md, "Touch"), for a finger that presses DEPTH deep. Without damper against the hand and rules of energy: they
 // are about a hand that the force moves.
 import { clamp } from './field-codec.js';
 
@@ -16,12 +16,17 @@ const SLEW = 0.02; // N in a tick
 const SLIDE_STEPS = 8; // of half a cell, in a tick
 const HALVINGS = 5;
 const AT_REST = 1e-8; // m of slip that is not worth a step
+const HANGING = 1e-4; // m outside the friction cone
+const DAMPING = 5; // ticks: damper over spring, against the surface's own speed
+const WHOLE = 5e-4; // m of depth from which the damper is whole
+const CLIMB = 1e-4; // m in a tick, at which the surface comes back from the finger: 0.1 m/s
 
 const dot = (a, b) => a.x * b.x + a.y * b.y + a.z * b.z;
 const norm = v => Math.sqrt(dot(v, v));
 const times = (v, by) => ({ x: by * v.x, y: by * v.y, z: by * v.z });
 const plus = (a, b) => ({ x: a.x + b.x, y: a.y + b.y, z: a.z + b.z });
 const minus = (a, b) => plus(a, times(b, -1));
+const stiffnessOf = at => Math.min(at.stiffness, STIFFEST);
 const shorten = (v, most) => norm(v) > most ? times(v, most / norm(v)) : v;
 
 // The two cells between whose centres a place lies, and the weight of the second.
@@ -90,6 +95,7 @@ export class Contact {
   proxy = null;
   /** N, on the finger */
   force = { x: 0, y: 0, z: 0 };
+  #lag = 0; // m, of the felt surface above the film's
 
   release() {
     this.proxy = null;
@@ -102,16 +108,28 @@ export class Contact {
     if (!here) return this.release();
     const finger = { x, y, z: here.z - DEPTH / Math.max(surface.normal(x, y).z, STEEPEST) };
     const under = this.proxy && surface.at(this.proxy.x, this.proxy.y);
-    this.proxy = under ? { ...this.proxy, z: under.z } : { x, y, z: here.z };
-    const stiffness = this.#slide(surface, finger, under || here);
-    const wanted = shorten(times(minus(this.proxy, finger), stiffness), MAX_FORCE);
+    if (!under) this.proxy = { x, y, z: here.z };
+    const lag = under ? this.proxy.z - under.z : 0;
+    this.#lag = lag - clamp(lag, -CLIMB, CLIMB);
+    this.proxy.z = (under || here).z + this.#lag;
+    const point = this.#slide(surface, finger, under || here);
+    if (this.#hangs(surface, finger, point) || finger.z > here.z + this.#lag + AT_REST) this.proxy = finger;
+    const spring = minus(this.proxy, finger), depth = norm(spring) || 1;
+    const damper = 1 + DAMPING * Math.min(1 / WHOLE, 1 / depth) * Math.max(-clamp(lag, -CLIMB, CLIMB) * spring.z / depth, 0);
+    const wanted = shorten(times(spring, damper * stiffnessOf(point)), MAX_FORCE);
     this.force = plus(this.force, shorten(minus(wanted, this.force), SLEW));
   }
 
-  // The proxy slips until the spring is within the friction cone, as far as that lowers the energy. Returns N/m there.
+  // Of a falling flank: beneath the finger, and outside the friction cone.
+  #hangs(surface, finger, { friction }) {
+    const spring = minus(this.proxy, finger), normal = surface.normal(this.proxy.x, this.proxy.y);
+    const depth = Math.max(dot(spring, normal), 0);
+    return spring.z < 0 && norm(minus(spring, times(normal, depth))) > friction * depth + HANGING;
+  }
+
+  // The proxy slips until the spring is within the friction cone, as far as that lowers the energy. Returns its place.
   #slide(surface, finger, point) {
-    const stiffness = at => Math.min(at.stiffness, STIFFEST);
-    const energy = (at, place) => stiffness(at) * norm(minus(place, finger)) ** 2;
+    const energy = (at, place) => stiffnessOf(at) * norm(minus(place, finger)) ** 2;
     let now = energy(point, this.proxy);
     for (let i = 0; i < SLIDE_STEPS; ++i) {
       const normal = surface.normal(this.proxy.x, this.proxy.y);
@@ -123,13 +141,13 @@ export class Contact {
         const place = minus(this.proxy, times(tangent, step / length));
         const there = surface.at(place.x, place.y);
         if (!there) continue;
-        place.z = there.z;
+        place.z = there.z + this.#lag;
         const then = energy(there, place);
         if (then >= now) continue;
         [this.proxy, point, now, slipped] = [place, there, then, true];
       }
       if (!slipped) break;
     }
-    return stiffness(point);
+    return point;
   }
 }

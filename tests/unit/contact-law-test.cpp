@@ -182,6 +182,38 @@ TEST(ContactLaw, AHandThatIsFoundBeneathASurfaceIsLiftedSlowly) {
   EXPECT_NEAR(law.contact().proxy.z(), 0.01, 2e-4);
 }
 
+// A ball on a wall, of 14 mm, at x.
+test::Shape ball_at(double centre) {
+  return [centre](double x, double y) {
+    constexpr double kRadius = 0.007;
+    const double square = kRadius * kRadius - (x - centre) * (x - centre) - y * y;
+    return square > 0 ? -0.002 + std::sqrt(square) : -0.012;
+  };
+}
+
+// Its flank falls beneath the hand as it leaves.
+TEST(ContactLaw, ABallThatPassesPullsInByNoMoreThanItsFriction) {
+  constexpr double kSpeed = 0.02; // m/s
+  for (const double friction : {0.3, 0.8})
+    for (const Vector3 &hand : {Vector3(0, 0, -0.004), Vector3(0, 0.002, -0.008),
+                                Vector3(0, 0.004, -0.008), Vector3(0, 0.004, 0)}) {
+      SCOPED_TRACE(hand.transpose());
+      const double share = friction / std::hypot(1, friction);
+      ContactLaw law;
+      ReliefField from = test::relief_of(ball_at(-0.02), kStiffness, friction);
+      for (int frame = 1; frame <= 60; ++frame) {
+        const ReliefField to =
+            test::relief_of(ball_at(-0.02 + kSpeed * frame / 30), kStiffness, friction);
+        for (int ms = 0; ms < 33; ++ms) {
+          const Contact contact =
+              law.step({from, to, ms / 33.0, test::kHalf}, hand, Vector3::Zero(), kLimits, kTick);
+          ASSERT_GE(contact.force.z(), -share * contact.force.norm() - 0.02) << frame;
+        }
+        from = to;
+      }
+    }
+}
+
 TEST(ContactLaw, ANumberThatIsNotFiniteGivesNoForce) {
   const ReliefField relief = test::relief_of(test::flat(0.02));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
