@@ -15,6 +15,9 @@ inline constexpr double kDefaultAlpha = 0.01;
 /// The highest `max-force`, N: what the motors of a SPIDAR-G can pull.
 inline constexpr double kHighestForce = 5;
 
+/// The stiffest surface that a hand feels at the defaults of hapticsink, N/m (docs/force.md#touch).
+inline constexpr double kStiffestTouch = 200;
+
 /// Returns the share of a force that a confidence lets through: 0 up to 0.2, 1 from 0.5 on, linear
 /// between. Real-time safe.
 double confidence_gate(double confidence) noexcept;

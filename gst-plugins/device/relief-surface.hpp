@@ -4,20 +4,12 @@
 #pragma once
 
 #include "pointer-mapping.hpp"
-#include "relief-field.hpp"
+#include "relief-sampler.hpp"
 
 #include <algorithm>
 #include <spidar/types.hpp>
 
 namespace haptic {
-
-/// The surface above one place.
-struct SurfacePoint {
-  bool exists = false;  ///< false: nothing is known here, and the rest is 0
-  double height = 0;    ///< m, z
-  double stiffness = 0; ///< N/m
-  double friction = 0;  ///< Coulomb coefficient
-};
 
 /// A view: the reliefs outlive it. Heights, stiffness and friction are means of the cells by
 /// validity, bilinear in place and linear in time; there is a surface where the mean validity is at

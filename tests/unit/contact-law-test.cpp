@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "force-defaults.hpp"
 #include "touched-surface.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ using haptic::ReliefField;
 using spidar::Vector3;
 using test::kTick;
 
-constexpr double kStiffness = 200; // N/m
+constexpr double kStiffness = haptic::kStiffestTouch;
 const haptic::ContactLimits kLimits;
 
 // Leads the hand in small steps along a line, then lets it rest.
@@ -145,7 +146,7 @@ TEST(ContactLaw, RestsOnARampFlatterThanTheAngleOfFriction) {
 }
 
 TEST(ContactLaw, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
-  EXPECT_DOUBLE_EQ(haptic::stiffest({}), 200);
+  EXPECT_DOUBLE_EQ(haptic::stiffest({}), haptic::kStiffestTouch) << "of haptic-track compare";
   EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 5}), 50);
   EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 1000, .rate = 100}), 20);
   const ReliefField relief = test::relief_of(test::flat(), 1e5);
