@@ -8,6 +8,48 @@
 namespace haptic {
 namespace {
 
+// Fields at rest that were left out count as fields.
+template <typename Cells, typename Call>
+void for_each_decoded(std::span<const CodedField> track, const Call &call) {
+  GridDecoder<Cells> decoder;
+  for (const auto &coded : track) {
+    const auto result = decoder.push(coded.bytes);
+    if (decoder.rested() && coded.time >= decoder.field().interval)
+      call(decoder.rest(), coded.time - decoder.field().interval);
+    if (result == GridDecoder<Cells>::Result::field)
+      call(decoder.field(), coded.time);
+  }
+}
+
+// Returns those in [from, to) coded anew: they depended on some that are cut off. Their times begin
+// at 0.
+std::vector<CodedField> fields_anew(std::span<const CodedField> track, std::uint64_t from,
+                                    std::uint64_t to, std::uint8_t sequence) {
+  std::vector<CodedField> fields;
+  FieldEncoder encoder(kKeyInterval, sequence);
+  for_each_field(track, [&](const MotionField &field, std::uint64_t time) {
+    if (time < from || time >= to)
+      return;
+    if (auto bytes = encoder.push(field))
+      fields.push_back({std::move(*bytes), time - from});
+  });
+  return fields;
+}
+
+// The same of reliefs, which stay the same to the bit: none of them rests.
+std::vector<CodedField> reliefs_anew(std::span<const CodedField> track, std::uint64_t from,
+                                     std::uint64_t to, std::uint8_t sequence) {
+  std::vector<CodedField> reliefs;
+  ReliefDecoder decoder;
+  ReliefEncoder encoder(kKeyInterval, sequence);
+  for (const auto &coded : track)
+    if (decoder.push(coded.bytes) == ReliefDecoder::Result::field && coded.time >= from &&
+        coded.time < to)
+      reliefs.push_back({encoder.push_held(decoder.state(), false), coded.time - from,
+                         coded.duration, FieldKind::relief});
+  return reliefs;
+}
+
 std::uint8_t sequence_of(std::span<const std::uint8_t> bytes) {
   return bytes[1]; // docs/formats/field-code.md
 }
@@ -31,42 +73,34 @@ void append_with_keys(std::span<const CodedField> track, FieldKind kind,
 
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call) {
-  FieldDecoder decoder;
-  for (const auto &coded : track) {
-    const auto result = decoder.push(coded.bytes);
-    if (decoder.rested() && coded.time >= decoder.field().interval)
-      call(decoder.rest(), coded.time - decoder.field().interval);
-    if (result == FieldDecoder::Result::field)
-      call(decoder.field(), coded.time);
-  }
+  for_each_decoded<MotionCells>(track, call);
+}
+
+void for_each_relief(std::span<const CodedField> track,
+                     const std::function<void(const ReliefField &, std::uint64_t time)> &call) {
+  for_each_decoded<ReliefCells>(track, call);
 }
 
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to) {
   // Fields before the first pair of key fields depend on fields that are cut off: they are coded
   // anew.
-  const auto is_within = [&](std::uint64_t time) { return time >= from && time < to; };
   const auto key = std::ranges::find_if(track, [&](const CodedField &coded) {
     return coded.time >= from && begins_pair(coded.bytes);
   });
+  const bool are_reliefs = !track.empty() && track.front().kind == FieldKind::relief;
   const auto coded_anew = [&](std::uint8_t sequence) {
-    std::vector<CodedField> fields;
-    FieldEncoder encoder(kKeyInterval, sequence);
-    for_each_field({track.begin(), key}, [&](const MotionField &field, std::uint64_t time) {
-      if (!is_within(time))
-        return;
-      if (auto bytes = encoder.push(field))
-        fields.push_back({std::move(*bytes), time - from});
-    });
-    return fields;
+    const std::span before(track.begin(), key);
+    return are_reliefs ? reliefs_anew(before, from, to, sequence)
+                       : fields_anew(before, from, to, sequence);
   };
   std::vector<CodedField> part = coded_anew(kFirstSequence);
   // Their sequence numbers lead to that of the key field, so that none seems lost.
   if (key != track.end() && !part.empty())
     part = coded_anew(static_cast<std::uint8_t>(sequence_of(key->bytes) - part.size()));
   for (const auto &coded : std::span(key, track.end()))
-    if (is_within(coded.time))
-      part.push_back({coded.bytes, coded.time - from, coded.duration});
+    if (coded.time >= from && coded.time < to)
+      part.push_back({coded.bytes, coded.time - from, coded.duration, coded.kind});
   return part;
 }
 

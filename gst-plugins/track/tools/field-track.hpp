@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tracks of motion fields: decoding, cutting, and the amount of motion.
+// Tracks of motion fields or reliefs: decoding, cutting, and the amount of motion.
 #pragma once
 
 #include "field-codec.hpp"
@@ -16,7 +16,12 @@ namespace haptic {
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call);
 
-/// Returns the fields in [from, to) ns. Their times begin at 0, and the first one is a key field.
+/// The same for reliefs.
+void for_each_relief(std::span<const CodedField> track,
+                     const std::function<void(const ReliefField &, std::uint64_t time)> &call);
+
+/// Returns the fields, or the reliefs, in [from, to) ns. Their times begin at 0, and the first one
+/// is a key field.
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to);
 
