@@ -114,6 +114,12 @@
   MESSAGE(kOutputHoldsPoints, \
           "\"%s\": MPEG haptics can hold the motion of one point only, and this track holds fields of the whole frame.", \
           "Write .ts, .mkv, .klv or .txt.") \
+  MESSAGE(kOutputHoldsMotion, \
+          "\"%s\": this form holds motion, and this track is a surface to touch.", \
+          "Write .ts, .mkv, .klv or .txt.") \
+  MESSAGE(kHandTouches, \
+          "\"%s\": a hand feels a force of this surface, and no motion that points could hold.", \
+          "Let hapticsink feel it (touch=surface, sim-hand=file:PATH) and log it (log-location=LOG.csv).") \
   MESSAGE(kMapIsUnknown, \
           "--map knows %s, not '%s'.", \
           "Give one of these words.") \
@@ -243,9 +249,6 @@
   MESSAGE(kOutputExists, \
           "\"%s\" exists.", \
           "Use --force, which writes over it, or give another name.") \
-  MESSAGE(kTrackHoldsReliefs, \
-          "\"%s\" holds reliefs and no motion.", \
-          "Read them by haptic-track info, or in a pipeline by hapticconvert.") \
   MESSAGE(kTrackIsEmpty, \
           "\"%s\": there is not one sample in this track.", \
           "Take another file.") \
@@ -268,11 +271,23 @@
           "\"%s\" lasts from %.3f to %.3f s, \"%s\" from %.3f to %.3f s: they have no time in common.", \
           "Cut one of them with haptic-track cut, which lets its times begin at 0.") \
   MESSAGE(kPlacesNeedFields, \
-          "neither file has motion fields, so the hand is where it was.", \
+          "neither file has fields or reliefs, so the hand is where it was.", \
           "Leave out --places and --hand.") \
   MESSAGE(kPlacesAreGiven, \
           "the place of the hand is given twice.", \
-          "Use --places only with two tracks of motion fields, and without --hand.") \
+          "Use --places only with two tracks of fields or reliefs, and without --hand.") \
+  MESSAGE(kKindsDiffer, \
+          "\"%s\" is a surface to touch, and \"%s\" is motion: nothing is the same in them.", \
+          "Compare two of one kind; --stream chooses where a file holds both.") \
+  MESSAGE(kNoSurface, \
+          "\"%s\": no relief of this track has a surface.", \
+          "See haptic-track info, then the depth or the colours that it was made from.") \
+  MESSAGE(kNoSurfaceHere, \
+          "\"%s\": there is never a surface at this place.", \
+          "Name another one with --place X,Y; haptic-track info shows how much of the frame has a surface.") \
+  MESSAGE(kOptionNeedsPlace, \
+          "%s needs a place in the frame, not '%s'.", \
+          "Give x and y from 0 to 1, from the top left, such as 0.5,0.25.") \
   MESSAGE(kHandIsMissing, \
           "\"%s\": there is no hand in this file.", \
           "Name a log with the columns time, fx, fy, x and y with --hand.") \

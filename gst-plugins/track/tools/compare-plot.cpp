@@ -51,8 +51,9 @@ std::vector<double> shares_over_time(const Comparison &result, const SignalsAt &
 }
 
 // Draws one axis of both forces. Of many forces in a pixel their mean is drawn.
-void draw_axis(Gnuplot &out, const Comparison &result, const SignalPair &pair, const Bins &bins,
-               float Force::*axis) {
+void draw_axis(Gnuplot &out, const char *name, const Comparison &result, const SignalPair &pair,
+               const Bins &bins, float Force::*axis) {
+  out.line("set ylabel '%s (N)' offset 1", name);
   out.line("plot '-' using 1:2 with lines linetype 2 linewidth 2.5 title 'B', "
            "'-' using 1:2 with lines linetype 1 linewidth 1.5 title 'A'");
   const auto send = [&](const ForceSignal &signal, std::int64_t shift) {
@@ -67,29 +68,31 @@ void draw_axis(Gnuplot &out, const Comparison &result, const SignalPair &pair, c
   };
   send(pair.second, std::llround(result.shift / kForceStep));
   send(pair.first, 0);
+  out.line("unset key; unset label"); // stand above the first axis
 }
 
 } // namespace
 
 void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std::size_t place,
-                     const std::string &caption, const std::string &output) {
+                     const std::string &caption, bool is_touch, const std::string &output) {
   if (std::filesystem::path(output).extension() != ".png")
     throw_error(messages::kPictureIsUnknown, output.c_str());
   const Bins bins(result);
   const SignalPair pair = signals_at(place);
   const bool places = result.places.size() > 1;
   Gnuplot out(output);
-  out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 900);
-  out.line("set multiplot layout 3,1 margins 0.1, 0.98, 0.08, 0.94 spacing 0, 0.07");
+  out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, is_touch ? 1180 : 900);
+  out.line("set multiplot layout %d,1 margins 0.1, 0.98, 0.08, 0.94 spacing 0, 0.07",
+           is_touch ? 4 : 3);
   out.line("set xzeroaxis linetype -1 linecolor rgb '#444444'");
   out.line("set xrange [%.3f:%.3f] noextend", static_cast<double>(result.first) * kForceStep,
            static_cast<double>(result.end) * kForceStep);
   out.line("set label 1 '%s' at screen 0.1, 0.97", caption.c_str());
   out.line("set key at screen 0.98, 0.985");
-  out.line("set ylabel 'to the right (N)' offset 1");
-  draw_axis(out, result, pair, bins, &Force::x);
-  out.line("unset key; unset label; set ylabel 'upwards (N)' offset 1");
-  draw_axis(out, result, pair, bins, &Force::y);
+  if (is_touch)
+    draw_axis(out, "outwards", result, pair, bins, &Force::z);
+  draw_axis(out, "to the right", result, pair, bins, &Force::x);
+  draw_axis(out, "upwards", result, pair, bins, &Force::y);
   out.line("set xlabel 'time (s)' offset 0,0.5; set yrange [0:100]");
   out.line("set ylabel '%s' offset 1",
            places ? "told apart (% of places)" : "told apart (% of time)");

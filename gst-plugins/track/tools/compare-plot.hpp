@@ -13,6 +13,6 @@ namespace haptic {
 /// share of all places at which a hand can tell them apart. `caption` must be safe between single
 /// quotes in gnuplot. Throws TrackFileError.
 void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std::size_t place,
-                     const std::string &caption, const std::string &output);
+                     const std::string &caption, bool is_touch, const std::string &output);
 
 } // namespace haptic

@@ -29,19 +29,19 @@ std::vector<PointerPosition> grid(unsigned columns, unsigned rows) {
   return places;
 }
 
-// The hands that feel the fields of either file: those of the options, else the one for which the
-// other file was made, else a grid.
+// The hands that feel the fields or reliefs of either file: those of the options, else the one for
+// which the other file was made, else a grid.
 Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &options) {
-  if (!a.has_fields() && !b.has_fields()) {
+  if (!a.has_places() && !b.has_places()) {
     if (options.columns > 0 || !options.hand.empty())
       throw_error(messages::kPlacesNeedFields);
     return {grid(1, 1), {}};
   }
-  const bool both = a.has_fields() && b.has_fields();
+  const bool both = a.has_places() && b.has_places();
   if (options.columns > 0 && (!both || !options.hand.empty()))
     throw_error(messages::kPlacesAreGiven);
   if (!options.hand.empty() || !both) {
-    const FeltFile &other = a.has_fields() ? b : a;
+    const FeltFile &other = a.has_places() ? b : a;
     auto path = options.hand.empty() ? other.hand() : read_force_log(options.hand).places;
     if (path.empty())
       throw_error(messages::kHandIsMissing,
@@ -49,6 +49,13 @@ Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &opti
     return {{}, std::move(path)};
   }
   return {options.columns > 0 ? grid(options.columns, options.rows) : grid(kColumns, kRows), {}};
+}
+
+void check_kinds(const FeltFile &a, const FeltFile &b) {
+  if (a.has_reliefs() && b.has_motion())
+    throw_error(messages::kKindsDiffer, a.path().c_str(), b.path().c_str());
+  if (b.has_reliefs() && a.has_motion())
+    throw_error(messages::kKindsDiffer, b.path().c_str(), a.path().c_str());
 }
 
 void check_times(const FeltFile &a, const FeltFile &b) {
@@ -120,8 +127,9 @@ void print_json(const Hands &hands, const Comparison &result) {
 } // namespace
 
 int compare(const std::string &path_a, const std::string &path_b, const CompareOptions &options) {
-  FeltFile a(path_a);
-  FeltFile b(path_b);
+  FeltFile a(path_a, options.stream);
+  FeltFile b(path_b, options.stream);
+  check_kinds(a, b);
   b.delay(options.offset);
   const Hands hands = hands_for(a, b, options);
   const TimeRange all;
@@ -129,10 +137,24 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   a.feel(hands, options.law, range);
   b.feel(hands, options.law, range);
   check_times(a, b);
-  const auto signals = [&](std::size_t hand) { return SignalPair(a.signal(hand), b.signal(hand)); };
-  const Comparison result = compare_signals(hands.count(), signals);
+  const bool touched = a.has_reliefs() || b.has_reliefs();
+  SignalsAt signals = [&](std::size_t hand) { return SignalPair(a.signal(hand), b.signal(hand)); };
+  double shift = 0;
+  if (touched && hands.path.empty()) {
+    // A hand at rest follows both surfaces, so that its forces do not say how they are shifted.
+    shift = best_shift(hands.count(), [&](std::size_t hand) {
+      return SignalPair(height_signal(a.surface(hand)), height_signal(b.surface(hand)));
+    });
+    signals = [&](std::size_t hand) {
+      return touch_signals(a.surface(hand), b.surface(hand), options.law.max_force, shift);
+    };
+  } else {
+    shift = best_shift(hands.count(), signals);
+  }
+  const Comparison result = compare_at(shift, hands.count(), signals);
   if (!options.plot.empty())
-    plot_comparison(result, signals, worst_place(result), caption_of(hands, result), options.plot);
+    plot_comparison(result, signals, worst_place(result), caption_of(hands, result), touched,
+                    options.plot);
   if (options.json)
     print_json(hands, result);
   else

@@ -16,9 +16,10 @@ constexpr double kPathStep = 0.01;        // s, between motions under a hand tha
 constexpr double kLongest = 4 * 3600 + 1; // s
 
 // Keeps the times rising.
-void append(std::vector<FeltMotion> &motions, const FeltMotion &motion) {
-  if (motions.empty() || motion.time > motions.back().time)
-    motions.push_back(motion);
+template <typename Timed>
+void append(std::vector<Timed> &all, const Timed &one) {
+  if (all.empty() || one.time > all.back().time)
+    all.push_back(one);
 }
 
 // Appends the motions under a moving hand between two fields, with the second one. The hand feels
@@ -53,14 +54,15 @@ void add_to_times(std::vector<Timed> &all, double offset) {
 
 } // namespace
 
-FeltFile::FeltFile(const std::string &path) : path_(path) {
+FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(path) {
   if (is_force_log(path)) {
     log_ = read_force_log(path);
     return;
   }
-  track_ = read_track_file(path);
+  track_ = read_track_file(path, stream);
   for (const auto &remark : track_.remarks)
     std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+  leave_reliefs_out(path, track_);
 }
 
 std::vector<TimedPlace> FeltFile::hand() const {
@@ -83,10 +85,14 @@ std::vector<TimedPlace> FeltFile::hand() const {
 void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &range) {
   law_ = law;
   motions_.clear();
-  if (has_fields()) {
+  surfaces_.clear();
+  if (has_places()) {
     Hands in_own_time = hands;
     add_to_times(in_own_time.path, -offset_);
-    feel_fields(in_own_time);
+    if (has_reliefs())
+      feel_reliefs(in_own_time);
+    else
+      feel_fields(in_own_time);
   } else if (!track_.empty()) {
     auto &motions = motions_.emplace_back();
     for (const auto &sample : track_.samples)
@@ -98,10 +104,16 @@ void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &ra
     add_to_times(motions, offset_);
     erase_outside(motions, range);
   }
+  for (auto &surfaces : surfaces_) {
+    add_to_times(surfaces, offset_);
+    erase_outside(surfaces, range);
+  }
   if (!log_.forces.empty())
     set_times(log_.forces.front().time, log_.forces.back().time);
   else if (!motions_.empty() && !motions_.front().empty())
     set_times(motions_.front().front().time, motions_.front().back().time);
+  else if (!surfaces_.empty() && !surfaces_.front().empty())
+    set_times(surfaces_.front().front().time, surfaces_.front().back().time);
   else
     throw_error(messages::kNothingToCompare, path_.c_str());
 }
@@ -121,6 +133,31 @@ void FeltFile::feel_fields(const Hands &hands) {
   });
   if (time_before == kNoTime)
     throw_error(messages::kNoFieldIsDecoded);
+}
+
+void FeltFile::feel_reliefs(const Hands &hands) {
+  surfaces_.resize(hands.path.empty() ? hands.count() : 0);
+  ReliefField before;
+  std::uint64_t time_before = kNoTime;
+  bool has_surface = false;
+  for_each_relief(track_.reliefs, [&](const ReliefField &relief, std::uint64_t time) {
+    for (std::size_t i = 0; i < surfaces_.size(); ++i)
+      append(surfaces_[i], felt_surface(relief, hands.resting[i].x, hands.resting[i].y, time));
+    if (!hands.path.empty())
+      for (const TimedForce &force :
+           touch_along(hands.path, time_before == kNoTime ? nullptr : &before, time_before, relief,
+                       time, law_.max_force))
+        append(log_.forces, force);
+    has_surface = has_surface || std::ranges::any_of(relief.cells, [](const ReliefCell &cell) {
+                    return cell.validity > 0;
+                  });
+    before = relief;
+    time_before = time;
+  });
+  if (time_before == kNoTime)
+    throw_error(messages::kNoFieldIsDecoded);
+  if (!has_surface)
+    throw_error(messages::kNoSurface, path_.c_str());
 }
 
 void FeltFile::set_times(double begin, double end) {

@@ -4,9 +4,11 @@
 
 #include "force-log.hpp"
 #include "pointer-position.hpp"
+#include "touch-signal.hpp"
 #include "track-file.hpp"
 
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,35 +31,42 @@ struct TimeRange {
 class FeltFile {
 public:
   /// Throws TrackFileError.
-  explicit FeltFile(const std::string &path);
+  explicit FeltFile(const std::string &path, const std::string &stream = {});
 
   const std::string &path() const noexcept { return path_; }
   /// Sets s that are added to all times; before hand() and feel().
   void delay(double offset) noexcept { offset_ = offset; }
-  bool has_fields() const noexcept { return !track_.fields.empty(); }
-  /// Returns where the hand was for which the file was made; nothing if it has fields.
+  bool has_motion() const noexcept { return !track_.empty(); }
+  bool has_reliefs() const noexcept { return !track_.reliefs.empty(); }
+  /// Whether it holds something for each place of the frame: fields or reliefs.
+  bool has_places() const noexcept { return !track_.coded().empty(); }
+  /// Returns where the hand was for which the file was made; nothing if it has places.
   std::vector<TimedPlace> hand() const;
 
-  /// Once: makes the force that each of the hands feels within a time. What is no field has one
+  /// Once: makes the force that each of the hands feels within a time. What has no places has one
   /// hand, whatever `hands` says. Throws TrackFileError if there is none, or if it is too long.
   void feel(const Hands &hands, const ForceLaw &law, const TimeRange &range);
-  /// Of the hands of feel().
+  /// Of the hands of feel(). Not of reliefs under hands at rest.
   ForceSignal signal(std::size_t hand) const;
+  /// Of reliefs: what is under a hand of feel() that rests.
+  std::span<const FeltSurface> surface(std::size_t hand) const { return surfaces_[hand]; }
   double begin() const noexcept { return begin_; } ///< s
   double end() const noexcept { return end_; }     ///< s
 
 private:
   void feel_fields(const Hands &hands);
+  void feel_reliefs(const Hands &hands);
   void set_times(double begin, double end);
 
   std::string path_;
-  ForceLog log_;
+  ForceLog log_; // or the forces of reliefs on a hand that moves
   TrackFile track_;
   ForceLaw law_;
-  std::vector<std::vector<FeltMotion>> motions_; // of each hand; empty of a log
-  double offset_ = 0;                            // s
-  double begin_ = 0;                             // s
-  double end_ = 0;                               // s
+  std::vector<std::vector<FeltMotion>> motions_;   // of each hand; empty of a log
+  std::vector<std::vector<FeltSurface>> surfaces_; // of each hand at rest; of reliefs
+  double offset_ = 0;                              // s
+  double begin_ = 0;                               // s
+  double end_ = 0;                                 // s
 };
 
 } // namespace haptic

@@ -196,12 +196,13 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   if (const auto last = std::ranges::lower_bound(scan.keys, to); last != scan.keys.end())
     part.end = *last;
   cut_track(track, part.begin, part.end);
-  if (track.empty() || part.begin >= part.end)
+  if (track.holds_nothing() || part.begin >= part.end)
     throw_error(messages::kCutIsEmpty, path.c_str());
   for (auto &sample : track.samples)
     sample.time += scan.delay;
-  for (auto &field : track.fields)
-    field.time += scan.delay;
+  for (auto *coded : {&track.fields, &track.reliefs})
+    for (auto &field : *coded)
+      field.time += scan.delay;
 
   PartFile file(output + ".part");
   const ElementPtr pipeline = make_pipeline();
@@ -223,7 +224,7 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   link_elements(mux, mark);
   link_elements(mark, sink);
   // Before the other streams: who takes the first text of the file takes the track.
-  GstElement *in = add_track_source(pipeline.get(), !track.fields.empty(), mux, is_matroska).in;
+  GstElement *in = add_track_source(pipeline.get(), !track.coded().empty(), mux, is_matroska).in;
   std::vector<std::string> remarks;
   if (scan.tracks.size() > 1)
     remarks.emplace_back("further haptic tracks were left out");

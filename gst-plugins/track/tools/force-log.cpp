@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMostRows = 15'000'000;   // 4 h
 constexpr std::streamsize kLongestLine = 65536; // bytes, with its end
-constexpr double kWorkspaceHalf = 0.025;        // m, of every built-in geometry
 constexpr double kLatest = 1e6;                 // s
 constexpr double kStrongest = 1e3;              // N
 

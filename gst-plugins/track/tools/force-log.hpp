@@ -10,6 +10,9 @@
 
 namespace haptic {
 
+/// Half of the workspace in which a log's positions are meant, m: that of every built-in geometry.
+inline constexpr double kWorkspaceHalf = 0.025;
+
 struct TimedPlace {
   double time = 0; ///< s
   float x = 0.5F;  ///< 0..1, fractions of the frame as of PointerPosition

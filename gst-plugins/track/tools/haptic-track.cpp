@@ -37,7 +37,7 @@ constexpr char kUsage[] =
     "Usage: haptic-track info FILE...\n"
     "       haptic-track convert [--force] [--hand LOG] FILE OUTPUT\n"
     "       haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
-    "       haptic-track plot [--force] FILE OUTPUT.png|OUTPUT.gif\n"
+    "       haptic-track plot [--force] [--place X,Y | --hand LOG] FILE OUTPUT.png|OUTPUT.gif\n"
     "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
     "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
     "       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...\n"
@@ -55,7 +55,11 @@ constexpr char kUsage[] =
     "  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01\n"
     "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
     "  --with-video  cut the video and the sound too (.ts, .mkv), at the key frames around\n"
-    "  --stream      the track with this name, where info shows several\n"
+    "  --stream      the track with this name, where info shows several; for compare, of both "
+    "files\n"
+    "  --place       plot: where the height of reliefs is drawn, 0 to 1 from the top left; "
+    "otherwise "
+    "0.5,0.5\n"
     "  --force       write over an output that exists\n"
     "compare prints how much of the time a hand could tell two files apart; each may be a track or "
     "a "
@@ -66,8 +70,9 @@ constexpr char kUsage[] =
     "  --plot        draws both forces\n"
     "  --from, --to  seconds of A's time\n"
     "  --offset      seconds that are added to B's times\n"
-    "  --places      of motion fields: columns and rows of the places compared; otherwise 5x3\n"
-    "  --hand        of motion fields: a log of hapticsink whose hand feels them\n"
+    "  --places      of fields and reliefs: columns and rows of the places compared; otherwise "
+    "5x3\n"
+    "  --hand        of fields and reliefs: a log of hapticsink whose hand feels them\n"
     "  --alpha       of tracks: steepness of the force law, in s/px; otherwise 0.01\n"
     "  --max-force   of tracks: force of the fastest motion, in N; otherwise 1\n"
     "author writes for each video a copy with the motion of its whole frame beside it:\n"
@@ -95,6 +100,7 @@ struct Arguments {
   std::string stream;
   haptic::AuthorOptions author;
   haptic::CompareOptions compare;
+  haptic::PlotOptions plot;
   haptic::VibrationOptions vibration;
   haptic::Carriage carriage = haptic::Carriage::fragments;
   bool plan = false;
@@ -145,6 +151,19 @@ void parse_places(const std::string &option, const std::string &text,
   const auto is_count = [](unsigned count) { return count >= 1 && count <= 32; };
   if (!has_rows || rows.ptr != end || !is_count(options.columns) || !is_count(options.rows))
     throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
+}
+
+haptic::PlotOptions parse_place(const std::string &option, const std::string &text) {
+  haptic::PlotOptions place;
+  const char *const end = text.data() + text.size();
+  const auto x = std::from_chars(text.data(), end, place.x);
+  const bool has_y = x.ptr != end && *x.ptr == ',';
+  const auto y = std::from_chars(x.ptr + has_y, end, place.y);
+  const auto is_share = [](double share) { return share >= 0 && share <= 1; };
+  if (x.ec != std::errc() || !has_y || y.ec != std::errc() || y.ptr != end || !is_share(place.x) ||
+      !is_share(place.y))
+    throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
+  return place;
 }
 
 bool is_compare_option(const std::string &word) {
@@ -215,13 +234,15 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         throw_error(messages::kOptionNeedsValue, word.c_str());
       (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
     } else if (word == "--output" || word == "--columns" || word == "--jobs" ||
-               word == "--carriage" || word == "--stream") {
+               word == "--carriage" || word == "--stream" || word == "--place") {
       if (++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
       if (word == "--output")
         arguments.author.folder = words[i];
       else if (word == "--stream")
         arguments.stream = words[i];
+      else if (word == "--place")
+        arguments.plot = parse_place(word, words[i]);
       else if (word == "--columns")
         arguments.author.columns =
             parse_count(word, words[i], haptic::kFewestColumns, haptic::kMostColumns);
@@ -374,7 +395,8 @@ void info(const std::string &path, const std::string &stream) {
   if (!track.stream.empty())
     std::printf("  stream     %s\n", track.stream.c_str());
   for (const auto &other : track.others)
-    std::printf("  another    %s\n", other.c_str());
+    std::printf("  another    %s%s\n", other.c_str(),
+                std::ranges::count(track.surfaces, other) > 0 ? " (reliefs)" : "");
   for (const auto &other : track.beside)
     std::printf("  beside it  %s\n", other.c_str());
   if (!track.reliefs.empty())
@@ -405,13 +427,17 @@ TrackFile read_some(const Arguments &arguments) {
   const std::string &path = arguments.files[0];
   TrackFile track = haptic::read_track_file(path, arguments.stream);
   print_remarks(path, track);
-  if (!track.reliefs.empty())
-    std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs were left out\n", path.c_str(),
-                 track.reliefs.size());
-  if (track.empty())
-    throw_error(track.reliefs.empty() ? messages::kTrackIsEmpty : messages::kTrackHoldsReliefs,
-                path.c_str());
+  if (track.holds_nothing())
+    throw_error(messages::kTrackIsEmpty, path.c_str());
+  haptic::leave_reliefs_out(path, track);
   return track;
+}
+
+std::vector<haptic::TimedPlace> read_hand(const std::string &log) {
+  auto hand = haptic::read_force_log(log).places;
+  if (hand.empty())
+    throw_error(messages::kHandIsMissing, log.c_str());
+  return hand;
 }
 
 void convert(const Arguments &arguments) {
@@ -419,11 +445,10 @@ void convert(const Arguments &arguments) {
   TrackFile track = read_some(arguments);
   haptic::VibrationOptions vibration = arguments.vibration;
   vibration.alpha = arguments.compare.law.alpha;
+  if (!arguments.compare.hand.empty() && !track.reliefs.empty())
+    throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
-    const auto hand = haptic::read_force_log(arguments.compare.hand).places;
-    if (hand.empty())
-      throw_error(messages::kHandIsMissing, arguments.compare.hand.c_str());
-    track.samples = haptic::samples_at_hand(track.fields, hand);
+    track.samples = haptic::samples_at_hand(track.fields, read_hand(arguments.compare.hand));
     track.fields.clear();
   }
   const std::string &output = arguments.files[1];
@@ -445,7 +470,7 @@ void cut(const Arguments &arguments) {
     return;
   }
   haptic::cut_track(track, from, to);
-  if (track.empty())
+  if (track.holds_nothing())
     throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
   haptic::write_track_file(arguments.files[1], track);
 }
@@ -453,7 +478,10 @@ void cut(const Arguments &arguments) {
 void plot(const Arguments &arguments) {
   check_output(arguments);
   const std::string &file = arguments.files[0];
-  haptic::plot_track(file, read_some(arguments), arguments.files[1]);
+  haptic::PlotOptions options = arguments.plot;
+  if (!arguments.compare.hand.empty())
+    options.hand = read_hand(arguments.compare.hand);
+  haptic::plot_track(file, read_some(arguments), options, arguments.files[1]);
 }
 
 int compare(const Arguments &arguments) {
@@ -462,6 +490,7 @@ int compare(const Arguments &arguments) {
   haptic::CompareOptions options = arguments.compare;
   options.from = arguments.from;
   options.to = arguments.to;
+  options.stream = arguments.stream;
   check_may_be_written(arguments, options.plot);
   return haptic::compare(arguments.files[0], arguments.files[1], options);
 }

@@ -92,31 +92,6 @@ Fit best(const std::vector<Fit> &fits, bool felt) {
   return best;
 }
 
-std::int64_t best_shift(std::size_t places, const SignalsAt &signals_at) {
-  std::vector<Fit> rough = fits_between(-kFarthest, kFarthest, kCoarse);
-  for (std::size_t place = 0; place < places; ++place) {
-    const auto [a, b] = signals_at(place);
-    const ForceSignal a_means = coarse(a);
-    const ForceSignal b_means = coarse(b);
-    for (Fit &fit : rough)
-      fit.add(a_means, b_means, fit.shift / kCoarse);
-  }
-  std::vector<Fit> fine;
-  for (const bool felt : {false, true}) {
-    const std::int64_t middle = best(rough, felt).shift;
-    std::ranges::copy(fits_between(middle - kCoarse, middle + kCoarse, 1),
-                      std::back_inserter(fine));
-  }
-  for (std::size_t place = 0; place < places; ++place) {
-    const auto [a, b] = signals_at(place);
-    for (Fit &fit : fine)
-      fit.add(a, b, fit.shift);
-  }
-  const Fit unfelt = best(fine, false);
-  const Fit felt = best(fine, true);
-  return felt.misfit() < kFitsBetter * unfelt.misfit() - kFitsBetterBy ? felt.shift : unfelt.shift;
-}
-
 // Returns the steps of `a` that count: while either signal lasts. A difference of beginnings or
 // ends that is not felt does not count.
 std::pair<std::int64_t, std::int64_t> compared_steps(const SignalPair &pair, std::int64_t shift) {
@@ -175,9 +150,39 @@ bool Comparison::is_distinguishable(const SignalPair &pair, std::int64_t step) c
   return is_late() ? is_any_felt(a, b) : differ(a, b);
 }
 
+double best_shift(std::size_t places, const SignalsAt &signals_at) {
+  std::vector<Fit> rough = fits_between(-kFarthest, kFarthest, kCoarse);
+  for (std::size_t place = 0; place < places; ++place) {
+    const auto [a, b] = signals_at(place);
+    const ForceSignal a_means = coarse(a);
+    const ForceSignal b_means = coarse(b);
+    for (Fit &fit : rough)
+      fit.add(a_means, b_means, fit.shift / kCoarse);
+  }
+  std::vector<Fit> fine;
+  for (const bool felt : {false, true}) {
+    const std::int64_t middle = best(rough, felt).shift;
+    std::ranges::copy(fits_between(middle - kCoarse, middle + kCoarse, 1),
+                      std::back_inserter(fine));
+  }
+  for (std::size_t place = 0; place < places; ++place) {
+    const auto [a, b] = signals_at(place);
+    for (Fit &fit : fine)
+      fit.add(a, b, fit.shift);
+  }
+  const Fit unfelt = best(fine, false);
+  const Fit felt = best(fine, true);
+  const bool late = felt.misfit() < kFitsBetter * unfelt.misfit() - kFitsBetterBy;
+  return static_cast<double>((late ? felt : unfelt).shift) * kForceStep;
+}
+
 Comparison compare_signals(std::size_t places, const SignalsAt &signals_at) {
+  return compare_at(best_shift(places, signals_at), places, signals_at);
+}
+
+Comparison compare_at(double shift_time, std::size_t places, const SignalsAt &signals_at) {
   Comparison result;
-  const std::int64_t shift = best_shift(places, signals_at);
+  const std::int64_t shift = std::llround(shift_time / kForceStep);
   result.shift = static_cast<double>(shift) * kForceStep;
   Sums all;
   for (std::size_t place = 0; place < places; ++place) {

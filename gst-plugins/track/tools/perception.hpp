@@ -50,9 +50,16 @@ struct Comparison {
   bool is_distinguishable(const SignalPair &pair, std::int64_t step) const noexcept;
 };
 
-/// Compares at `places` places, at the shift up to 2 s at which the signals fit best: the energy of
+/// Returns the shift up to 2 s at which the signals of `places` places fit best, s: the energy of
 /// their difference, over their own, is the least where both last. A shift above kLeastShift must
-/// fit better by 5 %; then all that is felt can be told apart. A signal that has ended is zero.
+/// fit better by 5 %.
+double best_shift(std::size_t places, const SignalsAt &signals_at);
+
+/// Compares at a shift. If it is above kLeastShift, all that is felt can be told apart. A signal
+/// that has ended is zero.
+Comparison compare_at(double shift, std::size_t places, const SignalsAt &signals_at);
+
+/// Compares at the shift at which the signals fit best.
 Comparison compare_signals(std::size_t places, const SignalsAt &signals_at);
 
 } // namespace haptic

@@ -84,6 +84,22 @@ bool append_line(TextLine &&line, TrackFile &track) {
   return line.sample || line.field;
 }
 
+// The same for a buffer that holds one set or one line.
+bool append_bytes(GstBuffer *buffer, TrackFile &track) {
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return false;
+  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  bool is_item = false;
+  if (begins_with(bytes, kTextName))
+    is_item =
+        append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
+  else if (const auto item = KlvReader(bytes).next())
+    is_item = append_item(*item, track);
+  gst_buffer_unmap(buffer, &map);
+  return is_item;
+}
+
 // A unit of some bytes may last for hours, and containers have any size.
 bool is_too_long(const TrackFile &track) {
   return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
@@ -217,6 +233,12 @@ bool is_own_track(GstBuffer *buffer) {
 
 namespace {
 
+bool has_reliefs(GstBuffer *buffer) {
+  TrackFile track;
+  append_bytes(buffer, track);
+  return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
+}
+
 // Once a stream turns out to be the track, its pad is linked to `convert` and its fakesink goes.
 GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   auto &container = *static_cast<Container *>(data);
@@ -228,6 +250,8 @@ GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
     beside.erase(entry);
   if (container.has_track || (!container.wanted.empty() && container.wanted != name.get())) {
     container.track->others.emplace_back(name.get());
+    if (has_reliefs(GST_PAD_PROBE_INFO_BUFFER(info)))
+      container.track->surfaces.emplace_back(name.get());
     return GST_PAD_PROBE_REMOVE;
   }
   const PadPtr before(gst_pad_get_peer(pad));
@@ -285,6 +309,30 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, watch_film, &container, nullptr);
 }
 
+struct FrameSize {
+  gint width = 0; // px, 0: not known
+  gint height = 0;
+};
+
+template <typename Cells>
+FrameSize frame_size_of(const CodedField &coded) {
+  GridDecoder<Cells> decoder;
+  if (decoder.push(coded.bytes) != GridDecoder<Cells>::Result::field)
+    return {};
+  return {static_cast<gint>(decoder.field().frame_width),
+          static_cast<gint>(decoder.field().frame_height)};
+}
+
+// Of a track that is not empty.
+FrameSize frame_size_of(const TrackFile &track) {
+  if (track.fields.empty())
+    return {static_cast<gint>(track.samples.front().motion.frame_width),
+            static_cast<gint>(track.samples.front().motion.frame_height)};
+  const CodedField &first = track.fields.front();
+  return first.kind == FieldKind::relief ? frame_size_of<ReliefCells>(first)
+                                         : frame_size_of<MotionCells>(first);
+}
+
 // What can be known of a track of another film: its frames have another size, or it does not end
 // with the film. It may be shorter, since frames at rest are not written.
 void compare_with_film(const Container &container, TrackFile &track) {
@@ -295,15 +343,9 @@ void compare_with_film(const Container &container, TrackFile &track) {
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
         formatted(messages::kTrackIsLonger, static_cast<double>(end - container.film_end) * 1e-9));
-  FieldDecoder decoder;
-  const bool has_size = !track.samples.empty() ||
-                        decoder.push(track.fields.front().bytes) == FieldDecoder::Result::field;
-  if (!has_size || container.film_width <= 0)
+  const auto [width, height] = frame_size_of(track);
+  if (width <= 0 || container.film_width <= 0)
     return;
-  const auto width = static_cast<gint>(track.fields.empty() ? track.samples[0].motion.frame_width
-                                                            : decoder.field().frame_width);
-  const auto height = static_cast<gint>(track.fields.empty() ? track.samples[0].motion.frame_height
-                                                             : decoder.field().frame_height);
   if (width != container.film_width || height != container.film_height)
     track.remarks.push_back(formatted(messages::kTrackHasOtherFrame, width, height,
                                       container.film_width, container.film_height));
@@ -312,22 +354,11 @@ void compare_with_film(const Container &container, TrackFile &track) {
 // Appends one set or one line. Its time is that of its buffer.
 void append_buffer(GstSample *sample, TrackFile &track) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return;
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
   const std::uint64_t time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
   const std::size_t fields = track.fields.size();
-  bool is_item = false;
-  if (begins_with(bytes, kTextName))
-    is_item =
-        append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
-  else if (const auto item = KlvReader(bytes).next())
-    is_item = append_item(*item, track);
-  if (is_item)
+  if (append_bytes(buffer, track))
     (track.fields.size() > fields ? track.fields.back().time : track.samples.back().time) = time;
-  gst_buffer_unmap(buffer, &map);
 }
 
 // Reads the bus: warnings become remarks, an error becomes `failure`. Returns true at the end.
@@ -432,7 +463,7 @@ std::string bytes_of(const TrackFile &track, const std::string &ending) {
       append(write_klv(sample));
     else
       bytes += write_text_line(sample) + "\n";
-  for (const auto &field : track.fields)
+  for (const auto &field : track.coded())
     if (ending == ".klv")
       append(write_klv(field));
     else
@@ -454,8 +485,8 @@ void push(GstElement *in, std::span<const std::uint8_t> bytes, BufferTimes times
   gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
 }
 
-const char *caps_of_track(bool has_fields) {
-  return has_fields ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
+const char *caps_of_track(bool is_coded) {
+  return is_coded ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
 }
 
 // A hapticarray of the line has the name "array".
@@ -463,7 +494,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
                      const VibrationOptions &vibration = {}) {
   GError *error = nullptr;
   const std::string whole = "appsrc name=in format=time caps=\"" +
-                            std::string(caps_of_track(!track.fields.empty())) +
+                            std::string(caps_of_track(!track.coded().empty())) +
                             "\" ! hapticconvert ! " + line + " ! filesink name=out";
   GstElement *made = gst_parse_launch(whole.c_str(), &error);
   if (!made || error) {
@@ -566,6 +597,14 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   return track;
 }
 
+void leave_reliefs_out(const std::string &path, TrackFile &track) {
+  if (track.empty() || track.reliefs.empty())
+    return;
+  std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs beside the motion were left out\n",
+               path.c_str(), track.reliefs.size());
+  track.reliefs.clear();
+}
+
 void begin_at_zero(TrackFile &track) {
   const auto shift = [](auto &all) {
     const std::uint64_t first = all.empty() ? 0 : all.front().time;
@@ -580,6 +619,9 @@ void write_track_file(const std::string &path, const TrackFile &track,
                       const VibrationOptions &vibration) {
   const std::string ending = std::filesystem::path(path).extension().string();
   const std::string part = path + ".part";
+  if (track.empty() &&
+      (ending == ".wav" || ending == ".ahap" || ending == ".hmpg" || ending == ".hjif"))
+    throw_error(messages::kOutputHoldsMotion, path.c_str());
   if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
     throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
@@ -606,7 +648,7 @@ void write_track_file(const std::string &path, const TrackFile &track,
 void push_track(GstElement *in, const TrackFile &track) {
   for (const auto &sample : track.samples)
     push(in, pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
-  for (const auto &field : track.fields)
+  for (const auto &field : track.coded())
     push(in, write_klv(field), {field.time, field.duration},
          is_key_field(field.bytes) ? 0 : GST_BUFFER_FLAG_DELTA_UNIT);
   gst_app_src_end_of_stream(GST_APP_SRC(in));
@@ -618,14 +660,15 @@ void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to) {
   for (auto &sample : track.samples)
     sample.time -= from;
   track.fields = cut_fields(track.fields, from, to);
+  track.reliefs = cut_fields(track.reliefs, from, to);
 }
 
-TrackSource add_track_source(GstElement *pipeline, bool has_fields, GstElement *mux,
+TrackSource add_track_source(GstElement *pipeline, bool is_coded, GstElement *mux,
                              bool is_matroska) {
   GstElement *in = add_element(pipeline, "appsrc");
   GstElement *convert = add_element(pipeline, "hapticconvert");
   GstElement *form = add_element(pipeline, "capsfilter");
-  const CapsPtr raw(gst_caps_from_string(caps_of_track(has_fields)));
+  const CapsPtr raw(gst_caps_from_string(caps_of_track(is_coded)));
   const CapsPtr coded(gst_caps_from_string(is_matroska ? HAPTIC_TEXT_CAPS : HAPTIC_KLV_CAPS));
   g_object_set(in, "format", GST_FORMAT_TIME, "caps", raw.get(), "max-bytes", guint64{0}, nullptr);
   g_object_set(form, "caps", coded.get(), nullptr);

@@ -18,22 +18,30 @@ namespace haptic {
 inline constexpr std::string_view kMatroskaMagic = "\x1a\x45\xdf\xa3";
 
 struct TrackFile {
-  std::string form;                 ///< for people to read
-  std::string stream;               ///< name of its pad at the demuxer; of a bare track empty
-  std::vector<std::string> others;  ///< names of further haptic tracks
-  std::vector<std::string> beside;  ///< caps of the other streams in the file
-  std::vector<std::string> remarks; ///< what was left out, and why
-  std::vector<TrackSample> samples; ///< with times; or else
-  std::vector<CodedField> fields;   ///< of motion, with times
-  std::vector<CodedField> reliefs;  ///< with times
+  std::string form;                  ///< for people to read
+  std::string stream;                ///< name of its pad at the demuxer; of a bare track empty
+  std::vector<std::string> others;   ///< names of further haptic tracks
+  std::vector<std::string> surfaces; ///< those of `others` that hold reliefs
+  std::vector<std::string> beside;   ///< caps of the other streams in the file
+  std::vector<std::string> remarks;  ///< what was left out, and why
+  std::vector<TrackSample> samples;  ///< with times; or else
+  std::vector<CodedField> fields;    ///< of motion, with times
+  std::vector<CodedField> reliefs;   ///< with times
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
+  /// The fields, or the reliefs of a track without motion. All tools but info leave reliefs beside
+  /// motion out.
+  const std::vector<CodedField> &coded() const noexcept { return empty() ? reliefs : fields; }
+  bool holds_nothing() const noexcept { return empty() && reliefs.empty(); }
 };
 
 /// Reads a file by its content, whatever its name. Of several haptic tracks in a container the
 /// first one, or `stream`. Throws TrackFileError.
 TrackFile read_track_file(const std::string &path, const std::string &stream = {});
+
+/// Removes the reliefs beside motion, and says so on the standard error.
+void leave_reliefs_out(const std::string &path, TrackFile &track);
 
 /// Subtracts the first time from all.
 void begin_at_zero(TrackFile &track);
@@ -57,9 +65,9 @@ struct TrackSource {
   GstElement *coded; ///< its source pad has what the muxer gets
 };
 
-/// Adds an appsrc for a track of samples, or of fields as KLV, and links it to the muxer. Throws
-/// TrackFileError.
-TrackSource add_track_source(GstElement *pipeline, bool has_fields, GstElement *mux,
+/// Adds an appsrc for a track of samples, or of fields or reliefs as KLV, and links it to the
+/// muxer. Throws TrackFileError.
+TrackSource add_track_source(GstElement *pipeline, bool is_coded, GstElement *mux,
                              bool is_matroska);
 
 } // namespace haptic

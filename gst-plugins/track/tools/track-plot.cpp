@@ -5,6 +5,7 @@
 #include "force-curve.hpp"
 #include "frame-reader.hpp"
 #include "gnuplot.hpp"
+#include "touch-signal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,6 +63,58 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
     const auto force = force_of_motion(s.motion);
     return std::hypot(force.x, force.y);
   });
+}
+
+// ---- reliefs ------------------------------------------------------------------------------------
+
+void plot_reliefs(const std::string &path, const TrackFile &track, const PlotOptions &options,
+                  Gnuplot &out) {
+  std::vector<FeltSurface> surfaces;
+  std::vector<double> hand; // m
+  for_each_relief(track.reliefs, [&](const ReliefField &relief, std::uint64_t time) {
+    PointerPosition place;
+    place.x = options.x;
+    place.y = options.y;
+    if (!options.hand.empty()) {
+      place = place_at(options.hand, seconds(time));
+      hand.push_back(kWorkspaceHalf * place.z);
+    }
+    surfaces.push_back(felt_surface(relief, place.x, place.y, time));
+  });
+  if (surfaces.empty())
+    throw_error(messages::kNoFieldIsDecoded);
+  if (std::ranges::none_of(surfaces, &FeltSurface::exists))
+    throw_error(messages::kNoSurfaceHere, path.c_str());
+  const std::string where = options.hand.empty()
+                                ? formatted("at (%.2f, %.2f)", options.x, options.y)
+                                : std::string("under the hand");
+  out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 800);
+  out.line("set multiplot layout 2,1 margins 0.1, 0.98, 0.11, 0.93 spacing 0, 0.13");
+  out.line("set xrange [%.6f:%.6f] noextend", surfaces.front().time,
+           std::max(surfaces.back().time, surfaces.front().time + 0.1));
+  const auto send = [&](auto &&value) {
+    for (const FeltSurface &surface : surfaces)
+      if (surface.exists)
+        out.line("%.6f %.6g", surface.time, static_cast<double>(value(surface)));
+      else
+        out.line(""); // a hole in the line
+    out.line("e");
+  };
+  out.line("set key at screen 0.98, 0.98");
+  out.line("set ylabel 'height (mm)'");
+  out.line("plot '-' using 1:2 with lines linetype 1 title 'surface %s'%s", where.c_str(),
+           hand.empty() ? "" : ", '-' using 1:2 with lines linetype 2 title 'hand'");
+  send([](const FeltSurface &surface) { return 1000 * surface.height; });
+  for (std::size_t i = 0; i < hand.size(); ++i)
+    out.line("%.6f %.6g", surfaces[i].time, 1000 * hand[i]);
+  if (!hand.empty())
+    out.line("e");
+  out.line("set key at screen 0.98, 0.505");
+  out.line("set xlabel 'time (s)'");
+  out.line("set ylabel 'stiffness (N/m)'");
+  out.line("set yrange [0:*]");
+  out.line("plot '-' using 1:2 with lines linetype 3 title 'stiffness'");
+  send([](const FeltSurface &surface) { return surface.stiffness; });
 }
 
 // ---- fields -------------------------------------------------------------------------------------
@@ -237,7 +290,8 @@ void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out)
 
 } // namespace
 
-void plot_track(const std::string &path, const TrackFile &track, const std::string &output) {
+void plot_track(const std::string &path, const TrackFile &track, const PlotOptions &options,
+                const std::string &output) {
   const std::string ending = std::filesystem::path(output).extension().string();
   const bool moves = ending == ".gif";
   if (moves && track.fields.empty())
@@ -245,7 +299,9 @@ void plot_track(const std::string &path, const TrackFile &track, const std::stri
   if (!moves && ending != ".png")
     throw_error(messages::kPictureIsUnknown, output.c_str());
   Gnuplot out(output);
-  if (track.fields.empty())
+  if (!track.reliefs.empty())
+    plot_reliefs(path, track, options, out);
+  else if (track.fields.empty())
     plot_points(track, out);
   else if (moves)
     plot_preview(path, track, out);

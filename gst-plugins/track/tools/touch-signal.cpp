@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "touch-signal.hpp"
+
+#include "motion-sample.hpp"
+#include "relief-sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+constexpr double kPathStep = 0.01; // s
+
+SurfacePoint point_at(const ReliefField &relief, double x, double y) {
+  ReliefSums sums;
+  sums.add(relief, x, y, 1);
+  return sums.point(kWorkspaceHalf);
+}
+
+// The slope between half a cell to each side, of the sides that exist; `dx` and `dy` are shares of
+// the frame.
+float slope(const ReliefField &relief, double x, double y, double dx, double dy) {
+  const SurfacePoint here = point_at(relief, x, y);
+  const SurfacePoint before = point_at(relief, x - dx, y - dy);
+  const SurfacePoint after = point_at(relief, x + dx, y + dy);
+  const double run = 2 * kWorkspaceHalf * (dx + dy) * (int{before.exists} + int{after.exists});
+  const double rise = (after.exists ? after : here).height - (before.exists ? before : here).height;
+  return static_cast<float>(run > 0 ? rise / run : 0);
+}
+
+std::int64_t first_step(double time) {
+  return static_cast<std::int64_t>(std::ceil(time / kForceStep - 1e-6));
+}
+
+// Reads a track of surfaces at rising times.
+class SurfaceReader {
+public:
+  explicit SurfaceReader(std::span<const FeltSurface> surfaces) : surfaces_(surfaces) {}
+
+  // Returns the surface at a step of the signal; none outside the track and in its gaps.
+  FeltSurface at(std::int64_t step) {
+    const double time = static_cast<double>(step) * kForceStep;
+    while (next_ < surfaces_.size() && surfaces_[next_].time <= time + 1e-6)
+      ++next_;
+    if (next_ == 0)
+      return {};
+    const FeltSurface &before = surfaces_[next_ - 1];
+    if (next_ == surfaces_.size())
+      return time - before.time < kForceStep ? before : FeltSurface{};
+    const double length = surfaces_[next_].time - before.time;
+    if (length > kLongestMotionGap)
+      return {};
+    return interpolated(before, surfaces_[next_],
+                        std::clamp((time - before.time) / length, 0.0, 1.0));
+  }
+
+private:
+  std::span<const FeltSurface> surfaces_;
+  std::size_t next_ = 0;
+};
+
+ForceSignal silence(std::span<const FeltSurface> surfaces) {
+  ForceSignal signal;
+  if (surfaces.empty())
+    return signal;
+  signal.first = first_step(surfaces.front().time);
+  const std::int64_t last = std::max(first_step(surfaces.back().time), signal.first);
+  signal.forces.resize(static_cast<std::size_t>(last - signal.first + 1));
+  return signal;
+}
+
+} // namespace
+
+FeltSurface felt_surface(const ReliefField &relief, double x, double y, std::uint64_t time) {
+  const SurfacePoint point = point_at(relief, x, y);
+  const double seconds = static_cast<double>(time) * 1e-9;
+  const bool begins = (relief.flags & kMotionCut) != 0;
+  if (!point.exists)
+    return {.time = seconds, .begins = begins};
+  return {seconds,
+          true,
+          begins,
+          static_cast<float>(point.height),
+          static_cast<float>(point.stiffness),
+          slope(relief, x, y, 0.5 / relief.columns, 0),
+          -slope(relief, x, y, 0, 0.5 / relief.rows)};
+}
+
+FeltSurface interpolated(const FeltSurface &a, const FeltSurface &b, double share) noexcept {
+  const double time = std::lerp(a.time, b.time, share);
+  FeltSurface between = share < 1 && (b.begins || share <= 0.5) ? a : b;
+  if (!b.begins && a.exists && b.exists) {
+    const auto s = static_cast<float>(share);
+    for (float FeltSurface::*number : {&FeltSurface::height, &FeltSurface::stiffness,
+                                       &FeltSurface::slope_x, &FeltSurface::slope_y})
+      between.*number = std::lerp(a.*number, b.*number, s);
+  }
+  between.time = time;
+  return between;
+}
+
+Force contact_force(const FeltSurface &surface, double z, double max_force) noexcept {
+  const double depth = static_cast<double>(surface.height) - z;
+  if (!surface.exists || !(depth > 0))
+    return {};
+  const double steepness =
+      std::hypot(1.0, static_cast<double>(surface.slope_x), static_cast<double>(surface.slope_y));
+  const double stiffness = std::min(static_cast<double>(surface.stiffness), kStiffestTouch);
+  const auto share =
+      static_cast<float>(std::min(stiffness * depth / steepness, max_force) / steepness);
+  return {-share * surface.slope_x, -share * surface.slope_y, share};
+}
+
+std::vector<TimedForce> touch_along(const std::vector<TimedPlace> &path, const ReliefField *before,
+                                    std::uint64_t time_before, const ReliefField &relief,
+                                    std::uint64_t time, double max_force) {
+  std::vector<TimedForce> forces;
+  const double end = static_cast<double>(time) * 1e-9;
+  const double begin = static_cast<double>(time_before) * 1e-9;
+  const auto add = [&](const FeltSurface &surface, const PointerPosition &hand, double at) {
+    forces.push_back({at, contact_force(surface, kWorkspaceHalf * hand.z, max_force)});
+  };
+  if (before && end - begin <= kLongestMotionGap)
+    for (double at = begin + kPathStep; at < end - kPathStep / 2; at += kPathStep) {
+      const PointerPosition hand = place_at(path, at);
+      add(interpolated(felt_surface(*before, hand.x, hand.y, time_before),
+                       felt_surface(relief, hand.x, hand.y, time), (at - begin) / (end - begin)),
+          hand, at);
+    }
+  const PointerPosition hand = place_at(path, end);
+  add(felt_surface(relief, hand.x, hand.y, time), hand, end);
+  return forces;
+}
+
+ForceSignal height_signal(std::span<const FeltSurface> surfaces) {
+  ForceSignal signal = silence(surfaces);
+  double sum = 0;
+  double count = 0;
+  for (const FeltSurface &surface : surfaces)
+    if (surface.exists) {
+      sum += static_cast<double>(surface.height);
+      ++count;
+    }
+  const double mean = sum / std::max(count, 1.0);
+  SurfaceReader reader(surfaces);
+  for (std::int64_t step = signal.first; step < signal.end(); ++step)
+    if (const FeltSurface surface = reader.at(step); surface.exists)
+      signal.forces[static_cast<std::size_t>(step - signal.first)].z =
+          static_cast<float>(kStiffestTouch * (static_cast<double>(surface.height) - mean));
+  return signal;
+}
+
+SignalPair touch_signals(std::span<const FeltSurface> a, std::span<const FeltSurface> b,
+                         double max_force, double shift) {
+  SignalPair pair(silence(a), silence(b));
+  auto &[first, second] = pair;
+  const std::int64_t by = std::llround(shift / kForceStep);
+  SurfaceReader a_reader(a);
+  SurfaceReader b_reader(b);
+  const std::int64_t begin = std::min(first.first, second.first - by);
+  const std::int64_t end = std::max(first.end(), second.end() - by);
+  for (std::int64_t step = begin; step < end; ++step) {
+    const FeltSurface of_a = a_reader.at(step);
+    const FeltSurface of_b = b_reader.at(step + by);
+    const double height_a = static_cast<double>((of_a.exists ? of_a : of_b).height);
+    const double height_b = static_cast<double>((of_b.exists ? of_b : of_a).height);
+    const double hand = (height_a + height_b) / 2 - kTouchDepth;
+    if (step >= first.first && step < first.end())
+      first.forces[static_cast<std::size_t>(step - first.first)] =
+          contact_force(of_a, hand, max_force);
+    if (step + by >= second.first && step + by < second.end())
+      second.forces[static_cast<std::size_t>(step + by - second.first)] =
+          contact_force(of_b, hand, max_force);
+  }
+  return pair;
+}
+
+} // namespace haptic
