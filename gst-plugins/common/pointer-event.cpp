@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic {
 
@@ -19,6 +20,16 @@ std::optional<std::array<double, 3>> parse_force(const GstStructure *fields) {
       return std::nullopt;
   return force;
 }
+
+std::optional<ProxyPosition> parse_proxy(const GstStructure *fields) {
+  ProxyPosition proxy;
+  for (const auto &[name, value] :
+       {std::pair("proxy-x", &proxy.x), {"proxy-y", &proxy.y}, {"depth", &proxy.depth}})
+    if (!gst_structure_get_double(fields, name, value) || !std::isfinite(*value))
+      return std::nullopt;
+  return ProxyPosition{std::clamp(proxy.x, 0.0, 1.0), std::clamp(proxy.y, 0.0, 1.0),
+                       std::max(proxy.depth, 0.0)};
+}
 } // namespace
 
 EventPtr make_pointer_event(const PointerPosition &position) {
@@ -30,6 +41,9 @@ EventPtr make_pointer_event(const PointerPosition &position) {
   if (position.force)
     for (std::size_t i = 0; i < position.force->size(); ++i)
       gst_structure_set(fields, kForceFields[i], G_TYPE_DOUBLE, (*position.force)[i], nullptr);
+  if (position.proxy)
+    gst_structure_set(fields, "proxy-x", G_TYPE_DOUBLE, position.proxy->x, "proxy-y", G_TYPE_DOUBLE,
+                      position.proxy->y, "depth", G_TYPE_DOUBLE, position.proxy->depth, nullptr);
   return EventPtr(gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, fields));
 }
 
@@ -54,6 +68,7 @@ std::optional<PointerPosition> parse_pointer_event(GstEvent *event) {
     position.device = device;
   gst_structure_get_uint64(fields, "timestamp", &position.timestamp);
   position.force = parse_force(fields);
+  position.proxy = parse_proxy(fields);
   return position;
 }
 

@@ -15,7 +15,7 @@ EventPtr make_pointer_event(const PointerPosition &position);
 
 /// Returns the position, or nothing if the event is not a pointer event, or x or y is missing or
 /// not finite. Values outside their range are clamped. A force that is not finite in all directions
-/// is left out. Does not take ownership of the event.
+/// is left out, and so is a proxy that is not finite. Does not take ownership of the event.
 std::optional<PointerPosition> parse_pointer_event(GstEvent *event);
 
 } // namespace haptic

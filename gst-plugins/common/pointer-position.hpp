@@ -13,6 +13,14 @@ namespace haptic {
 /// A time stamp that says nothing; the same as GST_CLOCK_TIME_NONE.
 inline constexpr std::uint64_t kNoTimestamp = std::numeric_limits<std::uint64_t>::max();
 
+/// The point of a relief where a hand that touches it is held (docs/force.md#touch).
+struct ProxyPosition {
+  double x = 0.5;   ///< 0..1, as of the pointer
+  double y = 0.5;   ///< 0..1
+  double depth = 0; ///< m, from the hand to the proxy; 0: it touches nothing, and is the hand
+  bool operator==(const ProxyPosition &) const = default;
+};
+
 /// x and y are fractions of the frame, origin at its top left corner (paper, equation 1).
 struct PointerPosition {
   double x = 0.5;       ///< 0..1, to the right
@@ -23,6 +31,7 @@ struct PointerPosition {
   std::uint64_t timestamp = kNoTimestamp; ///< running time, ns
   /// N, as commanded, mean since the event before; x to the right, y up, z towards the user.
   std::optional<std::array<double, 3>> force;
+  std::optional<ProxyPosition> proxy; ///< while the device can touch reliefs
 };
 
 } // namespace haptic

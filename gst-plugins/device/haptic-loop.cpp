@@ -305,9 +305,18 @@ void HapticLoop::update_hand(double dt) noexcept {
     run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
   }
   const LoopSettings &settings = settings_.value();
-  run_.hand.write(
-      {state.pose.position, state.valid, state.pressed, run_.wash_out.shift(),
-       settings.touch == TouchMode::off ? std::nullopt : std::optional(settings.region_z)});
+  HandPosition hand{.position = state.pose.position,
+                    .valid = state.valid,
+                    .pressed = state.pressed,
+                    .shift = run_.wash_out.shift(),
+                    .region_z = std::nullopt,
+                    .proxy = std::nullopt};
+  if (settings.touch != TouchMode::off) {
+    const Contact &contact = run_.touch.contact();
+    hand.region_z = settings.region_z;
+    hand.proxy = contact.touches ? contact.proxy : hand.position;
+  }
+  run_.hand.write(hand);
 }
 
 void HapticLoop::update_motion(std::int64_t now) noexcept {

@@ -56,6 +56,8 @@ struct HandPosition {
   bool pressed = false;           ///< a button of the grip
   FrameShift shift;               ///< of the frame, by the wash-out
   std::optional<double> region_z; ///< LoopSettings, while touch is on
+  /// m, while touch is on: of the tick before; the hand, if it touches nothing
+  std::optional<spidar::Vector3> proxy;
 };
 
 /// The sum of what was commanded since start(). The mean force between two readings is the

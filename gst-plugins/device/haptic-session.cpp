@@ -270,6 +270,10 @@ std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool 
   PointerPosition point = map_pointer(hand.position, run_.workspace_half, hand.shift);
   if (hand.region_z)
     point.z = *hand.region_z;
+  if (hand.proxy) {
+    const PointerPosition proxy = map_pointer(*hand.proxy, run_.workspace_half, hand.shift);
+    point.proxy = {proxy.x, proxy.y, (*hand.proxy - hand.position).norm()};
+  }
   point.pressed = hand.pressed;
   const Impulse impulse = loop_.impulse();
   if (const double elapsed = impulse.time - run_.last_sent.time; elapsed > 0) {

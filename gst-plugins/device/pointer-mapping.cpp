@@ -8,7 +8,17 @@ namespace haptic {
 namespace {
 constexpr double kChange = 0.001;
 constexpr double kForceChange = 0.01;            // N
+constexpr double kDepthChange = 1e-4;            // m
 constexpr std::int64_t kKeepAlive = 200'000'000; // ns
+
+// The begin and the end of a touch count, however light it is.
+bool differs(const std::optional<ProxyPosition> &a,
+             const std::optional<ProxyPosition> &b) noexcept {
+  if (!a || !b)
+    return a.has_value() != b.has_value();
+  return std::abs(a->x - b->x) > kChange || std::abs(a->y - b->y) > kChange ||
+         std::abs(a->depth - b->depth) > kDepthChange || (a->depth > 0) != (b->depth > 0);
+}
 
 bool differs(const PointerPosition &a, const PointerPosition &b) noexcept {
   if (std::abs(a.x - b.x) > kChange || std::abs(a.y - b.y) > kChange ||
@@ -17,7 +27,7 @@ bool differs(const PointerPosition &a, const PointerPosition &b) noexcept {
   for (std::size_t i = 0; a.force && i < a.force->size(); ++i)
     if (std::abs((*a.force)[i] - (*b.force)[i]) > kForceChange)
       return true;
-  return false;
+  return differs(a.proxy, b.proxy);
 }
 
 // Equation 1 about the centre: parts of the frame, y down.

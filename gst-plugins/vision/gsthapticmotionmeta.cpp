@@ -46,9 +46,9 @@ void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
   const auto sy = static_cast<gfloat>(height) / static_cast<gfloat>(meta.frame_height);
   meta.frame_width = width;
   meta.frame_height = height;
-  for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x})
+  for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x, &meta.proxy_x})
     *x *= sx;
-  for (gfloat *y : {&meta.region_y, &meta.region_height, &meta.pointer_y})
+  for (gfloat *y : {&meta.region_y, &meta.region_height, &meta.pointer_y, &meta.proxy_y})
     *y *= sy;
   std::for_each_n(meta.patches, meta.n_patches,
                   [&](GstHapticPatch &patch) { scale_patch(patch, sx, sy); });
@@ -56,7 +56,13 @@ void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
 
 gboolean init(GstMeta *meta, gpointer, GstBuffer *) {
   constexpr auto kUnknown = std::numeric_limits<gfloat>::quiet_NaN();
-  copy_fields({.force_x = kUnknown, .force_y = kUnknown, .force_z = kUnknown}, *cast(meta));
+  copy_fields({.force_x = kUnknown,
+               .force_y = kUnknown,
+               .force_z = kUnknown,
+               .proxy_x = kUnknown,
+               .proxy_y = kUnknown,
+               .depth = kUnknown},
+              *cast(meta));
   return TRUE;
 }
 

@@ -38,6 +38,9 @@ typedef enum {
  * @n_patches: used entries of @patches
  * @force_x, @force_y, @force_z: force that the device was commanded to exert when the frame came,
  * N, x to the right, y up, z towards the user; NaN: unknown
+ * @proxy_x, @proxy_y: where the hand is held on the relief that it touches, px; NaN: no relief can
+ * be touched
+ * @depth: m, from the hand to there; 0: it touches nothing; NaN: no relief can be touched
  */
 typedef struct _GstHapticMotionMeta {
   GstMeta meta;
@@ -51,6 +54,7 @@ typedef struct _GstHapticMotionMeta {
   guint n_patches;
   GstHapticPatch patches[GST_HAPTIC_MOTION_META_MAX_PATCHES];
   gfloat force_x, force_y, force_z;
+  gfloat proxy_x, proxy_y, depth;
 } GstHapticMotionMeta;
 
 /* By name, so that readers do not link to the plugin. NULL if the buffer has none. */
@@ -60,7 +64,7 @@ static inline GstHapticMotionMeta *gst_buffer_get_haptic_motion_meta(GstBuffer *
 }
 
 /* Inside the plugin that registers the metadata. The buffer must be writable. All fields but the
- * header start at zero, and the force is unknown. */
+ * header start at zero, and force and proxy are unknown. */
 GstHapticMotionMeta *gst_buffer_add_haptic_motion_meta(GstBuffer *buffer);
 
 G_END_DECLS

@@ -83,6 +83,7 @@ struct State {
 struct Settings {
   Pointer pointer;
   std::optional<haptic::Force> force;
+  std::optional<haptic::ProxyPosition> proxy;
   guint roi_size;
   guint max_points;
   TrackerMethod method;
@@ -316,6 +317,11 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
     meta->force_y = static_cast<gfloat>((*settings.force)[1]);
     meta->force_z = static_cast<gfloat>((*settings.force)[2]);
   }
+  if (settings.proxy) {
+    meta->proxy_x = static_cast<gfloat>(settings.proxy->x * GST_VIDEO_INFO_WIDTH(&info));
+    meta->proxy_y = static_cast<gfloat>(settings.proxy->y * GST_VIDEO_INFO_HEIGHT(&info));
+    meta->depth = static_cast<gfloat>(settings.proxy->depth);
+  }
   return *meta;
 }
 
@@ -347,8 +353,9 @@ Settings current_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
   const Shared &shared = self->state->shared;
   const auto now = Clock::now();
-  return {shared.pointers.in_use(now), shared.pointers.force(now), shared.roi_size,
-          shared.max_points, shared.method};
+  return {shared.pointers.in_use(now), shared.pointers.force(now),
+          shared.pointers.proxy(now),  shared.roi_size,
+          shared.max_points,           shared.method};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
@@ -461,7 +468,7 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
     return false;
   const ObjectLock lock(self);
   self->state->shared.pointers.point_haptic({position->x, position->y, position->z}, Clock::now(),
-                                            position->force);
+                                            position->force, position->proxy);
   return true;
 }
 

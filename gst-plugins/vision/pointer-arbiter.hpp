@@ -2,6 +2,8 @@
 // Chooses among the pointers of the haptic device, the mouse or touch screen, and the application.
 #pragma once
 
+#include "pointer-position.hpp"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -33,9 +35,10 @@ public:
   PointerSource source = PointerSource::automatic;
   Pointer property;
 
-  /// `force`: on the device, as it reported with its position.
-  void point_haptic(Pointer pointer, Time now, std::optional<Force> force = std::nullopt) {
-    haptic_.emplace(pointer, now, force); // in place: no copy of an unset force
+  /// `force` and `proxy`: of the device, as it reported with its position.
+  void point_haptic(Pointer pointer, Time now, std::optional<Force> force = std::nullopt,
+                    std::optional<ProxyPosition> proxy = std::nullopt) {
+    haptic_.emplace(pointer, now, force, proxy); // in place: no copy of an unset force
   }
   /// In px of a frame of this size; clamped at its borders.
   void point_navigation(double x, double y, int frame_width, int frame_height) {
@@ -64,6 +67,10 @@ public:
   std::optional<Force> force(Time now) const {
     return haptic_is_fresh(now) ? haptic_->force : std::nullopt;
   }
+  /// The proxy on a relief, or nothing if there is none or the device is silent.
+  std::optional<ProxyPosition> proxy(Time now) const {
+    return haptic_is_fresh(now) ? haptic_->proxy : std::nullopt;
+  }
 
 private:
   bool haptic_is_fresh(Time now) const {
@@ -71,11 +78,13 @@ private:
   }
 
   struct Dated {
-    Dated(Pointer pointer_now, Time now, std::optional<Force> force_now)
-        : pointer(pointer_now), arrived(now), force(force_now) {}
+    Dated(Pointer pointer_now, Time now, std::optional<Force> force_now,
+          std::optional<ProxyPosition> proxy_now)
+        : pointer(pointer_now), arrived(now), force(force_now), proxy(proxy_now) {}
     Pointer pointer;
     Time arrived;
     std::optional<Force> force;
+    std::optional<ProxyPosition> proxy;
   };
   std::optional<Dated> haptic_;
   std::optional<Pointer> navigation_;

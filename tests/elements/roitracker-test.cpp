@@ -923,4 +923,22 @@ TEST_F(RoiTracker, TheForceThatTheDeviceReportsIsInTheMetadata) {
   EXPECT_TRUE(std::isnan(motion_of(unknown).force_y));
 }
 
+TEST_F(RoiTracker, TheProxyThatTheDeviceReportsIsInTheMetadata) {
+  EXPECT_TRUE(std::isnan(motion_of(pass_moving(0)).depth)) << "no device has reported";
+  int frame = 0;
+  BufferPtr known;
+  test::within_a_second([&] {
+    haptic::PointerPosition position;
+    position.proxy = {0.25, 0.75, 0.5};
+    gst_harness_push_upstream_event(harness.get(), haptic::make_pointer_event(position).release());
+    known = pass_moving(++frame);
+  });
+  const auto &motion = motion_of(known);
+  EXPECT_EQ(motion.proxy_x, 0.25F * static_cast<gfloat>(motion.frame_width));
+  EXPECT_EQ(motion.proxy_y, 0.75F * static_cast<gfloat>(motion.frame_height));
+  EXPECT_EQ(motion.depth, 0.5F);
+  point_haptic(0.5, 0.5);
+  EXPECT_TRUE(std::isnan(motion_of(pass_moving(++frame)).depth));
+}
+
 } // namespace

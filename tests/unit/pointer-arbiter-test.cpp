@@ -54,6 +54,16 @@ TEST(PointerArbiter, TheForceIsKnownForASecondAfterTheDeviceReportedIt) {
   EXPECT_EQ(arbiter.force(kNow + 3s), std::nullopt);
 }
 
+TEST(PointerArbiter, TheProxyIsKnownAsLongAsTheForce) {
+  PointerArbiter arbiter;
+  const haptic::ProxyPosition proxy{0.25, 0.75, 0.002};
+  arbiter.point_haptic(kDevice, kNow, std::nullopt, proxy);
+  EXPECT_EQ(arbiter.proxy(kNow + 1s), proxy);
+  EXPECT_EQ(arbiter.proxy(kNow + 1001ms), std::nullopt);
+  arbiter.point_haptic(kDevice, kNow + 2s);
+  EXPECT_EQ(arbiter.proxy(kNow + 2s), std::nullopt);
+}
+
 TEST(PointerArbiter, WithoutEventsTheProperties) {
   PointerArbiter arbiter = all_three(PointerSource::automatic);
   arbiter.forget();

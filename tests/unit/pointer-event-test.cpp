@@ -59,6 +59,15 @@ TEST_F(PointerEvent, AForceThatIsNotWholeAndFiniteIsNone) {
   EXPECT_FALSE(haptic::parse_pointer_event(partly.get())->force);
 }
 
+TEST_F(PointerEvent, CarriesTheProxyIfItIsWholeAndFinite) {
+  PointerPosition sent;
+  EXPECT_FALSE(haptic::parse_pointer_event(haptic::make_pointer_event(sent).get())->proxy);
+  sent.proxy = {0.25, 0.75, 0.004};
+  EXPECT_EQ(haptic::parse_pointer_event(haptic::make_pointer_event(sent).get())->proxy, sent.proxy);
+  sent.proxy->depth = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(haptic::parse_pointer_event(haptic::make_pointer_event(sent).get())->proxy);
+}
+
 TEST_F(PointerEvent, XAndYSuffice) {
   const auto event = custom(gst_structure_new("haptic-pointer", "x", G_TYPE_DOUBLE, 0.1, "y",
                                               G_TYPE_DOUBLE, 0.9, nullptr));

@@ -151,6 +151,17 @@ TEST(PointerGateTest, AForceThatChangesIsToldAtOnce) {
   EXPECT_TRUE(gate.pass({}, 3 * kMs));
 }
 
+TEST(PointerGateTest, ATouchThatChangesIsToldAtOnce) {
+  PointerGate gate;
+  gate.pass({.proxy = {{0.5, 0.5, 0}}}, 0);
+  EXPECT_FALSE(gate.pass({.proxy = {{0.5005, 0.5, 0}}}, kMs));
+  EXPECT_TRUE(gate.pass({.proxy = {{0.5, 0.5, 1e-5}}}, 2 * kMs)) << "it begins";
+  EXPECT_FALSE(gate.pass({.proxy = {{0.5, 0.5, 1e-4}}}, 3 * kMs));
+  EXPECT_TRUE(gate.pass({.proxy = {{0.5, 0.5, 2e-4}}}, 4 * kMs));
+  EXPECT_TRUE(gate.pass({.proxy = {{0.5, 0.5, 0}}}, 5 * kMs)) << "it ends";
+  EXPECT_TRUE(gate.pass({}, 6 * kMs)) << "touch is off";
+}
+
 TEST(PointerGateTest, ASlowDriftIsToldOnceItIsLargeEnough) {
   PointerGate gate;
   gate.pass({.x = 0.5}, 0);
