@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame-blending.hpp"
 
-#include "mapped-frame.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -46,12 +44,6 @@ GstVideoFrame whole_pairs(const GstVideoFrame &frame) {
   return whole;
 }
 
-bool copy(const GstVideoFrame &from, GstVideoFrame &to) {
-  const GstVideoFrame source = whole_pairs(from);
-  GstVideoFrame target = whole_pairs(to);
-  return gst_video_frame_copy(&target, &source);
-}
-
 } // namespace
 
 OverlayPixels paint(const OverlayDrawing &drawing) {
@@ -78,18 +70,16 @@ CompositionPtr compose(const OverlayPixels &overlay, int x, int y) {
   return CompositionPtr(gst_video_overlay_composition_new(rectangle.get()));
 }
 
-bool blend(const GstVideoInfo &info, const OverlayPixels &overlay, GstBuffer *in, GstBuffer *out) {
-  MappedFrame frame(info, out, GST_MAP_READWRITE);
-  if (!frame)
-    return false;
-  if (in != out) {
-    const MappedFrame original(info, in);
-    if (!original || !copy(original.frame(), frame.frame()))
-      return false;
-  }
+bool copy_pixels(const GstVideoFrame &from, GstVideoFrame &to) {
+  const GstVideoFrame source = whole_pairs(from);
+  GstVideoFrame target = whole_pairs(to);
+  return gst_video_frame_copy(&target, &source);
+}
+
+bool blend(const OverlayPixels &overlay, GstVideoFrame &frame) {
   int x = 0;
   int y = 0;
-  GstVideoFrame part = part_of(frame.frame(), overlay.extent, x, y);
+  GstVideoFrame part = part_of(frame, overlay.extent, x, y);
   return gst_video_overlay_composition_blend(compose(overlay, x, y).get(), &part);
 }
 

@@ -33,8 +33,10 @@ OverlayPixels paint(const OverlayDrawing &drawing);
 /// The overlay as a composition whose top left corner lies at (x, y).
 CompositionPtr compose(const OverlayPixels &overlay, int x, int y);
 
-/// Draws the overlay on `out`. Copies the pixels of `in` there first if it is another buffer.
-/// Returns false if a buffer does not hold a frame of this format.
-bool blend(const GstVideoInfo &info, const OverlayPixels &overlay, GstBuffer *in, GstBuffer *out);
+/// Copies the pixels of one frame to another. Returns false if they do not fit.
+bool copy_pixels(const GstVideoFrame &from, GstVideoFrame &to);
+
+/// Draws the overlay on the frame. Returns false if it cannot be drawn.
+bool blend(const OverlayPixels &overlay, GstVideoFrame &frame);
 
 } // namespace haptic

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// hapticoverlay draws over a frame the motion that was measured in it and the force that the hand
-// feels.
+// hapticoverlay draws over a frame the motion that was measured in it, the force that the hand
+// feels and the relief that it touches.
 //
 //   gst-launch-1.0 videotestsrc ! roitracker ! hapticoverlay ! videoconvert ! autovideosink
 //
@@ -21,6 +21,8 @@
 #include "motion-reader.hpp"
 #include "overlay-drawing.hpp"
 #include "property-table.hpp"
+#include "shown-relief.hpp"
+#include "touch-picture.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,6 +37,7 @@ GST_DEBUG_CATEGORY_STATIC(haptic_overlay_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::MappedFrame;
 using haptic::ObjectLock;
 using haptic::OverlayLook;
 using haptic::OverlayPixels;
@@ -46,6 +49,17 @@ struct Settings : OverlayLook {
   // As of the velocityavg whose output is felt: it is on another branch.
   haptic::Average average = haptic::Average::model;
   haptic::ModelChoice motion_model = haptic::ModelChoice::automatic;
+  double deform = 0;    // px of pull per mm of depth
+  double shading = 0.5; // 0..1
+};
+
+// What a frame gets. The overlay is drawn last.
+struct Changes {
+  bool shaded = false;
+  haptic::Dent dent;
+  std::optional<OverlayPixels> drawn;
+
+  bool of_pixels() const { return shaded || dent.pull > 0; }
 };
 
 struct State {
@@ -54,8 +68,12 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   haptic::MotionReader reader;
-  bool attaches = false;              // downstream draws the overlay
-  std::optional<OverlayPixels> drawn; // over the frame under way
+  bool attaches = false; // downstream draws the overlay
+  Changes changes;       // of the frame under way
+  haptic::DentPainter dents;
+  haptic::ReliefShading shading;
+
+  haptic::ShownRelief relief; // has its own lock
 };
 
 } // namespace
@@ -97,6 +115,7 @@ GType style_type() {
 
 std::span<const haptic::Property<Settings>> properties() {
   constexpr double kLongestScale = 10; // s
+  constexpr double kMostDeform = 100;  // px/mm
   const OverlayLook look;
   static const haptic::Property<Settings> table[] = {
       haptic::member_row<&OverlayLook::style, Settings>(
@@ -119,6 +138,14 @@ std::span<const haptic::Property<Settings>> properties() {
           "motion-model", "Motion Model", "That of the velocityavg whose output is felt",
           haptic::motion_model_type(), static_cast<gint>(haptic::ModelChoice::automatic),
           haptic::kReadWrite)),
+      haptic::member_row<&Settings::deform>(
+          g_param_spec_double("deform", "Deform",
+                              "Pixels that the picture is pulled towards a touching hand per mm of "
+                              "depth; 0: not at all",
+                              0, kMostDeform, Settings{}.deform, haptic::kControllable)),
+      haptic::member_row<&Settings::shading>(g_param_spec_double(
+          "shading", "Shading", "Strength of the light on the relief of the pad relief; 0: none", 0,
+          1, Settings{}.shading, haptic::kControllable)),
   };
   return table;
 }
@@ -153,31 +180,51 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
   };
   if (std::isfinite(meta.force_x) && std::isfinite(meta.force_y))
     scene.force = {static_cast<double>(meta.force_x), static_cast<double>(meta.force_y)};
+  if (meta.depth >= 0) { // not NaN
+    scene.proxy = {static_cast<double>(meta.proxy_x), static_cast<double>(meta.proxy_y)};
+    scene.touches = meta.depth > 0;
+  }
   return scene;
 }
 
-// Returns the overlay of a frame, or nothing if nothing was measured or is to be drawn.
-std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, GstBuffer *frame) {
+// Returns the overlay of a frame, or nothing if there is nothing to draw.
+std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, const GstHapticMotionMeta &meta,
+                                        const Settings &settings) {
+  const haptic::MotionSample sample = self->state->reader.read(
+      meta, GST_VIDEO_FILTER(self)->in_info, settings.average, settings.motion_model);
+  if (settings.style == OverlayStyle::none || (!(sample.confidence > 0) && !(meta.depth >= 0)))
+    return std::nullopt;
+  const haptic::OverlayDrawing drawing(scene_of(meta, sample), settings);
+  if (drawing.extent().width == 0)
+    return std::nullopt;
+  return haptic::paint(drawing);
+}
+
+Changes changes_of(GstHapticOverlay *self, GstBuffer *frame) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame);
-  if (!meta) {
-    state.reader.read_nothing(info);
-    return std::nullopt;
-  }
   Settings settings;
   {
     const ObjectLock lock(self);
     settings = state.settings;
   }
-  const haptic::MotionSample sample =
-      state.reader.read(*meta, info, settings.average, settings.motion_model);
-  if (!(sample.confidence > 0) || settings.style == OverlayStyle::none)
-    return std::nullopt;
-  const haptic::OverlayDrawing drawing(scene_of(*meta, sample), settings);
-  if (drawing.extent().width == 0)
-    return std::nullopt;
-  return haptic::paint(drawing);
+  Changes changes;
+  if (settings.shading > 0)
+    changes.shaded = state.relief.read_at(
+        gst_segment_to_running_time(&GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME,
+                                    GST_BUFFER_PTS(frame)),
+        [&](const haptic::ReliefField &relief) { state.shading.read(relief, settings.shading); });
+  const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame);
+  if (!meta) {
+    state.reader.read_nothing(info);
+    return changes;
+  }
+  if (meta->depth > 0)
+    changes.dent = haptic::dent_at(
+        static_cast<double>(meta->proxy_x), static_cast<double>(meta->proxy_y),
+        static_cast<double>(meta->depth), settings.deform, GST_VIDEO_INFO_HEIGHT(&info));
+  changes.drawn = overlay_of(self, *meta, settings);
+  return changes;
 }
 
 // Streaming
@@ -185,12 +232,14 @@ std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, GstBuffer *frame
 GstFlowReturn prepare_output_buffer(GstHapticOverlay *self, GstBuffer *in, GstBuffer **out) {
   State &state = *self->state;
   haptic::sync_controllers(self, GST_BASE_TRANSFORM(self)->segment, in);
-  state.drawn = overlay_of(self, in);
-  if (!state.drawn || (gst_buffer_is_writable(in) && gst_buffer_is_all_memory_writable(in))) {
+  state.changes = changes_of(self, in);
+  const bool changes_pixels = state.changes.of_pixels();
+  if ((!changes_pixels && !state.changes.drawn) ||
+      (gst_buffer_is_writable(in) && gst_buffer_is_all_memory_writable(in))) {
     *out = in;
     return GST_FLOW_OK;
   }
-  if (state.attaches) {
+  if (state.attaches && !changes_pixels) {
     *out = haptic::with_own_metadata(in);
     return *out ? GST_FLOW_OK : GST_FLOW_ERROR;
   }
@@ -199,21 +248,37 @@ GstFlowReturn prepare_output_buffer(GstHapticOverlay *self, GstBuffer *in, GstBu
       ->prepare_output_buffer(GST_BASE_TRANSFORM(self), in, out);
 }
 
+// Returns false if a buffer does not hold a frame of this format.
+bool change_pixels(GstHapticOverlay *self, const Changes &changes, GstBuffer *in, GstBuffer *out) {
+  State &state = *self->state;
+  const GstVideoInfo &info = GST_VIDEO_FILTER(self)->out_info;
+  MappedFrame frame(info, out, GST_MAP_READWRITE);
+  if (!frame)
+    return false;
+  if (in != out) {
+    const MappedFrame original(info, in);
+    if (!original || !haptic::copy_pixels(original.frame(), frame.frame()))
+      return false;
+  }
+  if (changes.shaded)
+    state.shading.paint(frame.frame());
+  state.dents.paint(changes.dent, frame.frame());
+  return state.attaches || !changes.drawn || haptic::blend(*changes.drawn, frame.frame());
+}
+
 GstFlowReturn transform(GstHapticOverlay *self, GstBuffer *in, GstBuffer *out) {
   State &state = *self->state;
-  const std::optional<OverlayPixels> drawn = std::exchange(state.drawn, std::nullopt);
-  if (!drawn)
-    return GST_FLOW_OK;
-  if (state.attaches) {
-    gst_buffer_add_video_overlay_composition_meta(
-        out, haptic::compose(*drawn, drawn->extent.x, drawn->extent.y).get());
-    return GST_FLOW_OK;
-  }
-  if (!haptic::blend(GST_VIDEO_FILTER(self)->out_info, *drawn, in, out)) {
+  const Changes changes = std::exchange(state.changes, {});
+  const bool blends = changes.drawn && !state.attaches;
+  if ((changes.of_pixels() || blends) && !change_pixels(self, changes, in, out)) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT, (haptic::messages::kUndrawableFrame),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(in)));
     return GST_FLOW_ERROR;
   }
+  if (changes.drawn && state.attaches)
+    gst_buffer_add_video_overlay_composition_meta(
+        out,
+        haptic::compose(*changes.drawn, changes.drawn->extent.x, changes.drawn->extent.y).get());
   return GST_FLOW_OK;
 }
 
@@ -311,15 +376,32 @@ static void install_transform_vfuncs(GstBaseTransformClass *klass) {
   };
 }
 
+static void install_relief_pad(GstElementClass *klass) {
+  gst_element_class_add_pad_template(klass, haptic::shown_relief_template());
+  klass->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
+                              const GstCaps *) {
+    return guarded(element, static_cast<GstPad *>(nullptr), [&] {
+      return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
+    });
+  };
+  klass->release_pad = [](GstElement *element, GstPad *pad) {
+    guarded(element, [&] {
+      gst_pad_set_active(pad, FALSE);
+      gst_element_remove_pad(element, pad);
+    });
+  };
+}
+
 static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   gst_element_class_set_static_metadata(
       element_class, "Haptic overlay", "Filter/Effect/Video",
-      "Draws over a frame the motion that was measured in it and the force that it gives",
+      "Draws over a frame the motion that was measured in it, its force, and what is touched",
       "Feeling Wind project");
   haptic::add_documentation(element_class, "hapticoverlay");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
+  install_relief_pad(element_class);
 
   install_object_vfuncs(G_OBJECT_CLASS(klass));
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));

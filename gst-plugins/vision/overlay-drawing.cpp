@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 namespace haptic {
@@ -27,6 +28,8 @@ constexpr double kArrowLine = 2;
 constexpr double kForceAside = kArrowLine + 2 * kOutline; // of the velocity, whose direction it has
 constexpr double kHead = 3.5;                             // of an arrow's own line
 constexpr double kDot = 2;
+constexpr double kProxyRing = 5; // radius
+constexpr double kProxyDot = 2.5;
 
 constexpr double kPatchScale = 0.25; // so that the arrows of neighbours do not cross
 
@@ -93,19 +96,29 @@ OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &loo
       opacity_(kFaintest + (1 - kFaintest) * scene.confidence), look_(look) {
   if (look.style == OverlayStyle::none)
     return;
+  if (scene.confidence > 0)
+    place_measurement(scene);
+  if (scene.proxy && std::isfinite((*scene.proxy)[0]) && std::isfinite((*scene.proxy)[1])) {
+    proxy_ = square((*scene.proxy)[0], (*scene.proxy)[1]);
+    touches_ = scene.touches;
+  }
+  find_extent();
+}
+
+void OverlayDrawing::place_measurement(const OverlayScene &scene) {
   const Point corner = square(scene.region_x, scene.region_y);
-  region_ = {corner.x, corner.y, scene.region_width * aspect_, scene.region_height};
+  region_ = Box{corner.x, corner.y, scene.region_width * aspect_, scene.region_height};
   const Point pointer = square(scene.pointer_x, scene.pointer_y);
   velocity_ =
-      arrow(pointer, scene.velocity_x * aspect_ * look.scale, scene.velocity_y * look.scale);
+      arrow(pointer, scene.velocity_x * aspect_ * look_.scale, scene.velocity_y * look_.scale);
   if (scene.force) {
     const double newton = height_ * kNewton;
     force_ = arrow(pointer, (*scene.force)[0] * newton, -(*scene.force)[1] * newton);
     if (force_)
       force_ = aside(*force_, kForceAside * line_);
   }
-  if (look.style == OverlayStyle::full) {
-    const double times = scene.interval > 0 ? kPatchScale * look.scale / scene.interval : 0;
+  if (look_.style == OverlayStyle::full) {
+    const double times = scene.interval > 0 ? kPatchScale * look_.scale / scene.interval : 0;
     for (const GstHapticPatch &patch : scene.patches) {
       const auto dx = static_cast<double>(patch.dx);
       const auto dy = static_cast<double>(patch.dy);
@@ -116,7 +129,6 @@ OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &loo
     text_of_label_ = scene.label;
     place_label();
   }
-  find_extent();
 }
 
 std::optional<OverlayDrawing::Arrow> OverlayDrawing::arrow(Point from, double dx, double dy) const {
@@ -148,10 +160,10 @@ void OverlayDrawing::place_label() {
   const double height = text_ + 2 * margin;
   if (width > width_ || height > height_)
     return;
-  double y = region_.y + region_.height + gap;
+  double y = region_->y + region_->height + gap;
   if (y + height > height_)
-    y = std::max(0.0, region_.y - gap - height);
-  const double x = std::clamp(region_.x + region_.width / 2 - width / 2, 0.0, width_ - width);
+    y = std::max(0.0, region_->y - gap - height);
+  const double x = std::clamp(region_->x + region_->width / 2 - width / 2, 0.0, width_ - width);
   label_ = Label{{x, y, width, height}, {x + margin, y + margin + text_ * 0.8}};
 }
 
@@ -177,7 +189,10 @@ void OverlayDrawing::find_extent() {
     cover(arrow.from, margin);
     cover(arrow.to, margin);
   };
-  cover_box(region_, 2 * line_);
+  if (region_)
+    cover_box(*region_, 2 * line_);
+  if (proxy_)
+    cover(*proxy_, (kProxyRing + 3) * line_);
   if (label_)
     cover_box(label_->box, 1);
   for (const Arrow &patch : patches_)
@@ -186,6 +201,8 @@ void OverlayDrawing::find_extent() {
     if (arrow)
       cover_arrow(*arrow, kArrowLine * line_);
 
+  if (left > right)
+    return;
   const auto pixel = [](double x, double most) {
     return static_cast<int>(std::clamp(x, 0.0, most));
   };
@@ -207,10 +224,38 @@ void OverlayDrawing::paint(std::uint8_t *pixels, int stride) const {
   cairo_scale(cairo, 1 / aspect_, 1);
   cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
+  if (region_)
+    paint_measurement(cairo);
+  if (proxy_)
+    paint_proxy(cairo);
+  cairo_surface_flush(surface.get());
+}
 
+// A ring; with a dot in it while the hand touches.
+void OverlayDrawing::paint_proxy(cairo_t *cairo) const {
+  constexpr double kWhole = 2 * std::numbers::pi;
+  cairo_new_path(cairo);
+  cairo_arc(cairo, proxy_->x, proxy_->y, kProxyRing * line_, 0, kWhole);
+  cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
+  cairo_set_line_width(cairo, 3 * line_);
+  cairo_stroke_preserve(cairo);
+  cairo_set_source_rgba(cairo, 1, 1, 1, 1);
+  cairo_set_line_width(cairo, 1.5 * line_);
+  cairo_stroke(cairo);
+  if (!touches_)
+    return;
+  cairo_arc(cairo, proxy_->x, proxy_->y, kProxyDot * line_, 0, kWhole);
+  cairo_set_source_rgba(cairo, 1, 1, 1, 1);
+  cairo_set_line_width(cairo, 2 * line_);
+  cairo_stroke_preserve(cairo);
+  set_color(cairo, look_.force_color, 1);
+  cairo_fill(cairo);
+}
+
+void OverlayDrawing::paint_measurement(cairo_t *cairo) const {
   // Inside its border, on whole pixels.
-  cairo_rectangle(cairo, region_.x + line_ / 2, region_.y + line_ / 2, region_.width - line_,
-                  region_.height - line_);
+  cairo_rectangle(cairo, region_->x + line_ / 2, region_->y + line_ / 2, region_->width - line_,
+                  region_->height - line_);
   cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
   cairo_set_line_width(cairo, 3 * line_);
   cairo_stroke_preserve(cairo);
@@ -251,7 +296,6 @@ void OverlayDrawing::paint(std::uint8_t *pixels, int stride) const {
     cairo_move_to(cairo, label_->baseline.x, label_->baseline.y);
     cairo_show_text(cairo, text_of_label_.c_str());
   }
-  cairo_surface_flush(surface.get());
 }
 
 } // namespace haptic

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Draws the measurement over a frame: region, patches, velocity and force.
+// Draws the measurement over a frame: region, patches, velocity and force; and what is touched.
 #pragma once
 
 #include "haptic-patch.h"
@@ -11,6 +11,8 @@
 #include <span>
 #include <string>
 #include <vector>
+
+typedef struct _cairo cairo_t;
 
 namespace haptic {
 
@@ -35,11 +37,13 @@ struct OverlayScene {
   double region_x = 0, region_y = 0, region_width = 0, region_height = 0;
   double pointer_x = 0, pointer_y = 0;
   double velocity_x = 0, velocity_y = 0; ///< px/s
-  double confidence = 0;                 ///< 0..1
+  double confidence = 0;                 ///< 0..1; 0: nothing was measured, draw only the proxy
   std::string label;
   std::span<const GstHapticPatch> patches;
   double interval = 0;                        ///< s of the patches' motion; 0: none
   std::optional<std::array<double, 2>> force; ///< N, x to the right, y up
+  std::optional<std::array<double, 2>> proxy; ///< px, where a relief holds the hand
+  bool touches = false;                       ///< the hand is beneath the relief
 };
 
 class OverlayDrawing {
@@ -70,11 +74,14 @@ private:
     Point baseline;
   };
 
+  void place_measurement(const OverlayScene &scene);
   Point square(double x, double y) const { return {x * aspect_, y}; }
   std::optional<Arrow> arrow(Point from, double dx, double dy) const;
   static Arrow aside(const Arrow &arrow, double distance);
   void place_label();
   void find_extent();
+  void paint_measurement(cairo_t *cairo) const;
+  void paint_proxy(cairo_t *cairo) const;
 
   double aspect_;
   double width_, height_; // of the frame
@@ -82,9 +89,11 @@ private:
   double text_;           // size of the text
   double opacity_;
   OverlayLook look_;
-  Box region_;
+  std::optional<Box> region_; // nothing: nothing was measured
   std::vector<Arrow> patches_;
   std::optional<Arrow> velocity_, force_;
+  std::optional<Point> proxy_;
+  bool touches_ = false;
   std::string text_of_label_;
   std::optional<Label> label_;
   Rectangle extent_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "luma-crop.hpp"
 #include "pointer-event.hpp"
+#include "relief-field.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>
@@ -111,6 +112,24 @@ protected:
     return out;
   }
 
+  // A later frame of a still scene while the device reports this proxy.
+  BufferPtr pass_touching(std::optional<haptic::ProxyPosition> proxy) {
+    BufferPtr out;
+    test::within_a_second([&] {
+      haptic::PointerPosition position;
+      position.proxy = proxy;
+      gst_harness_push_upstream_event(harness.get(),
+                                      haptic::make_pointer_event(position).release());
+      out = pass(++frames, {});
+    });
+    return out;
+  }
+
+  std::vector<std::uint8_t> untouched() {
+    return bytes_of(test::to_buffer(texture.frame(kWidth, kHeight, {}), harness.info));
+  }
+
+  int frames = 0;
   Texture texture{1, 5, 15};
   VideoHarness harness{"roitracker roi-size=40 ! hapticoverlay"};
   ElementPtr overlay = harness.element("hapticoverlay");
@@ -352,6 +371,146 @@ TEST_F(HapticOverlay, WhereDownstreamDrawsNothingIsCopied) {
   ASSERT_NE(meta, nullptr);
   EXPECT_EQ(gst_video_overlay_composition_n_rectangles(meta->overlay), 1U);
   EXPECT_EQ(gst_buffer_get_video_overlay_composition_meta(in.get()), nullptr);
+}
+
+// Touch
+
+using haptic::ProxyPosition;
+
+TEST_F(HapticOverlay, WithoutDeformATouchMovesNoPixel) {
+  gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "none");
+  pass(0, {});
+  EXPECT_EQ(bytes_of(pass_touching(ProxyPosition{0.5, 0.5, 0.004})), untouched());
+}
+
+TEST_F(HapticOverlay, DeformPullsThePictureWhileAndWhereTheHandTouches) {
+  g_object_set(overlay.get(), "deform", 2.0, "style", 0, nullptr);
+  pass(0, {});
+  EXPECT_EQ(bytes_of(pass_touching(ProxyPosition{0.25, 0.75, 0})), untouched()) << "above it";
+  const auto touched = bytes_of(pass_touching(ProxyPosition{0.25, 0.75, 0.004}));
+  const auto plain = untouched();
+  int changed = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const auto at = static_cast<std::size_t>(3 * (y * kWidth + x));
+      if (touched[at] == plain[at])
+        continue;
+      ++changed;
+      ASSERT_LT(std::hypot(x + 0.5 - 80, y + 0.5 - 180), 40) << x << ' ' << y;
+    }
+  EXPECT_GT(changed, 1500);
+  EXPECT_EQ(bytes_of(pass_touching(ProxyPosition{0.25, 0.75, 0})), plain) << "it has ended";
+  pass_touching(ProxyPosition{0.25, 0.75, 0.004});
+  EXPECT_EQ(bytes_of(pass_touching(std::nullopt)), plain) << "touch is off";
+}
+
+TEST_F(HapticOverlay, DeformNeverPullsTheFrameThatIsTracked) {
+  g_object_set(overlay.get(), "deform", 2.0, "style", 0, nullptr);
+  pass(0, {});
+  pass_touching(ProxyPosition{0.5, 0.5, 0.004});
+  const BufferPtr before = test::to_buffer(texture.frame(kWidth, kHeight, {}), harness.info);
+  GST_BUFFER_PTS(before.get()) = static_cast<GstClockTime>(++frames) * kFrame;
+  harness.push(BufferPtr(gst_buffer_ref(before.get())));
+  EXPECT_NE(bytes_of(harness.pull()), bytes_of(before));
+  EXPECT_EQ(bytes_of(before), untouched());
+}
+
+TEST_F(HapticOverlay, ARingShowsTheProxyAndADotInItTheContact) {
+  const auto at_proxy = [](const BufferPtr &out, auto wanted) {
+    Spot found = spot(out, wanted);
+    found.centre.x += kWidth / 2.0 - 80;
+    found.centre.y += kHeight / 2.0 - 180;
+    return found;
+  };
+  g_object_set(harness.element("roitracker").get(), "pointer-source", 3, nullptr);
+  for (int i = 0; i < 3; ++i)
+    pass(i, {});
+  frames = 3;
+  const Spot without = spot(pass_touching(std::nullopt), is_white);
+  const BufferPtr free = pass_touching(ProxyPosition{0.25, 0.75, 0});
+  EXPECT_EQ(spot(free, is_blue).count, 0);
+  EXPECT_GT(spot(free, is_white).count, without.count + 10) << "the ring";
+  const BufferPtr touching = pass_touching(ProxyPosition{0.25, 0.75, 0.002});
+  const Spot dot = at_proxy(touching, is_blue);
+  EXPECT_GT(dot.count, 8);
+  EXPECT_NEAR(dot.centre.x, 0, 0.6);
+  EXPECT_NEAR(dot.centre.y, 0, 0.6);
+}
+
+// A relief whose right half is this high, m.
+void push_relief(GstPad *pad, GstClockTime time, float height) {
+  haptic::ReliefField relief;
+  relief.frame_width = kWidth;
+  relief.frame_height = kHeight;
+  relief.columns = 32;
+  relief.rows = 24;
+  for (int i = 0; i < 32 * 24; ++i)
+    relief.cells.push_back({i % 32 < 16 ? 0 : height, 100, 0, 1});
+  std::vector<std::uint8_t> bytes(haptic::packed_size(relief));
+  haptic::pack_relief_field(relief, bytes);
+  GstBuffer *buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = time;
+  EXPECT_EQ(gst_pad_chain(pad, buffer), GST_FLOW_OK);
+}
+
+class ShownReliefs : public HapticOverlay {
+protected:
+  void SetUp() override {
+    HapticOverlay::SetUp();
+    gst_util_set_object_arg(G_OBJECT(overlay.get()), "style", "none");
+    pad = gst_element_request_pad_simple(overlay.get(), "relief");
+    gst_pad_send_event(pad, gst_event_new_stream_start("reliefs"));
+    gst_pad_send_event(
+        pad, gst_event_new_caps(haptic::CapsPtr(gst_caps_from_string(HAPTIC_RELIEF_CAPS)).get()));
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    gst_pad_send_event(pad, gst_event_new_segment(&segment));
+  }
+  void TearDown() override {
+    gst_element_release_request_pad(overlay.get(), pad);
+    gst_object_unref(pad);
+  }
+  GstPad *pad = nullptr;
+};
+
+TEST_F(ShownReliefs, AStepIsShadedAndALevelReliefIsNot) {
+  EXPECT_EQ(bytes_of(pass(0, {})), untouched()) << "no relief has come";
+  push_relief(pad, kFrame, 0);
+  EXPECT_EQ(bytes_of(pass(1, {})), untouched());
+  push_relief(pad, 2 * kFrame, 0.005F);
+  const auto shaded = bytes_of(pass(2, {}));
+  const auto plain = untouched();
+  for (const int x : {50, 140, 160, 180, 300}) {
+    const auto at = static_cast<std::size_t>(3 * (100 * kWidth + x));
+    if (x == 160) {
+      EXPECT_GT(shaded[at], plain[at] * 1.05);
+    } else {
+      EXPECT_EQ(shaded[at], plain[at]) << x;
+    }
+  }
+  g_object_set(overlay.get(), "shading", 0.0, nullptr);
+  EXPECT_EQ(bytes_of(pass(3, {})), plain);
+}
+
+TEST_F(ShownReliefs, AFrameHasTheReliefOfItsTime) {
+  push_relief(pad, 0, 0);
+  push_relief(pad, kFrame, 0.005F);
+  push_relief(pad, 2 * kFrame, 0);
+  EXPECT_EQ(bytes_of(pass(0, {})), untouched());
+  EXPECT_NE(bytes_of(pass(1, {})), untouched());
+  EXPECT_EQ(bytes_of(pass(2, {})), untouched());
+}
+
+TEST_F(ShownReliefs, OldOrDamagedReliefsAndThoseBeforeASeekAreNotShown) {
+  push_relief(pad, 0, 0.005F);
+  EXPECT_NE(bytes_of(pass(30, {})), untouched());
+  EXPECT_EQ(bytes_of(pass(31, {})), untouched()) << "older than a second";
+  EXPECT_EQ(gst_pad_chain(pad, gst_buffer_new_allocate(nullptr, 100, nullptr)), GST_FLOW_OK);
+  EXPECT_EQ(bytes_of(pass(32, {})), untouched());
+  push_relief(pad, 33 * kFrame, 0.005F);
+  gst_pad_send_event(pad, gst_event_new_flush_start());
+  gst_pad_send_event(pad, gst_event_new_flush_stop(TRUE));
+  EXPECT_EQ(bytes_of(pass(33, {})), untouched());
 }
 
 TEST_F(HapticOverlay, EveryPropertyMayBeSetWhileRunning) {
