@@ -42,7 +42,8 @@ void ContactLaw::restart() noexcept {
 }
 
 // Returns whether the hand came through the surface, and sets the proxy to where. A hand over which
-// the surface came is not thrown out: the surface begins at the hand (lag_).
+// the surface came, or that came beneath it from the side, out of a hole, is not thrown out: the
+// surface begins at the hand (lag_).
 bool ContactLaw::touch(const ReliefSurface &surface, const Vector3 &hand) noexcept {
   const SurfacePoint here = surface.at(hand.x(), hand.y());
   if (!here.exists || hand.z() >= here.height)
@@ -51,18 +52,23 @@ bool ContactLaw::touch(const ReliefSurface &surface, const Vector3 &hand) noexce
     const SurfacePoint point = surface.at(place.x(), place.y());
     return point.exists && place.z() < point.height;
   };
-  if (!hand_known_ || is_inside(hand_before_)) {
+  const auto begin_at_hand = [&] {
     lag_ = hand.z() - here.height;
     contact_.proxy = hand;
     stiffness_ = 0;
     return true;
-  }
+  };
+  if (!hand_known_ || is_inside(hand_before_))
+    return begin_at_hand();
   double outside = 0;
   double inside = 1;
   for (int i = 0; i < kBisections; ++i) {
     const double middle = (outside + inside) / 2;
     (is_inside(hand_before_ + middle * (hand - hand_before_)) ? inside : outside) = middle;
   }
+  const Vector3 last_outside = hand_before_ + outside * (hand - hand_before_);
+  if (!surface.at(last_outside.x(), last_outside.y()).exists)
+    return begin_at_hand();
   contact_.proxy = hand_before_ + inside * (hand - hand_before_);
   contact_.proxy.z() = surface.at(contact_.proxy.x(), contact_.proxy.y()).height;
   stiffness_ = 0;

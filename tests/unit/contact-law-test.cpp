@@ -215,6 +215,23 @@ TEST(ContactLaw, ABallThatPassesPullsInByNoMoreThanItsFriction) {
     }
 }
 
+TEST(ContactLaw, AHandThatComesFromAHoleBeneathAHighSurfaceIsNotThrown) {
+  ReliefField relief = test::relief_of(test::flat(0.02));
+  for (std::size_t i = 0; i < relief.cells.size(); ++i)
+    if (i % test::kCells < test::kCells / 2)
+      relief.cells[i] = {};
+  ContactLaw law;
+  double before = 0;
+  for (int ms = 0; ms < 200; ++ms) {
+    const Vector3 hand(-0.004 + 0.00008 * std::min(ms, 100), 0, 0);
+    const Contact &now = law.step(test::surface_of(relief), hand, Vector3::Zero(), kLimits, kTick);
+    ASSERT_LE(now.proxy.z(), 1e-4 * (ms + 1)) << ms; // the surface comes with 0.1 m/s
+    before = now.force.norm();
+  }
+  EXPECT_TRUE(law.contact().touches);
+  EXPECT_GT(before, 0.5);
+}
+
 TEST(ContactLaw, ANumberThatIsNotFiniteGivesNoForce) {
   const ReliefField relief = test::relief_of(test::flat(0.02));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
