@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "depth-scene.hpp"
 #include "motion-sample.hpp"
 #include "relief-buffers.hpp"
 #include "video-harness.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <gst/app/gstappsink.h>
+#include <gst/app/gstappsrc.h>
 #include <gtest/gtest.h>
+#include <vector>
 
 namespace {
 
@@ -129,6 +135,109 @@ TEST_F(DepthField, CutsTheDepthFromAFrameThatHasItBesideThePicture) {
       "videocrop left=128 ! depthfield kind=disparity scale=76 ! fakesink",
       nullptr));
   EXPECT_EQ(test::run_to_end(pipeline.get()), std::nullopt);
+}
+
+// Two cameras beside each other see a scene whose surfaces have grain: left | right, GRAY8.
+class StereoPair {
+public:
+  static constexpr int kWide = test::DepthScene::kWidth;
+  static constexpr int kHigh = test::DepthScene::kHeight;
+
+  StereoPair() {
+    for (int y = 0; y < kHigh; ++y)
+      draw_row(y);
+  }
+  static double disparity(double x, double y) {
+    constexpr double kFocalTimesBaseline = 600 * 0.05; // px m
+    return kFocalTimesBaseline / test::DepthScene::depth(x, y, 0.5);
+  }
+
+  std::vector<guint8> pixels = std::vector<guint8>(2UL * kWide * kHigh);
+
+private:
+  static double noise(int x, int y) {
+    std::uint32_t n =
+        static_cast<std::uint32_t>(x) * 374761393U + static_cast<std::uint32_t>(y) * 668265263U;
+    n = (n ^ n >> 13U) * 1274126177U;
+    return (n ^ n >> 16U) % 256;
+  }
+  static guint8 grain(double x, double y) {
+    constexpr double kGrain = 2.5; // px
+    const double left = std::floor(x / kGrain);
+    const double part = x / kGrain - left;
+    const int row = static_cast<int>(y / kGrain);
+    return static_cast<guint8>((1 - part) * noise(static_cast<int>(left), row) +
+                               part * noise(static_cast<int>(left) + 1, row));
+  }
+  // The right camera sees what is nearest; what the left one does not see has its own grain.
+  void draw_row(int y) {
+    guint8 *left = &pixels[2UL * kWide * static_cast<unsigned>(y)];
+    guint8 *right = left + kWide;
+    std::vector<double> nearest(kWide, 0);
+    for (int x = 0; x < kWide; ++x) {
+      left[x] = grain(x, y);
+      right[x] = grain(x, y + 5000);
+    }
+    for (double x = 0; x < kWide; x += 0.25) {
+      const double d = disparity(x, y);
+      const auto at = static_cast<int>(std::lround(x - d));
+      if (at < 0 || d <= nearest[static_cast<unsigned>(at)])
+        continue;
+      nearest[static_cast<unsigned>(at)] = d;
+      right[at] = grain(at + d, y);
+    }
+  }
+};
+
+// GStreamer's own element matches the pair. It makes the largest disparity of a frame 255.
+TEST_F(DepthField, TouchesWhatAPairOfCamerasSees) {
+  const test::ElementPtr matcher(gst_element_factory_make("disparity", nullptr));
+  if (!matcher)
+    GTEST_SKIP() << "no element disparity: install gstreamer1.0-opencv";
+  const test::ElementPtr pipeline(gst_parse_launch(
+      "appsrc name=pair format=time ! tee name=t ! queue ! videocrop right=640 ! videoconvert ! "
+      "d.sink_left t. ! queue ! videocrop left=640 ! videoconvert ! d.sink_right "
+      "disparity name=d method=sgbm ! videoconvert ! video/x-raw,format=GRAY8 ! "
+      "depthfield kind=disparity scale=255 near=1 far=4 ! appsink name=reliefs sync=false",
+      nullptr));
+  const test::ElementPtr source(gst_bin_get_by_name(GST_BIN(pipeline.get()), "pair"));
+  const test::ElementPtr sink(gst_bin_get_by_name(GST_BIN(pipeline.get()), "reliefs"));
+  const haptic::CapsPtr caps(
+      gst_caps_from_string("video/x-raw,format=GRAY8,width=1280,height=360,framerate=30/1"));
+  gst_app_src_set_caps(GST_APP_SRC(source.get()), caps.get());
+  const StereoPair pair;
+  for (GstClockTime n = 0; n < 3; ++n) { // its end may overtake a frame in the matcher
+    GstBuffer *frame = gst_buffer_new_memdup(pair.pixels.data(), pair.pixels.size());
+    GST_BUFFER_PTS(frame) = n * kFrame;
+    gst_app_src_push_buffer(GST_APP_SRC(source.get()), frame);
+  }
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const haptic::SamplePtr sample(
+      gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 20 * GST_SECOND));
+  ASSERT_TRUE(sample);
+  const BufferPtr buffer(gst_buffer_ref(gst_sample_get_buffer(sample.get())));
+  const ReliefField relief = relief_of(buffer);
+  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+
+  double largest = 0;
+  for (int y = 0; y < StereoPair::kHigh; ++y)
+    for (int x = 0; x < StereoPair::kWide; ++x)
+      largest = std::max(largest, StereoPair::disparity(x, y));
+  constexpr double kRange = 0.04; // m
+  std::vector<double> errors;
+  const double side = 640.0 / relief.columns;
+  for (std::size_t i = 0; i < relief.cells.size(); ++i) {
+    const double x = (static_cast<double>(i % relief.columns) + 0.5) * side;
+    const double y = (static_cast<double>(i / relief.columns) + 0.5) * side;
+    const double v = StereoPair::disparity(x, y) / largest; // 1 at near, 1/4 at far
+    if (relief.cells[i].validity > 0)
+      errors.push_back(std::abs(static_cast<double>(relief.cells[i].height) -
+                                kRange * ((v - 0.25) / 0.75 - 0.5)));
+  }
+  std::ranges::sort(errors);
+  ASSERT_GT(errors.size(), relief.cells.size() * 85 / 100); // the left border has no match
+  EXPECT_LE(errors[errors.size() / 2], 0.02 * kRange);
+  EXPECT_LE(errors[errors.size() * 9 / 10], 0.03 * kRange);
 }
 
 } // namespace
