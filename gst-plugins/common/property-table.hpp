@@ -6,6 +6,7 @@
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 
+#include <cmath>
 #include <type_traits>
 
 namespace haptic {
@@ -28,8 +29,11 @@ inline void read_value(const GValue *value, bool &to) {
 inline void read_value(const GValue *value, guint &to) {
   to = g_value_get_uint(value);
 }
+/// NaN, which GObject's check of the range lets pass, changes nothing.
 inline void read_value(const GValue *value, double &to) {
-  to = g_value_get_double(value);
+  const double read = g_value_get_double(value);
+  if (!std::isnan(read))
+    to = read;
 }
 template <Enumeration Enum>
 void read_value(const GValue *value, Enum &to) {

@@ -134,7 +134,7 @@ haptic::Property<Settings> number_row(const char *name, const char *nick, const 
                                       double most) {
   const Settings usual;
   return {g_param_spec_double(name, nick, blurb, 0, most, *kPath(usual), haptic::kReadWrite),
-          [](Settings &s, const GValue *value) { *kPath(s) = g_value_get_double(value); },
+          [](Settings &s, const GValue *value) { haptic::read_value(value, *kPath(s)); },
           [](const Settings &s, GValue *value) { g_value_set_double(value, *kPath(s)); }};
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sink-properties.hpp"
 
+#include "property-table.hpp"
+
 #include <iterator>
 #include <type_traits>
 #include <variant>
@@ -71,14 +73,14 @@ using Text = std::string &(*)(SinkSettings &);
 using Number = double &(*)(SinkSettings &);
 using Count = unsigned &(*)(SinkSettings &);
 
-struct Enumeration {
+struct EnumMember {
   GType (*type)();
   gint (*get)(SinkSettings &);
   void (*set)(SinkSettings &, gint);
 };
 
 template <auto member>
-constexpr Enumeration enumeration(GType (*type)()) {
+constexpr EnumMember enumeration(GType (*type)()) {
   return {type, [](SinkSettings &settings) { return static_cast<gint>(member(settings)); },
           [](SinkSettings &settings, gint value) {
             auto &place = member(settings);
@@ -97,19 +99,19 @@ struct Range {
   double highest = 0;
 };
 
-struct Property {
+struct SinkProperty {
   const char *name;
   const char *nick;
   GParamFlags flags;
-  std::variant<Text, Number, Count, Enumeration> member; // its default is that of SinkSettings
-  Range range;                                           // of numbers and counts
+  std::variant<Text, Number, Count, EnumMember> member; // its default is that of SinkSettings
+  Range range;                                          // of numbers and counts
   const char *blurb;
 };
 
 // clang-format off
 #define AT(MEMBER) ([](SinkSettings &s) -> auto & { return s.MEMBER; })
 
-const Property kProperties[] = {
+const SinkProperty kProperties[] = {
     {"device", "Device", kReady, Text(AT(choice.device)), {},
      "auto, sim, usb, usb:ID (its rotary switch), evdev, evdev:PATH (a joystick or wheel with "
      "force feedback) or none; auto takes the first SPIDAR-G found, else the simulated one"},
@@ -172,7 +174,7 @@ struct Overloaded : Functions... {
 template <typename... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-GParamSpec *make_spec(const Property &p) {
+GParamSpec *make_spec(const SinkProperty &p) {
   SinkSettings defaults;
   const double lowest = p.range.lowest;
   const double highest = p.range.highest;
@@ -188,7 +190,7 @@ GParamSpec *make_spec(const Property &p) {
     return g_param_spec_uint(p.name, p.nick, p.blurb, static_cast<guint>(lowest),
                              static_cast<guint>(highest), member(defaults), p.flags);
   };
-  const auto enum_spec = [&](Enumeration member) {
+  const auto enum_spec = [&](EnumMember member) {
     return g_param_spec_enum(p.name, p.nick, p.blurb, member.type(), member.get(defaults), p.flags);
   };
   return std::visit(Overloaded{text_spec, number_spec, count_spec, enum_spec}, p.member);
@@ -210,7 +212,7 @@ GType session_state_type() {
 
 void install_sink_properties(GObjectClass *klass) {
   guint id = 0;
-  for (const Property &property : kProperties)
+  for (const SinkProperty &property : kProperties)
     g_object_class_install_property(klass, ++id, make_spec(property));
   for (const GType type : {force_law_type(), latency_mode_type(), rate_law_type(), dead_man_type(),
                            touch_type(), session_state_type()})
@@ -222,10 +224,9 @@ void set_sink_property(guint id, const GValue *value, SinkSettings &settings) {
     const gchar *text = g_value_get_string(value);
     member(settings) = text ? text : "";
   };
-  std::visit(Overloaded{set_text,
-                        [&](Number member) { member(settings) = g_value_get_double(value); },
+  std::visit(Overloaded{set_text, [&](Number member) { read_value(value, member(settings)); },
                         [&](Count member) { member(settings) = g_value_get_uint(value); },
-                        [&](Enumeration member) { member.set(settings, g_value_get_enum(value)); }},
+                        [&](EnumMember member) { member.set(settings, g_value_get_enum(value)); }},
              kProperties[id - 1].member);
 }
 
@@ -237,7 +238,7 @@ void get_sink_property(guint id, GValue *value, SinkSettings &settings) {
   std::visit(Overloaded{get_text,
                         [&](Number member) { g_value_set_double(value, member(settings)); },
                         [&](Count member) { g_value_set_uint(value, member(settings)); },
-                        [&](Enumeration member) { g_value_set_enum(value, member.get(settings)); }},
+                        [&](EnumMember member) { g_value_set_enum(value, member.get(settings)); }},
              kProperties[id - 1].member);
 }
 

@@ -158,7 +158,7 @@ haptic::Property<Shared> pointer_row(const char *name, const char *nick, const c
   constexpr auto kFlags = static_cast<GParamFlags>(haptic::kControllable | G_PARAM_EXPLICIT_NOTIFY);
   return {g_param_spec_double(name, nick, blurb, 0, 1, 0.5, kFlags),
           [](Shared &shared, const GValue *value) {
-            shared.pointers.property.*kAxis = g_value_get_double(value);
+            haptic::read_value(value, shared.pointers.property.*kAxis);
           },
           [](const Shared &shared, GValue *value) {
             g_value_set_double(value, shared.pointers.in_use(Clock::now()).*kAxis);
