@@ -49,6 +49,8 @@ constexpr auto kLongestHandler = 1000ms; // that the end of the stream waits for
 
 enum class Liveness { unknown, live, not_live };
 
+enum class ReliefsBy { none, sink, relief }; // by which pad
+
 /// Posts what the session reports.
 class Client final : public haptic::SessionClient {
 public:
@@ -83,7 +85,8 @@ struct State {
   std::atomic<bool> armed = false; // as of the last notification
   std::atomic<int> notified_state = static_cast<int>(haptic::SessionState::closed); // the same
 
-  std::atomic<bool> sink_has_relief = false; // instead of motion; written by the streaming thread
+  // By the pad `sink` from its caps to the end of the run; by `relief` while that pad exists.
+  std::atomic<ReliefsBy> reliefs_by = ReliefsBy::none;
 
   std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
 
@@ -242,6 +245,13 @@ void get_times(GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start, GstClo
     *end += std::min(ahead, segment.stop - *end);
 }
 
+// Returns false if the pad `sink` is to have reliefs, but the pad `relief` has them.
+bool choose_reliefs(State &state, bool by_sink) {
+  ReliefsBy before = by_sink ? ReliefsBy::none : ReliefsBy::sink;
+  const ReliefsBy now = by_sink ? ReliefsBy::sink : ReliefsBy::none;
+  return state.reliefs_by.compare_exchange_strong(before, now) || !by_sink || before == now;
+}
+
 // ---- states -------------------------------------------------------------------------------------
 
 void set_running_time(GstHapticSink *self) {
@@ -338,8 +348,10 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   }
   // After the parent, which ends the streaming thread: the pointer thread may be in an element that
   // waits for that thread.
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) {
+    choose_reliefs(state, false);
     end_pointer_thread(self);
+  }
   // The bin may be freed next, and GStreamer shut down: no message may be under way.
   if (transition == GST_STATE_CHANGE_READY_TO_NULL)
     state.calls.finish();
@@ -358,7 +370,7 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   GstMapInfo map{};
   const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
   const std::span<const std::uint8_t> bytes(map.data, map.size);
-  if (state.sink_has_relief)
+  if (state.reliefs_by == ReliefsBy::sink)
     state.session.accept_relief_alone(bytes, gap, time);
   else
     state.session.accept(bytes, gap,
@@ -374,10 +386,8 @@ gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
   GST_DEBUG_OBJECT(sink, "%" GST_PTR_FORMAT, static_cast<void *>(caps));
   haptic::SampleIntake &intake = state_of(sink).session.intake();
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  const bool has_relief = gst_structure_has_name(structure, "haptics/x-field");
-  if (has_relief && GST_ELEMENT(sink)->numsinkpads > 1)
-    return FALSE; // they come by the other pad
-  state_of(sink).sink_has_relief = has_relief;
+  if (!choose_reliefs(state_of(sink), gst_structure_has_name(structure, "haptics/x-field")))
+    return FALSE;
   intake.set_layout(g_strcmp0(gst_structure_get_string(structure, "layout"), "field") == 0);
   gint n = 0;
   gint d = 0;
@@ -400,15 +410,34 @@ gboolean event(GstBaseSink *sink, GstEvent *event) {
   return result;
 }
 
-// Reliefs come by the pad `sink` or by this one.
+// Reliefs come by the pad `sink` or by this one, of which there is one. Any thread.
 GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
   GstHapticSink *self = GST_HAPTIC_SINK(element);
-  if (self->state->sink_has_relief)
+  ReliefsBy none = ReliefsBy::none;
+  if (!self->state->reliefs_by.compare_exchange_strong(none, ReliefsBy::relief))
     return nullptr;
   const auto time = [self](const GstSegment &segment, GstClockTime pts) {
     return presentation_time(self, segment, pts);
   };
   return haptic::add_relief_pad(element, of, self->state->session, time);
+}
+
+void release_pad(GstElement *element, GstPad *pad) {
+  State &state = state_of(element);
+  haptic::remove_relief_pad(element, pad, state.session);
+  state.reliefs_by = ReliefsBy::none;
+}
+
+// The base class sends it upstream from the pad `sink` alone. Reliefs may have a source of their
+// own, which comes second: what it sent before its own flush is discarded with it.
+gboolean send_event(GstElement *element, GstEvent *event) {
+  const haptic::EventPtr seek(GST_EVENT_TYPE(event) == GST_EVENT_SEEK ? gst_event_ref(event)
+                                                                      : nullptr);
+  gboolean handled = GST_ELEMENT_CLASS(gst_haptic_sink_parent_class)->send_event(element, event);
+  const haptic::PadPtr relief(seek ? gst_element_get_static_pad(element, "relief") : nullptr);
+  if (relief && gst_pad_is_linked(relief.get()))
+    handled = gst_pad_push_event(relief.get(), gst_event_ref(seek.get())) && handled;
+  return handled;
 }
 
 // Waits until the condition holds, for at most `limit`, without the preroll lock, which every state
@@ -464,7 +493,7 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
     GstClockTime pts = GST_CLOCK_TIME_NONE;
     gst_event_parse_gap(event, &pts, nullptr);
     const std::int64_t time = presentation_time(self, sink->segment, pts);
-    if (self->state->sink_has_relief)
+    if (self->state->reliefs_by == ReliefsBy::sink)
       session.accept_relief({}, true, time);
     else
       session.accept_gap(time);
@@ -628,7 +657,12 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
     return guarded(element, static_cast<GstPad *>(nullptr),
                    [&] { return request_pad(element, of); });
   };
-  element_class->release_pad = haptic::remove_relief_pad;
+  element_class->release_pad = [](GstElement *element, GstPad *pad) {
+    guarded(element, [&] { release_pad(element, pad); });
+  };
+  element_class->send_event = [](GstElement *element, GstEvent *event) -> gboolean {
+    return guarded(element, FALSE, [&] { return send_event(element, event); });
+  };
   gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
                                         "Motion in frames as force on the hand",
                                         "Feeling Wind project");

@@ -88,9 +88,10 @@ std::int64_t boot_time() noexcept {
 
 } // namespace
 
-HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch)
+HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_relief_epoch)
     : device_lost(of.lost), environment(std::move(of)),
-      period(std::llround(static_cast<double>(kSecond) / environment.rate)), epoch(at_epoch) {
+      period(std::llround(static_cast<double>(kSecond) / environment.rate)), epoch(at_epoch),
+      relief_epoch(at_relief_epoch) {
   for (const auto &law : force_laws())
     laws.push_back(law.make());
 }
@@ -111,7 +112,7 @@ void HapticLoop::prepare(Environment environment) {
     chain.begin_run(seconds(run_.period));
     rests_since = run_.last_tick + run_.period;
   }
-  run_ = Run(std::move(environment), epoch_);
+  run_ = Run(std::move(environment), epoch_, relief_epoch_);
   run_.chain = chain;
   run_.rests_since = rests_since;
 }
@@ -208,10 +209,8 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
   const std::uint32_t epoch = epoch_.load();
   run_.flushed = epoch != run_.epoch;
   run_.epoch = epoch;
-  if (run_.flushed) {
+  if (run_.flushed)
     run_.interpolator.clear();
-    run_.touch.clear();
-  }
   run_.broken = false;
   const std::int64_t running = run_.running_time.at(now);
   receive_reliefs(running);
@@ -235,8 +234,12 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
 }
 
 void HapticLoop::receive_reliefs(std::int64_t running) noexcept {
+  const std::uint32_t epoch = relief_epoch_.load();
+  if (epoch != run_.relief_epoch)
+    run_.touch.clear();
+  run_.relief_epoch = epoch;
   for (ReliefSubmission submission; reliefs_.pop(submission);)
-    if (submission.epoch == run_.epoch)
+    if (submission.epoch == epoch)
       run_.touch.add(std::move(submission.relief), running);
 }
 

@@ -137,8 +137,13 @@ public:
   /// Whether the pose was known since the device was opened, or there is no hand.
   bool homed() const noexcept { return homed_.load(); }
   void set_homed(bool homed) noexcept { homed_.store(homed); }
-  /// Discards every sample submitted so far.
-  void drop_samples() noexcept { epoch_.fetch_add(1); }
+  /// Discards every sample and relief submitted so far.
+  void drop_samples() noexcept {
+    drop_reliefs();
+    epoch_.fetch_add(1);
+  }
+  /// The reliefs alone. The motion, and what holds the force, stay.
+  void drop_reliefs() noexcept { relief_epoch_.fetch_add(1); }
   void calibrate() noexcept { run_.calibrate.store(true); }
   /// Returns the last command; only for the thread that ticks.
   const spidar::Wrench &wrench() const noexcept { return run_.chain.wrench(); }
@@ -173,7 +178,7 @@ public:
   }
   /// As submit(); the streaming thread of the reliefs.
   void submit(TimedRelief relief) noexcept {
-    if (!reliefs_.push({std::move(relief), epoch_.load()}))
+    if (!reliefs_.push({std::move(relief), relief_epoch_.load()}))
       run_.statistics.samples_lost.fetch_add(1);
   }
   /// Nothing was measured; the flags of the sample give the reason.
@@ -226,7 +231,7 @@ private:
   // Everything that begins anew with a start, which replaces it as a whole.
   struct Run {
     Run() = default;
-    Run(Environment of, std::uint32_t at_epoch);
+    Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_relief_epoch);
 
     // Between threads.
     SharedValue<bool> calibrate;
@@ -257,6 +262,7 @@ private:
     bool broken = false; // a sample held a number that is not finite
     Impulse impulse;
     std::uint32_t epoch = 0;
+    std::uint32_t relief_epoch = 0;
     bool flushed = false;         // samples were dropped since the last tick
     std::int64_t last_tick = 0;   // ns, 0: none yet
     std::int64_t rests_since = 0; // ns, end of the run before; 0: there was none
@@ -286,6 +292,7 @@ private:
   std::atomic<std::uint32_t> holds_ = kHoldClosed | kHoldPaused; // any thread
   std::atomic<bool> homed_ = false;                              // loop, thread that opens
   std::atomic<std::uint32_t> epoch_ = 0;                         // of the samples; any thread
+  std::atomic<std::uint32_t> relief_epoch_ = 0;                  // of the reliefs; any thread
   SampleRing<Submission, 256> submissions_;                      // streaming thread -> loop
   SampleRing<ReliefSubmission, 16> reliefs_;                     // the reliefs' -> loop
   NewestSlot<LoopSettings> settings_; // property setters, under the object's lock -> loop

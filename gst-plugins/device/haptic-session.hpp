@@ -121,6 +121,8 @@ public:
   /// A seek begins: the samples are discarded and the force fades.
   void begin_flush() noexcept;
   void end_flush() noexcept;
+  /// Discards the reliefs, and nothing else.
+  void drop_reliefs() noexcept { loop_.drop_reliefs(); }
 
   // One writer at a time.
   void set_settings(const LoopSettings &settings) noexcept { loop_.set_settings(settings); }

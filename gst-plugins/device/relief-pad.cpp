@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace haptic {
@@ -26,13 +27,13 @@ public:
   }
 
   GstFlowReturn chain(GstBuffer *buffer) {
-    const std::int64_t due = time_(segment_, GST_BUFFER_PTS(buffer));
-    if (due != kAtOnce && !wait_until(due - ahead()))
+    const auto due = wait_for(GST_BUFFER_PTS(buffer));
+    if (!due)
       return GST_FLOW_FLUSHING;
     GstMapInfo map{};
     const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
     session_.accept_relief(std::span<const std::uint8_t>(map.data, map.size),
-                           GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), due);
+                           GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), *due);
     if (mapped)
       gst_buffer_unmap(buffer, &map);
     return GST_FLOW_OK;
@@ -43,11 +44,16 @@ public:
     case GST_EVENT_SEGMENT:
       gst_event_copy_segment(event, &segment_);
       break;
+    case GST_EVENT_GAP:
+      accept_gap(event);
+      break;
     case GST_EVENT_FLUSH_START:
       set_flushing(true);
+      session_.drop_reliefs();
       break;
     case GST_EVENT_FLUSH_STOP:
       gst_segment_init(&segment_, GST_FORMAT_TIME);
+      session_.drop_reliefs(); // one that chain() was about to hand over
       set_flushing(false);
       break;
     default:
@@ -62,6 +68,21 @@ public:
   }
 
 private:
+  void accept_gap(GstEvent *event) {
+    GstClockTime pts = GST_CLOCK_TIME_NONE;
+    gst_event_parse_gap(event, &pts, nullptr);
+    if (const auto due = wait_for(pts))
+      session_.accept_relief({}, true, *due);
+  }
+
+  // Returns when a relief is due, once it may be handed over; nothing if the pad is flushing.
+  std::optional<std::int64_t> wait_for(GstClockTime pts) {
+    const std::int64_t due = time_(segment_, pts);
+    if (due != kAtOnce && !wait_until(due - ahead()))
+      return std::nullopt;
+    return due;
+  }
+
   std::int64_t ahead() const {
     const double intervals = kAheadIntervals * static_cast<double>(session_.reliefs().interval());
     return static_cast<std::int64_t>(std::min(intervals, static_cast<double>(kLongestAhead)));
@@ -116,8 +137,6 @@ GstPadTemplate *relief_pad_template() {
 
 GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
                        PresentationTime time) {
-  if (GST_ELEMENT_CAST(element)->numsinkpads > 1)
-    return nullptr;
   auto relief = std::make_unique<ReliefPad>(session, std::move(time));
   GstPad *pad = gst_pad_new_from_template(of, "relief");
   gst_pad_set_element_private(pad, relief.get());
@@ -129,8 +148,9 @@ GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &s
   return pad;
 }
 
-void remove_relief_pad(GstElement *element, GstPad *pad) {
-  gst_pad_set_active(pad, FALSE);
+void remove_relief_pad(GstElement *element, GstPad *pad, HapticSession &session) {
+  gst_pad_set_active(pad, FALSE); // returns after chain()
+  session.drop_reliefs();
   gst_element_remove_pad(element, pad);
 }
 

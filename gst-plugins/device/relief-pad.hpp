@@ -15,10 +15,10 @@ using PresentationTime = std::function<std::int64_t(const GstSegment &, GstClock
 GstPadTemplate *relief_pad_template();
 
 /// Adds the pad, which hands reliefs to the session, each at most 1.5 intervals before it is due.
-/// It waits while the session is paused, and no longer once the pad is flushing or inactive.
-/// Returns nullptr if there is one. `session` outlives the pad.
+/// It waits while the session is paused, and no longer once the pad is flushing or inactive. A GAP
+/// event is a relief without a surface. `session` outlives the pad; there is one pad at most.
 GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
                        PresentationTime time);
-void remove_relief_pad(GstElement *element, GstPad *pad);
+void remove_relief_pad(GstElement *element, GstPad *pad, HapticSession &session);
 
 } // namespace haptic

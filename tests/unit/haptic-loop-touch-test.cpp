@@ -100,6 +100,22 @@ TEST_F(TouchingLoop, AFlushDiscardsTheSurface) {
   EXPECT_TRUE(loop_.silent());
 }
 
+TEST_F(TouchingLoop, AFlushOfTheReliefsAloneDiscardsThemAndTheMotionStays) {
+  open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
+  plane_.interval = 500 * kMs; // it stays for 1.5 s
+  touch_for(plane_, 500, 100);
+  ASSERT_GT(force().z(), 0.4);
+  submit(plane_); // on its way
+  loop_.drop_reliefs();
+  for (int ms = 0; ms < 100; ms += 10) {
+    loop_.submit(test::moving(100, 0), now_);
+    ticks(10);
+    EXPECT_FALSE(loop_.reasons() & haptic::kHoldFlushing);
+  }
+  EXPECT_NEAR(force().z(), 0, 1e-9);
+  EXPECT_NEAR(force().x(), 0.5, 0.01);
+}
+
 TEST_F(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
   open_touching(TouchMode::surface, "hold:0,0,0.5");
   ticks(10);
@@ -111,10 +127,15 @@ TEST_F(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
 
 TEST_F(TouchingLoop, TakesNothingFromTheHeap) {
   open_touching(TouchMode::surface_and_motion, "circle:0.5,1");
+  plane_.interval = 1000 * kMs;
   touch_for(plane_, 100, 100);
+  plane_.cells[0].height = 0.004F;
   submit(plane_);
   const long before = test::allocations;
-  ticks(500);
+  for (int ms = 0; ms < 500; ++ms) {
+    ticks(1);
+    ASSERT_GT(force().z(), 0) << ms; // it touches all the time
+  }
   EXPECT_EQ(test::allocations, before);
 }
 
