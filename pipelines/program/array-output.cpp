@@ -83,7 +83,11 @@ std::string ArrayOutput::add(GstBin *pipeline, GstElement *tee, const ArraySetup
   const haptic::ElementPtr array(gst_bin_get_by_name(GST_BIN(branch), "array"));
   g_object_set(array.get(), "layout", setup.layout.c_str(), nullptr);
   gst_bin_add(pipeline, branch);
-  gst_element_link(tee, branch);
+  if (!gst_element_link(tee, branch)) {
+    gst_bin_remove(pipeline, branch);
+    remove();
+    return "The film cannot be felt on an array. Check --array-sink.";
+  }
   const haptic::GCharPtr name(g_path_get_basename(setup.layout.c_str()));
   name_ = name.get();
   return "";
