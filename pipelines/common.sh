@@ -82,7 +82,22 @@ decoding() {
   local streams=('caps="video/x-raw(ANY)'"${2:+;audio/x-raw(ANY)}\"" expose-all-streams=false name=film)
   film=(filesrc "location=$(quoted "$1")" ! decodebin "${streams[@]}")
   ! is_url "$1" || film=(uridecodebin "uri=$(quoted "$1")" "${streams[@]}")
-  film+=(! videoconvert ! deinterlace ! videoflip video-direction=auto)
+  film+=(! videoconvert ! deinterlace ! videoflip "video-direction=$(upright_direction "$1")")
+}
+
+# `upright_direction INPUT` prints the direction of videoflip. An authored copy of H.264 or H.265 has the rotation in
+# each coded picture (display orientation SEI message), which GStreamer 1.22 does not read.
+upright_direction() {
+  local turn
+  if [ -f "$1" ]; then
+    for turn in '90r x18' '180 x10' '90l x08'; do
+      if LC_ALL=C grep -qaP "(\x06|\x4e\x01)\x2f\x03\\${turn#* }\x00(\x09|\x18)\x80" < <(head -c 1048576 "$1"); then
+        echo "${turn% *}"
+        return
+      fi
+    done
+  fi
+  echo auto
 }
 
 is_url() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.hpp"
 
+#include "display-orientation.hpp"
 #include "failure.hpp"
 #include "gsthapticmotionmeta.h"
 
@@ -208,13 +209,20 @@ void Player::add_array() {
   client_.on_note(problem + " The film goes on without the array.");
 }
 
+// An authored copy has its rotation where GStreamer does not read it.
+std::string Player::direction() const {
+  return setup.direction == "auto" && source_.kind == SourceKind::file
+             ? haptic::direction_of(haptic::orientation_in(source_.name))
+             : setup.direction;
+}
+
 void Player::apply_setup() {
   if (!pipeline_)
     return;
   const auto set = [this](const char *name, const char *property, const std::string &value) {
     gst_util_set_object_arg(G_OBJECT(element(name).get()), property, value.c_str());
   };
-  set("flip", "video-direction", setup.direction);
+  set("flip", "video-direction", direction());
   set("deinterlace", "mode", setup.deinterlace);
   set("overlay", "style", setup.drawing ? "full" : "none");
   set("force", "force-law", setup.law);

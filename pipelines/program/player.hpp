@@ -122,6 +122,7 @@ private:
   bool build(bool with_sound);
   bool configure_sink();
   void add_array();
+  std::string direction() const;
   void start();
   void begin_again();
   void connect_source(GstElement *source);

@@ -144,16 +144,16 @@ for ending in ts mkv; do
     env G_DEBUG=fatal-criticals "$haptic_track" author "$work/recorded.$ending"
 done
 
-# `felt FILE DEMUXER CAPS X SIGN`: a hand there feels its half of the picture.
+# `felt FILE DEMUXER CAPS PLACE SIGN [COLUMN]`: a hand there feels its half of the picture.
 felt() {
-  gst-launch-1.0 -q filesrc "location=$1" ! "$2" ! "$3" ! hapticconvert ! hapticsink device=sim "sim-hand=hold:$4,0,0" \
+  gst-launch-1.0 -q filesrc "location=$1" ! "$2" ! "$3" ! hapticconvert ! hapticsink device=sim "sim-hand=hold:$4" \
     "log-location=$work/felt.csv" || return 1
-  awk -F, -v "sign=$5" 'NR > 1 && $9 * sign > 0.4 { right++ } NR > 1 && $9 * sign < -0.1 { wrong++ }
+  awk -F, -v "sign=$5" -v "column=${6:-9}" 'NR > 1 && $column * sign > 0.4 { right++ } NR > 1 && $column * sign < -0.1 { wrong++ }
     END { print right + 0 " ms in the right direction, " wrong + 0 " in the other"
           exit !(right > 500 && wrong == 0) }' "$work/felt.csv"
 }
-promise "on the left one feels the motion up" felt "$work/out/wind.haptic.ts" tsdemux meta/x-klv -0.5 1
-promise "on the right the motion down" felt "$work/out/sea.haptic.mkv" matroskademux text/x-raw 0.5 -1
+promise "on the left one feels the motion up" felt "$work/out/wind.haptic.ts" tsdemux meta/x-klv -0.5,0,0 1
+promise "on the right the motion down" felt "$work/out/sea.haptic.mkv" matroskademux text/x-raw 0.5,0,0 -1
 
 # Killed at any moment, and run again: the same bytes.
 killed_and_again() {
@@ -200,7 +200,21 @@ words_stay() {
 promise "subtitles of Matroska stay" words_stay srt
 promise "and those with a style" words_stay ass
 promise "subtitles have no place in MPEG-TS, which is said" says 0 "a further stream was left out" author "$work/text.mp4"
-promise "and a rotation" says 0 "the rotation was left out: rotate-270" author "$work/turned.mp4"
+
+# A film that lies on its side stays upright: each picture says so, and the field is of the upright frame.
+ffmpeg -v error -i "$work/turned.mp4" -f lavfi -i sine=duration=4 -map 0:v -map 1 -c:v copy -c:a flac -strict -2 \
+  "$work/turned-flac.mp4"
+for copy in turned.haptic.ts turned-flac.haptic.mkv; do
+  promise "a film on its side is authored" says 0 "1 written" author "$work/${copy%%.*}.mp4"
+  promise "$copy holds its rotation in each picture" test "$(ffprobe -v fatal -select_streams v -show_entries \
+    frame_side_data=rotation -of csv=p=0 "$work/$copy" | grep -cE '(^|,)90$')" = 120
+  promise "the scripts turn it" test "$(upright_direction "$work/$copy")" = 90l
+  promise "a field is upright" says 0 "frame      288 x 320 px" "$haptic_track" info "$work/$copy"
+done
+promise "below one feels the motion to the left" felt "$work/turned.haptic.ts" tsdemux meta/x-klv "0,-0.5,0" -1 8
+promise "above to the right" felt "$work/turned-flac.haptic.mkv" matroskademux text/x-raw "0,0.5,0" 1 8
+promise "a browser would show it on its side" says 1 "lie on their side" \
+  "$haptic_track" package --output "$work/package" "$work/turned.haptic.ts"
 
 # Codecs that MPEG-TS has no place for. `coded FILE`: its coded pictures.
 coded() { ffmpeg -v error -i "$1" -map 0:v -c copy -f data - | md5sum; }

@@ -2,6 +2,7 @@
 #include "author-file.hpp"
 
 #include "copied-stream.hpp"
+#include "display-orientation.hpp"
 #include "field-codec.hpp"
 #include "klv.hpp"
 #include "matroska-track.hpp"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <gst/app/gstappsrc.h>
+#include <span>
 #include <string_view>
 
 namespace haptic {
@@ -61,6 +63,17 @@ void push_next(GstAppSrc *in, guint, gpointer data) {
   gst_app_src_push_buffer(in, buffer.release());
 }
 
+// Returns a buffer with other bytes in place of this one, which it takes.
+GstBuffer *replaced(GstBuffer *buffer, const std::vector<std::uint8_t> &bytes) {
+  GstBuffer *other = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  gst_buffer_copy_into(
+      other, buffer,
+      static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
+      static_cast<gsize>(-1));
+  gst_buffer_unref(buffer);
+  return other;
+}
+
 // Puts the mark into the first field.
 GstPadProbeReturn mark_first(GstPad *, GstPadProbeInfo *info, gpointer data) {
   const auto &mark = *static_cast<const std::string *>(data);
@@ -68,14 +81,75 @@ GstPadProbeReturn mark_first(GstPad *, GstPadProbeInfo *info, gpointer data) {
   std::vector<std::uint8_t> field(gst_buffer_get_size(buffer));
   gst_buffer_extract(buffer, 0, field.data(), field.size());
   insert_mark(field, mark);
-  GstBuffer *marked = gst_buffer_new_memdup(field.data(), field.size());
-  gst_buffer_copy_into(
-      marked, buffer,
-      static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
-      static_cast<gsize>(-1));
-  gst_buffer_unref(buffer);
-  GST_PAD_PROBE_INFO_DATA(info) = marked;
+  GST_PAD_PROBE_INFO_DATA(info) = replaced(buffer, field);
   return GST_PAD_PROBE_REMOVE;
+}
+
+// ---- the rotation -------------------------------------------------------------------------------
+
+// The form of a coded picture.
+struct CodedForm {
+  bool is_h265 = false;
+  std::size_t length_size = 0; // bytes before a NAL unit; 0: start codes
+};
+
+CodedForm form_of(GstPad *pad) {
+  const CapsPtr caps = caps_of(pad);
+  CodedForm form{.is_h265 = g_str_equal(name_of(caps.get()), "video/x-h265") != FALSE};
+  const GValue *value =
+      gst_structure_get_value(gst_caps_get_structure(caps.get(), 0), "codec_data");
+  guint8 sizes = 0; // ISO/IEC 14496-15, 5.3.3.1 and 8.3.3.1
+  if (value && gst_buffer_extract(gst_value_get_buffer(value), form.is_h265 ? 21 : 4, &sizes, 1))
+    form.length_size = (sizes & 3U) + 1;
+  return form;
+}
+
+// Whether it is the first slice of a picture: the first bit behind its header says that (H.265), or
+// that its first macroblock is 0 (H.264).
+bool is_first_slice(std::span<const std::uint8_t> unit, bool is_h265) {
+  const std::size_t header = is_h265 ? 2 : 1;
+  if (unit.size() <= header || (unit[header] & 0x80) == 0)
+    return false;
+  const unsigned type = is_h265 ? unit[0] >> 1 & 0x3FU : unit[0] & 0x1FU;
+  return is_h265 ? type < 32 : type == 1 || type == 2 || type == 5;
+}
+
+// Returns where the first slice of a picture begins, with its length or start code; or the size.
+std::size_t find_picture(std::span<const std::uint8_t> bytes, const CodedForm &form) {
+  constexpr std::uint8_t kStartCode[] = {0, 0, 1};
+  const std::size_t head = form.length_size > 0 ? form.length_size : std::size(kStartCode);
+  for (std::size_t at = 0; at + head < bytes.size();) {
+    if (form.length_size == 0) {
+      const auto code = std::ranges::search(bytes.subspan(at), kStartCode);
+      at = static_cast<std::size_t>(code.begin() - bytes.begin());
+    }
+    if (at + head < bytes.size() && is_first_slice(bytes.subspan(at + head), form.is_h265))
+      return at;
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < form.length_size && at + i < bytes.size(); ++i)
+      length = length << 8 | bytes[at + i];
+    at += head + length;
+  }
+  return bytes.size();
+}
+
+// Puts the rotation before the picture.
+GstPadProbeReturn turn_picture(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+  const CodedForm form = form_of(pad);
+  const auto unit =
+      orientation_unit(static_cast<const PlannedFilm *>(data)->index.rotation, form.is_h265);
+  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  std::vector<std::uint8_t> bytes(gst_buffer_get_size(buffer));
+  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
+  const std::size_t at = find_picture(bytes, form);
+  if (at == bytes.size())
+    return GST_PAD_PROBE_OK;
+  std::vector<std::uint8_t> message(form.length_size > 0 ? form.length_size : 3);
+  message.back() = form.length_size > 0 ? static_cast<std::uint8_t>(unit.size()) : 1;
+  message.insert(message.end(), unit.begin(), unit.end());
+  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), message.begin(), message.end());
+  GST_PAD_PROBE_INFO_DATA(info) = replaced(buffer, bytes);
+  return GST_PAD_PROBE_OK;
 }
 
 // ---- the pipeline -------------------------------------------------------------------------------
@@ -91,15 +165,16 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
   g_date_time_unref(date);
 }
 
-// Links the stream to the muxer if that has a place for it.
-void keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska) {
+// Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
+PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska) {
   if (!has_place(muxer_of(is_matroska ? kMatroska : kTransportStream), pad)) {
     discard_stream(pad);
-    return;
+    return nullptr;
   }
   GstElement *queue = add_queue(film.pipeline(), pad == film.video() ? kVideoBytes : kAudioBytes);
-  link_untouched(queue, caps_of(pad).get(), mux, is_matroska);
+  PadPtr linked = link_untouched(queue, caps_of(pad).get(), mux, is_matroska);
   link_pad(pad, queue);
+  return linked;
 }
 
 void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
@@ -112,7 +187,10 @@ void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
   GstElement *container_mark = add_element(film.pipeline(), "hapticmark");
   link_elements(mux, container_mark);
   link_elements(container_mark, sink);
-  keep_stream(film, film.video(), mux, is_matroska);
+  const PadPtr video = keep_stream(film, film.video(), mux, is_matroska);
+  if (!planned.index.rotation.empty() && orientation_in(planned.path).empty())
+    gst_pad_add_probe(video.get(), GST_PAD_PROBE_TYPE_BUFFER, turn_picture,
+                      const_cast<PlannedFilm *>(&planned), nullptr);
   for (GstPad *pad : film.audio())
     keep_stream(film, pad, mux, is_matroska);
   // Before other streams: who takes the first text of the file takes the track.

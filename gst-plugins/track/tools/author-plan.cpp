@@ -22,7 +22,7 @@ using Json = rapidjson::Value;
 using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
 // What a field depends on beside the film and the columns.
-constexpr char kRules[] = "spans 1 columns ";
+constexpr char kRules[] = "spans 2 columns ";
 
 struct FileState {
   std::uint64_t size = 0;
@@ -117,6 +117,7 @@ void write_film(Writer &json, const PlannedFilm &film) {
   json.Int64(film.modified);
   write_text(json, "sha256", film.hash);
   write_text(json, "ending", film.index.ending);
+  write_text(json, "rotation", film.index.rotation);
   json.Key("duration");
   json.Uint64(film.index.duration);
   json.Key("warnings");
@@ -200,6 +201,7 @@ PlannedFilm read_film(const Json &json, const std::string &path) {
   film.modified = members.signed_number("modified");
   film.hash = members.text("sha256");
   film.index.ending = members.text("ending");
+  film.index.rotation = members.text("rotation");
   film.index.duration = members.number("duration");
   for (const Json &warning : members.list("warnings").GetArray()) {
     members.require(warning.IsString());

@@ -177,7 +177,7 @@ void link_pad(GstPad *pad, GstElement *to) {
     throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 
-void link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska) {
+PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska) {
   const ElementPtr pipeline(GST_ELEMENT(gst_element_get_parent(from)));
   const char *parser = parser_of(caps);
   GstElement *last = parser ? add_element(pipeline.get(), parser) : from;
@@ -193,7 +193,7 @@ void link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_ma
   // A receiver may begin at any IDR frame.
   if (!is_matroska && g_object_class_find_property(G_OBJECT_GET_CLASS(last), "config-interval"))
     g_object_set(last, "config-interval", -1, nullptr);
-  const PadPtr from_pad(gst_element_get_static_pad(last, "src"));
+  PadPtr from_pad(gst_element_get_static_pad(last, "src"));
   if (is_matroska)
     gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_BUFFER, complete_time, nullptr, nullptr);
   const char *format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
@@ -207,6 +207,7 @@ void link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_ma
                       nullptr, nullptr);
   if (!to_pad || GST_PAD_LINK_FAILED(gst_pad_link(from_pad.get(), to_pad.get())))
     throw_error(messages::kMuxerHasNoPlace, name_of(caps));
+  return from_pad;
 }
 
 } // namespace haptic

@@ -26,7 +26,8 @@ GstElement *add_queue(GstElement *pipeline, guint bytes);
 // These three throw TrackFileError.
 void link_elements(GstElement *from, GstElement *to);
 void link_pad(GstPad *pad, GstElement *to);
-/// Links the stream of `from`, in the same bin, to the muxer: only its form changes.
-void link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska);
+/// Links the stream of `from`, in the same bin, to the muxer: only its form changes. Returns the
+/// pad that is linked to the muxer.
+PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska);
 
 } // namespace haptic

@@ -2,6 +2,7 @@
 #include "film-index.hpp"
 
 #include "copied-stream.hpp"
+#include "display-orientation.hpp"
 #include "pipeline.hpp"
 #include "track-file.hpp"
 
@@ -146,6 +147,17 @@ void warn_of_sparse_keys(const Scan &scan, FilmIndex &index) {
         formatted(messages::kKeysAreSparse, static_cast<double>(longest) * 1e-9));
 }
 
+// The copy holds the rotation in the coded video. A film that is a copy has it there already.
+void find_rotation(const std::string &path, bool has_message, const std::string &tag,
+                   FilmIndex &index) {
+  if (has_message && !orientation_unit(tag, false).empty())
+    index.rotation = tag;
+  else if (has_message && tag.empty())
+    index.rotation = orientation_in(path);
+  else if (!tag.empty() && tag != "rotate-0")
+    index.warnings.push_back("the rotation was left out: " + tag);
+}
+
 void check_whole(const Scan &scan, GstClockTime duration) {
   const std::uint64_t position = scan.end;
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
@@ -221,6 +233,9 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
   FilmIndex index;
   index.ending = choose_ending(path, film);
   find_warnings(film, index);
+  const CapsPtr caps = caps_of(film.video());
+  const bool has_message = g_str_equal(name_of(caps.get()), "video/x-h264") ||
+                           g_str_equal(name_of(caps.get()), "video/x-h265");
   gint64 duration = 0;
   const bool has_duration =
       gst_pad_query_duration(film.video(), GST_FORMAT_TIME, &duration) && duration > 0;
@@ -246,8 +261,7 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
   index.duration = scan.position;
   index.spans = divide(scan.keys);
   warn_of_sparse_keys(scan, index);
-  if (!scan.rotation.empty() && scan.rotation != "rotate-0")
-    index.warnings.push_back("the rotation was left out: " + scan.rotation);
+  find_rotation(path, has_message, scan.rotation, index);
   return index;
 }
 

@@ -24,6 +24,7 @@ inline constexpr std::uint64_t kSpanLength = 10'000'000'000;
 struct FilmIndex {
   std::vector<Span> spans;
   std::string ending;                ///< of the copy: kTransportStream or kMatroska
+  std::string rotation;              ///< rotate-90, -180 or -270; "": the frames are upright
   std::uint64_t duration = 0;        ///< ns
   std::vector<std::string> warnings; ///< what of the film is not in the copy
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film-reader.hpp"
 
+#include "display-orientation.hpp"
 #include "gst-raii.hpp"
 #include "pipeline.hpp"
 #include "track-buffer.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
+constexpr char kSideways[] = "frames that lie on their side";
 constexpr guint kQueued = 256; // frames of a stream that wait to be read
 
 // Sampling rates of AAC by their index, Hz (ISO/IEC 14496-3, table 1.18).
@@ -314,7 +316,7 @@ void FilmReader::State::read_bus() {
   const GCharPtr rotation(text);
   gst_tag_list_unref(tags);
   if (rotation && !g_str_equal(text, "rotate-0"))
-    throw_error(messages::kBrowserLacksVideo, path.c_str(), "frames that lie on their side");
+    throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
 }
 
 FilmReader::FilmReader(const std::string &path) : state_(std::make_unique<State>()) {
@@ -325,6 +327,8 @@ FilmReader::FilmReader(const std::string &path) : state_(std::make_unique<State>
     throw_error(messages::kFileIsMissing, path.c_str());
   if (!std::filesystem::is_regular_file(path, error))
     throw_error(messages::kFileIsNone, path.c_str());
+  if (!orientation_in(path).empty())
+    throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
   state.pipeline = make_pipeline();
   state.bus.reset(gst_element_get_bus(state.pipeline.get()));
   state.video_sink = make_sink("video/x-h264,stream-format=avc,alignment=au");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame-reader.hpp"
 
+#include "display-orientation.hpp"
 #include "pipeline.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -35,7 +36,9 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
       // With these properties decodebin leaves the sound out: unlinked, it could keep it from
       // starting.
       "filesrc name=in ! decodebin caps=\"video/x-raw(ANY)\" expose-all-streams=false "
-      "! videoconvert ! videoscale add-borders=false ! video/x-raw,format=RGB,"
+      "! videoconvert ! videoflip video-direction=" +
+      std::string(direction_of(orientation_in(path))) +
+      " ! videoscale add-borders=false ! video/x-raw,format=RGB,"
       "pixel-aspect-ratio=1/1,width=" +
       std::to_string(width) + ",height=" + std::to_string(height) +
       " ! appsink name=out sync=false max-buffers=2";

@@ -2,6 +2,7 @@
 #include "span-measure.hpp"
 
 #include "copied-stream.hpp"
+#include "display-orientation.hpp"
 #include "key-requests.hpp"
 #include "motion-field.hpp"
 #include "pipeline.hpp"
@@ -165,24 +166,29 @@ GstPadProbeReturn convert_field(GstPad *pad, GstPadProbeInfo *info, gpointer dat
 
 // ---- the pipeline -------------------------------------------------------------------------------
 
-// Links video -> decoder -> motionfield. The decoder has a pad when it has seen a frame.
-void build(Measuring &all, unsigned columns) {
+// Links video -> decoder -> videoflip -> motionfield. The decoder has a pad when it has seen a
+// frame. Upright frames pass videoflip as they are.
+void build(Measuring &all, unsigned columns, const char *direction) {
   GstElement *pipeline = all.film.pipeline();
   GstElement *queue = add_queue(pipeline, kQueueBytes);
   GstElement *decoder = add_element(pipeline, "decodebin");
   GstElement *convert = add_element(pipeline, "videoconvert");
+  GstElement *flip = add_element(pipeline, "videoflip");
+  gst_util_set_object_arg(G_OBJECT(flip), "video-direction",
+                          g_str_equal(direction, "auto") ? "identity" : direction);
   GstElement *field = add_element(pipeline, "motionfield");
   GstElement *sink = add_element(pipeline, "fakesink");
   g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
   if (columns > 0)
     g_object_set(field, "field-columns", columns, nullptr);
   link_elements(queue, decoder);
-  link_elements(convert, field);
+  link_elements(convert, flip);
+  link_elements(flip, field);
   link_elements(field, sink);
   gst_pad_add_probe(all.film.video(), GST_PAD_PROBE_TYPE_BUFFER, watch_coded, &all, nullptr);
   const PadPtr in(gst_element_get_static_pad(convert, "sink"));
   refuse_other_size(pipeline, in.get());
-  const PadPtr frames(gst_element_get_static_pad(convert, "src"));
+  const PadPtr frames(gst_element_get_static_pad(flip, "src"));
   gst_pad_add_probe(frames.get(), GST_PAD_PROBE_TYPE_BUFFER, divide_frames, &all, nullptr);
   all.field_in.reset(gst_element_get_static_pad(field, "sink"));
   const PadPtr fields(gst_element_get_static_pad(field, "src"));
@@ -203,12 +209,12 @@ void build(Measuring &all, unsigned columns) {
 } // namespace
 
 ChunkStats
-measure_spans(const std::string &path, unsigned columns, std::span<const Span> spans,
-              SpanRange range, ChunkWriter &out,
+measure_spans(const std::string &path, unsigned columns, const FilmIndex &index, SpanRange range,
+              ChunkWriter &out,
               const std::function<void(std::uint64_t frames, std::uint64_t position)> &report) {
   FilmStreams film(path, FilmUse::decode, [&] { report(0, 0); });
-  Measuring all{.spans = spans, .range = range, .out = out, .film = film};
-  build(all, columns);
+  Measuring all{.spans = index.spans, .range = range, .out = out, .film = film};
+  build(all, columns, direction_of(index.rotation));
   film.play([&] { report(all.frames, all.position); });
   if (!all.failure.empty())
     throw TrackFileError(all.failure);

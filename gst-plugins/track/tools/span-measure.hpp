@@ -21,12 +21,12 @@ struct SpanRange {
   std::size_t end = 0;   ///< behind the last one
 };
 
-/// Writes the fields of these spans. They depend on the film and on `columns` (0: as motionfield
-/// has it) alone, not on the range. `report` is called some times a second with what was measured
-/// so far; what it throws ends the work. Throws TrackFileError.
+/// Writes the fields of these spans, of the upright frame. They depend on the film and on `columns`
+/// (0: as motionfield has it) alone, not on the range. `report` is called some times a second with
+/// what was measured so far; what it throws ends the work. Throws TrackFileError.
 ChunkStats
-measure_spans(const std::string &path, unsigned columns, std::span<const Span> spans,
-              SpanRange range, ChunkWriter &out,
+measure_spans(const std::string &path, unsigned columns, const FilmIndex &index, SpanRange range,
+              ChunkWriter &out,
               const std::function<void(std::uint64_t frames, std::uint64_t position)> &report);
 
 } // namespace haptic
