@@ -204,17 +204,19 @@ promise "subtitles have no place in MPEG-TS, which is said" says 0 "a further st
 # A film that lies on its side stays upright: each picture says so, and the field is of the upright frame.
 ffmpeg -v error -i "$work/turned.mp4" -f lavfi -i sine=duration=4 -map 0:v -map 1 -c:v copy -c:a flac -strict -2 \
   "$work/turned-flac.mp4"
+lacks() { ! "${@:2}" | grep -F -- "$1"; }
 for copy in turned.haptic.ts turned-flac.haptic.mkv; do
   promise "a film on its side is authored" says 0 "1 written" author "$work/${copy%%.*}.mp4"
   promise "$copy holds its rotation in each picture" test "$(ffprobe -v fatal -select_streams v -show_entries \
     frame_side_data=rotation -of csv=p=0 "$work/$copy" | grep -cE '(^|,)90$')" = 120
   promise "the scripts turn it" test "$(upright_direction "$work/$copy")" = 90l
-  promise "a field is upright" says 0 "frame      288 x 320 px" "$haptic_track" info "$work/$copy"
+  promise "nothing is odd about it" lacks remark "$haptic_track" info "$work/$copy"
+  promise "a field is upright" says 0 "frame      288 x 352 px" "$haptic_track" info "$work/$copy"
 done
 promise "below one feels the motion to the left" felt "$work/turned.haptic.ts" tsdemux meta/x-klv "0,-0.5,0" -1 8
 promise "above to the right" felt "$work/turned-flac.haptic.mkv" matroskademux text/x-raw "0,0.5,0" 1 8
 promise "a browser would show it on its side" says 1 "lie on their side" \
-  "$haptic_track" package --output "$work/package" "$work/turned.haptic.ts"
+  env FEELING_WIND_WEB="$root/pipelines/web" "$haptic_track" package --output "$work" "$work/turned.haptic.ts"
 
 # Codecs that MPEG-TS has no place for. `coded FILE`: its coded pictures.
 coded() { ffmpeg -v error -i "$1" -map 0:v -c copy -f data - | md5sum; }

@@ -32,9 +32,10 @@ struct Measuring {
   // written.
   PadPtr field_in;
   std::deque<BufferPtr> before; // the last frames
-  std::size_t next = 0;         // span, not yet begun
-  bool within = false;          // a span of the range
-  bool repeats = false;         // frames before a span are measured again
+  CapsPtr form_of_frames;
+  std::size_t next = 0; // span, not yet begun
+  bool within = false;  // a span of the range
+  bool repeats = false; // frames before a span are measured again
   bool over = false;
   std::unique_ptr<TrackForm> form; // with the encoder
   ChunkStats stats;
@@ -110,6 +111,12 @@ GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer dat
     end(all);
   if (all.over)
     return GST_PAD_PROBE_DROP;
+  // Frames of another form are not given again: motionfield would read them as what comes now.
+  if (CapsPtr caps(gst_pad_get_current_caps(pad));
+      caps && (!all.form_of_frames || !gst_caps_is_equal(caps.get(), all.form_of_frames.get()))) {
+    all.before.clear();
+    all.form_of_frames = std::move(caps);
+  }
   if (begins && all.next > all.range.begin)
     begin_span(all);
   all.before.emplace_back(gst_buffer_ref(frame));

@@ -346,7 +346,9 @@ void compare_with_film(const Container &container, TrackFile &track) {
   const auto [width, height] = frame_size_of(track);
   if (width <= 0 || container.film_width <= 0)
     return;
-  if (width != container.film_width || height != container.film_height)
+  // Of a film that lies on its side, author measures the upright frame.
+  const bool is_turned = width == container.film_height && height == container.film_width;
+  if (!is_turned && (width != container.film_width || height != container.film_height))
     track.remarks.push_back(formatted(messages::kTrackHasOtherFrame, width, height,
                                       container.film_width, container.film_height));
 }
