@@ -14,7 +14,7 @@
 #                  demonstration)
 #   --touch WHAT   surface+motion (default): force of the surface and of the motion; surface: of the surface; off: of the
 #                  motion
-#   --no-window    also where there is a display
+#   --no-window    also where there is a display; the window shows height as light, and yields under the hand
 #   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
@@ -31,7 +31,7 @@ need_table() {
 
 table=''
 read_touch_options table= "$@"
-use_elements reliefmap roitracker velocityavg hapticsink
+use_elements reliefmap roitracker velocityavg hapticsink hapticoverlay
 [ -z "$table" ] || need_table
 hand=circle:0.5,10 strength=()
 if [ -z "$video" ]; then
@@ -46,4 +46,4 @@ feel "sim-hand=$(quoted "$hand")" "${strength[@]}"
 
 play "${video##*/}" "${film[@]}" ! tee name=colours \
   colours. ! queue max-size-buffers=1 ! "${felt[@]}" \
-  colours. ! queue max-size-buffers=1 ! videoconvert ! reliefmap "table=$(quoted "${table:-generic}")" ! hand.relief
+  colours. ! queue max-size-buffers=1 ! videoconvert ! reliefmap "table=$(quoted "${table:-generic}")" ! "${to_hand[@]}"

@@ -15,7 +15,7 @@
 #                  is not known
 #   --still        instead, a photograph of an aloe with its disparity, from the Debian package opencv-doc, until Ctrl-C
 #   --touch WHAT   surface+motion (default): force of the shape and of the motion; surface: of the shape; off: of the motion
-#   --no-window    also where there is a display
+#   --no-window    also where there is a display; the window shows height as light, and yields under the hand
 #   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
@@ -26,7 +26,7 @@ source "$(dirname "$0")/touch.sh"
 still=no
 read_touch_options still "$@"
 [ -z "$video" ] || [ "$still" = no ] || fail "give either --video or --still, not both"
-use_elements depthfield roitracker velocityavg hapticsink
+use_elements depthfield roitracker velocityavg hapticsink hapticoverlay
 need_packaged_elements videocrop multifilesrc jpegdec pngdec
 depth=(depthfield kind=disparity scale=255)
 hand=circle:0.5,10
@@ -54,7 +54,7 @@ if [ "$still" = yes ]; then
   play "$title" "${still_of[@]}" "location=$(quoted "$picture")" caps=image/jpeg,framerate=10/1 ! jpegdec ! videoconvert \
     ! "${felt[@]}" \
     "${still_of[@]}" "location=$(quoted "$disparity")" caps=image/png,framerate=10/1 ! pngdec ! videoconvert ! $grey \
-    ! "${depth[@]}" near=1.2 far=6 ! hand.relief
+    ! "${depth[@]}" near=1.2 far=6 ! "${to_hand[@]}"
 else
   half=$((film_width / 2))
   # The luma of video is 16 (black) to 235, and some more where it was compressed; a full range begins at 0.
@@ -63,5 +63,5 @@ else
   play "$title" "${film[@]}" ! tee name=sides \
     sides. ! queue max-size-buffers=1 ! videocrop "right=$half" ! "${felt[@]}" \
     sides. ! queue max-size-buffers=1 ! videocrop "left=$half" ! videoconvert ! $grey \
-    ! "${depth[@]}" "${levels[@]}" ! hand.relief
+    ! "${depth[@]}" "${levels[@]}" ! "${to_hand[@]}"
 fi

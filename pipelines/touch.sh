@@ -40,17 +40,21 @@ read_touch_options() {
   [[ $touch =~ ^(off|surface|surface\+motion)$ ]] || fail "--touch is surface+motion, surface or off, not '$touch'"
 }
 
-# Sets $window to the part of the line between roitracker and velocityavg.
+# Sets $window to the part of the line between roitracker and velocityavg, and $to_hand to the way of the surface. In a
+# window the height is shown as light, and the picture yields under the hand.
 choose_window() {
-  window=()
+  window=() to_hand=(hand.relief)
   if [ "$shows" = auto ]; then
     shows=yes
     has_display || { echo "There is no display: continuing without a window." && shows=no; }
   fi
-  [ "$shows" = no ] || window=("${file_window_branch[@]}")
+  [ "$shows" = yes ] || return 0
+  window=(tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay name=seen deform=4 ! videoconvert
+    ! autovideosink t. ! queue max-size-buffers=1 !)
+  to_hand=(tee name=surface surface. ! queue ! seen.relief surface. ! queue ! hand.relief)
 }
 
-# `feel OPTION=VALUE...` sets $felt to the part of the line from roitracker on. Its pad hand.relief takes the surface.
+# `feel OPTION=VALUE...` sets $felt to the part of the line from roitracker on; $to_hand takes the surface there.
 feel() {
   felt=(roitracker ! "${window[@]}" velocityavg ! hapticsink name=hand "touch=$touch"
     "log-location=$(quoted "$output/trace.csv")" "$@" "${sink_options[@]}")

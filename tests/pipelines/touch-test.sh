@@ -83,6 +83,15 @@ printf '%s\n' '[table]' unit=mm '[entry-1]' colour=#ffffff height=4 stiffness=15
 promise "a table says that white is 4 mm high" touch_it touch-colour hold:0.5,0,0 --video "$work/halves.mkv" --table "$work/own.ini"
 # shellcheck disable=SC2016 # $4 is awk's
 promise "and of 150 N/m" rows 'touch == 1 && fz > 0.95 * 150 * (0.004 - $4) && fz < 1.05 * 150 * (0.004 - $4)' 1000
+in_a_window() {
+  in_window_system "$root/pipelines/touch-colour.sh" --output "$work/out" --video "$work/halves.mkv" \
+    --table "$work/own.ini" -- device=sim sim-hand=hold:0.5,0,0 >"$work/said" || { cat "$work/said"; return 1; }
+}
+if command -v xvfb-run >/dev/null; then
+  promise "in a window," in_a_window
+  # shellcheck disable=SC2016 # $4 is awk's
+  promise "where the height is light, too" rows 'touch == 1 && fz > 0.95 * 150 * (0.004 - $4)' 1000
+fi
 promise "black" touch_it touch-colour hold:-0.5,0,0 --video "$work/halves.mkv" --table "$work/own.ini"
 promise "is below the hand" in_log "$log" 'force < 0.001'
 
