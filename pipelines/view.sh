@@ -4,13 +4,15 @@
 # both below. The mouse points; the simulated device computes the force. The first run installs Debian packages and
 # builds the plugins. F1 in the window shows all keys.
 #
-# Usage: pipelines/view.sh [--verbose] [--array LAYOUT] [--array-sink SINK] [FILE | URL | --camera [DEVICE] | --test-source] [-- OPTION=VALUE...]
+# Usage: pipelines/view.sh [--verbose] [--array LAYOUT] [--array-sink SINK] [--touch TABLE]
+#            [FILE | URL | --camera [DEVICE] | --test-source] [-- OPTION=VALUE...]
 #   FILE           a video (default: the film of the demonstration)
 #   --camera       a camera (default: /dev/video0)
 #   --test-source  a live test video that moves to the left at 60 px/s
 #   --verbose      prints when the first frame was shown and what each key did
 #   --array        an array of actuators that vibrates too: a layout of hapticarray
 #   --array-sink   its sound device, as gst-launch-1.0 reads it (default: autoaudiosink)
+#   --touch        a hand that has depth also touches the colours, by a table of reliefmap
 #   What follows -- goes to hapticsink. With device=... (usb, auto) that device points, not the mouse.
 
 source "$(dirname "$0")/common.sh"
@@ -20,7 +22,7 @@ arguments=() kind=file
 while :; do
   case ${1:-} in
   --verbose) arguments+=("$1") && shift ;;
-  --array | --array-sink)
+  --array | --array-sink | --touch)
     [ $# -ge 2 ] || fail "$1 needs a value; see --help"
     arguments+=("$1" "$2") && shift 2
     ;;

@@ -26,6 +26,7 @@ struct CommandLine {
   gchar **options = nullptr;
   gchar *array = nullptr;
   gchar *array_sink = nullptr;
+  gchar *touch = nullptr;
   gchar **inputs = nullptr;
   gboolean verbose = FALSE;
   gboolean version = FALSE;
@@ -109,6 +110,8 @@ int read_line(GApplication *, GVariantDict *, gpointer data) noexcept {
     program.options.setup.array.layout = line.array;
   if (line.array_sink)
     program.options.setup.array.sink = line.array_sink;
+  if (line.touch)
+    program.options.setup.touch = line.touch;
   program.options.verbose = line.verbose;
   if (!gtk_init_check(nullptr, nullptr)) {
     std::fprintf(
@@ -136,6 +139,9 @@ int main(int argc, char **argv) {
        "also drive an array of actuators: a layout of hapticarray, by name or path", "LAYOUT"},
       {"array-sink", 0, 0, G_OPTION_ARG_STRING, &line.array_sink,
        "its sound device, as a sink of gst-launch-1.0; otherwise autoaudiosink", "SINK"},
+      {"touch", 0, 0, G_OPTION_ARG_STRING, &line.touch,
+       "also touch the colours, with a hand that has depth: a table of reliefmap, name or path",
+       "TABLE"},
       {"verbose", 0, 0, G_OPTION_ARG_NONE, &line.verbose, "print what happens", nullptr},
       {"version", 0, 0, G_OPTION_ARG_NONE, &line.version, "print the version", nullptr},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &line.inputs, nullptr, nullptr},

@@ -30,6 +30,11 @@ constexpr const char *kPipeline =
     "gtksink name=picture qos=false "
     "t. ! queue max-size-buffers=1 ! velocityavg name=motion post-messages=true ! "
     "hapticsink name=force";
+// The colours of the film become a surface, which the window shows as light.
+constexpr const char *kTouch =
+    " t. ! queue max-size-buffers=1 ! videoconvert ! reliefmap name=relief ! tee name=surface "
+    "surface. ! queue ! overlay.relief surface. ! queue ! force.relief";
+constexpr double kDent = 4; // px per mm under the hand
 constexpr const char *kSound = "queue ! audioconvert ! audioresample ! volume name=volume ! "
                                "autoaudiosink name=loudspeaker";
 
@@ -160,7 +165,9 @@ void Player::start() {
 
 bool Player::build(bool with_sound) {
   GError *error = nullptr;
-  pipeline_.reset(gst_parse_launch_full(kPipeline, nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+  const std::string line = kPipeline + std::string(setup.touch.empty() ? "" : kTouch);
+  pipeline_.reset(
+      gst_parse_launch_full(line.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
   const ErrorPtr owned(error);
   if (!pipeline_) {
     client_.on_failure(
@@ -187,6 +194,11 @@ bool Player::build(bool with_sound) {
 bool Player::configure_sink() {
   const ElementPtr sink = element("force");
   g_object_set(sink.get(), "device", setup.device.c_str(), nullptr);
+  if (const ElementPtr relief = element("relief")) {
+    g_object_set(relief.get(), "table", setup.touch.c_str(), nullptr);
+    g_object_set(element("overlay").get(), "deform", kDent, nullptr);
+    gst_util_set_object_arg(G_OBJECT(sink.get()), "touch", "surface+motion");
+  }
   for (const std::string &option : setup.options)
     if (const std::string problem = set_option(sink.get(), option); !problem.empty()) {
       fail(problem);

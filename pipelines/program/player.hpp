@@ -37,6 +37,7 @@ struct Setup {
   double volume = 1;                ///< 0..1
   bool muted = false;
   ArraySetup array;
+  std::string touch; ///< table of reliefmap; empty: no surface
 
   /// A device that exerts a force.
   bool is_real() const { return device != "sim" && device != "none"; }

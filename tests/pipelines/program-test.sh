@@ -234,6 +234,21 @@ if [ $# = 4 ]; then
     ended
   }
 
+  # A hand with depth touches the colours of the film.
+  touch_colours() {
+    printf '%s\n' '[table]' unit=mm by=lightness '[entry-1]' colour=#000000 height=4 stiffness=150 friction=0 >own.ini
+    start --touch "$PWD/own.ini" --sink sim-hand=hold:0,0,0 --sink "log-location=$PWD/touch.csv" "$video"
+    until_true grep -q 'first frame' said
+    sleep 2 # of film
+    xdotool windowfocus "$window" key q
+    ended
+    start --touch nothing.ini "$video"
+    until_true grep -q 'nothing.ini' said
+    cp said said-of-touch
+    xdotool key q
+    ended
+  }
+
   # A device of a person has no force until that person asks for it. One that cannot be opened is replaced.
   devices() {
     start --device auto "$video"
@@ -448,6 +463,12 @@ promise "it feels the right half, which moves down" \
   awk -F, 'NR > 1 && $6 > 80 { rows++ } END { print rows + 0 " rows"; exit rows < 100 }' "$work/scripted.csv"
 promise "an array vibrates and is drawn while the force is on" in_window_system "$0" array "$program" "$work/clip.mkv" "$work"
 promise "what its sound device lacks is said" grep -q 'does not take the 8 channels' "$work/said-of-array"
+promise "the colours of a film are touched" in_window_system "$0" touch_colours "$program" "$work/clip.mkv" "$work"
+# shellcheck disable=SC2016 # $4 and $10 are awk's: z and fz
+promise "as hard as the table says" awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "touch") touch = i; next }
+  $touch == 1 && $10 > 0.95 * 150 * (0.004 - $4) && $10 < 1.05 * 150 * (0.004 - $4) && $10 > 0.2 { rows++ }
+  END { print rows + 0 " rows"; exit rows < 1000 }' "$work/touch.csv"
+promise "a table that is not there is told" grep -q 'nothing.ini' "$work/said-of-touch"
 promise "a real device begins without force" in_window_system "$0" devices "$program" "$work/clip.mkv" "$work"
 promise "the film of the demonstration is drawn once, and replaces none that plays" \
   in_window_system "$0" demonstration "$program" "$work/clip.mkv" "$work"
