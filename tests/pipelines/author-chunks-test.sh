@@ -48,6 +48,14 @@ promise "the table has a row for the copy" grep -qF "film.haptic.ts\",\"$(sha256
 cp out/plan.manifest.json before.json
 promise "merged again, it stays" author --merge plan.json
 promise "and so does the manifest" cmp before.json out/plan.manifest.json
+promise "a chunk of it is not measured again" says 0 'there already: ' author --chunk 0 plan.json
+promise "and leaves nothing behind" test "$(ls out)" = "$(printf 'film.haptic.ts\nplan.manifest.csv\nplan.manifest.json')"
+cp out/film.haptic.ts whole.ts
+printf 'x' | dd of=out/film.haptic.ts bs=1 seek=5000 conv=notrunc status=none
+promise "one of a copy that was changed is" author --chunk 0 plan.json
+promise "and is there" test -e out/film.haptic.chunk-0-1
+rm out/film.haptic.chunk-0-1
+cp whole.ts out/film.haptic.ts
 
 # Stopped while it writes.
 killed_and_again() {

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -305,13 +306,21 @@ ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
   return row;
 }
 
-// Merges one film, unless the manifest knows its copy and that is unchanged.
+// The row of a copy that the manifest knows and that is unchanged.
+std::optional<ManifestRow> merged_row(const std::vector<ManifestRow> &manifest,
+                                      const std::string &copy) {
+  const auto row = std::ranges::find(manifest, copy, &ManifestRow::copy);
+  if (copy.empty() || row == manifest.end() || row->copy_hash != hash_of_file(copy))
+    return std::nullopt;
+  return *row;
+}
+
+// Merges one film, unless it was.
 ManifestRow merge_film(const Plan &plan, std::size_t i, const std::vector<ManifestRow> &before) {
   const PlannedFilm &film = plan.films[i];
   check_unchanged(film, true);
   std::string copy = find_copy(film, plan.options);
-  const auto row = std::ranges::find(before, copy, &ManifestRow::copy);
-  if (!copy.empty() && row != before.end() && row->copy_hash == hash_of_file(copy))
+  if (const auto row = merged_row(before, copy))
     return *row;
   const std::vector<ChunkReader> chunks = open_chunks(plan, i);
   const char *word = "there already";
@@ -370,7 +379,11 @@ int author_chunk(const std::string &path, unsigned chunk) {
   const PlannedFilm &film = plan.films[planned.film];
   const bool is_done = succeeds(film.path, [&] {
     check_unchanged(film, false);
-    measure(film, planned.spans, plan.options);
+    const std::string copy = find_copy(film, plan.options);
+    if (merged_row(read_manifest(manifest_stem(path, plan) + ".json"), copy))
+      std::printf("there already: %s\n", copy.c_str());
+    else
+      measure(film, planned.spans, plan.options);
   });
   return is_done ? EXIT_SUCCESS : status_of_failure();
 }
