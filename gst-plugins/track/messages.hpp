@@ -240,6 +240,9 @@
   MESSAGE(kOptionNeedsValue, \
           "%s needs a value.", \
           "See --help.") \
+  MESSAGE(kOptionIsForeign, \
+          "%s is no option of '%s'.", \
+          "Leave it out; --help says what each command takes.") \
   MESSAGE(kOptionIsUnknown, \
           "unknown option '%s'.", \
           "See --help.") \

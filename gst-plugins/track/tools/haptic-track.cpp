@@ -19,7 +19,9 @@
 #include <gst/gst.h>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -90,8 +92,23 @@ constexpr char kUsage[] =
     "felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.\n"
     "  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)\n";
 
+// The options of each command. Another one would be ignored: it is refused.
+constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
+    {"info", "--stream"},
+    {"convert", "--force --hand --layout --map --alpha --stream"},
+    {"cut", "--force --with-video --from --to --stream"},
+    {"plot", "--force --place --hand --stream"},
+    {"compare", "--force --json --plot --at-most --from --to --offset --places --hand --alpha "
+                "--max-force --stream"},
+    {"author", "--output --columns --jobs"},
+    {"author --plan", "--plan --chunks --output --columns"},
+    {"author --chunk", "--chunk"},
+    {"author --merge", "--merge"},
+    {"package", "--carriage --columns --output"}};
+
 struct Arguments {
   std::string command;
+  std::vector<std::string> options; // as given, without their values
   std::vector<std::string> files;
   std::optional<double> from;
   std::optional<double> to;
@@ -196,12 +213,31 @@ haptic::Carriage parse_carriage(const std::string &text) {
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
 
+void check_options(const Arguments &arguments) {
+  std::string command = arguments.command;
+  if (command == "author")
+    command += arguments.plan    ? " --plan"
+               : arguments.chunk ? " --chunk"
+               : arguments.merge ? " --merge"
+                                 : "";
+  const auto *const entry = std::ranges::find(
+      kCommandOptions, command, &std::pair<std::string_view, std::string_view>::first);
+  if (entry == std::end(kCommandOptions))
+    return;
+  const std::string known = ' ' + std::string(entry->second) + ' ';
+  for (const std::string &option : arguments.options)
+    if (known.find(' ' + option + ' ') == std::string::npos)
+      throw_error(messages::kOptionIsForeign, option.c_str(), command.c_str());
+}
+
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string &word = words[i];
     const bool is_option = !options_end && word.starts_with("-");
+    if (is_option && word != "--")
+      arguments.options.push_back(word);
     if (options_end || (!is_option && !arguments.command.empty())) {
       arguments.files.push_back(word);
     } else if (word == "--") {
@@ -510,6 +546,7 @@ int author(const Arguments &arguments) {
 }
 
 int run(const Arguments &arguments) {
+  check_options(arguments);
   if (arguments.command == "author")
     return author(arguments);
   gst_init(nullptr, nullptr);
