@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Measures how much faster two processors author the chunks of a film than one. Nothing
-# else should run meanwhile.
+# Measures how much faster two processors author the chunks of a film than one. Nothing else should run meanwhile.
 #
 # Usage: tests/benchmarks/author-cores.sh [--build BUILD] [VIDEO]
 #   --build BUILD  the build folder (build)
