@@ -12,6 +12,7 @@ export NO_AT_BRIDGE=1 GSETTINGS_BACKEND=memory XDG_CONFIG_HOME=$work/config XDG_
 # `shows FILM PATTERN`: the program runs until it has written what matches the pattern, and ends.
 shows() {
   local process status=0
+  : >said # what the film before said would end this one before it begins
   "$program" --verbose "$1" >said 2>&1 &
   process=$!
   for _ in {1..1200}; do

@@ -20,6 +20,7 @@ until_true() {
 }
 # `start ARGUMENT...` runs the program and gives its window the keys.
 start() {
+  : >said # what the program before said is not what this one says
   "$program" --verbose "$@" >said 2>&1 &
   process=$!
   trap 'kill -CONT $process ${server:-} 2>/dev/null || true; kill $process ${server:-} 2>/dev/null || true' EXIT
