@@ -29,7 +29,7 @@ inline void read_value(const GValue *value, bool &to) {
 inline void read_value(const GValue *value, guint &to) {
   to = g_value_get_uint(value);
 }
-/// NaN, which GObject's check of the range lets pass, changes nothing.
+/// NaN, which the range check of GLib 2.74 lets pass, changes nothing.
 inline void read_value(const GValue *value, double &to) {
   const double read = g_value_get_double(value);
   if (!std::isnan(read))

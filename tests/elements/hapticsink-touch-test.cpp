@@ -389,7 +389,11 @@ TEST_F(HapticSinkTouch, ASeekReachesBothSources) {
 
 TEST_F(HapticSinkTouch, AForceThatIsNoNumberIsRefused) {
   build("device=none max-force=0.5");
+  // Newer versions of GLib refuse it themselves, with a critical warning.
+  const GLogLevelFlags fatal =
+      g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK));
   g_object_set(sink_.get(), "max-force", std::numeric_limits<double>::quiet_NaN(), nullptr);
+  g_log_set_always_fatal(fatal);
   gdouble force = 0;
   g_object_get(sink_.get(), "max-force", &force, nullptr);
   EXPECT_EQ(force, 0.5);
