@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-typedef struct _cairo cairo_t;
+using cairo_t = struct _cairo; // NOLINT(bugprone-reserved-identifier)
 
 namespace haptic {
 

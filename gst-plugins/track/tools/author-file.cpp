@@ -120,8 +120,9 @@ std::size_t find_picture(std::span<const std::uint8_t> bytes, const CodedForm &f
   const std::size_t head = form.length_size > 0 ? form.length_size : std::size(kStartCode);
   for (std::size_t at = 0; at + head < bytes.size();) {
     if (form.length_size == 0) {
-      const auto code = std::ranges::search(bytes.subspan(at), kStartCode);
-      at = static_cast<std::size_t>(code.begin() - bytes.begin());
+      const auto code = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end(),
+                                    std::begin(kStartCode), std::end(kStartCode));
+      at = static_cast<std::size_t>(code - bytes.begin());
     }
     if (at + head < bytes.size() && is_first_slice(bytes.subspan(at + head), form.is_h265))
       return at;

@@ -25,9 +25,10 @@ inline ElementPtr make_element(const char *factory) {
 
 /// Throws TrackFileError if there is no such element. The pipeline owns it.
 inline GstElement *add_element(GstElement *pipeline, const char *factory) {
-  const ElementPtr element = make_element(factory);
-  gst_bin_add(GST_BIN(pipeline), element.get());
-  return element.get();
+  const ElementPtr owned = make_element(factory);
+  GstElement *element = owned.get();
+  gst_bin_add(GST_BIN(pipeline), element);
+  return element;
 }
 
 inline std::string error_of(GstMessage *message) {

@@ -163,8 +163,8 @@ SignalPair touch_signals(std::span<const FeltSurface> a, std::span<const FeltSur
   for (std::int64_t step = begin; step < end; ++step) {
     const FeltSurface of_a = a_reader.at(step);
     const FeltSurface of_b = b_reader.at(step + by);
-    const double height_a = static_cast<double>((of_a.exists ? of_a : of_b).height);
-    const double height_b = static_cast<double>((of_b.exists ? of_b : of_a).height);
+    const auto height_a = static_cast<double>((of_a.exists ? of_a : of_b).height);
+    const auto height_b = static_cast<double>((of_b.exists ? of_b : of_a).height);
     const double hand = (height_a + height_b) / 2 - kTouchDepth;
     if (step >= first.first && step < first.end())
       first.forces[static_cast<std::size_t>(step - first.first)] =
