@@ -64,8 +64,8 @@ Devices::Monitor Devices::make_monitor(const char *classes) {
 }
 
 Devices::Devices(std::function<void()> on_change)
-    : on_change_(std::move(on_change)), cameras_(make_monitor("Video/Source")),
-      haptic_(make_monitor("Sink/Haptics")), sound_(make_monitor("Audio/Sink")) {
+    : on_change_(std::move(on_change)), haptic_(make_monitor("Sink/Haptics")),
+      sound_(make_monitor("Audio/Sink")), cameras_(make_monitor("Video/Source")) {
   const BusPtr bus(gst_device_monitor_get_bus(cameras_.get()));
   watch_ = gst_bus_add_watch(
       bus.get(),

@@ -42,9 +42,10 @@ private:
   static Monitor make_monitor(const char *classes);
 
   std::function<void()> on_change_;
-  Monitor cameras_;
   Monitor haptic_;
   Monitor sound_;
+  // Made last: a provider, PipeWire's for example, tells only the monitor that was made last.
+  Monitor cameras_;
   guint watch_ = 0;
 };
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck disable=SC2317 # until_true calls its functions by name
 # Where the films of feeling-wind come from, and where their sound goes: a server of rtsp that stalls and ends, a file
-# that is deleted or cut while it plays, a sound server.
+# that is deleted or cut while it plays, a sound server; and what is plugged in while it runs.
 
 # Inside the X server: `program-sources-test.sh SCENE PROGRAM VIDEO FOLDER`.
 if [ $# = 4 ]; then
@@ -114,6 +114,37 @@ SERVER
     closed
   }
 
+  # What is plugged in while the program runs comes into the open menu; what is unplugged goes.
+  plugged() {
+    export PLUGGED_DEVICES=$PWD/plugged
+    : >plugged
+    start "$video"
+    until_true grep -q 'first frame' said
+    listed() {
+      "$tests/accessible-names.py" >names 2>&1 || true
+      grep -q "'$1'" names
+    }
+    not_listed() {
+      ! listed "$1"
+    }
+    xdotool key ctrl+k
+    until_true listed 'No camera is plugged in'
+    echo "camera $PWD/no-camera Camera of the test" >>plugged
+    until_true listed 'Camera of the test'
+    not_listed 'No camera is plugged in'
+    : >plugged
+    until_true not_listed 'Camera of the test'
+    xdotool key Escape
+    xdotool key ctrl+d
+    until_true listed 'Simulated, the mouse points'
+    echo 'haptic usb:7 SPIDAR-G of the test' >plugged
+    until_true listed 'SPIDAR-G of the test'
+    : >plugged
+    until_true not_listed 'SPIDAR-G of the test'
+    xdotool key Escape
+    closed
+  }
+
   "$scene"
   exit
 fi
@@ -141,4 +172,10 @@ if command -v pulseaudio >/dev/null && gst-inspect-1.0 --exists pulsesink; then
     audiotestsrc num-buffers=861 ! audioconvert ! vorbisenc ! m.
   promise "sound is heard at normal speed, and its server may go" \
     in_window_system "$0" sound "$program" "$work/clip.mkv" "$work"
+fi
+if command -v dbus-run-session >/dev/null && /usr/bin/python3 -c 'import gi
+gi.require_version("Atspi", "2.0")' 2>/dev/null; then
+  unset NO_AT_BRIDGE
+  GST_PLUGIN_PATH=$GST_PLUGIN_PATH:$PLUGGED_DEVICES_PLUGIN promise "the menus follow what is plugged in" \
+    in_window_system dbus-run-session -- "$0" plugged "$program" "$work/clip.mkv" "$work"
 fi
