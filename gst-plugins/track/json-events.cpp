@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json-events.hpp"
 
+#include <cmath>
 #include <cstdint>
+#include <glib.h>
+#include <string>
 #include <string_view>
 
 namespace haptic {
@@ -94,12 +97,16 @@ public:
 
   bool Null() { return accept(handler_.word()); }
   bool Bool(bool) { return accept(handler_.word()); }
-  bool Int(int value) { return Double(value); }
-  bool Uint(unsigned value) { return Double(value); }
-  bool Int64(std::int64_t value) { return Double(static_cast<double>(value)); }
-  bool Uint64(std::uint64_t value) { return Double(static_cast<double>(value)); }
-  bool Double(double value) { return accept(handler_.number(value)); }
-  bool RawNumber(const char *, rapidjson::SizeType, bool) { return accept("a number is expected"); }
+  bool RawNumber(const char *text, rapidjson::SizeType length, bool) {
+    const double value = g_ascii_strtod(std::string(text, length).c_str(), nullptr);
+    return accept(std::isfinite(value) ? handler_.number(value) : "a number is expected");
+  }
+  // RapidJSON asks for these where it reads numbers itself, which it does not here.
+  bool Int(int) { throw_broken_assertion(); }
+  bool Uint(unsigned) { throw_broken_assertion(); }
+  bool Int64(std::int64_t) { throw_broken_assertion(); }
+  bool Uint64(std::uint64_t) { throw_broken_assertion(); }
+  bool Double(double) { throw_broken_assertion(); }
   bool String(const char *text, rapidjson::SizeType length, bool) {
     return is_short(length) && accept(handler_.text({text, length}));
   }
@@ -153,8 +160,10 @@ const char *text_of(rapidjson::ParseErrorCode code) {
 } // namespace
 
 std::optional<JsonError> parse_json(std::string_view text, JsonHandler &handler) {
-  // Iterative: nesting costs no stack of the process. Full precision: numbers round to the nearest.
-  constexpr unsigned kFlags = rapidjson::kParseIterativeFlag | rapidjson::kParseFullPrecisionFlag;
+  // Iterative: nesting costs no stack of the process. As strings: RapidJSON 1.1 rounds numbers to
+  // the nearest only by a function whose behaviour is undefined for zeros.
+  constexpr unsigned kFlags =
+      rapidjson::kParseIterativeFlag | rapidjson::kParseNumbersAsStringsFlag;
   BoundedStream stream(text);
   EventForwarder events(handler);
   try {

@@ -67,6 +67,9 @@ TEST(JsonEvents, NumbersAreTheNearestDoubles) {
   EXPECT_EQ(number_of("2.2250738585072011e-308"), 2.2250738585072011e-308);
   EXPECT_EQ(number_of("1.7976931348623157e308"), 1.7976931348623157e308);
   EXPECT_EQ(number_of("9007199254740993"), 9007199254740992.0);
+  EXPECT_EQ(number_of("5e-324"), 5e-324);
+  for (const char *zero : {"0E-88", "0.000e-330", "-0e5", "1e-400"})
+    EXPECT_EQ(number_of(zero), 0) << zero;
 }
 
 TEST(JsonEvents, NoNumberIsInfiniteOrNotANumber) {
