@@ -16,6 +16,7 @@
 source "$(dirname "$0")/../pipelines/common.sh"
 source "$(dirname "$0")/../pipelines/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
+source "$(dirname "$0")/support/debian-chroot.sh"
 
 part=all fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 
@@ -52,21 +53,6 @@ choose_version() {
   esac
 }
 
-# Everything that is mounted or started after this goes away with the script, however it ends.
-enter_namespaces() {
-  local child
-  [ "${OTHER_DEBIAN_NAMESPACES:-}" != yes ] || return 0
-  [ "$(id -u)" = 0 ] || skip "a chroot needs root; as root run: tests/other-debian.sh"
-  unshare --mount --pid --net --fork --mount-proc true 2>/dev/null ||
-    skip "this machine does not allow namespaces and mounts"
-  OTHER_DEBIAN_NAMESPACES=yes \
-    unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$0" "$@" &
-  child=$!
-  trap 'kill -KILL "$child"; exit 130' INT TERM
-  wait "$child"
-  exit
-}
-
 passed=0 failed=0 skipped=0
 
 finish() {
@@ -93,80 +79,6 @@ check() {
   fi
 }
 
-# The archive of Debian that apt uses on this machine.
-find_archive() {
-  local archives
-  # shellcheck disable=SC2016 # for apt
-  mapfile -t archives < <(apt-get indextargets --format '$(REPO_URI)' \
-    'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 'Component: main')
-  archive=${archives[0]:-}
-  archive=${archive%/}
-}
-
-# Puts the code name of the wanted version into $codename. The archive knows it by an alias that changes with time.
-find_codename() {
-  local alias
-  for alias in stable oldstable oldoldstable; do
-    /usr/lib/apt/apt-helper download-file "$archive/dists/$alias/Release" "$work/Release" || continue
-    if grep -q "^Version: $version\(\.\|$\)" "$work/Release"; then
-      codename=$(sed -n 's/^Codename: //p' "$work/Release")
-      return
-    fi
-  done
-  echo "The archive $archive has no Debian $version."
-  return 1
-}
-
-# The proxy that apt uses for the archive, or nothing.
-proxy_of_archive() {
-  local scheme=${archive%%:*} host=${archive#*://} key proxy=''
-  host=${host%%[:/]*}
-  for key in "Acquire::$scheme::Proxy::$host" "Acquire::$scheme::Proxy" "Acquire::http::Proxy"; do
-    [ -n "$proxy" ] || eval "$(apt-config shell proxy "$key")"
-  done
-  [ -n "$proxy" ] ||
-    proxy=$(/usr/lib/apt/apt-helper auto-detect-proxy "$archive" | sed -n "s/^Using proxy '\(.*\)' for.*/\1/p")
-  [ "$proxy" = DIRECT ] || echo "$proxy"
-}
-
-# `copy_settings FOLDER PROXY` gives a chroot the machine's settings of name service, apt and certificates.
-copy_settings() {
-  local settings=$1/etc/apt/apt.conf.d/90machine file
-  cp -L /etc/resolv.conf /etc/hosts "$1/etc/"
-  cp -rL --parents /etc/ssl/certs /usr/local/share/ca-certificates "$1/" 2>/dev/null || true
-  apt-config dump --no-empty --format '%F "%v";%n' |
-    grep '^Acquire::' | grep -viE '^Acquire::(Changelogs|IndexTargets|cdrom)|Proxy-?Auto-?Detect' \
-    >"$settings" || true
-  [ -z "$2" ] || echo "Acquire::http::Proxy \"$2\";" >>"$settings"
-  sed -nE 's/^Acquire::.*::(CaInfo|CaPath|SslCert|SslKey|CrlFile) "(.*)";/\2/Ip' \
-    "$settings" | while read -r file; do
-    cp -rL --parents "$file" "$1/"
-  done
-}
-
-make_chroot() {
-  local proxy
-  [ "$fresh" = no ] || rm -rf --one-file-system "$chroot"
-  if [ ! -d "$chroot" ]; then
-    find_archive
-    if [ -z "$archive" ]; then
-      quiet_apt_get "$work/update.log" update || true # a fresh machine has no lists yet
-      find_archive
-    fi
-    [ -n "$archive" ] || { echo "apt's sources name no archive of Debian."; return 1; }
-    find_codename || return
-    proxy=$(proxy_of_archive)
-    rm -rf --one-file-system "$chroot.part"
-    env ${proxy:+http_proxy=$proxy https_proxy=$proxy} debootstrap --variant=minbase --force-check-gpg \
-      --arch="$(dpkg --print-architecture)" "$codename" "$chroot.part" "$archive" || return
-    echo force-unsafe-io >"$chroot.part/etc/dpkg/dpkg.cfg.d/unsafe-io" # twice as fast
-    copy_settings "$chroot.part" "$proxy" || return
-    mv "$chroot.part" "$chroot"
-  fi
-  rm -rf --one-file-system "${chroot:?}"/tmp/* "$chroot/tmp/".[!.]*
-  mount -t proc proc "$chroot/proc" && mount --rbind /sys "$chroot/sys" && mount --rbind /dev "$chroot/dev"
-}
-
 # Runs a command in the chroot, in the folder of the source.
 in_chroot() {
   # shellcheck disable=SC2016 # for the inner shell
@@ -178,17 +90,6 @@ offline_in_chroot() {
   # shellcheck disable=SC2016 # for the inner shell
   unshare --net "${enter[@]}" \
     'ip link set lo up && ip route add 224.0.0.0/4 dev lo && cd /feeling-wind && exec "$@"' in_chroot "$@"
-}
-
-# Copies the working tree, without what git ignores.
-copy_tree() {
-  local file
-  rm -rf "$1"
-  mkdir -p "$1"
-  git -C "$root" -c safe.directory="$root" ls-files -z --cached --others --exclude-standard --deduplicate |
-    while IFS= read -r -d '' file; do
-      [ ! -e "$root/$file" ] || printf '%s\0' "$file"
-    done | tar -C "$root" --null --no-recursion -T - -c | tar -C "$1" -x
 }
 
 copy_tree_and_film() {
