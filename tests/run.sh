@@ -213,6 +213,7 @@ check_in_background() {
     check "clang-tidy finds nothing" check_style || true
   fi
   check "It builds on the other Debian" tests/other-debian.sh --part build || true
+  check "The image of haptic-track authors a film" tests/container.sh || true
 }
 
 sanitized_build_ended() {

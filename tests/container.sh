@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Builds the image of pipelines/author/Containerfile with buildah, and authors a film in it. Where its base image cannot
+# be loaded, one is made of Debian's packages.
+#
+# Usage: tests/container.sh [--cache FOLDER]
+#   --cache FOLDER  where images are kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
+#
+# Needs root, buildah and the network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
+
+source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/packages.sh"
+source "$(dirname "$0")/support/promise.sh"
+source "$(dirname "$0")/support/debian-chroot.sh"
+
+given=("$@") cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
+while [ $# -gt 0 ]; do
+  case $1 in
+  --help | -h) show_help && exit ;;
+  --cache)
+    cache=${2:-}
+    [ -n "$cache" ] || fail "--cache needs a folder; see --help"
+    shift
+    ;;
+  *) fail "unknown option '$1'; see --help" ;;
+  esac
+  shift
+done
+command -v buildah >/dev/null || skip "buildah is not installed"
+command -v ffmpeg >/dev/null || skip "ffmpeg is not installed"
+enter_namespaces "${given[@]}"
+(install_packages "${chroot_packages[@]}") || skip "packages are missing: ${chroot_packages[*]}"
+
+mkdir -p "$cache" || fail "the folder '$cache' cannot be made; give another with --cache"
+work=$(mktemp -d -p "$cache")
+unmount_base() {
+  umount -R "$work/base/sys" && umount -R "$work/base/dev" && umount "$work/base/proc"
+}
+# shellcheck disable=SC2317 # the trap calls it
+finish() {
+  # What is mounted there must not be removed.
+  ! mountpoint -q "$work/base/dev" || unmount_base || return
+  rm -rf --one-file-system "$work"
+}
+trap finish EXIT
+export BUILDAH_ISOLATION=chroot # it needs no more than root
+images() {
+  buildah --storage-driver vfs --root "$cache/images" --runroot "$work/run" "$@"
+}
+base=$(sed -n 's/^FROM \([^ ]*\) AS build$/\1/p' "$root/pipelines/author/Containerfile")
+author=localhost/feeling-wind-author
+
+# The base image, of a Debian with the settings of this machine.
+# shellcheck disable=SC2034 # for make_chroot
+make_base() {
+  local version=12 fresh=yes chroot=$work/base container
+  make_chroot && unmount_base || return
+  container=$(images from scratch) && images add --quiet "$container" "$chroot" / >/dev/null &&
+    images commit --quiet --rm "$container" "$base"
+}
+base_is_there() {
+  images inspect --type image "$base" >/dev/null 2>&1 || images pull --quiet "$base" 2>"$work/pull.log" || {
+    tail -n 1 "$work/pull.log"
+    make_base >"$work/base.log" 2>&1 || { tail -n 20 "$work/base.log"; return 1; }
+  }
+}
+built() {
+  copy_tree "$work/source"
+  images build --pull-never --layers=false --file "$work/source/pipelines/author/Containerfile" --tag "$author" \
+    "$work/source" >"$work/build.log" 2>&1 || { tail -n 30 "$work/build.log"; return 1; }
+}
+inside() {
+  images run --volume "$work/films:/films" "$container" haptic-track "$@"
+}
+authored() {
+  mkdir "$work/films"
+  ffmpeg -v error -f lavfi -i testsrc2=size=320x240:rate=30:duration=2 -c:v libx264 -g 30 "$work/films/film.mp4" </dev/null
+  container=$(images from --pull-never "$author")
+  inside author /films/film.mp4 && inside info /films/film.haptic.ts | tee "$work/info" && grep -q '^ *fields  *60$' "$work/info"
+}
+
+promise "the base image is there" base_is_there
+promise "the image builds" built
+promise "it authors a film" authored
+images rm --all >/dev/null
