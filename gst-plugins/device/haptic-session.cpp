@@ -13,7 +13,6 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000; // ns
-constexpr std::int64_t kSecond = 1000 * kMs;
 constexpr auto kPointerPeriod = std::chrono::milliseconds(10);
 constexpr std::int64_t kClockPeriod = 100 * kMs;
 constexpr std::int64_t kTrackerGrace = 1000 * kMs;
@@ -363,7 +362,7 @@ void HapticSession::on_sleep() {
   while (!loop_.silent() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   // The next exchange sends what the last tick has computed.
-  std::this_thread::sleep_for(std::chrono::nanoseconds(3 * kSecond / opened_as_.rate));
+  std::this_thread::sleep_for(std::chrono::nanoseconds(3 * 1000 * kMs / opened_as_.rate));
 }
 
 // ---- opening a lost device again ----------------------------------------------------------------

@@ -8,9 +8,9 @@
 namespace haptic {
 namespace {
 
-constexpr double kFastest = 1e6;     // px/s
-constexpr double kFastestTurn = 1e4; // rad/s, and 1/s
-constexpr double kRelease = 0.1;     // s, time constant of the deadband
+constexpr double kFastestMotion = 1e6; // px/s
+constexpr double kFastestTurn = 1e4;   // rad/s, and 1/s
+constexpr double kRelease = 0.1;       // s, time constant of the deadband
 
 // s(v) = 0 for v <= still, 1 for v >= moving, moving / (moving - still) * (v - still) / v between,
 // so that s(v) v is continuous.
@@ -45,13 +45,13 @@ PlanarVelocity scale_hand(const spidar::Vector3 &velocity, const spidar::Vector3
 
 // The comparisons of both are written so that NaN fails.
 bool is_plausible(const MotionSample &sample) noexcept {
-  return std::hypot(sample.velocity_x, sample.velocity_y) <= kFastest &&
+  return std::hypot(sample.velocity_x, sample.velocity_y) <= kFastestMotion &&
          std::abs(sample.spin) <= kFastestTurn && std::abs(sample.divergence) <= kFastestTurn;
 }
 
 bool is_plausible(const MotionField &field) noexcept {
   return std::ranges::all_of(field.cells, [](const FieldCell &cell) {
-    return std::hypot(cell.velocity_x, cell.velocity_y) <= kFastest;
+    return std::hypot(cell.velocity_x, cell.velocity_y) <= kFastestMotion;
   });
 }
 

@@ -10,10 +10,9 @@
 namespace haptic {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000; // ns
-constexpr std::int64_t kLongestRamp = kSecond;  // ns
-constexpr std::int64_t kFarthest = 3 * kSecond; // ns; a later time is wrong
-constexpr std::int64_t kClosestInIntervals = 4; // closer ones would make a step
+constexpr std::int64_t kLongestRamp = 1'000'000'000; // ns
+constexpr std::int64_t kFarthest = 3'000'000'000;    // ns; a later time is wrong
+constexpr std::int64_t kClosestInIntervals = 4;      // closer ones would make a step
 
 std::int64_t interval_of(const MotionSample &sample) noexcept {
   return static_cast<std::int64_t>(std::min<std::uint64_t>(sample.interval, kLongestRamp));
@@ -94,7 +93,7 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
   knot.time = std::max(knot.time, leads_on ? now + interval : now);
   if (knot.measured) {
     rescale_all_to(knot.sample);
-    now_.interval = static_cast<double>(interval) / static_cast<double>(kSecond);
+    now_.interval = static_cast<double>(interval) / 1e9;
   }
   const std::int64_t closest = knot.measured ? interval / kClosestInIntervals : 0;
   bool replaces = false;

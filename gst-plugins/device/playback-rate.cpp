@@ -6,9 +6,9 @@
 
 namespace haptic {
 namespace {
-constexpr double kFastest = 2 * (1 + 1e-6); // twice is still felt, despite rounding
-constexpr double kLargestFactor = 1e6;      // velocities stay finite
-constexpr double kLongest = 1e18;           // ns, within std::uint64_t
+constexpr double kFastestPlayback = 2 * (1 + 1e-6); // twice is still felt, despite rounding
+constexpr double kLargestFactor = 1e6;              // velocities stay finite
+constexpr double kLongest = 1e18;                   // ns, within std::uint64_t
 } // namespace
 
 // As seen: v' = |rate| v. As filmed: v' = v / |applied_rate|. Interval: T' = T / |rate|.
@@ -16,7 +16,7 @@ bool apply_playback(TimedMotion &motion, const Playback &playback, RateLaw law) 
   const double rate = std::abs(playback.rate);
   const double applied = std::abs(playback.applied_rate);
   // Written so that NaN fails.
-  if (playback.skips || !(rate > 0) || !(applied > 0) || !(rate * applied <= kFastest))
+  if (playback.skips || !(rate > 0) || !(applied > 0) || !(rate * applied <= kFastestPlayback))
     return false;
   const double factor = law == RateLaw::as_seen ? rate : 1 / applied;
   if (!(factor <= kLargestFactor))

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kLongestSilence = 3600 * std::int64_t{kTrackTimescale}; // ticks
 constexpr std::size_t kEffectIds = 65536;                                      // of a band
-constexpr std::int64_t kLongestEffect = 65535;                                 // ticks: 16 bits
+constexpr std::int64_t kLongestHmpgEffect = 65535;                             // ticks: 16 bits
 constexpr std::uint64_t kLongestTimeStep = kSecond / 200; // ns, of time stamps without a loss
 constexpr std::size_t kMostEffects = 4096;                // at once
 constexpr std::size_t kManyEffects = kMostEffects / 2;    // too many to wait for
@@ -406,7 +406,7 @@ std::int64_t HmpgDecoder::known_until() {
   const std::int64_t end = *tick_;
   const std::int64_t patience =
       is_live_ ? ticks_of(ns_of(kLongestHold, kTrackTimescale), experience_->timescale)
-               : kLongestEffect;
+               : kLongestHmpgEffect;
   draw_rest(end - patience);
   std::int64_t until = end;
   std::size_t points = 0;
@@ -431,7 +431,7 @@ const char *HmpgDecoder::sample_until(std::int64_t end, std::vector<TrackSample>
   std::erase_if(curves_, [&](const ChannelCurve &curve) {
     const std::int64_t last = curve.points.back().tick;
     return last < sampled_ &&
-           (are_many || next - last > kLongestEffect || (curve.is_closed && last < next - 1));
+           (are_many || next - last > kLongestHmpgEffect || (curve.is_closed && last < next - 1));
   });
   // One point before is needed for the line to the next.
   for (auto &curve : curves_) {

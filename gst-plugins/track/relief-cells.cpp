@@ -18,8 +18,8 @@ constexpr float kMicrometre = 1e-6F; // m
 // The best step is this part of the range of the heights. It may be 1.5 times that, or a third,
 // before it changes. Times the steps that a height may be off before it is coded anew, that gives
 // the 2 % that are asked for.
-constexpr float kStep = 1.F / 100;
-constexpr float kTolerance = 1.3F;       // steps
+constexpr float kReliefStep = 1.F / 100;
+constexpr float kReliefTolerance = 1.3F; // steps
 constexpr std::uint32_t kLeastStep = 50; // um
 constexpr int kLargestHeight = 20'000;   // steps: 1 m of the least one
 
@@ -89,7 +89,7 @@ void set_material(const ReliefCell &cell, CodedReliefCell &next) {
 // ---- what is likely -----------------------------------------------------------------------------
 
 // A relief starts with fresh models, so that it can be decoded without the one before.
-struct Models {
+struct ReliefModels {
   std::array<BitModel, 8> moved;         // by how many neighbours did, and by the field before
   std::array<BitModel, 4> turned;        // the material; by how many neighbours' did
   std::array<NumberModel<16>, 4> height; // by what the neighbours were off
@@ -100,10 +100,10 @@ struct Models {
 
 // As the coder of motion fields: codes the change of every cell, or reads it without `next`.
 template <typename Code>
-class CellCoder {
+class ReliefCoder {
 public:
-  CellCoder(Code &code, std::vector<CodedReliefCell> &held, std::size_t columns,
-            const std::vector<CodedReliefCell> *next)
+  ReliefCoder(Code &code, std::vector<CodedReliefCell> &held, std::size_t columns,
+              const std::vector<CodedReliefCell> *next)
       : code_(code), held_(held), next_(next), columns_(columns), changes_(held.size()) {}
 
   void run() {
@@ -161,7 +161,7 @@ private:
   std::vector<CodedReliefCell> &held_;
   const std::vector<CodedReliefCell> *next_; // may be none
   std::size_t columns_;
-  Models models_;
+  ReliefModels models_;
   std::vector<Change> changes_;
 };
 
@@ -177,9 +177,8 @@ std::uint32_t ReliefCells::step_for(const ReliefField &field, std::uint32_t befo
     }
   if (lowest > highest)
     return std::max(before, kLeastStep);
-  const auto best =
-      std::max(kLeastStep,
-               static_cast<std::uint32_t>(std::lround((highest - lowest) * kStep / kMicrometre)));
+  const auto best = std::max(kLeastStep, static_cast<std::uint32_t>(std::lround(
+                                             (highest - lowest) * kReliefStep / kMicrometre)));
   return 2 * before > 3 * best || best > 3 * before ? best : before;
 }
 
@@ -199,7 +198,7 @@ std::vector<CodedReliefCell> ReliefCells::updated(const CodedRelief &held, const
     }
     const float position = field.cells[i].height / step;
     const auto is_near = [&](int number) {
-      return std::abs(position - static_cast<float>(number)) <= kTolerance;
+      return std::abs(position - static_cast<float>(number)) <= kReliefTolerance;
     };
     if (held.cells[i].validity > 0 && is_near(next[i].height))
       continue;
@@ -211,11 +210,11 @@ std::vector<CodedReliefCell> ReliefCells::updated(const CodedRelief &held, const
 
 void ReliefCells::write(Encoder &out, std::vector<CodedReliefCell> &held, std::size_t columns,
                         const std::vector<CodedReliefCell> &next) {
-  CellCoder(out, held, columns, &next).run();
+  ReliefCoder(out, held, columns, &next).run();
 }
 
 void ReliefCells::read(Decoder &in, std::vector<CodedReliefCell> &held, std::size_t columns) {
-  CellCoder(in, held, columns, nullptr).run();
+  ReliefCoder(in, held, columns, nullptr).run();
 }
 
 ReliefCell ReliefCells::decoded(const CodedReliefCell &cell, const CodedRelief &state) {

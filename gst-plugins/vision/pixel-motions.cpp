@@ -33,7 +33,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Box = MotionLabels::Box;
-using Sheets = MotionLabels::Sheets;
+using LabelSheets = MotionLabels::Sheets;
 
 HWY_INLINE float sum(Lanes lanes) {
   return hn::GetLane(hn::SumOfLanes(kTag, lanes));
@@ -217,7 +217,7 @@ constexpr int kNarrow = 5;
 
 // Means of the energies over a box about each pixel.
 template <int kBox>
-void average_boxes(const Box &box, Sheets &sheets, MotionLabels::Pixels &means) {
+void average_boxes(const Box &box, LabelSheets &sheets, MotionLabels::Pixels &means) {
   const int stride = box.stride();
   constexpr int kFirst = (kWide - kBox) / 2;
   const float *energies = sheets.energies.data() + kFirst * stride + kFirst;
@@ -245,7 +245,7 @@ void average_boxes(const Box &box, Sheets &sheets, MotionLabels::Pixels &means) 
 
 // No difference of the grey levels is allowed for: it would be another one for each motion.
 void fill_energies(const Plane &earlier, const Plane &later, const Box &box, Displacement d,
-                   float limit, Sheets &sheets) {
+                   float limit, LabelSheets &sheets) {
   const int stride = box.stride();
   const Lanes most = hn::Set(kTag, limit);
   for_differences(earlier, later, box.left - kWide / 2, box.top - kWide / 2,
@@ -257,7 +257,7 @@ void fill_energies(const Plane &earlier, const Plane &later, const Box &box, Dis
 }
 
 // The shares of the pixels that follow the second motion and neither.
-TwoMotions judge(const Box &box, float limit, float noise, const Sheets &sheets) {
+TwoMotions judge(const Box &box, float limit, float noise, const LabelSheets &sheets) {
   const int stride = box.stride();
   const Lanes zero = hn::Zero(kTag), one = hn::Set(kTag, 1), expected = hn::Set(kTag, noise);
   Lanes share = zero, unexplained = zero;
@@ -284,7 +284,7 @@ TwoMotions judge(const Box &box, float limit, float noise, const Sheets &sheets)
 }
 
 TwoMotions FindTwo(const Plane &earlier, const Plane &later, const Box &box, Displacement first,
-                   Displacement second, float noise, Sheets &sheets) {
+                   Displacement second, float noise, LabelSheets &sheets) {
   constexpr int kSteps = 2;
   constexpr float kScale2 = 20;   // s^2, grey levels squared
   constexpr float kFurthest2 = 2; // px squared, from the start

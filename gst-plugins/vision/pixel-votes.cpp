@@ -32,7 +32,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kSide = PixelVotes::kSide;
 constexpr int kStride = PixelVotes::kStride;
 constexpr int kBox = 5;
-using Sheets = PixelVotes::Sheets;
+using VoteSheets = PixelVotes::Sheets;
 
 // first, first + 1, ...
 HWY_INLINE Lanes count_from(int first) {
@@ -83,7 +83,7 @@ HWY_INLINE void for_columns(const PixelVotes::Ballot &ballot, Body &&body) {
 }
 
 // The sum of the windows of the patches of a layer, rows of layer.box.padded_width() pixels.
-void AddWindows(Sheets &sheets, std::size_t index) {
+void AddWindows(VoteSheets &sheets, std::size_t index) {
   const PixelVotes::Layer &layer = sheets.layers[index];
   const int stride = layer.box.padded_width();
   fill(sheets.windows.data(), stride * layer.box.height + 8, 0);
@@ -102,7 +102,7 @@ void AddWindows(Sheets &sheets, std::size_t index) {
 
 // Fills in the energies of five pixels one below the other, rows of kStride pixels.
 void AddEnergies(const Plane &earlier, const Plane &later, const PixelVotes::Box &region,
-                 float limit, Sheets &sheets, const PixelVotes::Layer &layer) {
+                 float limit, VoteSheets &sheets, const PixelVotes::Layer &layer) {
   const Lanes offset = hn::Set(kTag, layer.offset);
   const Lanes most = hn::Set(kTag, limit);
   Lanes last = hn::Zero(kTag);         // of the row before
@@ -126,7 +126,7 @@ void AddEnergies(const Plane &earlier, const Plane &later, const PixelVotes::Box
 
 // Adds the weights of the patches of a layer to the totals of its pixels, and lowers the least
 // energies of these.
-void VoteTogether(float limit, float noise, Sheets &sheets, const PixelVotes::Layer &layer) {
+void VoteTogether(float limit, float noise, VoteSheets &sheets, const PixelVotes::Layer &layer) {
   const Lanes most = hn::Set(kTag, limit);
   const Lanes expected = hn::Set(kTag, noise);
   const Lanes scale = hn::Set(kTag, 1.0F / (kBox * kBox));
@@ -152,7 +152,7 @@ void VoteTogether(float limit, float noise, Sheets &sheets, const PixelVotes::La
 }
 
 void Vote(const Plane &earlier, const Plane &later, const PixelVotes::Box &region, float limit,
-          float noise, Sheets &sheets) {
+          float noise, VoteSheets &sheets) {
   const int used = kStride * region.height;
   fill(sheets.totals.data(), used, 0);
   fill(sheets.least.data(), used, limit);
@@ -164,7 +164,7 @@ void Vote(const Plane &earlier, const Plane &later, const PixelVotes::Box &regio
 }
 
 // Counts the pixels, and makes the totals inverse; those outside the region become 0.
-PixelVotes::Counts Judge(const PixelVotes::Box &region, float limit, Sheets &sheets) {
+PixelVotes::Counts Judge(const PixelVotes::Box &region, float limit, VoteSheets &sheets) {
   const Lanes zero = hn::Zero(kTag);
   const Lanes one = hn::Set(kTag, 1);
   Lanes pixels = zero, unclear = zero, unexplained = zero;
@@ -190,7 +190,7 @@ PixelVotes::Counts Judge(const PixelVotes::Box &region, float limit, Sheets &she
 }
 
 // Sum of the weights of each patch times the inverse totals of its pixels.
-void ShareOut(const Sheets &sheets, std::span<Patch> patches) {
+void ShareOut(const VoteSheets &sheets, std::span<Patch> patches) {
   for (std::size_t i = 0; i < sheets.patches; ++i) {
     const PixelVotes::Ballot &ballot = sheets.ballots[i];
     const PixelVotes::Layer &layer = sheets.layers[ballot.layer];

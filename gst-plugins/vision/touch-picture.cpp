@@ -39,7 +39,7 @@ struct Span {
 };
 
 // Samples side by side.
-struct Patch {
+struct PlanePatch {
   // Bilinear; beyond the border as on it.
   std::uint8_t at(float x, float y) const {
     const float u = std::clamp(x, 0.0F, static_cast<float>(width - 1));
@@ -116,7 +116,7 @@ void DentPainter::paint_component(const Dent &dent, GstVideoFrame &frame, guint 
   const auto ux = static_cast<float>(1 / (dent.radius * wide));
   const auto uy = static_cast<float>(1 / (dent.radius * sy));
   const auto most = static_cast<float>(kProfile * dent.pull / dent.radius);
-  const Patch before{before_.data(), across.count(), down.count()};
+  const PlanePatch before{before_.data(), across.count(), down.count()};
   const auto left = static_cast<float>(cx - across.first);
   const auto top = static_cast<float>(cy - down.first);
   for (int y = down.first; y <= down.last; ++y) {

@@ -19,8 +19,8 @@ constexpr gint64 kBuffer = 20'000; // us
 constexpr gint64 kPeriod = 5'000;  // us
 
 constexpr double kPanel = 150; // px, the longer side of the array
-constexpr double kMargin = 14;
-constexpr double kTextSize = 12;
+constexpr double kPictureMargin = 14;
+constexpr double kPictureTextSize = 12;
 constexpr double kLargestDot = 18;
 constexpr double kRest = 0.16; // of the largest dot, an actuator at rest
 
@@ -119,9 +119,9 @@ void ArrayOutput::draw(cairo_t *cairo, double width, double height) const {
   const double largest = std::min(kLargestDot, 0.45 * scale * closest(actuators_));
   const double rim = largest + 4;
   const double panel_width = scale * (box.right - box.left) + 2 * rim;
-  const double panel_height = scale * (box.top - box.bottom) + 2 * rim + kTextSize + 4;
-  const double left = width - kMargin - panel_width;
-  const double top = height - kMargin - panel_height;
+  const double panel_height = scale * (box.top - box.bottom) + 2 * rim + kPictureTextSize + 4;
+  const double left = width - kPictureMargin - panel_width;
+  const double top = height - kPictureMargin - panel_height;
 
   cairo_new_path(cairo); // the film left one
   cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
@@ -141,7 +141,7 @@ void ArrayOutput::draw(cairo_t *cairo, double width, double height) const {
   }
   cairo_set_source_rgb(cairo, 1, 1, 1);
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo, kTextSize);
+  cairo_set_font_size(cairo, kPictureTextSize);
   cairo_text_extents_t extents;
   cairo_text_extents(cairo, name_.c_str(), &extents);
   cairo_move_to(cairo, left + std::max(2.0, (panel_width - extents.width) / 2),

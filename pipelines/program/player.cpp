@@ -35,8 +35,8 @@ constexpr const char *kTouch =
     " t. ! queue max-size-buffers=1 ! videoconvert ! reliefmap name=relief ! tee name=surface "
     "surface. ! queue ! overlay.relief surface. ! queue ! force.relief";
 constexpr double kDent = 4; // px per mm under the hand
-constexpr const char *kSound = "queue ! audioconvert ! audioresample ! volume name=volume ! "
-                               "autoaudiosink name=loudspeaker";
+constexpr const char *kSoundBranch = "queue ! audioconvert ! audioresample ! volume name=volume ! "
+                                     "autoaudiosink name=loudspeaker";
 
 constexpr double kLongestGap = 0.5; // s; a longer pause takes no more room on the strip
 constexpr gulong kFade = 120'000;   // us: the force is zero 100 ms after PAUSED
@@ -307,7 +307,7 @@ void Player::on_pad(GstPad *pad) {
 }
 
 void Player::add_sound(GstPad *pad) {
-  GstElement *sound = gst_parse_bin_from_description(kSound, TRUE, nullptr);
+  GstElement *sound = gst_parse_bin_from_description(kSoundBranch, TRUE, nullptr);
   if (!sound)
     return;
   gst_object_set_name(GST_OBJECT(sound), "sound");

@@ -25,8 +25,8 @@ constexpr const char *kFilm =
     "video/x-raw,format=I420 ! x264enc tune=zerolatency speed-preset=veryfast key-int-max=30 ! "
     "h264parse ! queue ! mux. ";
 constexpr const char *kTrack = "appsrc name=track format=time max-bytes=0 ! hapticconvert ! ";
-constexpr const char *kSound = "appsrc name=sound format=time max-bytes=0 ! audioconvert ! "
-                               "audioresample ! avenc_aac ! aacparse ! queue ! mux. ";
+constexpr const char *kSoundInput = "appsrc name=sound format=time max-bytes=0 ! audioconvert ! "
+                                    "audioresample ! avenc_aac ! aacparse ! queue ! mux. ";
 constexpr GstClockTime kPatience = 10 * GST_SECOND; // for the encoder at the end
 
 bool ends_in(const std::string &text, const char *ending) {
@@ -83,7 +83,7 @@ std::string Recorder::start(const Player &player, const std::string &path) {
   const bool sound = player.has_sound();
   const std::string line = std::string(kFilm) + kTrack +
                            (transport_stream ? "meta/x-klv" : "text/x-raw") + " ! queue ! mux. " +
-                           (sound ? kSound : "") +
+                           (sound ? kSoundInput : "") +
                            (transport_stream ? "mpegtsmux" : "matroskamux") +
                            " name=mux ! hapticmark ! filesink name=file";
   GError *error = nullptr;

@@ -23,7 +23,6 @@ constexpr double kStrengthStep = 1.5;
 constexpr double kWeakest = 1e-4; // s/px
 constexpr double kStrongest = 10; // s/px, the largest alpha
 constexpr double kStep = 5;       // s
-constexpr double kSecond = GST_SECOND;
 
 // Returns the one after `value`, the first after the last.
 std::string next_of(std::initializer_list<const char *> values, const std::string &value) {

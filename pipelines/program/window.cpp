@@ -21,7 +21,6 @@ constexpr guint kTick = 200; // ms
 constexpr auto kStall = 10s; // without a frame
 constexpr auto kNote = 3s;
 constexpr auto kBetweenSeeks = 100ms;
-constexpr double kSecond = GST_SECOND;
 
 std::string time_text(double seconds) {
   const int whole = static_cast<int>(std::max(0.0, seconds));

@@ -16,6 +16,8 @@
 
 namespace program {
 
+inline constexpr double kSecond = GST_SECOND; ///< ns
+
 /// What the command line asks for.
 struct WindowOptions {
   Setup setup;

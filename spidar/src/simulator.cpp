@@ -29,8 +29,8 @@ constexpr double kHandTurning = 1.5;    // N·m/rad
 // A string resists winding, so that a free grip comes to rest.
 constexpr double kStringDamping = 0.5; // N·s/m
 
-constexpr double kLongestStep = 0.00025; // s
-constexpr double kLongestSilence = 1;    // s; more would take the next exchange too long
+constexpr double kLongestTimeStep = 0.00025; // s
+constexpr double kLongestSilence = 1;        // s; more would take the next exchange too long
 constexpr double kLargestTurn = 80 * std::numbers::pi / 180;
 
 // Counters do not start at zero when the power comes on.
@@ -114,7 +114,7 @@ struct Simulator::State {
       return;
     time += elapsed;
     const bool held = hand->target(time, geometry.workspace_half, to);
-    const int steps = std::max(1, static_cast<int>(std::ceil(elapsed / kLongestStep - 1e-9)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(elapsed / kLongestTimeStep - 1e-9)));
     for (int i = 1; i <= steps; ++i)
       step(elapsed / steps, held, from + (to - from) * i / steps, (to - from) / elapsed);
   }

@@ -28,7 +28,7 @@ void write_file(const std::string &path, const std::string &text) {
   part.keep_as(path);
 }
 
-std::string quoted(const std::string &text) {
+std::string csv_quoted(const std::string &text) {
   std::string field = "\"";
   for (const char c : text)
     field += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -44,14 +44,14 @@ std::string table_of(const std::vector<ManifestRow> &rows) {
   table += std::string(kWarnings) + "\r\n";
   for (const ManifestRow &row : rows) {
     for (const std::string *text : {&row.video, &row.video_hash, &row.copy, &row.copy_hash})
-      table += quoted(*text) + ',';
+      table += csv_quoted(*text) + ',';
     table += formatted("%llu,%.3f,%llu,%.1f,%.3f,", static_cast<unsigned long long>(row.size),
                        row.duration, static_cast<unsigned long long>(row.frames), row.kilobits,
                        row.confidence);
     std::string warnings;
     for (const std::string &warning : row.warnings)
       warnings += (warnings.empty() ? "" : "; ") + warning;
-    table += quoted(warnings) + "\r\n";
+    table += csv_quoted(warnings) + "\r\n";
   }
   return table;
 }

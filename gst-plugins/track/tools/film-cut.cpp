@@ -20,7 +20,7 @@ constexpr std::uint64_t kNoEnd = GST_CLOCK_TIME_NONE;
 
 // ---- where the key frames are -------------------------------------------------------------------
 
-struct Scan {
+struct CutScan {
   GstElement *pipeline = nullptr;
   std::mutex mutex;
   std::vector<std::string> streams; // their ids
@@ -61,7 +61,7 @@ std::uint64_t stream_time_of(GstPad *pad, const GstBuffer *buffer, std::int64_t 
 }
 
 GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &scan = *static_cast<Scan *>(data);
+  auto &scan = *static_cast<CutScan *>(data);
   GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
   const std::scoped_lock lock(scan.mutex);
   const std::string id = id_of(pad);
@@ -81,7 +81,7 @@ GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 }
 
 void scan_stream(GstElement *, GstPad *pad, gpointer data) {
-  auto &scan = *static_cast<Scan *>(data);
+  auto &scan = *static_cast<CutScan *>(data);
   GstElement *sink = add_element(scan.pipeline, "fakesink");
   g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
   gst_element_sync_state_with_parent(sink);
@@ -120,7 +120,7 @@ void play_to_end(GstElement *pipeline, const std::string &path) {
 // ---- the part -----------------------------------------------------------------------------------
 
 struct Part {
-  const Scan &scan;
+  const CutScan &scan;
   std::uint64_t begin = 0; // stream times, ns
   std::uint64_t end = kNoEnd;
   std::mutex mutex;
@@ -182,7 +182,7 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   const bool is_matroska = ending == ".mkv";
   if (!is_matroska && ending != ".ts")
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
-  Scan scan;
+  CutScan scan;
   const ElementPtr first = make_pipeline();
   scan.pipeline = first.get();
   g_signal_connect(add_parser(first.get(), path), "pad-added", G_CALLBACK(scan_stream), &scan);

@@ -28,7 +28,7 @@ struct KeyFrame {
   std::uint64_t number = 0; // of the frame, as they are decoded
 };
 
-struct Scan {
+struct IndexScan {
   GstElement *pipeline = nullptr;
   GstPad *video = nullptr;
   std::vector<KeyFrame> keys; // the video's streaming thread, as the rest
@@ -53,7 +53,7 @@ GstPadProbeReturn advance(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
     return GST_PAD_PROBE_OK;
   const std::uint64_t end =
       start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0);
-  auto &scan = *static_cast<Scan *>(data);
+  auto &scan = *static_cast<IndexScan *>(data);
   if (pad == scan.video)
     scan.position = std::max(scan.position, end);
   raise(scan.end, end);
@@ -61,7 +61,7 @@ GstPadProbeReturn advance(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
 }
 
 GstPadProbeReturn note_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &scan = *static_cast<Scan *>(data);
+  auto &scan = *static_cast<IndexScan *>(data);
   const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
   const GstClockTime time = running_time_of(pad, buffer);
   if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
@@ -78,14 +78,14 @@ GstPadProbeReturn note_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) 
   gst_event_parse_tag(event, &tags);
   gchar *text = nullptr;
   if (gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text))
-    static_cast<Scan *>(data)->rotation = GCharPtr(text).get();
+    static_cast<IndexScan *>(data)->rotation = GCharPtr(text).get();
   return GST_PAD_PROBE_OK;
 }
 
 // A copy has one haptic track.
 GstPadProbeReturn refuse_track(GstPad *, GstPadProbeInfo *info, gpointer data) {
   if (is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
-    GST_ELEMENT_ERROR(static_cast<Scan *>(data)->pipeline, STREAM, FORMAT,
+    GST_ELEMENT_ERROR(static_cast<IndexScan *>(data)->pipeline, STREAM, FORMAT,
                       ("%s", messages::kVideoHasTrack), (nullptr));
   return GST_PAD_PROBE_OK;
 }
@@ -136,7 +136,7 @@ std::vector<Span> divide(const std::vector<KeyFrame> &keys) {
   return spans;
 }
 
-void warn_of_sparse_keys(const Scan &scan, FilmIndex &index) {
+void warn_of_sparse_keys(const IndexScan &scan, FilmIndex &index) {
   std::uint64_t longest = 0;
   for (std::size_t i = 0; i < scan.keys.size(); ++i) {
     const std::uint64_t next = i + 1 < scan.keys.size() ? scan.keys[i + 1].time : scan.position;
@@ -158,7 +158,7 @@ void find_rotation(const std::string &path, bool has_message, const std::string 
     index.warnings.push_back("the rotation was left out: " + tag);
 }
 
-void check_whole(const Scan &scan, GstClockTime duration) {
+void check_whole(const IndexScan &scan, GstClockTime duration) {
   const std::uint64_t position = scan.end;
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
       static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
@@ -229,7 +229,7 @@ const char *muxer_of(const std::string &ending) {
 
 FilmIndex index_film(const std::string &path, const Poll &poll) {
   FilmStreams film(path, FilmUse::copy, poll);
-  Scan scan{.pipeline = film.pipeline(), .video = film.video()};
+  IndexScan scan{.pipeline = film.pipeline(), .video = film.video()};
   FilmIndex index;
   index.ending = choose_ending(path, film);
   find_warnings(film, index);
