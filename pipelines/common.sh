@@ -197,8 +197,9 @@ build_plugins() {
   if [ ! -f "$build/build.ninja" ]; then
     echo "Building the plugins in $build (a minute or two, once) ..."
     rm -rf "$build/meson-private" "$build/meson-info" # left by an interrupted setup
-    meson setup "$build" "$root" --buildtype=release -Dvision=enabled -Ddevice=enabled -Dtrack=enabled \
-      -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
+    # Joined sources take half of the time to compile.
+    meson setup "$build" "$root" --buildtype=release --unity=on --unity-size=6 -Dvision=enabled -Ddevice=enabled \
+      -Dtrack=enabled -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
   fi
   meson compile -C "$build" >"$log" 2>&1 || build_failed "$log"
 }
