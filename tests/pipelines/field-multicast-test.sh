@@ -9,7 +9,7 @@ use_elements motionfield hapticconvert
 gst-inspect-1.0 --exists rtpklvpay || skip "there is no element rtpklvpay"
 
 # The left half moves up, the right one down.
-clip "$work/apart.mkv" 352 288 30 5 halves:0,-100,0,100
+clip "$work/apart.mkv" 352 288 30 8 halves:0,-100,0,100
 clip "$work/other.mkv" 352 288 30 3 halves:0,100,0,-100
 
 port=$(free_ports 2)
@@ -39,15 +39,16 @@ multicast() {
   other_sender &
   other=$!
   timeout -k 10 60 "$root/pipelines/field-multicast.sh" --port "$port" "$work/apart.mkv" >"$work/sender" 2>&1 ||
-    status=1
-  wait "$other" || status=1
+    { status=1 && echo "the sender failed" && tail -n 5 "$work/sender"; }
+  wait "$other" || { status=1 && echo "the other sender failed"; }
   sleep 0.5
   for receiver in "${receivers[@]}"; do
     kill -INT "$receiver"
-    wait "$receiver" || status=1
+    wait "$receiver" || { status=1 && echo "a receiver failed"; }
   done
   for hand in "${hands[@]}"; do
-    grep -q '^WARNING.*A second sender' "$work/${hand%%:*}.out" || status=1
+    grep -q '^WARNING.*A second sender' "$work/${hand%%:*}.out" ||
+      { status=1 && tail -n 5 "$work/${hand%%:*}.out" && echo "${hand%%:*} names no second sender"; }
   done
   ! grep -E '^(WARNING|ERROR)' "$work"/*.out "$work/sender" | grep -v 'A second sender' || status=1
   return "$status"
