@@ -362,7 +362,7 @@ void HapticSession::on_sleep() {
   while (!loop_.silent() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   // The next exchange sends what the last tick has computed.
-  std::this_thread::sleep_for(std::chrono::nanoseconds(3 * 1000 * kMs / opened_as_.rate));
+  std::this_thread::sleep_for(std::chrono::nanoseconds(3000 * kMs / opened_as_.rate));
 }
 
 // ---- opening a lost device again ----------------------------------------------------------------
