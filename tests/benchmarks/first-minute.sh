@@ -97,6 +97,6 @@ wait "$viewer" || true
 
 [ -n "$packages" ] || exit 0
 mv "$chroot/feeling-wind/build-data/wind.ts" "$chroot/wind.ts"
-cp "$packages"/*feeling-wind*.deb "$chroot/"
+cp "$packages"/*.deb "$chroot/"
 inside sh -c 'apt-get -qy install ./*.deb' >"$work/packages.log" 2>&1
 inside env FIRST_FRAME_DISPLAY=yes /feeling-wind/tests/benchmarks/first-frame.sh /wind.ts
