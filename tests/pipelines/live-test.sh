@@ -143,8 +143,8 @@ drifting() {
 }
 
 # For each frame: the running time at the receiver minus that at the sender, of the picture and of its motion. Before
-# both streams have been reported about, which takes up to 6.2 s and the way (RFC 3550, section 6.3.1), they are as far apart as their
-# first packets came.
+# both streams have been reported about, which takes up to 6.2 s and the way (RFC 3550, section 6.3.1), they are as far
+# apart as their first packets came.
 in_step() {
   awk '
     FNR == NR { if (!(($2, $3) in sent)) sent[$2, $3] = $4; next }
