@@ -20,9 +20,12 @@
 #include "messages.hpp"
 #include "one-sender.hpp"
 #include "property-table.hpp"
+#include "stream-sync.hpp"
 
 #include <cstdio>
 #include <gst/net/gstnetaddressmeta.h>
+#include <gst/rtp/gstrtcpbuffer.h>
+#include <gst/rtp/gstrtpbuffer.h>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -54,6 +57,7 @@ struct State {
 
   std::mutex mutex; // never held while calling another element
   std::map<guint, Session> sessions;
+  haptic::StreamSync sync;
 };
 
 } // namespace
@@ -113,6 +117,33 @@ void choose(GstRtpOneSender *self, GstPad *pad, GstPad *out) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
+// Gives the packet the time that those of the other sessions have at the same instant.
+void bring_into_step(State &state, GstPad *pad, const Sender &sender, GstPadProbeInfo *info) {
+  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
+  haptic::TimedPacket packet;
+  GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
+  if (!GST_BUFFER_PTS_IS_VALID(buffer) || !caps ||
+      !gst_structure_get_int(gst_caps_get_structure(caps.get(), 0), "clock-rate",
+                             &packet.clock_rate) ||
+      !gst_rtp_buffer_map(buffer, GST_MAP_READ, &rtp))
+    return;
+  packet.ssrc = sender.ssrc;
+  packet.rtp = gst_rtp_buffer_get_timestamp(&rtp);
+  packet.time = static_cast<std::int64_t>(GST_BUFFER_PTS(buffer));
+  gst_rtp_buffer_unmap(&rtp);
+  const auto time = [&] {
+    const std::lock_guard lock(state.mutex);
+    return static_cast<GstClockTime>(state.sync.time_of(sender.session, packet));
+  }();
+  if (time == GST_BUFFER_PTS(buffer))
+    return;
+  buffer = gst_buffer_make_writable(buffer);
+  GST_PAD_PROBE_INFO_DATA(info) = buffer;
+  GST_BUFFER_PTS(buffer) = time;
+  GST_BUFFER_DTS(buffer) = GST_CLOCK_TIME_NONE;
+}
+
 // Lets what the chosen sender sends through.
 GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *info) {
   State &state = *self->state;
@@ -132,8 +163,10 @@ GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *i
   }
   switch (verdict) {
   case OneSender::Verdict::pass:
-    if (gst_pad_is_linked(pad))
+    if (gst_pad_is_linked(pad)) {
+      bring_into_step(state, pad, *sender, info);
       return GST_PAD_PROBE_OK;
+    }
     [[fallthrough]]; // it has changed the payload type, for which rtpbin makes another pad
   case OneSender::Verdict::chosen: // this packet came too early for caps and segment
     choose(self, pad, out.get());
@@ -191,6 +224,63 @@ GstPadProbeReturn on_input_event(GstRtpOneSender *self, GstPad *pad, GstPadProbe
   return GST_PAD_PROBE_OK;
 }
 
+// ---- sender reports -----------------------------------------------------------------------------
+
+// The CNAME in this packet of descriptions; empty if there is none.
+std::string name_of(GstRTCPPacket *packet) {
+  if (!gst_rtcp_packet_sdes_first_item(packet) || !gst_rtcp_packet_sdes_first_entry(packet))
+    return {};
+  do {
+    GstRTCPSDESType type = GST_RTCP_SDES_INVALID;
+    guint8 length = 0;
+    guint8 *text = nullptr;
+    if (gst_rtcp_packet_sdes_get_entry(packet, &type, &length, &text) &&
+        type == GST_RTCP_SDES_CNAME)
+      return {reinterpret_cast<const char *>(text), length};
+  } while (gst_rtcp_packet_sdes_next_entry(packet));
+  return {};
+}
+
+// A compound packet has the report first and the sender's name after it (RFC 3550, section 6.1).
+std::optional<haptic::SenderReport> report_in(GstBuffer *buffer) {
+  GstRTCPBuffer rtcp = GST_RTCP_BUFFER_INIT;
+  if (!gst_rtcp_buffer_validate(buffer) || !gst_rtcp_buffer_map(buffer, GST_MAP_READ, &rtcp))
+    return std::nullopt;
+  haptic::SenderReport report;
+  bool has_report = false;
+  GstRTCPPacket packet;
+  for (bool more = gst_rtcp_buffer_get_first_packet(&rtcp, &packet); more;
+       more = gst_rtcp_packet_move_to_next(&packet)) {
+    if (gst_rtcp_packet_get_type(&packet) == GST_RTCP_TYPE_SR) {
+      guint64 ntp = 0;
+      gst_rtcp_packet_sr_get_sender_info(&packet, &report.ssrc, &ntp, &report.rtp, nullptr,
+                                         nullptr);
+      report.wall = static_cast<std::int64_t>(
+          gst_util_uint64_scale(ntp, GST_SECOND, G_GUINT64_CONSTANT(1) << 32));
+      has_report = true;
+    } else if (gst_rtcp_packet_get_type(&packet) == GST_RTCP_TYPE_SDES && report.sender.empty()) {
+      report.sender = name_of(&packet);
+    }
+  }
+  gst_rtcp_buffer_unmap(&rtcp);
+  return has_report && !report.sender.empty() ? std::optional(report) : std::nullopt;
+}
+
+GstPadProbeReturn on_rtcp(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *info) {
+  const haptic::GCharPtr name(gst_pad_get_name(pad));
+  guint number = 0;
+  if (std::sscanf(name.get(), rtcp_sink_template.name_template, &number) != 1)
+    return GST_PAD_PROBE_OK;
+  if (auto report = report_in(GST_PAD_PROBE_INFO_BUFFER(info))) {
+    State &state = *self->state;
+    const std::lock_guard lock(state.mutex);
+    if (const auto session = state.sessions.find(number);
+        session != state.sessions.end() && session->second.senders.is_chosen(report->ssrc))
+      state.sync.report(number, std::move(*report));
+  }
+  return GST_PAD_PROBE_OK;
+}
+
 // ---- pads ---------------------------------------------------------------------------------------
 
 GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const gchar *name) {
@@ -218,6 +308,14 @@ GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const g
                          [&] { return on_input_event(GST_RTP_ONE_SENDER(user), sink, info); });
         },
         self, nullptr);
+    if (form == rtcp_sink_template.name_template)
+      gst_pad_add_probe(
+          pad, GST_PAD_PROBE_TYPE_BUFFER,
+          [](GstPad *sink, GstPadProbeInfo *info, gpointer user) {
+            return guarded(user, GST_PAD_PROBE_OK,
+                           [&] { return on_rtcp(GST_RTP_ONE_SENDER(user), sink, info); });
+          },
+          self, nullptr);
   }
   gst_pad_set_active(pad, TRUE);
   gst_element_add_pad(GST_ELEMENT(self), pad);
@@ -249,6 +347,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     const std::lock_guard lock(state.mutex);
     for (auto &[number, session] : state.sessions)
       session.senders = {};
+    state.sync = {};
   }
   return GST_ELEMENT_CLASS(gst_rtp_one_sender_parent_class)->change_state(element, transition);
 }
@@ -272,8 +371,11 @@ void add_rtpbin(GstRtpOneSender *self) {
   state.rtpbin = gst_element_factory_make("rtpbin", nullptr);
   if (!state.rtpbin)
     return;
-  // 3: feedback at once (AVPF). A sender that has left makes room.
-  g_object_set(state.rtpbin, "rtp-profile", 3, "autoremove", TRUE, nullptr);
+  // 3: feedback at once (AVPF). A sender that has left makes room. rtpbin's own synchronisation,
+  // which this limit switches off, is wrong by the length of a stall until both streams have been
+  // reported about again.
+  g_object_set(state.rtpbin, "rtp-profile", 3, "autoremove", TRUE, "min-ts-offset",
+               G_GUINT64_CONSTANT(1) << 62, nullptr);
   g_object_bind_property(self, "latency", state.rtpbin, "latency", G_BINDING_SYNC_CREATE);
   gst_bin_add(GST_BIN(self), state.rtpbin);
   g_signal_connect_object(state.rtpbin, "pad-added",

@@ -42,6 +42,8 @@ public:
     return Verdict::intruder;
   }
 
+  bool is_chosen(std::uint32_t ssrc) const { return chosen_ == ssrc; }
+
   /// The sender left.
   void leave(std::uint32_t ssrc) {
     if (chosen_ == ssrc)
