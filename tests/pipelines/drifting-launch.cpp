@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // gst-launch-1.0 with another clock: CLOCK_RATE times as fast as that of the machine. Into the file
-// DRIFT_LOG it writes, for each packet that a payloader sends or a jitter buffer gives, `sent` or
+// DRIFT_LOG it writes, for each packet that a payloader sends or rtponesender gives, `sent` or
 // `received`, the kind of payload (video or not), the time stamp of RTP, and the running time in s.
 //
 //   CLOCK_RATE=1.01 DRIFT_LOG=FILE drifting-launch -e PIPELINE...
@@ -52,15 +52,28 @@ void log_packets(GstPad *pad, const char *what) {
       const_cast<char *>(what), nullptr);
 }
 
-void log_element(GstElement *element) {
+// The wall clock of a machine is as fast as its other clocks.
+void use_clock_for_reports(GstElement *element, const std::string &name) {
+  if (name == "rtpbin")
+    gst_util_set_object_arg(G_OBJECT(element), "ntp-time-source", "clock-time");
+}
+
+// What the payloaders send, and what the pads recv_rtp_src_%u of the receiver give.
+void prepare(GstElement *element) {
   GstElementFactory *factory = gst_element_get_factory(element);
   const std::string name = factory ? GST_OBJECT_NAME(factory) : "";
+  use_clock_for_reports(element, name);
   const bool sends = name == "rtph264pay" || name == "rtpklvpay";
-  if (!sends && name != "rtpjitterbuffer")
+  if (!sends && name != "rtponesender")
     return;
-  GstPad *pad = gst_element_get_static_pad(element, "src");
-  log_packets(pad, sends ? "sent" : "received");
-  gst_object_unref(pad);
+  gst_element_foreach_src_pad(
+      element,
+      [](GstElement *, GstPad *pad, gpointer user) -> gboolean {
+        if (!g_str_has_prefix(GST_OBJECT_NAME(pad), "send"))
+          log_packets(pad, static_cast<const char *>(user));
+        return TRUE;
+      },
+      const_cast<char *>(sends ? "sent" : "received"));
 }
 
 } // namespace
@@ -79,12 +92,9 @@ int main(int argc, char **argv) {
   GstIterator *elements = gst_bin_iterate_recurse(GST_BIN(pipeline));
   gst_iterator_foreach(
       elements,
-      [](const GValue *value, gpointer) { log_element(GST_ELEMENT(g_value_get_object(value))); },
+      [](const GValue *value, gpointer) { prepare(GST_ELEMENT(g_value_get_object(value))); },
       nullptr);
   gst_iterator_free(elements);
-  g_signal_connect(
-      pipeline, "deep-element-added",
-      G_CALLBACK(+[](GstBin *, GstBin *, GstElement *element) { log_element(element); }), nullptr);
   auto *clock = GST_CLOCK(g_object_new(GST_TYPE_SYSTEM_CLOCK, nullptr));
   const GstClockTime now = gst_clock_get_internal_time(clock);
   const auto rate =
