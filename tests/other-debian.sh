@@ -124,22 +124,21 @@ build_in_chroot() {
     offline_in_chroot ninja -C /build -k 0 # shows every fault
 }
 
-# Counts what meson wrote down: one line of JSON for each test.
+# Counts what meson wrote down. The few tests that failed beside others are repeated alone.
 run_tests_in_chroot() {
-  local report=$chroot/build/meson-logs/testlog.json before=$failed status=0
+  local log=$chroot/build/meson-logs/testlog.json status=0 again=() outcomes outcome
   printf '\n== Unit, element and pipeline tests on Debian %s\n' "$version"
-  rm -f "$report"
-  offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs --num-processes $((2 * $(nproc))) \
-    --timeout-multiplier 3 --suite unit --suite elements --suite pipelines </dev/null || status=1
-  passed=$((passed + $(results "$report" 'OK|EXPECTEDFAIL')))
-  skipped=$((skipped + $(results "$report" 'SKIP|IGNORED')))
-  failed=$((failed + $(results "$report" 'FAIL|TIMEOUT|INTERRUPT|ERROR|UNEXPECTEDPASS')))
-  # A run that went wrong without a count of failures still is one.
-  [ "$status" = 0 ] || [ "$failed" -gt "$before" ] || failed=$((failed + 1))
-}
-
-results() {
-  grep -cE "\"result\": \"($2)\"" "$1" 2>/dev/null || true
+  rm -f "${log%.json}"*.json
+  set -- offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs --timeout-multiplier 3
+  "$@" --num-processes $((2 * $(nproc))) --suite unit --suite elements --suite pipelines </dev/null || status=1
+  mapfile -t again < <("$root/tests/summary.py" failed "$log")
+  [ ${#again[@]} = 0 ] || { "$@" --num-processes 1 --logbase testlog-alone "${again[@]}" </dev/null && status=0; }
+  outcomes=$("$root/tests/summary.py" collect '' "$log" "$(mktemp -d -p "$chroot/tmp")")
+  for outcome in passed skipped failed; do
+    printf -v "$outcome" %d $((${!outcome} + $(grep -c "^$outcome" <<<"$outcomes" || true)))
+  done
+  # A run that went wrong without a failed test still is a failure.
+  [ "$status" = 0 ] || grep -q ^failed <<<"$outcomes" || failed=$((failed + 1))
 }
 
 # `build_package COMMAND...` builds the Debian package and looks at it, both by COMMAND, which knows where.

@@ -135,12 +135,19 @@ repetitions=(
   '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
 )
 # `run_meson_tests PREFIX FOLDER OPTION...` records each test of a build folder. Twice as many at once as there
-# are processors, since most wait for real time. The time limits are meant for a machine with other work.
+# are processors, since most wait for real time; the few that failed once more, alone. The time limits are meant for a
+# machine with other work.
 run_meson_tests() {
-  local prefix=$1 folder=$2 log=$2/meson-logs/testlog.json status=0
+  local prefix=$1 folder=$2 log=$2/meson-logs/testlog.json status=0 again=()
   shift 2
-  rm -f "$log"
-  meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes $((2 * $(nproc))) "$@" </dev/null || status=$?
+  rm -f "${log%.json}"*.json
+  set -- meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
+  "$@" --num-processes $((2 * $(nproc))) </dev/null || status=$?
+  mapfile -t again < <(python3 tests/summary.py failed "$log")
+  if [ ${#again[@]} -gt 0 ]; then
+    step "Alone: ${again[*]}"
+    "$@" --num-processes 1 --logbase testlog-alone "${again[@]}" </dev/null && status=0
+  fi
   python3 tests/summary.py collect "$prefix" "$log" "$outputs" >"$scratch/collected" || status=1
   cat "$scratch/collected" >>"$results"
   # A run that went wrong without a failed test is a failure too.

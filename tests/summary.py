@@ -1,9 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Counts results for tests/run.sh.
+"""Counts results for tests/run.sh and tests/other-debian.sh.
 
-Usage: tests/summary.py collect PREFIX TESTLOG OUTPUTS >>RESULTS   one line per test of a JSON log of meson
-       tests/summary.py close RESULTS OUTPUTS                      prints what failed, why tests were skipped, the counts
+Usage: tests/summary.py failed TESTLOG                               the tests of a JSON log of meson to repeat
+       tests/summary.py collect PREFIX TESTLOG OUTPUTS >>RESULTS     one line per test of the log
+       tests/summary.py close RESULTS OUTPUTS                        prints what failed, why tests were skipped, the counts
+
+Beside the other tests, on a machine with other work, one of real time may be too late. So the few that failed are
+repeated alone, into the log TESTLOG with `-alone` before its ending. What then passes is counted as passed, and what it
+printed the first time is shown.
 
 A line of RESULTS is `passed`, `failed` or `skipped`, the name, the duration in seconds and the reason, with
 tabs between them. OUTPUTS is a folder with what each failed test printed, under its name. `close` ends with
@@ -17,7 +22,27 @@ import sys
 
 OUTCOMES = {'OK': 'passed', 'EXPECTEDFAIL': 'passed', 'SKIP': 'skipped'}
 SLOWEST = 10
+REPEATED = 5  # if more have failed, the machine is not the reason
+ALONE = 'passed alone'
 LAST_LINES = 40  # of a failed test: a long log is often cut in the middle, so its end repeats them
+
+
+def tests_of(path):
+    if not path.exists():
+        return {}
+    with path.open(encoding='utf-8') as log:
+        tests = [json.loads(line) for line in log]
+    return {test['name'].split(' / ')[-1]: test for test in tests}
+
+
+def outcome_of(test):
+    return OUTCOMES.get(test['result'], 'failed')
+
+
+def failed(path):
+    names = [name for name, test in tests_of(pathlib.Path(path)).items() if outcome_of(test) == 'failed']
+    if len(names) <= REPEATED:
+        print(*names, sep='\n', end='\n' if names else '')
 
 
 def skip_reason(output):
@@ -30,18 +55,18 @@ def output_of(name, outputs):
 
 
 def collect(prefix, path, outputs):
-    with open(path, encoding='utf-8') as log:
-        for line in log:
-            test = json.loads(line)
-            outcome = OUTCOMES.get(test['result'], 'failed')
-            reason = test['result']
-            output = (test.get('stdout') or '') + '\n' + (test.get('stderr') or '')
-            name = prefix + test['name'].split(' / ')[-1]
-            if outcome == 'skipped':
-                reason = skip_reason(output)
-            elif outcome == 'failed':
-                output_of(name, outputs).write_text(output, encoding='utf-8')
-            print(outcome, name, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
+    path = pathlib.Path(path)
+    alone = tests_of(path.with_stem(path.stem + '-alone'))
+    for name, test in tests_of(path).items():
+        outcome, reason = outcome_of(test), test['result']
+        output = (test.get('stdout') or '') + '\n' + (test.get('stderr') or '')
+        if outcome == 'skipped':
+            reason = skip_reason(output)
+        elif outcome == 'failed':
+            output_of(prefix + name, outputs).write_text(output, encoding='utf-8')
+            if name in alone and outcome_of(alone[name]) == 'passed':
+                outcome, reason = 'passed', ALONE
+        print(outcome, prefix + name, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
 
 
 def last_lines(path):
@@ -60,8 +85,8 @@ def close(path, outputs):
     for _, name, duration, _ in sorted(results, key=lambda result: -float(result[2]))[:SLOWEST]:
         print(f'{float(duration):8.1f}  {name}')
     for outcome, name, _, reason in results:
-        if outcome == 'failed':
-            print(f"failed: {name} ({reason})\n{last_lines(output_of(name, outputs))}", end='')
+        if outcome == 'failed' or reason == ALONE:
+            print(f"{'failed' if outcome == 'failed' else 'failed beside others'}: {name} ({reason})\n{last_lines(output_of(name, outputs))}", end='')
     if reasons:
         print(f"skipped {counts['skipped']}: " +
               ', '.join(f'{reason} ({count})' for reason, count in reasons.most_common()))
@@ -72,6 +97,8 @@ def close(path, outputs):
 if __name__ == '__main__':
     if len(sys.argv) == 5 and sys.argv[1] == 'collect':
         collect(*sys.argv[2:])
+    elif len(sys.argv) == 3 and sys.argv[1] == 'failed':
+        failed(sys.argv[2])
     elif len(sys.argv) == 4 and sys.argv[1] == 'close':
         sys.exit(close(*sys.argv[2:]))
     else:
