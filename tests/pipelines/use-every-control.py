@@ -96,7 +96,7 @@ def until(what, condition):
             return result
         time.sleep(0.05)
     screenshot("failed")
-    sys.exit(f"this did not happen within {PATIENCE} s: {what}; the program wrote:\n{said()}")
+    sys.exit(f"the program wrote:\n{said()}\nthis did not happen within {PATIENCE} s: {what}")
 
 
 def xdotool(*words):
@@ -220,7 +220,7 @@ def ended():
     if process.poll() is None:
         return False
     if process.returncode != 0:
-        sys.exit(f"it ended with status {process.returncode}:\n{said()}")
+        sys.exit(f"{said()}\nit ended with status {process.returncode}")
     return True
 
 
@@ -230,6 +230,18 @@ def is_full():
     return [width, height] == list(map(int, screen))
 
 
+# While the window is laid out anew, or on a busy machine, a click or a key may miss; a person repeats it.
+def insist(what, do, condition):
+    for _ in range(3):
+        do()
+        end = time.monotonic() + PATIENCE / 4
+        while time.monotonic() < end:
+            if condition():
+                return
+            time.sleep(0.05)
+    until(what, condition)
+
+
 # Does something, and waits for what is to follow. Leaves the window as it was.
 def check(name, do):
     expected = ACTIONS[BUTTONS.get(name, name)]
@@ -237,32 +249,18 @@ def check(name, do):
     if expected == ACTIONS["Record film and track, end the recording"] and name.startswith("Record"):
         to_normal_speed()
     before, was_full = said(), is_full()
-    do()
-    if expected == DIALOG:
-        until(f"a dialog after {name}", dialogs)
-        screenshot(re.sub("[^A-Za-z]+", "-", name).strip("-").lower())
-        press("Escape")
-        until(f"no dialog after {name}", lambda: not dialogs())
-    elif expected == MENU:
-        until(f"a menu after {name}", items)
-        screenshot(re.sub("[^A-Za-z]+", "-", name).strip("-").lower())
-        press("Escape")
-        until(f"no menu after {name}", lambda: not items())
-    elif expected == FULL_SCREEN:
-        until("full screen", lambda: is_full() != was_full)
-    elif expected == END:
+    if expected == END:
+        do()
         until(f"the end after {name}", ended)
+    elif expected == FULL_SCREEN:
+        insist("full screen", do, lambda: is_full() != was_full)
+    elif expected in (DIALOG, MENU):
+        shown = dialogs if expected == DIALOG else items
+        insist(f"{expected} after {name}", do, shown)
+        screenshot(re.sub("[^A-Za-z]+", "-", name).strip("-").lower())
+        insist(f"it goes after {name}", lambda: press("Escape"), lambda: not shown())
     else:
-        # While the window is laid out anew a click may miss; a person clicks again.
-        answered = lambda: re.search(expected, said()[len(before):])  # noqa: E731
-        for _ in range(2):
-            end = time.monotonic() + PATIENCE / 4
-            while not answered() and time.monotonic() < end:
-                time.sleep(0.05)
-            if answered():
-                return
-            do()
-        until(f"{expected} after {name}", answered)
+        insist(f"{expected} after {name}", do, lambda: re.search(expected, said()[len(before):]))
 
 
 def to_normal_speed():

@@ -42,6 +42,15 @@ const drawn = page => page.evaluate(() => {
   }
   return count;
 });
+// `drawnLike(page, condition)`: what is drawn once it is so, or what is drawn after 10 s.
+async function drawnLike(page, condition) {
+  const end = performance.now() + 10_000;
+  for (;;) {
+    const count = await drawn(page);
+    if (condition(count) || performance.now() > end) return count;
+    await new Promise(done => setTimeout(done, 20));
+  }
+}
 const ON_BALL = [0.5, 0.36];
 
 for (const [what, site] of [['with hls.js', server], ['without hls.js', poor]]) {
@@ -49,27 +58,26 @@ for (const [what, site] of [['with hls.js', server], ['without hls.js', poor]]) 
   await page.mouse.move(...await placeAt(page, ...ON_BALL));
   await page.waitForSelector('#relief');
   await timeIs(page, 1);
-  const hovering = await drawn(page);
+  const hovering = await drawnLike(page, ({ shaded }) => shaded > 10_000);
   console.log(hovering);
   promise(`height is shading, ${what}`, hovering.shaded > 10_000 && hovering.touched === 0);
   promise('nothing is felt without pressing', await page.evaluate(() => !window.motor.some(({ weak }) => weak > 0)));
   await page.mouse.down();
   await felt(page);
-  const pressed = await drawn(page);
+  const pressed = await drawnLike(page, ({ touched }) => touched > 30);
   console.log(pressed);
   await shoot(page, `relief-${what.replaceAll(/\W/g, '-')}`);
   promise('with the button pressed the ball is felt, and the touched place is a dot', pressed.touched > 30);
   await page.mouse.up();
   await rests(page);
-  promise('and no longer when it is let go', (await drawn(page)).touched === 0);
+  promise('and no longer when it is let go', (await drawnLike(page, ({ touched }) => touched === 0)).touched === 0);
   await page.keyboard.down('p');
   await felt(page);
   await page.keyboard.up('p');
   await rests(page);
   promise('P presses', true);
   await page.keyboard.press('h');
-  await new Promise(done => setTimeout(done, 100));
-  promise('H hides the shading', (await drawn(page)).shaded === 0);
+  promise('H hides the shading', (await drawnLike(page, ({ shaded }) => shaded === 0)).shaded === 0);
   await page.keyboard.press('?');
   promise('the keys are in the list', /press on the surface/.test(await page.$eval('#keys', keys => keys.textContent)));
   await shoot(page, 'relief-keys');
@@ -84,7 +92,7 @@ await timeIs(packaged, 5); // the second segment
 await packaged.mouse.move(...await placeAt(packaged, 0.32, 0.5)); // where the ball is
 await packaged.mouse.down();
 await felt(packaged);
-promise('a packaged film is touched, in each segment', (await drawn(packaged)).touched > 30 && packaged.trouble.length === 0);
+promise('a packaged film is touched, in each segment', (await drawnLike(packaged, ({ touched }) => touched > 30)).touched > 30 && packaged.trouble.length === 0);
 await packaged.close();
 
 const both = await open(server, 'both');
@@ -94,8 +102,7 @@ promise('of a film with both the motion is felt without pressing', true);
 await both.waitForSelector('#relief');
 await timeIs(both, 2);
 await both.mouse.down();
-await new Promise(done => setTimeout(done, 300));
-const together = await drawn(both);
+const together = await drawnLike(both, ({ touched }) => touched > 30);
 await shoot(both, 'relief-both');
 promise('and the surface with it', together.shaded > 10_000 && together.touched > 30 && both.trouble.length === 0);
 await both.close();
