@@ -235,12 +235,12 @@ CameraMotion find_camera_motion(std::span<const FieldCell> cells, const FieldSha
   constexpr Step kSteps[] = {{MotionModel::translation, 0.25, 0.1},
                              {MotionModel::similarity, 0.25, 0.1},
                              {MotionModel::affine, 0.5, 0.2}};
-  constexpr double kStill = 0.25;
+  constexpr double kLeastAtRest = 0.25;
   const double kAtRest = tolerance / 3;
   double most =
       consensus.spread_count([&](const Sure &cell) { return cell.moved.norm() < kAtRest; }) / all;
   CameraMotion camera;
-  if (most >= kStill)
+  if (most >= kLeastAtRest)
     camera.model = MotionModel::still;
   for (const Step &step : kSteps) {
     const Parameters found = consensus.refine(step.model, consensus.search(step.model));

@@ -8,7 +8,7 @@ namespace film {
 
 namespace {
 
-constexpr Point kTop{744, 128}; // of the pole
+constexpr Point kPoleTop{744, 128}; // of the pole
 constexpr float kPoleFoot = 452;
 constexpr float kPoleWidth = 6;
 constexpr float kLength = 158; // of the cloth
@@ -58,7 +58,7 @@ Texture make_cloth(float scale) {
 
 Texture make_pole(float scale) {
   const int width = std::max(4, static_cast<int>(kPoleWidth * scale) + 2);
-  const auto height = static_cast<int>((kPoleFoot - kTop.y) * scale);
+  const auto height = static_cast<int>((kPoleFoot - kPoleTop.y) * scale);
   Texture pole{width, height, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -79,7 +79,7 @@ Flag::Flag(const Affine &to_frame)
 // Waves grow from the pole to the free end, run along the cloth with the wind, and their crests
 // lean. A slack flag hangs. Seen a little from the right and from below.
 Flag::Spot Flag::spot(const Wind &wind, float along, float down) const {
-  const float strength = wind(kTop.x + along * 60);
+  const float strength = wind(kPoleTop.x + along * 60);
   const float crest = 10.5F * along + 1.1F * down - wind.phase(1.15F);
   const float small = 21 * along - 2.1F * down - wind.phase(2.3F);
   const float grow = along * (1.6F - 0.6F * along);
@@ -90,7 +90,7 @@ Flag::Spot Flag::spot(const Wind &wind, float along, float down) const {
   const float y = down * kHeight + kLength * along * along * (0.04F + 0.42F * slack) +
                   0.30F * towards +
                   9.0F * strength * along * std::sin(wind.phase(0.7F) + 3 * along);
-  return {{kTop.x + kPoleWidth / 2 + x, kTop.y + 7 + y}, towards};
+  return {{kPoleTop.x + kPoleWidth / 2 + x, kPoleTop.y + 7 + y}, towards};
 }
 
 void Flag::draw(Canvas &canvas, const Winds &winds) const {
@@ -135,7 +135,8 @@ void Flag::draw(Canvas &canvas, const Winds &winds) const {
       triangle(j, i, 1, 1);
       triangle(j + 1, i + 1, -1, -1);
     }
-  const Affine pole{1 / to_frame_.xx, 0, 0, 1 / to_frame_.xx, kTop.x - kPoleWidth / 2, kTop.y};
+  const Affine pole{1 / to_frame_.xx, 0, 0, 1 / to_frame_.xx, kPoleTop.x - kPoleWidth / 2,
+                    kPoleTop.y};
   const Pose still{to_frame_ * pole, to_frame_ * pole};
   canvas.draw(pole_, still);
 }
