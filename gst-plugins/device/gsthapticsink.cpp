@@ -419,7 +419,12 @@ GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
   const auto time = [self](const GstSegment &segment, GstClockTime pts) {
     return presentation_time(self, segment, pts);
   };
-  return haptic::add_relief_pad(element, of, self->state->session, time);
+  GstPad *pad = guarded(element, static_cast<GstPad *>(nullptr), [&] {
+    return haptic::add_relief_pad(element, of, self->state->session, time);
+  });
+  if (!pad)
+    self->state->reliefs_by = ReliefsBy::none;
+  return pad;
 }
 
 void release_pad(GstElement *element, GstPad *pad) {
