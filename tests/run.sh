@@ -194,9 +194,14 @@ check_format() {
     xargs -0 clang-format --dry-run --Werror
 }
 
-# With the commands of the sanitized build: clang cannot read GCC's precompiled headers.
+# With the commands of the sanitized build: clang cannot read GCC's precompiled headers. Each file once, also if several
+# programs have it.
 check_style() {
-  run-clang-tidy -p build-sanitized -quiet -j "$(nproc)" "$root/(gst-plugins|pipelines|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
+  mkdir -p build-sanitized/clang-tidy
+  python3 -c 'import json, sys
+json.dump(list({command["file"]: command for command in json.load(sys.stdin)}.values()), sys.stdout)' \
+    <build-sanitized/compile_commands.json >build-sanitized/clang-tidy/compile_commands.json || return 1
+  run-clang-tidy -p build-sanitized/clang-tidy -quiet -j "$(nproc)" "$root/(gst-plugins|pipelines|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
     { grep -E -A 5 'warning:|error:' build-sanitized/clang-tidy.log; return 1; }
 }
 
