@@ -117,8 +117,15 @@ void choose(GstRtpOneSender *self, GstPad *pad, GstPad *out) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
+guint latency_of(GstRtpOneSender *self) {
+  const haptic::ObjectLock lock(self);
+  return self->state->latency;
+}
+
 // Gives the packet the time that those of the other sessions have at the same instant.
-void bring_into_step(State &state, GstPad *pad, const Sender &sender, GstPadProbeInfo *info) {
+void bring_into_step(GstRtpOneSender *self, GstPad *pad, const Sender &sender,
+                     GstPadProbeInfo *info) {
+  State &state = *self->state;
   GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
   const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
   haptic::TimedPacket packet;
@@ -132,6 +139,10 @@ void bring_into_step(State &state, GstPad *pad, const Sender &sender, GstPadProb
   packet.rtp = gst_rtp_buffer_get_timestamp(&rtp);
   packet.time = static_cast<std::int64_t>(GST_BUFFER_PTS(buffer));
   gst_rtp_buffer_unmap(&rtp);
+  const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(self));
+  packet.earliest = GST_CLOCK_TIME_IS_VALID(now) ? static_cast<std::int64_t>(now) -
+                                                       std::int64_t{latency_of(self)} * GST_MSECOND
+                                                 : packet.time;
   const auto time = [&] {
     const std::lock_guard lock(state.mutex);
     return static_cast<GstClockTime>(state.sync.time_of(sender.session, packet));
@@ -164,7 +175,7 @@ GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *i
   switch (verdict) {
   case OneSender::Verdict::pass:
     if (gst_pad_is_linked(pad)) {
-      bring_into_step(state, pad, *sender, info);
+      bring_into_step(self, pad, *sender, info);
       return GST_PAD_PROBE_OK;
     }
     [[fallthrough]]; // it has changed the payload type, for which rtpbin makes another pad

@@ -14,6 +14,8 @@ namespace haptic {
 /// For how long the shortest way of a stream is remembered, ns: at least so long, at most twice. A
 /// jitter buffer that a late packet has reset is back within 2 s.
 inline constexpr std::int64_t kWayMemory = 3'000'000'000;
+/// A way is longer from now on when all packets of so much of the sender's time came too late, ns.
+inline constexpr std::int64_t kLateFor = 500'000'000;
 /// A packet is not moved further, ns: the clocks of such streams have nothing in common.
 inline constexpr std::int64_t kMostApart = 3'000'000'000;
 
@@ -31,6 +33,7 @@ struct TimedPacket {
   std::uint32_t rtp = 0;       ///< 1/clock rate
   std::int32_t clock_rate = 0; ///< Hz
   std::int64_t time = 0;       ///< when it is to be played by the jitter buffer, ns
+  std::int64_t earliest = 0;   ///< when it can be played at the earliest, since it came, ns
 };
 
 /// Gives packets of the same instant the same time, whatever the jitter buffers do with each
@@ -61,14 +64,12 @@ public:
     stream.clock_rate = packet.clock_rate;
     const std::int64_t wall = wall_at(stream, packet.rtp);
     stream.add(packet.time - wall, packet.time);
-    bool has_other = false;
-    std::int64_t way = stream.shortest();
-    for (const auto &[number, other] : streams_) {
-      if (&other == &stream || other.report.sender != stream.report.sender ||
-          !other.is_current(packet.time))
-        continue;
-      has_other = true;
-      way = std::max(way, other.shortest());
+    auto [way, has_other] = longest_way(stream);
+    if (packet.earliest <= wall + way)
+      stream.in_time = wall;
+    else if (wall - stream.in_time >= kLateFor) {
+      stream.forget(packet.time - wall);
+      way = longest_way(stream).first;
     }
     const std::int64_t time = wall + way;
     return has_other && std::abs(time - packet.time) <= kMostApart ? std::max<std::int64_t>(time, 0)
@@ -84,11 +85,12 @@ private:
     std::int64_t before = 0;          // the shortest way of the interval before
     std::int64_t now = 0;             // and of this one
     std::int64_t since = 0, last = 0; // its first packet, and the last one
+    std::int64_t in_time = 0;         // the wall clock of the last packet that was
     bool has_way = false;
 
     void add(std::int64_t way, std::int64_t time) {
       if (!has_way || !is_current(time))
-        before = now = way, since = time;
+        forget(way), since = time;
       else if (time >= since + kWayMemory)
         before = std::exchange(now, way), since = time;
       else
@@ -96,7 +98,8 @@ private:
       has_way = true;
       last = time;
     }
-    void move(std::int64_t distance) { before += distance, now += distance; }
+    void forget(std::int64_t way) { before = now = way; }
+    void move(std::int64_t distance) { before += distance, now += distance, in_time -= distance; }
     std::int64_t shortest() const { return std::min(before, now); }
     bool is_current(std::int64_t time) const {
       return has_way && std::abs(time - last) < kWayMemory;
@@ -106,6 +109,16 @@ private:
   static std::int64_t wall_at(const Stream &stream, std::uint32_t rtp) {
     const auto ticks = static_cast<std::int32_t>(rtp - stream.report.rtp); // may wrap around
     return stream.report.wall + ticks * std::int64_t{1'000'000'000} / stream.clock_rate;
+  }
+
+  // Of this stream and those of the same sender, and whether there are any.
+  std::pair<std::int64_t, bool> longest_way(const Stream &stream) const {
+    std::pair<std::int64_t, bool> longest{stream.shortest(), false};
+    for (const auto &[number, other] : streams_)
+      if (&other != &stream && other.report.sender == stream.report.sender &&
+          other.is_current(stream.last))
+        longest = {std::max(longest.first, other.shortest()), true};
+    return longest;
   }
 
   std::map<unsigned, Stream> streams_; // by session
