@@ -86,7 +86,8 @@ def close(path, outputs):
         print(f'{float(duration):8.1f}  {name}')
     for outcome, name, _, reason in results:
         if outcome == 'failed' or reason == ALONE:
-            print(f"{'failed' if outcome == 'failed' else 'failed beside others'}: {name} ({reason})\n{last_lines(output_of(name, outputs))}", end='')
+            how = 'failed' if outcome == 'failed' else 'failed beside others'
+            print(f"{how}: {name} ({reason})\n{last_lines(output_of(name, outputs))}", end='')
     if reasons:
         print(f"skipped {counts['skipped']}: " +
               ', '.join(f'{reason} ({count})' for reason, count in reasons.most_common()))
