@@ -83,6 +83,18 @@ GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE, GST_TYP
 
 namespace {
 
+// Calls `handle` with what passes the pad; an exception gives `otherwise`.
+template <auto handle, GstPadProbeReturn otherwise = GST_PAD_PROBE_OK>
+void add_probe(GstRtpOneSender *self, GstPad *pad, GstPadProbeType type) {
+  gst_pad_add_probe(
+      pad, type,
+      [](GstPad *probed, GstPadProbeInfo *info, gpointer user) {
+        return guarded(user, otherwise,
+                       [&] { return handle(GST_RTP_ONE_SENDER(user), probed, info); });
+      },
+      self, nullptr);
+}
+
 // ---- senders ------------------------------------------------------------------------------------
 
 // One pad of rtpbin: recv_rtp_src_SESSION_SSRC_PT.
@@ -191,15 +203,8 @@ GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *i
 }
 
 void on_pad_added(GstRtpOneSender *self, GstPad *pad) {
-  if (!sender_of(pad))
-    return;
-  gst_pad_add_probe(
-      pad, GST_PAD_PROBE_TYPE_BUFFER,
-      [](GstPad *source, GstPadProbeInfo *info, gpointer user) {
-        return guarded(user, GST_PAD_PROBE_DROP,
-                       [&] { return on_data(GST_RTP_ONE_SENDER(user), source, info); });
-      },
-      self, nullptr);
+  if (sender_of(pad))
+    add_probe<on_data, GST_PAD_PROBE_DROP>(self, pad, GST_PAD_PROBE_TYPE_BUFFER);
 }
 
 // The sender said good-bye, or rtpbin has not heard of it for long.
@@ -312,21 +317,9 @@ GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const g
     if (!inner)
       return nullptr;
     pad = gst_ghost_pad_new_from_template(name, inner.get(), pad_template);
-    gst_pad_add_probe(
-        pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
-        [](GstPad *sink, GstPadProbeInfo *info, gpointer user) {
-          return guarded(user, GST_PAD_PROBE_OK,
-                         [&] { return on_input_event(GST_RTP_ONE_SENDER(user), sink, info); });
-        },
-        self, nullptr);
+    add_probe<on_input_event>(self, pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM);
     if (form == rtcp_sink_template.name_template)
-      gst_pad_add_probe(
-          pad, GST_PAD_PROBE_TYPE_BUFFER,
-          [](GstPad *sink, GstPadProbeInfo *info, gpointer user) {
-            return guarded(user, GST_PAD_PROBE_OK,
-                           [&] { return on_rtcp(GST_RTP_ONE_SENDER(user), sink, info); });
-          },
-          self, nullptr);
+      add_probe<on_rtcp>(self, pad, GST_PAD_PROBE_TYPE_BUFFER);
   }
   gst_pad_set_active(pad, TRUE);
   gst_element_add_pad(GST_ELEMENT(self), pad);

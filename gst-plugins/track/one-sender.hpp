@@ -42,6 +42,7 @@ public:
     return Verdict::intruder;
   }
 
+  /// Whether this sender is received.
   bool is_chosen(std::uint32_t ssrc) const { return chosen_ == ssrc; }
 
   /// The sender left.

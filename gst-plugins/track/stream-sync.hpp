@@ -38,8 +38,8 @@ struct TimedPacket {
 
 /// Gives packets of the same instant the same time, whatever the jitter buffers do with each
 /// stream. The time line is that of the stream with the longest way, so that no packet is late. A
-/// jitter buffer that a stall has reset does not move it: the shortest way of the last seconds
-/// counts. Standard: RFC 3550, section 6.4.1. Not thread-safe.
+/// jitter buffer that a stall has reset does not move it: as long as packets come in time, the
+/// shortest way of the last seconds counts. Standard: RFC 3550, section 6.4.1. Not thread-safe.
 class StreamSync {
 public:
   /// A report about the stream of this session.
@@ -48,7 +48,7 @@ public:
     const SenderReport &before = stream.report;
     if (before.ssrc != report.ssrc || before.sender != report.sender)
       stream = {};
-    else if (stream.clock_rate > 0)
+    else if (stream.has_way)
       stream.move(wall_at(stream, report.rtp) - report.wall);
     stream.report = std::move(report);
   }
@@ -65,9 +65,9 @@ public:
     const std::int64_t wall = wall_at(stream, packet.rtp);
     stream.add(packet.time - wall, packet.time);
     auto [way, has_other] = longest_way(stream);
-    if (packet.earliest <= wall + way)
+    if (packet.earliest <= wall + way) {
       stream.in_time = wall;
-    else if (wall - stream.in_time >= kLateFor) {
+    } else if (wall - stream.in_time >= kLateFor) {
       stream.forget(packet.time - wall);
       way = longest_way(stream).first;
     }
@@ -81,7 +81,7 @@ private:
   // it.
   struct Stream {
     SenderReport report;
-    std::int32_t clock_rate = 0;      // 0: no packet has come
+    std::int32_t clock_rate = 0;      // of the last packet
     std::int64_t before = 0;          // the shortest way of the interval before
     std::int64_t now = 0;             // and of this one
     std::int64_t since = 0, last = 0; // its first packet, and the last one
@@ -89,17 +89,25 @@ private:
     bool has_way = false;
 
     void add(std::int64_t way, std::int64_t time) {
-      if (!has_way || !is_current(time))
-        forget(way), since = time;
-      else if (time >= since + kWayMemory)
-        before = std::exchange(now, way), since = time;
-      else
+      if (!is_current(time)) {
+        forget(way);
+        since = time;
+      } else if (time >= since + kWayMemory) {
+        before = std::exchange(now, way);
+        since = time;
+      } else {
         now = std::min(now, way);
+      }
       has_way = true;
       last = time;
     }
     void forget(std::int64_t way) { before = now = way; }
-    void move(std::int64_t distance) { before += distance, now += distance, in_time -= distance; }
+    // The sender's wall clock was set back by this.
+    void move(std::int64_t distance) {
+      before += distance;
+      now += distance;
+      in_time -= distance;
+    }
     std::int64_t shortest() const { return std::min(before, now); }
     bool is_current(std::int64_t time) const {
       return has_way && std::abs(time - last) < kWayMemory;

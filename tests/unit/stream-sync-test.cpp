@@ -11,8 +11,7 @@ using haptic::StreamSync;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kWall = 4'000'000'000'000'000'000; // the sender's wall clock at its start
 constexpr std::uint32_t kRtp[] = {4'294'960'000, 1000};   // random, and one wraps around at once
-
-constexpr std::int64_t kLatency = 30; // for which packets are waited, ms
+constexpr std::int64_t kLatency = 30;                     // for which packets are waited, ms
 
 // Picture (session 0) and track (session 1) of one sender. Its clocks show the same instant, in ms.
 struct Streams {
@@ -25,6 +24,10 @@ struct Streams {
   void report(unsigned session, std::int64_t instant, const char *sender = "pc") {
     sync.report(session,
                 {sender, 7 + session, rtp(session, instant), kWall + (instant + step) * kMs});
+  }
+  void report_both(std::int64_t instant) {
+    report(0, instant);
+    report(1, instant);
   }
   // The packet came after `way` ms, and the jitter buffer of this stream would play it after
   // `planned` ms.
@@ -48,8 +51,7 @@ TEST(StreamSync, BeforeBothStreamsAreReportedTheJitterBufferIsRight) {
 
 TEST(StreamSync, TheSameInstantIsPlayedAtTheSameTimeAfterTheLongestWay) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   streams.play(0, 0, 50);
   for (std::int64_t instant = 0; instant < 60'000; instant += 33) { // the time stamps wrap around
     EXPECT_EQ(streams.play(1, instant, 20), (instant + 50) * kMs);
@@ -59,8 +61,7 @@ TEST(StreamSync, TheSameInstantIsPlayedAtTheSameTimeAfterTheLongestWay) {
 
 TEST(StreamSync, AJitterBufferThatAStallHasResetMovesNothing) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   for (std::int64_t instant = 0; instant < 20'000; instant += 33) {
     const std::int64_t stall = instant < 10'000 ? 0 : std::max<std::int64_t>(0, 10'400 - instant);
     const std::int64_t reset =
@@ -72,8 +73,7 @@ TEST(StreamSync, AJitterBufferThatAStallHasResetMovesNothing) {
 
 TEST(StreamSync, AWayThatStaysLongerIsFollowedAfterHalfASecond) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   for (std::int64_t instant = 0; instant < 20'000; instant += 100) {
     const std::int64_t longer = instant < 10'000 ? 0 : 400;
     streams.play(0, instant, 50 + longer);
@@ -84,14 +84,12 @@ TEST(StreamSync, AWayThatStaysLongerIsFollowedAfterHalfASecond) {
 
 TEST(StreamSync, AWallClockThatIsSetMovesNothingOnceBothStreamsAreReported) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   streams.play(0, 0, 50);
   streams.play(1, 0, 20);
   for (const std::int64_t step : {-700, 1300}) {
     streams.step = step;
-    streams.report(0, 1000);
-    streams.report(1, 1000);
+    streams.report_both(1000);
     EXPECT_EQ(streams.play(1, 1033, 20), 1083 * kMs);
     EXPECT_EQ(streams.play(0, 1033, 50), 1083 * kMs);
   }
@@ -118,8 +116,7 @@ TEST(StreamSync, ClocksThatHaveNothingInCommonStayAsTheyAre) {
 
 TEST(StreamSync, AStreamThatHasEndedHoldsNothingBack) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   streams.play(0, 0, 50);
   EXPECT_EQ(streams.play(1, 0, 20), 50 * kMs);
   EXPECT_EQ(streams.play(1, 4000, 20), 4020 * kMs);
@@ -127,8 +124,7 @@ TEST(StreamSync, AStreamThatHasEndedHoldsNothingBack) {
 
 TEST(StreamSync, ARestartedSenderIsNotMeasuredByTheReportsOfTheOneBefore) {
   Streams streams;
-  streams.report(0, 0);
-  streams.report(1, 0);
+  streams.report_both(0);
   streams.play(0, 0, 50);
   EXPECT_EQ(streams.sync.time_of(1, {99, 5, 90'000, 123, 0}), 123);
   EXPECT_EQ(streams.sync.time_of(1, {8, 5, 0, 123, 0}), 123); // no clock rate
