@@ -31,12 +31,15 @@ constexpr std::string_view kVideos[] = {".3gp", ".avi", ".flv", ".m2ts", ".m4v",
 constexpr guint kVideoBytes = 24 << 20;
 constexpr guint kAudioBytes = 8 << 20;
 
+constexpr std::uint64_t kFieldsInMemory = 1000; // of a chunk, before they are forgotten
+
 // ---- the track ----------------------------------------------------------------------------------
 
 // The fields of all chunks, one after another. The thread of the appsrc.
 struct Track {
   const std::vector<ChunkReader> &chunks;
-  std::size_t next = 0; // chunk
+  std::size_t next = 0;     // chunk
+  std::uint64_t pushed = 0; // fields
   KlvReader reader{{}};
   FieldDecoder decoder; // of the duration of fields that do not say it
 };
@@ -54,6 +57,8 @@ void push_next(GstAppSrc *in, guint, gpointer data) {
     return;
   }
   const CodedField field = coded_field_of(*item);
+  if (++track.pushed % kFieldsInMemory == 0)
+    track.chunks[track.next - 1].forget();
   track.decoder.push(field.bytes);
   const bool is_usual = field.duration == kNoTime && track.decoder.field().interval > 0;
   BufferPtr buffer = make_buffer(write_klv(field), field.time,

@@ -3,10 +3,12 @@
 
 #include "track-error.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <sstream>
 #include <string_view>
+#include <sys/mman.h>
 
 namespace haptic {
 namespace {
@@ -14,6 +16,7 @@ namespace {
 // The last line: this, the mark, frames, confidence and the SHA-256 of what stands before it.
 constexpr std::string_view kLastLine = "\nfeeling-wind-chunk ";
 constexpr std::size_t kLongestLine = 256;
+constexpr std::size_t kHashedAtOnce = 1 << 20; // bytes
 
 } // namespace
 
@@ -65,13 +68,22 @@ ChunkReader::ChunkReader(const std::string &path, const std::string &mark) {
   if (!(line >> held_mark >> stats_.frames >> stats_.confidence >> held_sum))
     return;
   ContentHash hash;
-  hash.add(all.data(), size_);
+  for (std::size_t done = 0; done < size_; done += kHashedAtOnce) {
+    hash.add(all.data() + done, std::min(kHashedAtOnce, size_ - done));
+    forget();
+  }
   if (held_sum == hash.digits())
     state_ = held_mark == mark ? ChunkState::whole : ChunkState::foreign;
 }
 
 std::span<const std::uint8_t> ChunkReader::fields() const noexcept {
   return {reinterpret_cast<const std::uint8_t *>(g_mapped_file_get_contents(file_.get())), size_};
+}
+
+// posix_madvise() would do nothing in glibc.
+void ChunkReader::forget() const noexcept {
+  madvise(g_mapped_file_get_contents(file_.get()), g_mapped_file_get_length(file_.get()),
+          MADV_DONTNEED);
 }
 
 } // namespace haptic

@@ -52,6 +52,8 @@ public:
   const ChunkStats &stats() const noexcept { return stats_; }
   /// All fields, as sets of KLV. They stay valid while this object exists.
   std::span<const std::uint8_t> fields() const noexcept;
+  /// Takes what was read out of the memory of this process. It is read again when it is needed.
+  void forget() const noexcept;
 
 private:
   std::unique_ptr<GMappedFile, decltype(&g_mapped_file_unref)> file_{nullptr, g_mapped_file_unref};
