@@ -191,6 +191,20 @@ promise "a second video goes along" author "$work/two.mp4"
 promise "as it was" says 0 "60" ffprobe -v fatal -select_streams v:1 -count_frames -show_entries stream=nb_read_frames \
   -of csv=p=0 "$work/two.haptic.ts"
 promise "beside the track of the first" says 0 "fields     120" "$haptic_track" info "$work/two.haptic.ts"
+# Sound that begins late: its parameters come with its first frame.
+late_sound() {
+  ffmpeg -v error -f lavfi -i "testsrc2=size=$2:rate=25:duration=12" -itsoffset 10 -f lavfi -i sine=duration=2 -map 0 -map 1 \
+    -vf "noise=alls=$3:allf=t" -c:v libx264 -preset ultrafast -qp "$4" -g 50 -pix_fmt yuv420p -c:a aac "$1"
+}
+frames_of_sound() {
+  ffprobe -v error -select_streams a -count_packets -show_entries stream=nb_read_packets -of csv=p=0 "$1" | sed -n 1p
+}
+late_sound "$work/late.ts" 192x108 0 30
+promise "sound that begins after ten seconds goes along" author "$work/late.ts"
+promise "all of it" test "$(frames_of_sound "$work/late.ts")" = "$(frames_of_sound "$work/late.haptic.ts")"
+late_sound "$work/later.ts" 480x270 60 1
+promise "with more pictures before it than memory may hold, that is said" says 1 'stand before the first sound' author "$work/later.ts"
+promise "and no copy is left" test ! -e "$work/later.haptic.ts"
 # `words_stay CODEC`: Matroska to Matroska, the words and their times as FFmpeg reads them.
 words() { ffmpeg -v error -i "$1" -map "0:s:$2" -f srt - | sed 's/,[0-9]* / /; s/,[0-9]*$//'; }
 words_stay() {

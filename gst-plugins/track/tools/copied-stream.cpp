@@ -104,13 +104,28 @@ GstPadProbeReturn unescape(GstPad *, GstPadProbeInfo *info, gpointer) {
   return GST_PAD_PROBE_OK;
 }
 
-// tsdemux of GStreamer 1.22 begins a stream without a first frame by a gap that has no segment.
-// A muxer cannot place it.
-GstPadProbeReturn drop_early_gap(GstPad *pad, GstPadProbeInfo *info, gpointer) {
-  if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) != GST_EVENT_GAP)
+// Before its first frame, aacparse knows neither rate nor profile, and a muxer needs them.
+bool is_unknown_aac(const GstCaps *caps) {
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  gint version = 0;
+  return g_str_equal(name_of(caps), "audio/mpeg") &&
+         gst_structure_get_int(structure, "mpegversion", &version) && version > 1 &&
+         !gst_structure_has_field(structure, "rate");
+}
+
+// tsdemux sends gaps until a stream begins, in GStreamer 1.22 the first one before a segment.
+// The muxer gets nothing that it cannot place, and waits for the first frame instead.
+GstPadProbeReturn drop_early(GstPad *pad, GstPadProbeInfo *info, gpointer) {
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+    GstCaps *caps = nullptr;
+    gst_event_parse_caps(event, &caps);
+    return is_unknown_aac(caps) ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
+  }
+  if (GST_EVENT_TYPE(event) != GST_EVENT_GAP)
     return GST_PAD_PROBE_OK;
   const EventPtr segment(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  return segment ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
+  return segment && !is_unknown_aac(caps_of(pad).get()) ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
 }
 
 } // namespace
@@ -199,7 +214,7 @@ PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_
   const char *format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
   if (is_text && g_strcmp0(format, "pango-markup") == 0)
     gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_BUFFER, unescape, nullptr, nullptr);
-  gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, drop_early_gap, nullptr,
+  gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, drop_early, nullptr,
                     nullptr);
   const PadPtr to_pad(gst_element_get_compatible_pad(mux, from_pad.get(), form.get()));
   if (to_pad && is_matroska)
