@@ -106,8 +106,14 @@ promise "and leaves nothing" test "$(ls out)" = plan.manifest.csv"$(printf '\npl
 echo 'no video' >in/none.mp4
 promise "what cannot be authored is said by the plan" says 1 'none.mp4"' author --plan --output out in/none.mp4 in/film.mp4
 promise "the rest is in it" says 1 '"first-span"' author --plan --output out in/none.mp4 in/film.mp4
-ffmpeg -v error -f rawvideo -pix_fmt gray -s 96x64 -r 5 -i film.gray -c:v libx264 -g 10000 -sc_threshold 0 in/sparse.mp4
-promise "so is a film with few key frames" says 0 '75 s between two of its key frames' author --plan --output out in/sparse.mp4
+ffmpeg -v error -f lavfi -i testsrc2=size=96x64:rate=2:duration=630 -c:v libx264 -g 10000 -sc_threshold 0 -pix_fmt yuv420p in/sparse.mp4
+promise "so is a film with one key frame in ten minutes" says 0 '630 s between two of its key frames' \
+  bash -c "'$haptic_track' author --plan --chunks 7 --output out in/sparse.mp4 >sparse.json"
+promise "which is one chunk" test "$(count sparse.json)" = 1
+promise "it is measured" author --chunk 0 sparse.json
+promise "and merged" author --merge sparse.json
+promise "one process authors it too" author --output one in/sparse.mp4
+promise "to the same bytes" cmp one/sparse.haptic.ts out/sparse.haptic.ts
 
 sed 's/"columns": 0/"columns": 4294967297/' plan.json >wrong.json
 promise "a plan with other columns than there are is refused" says 1 'this is no plan' author --chunk 0 wrong.json
