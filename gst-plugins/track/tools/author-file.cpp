@@ -171,16 +171,17 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
   g_date_time_unref(date);
 }
 
+gboolean refuse_without_caps(GstElement *, GstPad *pad, gpointer queue) {
+  if (!CapsPtr(gst_pad_get_current_caps(pad)))
+    GST_ELEMENT_ERROR(static_cast<GstElement *>(queue), STREAM, MUX,
+                      ("%s", formatted(messages::kStreamBeginsLate, kVideoBytes >> 20).c_str()),
+                      (nullptr));
+  return TRUE;
+}
+
 // The muxer waits for the first frame of each stream, and the video before it fills its queue.
 void refuse_late_stream(GstElement *queue, gpointer mux) {
-  const auto refuse = [](GstElement *, GstPad *pad, gpointer data) -> gboolean {
-    if (!CapsPtr(gst_pad_get_current_caps(pad)))
-      GST_ELEMENT_ERROR(static_cast<GstElement *>(data), STREAM, MUX,
-                        ("%s", formatted(messages::kStreamBeginsLate, kVideoBytes >> 20).c_str()),
-                        (nullptr));
-    return TRUE;
-  };
-  gst_element_foreach_sink_pad(static_cast<GstElement *>(mux), refuse, queue);
+  gst_element_foreach_sink_pad(static_cast<GstElement *>(mux), refuse_without_caps, queue);
 }
 
 // Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
