@@ -207,9 +207,9 @@
   MESSAGE(kKeysAreSparse, \
           "there are up to %.0f s between two of its key frames, and a chunk begins with one: it has few chunks.", \
           "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to share it.") \
-  MESSAGE(kStreamBeginsLate, \
-          "more than %u MB of pictures stand before the first sound or text.", \
-          "Leave that stream out (ffmpeg -i IN -map 0:v -c copy OUT), or let it begin earlier.") \
+  MESSAGE(kFilmStandsStill, \
+          "nothing of it moved on for %d s: too many pictures stand beside no sound.", \
+          "Let the sound begin and end with the pictures, or leave it out (ffmpeg -i IN -map 0:v -c copy OUT).") \
   MESSAGE(kPlanIsWrong, \
           "\"%s\": this is no plan, or it was changed.", \
           "Make one with haptic-track author --plan VIDEO... > plan.json.") \

@@ -202,9 +202,14 @@ frames_of_sound() {
 late_sound "$work/late.ts" 192x108 0 30
 promise "sound that begins after ten seconds goes along" author "$work/late.ts"
 promise "all of it" test "$(frames_of_sound "$work/late.ts")" = "$(frames_of_sound "$work/late.haptic.ts")"
-late_sound "$work/later.ts" 480x270 60 1
-promise "with more pictures before it than memory may hold, that is said" says 1 'stand before the first sound' author "$work/later.ts"
-promise "and no copy is left" test ! -e "$work/later.haptic.ts"
+# More pictures stand beside no sound than memory may hold: the muxers wait for it, and the demuxers for them.
+mkdir "$work/silent"
+late_sound "$work/silent/late.ts" 480x270 60 1
+late_sound "$work/silent/later.mkv" 480x270 60 1
+ffmpeg -v error -i "$work/silent/late.ts" -f lavfi -i sine=duration=2 -map 0:v -map 1 -c:v copy -c:a aac "$work/silent/early.mkv"
+promise "a film that stands still is refused" says 1 "0 written, 0 there already, 3 failed" author --jobs 3 "$work"/silent/*
+promise "each with the reason" test "$(grep -c 'pictures stand beside no sound' "$work/output")" = 3
+promise "and no copy is left" test "$(ls "$work/silent")" = "$(printf 'early.mkv\nlate.ts\nlater.mkv')"
 # `words_stay CODEC`: Matroska to Matroska, the words and their times as FFmpeg reads them.
 words() { ffmpeg -v error -i "$1" -map "0:s:$2" -f srt - | sed 's/,[0-9]* / /; s/,[0-9]*$//'; }
 words_stay() {

@@ -171,19 +171,6 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
   g_date_time_unref(date);
 }
 
-gboolean refuse_without_caps(GstElement *, GstPad *pad, gpointer queue) {
-  if (!CapsPtr(gst_pad_get_current_caps(pad)))
-    GST_ELEMENT_ERROR(static_cast<GstElement *>(queue), STREAM, MUX,
-                      ("%s", formatted(messages::kStreamBeginsLate, kVideoBytes >> 20).c_str()),
-                      (nullptr));
-  return TRUE;
-}
-
-// The muxer waits for the first frame of each stream, and the video before it fills its queue.
-void refuse_late_stream(GstElement *queue, gpointer mux) {
-  gst_element_foreach_sink_pad(static_cast<GstElement *>(mux), refuse_without_caps, queue);
-}
-
 // Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
 PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska) {
   if (!has_place(muxer_of(is_matroska ? kMatroska : kTransportStream), pad)) {
@@ -191,8 +178,6 @@ PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool i
     return nullptr;
   }
   GstElement *queue = add_queue(film.pipeline(), pad == film.video() ? kVideoBytes : kAudioBytes);
-  if (pad == film.video())
-    g_signal_connect(queue, "overrun", G_CALLBACK(refuse_late_stream), mux);
   PadPtr linked = link_untouched(queue, caps_of(pad).get(), mux, is_matroska);
   link_pad(pad, queue);
   return linked;

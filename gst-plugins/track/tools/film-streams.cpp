@@ -12,6 +12,8 @@ namespace {
 
 constexpr gint64 kLongestShow =
     gint64{10} * G_USEC_PER_SEC; // us, from the first stream to the last
+constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
+constexpr int kLongestStandstill = 30; // s
 
 } // namespace
 
@@ -89,7 +91,7 @@ MessagePtr FilmStreams::wait_for(GstMessageType wanted, const Poll &poll) {
   std::string missing;
   for (;;) {
     const MessagePtr message(gst_bus_timed_pop_filtered(
-        bus.get(), 200 * GST_MSECOND,
+        bus.get(), kPollTime,
         static_cast<GstMessageType>(wanted | GST_MESSAGE_ERROR | GST_MESSAGE_ELEMENT)));
     poll();
     if (!message)
@@ -122,12 +124,29 @@ void FilmStreams::wait_for_streams(const Poll &poll) {
 }
 
 void FilmStreams::play(const Poll &poll) {
+  const auto count = [](GstPad *, GstPadProbeInfo *, gpointer data) {
+    ++*static_cast<std::atomic<std::size_t> *>(data);
+    return GST_PAD_PROBE_OK;
+  };
   gst_bin_sync_children_states(GST_BIN(pipeline_.get()));
-  for (const auto &[pad, probe] : streams_)
+  for (const auto &[pad, probe] : streams_) {
+    gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, count, &flowed_, nullptr);
     gst_pad_remove_probe(pad.get(), probe);
+  }
+  // A muxer may wait for sound, the full queue of the video for the muxer, and the demuxer for that
+  // queue. Polls are counted, not seconds: a process that was stopped does not poll.
+  int polls = 0;
+  std::size_t flowed = 0;
+  const auto poll_flow = [&] {
+    poll();
+    polls = flowed == flowed_ ? polls + 1 : 0;
+    flowed = flowed_;
+    if (polls * kPollTime > kLongestStandstill * GST_SECOND)
+      throw_error(messages::kFilmStandsStill, kLongestStandstill);
+  };
   gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
   try {
-    wait_for(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION), poll);
+    wait_for(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION), poll_flow);
   } catch (...) {
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     throw;

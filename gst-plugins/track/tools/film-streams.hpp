@@ -35,7 +35,8 @@ public:
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 
   /// Lets the streams flow, each of which is linked, to their end or until an application message.
-  /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline.
+  /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline, or
+  /// because nothing flowed for half a minute.
   void play(const Poll &poll);
 
 private:
@@ -50,6 +51,7 @@ private:
   // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
+  std::atomic<std::size_t> flowed_ = 0; // buffers of all streams
   std::string unknown_; // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
   std::vector<GstPad *> audio_;
