@@ -276,7 +276,7 @@ TEST_F(Faults, F23_NoTickSeesHalfAChangeOfTheSettings) {
 }
 
 // For ThreadSanitizer, too: every thread that the element has, at once.
-TEST_F(Faults, F23_AStormFromEveryThreadLeavesTheForceWithinItsLimits) {
+TEST_F(Faults, F23_AStormFromEveryThreadLeavesTheForceWithinItsLimitsAndItComesBack) {
   loop_.start({.device = device_.get()});
   loop_.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
   {
@@ -327,9 +327,23 @@ TEST_F(Faults, F23_AStormFromEveryThreadLeavesTheForceWithinItsLimits) {
     });
     std::this_thread::sleep_for(1s);
   }
-  loop_.stop();
   EXPECT_LE(force_max(), 5 + 1e-9);
-  EXPECT_GT(force_max(), 0.01); // something was felt
+
+  // In the storm itself, a slow machine may find no 10 ms without a hold.
+  const auto becomes_silent = [&](bool silent) {
+    const std::int64_t begin = haptic::monotonic_now();
+    while (loop_.silent() != silent && haptic::monotonic_now() - begin < 10'000 * kMs) {
+      loop_.submit(moving(1000, 0));
+      std::this_thread::sleep_for(1ms);
+    }
+    return loop_.silent() == silent;
+  };
+  loop_.set_settings({});
+  loop_.hold(haptic::kHoldPaused);
+  EXPECT_TRUE(becomes_silent(true));
+  loop_.unhold(haptic::kHoldPaused | haptic::kLatches);
+  EXPECT_TRUE(becomes_silent(false));
+  loop_.stop();
 }
 
 TEST_F(Faults, F25_AStepOfTheMaximumForceIsSlewLimitedBothWays) {
