@@ -71,8 +71,9 @@ private:
   Translation translate_level(std::size_t level, Displacement start, int iterations);
   Translation find_translation();
   float add_grid(const Area &area, const Translation &whole, Measurement &measurement);
-  float add_patches(Measurement &measurement);
+  float add_patches(const PatchGrid &grid, float scale, Measurement &measurement);
   std::size_t coarse_level() const { return levels_ > 1 ? 1 : 0; }
+  float coarse_scale() const { return static_cast<float>(1 << coarse_level()); }
   void keep_coarse();
   void align_coarse_grid(const Area &area, Displacement whole);
   void cover_with_grid(const Area &area);
@@ -86,9 +87,12 @@ private:
   bool is_within_reach(Displacement displacement) const;
   std::size_t level_of_pixels() const;
   float count_votes(const Area &area, Measurement &measurement);
-  bool label_pixels(const Area &area, const Translation &whole, Measurement &measurement);
-  bool explain_as_well(float scale, std::span<const Patch> patches) const;
-  bool follow_labels(const TwoMotions &motions, float scale, std::span<Patch> patches) const;
+  float label_scale() const { return static_cast<float>(1 << level_of_pixels()); }
+  bool label_from_coarse(const Area &area, Measurement &measurement);
+  bool label_from_grid(const Area &area, Measurement &measurement);
+  std::optional<TwoMotions> find_labels(const Area &area, std::span<const Patch> patches);
+  bool explain_as_well(std::span<const Patch> patches) const;
+  bool follow_labels(const TwoMotions &motions, std::span<Patch> patches) const;
   void separate_layers(const Area &area, float unexplained, Translation whole,
                        Measurement &measurement);
 
@@ -231,7 +235,7 @@ Translation FastTracker::find_translation() {
 void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
   constexpr float kSpacing = 5; // px of the half-size frame
   const std::size_t level = coarse_level();
-  const auto scale = static_cast<float>(1 << level);
+  const float scale = coarse_scale();
   const Area half = area.at_level(static_cast<int>(level));
   coarse_grid_.cover(previous_.levels[level], half, parts_of(half.width, kSpacing),
                      parts_of(half.height, kSpacing), kSmallPatch, level == 0 && parts().dither);
@@ -245,7 +249,7 @@ void FastTracker::align_coarse_grid(const Area &area, Displacement whole) {
 }
 
 void FastTracker::keep_coarse() {
-  const auto scale = static_cast<float>(1 << coarse_level());
+  const float scale = coarse_scale();
   for (std::size_t i = 0; i < coarse_grid_.view().size(); ++i)
     coarse_[i] = scale * aligned_[i].displacement;
 }
@@ -346,7 +350,7 @@ bool FastTracker::follow_bend() {
   constexpr int kApart = 1;       // patches
   const auto coarse = coarse_grid_.view();
   const std::size_t level = coarse_level();
-  const auto scale = static_cast<float>(1 << level);
+  const float scale = coarse_scale();
   auto motion = find_bent_motion(coarse, aligned_, kRoughly / scale);
   if (!motion)
     return false;
@@ -409,6 +413,8 @@ bool FastTracker::is_within_reach(Displacement displacement) const {
 
 // Returns the sum of the trust in the patches that have texture.
 float FastTracker::add_grid(const Area &area, const Translation &whole, Measurement &measurement) {
+  constexpr float kOneMotion = 0.96F; // correlation of the whole region: light changes the rest
+  const bool may_hold_two = parts().labels && whole.correlation <= kOneMotion && !clipped_.any();
   is_explained_ = false;
   if (parts().coarse_starts) {
     align_coarse_grid(area, whole.displacement);
@@ -416,19 +422,28 @@ float FastTracker::add_grid(const Area &area, const Translation &whole, Measurem
     coarse_grid_.columns = coarse_grid_.rows = 1;
     coarse_[0] = whole.displacement;
   }
+  // Returns the trust if the pixels follow two motions.
+  const auto labelled = [&](const PatchGrid &grid, float scale,
+                            auto label) -> std::optional<float> {
+    const float trust = add_patches(grid, scale, measurement);
+    is_explained_ =
+        is_same_scene(trust, measurement.candidates) && (this->*label)(area, measurement);
+    if (is_explained_)
+      return trust;
+    measurement.clear();
+    return {};
+  };
+  if (may_hold_two && parts().coarse_starts)
+    if (const auto trust = labelled(coarse_grid_, coarse_scale(), &FastTracker::label_from_coarse))
+      return *trust;
   cover_with_grid(area);
   if (parts().bend && parts().coarse_starts && follow_bend()) {
     is_explained_ = true;
   } else {
     align_grid();
-    if (parts().labels && neighbours_are_apart()) {
-      const float trust = add_patches(measurement);
-      is_explained_ =
-          is_same_scene(trust, measurement.candidates) && label_pixels(area, whole, measurement);
-      if (is_explained_)
-        return trust;
-      measurement.clear();
-    }
+    if (may_hold_two && neighbours_are_apart())
+      if (const auto trust = labelled(grid_, 1, &FastTracker::label_from_grid))
+        return *trust;
     if (parts().second_pass)
       realign_at_borders();
     if (parts().strain)
@@ -436,21 +451,23 @@ float FastTracker::add_grid(const Area &area, const Translation &whole, Measurem
   }
   if (parts().noise_of_fits)
     learn_from_grid();
-  return add_patches(measurement);
+  return add_patches(grid_, 1, measurement);
 }
 
-// The patches of the grid. Returns the sum of the trust in those that have texture.
-float FastTracker::add_patches(Measurement &measurement) {
+// The patches of a grid as aligned, in the pixels of a plane that is `scale` times as large.
+// Returns the sum of the trust in those that have texture.
+float FastTracker::add_patches(const PatchGrid &grid, float scale, Measurement &measurement) {
   if (!parts().trust)
     for (Alignment &aligned : aligned_)
       aligned.fit.correlation = 1;
   float trust = 0;
-  for (std::size_t i = 0; i < grid_.view().size(); ++i) {
+  for (std::size_t i = 0; i < grid.count(); ++i) {
     // Nothing was searched there: the steps of a patch ran away to what looks alike.
-    if (!is_within_reach(aligned_[i].displacement))
+    if (!is_within_reach(scale * aligned_[i].displacement))
       aligned_[i].fit.inside = false;
-    trust += add_patch(grid_.patches[i], aligned_[i], noise_.variance(), measurement);
+    trust += add_patch(grid.patches[i], aligned_[i], noise_.variance(), measurement);
   }
+  measurement.scale(scale);
   return trust;
 }
 
@@ -564,42 +581,54 @@ void FastTracker::separate_layers(const Area &area, float unexplained, Translati
   measurement.add(patch_of(area, whole));
 }
 
-// Where two motions explain the pixels about as well as the patches do, each with its own, each
-// pixel follows one of them, and each patch that of the pixel at its middle. Returns whether.
-bool FastTracker::label_pixels(const Area &area, const Translation &whole,
-                               Measurement &measurement) {
-  constexpr float kOneMotion = 0.96F;   // correlation of the whole region: light changes the rest
-  constexpr float kUnexplained = 0.3F;  // of the pixels
+// Where two motions explain the pixels, each pixel follows one of them, and each patch that of the
+// pixel at its middle. These return whether. Without the patches of the grid, fewer pixels may be
+// left unexplained; that spares the time for the grid.
+bool FastTracker::label_from_coarse(const Area &area, Measurement &measurement) {
+  constexpr float kUnexplained = 0.15F; // of the pixels
+  const auto motions = find_labels(area, measurement.view());
+  return motions && motions->unexplained <= kUnexplained &&
+         follow_labels(*motions, measurement.view());
+}
+
+bool FastTracker::label_from_grid(const Area &area, Measurement &measurement) {
+  constexpr float kUnexplained = 0.3F; // of the pixels
+  const auto motions = find_labels(area, measurement.view());
+  return motions && motions->unexplained <= kUnexplained && explain_as_well(measurement.view()) &&
+         follow_labels(*motions, measurement.view());
+}
+
+// Two motions which most patches follow, fitted to the pixels and labelled.
+std::optional<TwoMotions> FastTracker::find_labels(const Area &area,
+                                                   std::span<const Patch> patches) {
   constexpr float kNear2 = 0.5F * 0.5F; // px squared: one of the two, and neither bends
-  const auto patches = measurement.view();
-  if (whole.correlation > kOneMotion || clipped_.any())
-    return false;
   const auto first = commonest_of(patches, {});
   const auto second = first ? commonest_of(patches, first) : first;
-  if (!second)
-    return false;
+  if (!second || are_close(*first, *second))
+    return {};
   const auto is_near = [&](const Patch &patch) {
     const Displacement displacement{patch.dx, patch.dy};
     return std::min(norm2(displacement - *first), norm2(displacement - *second)) < kNear2;
   };
   if (10 * std::ranges::count_if(patches, is_near) < 6 * std::ssize(patches))
-    return false;
+    return {};
   const std::size_t level = level_of_pixels();
-  const auto scale = static_cast<float>(1 << level);
-  const TwoMotions motions = labels_.find(
-      previous_.levels[level], current_.levels[level], area.at_level(static_cast<int>(level)),
-      1 / scale * *first, 1 / scale * *second, noise_.variance());
-  if (motions.unexplained > kUnexplained ||
-      are_close(scale * motions.first, scale * motions.second) || !explain_as_well(scale, patches))
-    return false;
-  return follow_labels(motions, scale, patches);
+  const float scale = label_scale();
+  TwoMotions motions = labels_.find(previous_.levels[level], current_.levels[level],
+                                    area.at_level(static_cast<int>(level)), 1 / scale * *first,
+                                    1 / scale * *second, noise_.variance());
+  motions.first = scale * motions.first;
+  motions.second = scale * motions.second;
+  if (are_close(motions.first, motions.second))
+    return {};
+  return motions;
 }
 
 // Whether the residuals of the patches are about as large as those of the motions at their middles.
-// `scale`: px per px of the labels.
-bool FastTracker::explain_as_well(float scale, std::span<const Patch> patches) const {
+bool FastTracker::explain_as_well(std::span<const Patch> patches) const {
   constexpr float kAsWell = 1.2F;
   const float most = largest_residual2(noise_.variance());
+  const float scale = label_scale();
   float of_labels = 0;
   float of_patches = 0;
   for (const Patch &patch : patches) {
@@ -610,8 +639,8 @@ bool FastTracker::explain_as_well(float scale, std::span<const Patch> patches) c
 }
 
 // Returns false if all patches follow one motion; then they stay as they are.
-bool FastTracker::follow_labels(const TwoMotions &motions, float scale,
-                                std::span<Patch> patches) const {
+bool FastTracker::follow_labels(const TwoMotions &motions, std::span<Patch> patches) const {
+  const float scale = label_scale();
   const auto follows_second = [&](const Patch &patch) {
     return labels_.follows_second(patch.x / scale, patch.y / scale);
   };
@@ -621,7 +650,7 @@ bool FastTracker::follow_labels(const TwoMotions &motions, float scale,
     return false;
   for (Patch &patch : patches) {
     const bool is_second = follows_second(patch);
-    const Displacement moved = scale * (is_second ? motions.second : motions.first);
+    const Displacement moved = is_second ? motions.second : motions.first;
     patch.dx = moved.x;
     patch.dy = moved.y;
     patch.share = is_second ? motions.share / static_cast<float>(seconds)

@@ -100,7 +100,8 @@ struct PatchGrid {
   int rows = 0;
   std::vector<Template> patches; ///< as many as the largest cover() wanted
 
-  std::span<Template> view() { return {patches.data(), static_cast<std::size_t>(columns * rows)}; }
+  std::size_t count() const { return cell(rows, columns, 0); }
+  std::span<Template> view() { return {patches.data(), count()}; }
 
   /// Spreads patches evenly over the area of the plane, at most kMostAlong in each direction.
   /// `dither`: off the raster of the pixels. Keeps its memory unless it has to grow.
