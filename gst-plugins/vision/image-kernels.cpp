@@ -238,12 +238,13 @@ void AveragePairs(const LumaView &fine, ByteImage &coarse) {
 // once and stays in registers until it has contributed to three rows of the result.
 template <class D>
 HWY_INLINE void SmoothColumns(D d, const LumaView &view, Plane &plane) {
+  const hn::Rebind<std::uint16_t, D> dh;
+  const hn::Rebind<std::uint8_t, D> db;
   const hn::RebindToSigned<D> di;
-  const hn::Rebind<std::uint8_t, D> du;
   const auto sixteenth = hn::Set(d, 1.0F / 16);
   for_row(d, plane.width(), [&](int x) HWY_ATTR {
     const auto load = [&](const std::uint8_t *from)
-                          HWY_ATTR { return hn::PromoteTo(di, hn::LoadU(du, from)); };
+                          HWY_ATTR { return hn::PromoteTo(dh, hn::LoadU(db, from)); };
     const std::uint8_t *from = view.pixels + x;
     const auto across = [&] HWY_ATTR {
       const auto middle = load(from + 1);
@@ -256,7 +257,8 @@ HWY_INLINE void SmoothColumns(D d, const LumaView &view, Plane &plane) {
     for (int y = 0; y < plane.height(); ++y) {
       const auto lower = across();
       const auto sum = hn::Add(hn::Add(upper, lower), hn::Add(middle, middle));
-      hn::StoreU(hn::Mul(hn::ConvertTo(d, sum), sixteenth), d, plane.row(y) + x);
+      hn::StoreU(hn::Mul(hn::ConvertTo(d, hn::PromoteTo(di, sum)), sixteenth), d,
+                 plane.row(y) + x);
       upper = middle;
       middle = lower;
     }

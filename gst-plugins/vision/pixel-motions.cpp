@@ -100,15 +100,15 @@ struct Follower {
   float offset = 0; // grey levels
 };
 
-// The energies of a motion and of another one, in rows of box.stride() pixels. None: all pixels
-// count.
+// The energies of a motion less those of another one, in rows of box.stride() pixels; their sign
+// counts. None: all pixels count.
 struct Rivals {
-  const float *own = nullptr;
-  const float *other = nullptr;
+  const float *difference = nullptr;
+  float sign = 1; // -1: of the other motion less this one's
   Box box;
 };
 
-// Of two motions, a third of the rows suffices, and the gradients of the earlier frame.
+// Of two motions, every third row of the box suffices, and the gradients of the earlier frame.
 constexpr int kRows = 3;
 
 // kBoth: the gradients of both frames. `inverse`: 1 / s^2. A pixel is explained if r^2 is below
@@ -126,7 +126,10 @@ Sums sum_pixels(const Plane &earlier, const Plane &later, const Box &box, const 
   const Lanes narrowness = hn::Set(kTag, inverse), most = hn::Set(kTag, limit);
   const Lanes zero = hn::Zero(kTag);
   LaneSums sums{zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
-  for (int row = box.top; row < box.bottom; row += kBoth ? 1 : kRows)
+  const int above = kBoth ? 0 : (box.top - rivals.box.top + kRows - 1) / kRows * kRows;
+  const int first_row = kBoth ? box.top : rivals.box.top + above;
+  const Lanes sign = hn::Set(kTag, rivals.sign);
+  for (int row = first_row; row < box.bottom; row += kBoth ? 1 : kRows)
     for (int column = box.left; column < box.right; column += static_cast<int>(hn::Lanes(kTag))) {
       const float *before = earlier.row(row) + column;
       const std::ptrdiff_t stride = later.stride();
@@ -148,10 +151,10 @@ Sums sum_pixels(const Plane &earlier, const Plane &later, const Box &box, const 
         return hn::Mul(quarter, hn::Add(of_earlier, of_later));
       };
       auto inside = hn::FirstN(kTag, static_cast<std::size_t>(box.right - column));
-      if (rivals.own) {
+      if (rivals.difference) {
         const int at = (row - rivals.box.top) * rivals.box.stride() + column - rivals.box.left;
-        inside = hn::And(
-            inside, hn::Lt(hn::LoadU(kTag, rivals.own + at), hn::LoadU(kTag, rivals.other + at)));
+        inside =
+            hn::And(inside, hn::Lt(hn::Mul(sign, hn::LoadU(kTag, rivals.difference + at)), zero));
       }
       const auto kept = [&](Lanes value) HWY_ATTR { return hn::IfThenElseZero(inside, value); };
       const Lanes r = kept(hn::Sub(hn::Sub(sample(0), hn::LoadU(kTag, before)), b));
@@ -215,8 +218,8 @@ DominantMotion FindDominant(const Plane &earlier, const Plane &later, const Box 
 constexpr int kWide = 9;
 constexpr int kNarrow = 5;
 
-// Means of the energies over a box about each pixel.
-template <int kBox>
+// Means of the energies over a box about each pixel of every kStep-th row.
+template <int kBox, int kStep = 1>
 void average_boxes(const Box &box, LabelSheets &sheets, MotionLabels::Pixels &means) {
   const int stride = box.stride();
   constexpr int kFirst = (kWide - kBox) / 2;
@@ -233,17 +236,19 @@ void average_boxes(const Box &box, LabelSheets &sheets, MotionLabels::Pixels &me
     }
   }
   const Lanes scale = hn::Set(kTag, 1.0F / (kBox * kBox));
-  for (int y = 0; y < box.height(); ++y)
+  for (int y = 0; y < box.height(); y += kStep)
     for (int x = 0; x < box.width(); x += lanes()) {
       const float *column = columns + y * stride + x;
       Lanes sum = hn::LoadU(kTag, column);
       for (int i = 1; i < kBox; ++i)
         sum = hn::Add(sum, hn::LoadU(kTag, column + i));
-      hn::StoreU(hn::Mul(scale, hn::Max(hn::Zero(kTag), sum)), kTag, means.data() + y * stride + x);
+      hn::StoreU(hn::Mul(scale, sum), kTag, means.data() + y * stride + x);
     }
 }
 
 // No difference of the grey levels is allowed for: it would be another one for each motion.
+// kLess: what the sheet holds less the energies.
+template <bool kLess = false>
 void fill_energies(const Plane &earlier, const Plane &later, const Box &box, Displacement d,
                    float limit, LabelSheets &sheets) {
   const int stride = box.stride();
@@ -251,8 +256,11 @@ void fill_energies(const Plane &earlier, const Plane &later, const Box &box, Dis
   for_differences(earlier, later, box.left - kWide / 2, box.top - kWide / 2,
                   box.width() + kWide - 1, box.height() + kWide - 1, d,
                   [&](int x, int y, Lanes difference) HWY_ATTR {
-                    hn::StoreU(hn::Min(hn::Mul(difference, difference), most), kTag,
-                               sheets.energies.data() + y * stride + x);
+                    float *to = sheets.energies.data() + y * stride + x;
+                    Lanes energy = hn::Min(hn::Mul(difference, difference), most);
+                    if constexpr (kLess)
+                      energy = hn::Sub(hn::LoadU(kTag, to), energy);
+                    hn::StoreU(energy, kTag, to);
                   });
 }
 
@@ -292,12 +300,11 @@ TwoMotions FindTwo(const Plane &earlier, const Plane &later, const Box &box, Dis
   const float limit = largest_residual2(noise);
   const std::array<Displacement, 2> starts = {first, second};
   std::array<Follower, 2> followers = {Follower{first}, Follower{second}};
+  fill_energies(earlier, later, box, first, limit, sheets);
+  fill_energies<true>(earlier, later, box, second, limit, sheets);
+  average_boxes<kWide, kRows>(box, sheets, sheets.wide[0]);
   for (std::size_t i = 0; i < 2; ++i) {
-    fill_energies(earlier, later, box, followers[i].displacement, limit, sheets);
-    average_boxes<kWide>(box, sheets, sheets.wide[i]);
-  }
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Rivals rivals{sheets.wide[i].data(), sheets.wide[1 - i].data(), box};
+    const Rivals rivals{sheets.wide[0].data(), i == 0 ? 1.0F : -1.0F, box};
     for (int step = 0; step < kSteps; ++step) {
       const Box seen = seen_of(earlier, box, followers[i].displacement);
       const Sums sums =
