@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tries three explanations of the pixels, the cheapest first, and stops at the first that fits:
+// Tries four explanations of the pixels, the cheapest first, and stops at the first that fits:
 //   1. nothing changed but noise
 //   2. one translation of the whole region
-//   3. a grid of patches, evenly spread, so that their mean is the mean over the region
+//   3. two translations, side by side
+//   4. a grid of patches, evenly spread, so that their mean is the mean over the region
 #include "clipped-pixels.hpp"
 #include "frame-change.hpp"
 #include "frame-reduction.hpp"
@@ -581,14 +582,30 @@ void FastTracker::separate_layers(const Area &area, float unexplained, Translati
   measurement.add(patch_of(area, whole));
 }
 
+// Keeps at most so many patches, one of each stretch of the list.
+void thin(Measurement &measurement, int most) {
+  const int count = measurement.count;
+  if (count <= most)
+    return;
+  const auto patch = [&](int i) -> Patch & {
+    return measurement.patches[static_cast<std::size_t>(i)];
+  };
+  for (int i = 0; i < most; ++i)
+    patch(i) = patch((2 * i + 1) * count / (2 * most));
+  measurement.count = most;
+  measurement.candidates = measurement.candidates * most / count;
+}
+
 // Where two motions explain the pixels, each pixel follows one of them, and each patch that of the
 // pixel at its middle. These return whether. Without the patches of the grid, fewer pixels may be
 // left unexplained; that spares the time for the grid.
 bool FastTracker::label_from_coarse(const Area &area, Measurement &measurement) {
   constexpr float kUnexplained = 0.15F; // of the pixels
   const auto motions = find_labels(area, measurement.view());
-  return motions && motions->unexplained <= kUnexplained &&
-         follow_labels(*motions, measurement.view());
+  if (!motions || motions->unexplained > kUnexplained)
+    return false;
+  thin(measurement, max_points_);
+  return follow_labels(*motions, measurement.view());
 }
 
 bool FastTracker::label_from_grid(const Area &area, Measurement &measurement) {

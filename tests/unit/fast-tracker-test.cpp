@@ -555,6 +555,35 @@ TEST_F(FastTracker, KeepsToTheMaximumOfPoints) {
   }
 }
 
+// A patch of a large region is one of many, before it is decided that two motions explain all.
+TEST_F(FastTracker, KeepsToTheMaximumOfPointsWhereTwoThingsMove) {
+  constexpr int kLarge = 400;
+  const Texture left(21);
+  const Texture right(22);
+  const auto halves = [&](double time) {
+    Frame frame = left.frame(kLarge, kLarge, {1.7 * time, -0.6 * time});
+    right.paint(frame, {-1.9 * time, 0.9 * time}, kLarge / 2);
+    return frame;
+  };
+  Frame before = halves(0);
+  Frame after = halves(1);
+  for (const int side : {30, 60, 160})
+    for (const int most : {2, 5, 20, haptic::kMaxPatches}) {
+      tracker->set_max_points(most);
+      const int corner = (kLarge - side) / 2;
+      const Measurement &found = track(before, after, {corner, corner, side, side});
+      ASSERT_GT(found.count, 0) << side;
+      EXPECT_LE(found.count, most) << side;
+      EXPECT_LE(found.count, found.candidates) << side;
+      float share = 0;
+      for (const Patch &patch : found.view())
+        share += patch.share;
+      if (most >= 20) {
+        EXPECT_NEAR(share, 1, 1e-3) << side; // each pixel follows one of the two
+      }
+    }
+}
+
 TEST_F(FastTracker, WorksInTheSmallestFrameThatCanBeMeasured) {
   const Texture texture(13);
   for (int side = haptic::kSmallestRegion; side < 90; ++side) {
