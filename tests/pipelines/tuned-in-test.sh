@@ -51,8 +51,9 @@ if [ "${1:-}" = live ]; then
   promise "and the force does not wait for the next" leads "$(force_at)" 300
   promise "the track is felt" felt
   promise "nothing is lost" over_network 0
-  # The first frame of a film shows no motion yet.
-  promise "the first sample is there 20 ms of running time after the first picture" leads "$(first_at hapticsink)" -20
+  # The first frame of a film shows no motion yet: the first sample has the time of the second, 33 ms later. What the
+  # encoder takes for the first picture comes off that, until the receiver knows the sender's clock.
+  promise "the first sample is there with the second picture" leads "$(first_at hapticsink)" -35
   exit
 fi
 
