@@ -257,8 +257,7 @@ HWY_INLINE void SmoothColumns(D d, const LumaView &view, Plane &plane) {
     for (int y = 0; y < plane.height(); ++y) {
       const auto lower = across();
       const auto sum = hn::Add(hn::Add(upper, lower), hn::Add(middle, middle));
-      hn::StoreU(hn::Mul(hn::ConvertTo(d, hn::PromoteTo(di, sum)), sixteenth), d,
-                 plane.row(y) + x);
+      hn::StoreU(hn::Mul(hn::ConvertTo(d, hn::PromoteTo(di, sum)), sixteenth), d, plane.row(y) + x);
       upper = middle;
       middle = lower;
     }
