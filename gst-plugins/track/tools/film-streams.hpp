@@ -52,7 +52,7 @@ private:
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
   std::atomic<std::size_t> flowed_ = 0; // buffers of all streams
-  std::string unknown_; // caps of a stream that no parser knows
+  std::string unknown_;                 // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
   std::vector<GstPad *> audio_;
   std::vector<GstPad *> others_;
