@@ -88,6 +88,8 @@ struct Measurement {
   }
   /// Converts to the pixels of a frame that is `factor` times larger.
   void scale(float factor) {
+    if (factor == 1)
+      return;
     for (Patch &patch : view()) {
       for (float *length : {&patch.x, &patch.y, &patch.width, &patch.height, &patch.dx, &patch.dy})
         *length *= factor;
