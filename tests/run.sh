@@ -2,33 +2,40 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs missing Debian packages (it prints which), builds, runs the tests, and ends with one line:
 # N passed, N failed, N skipped. The exit status is 0 only when nothing failed. Each check of format,
-# style or scripts counts as one test. Without an option it takes at most ten minutes on two processors.
+# style or scripts counts as one test.
 #
-# Usage: tests/run.sh [--all]
-#   --all  every test there is, in at most an hour: also the long ones, the player in a browser, the sanitizers,
-#          inputs that coverage guides, the virtual machine, the lab, clang-tidy, the demonstration built from
-#          nothing, and the other Debian
+# Usage: tests/run.sh [--gate | --all]
+#           what a user runs: at most 8 minutes on two processors once the packages are installed
+#   --gate  what every change passes, at most 20 minutes: also the sanitizers, the player in node, and clang-tidy on the
+#           files that differ from the commit $FEELING_WIND_BASE, or else from the last tag
+#   --all   everything, at most 75 minutes: also the long tests, the player in a browser, other sanitizers, instruction
+#           sets and options, inputs that coverage guides, the virtual machine, the lab, clang-tidy on every file, the
+#           demonstration built from nothing, the Debian packages, the container and the other Debian
 #
-# Builds in build-tests/, and with --all in build-sanitized/ too.
+# Builds in build-tests/, build-sanitized/ and build-style/. A compiler cache is used if ccache is installed.
 
 source "$(dirname "$0")/../pipelines/common.sh"
-source "$(dirname "$0")/../pipelines/packages.sh"
+source "$(dirname "$0")/packages.sh"
 
-all=no
+size=quick
 case ${1:-} in
 '') ;;
---all) all=yes ;;
+--gate) size=gate ;;
+--all) size=all ;;
 --help | -h) show_help && exit ;;
 *) fail "unknown option '$1'; see --help" ;;
 esac
 
 cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
+# A checkout has new files of known content, and precompiled headers.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,pch_defines,time_macros}
 scratch=$(mktemp -d)
 results=$scratch/results # the lines that summary.py counts
 outputs=$scratch/outputs # what each failed test printed
 mkdir "$outputs"
 : >"$results"
+background= # a process group
 
 # `record OUTCOME NAME SECONDS REASON`
 record() {
@@ -37,10 +44,12 @@ record() {
 
 # However the script ends, the closing line is printed, and an early end counts as a failure.
 finish() {
+  trap - EXIT
   [ "$1" = 0 ] || record failed "tests/run.sh" 0 "it ended early with status $1"
+  [ -z "$background" ] || kill -- "-$background" 2>/dev/null || true
   local status=0
   if command -v python3 >/dev/null; then
-    python3 tests/summary.py close "$results" "$outputs" || status=1
+    python3 tests/summary.py close "$size" "$results" "$outputs" || status=1
   else
     echo "0 passed, 1 failed, 0 skipped"
     status=1
@@ -49,6 +58,8 @@ finish() {
   exit "$status"
 }
 trap 'finish $?' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 
 step() {
   printf '\n== %s\n' "$*"
@@ -74,51 +85,56 @@ check() {
 
 set_up() {
   step "Packages"
-  install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" \
-    "${test_packages[@]}" "${vm_packages[@]}"
+  install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${test_packages[@]}"
   echo "tree.avi: $(tree_video)"
   echo "aloe: $(opencv_file aloeGT.png)"
-  [ "$all" = no ] || set_up_web
-}
-
-# Without them the tests of the player in a browser and of a packaged film on a server are skipped.
-set_up_web() {
+  [ "$size" = all ] || return 0
+  # The tests that need these are skipped without them.
+  (install_packages "${vm_packages[@]}") || true
   (install_packages "${browser_packages[@]}" && install_npm && pipelines/web/fetch.sh --tests) || true
   (install_packages "${server_packages[@]}") || true
   (install_packages "${engine_packages[@]}") || true
 }
 
-# `build_in FOLDER MESON-OPTION...`
-build_in() {
-  local folder=$1 log=$1/build.log
+# `configure FOLDER MESON-OPTION...`
+configure() {
+  local folder=$1 again=()
   shift
+  [ ! -f "$folder/build.ninja" ] || again=(--reconfigure)
   mkdir -p "$folder"
-  if [ -f "$folder/build.ninja" ]; then
-    set -- --reconfigure "$@"
-  fi
-  if ! meson setup "$folder" "$@" >"$log" 2>&1 || ! meson compile -C "$folder" >>"$log" 2>&1; then
-    # Other commands were still running when one failed: its message is not the last.
-    grep -A 30 '^FAILED:' "$log" || tail -n 40 "$log"
-    return 1
-  fi
+  meson setup "$folder" "${again[@]}" -Dtests=enabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled -Ddebug=false \
+    "$@" >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log"; return 1; }
 }
+
+# `compile FOLDER TARGET...`
+compile() {
+  local folder=$1
+  shift
+  # Other commands were still running when one failed: its message is not the last.
+  ninja -C "$folder" "$@" >>"$folder/build.log" 2>&1 ||
+    { grep -A 30 '^FAILED:' "$folder/build.log" || tail -n 40 "$folder/build.log"; return 1; }
+}
+
+# A sixth of the headers are read if the sources of a library are compiled six at a time. (Meson 1.0 takes a multiple of
+# that number for one file more, which is not there. No library that another one takes whole has 6 or 12 files.)
+unity=(-Dunity=on -Dunity_size=6)
 
 # The lab and the benchmarks, which only --all needs, are a fifth of the whole build.
 build_plain() {
   local lab=disabled
-  [ "$all" = no ] || lab=enabled
-  build_in build-tests -Dwerror=true -Ddebug=false -Dtests=enabled -Dbenchmarks=$lab \
-    -Ddocumentation-uri="file://$root/build-site" -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
+  [ "$size" != all ] || lab=enabled
+  configure build-tests -Dwerror=true "${unity[@]}" -Dbenchmarks=$lab \
+    -Ddocumentation-uri="file://$root/build-site" && compile build-tests
 }
 
-# Without precompiled headers, which hide a missing #include. Less optimised, which halves the time to compile.
+# Less optimised, which halves the time to compile. Only what its tests need.
+sanitized_suites=(--suite unit --suite elements --suite faults --suite usb --suite fuzz --no-suite realtime)
 build_sanitized() {
-  build_in build-sanitized -Db_sanitize=address,undefined -Db_lundef=false -Db_pch=false \
-    -Doptimization=1 -Ddebug=false \
-    -Dtests=enabled -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled
+  configure build-sanitized "${unity[@]}" -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 \
+    -Dbenchmarks=disabled -Dview=disabled && compile build-sanitized tested-elements
 }
 
-# With the processor time that the tests leave, most of which wait for real time.
+# With the processor time that the tests leave.
 in_idle_time() {
   chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
   "$@"
@@ -134,36 +150,56 @@ repetitions=(
   'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
   '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*'
 )
-# `run_meson_tests PREFIX FOLDER OPTION...` records each test of a build folder. Twice as many at once as there
-# are processors, since most wait for real time; the few that failed once more, alone. The time limits are meant for a
-# machine with other work.
-run_meson_tests() {
-  local prefix=$1 folder=$2 log=$2/meson-logs/testlog.json status=0 again=()
-  shift 2
-  rm -f "${log%.json}"*.json
-  set -- meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
-  "$@" --num-processes $((2 * $(nproc))) </dev/null || status=$?
-  mapfile -t again < <(python3 tests/summary.py failed "$log")
-  if [ ${#again[@]} -gt 0 ]; then
-    step "Alone: ${again[*]}"
-    # Its status is the number of failed tests, if nothing else went wrong.
-    "$@" --num-processes 1 --logbase testlog-alone "${again[@]}" </dev/null && status=$((status - ${#again[@]}))
-  fi
-  python3 tests/summary.py collect "$prefix" "$log" "$outputs" >"$scratch/collected" || status=1
-  cat "$scratch/collected" >>"$results"
-  # A run that went wrong without a failed test is a failure too.
-  if [ "$status" != 0 ] && ! grep -q ^failed "$scratch/collected"; then
-    record failed "${prefix}meson test" 0 "exit status $status"
-  fi
+
+# Seconds of processor time that the commands so far have used.
+processor_time() {
+  times | awk 'NR == 2 { gsub("s", ""); split($1 "m" $2, part, "m"); printf "%d", part[1] * 60 + part[2] + part[3] * 60 + part[4] }'
 }
 
-run_plain_tests() {
-  step "Tests"
-  if [ "$all" = yes ]; then
-    run_meson_tests '' build-tests --timeout-multiplier 3
-  else
-    run_meson_tests '' build-tests --timeout-multiplier 3 --no-suite hil --no-suite long
+# `run_meson_tests PREFIX FOLDER PROCESSES OPTION...` records each test of a build folder, so many at once. Each case and
+# each script that failed is repeated alone. The time limits are meant for a machine with other work.
+run_meson_tests() {
+  local prefix=$1 folder=$2 processes=$3 logs=$2/meson-logs status=0 start=$SECONDS used name case
+  shift 3
+  used=$(processor_time)
+  rm -f "$logs"/testlog*.json "$logs/alone"
+  set -- meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
+  "$@" --num-processes "$processes" </dev/null || status=$?
+  # Its status is the number of failed tests, if nothing else went wrong.
+  while IFS=$'\t' read -r name case; do
+    step "Alone: $name $case"
+    if "$@" --num-processes 1 --logbase testlog-alone ${case:+"--test-args=--gtest_filter=$case"} "$name" </dev/null; then
+      printf '%s\t%s\n' "$name" "$case" >>"$logs/alone"
+    fi
+  done < <(python3 tests/summary.py failed "$logs/testlog.json")
+  python3 tests/summary.py collect "$prefix" "$logs" "$outputs" >"$scratch/collected" || status=1
+  cat "$scratch/collected" >>"$results"
+  # A run that went wrong without a failed test is a failure too.
+  if [ ! -s "$scratch/collected" ]; then
+    record failed "${prefix}meson test" 0 "exit status $status"
   fi
+  record waited "$prefix$folder" $((processes * (SECONDS - start) - $(processor_time) + used)) ''
+}
+
+# Most of them need the processor all the time. Those of real time one at a time, so that they are not late.
+run_plain_tests() {
+  local player=()
+  [ "$size" != quick ] || player=(--no-suite web)
+  step "Tests"
+  run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 --no-suite realtime --no-suite hil --no-suite long \
+    --no-suite lab "${player[@]}"
+  step "Tests in real time"
+  run_meson_tests '' build-tests 1 --timeout-multiplier 10 --suite realtime --no-suite long
+}
+
+# The films and programs of these wait.
+run_long_tests() {
+  step "Long tests"
+  run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 5 --suite long
+  step "The virtual machine"
+  run_meson_tests '' build-tests 1 --timeout-multiplier 3 --suite hil
+  step "The lab"
+  run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 --suite lab
 }
 
 # Whether LeakSanitizer works here: some containers forbid what it needs.
@@ -186,8 +222,7 @@ run_sanitized_tests() {
     LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
     GTEST_FILTER="-$(IFS=: && echo "${repetitions[*]}")" \
-    run_meson_tests 'sanitized ' build-sanitized --suite unit --suite elements --suite faults --suite usb \
-    --suite fuzz --timeout-multiplier 10
+    run_meson_tests 'sanitized ' build-sanitized "$(nproc)" "${sanitized_suites[@]}" --timeout-multiplier 10
 }
 
 check_format() {
@@ -195,20 +230,16 @@ check_format() {
     xargs -0 clang-format --dry-run --Werror
 }
 
-# With the commands of the sanitized build: clang cannot read GCC's precompiled headers. Each file once, also if several
-# programs have it.
+# Of a build of its own, which is only configured: clang cannot read GCC's precompiled headers.
 check_style() {
-  mkdir -p build-sanitized/clang-tidy
-  python3 -c 'import json, sys
-json.dump(list({command["file"]: command for command in json.load(sys.stdin)}.values()), sys.stdout)' \
-    <build-sanitized/compile_commands.json >build-sanitized/clang-tidy/compile_commands.json || return 1
-  run-clang-tidy -p build-sanitized/clang-tidy -quiet -j "$(nproc)" "$root/(gst-plugins|pipelines|spidar)/" >build-sanitized/clang-tidy.log 2>&1 ||
-    { grep -E -A 5 'warning:|error:' build-sanitized/clang-tidy.log; return 1; }
+  local base=
+  [ "$size" = all ] || base=${FEELING_WIND_BASE-$(git describe --tags --abbrev=0 2>/dev/null)}
+  configure build-style -Dunity=off -Db_pch=false -Dbenchmarks=disabled && python3 tests/style.py build-style "$base"
 }
 
 check_scripts() {
   find pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
-    xargs -0 shellcheck -x -P SCRIPTDIR
+    xargs -0 shellcheck -x -P SCRIPTDIR:.
 }
 
 # In a copy without a build folder; the moving picture of the README too.
@@ -220,44 +251,31 @@ check_demonstration() {
     "$copy/pipelines/moving-picture.sh" "$copy/moving.webp"
 }
 
-# What needs only processor time, beside the tests that wait.
+# Packages of both Debians and the container need processor time and the network, while the long tests wait.
 check_in_background() {
-  if check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized; then
-    check "clang-tidy finds nothing" check_style || true
-  fi
   check "It builds on the other Debian" tests/other-debian.sh --part build || true
   check "The image of haptic-track authors a film" tests/container.sh || true
-}
-
-sanitized_build_ended() {
-  cut -f 2 "$results" | grep -q AddressSanitizer
 }
 
 set_up
 check "Every script passes shellcheck" check_scripts || true
 check "The source is formatted with clang-format" check_format || true
+check "Everything builds without a warning" build_plain || exit 0
+run_plain_tests
+[ "$size" != quick ] || exit 0
+
+! check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized || run_sanitized_tests
+check "clang-tidy finds nothing" check_style || true
+[ "$size" = all ] || exit 0
+
+set -m # the background gets a process group, which ends with this script
+in_idle_time check_in_background >build-tests/background.log 2>&1 &
+background=$!
+set +m
+run_long_tests
+check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
+check "The demonstration runs as a user starts it" check_demonstration || true
+wait "$background" || true
 background=
-if check "Everything builds without a warning" build_plain; then
-  if [ "$all" = yes ]; then
-    in_idle_time check_in_background >build-tests/background.log 2>&1 &
-    background=$!
-  fi
-  run_plain_tests
-fi
-if [ -n "$background" ]; then
-  until sanitized_build_ended || ! kill -0 "$background" 2>/dev/null; do
-    sleep 1
-  done
-  if grep -q '^passed.*AddressSanitizer' "$results"; then
-    run_sanitized_tests
-  fi
-fi
-if [ "$all" = yes ]; then
-  check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
-  check "The demonstration runs as a user starts it" check_demonstration || true
-fi
-if [ -n "$background" ]; then
-  wait "$background" || true
-  cat build-tests/background.log
-  check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true
-fi
+cat build-tests/background.log
+check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true

@@ -14,7 +14,7 @@
 # The kernel's package is fetched once and unpacked in build-data/vm, not installed.
 
 source "$(dirname "$0")/../../pipelines/common.sh"
-source "$(dirname "$0")/../../pipelines/packages.sh"
+source "$(dirname "$0")/../../tests/packages.sh"
 
 skip() {
   echo "SKIPPED: $*"

@@ -14,7 +14,7 @@
 #                    charts and the results page are copied to docs/
 
 source "$(dirname "$0")/../../pipelines/common.sh"
-source "$(dirname "$0")/../../pipelines/packages.sh"
+source "$(dirname "$0")/../../tests/packages.sh"
 here=$root/tests/lab
 
 # Absolute, since the lab may be started from any folder.
