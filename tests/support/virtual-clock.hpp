@@ -26,6 +26,9 @@ using namespace std::chrono_literals;
 
 class VirtualClock : public haptic::LoopClock {
 public:
+  VirtualClock() = default;
+  virtual ~VirtualClock() = default;
+
   std::int64_t now() const noexcept override { return now_; }
   std::int64_t boot_time() const noexcept override { return now_ + asleep_; }
   void sleep_until(std::int64_t when) noexcept override { sleep({.when = when, .is_loop = true}); }
@@ -73,8 +76,6 @@ public:
   void suspend(std::chrono::nanoseconds duration) { asleep_ += duration.count(); }
 
 protected:
-  ~VirtualClock() = default;
-
   // Of threads that wait in another way than by this clock.
 
   /// When the first of them is due, ns.
