@@ -18,20 +18,20 @@
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
 #include "haptic-session.hpp"
+#include "loop-clock.hpp"
 #include "motion-field.hpp"
 #include "pointer-event.hpp"
 #include "relief-pad.hpp"
+#include "sink-clock.hpp"
 #include "sink-messages.hpp"
 #include "sink-properties.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
@@ -39,13 +39,14 @@ GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
 
 namespace {
 
-using namespace std::chrono_literals;
 using haptic::guarded;
 using haptic::ObjectLock;
 using haptic::SinkSettings;
 
-constexpr auto kEndFade = 150ms;         // the fade at the end of the stream, and some ticks
-constexpr auto kLongestHandler = 1000ms; // that the end of the stream waits for
+constexpr std::int64_t kMs = 1'000'000;              // ns
+constexpr std::int64_t kEndFade = 150 * kMs;         // at the end of the stream, and some ticks
+constexpr std::int64_t kLongestHandler = 1000 * kMs; // that the end of the stream waits for
+constexpr std::int64_t kLookAtEnd = 2 * kMs;         // between two looks while it waits
 
 enum class Liveness { unknown, live, not_live };
 
@@ -180,7 +181,7 @@ void Client::on_session_changed(const haptic::SessionStatus &status) {
 }
 
 std::optional<haptic::ClockReading> Client::read_clocks() {
-  return haptic::read_clocks(GST_ELEMENT(self_));
+  return haptic::read_clocks(GST_ELEMENT(self_), self_->state->session.clock());
 }
 
 // ---- when a sample is felt ----------------------------------------------------------------------
@@ -445,15 +446,15 @@ gboolean send_event(GstElement *element, GstEvent *event) {
   return handled;
 }
 
-// Waits until the condition holds, for at most `limit`, without the preroll lock, which every state
-// change needs. PAUSED suspends the wait, a flush or READY ends it.
+// Waits until the condition holds, for at most `limit` ns, without the preroll lock, which every
+// state change needs. PAUSED suspends the wait, a flush or READY ends it.
 template <typename Condition>
-GstFlowReturn wait_at_end(GstBaseSink *sink, std::chrono::milliseconds limit,
-                          const Condition &condition) {
-  const auto deadline = std::chrono::steady_clock::now() + limit;
-  while (!condition() && std::chrono::steady_clock::now() < deadline) {
+GstFlowReturn wait_at_end(GstBaseSink *sink, std::int64_t limit, const Condition &condition) {
+  haptic::LoopClock &clock = state_of(sink).session.clock();
+  const std::int64_t deadline = clock.now() + limit;
+  while (!condition() && clock.now() < deadline) {
     GST_BASE_SINK_PREROLL_UNLOCK(sink);
-    std::this_thread::sleep_for(2ms);
+    clock.wait_until(clock.now() + kLookAtEnd);
     GST_BASE_SINK_PREROLL_LOCK(sink);
     if (sink->flushing)
       return GST_FLOW_FLUSHING;
@@ -649,6 +650,10 @@ void install_sink_functions(GstBaseSinkClass *klass) {
 }
 
 } // namespace
+
+void haptic::set_clock(GstHapticSink *sink, LoopClock &clock) {
+  sink->state->session.set_clock(clock);
+}
 
 static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);

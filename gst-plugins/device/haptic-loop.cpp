@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <ctime>
 #include <Eigen/Geometry>
 #include <limits>
 #include <pthread.h>
@@ -41,12 +40,6 @@ void raise(std::atomic<T> &maximum, T value) noexcept {
     maximum.store(value, std::memory_order_relaxed);
 }
 
-void sleep_until(std::int64_t when) noexcept {
-  const timespec at{.tv_sec = when / kSecond, .tv_nsec = when % kSecond};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
-  }
-}
-
 double seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) / static_cast<double>(kSecond);
 }
@@ -77,13 +70,6 @@ int request_real_time_priority() noexcept {
   // At normal priority the kernel delays a wake-up by up to 50 us to save power by default.
   prctl(PR_SET_TIMERSLACK, 1UL);
   return error;
-}
-
-// The monotonic clock with the time that the machine slept, ns.
-std::int64_t boot_time() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  return now.tv_sec * kSecond + now.tv_nsec;
 }
 
 } // namespace
@@ -139,16 +125,17 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
   run_.memory_error = lock_memory(*this);
   run_.priority_error = request_real_time_priority();
 
-  std::int64_t next = monotonic_now() + run_.period;
+  LoopClock &clock = *run_.environment.clock;
+  std::int64_t next = clock.now() + run_.period;
   while (!self.stop_requested()) {
-    sleep_until(next);
-    const std::int64_t now = monotonic_now();
-    if (run_.suspend.has_slept(now, boot_time())) {
+    clock.sleep_until(next);
+    const std::int64_t now = clock.now();
+    if (run_.suspend.has_slept(now, clock.boot_time())) {
       hold(kHoldSuspended);
       add<std::uint64_t>(run_.statistics.suspends);
     }
     tick(next, now);
-    run_.statistics.body.record(monotonic_now() - now);
+    run_.statistics.body.record(clock.now() - now);
     next += run_.period;
     if (now > next) // skip the periods that are past rather than run them in a burst
       next += (now - next) / run_.period * run_.period;
@@ -156,8 +143,8 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
 
   if (spidar::HapticDevice *device = run_.environment.device) {
     device->rest(); // else the guardian misses the ticks that no longer come
-    device->exchange(monotonic_now());
-    device->exchange(monotonic_now());
+    device->exchange(clock.now());
+    device->exchange(clock.now());
   }
   run_.silent = true;
   run_.tick_holds = 0;

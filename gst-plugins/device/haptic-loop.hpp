@@ -7,6 +7,7 @@
 #include "duration-histogram.hpp"
 #include "field-sampler.hpp"
 #include "force-law.hpp"
+#include "loop-clock.hpp"
 #include "motion-conditioning.hpp"
 #include "motion-interpolator.hpp"
 #include "newest-slot.hpp"
@@ -103,6 +104,7 @@ public:
     spidar::HapticDevice *device = nullptr; ///< null: no hand; outlives stop() or device_lost()
     bool lost = false;                      ///< it is null only until replace_device()
     TickLog *log = nullptr;                 ///< null: no log; outlives stop()
+    LoopClock *clock = &machine_clock();    ///< outlives the thread
     double rate = 1000;                     ///< Hz
     bool dead_man = false;                  ///< force only while a button of the grip is pressed
     std::function<void()> entered;          ///< called in the thread before the loop proper; it may

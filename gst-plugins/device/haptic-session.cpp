@@ -5,7 +5,6 @@
 #include "messages.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -13,13 +12,13 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000; // ns
-constexpr auto kPointerPeriod = std::chrono::milliseconds(10);
+constexpr std::int64_t kPointerPeriod = 10 * kMs;
 constexpr std::int64_t kClockPeriod = 100 * kMs;
 constexpr std::int64_t kTrackerGrace = 1000 * kMs;
 constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled with each attempt
 constexpr std::int64_t kLastReopening = 500 * kMs;
 
-constexpr auto kLongestFade = std::chrono::milliseconds(500); // before a sleep
+constexpr std::int64_t kLongestFade = 500 * kMs; // before a sleep
 
 // The faults that are reported whenever their counter has changed.
 struct FaultReport {
@@ -119,7 +118,7 @@ bool HapticSession::open_log(const std::string &path) {
   if (path.empty())
     return true;
   try {
-    log_ = std::make_unique<TickLog>(path);
+    log_ = std::make_unique<TickLog>(path, *clock_);
   } catch (const std::system_error &error) {
     client_.on_notice(
         {Severity::error, NoticeCause::open_log,
@@ -147,12 +146,13 @@ bool HapticSession::prepare(const RunSettings &settings) {
   environment.device = device_.get();
   environment.lost = !device_ && opened_as_.device != "none"; // in a run before this one
   environment.log = log_.get();
+  environment.clock = clock_;
   environment.rate = opened_as_.rate;
   environment.dead_man = opened_as_.dead_man == DeadMan::button;
   environment.entered = settings.entered;
   environment.keeper = settings.keeper;
   loop_.prepare(std::move(environment));
-  loop_.set_running_time(monotonic_now(), 0); // until the client has a clock
+  loop_.set_running_time(clock_->now(), 0); // until the client has a clock
   return true;
 }
 
@@ -184,7 +184,7 @@ void HapticSession::accept(std::span<const std::uint8_t> bytes, bool gap,
                            const Presentation &presentation) {
   SampleIntake::Result result = run_.intake.accept(bytes, gap, presentation);
   if (result.motion)
-    loop_.submit(*std::move(result.motion));
+    loop_.submit(*std::move(result.motion), clock_->now());
   if (result.damaged && !std::exchange(run_.damage_reported, true))
     client_.on_notice({Severity::warning, NoticeCause::format, messages::kSampleDamaged,
                        std::to_string(bytes.size()) + " bytes"});
@@ -201,14 +201,14 @@ void HapticSession::accept_relief(std::span<const std::uint8_t> bytes, bool gap,
 }
 
 void HapticSession::accept_gap(std::int64_t time) noexcept {
-  loop_.submit(run_.intake.accept_gap(time));
+  loop_.submit(run_.intake.accept_gap(time), clock_->now());
 }
 
 // ---- pointer thread -----------------------------------------------------------------------------
 
 void HapticSession::run_rounds(CallbackThread::Self &self) {
   while (!self.stop_requested()) {
-    const std::int64_t now = monotonic_now();
+    const std::int64_t now = clock_->now();
     if (const auto point = work(now)) {
       bool handled = false;
       if (!self.call_out(
@@ -216,8 +216,7 @@ void HapticSession::run_rounds(CallbackThread::Self &self) {
         return;
       report_tracker(handled, now);
     }
-    std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, self.stop_token(), kPointerPeriod, [] { return false; });
+    clock_->wait_until(clock_->now() + kPointerPeriod, self.stop_token());
   }
 }
 
@@ -358,11 +357,11 @@ void HapticSession::report_log() {
 void HapticSession::on_sleep() {
   loop_.hold(kHoldSuspended);
   client_.on_notice({Severity::info, NoticeCause::failed, messages::kAboutToSleep, {}});
-  const auto deadline = std::chrono::steady_clock::now() + kLongestFade;
-  while (!loop_.silent() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const std::int64_t deadline = clock_->now() + kLongestFade;
+  while (!loop_.silent() && clock_->now() < deadline)
+    clock_->wait_until(clock_->now() + kMs);
   // The next exchange sends what the last tick has computed.
-  std::this_thread::sleep_for(std::chrono::nanoseconds(3000 * kMs / opened_as_.rate));
+  clock_->wait_until(clock_->now() + 3000 * kMs / opened_as_.rate);
 }
 
 // ---- opening a lost device again ----------------------------------------------------------------

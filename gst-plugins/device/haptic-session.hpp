@@ -7,6 +7,7 @@
 #include "callback-thread.hpp"
 #include "device-choice.hpp"
 #include "haptic-loop.hpp"
+#include "loop-clock.hpp"
 #include "pointer-mapping.hpp"
 #include "relief-intake.hpp"
 #include "sample-intake.hpp"
@@ -14,11 +15,9 @@
 #include "system-services.hpp"
 
 #include <array>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <spidar/error.hpp>
@@ -79,6 +78,10 @@ class HapticSession {
 public:
   /// `client` outlives the session.
   explicit HapticSession(SessionClient &client, DeviceOpener opener = {});
+
+  /// Before any other call. `clock` outlives the session; the machine's otherwise.
+  void set_clock(LoopClock &clock) noexcept { clock_ = &clock; }
+  LoopClock &clock() const noexcept { return *clock_; }
 
   // The thread that changes the state, in this order.
 
@@ -149,7 +152,7 @@ public:
   }
   bool is_paused() const noexcept { return loop_.holds() & kHoldPaused; }
   /// ns, now.
-  std::int64_t running_time() const noexcept { return loop_.running_time(monotonic_now()); }
+  std::int64_t running_time() const noexcept { return loop_.running_time(clock_->now()); }
 
   // Pointer thread.
 
@@ -220,6 +223,7 @@ private:
 
   SessionClient &client_;
   DeviceOpener opener_;
+  LoopClock *clock_ = &machine_clock();
 
   // The thread that changes the state; the pointer thread while it runs and the loop has lost the
   // device.
@@ -232,9 +236,6 @@ private:
   ReliefPool relief_pool_;
   Run run_;
   HapticLoop loop_; // its members have their threads
-
-  std::mutex mutex_; // only to sleep on
-  std::condition_variable_any wake_;
 
   std::unique_ptr<SystemServices> services_; // last: its thread ends before what it uses
 };

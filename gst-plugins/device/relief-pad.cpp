@@ -4,17 +4,16 @@
 #include "exception-barrier.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 namespace haptic {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(5); // at the clock, while it waits
+constexpr std::int64_t kLook = 5'000'000;            // ns, between two looks at the clock
 constexpr std::uint64_t kLongestAhead = 750'000'000; // ns, as SampleIntake
 constexpr double kAheadIntervals = 1.5;
 
@@ -24,6 +23,7 @@ public:
   ReliefPad(HapticSession &session, PresentationTime time)
       : session_(session), time_(std::move(time)) {
     gst_segment_init(&segment_, GST_FORMAT_TIME);
+    flush_.request_stop(); // until activated
   }
 
   GstFlowReturn chain(GstBuffer *buffer) {
@@ -63,8 +63,10 @@ public:
 
   void set_flushing(bool flushing) {
     const std::lock_guard lock(mutex_);
-    flushing_ = flushing;
-    wake_.notify_all();
+    if (flushing)
+      flush_.request_stop();
+    else
+      flush_ = {};
   }
 
 private:
@@ -90,18 +92,23 @@ private:
 
   // Returns false if the pad is flushing.
   bool wait_until(std::int64_t running) {
-    std::unique_lock lock(mutex_);
-    while (!flushing_ && (session_.is_paused() || session_.running_time() < running))
-      wake_.wait_for(lock, kLook);
-    return !flushing_;
+    const std::stop_token flush = flushing();
+    LoopClock &clock = session_.clock();
+    while (!flush.stop_requested() && (session_.is_paused() || session_.running_time() < running))
+      clock.wait_until(clock.now() + kLook, flush);
+    return !flush.stop_requested();
+  }
+
+  std::stop_token flushing() {
+    const std::lock_guard lock(mutex_);
+    return flush_.get_token();
   }
 
   HapticSession &session_;
   PresentationTime time_;
   GstSegment segment_{}; // streaming thread
   std::mutex mutex_;
-  std::condition_variable wake_;
-  bool flushing_ = true; // mutex_; until activated
+  std::stop_source flush_; // mutex_; the pad is flushing if its stop is requested
 };
 
 ReliefPad &relief_of(GstPad *pad) {

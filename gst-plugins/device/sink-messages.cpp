@@ -117,7 +117,7 @@ StructurePtr make_stats(const HapticSession &session) {
 }
 
 // Of a few readings the least disturbed one: the thread may be preempted between the two clocks.
-std::optional<ClockReading> read_clocks(GstElement *element) {
+std::optional<ClockReading> read_clocks(GstElement *element, const LoopClock &monotonic) {
   constexpr int kReadings = 5;
   GstClock *clock = gst_element_get_clock(element);
   if (!clock)
@@ -126,9 +126,9 @@ std::optional<ClockReading> read_clocks(GstElement *element) {
   std::optional<ClockReading> best;
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < kReadings; ++i) {
-    const std::int64_t before = monotonic_now();
+    const std::int64_t before = monotonic.now();
     const GstClockTime time = gst_clock_get_time(clock);
-    const std::int64_t duration = monotonic_now() - before;
+    const std::int64_t duration = monotonic.now() - before;
     if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(base) || duration >= least)
       continue;
     least = duration;

@@ -24,7 +24,7 @@ void post_stats(GstElement *element, const HapticSession &session);
 /// Returns the structure of the property `stats`.
 StructurePtr make_stats(const HapticSession &session);
 
-/// Returns the monotonic clock and the running time, or nothing without a clock.
-std::optional<ClockReading> read_clocks(GstElement *element);
+/// Returns the time of `monotonic` and the running time, or nothing if the element has no clock.
+std::optional<ClockReading> read_clocks(GstElement *element, const LoopClock &monotonic);
 
 } // namespace haptic

@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <new>
 #include <system_error>
@@ -11,9 +10,7 @@
 namespace haptic {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto kDrainEvery = 20ms;
+constexpr std::int64_t kDrainEvery = 20'000'000; // ns
 constexpr int kDigits = 9;
 
 void append_number(std::string &text, double value) {
@@ -55,7 +52,8 @@ void append_row(std::string &text, const TickRow &row) {
   text += '\n';
 }
 
-TickLog::TickLog(const std::string &path) : file_(std::fopen(path.c_str(), "we")), rows_(kRows) {
+TickLog::TickLog(const std::string &path, LoopClock &clock)
+    : file_(std::fopen(path.c_str(), "we")), rows_(kRows), clock_(clock) {
   if (!file_)
     throw std::system_error(errno, std::generic_category(), path);
   put(std::string(kTickLogHeader) + '\n');
@@ -79,10 +77,7 @@ bool TickLog::write(const TickRow &row) noexcept {
 void TickLog::run(const std::stop_token &stop) try {
   std::string text;
   while (!stop.stop_requested()) {
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, stop, kDrainEvery, [] { return false; });
-    }
+    clock_.wait_until(clock_.now() + kDrainEvery, stop);
     drain(text);
   }
   drain(text);

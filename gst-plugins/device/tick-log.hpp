@@ -2,13 +2,13 @@
 // The CSV log: rows come from the real-time thread, a thread of normal priority writes them.
 #pragma once
 
+#include "loop-clock.hpp"
+
 #include <array>
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -48,8 +48,8 @@ void append_row(std::string &text, const TickRow &row);
 
 class TickLog {
 public:
-  /// Creates the file and writes the header. Throws std::system_error.
-  explicit TickLog(const std::string &path);
+  /// Creates the file and writes the header. `clock` outlives the log. Throws std::system_error.
+  explicit TickLog(const std::string &path, LoopClock &clock = machine_clock());
   /// Writes the rows that are left and closes the file.
   ~TickLog();
   TickLog(const TickLog &) = delete;
@@ -79,8 +79,7 @@ private:
   alignas(64) std::atomic<std::size_t> written_ = 0; // rows ever put in, by write()
   alignas(64) std::atomic<std::size_t> read_ = 0;    // rows ever taken out, by the writer thread
   std::atomic<int> error_ = 0;
-  std::mutex mutex_; // only to sleep on
-  std::condition_variable_any wake_;
+  LoopClock &clock_;
   std::jthread thread_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink plays motion fields; what the hand felt is read from its log.
-#include "hapticsink-fixture.hpp"
+#include "virtual-sink.hpp"
 
 #include "motion-field.hpp"
 
@@ -32,7 +32,7 @@ GstBuffer *packed(const haptic::MotionField &field, GstClockTime pts) {
   return test::packed(bytes, pts);
 }
 
-class HapticSinkField : public HapticSink {
+class HapticSinkField : public VirtualSink {
 protected:
   void build_for_fields(const std::string &properties) {
     build_logging(properties);
@@ -165,7 +165,7 @@ TEST_F(HapticSinkField, DamagedFieldsAreNeverAForceAndAreWarnedOfOnce) {
   set(GST_STATE_PLAYING);
   EXPECT_TRUE(message(GST_MESSAGE_WARNING));
   wait_for_end();
-  EXPECT_FALSE(message(GST_MESSAGE_WARNING, 0));
+  EXPECT_FALSE(message(GST_MESSAGE_WARNING, false));
   EXPECT_EQ(count("bad-samples"), 12U);
   for (const Row &row : stop_and_read_log())
     ASSERT_EQ(row.force(), 0);
@@ -175,7 +175,7 @@ TEST_F(HapticSinkField, AFlushIsSilentAndThenItGoesOn) {
   build_for_fields("sim-hand=hold:0.5,0,0");
   push_fields(apart(), 3);
   set(GST_STATE_PLAYING);
-  ASSERT_TRUE(eventually([&] { return count("samples") >= 15; }));
+  ASSERT_TRUE(advance_until([&] { return count("samples") >= 15; }));
   flush();
   const auto rows = stop_and_read_log();
   EXPECT_EQ(rows.back().force(), 0);

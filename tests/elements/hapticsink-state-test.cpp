@@ -126,10 +126,10 @@ private:
   void make() {
     if (begun.exchange(true))
       return;
-    for (int i = 0; meanwhile_ && !stopping && i < 1000; ++i)
-      std::this_thread::sleep_for(5ms);
-    if (meanwhile_)
+    if (meanwhile_) {
+      stopping.wait(false);
       std::this_thread::sleep_for(20ms); // that thread is in the state change now
+    }
     gst_element_set_state(pipeline_, state_);
     done = true;
   }
@@ -216,6 +216,7 @@ protected:
     EXPECT_TRUE(eventually([&] { return change.begun.load(); }));
     if (meanwhile) {
       change.stopping = true;
+      change.stopping.notify_all();
       gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     }
     EXPECT_TRUE(eventually([&] { return change.done.load(); }));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticsink plays reliefs; what the hand touched is read from its log.
-#include "hapticsink-fixture.hpp"
+#include "virtual-sink.hpp"
 
 #include "relief-field.hpp"
 
@@ -28,7 +28,7 @@ GstBuffer *packed(const haptic::ReliefField &relief, GstClockTime pts) {
   return test::packed(bytes, pts);
 }
 
-class HapticSinkTouch : public HapticSink {
+class HapticSinkTouch : public VirtualSink {
 protected:
   void set_caps(const char *text) {
     const haptic::CapsPtr caps(gst_caps_from_string(text));
@@ -110,7 +110,7 @@ TEST_F(HapticSinkTouch, ADamagedReliefIsSilenceAndOneWarning) {
   ASSERT_TRUE(warning);
   wait_for_end();
   EXPECT_EQ(count("bad-reliefs"), 12U);
-  EXPECT_EQ(message(GST_MESSAGE_WARNING, 0), nullptr);
+  EXPECT_EQ(message(GST_MESSAGE_WARNING, false), nullptr);
   for (const Row &row : stop_and_read_log())
     ASSERT_EQ(row.force(), 0);
 }
@@ -120,10 +120,8 @@ TEST_F(HapticSinkTouch, StopsWhileReliefsWait) {
   add_relief_source();
   push_motion(100, 0, 0.3);
   push_beside(plane(), 30);
-  ASSERT_NE(gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
-  ASSERT_EQ(gst_element_get_state(pipeline_.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE),
-            GST_STATE_CHANGE_SUCCESS);
-  EXPECT_EQ(gst_element_set_state(pipeline_.get(), GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
+  wait_for(GST_STATE_PAUSED);
+  EXPECT_EQ(change(pipeline_.get(), GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
 }
 
 // The pad `relief`, fed by the test itself, so that events come where they are meant to.
@@ -209,7 +207,7 @@ TEST_F(HapticSinkTouch, AFlushOfTheReliefsAloneDiscardsThem) {
   haptic::ReliefField slow = plane();
   slow.interval = GST_SECOND;
   ASSERT_EQ(relief.push(slow, 0), GST_FLOW_OK);
-  EXPECT_TRUE(eventually([&] { return newest_row() && newest_row()->fz > 0.3; }));
+  EXPECT_TRUE(advance_until([&] { return newest_row() && newest_row()->fz > 0.3; }));
   relief.flush();
   play_to_end();
   const auto rows = stop_and_read_log();
@@ -267,10 +265,10 @@ TEST_F(HapticSinkTouch, ThePadIsReleasedWhileAReliefWaitsInIt) {
       for (GstClockTime pts = 0; relief.push(plane(), pts) == GST_FLOW_OK; pts += GST_SECOND) {
       }
     });
-    std::this_thread::sleep_for(std::chrono::milliseconds(n % 7));
+    advance(std::chrono::milliseconds(n % 7));
     relief.release();
   }
-  EXPECT_EQ(gst_element_set_state(pipeline_.get(), GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
+  EXPECT_EQ(change(pipeline_.get(), GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
 }
 
 TEST_F(HapticSinkTouch, AFilmThatLosesItsDepthInTheMiddleIsFeltBeforeAndAfter) {
@@ -305,7 +303,7 @@ TEST_F(HapticSinkTouch, DiscontinuitiesAndCutsKeepTheSlewRate) {
 }
 
 // Motion and reliefs of one film, or reliefs alone.
-class HapticSinkSeeks : public HapticSink, public ::testing::WithParamInterface<bool> {
+class HapticSinkSeeks : public VirtualSink, public ::testing::WithParamInterface<bool> {
 protected:
   static constexpr const char *kDepth = "depthfield kind=disparity scale=255 near=1 far=255";
 
@@ -329,6 +327,7 @@ protected:
     pipeline_.reset(gst_parse_launch(line.c_str(), &error));
     ASSERT_EQ(error, nullptr) << error->message;
     sink_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "sink"));
+    set_clock(pipeline_.get());
   }
 };
 INSTANTIATE_TEST_SUITE_P(Touch, HapticSinkSeeks, testing::Bool(), [](const auto &of) {
@@ -345,11 +344,10 @@ TEST_P(HapticSinkSeeks, TwoHundredSeeksKeepTheSlewRate) {
     const auto to = static_cast<gint64>(random() % 20'000) * GST_MSECOND;
     ASSERT_TRUE(gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, to))
         << n;
-    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 30));
+    advance(std::chrono::milliseconds(random() % 30));
   }
-  ASSERT_EQ(gst_element_get_state(pipeline_.get(), nullptr, nullptr, 5 * GST_SECOND),
-            GST_STATE_CHANGE_SUCCESS);
-  EXPECT_TRUE(eventually([&] { return newest_row() && newest_row()->force() > 0.05; }));
+  wait_for_change();
+  EXPECT_TRUE(advance_until([&] { return newest_row() && newest_row()->force() > 0.05; }));
   expect_within_slew_rate(stop_and_read_log());
 }
 
@@ -360,9 +358,9 @@ TEST_P(HapticSinkSeeks, EveryChangeOfStateKeepsTheSlewRate) {
   for (const GstState state : {GST_STATE_PLAYING, GST_STATE_PAUSED, GST_STATE_PLAYING,
                                GST_STATE_READY, GST_STATE_PAUSED, GST_STATE_PLAYING}) {
     wait_for(state);
-    std::this_thread::sleep_for(150ms);
+    advance(150ms);
   }
-  EXPECT_TRUE(eventually([&] { return newest_row() && newest_row()->force() > 0.05; }));
+  EXPECT_TRUE(advance_until([&] { return newest_row() && newest_row()->force() > 0.05; }));
   expect_within_slew_rate(stop_and_read_log());
 }
 

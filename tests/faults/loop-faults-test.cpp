@@ -12,7 +12,6 @@
 
 namespace {
 
-using namespace std::chrono_literals;
 using haptic::MotionSample;
 using test::kMs;
 using test::moving;
@@ -273,77 +272,6 @@ TEST_F(Faults, F23_NoTickSeesHalfAChangeOfTheSettings) {
       ASSERT_TRUE(force() < 0.001 || std::abs(force() - 0.1) < 0.001) << force(); // 1 N: a mixture
     }
   }
-}
-
-// For ThreadSanitizer, too: every thread that the element has, at once.
-TEST_F(Faults, F23_AStormFromEveryThreadLeavesTheForceWithinItsLimitsAndItComesBack) {
-  loop_.start({.device = device_.get()});
-  loop_.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
-  {
-    std::jthread properties([&](const std::stop_token &stop) {
-      std::mt19937 random(1);
-      std::uniform_real_distribution<double> fraction(0, 1);
-      while (!stop.stop_requested()) {
-        haptic::LoopSettings settings;
-        settings.law = random() % haptic::force_laws().size();
-        settings.law_settings.max_force = 5 * fraction(random);
-        settings.law_settings.alpha = 10 * fraction(random);
-        settings.law_settings.gain_window = 0.1 + 600 * fraction(random);
-        settings.law_settings.max_push = 5 * fraction(random);
-        settings.smooth_hz = 500 * fraction(random);
-        settings.damping = 10 * fraction(random);
-        loop_.set_settings(settings);
-        std::this_thread::sleep_for(100us);
-      }
-    });
-    std::jthread streaming([&](const std::stop_token &stop) {
-      std::mt19937 random(2);
-      std::uniform_real_distribution<float> velocity(-1000, 1000);
-      while (!stop.stop_requested()) {
-        loop_.submit(moving(velocity(random), velocity(random)));
-        if (random() % 16 == 0)
-          loop_.submit_gap();
-        std::this_thread::sleep_for(1ms);
-      }
-    });
-    std::jthread application([&](const std::stop_token &stop) {
-      std::mt19937 random(3);
-      while (!stop.stop_requested()) {
-        const std::uint32_t hold = 1U << (random() % 6);
-        loop_.hold(hold);
-        loop_.drop_samples();
-        loop_.calibrate();
-        loop_.set_running_time(haptic::monotonic_now(), static_cast<std::int64_t>(random()) * kMs);
-        loop_.unhold(hold);
-        std::this_thread::sleep_for(2ms);
-      }
-    });
-    std::jthread pointer([&](const std::stop_token &stop) {
-      while (!stop.stop_requested()) {
-        loop_.hand();
-        loop_.statistics().body.percentile_us(0.99);
-        std::this_thread::sleep_for(500us);
-      }
-    });
-    std::this_thread::sleep_for(1s);
-  }
-  EXPECT_LE(force_max(), 5 + 1e-9);
-
-  // In the storm itself, a slow machine may find no 10 ms without a hold.
-  const auto comes_true = [&](auto condition) {
-    const std::int64_t begin = haptic::monotonic_now();
-    while (!condition() && haptic::monotonic_now() - begin < 10'000 * kMs) {
-      loop_.submit(moving(1000, 0));
-      std::this_thread::sleep_for(1ms);
-    }
-    return condition();
-  };
-  loop_.set_settings({});
-  loop_.hold(haptic::kHoldPaused);
-  EXPECT_TRUE(comes_true([&] { return loop_.silent(); }));
-  loop_.unhold(haptic::kHoldPaused | haptic::kLatches);
-  EXPECT_TRUE(comes_true([&] { return !loop_.silent() && force_max() > 0.01; })); // it is felt
-  loop_.stop();
 }
 
 TEST_F(Faults, F25_AStepOfTheMaximumForceIsSlewLimitedBothWays) {

@@ -179,6 +179,37 @@ inline void expect_fade(const std::vector<Row> &rows, unsigned reason, double se
   }
 }
 
+/// Finite and within `most`. A force that is held only falls, and one that is not held changes no
+/// faster than the slew rate allows in the time between the two rows.
+inline void expect_sound(const std::vector<Row> &rows, double most = 1) {
+  ASSERT_GT(rows.size(), 100U);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const Row &before = rows[i - 1];
+    const Row &now = rows[i];
+    ASSERT_TRUE(std::isfinite(now.force()));
+    ASSERT_LE(now.force(), most + 1e-6);
+    ASSERT_GT(now.mono, before.mono);
+    const double step = std::hypot(now.fx - before.fx, now.fy - before.fy, now.fz - before.fz);
+    if (now.hold != 0) {
+      ASSERT_LE(now.force(), before.force() + 1e-8) << "at " << now.mono << " s";
+    } else {
+      ASSERT_LE(step, 20 * (now.mono - before.mono) + 1e-6) << "at " << now.mono << " s";
+    }
+  }
+}
+
+/// Runs a function at the end of a scope, also after a failed assertion.
+class AtEnd {
+public:
+  explicit AtEnd(std::function<void()> call) : call_(std::move(call)) {}
+  ~AtEnd() { call_(); }
+  AtEnd(const AtEnd &) = delete;
+  AtEnd &operator=(const AtEnd &) = delete;
+
+private:
+  std::function<void()> call_;
+};
+
 class HapticSink : public ::testing::Test {
 protected:
   static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
@@ -204,20 +235,42 @@ protected:
     ASSERT_EQ(error, nullptr) << error->message;
     source_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "source"));
     sink_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "sink"));
+    set_clock(pipeline_.get());
   }
   void build_logging(const std::string &properties = "") {
     build("device=sim log-location=" + log_.string() + " " + properties);
   }
 
-  void set(GstState state) {
-    ASSERT_NE(gst_element_set_state(pipeline_.get(), state), GST_STATE_CHANGE_FAILURE);
+  // Time is that of the machine, unless a derived fixture has another clock (VirtualSink).
+
+  virtual void set_clock(GstElement * /*pipeline*/) {}
+  virtual void advance(std::chrono::nanoseconds duration) { std::this_thread::sleep_for(duration); }
+  virtual bool advance_until(const std::function<bool()> &condition) {
+    return eventually(condition);
+  }
+  /// Makes a call that may have to wait until time has passed.
+  virtual void complete(const std::function<void()> &call) { call(); }
+
+  GstStateChangeReturn change(GstElement *element, GstState state) {
+    GstStateChangeReturn result = GST_STATE_CHANGE_FAILURE;
+    complete([&] { result = gst_element_set_state(element, state); });
+    return result;
+  }
+  void set(GstState state) { ASSERT_NE(change(pipeline_.get(), state), GST_STATE_CHANGE_FAILURE); }
+  /// Waits until a change of the state is complete.
+  void wait_for_change() {
+    GstStateChangeReturn result = GST_STATE_CHANGE_ASYNC;
+    EXPECT_TRUE(advance_until([&] {
+      result = gst_element_get_state(pipeline_.get(), nullptr, nullptr, 0);
+      return result != GST_STATE_CHANGE_ASYNC;
+    }));
+    ASSERT_EQ(result, GST_STATE_CHANGE_SUCCESS);
   }
   void wait_for(GstState state) {
     set(state);
-    ASSERT_EQ(gst_element_get_state(pipeline_.get(), nullptr, nullptr, 5 * GST_SECOND),
-              GST_STATE_CHANGE_SUCCESS);
+    wait_for_change();
   }
-  void stop() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+  void stop() { change(pipeline_.get(), GST_STATE_NULL); }
 
   void push(GstBuffer *buffer) {
     ASSERT_EQ(gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer), GST_FLOW_OK);
@@ -229,9 +282,18 @@ protected:
   }
   void push_end() { gst_app_src_end_of_stream(GST_APP_SRC(source_.get())); }
 
-  MessagePtr message(GstMessageType types, GstClockTime timeout = 10 * GST_SECOND) {
+  /// Without waiting for one, null if there is none yet.
+  MessagePtr message(GstMessageType types, bool wait = true) {
     GstBus *bus = gst_element_get_bus(pipeline_.get());
-    MessagePtr found(gst_bus_timed_pop_filtered(bus, timeout, types));
+    MessagePtr found;
+    const auto pop = [&] {
+      found.reset(gst_bus_pop_filtered(bus, types));
+      return found != nullptr;
+    };
+    if (wait)
+      advance_until(pop);
+    else
+      pop();
     gst_object_unref(bus);
     return found;
   }
@@ -272,11 +334,10 @@ protected:
 
   /// A flush that ends when the force is zero.
   void flush() {
-    GstPad *pad = gst_element_get_static_pad(sink_.get(), "sink");
-    gst_pad_send_event(pad, gst_event_new_flush_start());
-    EXPECT_TRUE(eventually([&] { return newest_row()->force() == 0; }));
-    gst_pad_send_event(pad, gst_event_new_flush_stop(FALSE));
-    gst_object_unref(pad);
+    const haptic::PadPtr pad(gst_element_get_static_pad(sink_.get(), "sink"));
+    complete([&] { gst_pad_send_event(pad.get(), gst_event_new_flush_start()); });
+    EXPECT_TRUE(advance_until([&] { return newest_row()->force() == 0; }));
+    complete([&] { gst_pad_send_event(pad.get(), gst_event_new_flush_stop(FALSE)); });
   }
 
   /// Null: none.

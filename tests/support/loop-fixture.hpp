@@ -5,7 +5,6 @@
 #include "haptic-loop.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
@@ -13,12 +12,10 @@
 #include <spidar/device.hpp>
 #include <spidar/simulator.hpp>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace test {
 
-using namespace std::chrono_literals;
 using haptic::HapticLoop;
 using haptic::MotionSample;
 
@@ -39,7 +36,8 @@ public:
   bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
     ++exchanges;
     last_words = words;
-    std::this_thread::sleep_for(stall.exchange(0ms));
+    if (const std::int64_t held_up = stall.exchange(0))
+      clock->sleep_until(clock->now() + held_up);
     if (cut || gone)
       return false;
     if (thrown_speed == 0) {
@@ -65,8 +63,9 @@ public:
   bool gone = false;     // for good
   bool let_go = false;   // the guardian has put the motors at rest, once
   std::int32_t slip = 0; // counts by which the first string has slipped
-  std::atomic<std::chrono::milliseconds> stall = 0ms; // once
-  double thrown_speed = 0;                            // m/s to the right, from the centre
+  haptic::LoopClock *clock = &haptic::machine_clock();
+  std::atomic<std::int64_t> stall = 0; // ns, of `clock`; once
+  double thrown_speed = 0;             // m/s to the right, from the centre
   int exchanges = 0;
   spidar::DacWords last_words{};
 

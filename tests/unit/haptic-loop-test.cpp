@@ -2,6 +2,7 @@
 #include "loop-fixture.hpp"
 
 #include "device-choice.hpp"
+#include "virtual-clock.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -484,24 +485,39 @@ TEST_F(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
   EXPECT_EQ(all.size(), haptic::FieldPool::kSlots);
 }
 
-TEST_F(Loop, ItsThreadTicksAndLeavesMinimumTensionBehind) {
-  open();
+// ---- the thread ---------------------------------------------------------------------------------
+
+class LoopThread : public Loop {
+protected:
+  void start(haptic::HapticLoop::Environment environment = {}) {
+    open();
+    wire_->clock = &clock_;
+    environment.device = device_.get();
+    environment.clock = &clock_;
+    loop_.start(std::move(environment));
+  }
+  void stop() {
+    clock_.run([&] { loop_.stop(); });
+  }
+
+  test::VirtualClock clock_;
+};
+
+TEST_F(LoopThread, TicksAndLeavesMinimumTensionBehind) {
   bool entered = false;
   bool left = false;
-  loop_.start({.device = device_.get(),
-               .rate = 1000,
-               .entered = [&] { entered = true; },
-               .left = [&] { left = true; }});
+  start({.rate = 1000, .entered = [&] { entered = true; }, .left = [&] { left = true; }});
   play();
-  for (int i = 0; i < 500 && force_max() <= 0.5; ++i) {
-    loop_.submit(moving(1000, 0));
-    std::this_thread::sleep_for(10ms);
+  for (int i = 0; i < 50; ++i) {
+    loop_.submit(moving(1000, 0), clock_.now());
+    clock_.advance(10ms);
   }
+  EXPECT_EQ(loop_.statistics().ticks, 500U);
+  EXPECT_EQ(loop_.statistics().late_ticks, 0U);
   EXPECT_GT(force_max(), 0.5);
-  loop_.stop();
+  stop();
   EXPECT_TRUE(entered);
   EXPECT_TRUE(left);
-  EXPECT_GT(loop_.statistics().ticks, 0U);
 
   // Minimum tension: all words as right after opening, when no force was asked for.
   auto wire = std::make_unique<Wire>("hold:0,0,0");
@@ -512,20 +528,34 @@ TEST_F(Loop, ItsThreadTicksAndLeavesMinimumTensionBehind) {
   for (std::size_t i = 0; i < spidar::kStrings; ++i)
     EXPECT_NEAR(wire_->last_words[i], fresh->last_words[i], 40) << i; // 0.1 N at 4 V/N
   const auto ticks = loop_.statistics().ticks.load();
-  std::this_thread::sleep_for(20ms);
+  clock_.advance(20ms);
   EXPECT_EQ(loop_.statistics().ticks, ticks);
 }
 
-TEST_F(Loop, ADeviceThatHoldsUpTheLoopMakesItsNextTickAMissedOne) {
-  open();
-  loop_.start({.device = device_.get()});
-  std::this_thread::sleep_for(20ms);
-  const auto missed = loop_.statistics().missed_ticks.load();
-  wire_->stall = 60ms;
-  std::this_thread::sleep_for(120ms);
-  loop_.stop();
-  EXPECT_GE(loop_.statistics().missed_ticks, missed + 1);
-  EXPECT_GE(loop_.statistics().lateness.max_us(), 50'000);
+TEST_F(LoopThread, ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped) {
+  start();
+  clock_.advance(20ms);
+  EXPECT_EQ(loop_.statistics().ticks, 20U);
+  wire_->stall = 60 * kMs;
+  clock_.advance(120ms);
+  stop();
+  const auto &statistics = loop_.statistics();
+  EXPECT_EQ(statistics.missed_ticks, 1U);
+  EXPECT_NEAR(statistics.lateness.max_us(), 59'000, 1);
+  // Number 21 lasts 60 ms, so that 22 is late and 23 to 80 are skipped. One more ticks at the stop.
+  EXPECT_EQ(statistics.ticks, 140U - 58U + 1U);
+}
+
+TEST_F(LoopThread, AMachineThatSleptHoldsTheForceUntilArmed) {
+  start();
+  play();
+  clock_.advance(20ms);
+  EXPECT_FALSE(is_held(haptic::kHoldSuspended));
+  clock_.suspend(1h);
+  clock_.advance(1ms);
+  EXPECT_TRUE(is_held(haptic::kHoldSuspended));
+  EXPECT_EQ(loop_.statistics().suspends, 1U);
+  stop();
 }
 
 TEST_F(Loop, CanBeStartedAndStoppedAgainAndAgain) {

@@ -2,11 +2,11 @@
 // The session with a device that fails and comes back. The clock is driven by hand.
 #include "haptic-session.hpp"
 
-#include "eventually.hpp"
 #include "loop-fixture.hpp"
 #include "messages.hpp"
+#include "other-threads.hpp"
+#include "virtual-clock.hpp"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -27,6 +27,7 @@ using haptic::NoticeCause;
 using haptic::PointerPosition;
 using haptic::Severity;
 using test::kMs;
+using namespace std::chrono_literals;
 
 // What a test sets and sees of all devices that the session opens.
 struct Bench {
@@ -363,9 +364,8 @@ TEST_F(Session, AReportThatHadToWaitIsNotOutOfDate) {
   std::jthread arms;
   while_reporting_ = [&] {
     arms = std::jthread([&] { session_->arm(); });
-    EXPECT_TRUE(
-        test::eventually([&] { return !(session_->loop().reasons() & haptic::kHoldReleased); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20)); // it is likely to wait by now
+    test::wait_for_other_threads(); // it waits by now
+    EXPECT_FALSE(session_->loop().reasons() & haptic::kHoldReleased);
     session_->loop().hold(haptic::kHoldReleased);
   };
   session_->release();
@@ -409,6 +409,38 @@ TEST_F(Session, WhileThePoseIsUnknownNothingIsSent) {
   points_.clear();
   run(1000, 0);
   EXPECT_TRUE(points_.empty());
+}
+
+// ---- the threads --------------------------------------------------------------------------------
+
+class SessionThreads : public Session {
+protected:
+  void SetUp() override {
+    Session::SetUp();
+    session_->set_clock(clock_);
+  }
+  std::optional<haptic::ClockReading> read_clocks() override {
+    return haptic::ClockReading{clock_.now(), clock_.now()};
+  }
+
+  test::VirtualClock clock_;
+};
+
+TEST_F(SessionThreads, TickAThousandTimesAndSendARestingHandFiveTimesASecondUntilTheyEnd) {
+  begin();
+  session_->loop().start_thread();
+  haptic::CallbackThread rounds(
+      {}, [this](haptic::CallbackThread::Self &self) { session_->run_rounds(self); });
+  clock_.advance(2s);
+  EXPECT_EQ(session_->statistics().ticks, 2000U);
+  EXPECT_EQ(session_->statistics().late_ticks, 0U);
+  EXPECT_NEAR(static_cast<double>(points_.size()), 10, 1);
+  const std::int64_t before = clock_.now();
+  rounds.end();
+  EXPECT_EQ(clock_.now(), before); // without waiting for the next round
+  clock_.run([&] { session_->stop_loop(); });
+  EXPECT_EQ(clock_.now(), before + kMs); // with the tick that was next
+  session_->end_run();
 }
 
 // ---- samples ------------------------------------------------------------------------------------
