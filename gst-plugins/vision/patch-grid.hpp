@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lk-kernels.hpp"
+#include "measurement.hpp"
 
 #include <algorithm>
 #include <array>

@@ -24,7 +24,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
-MOST_FILES = 97
+MOST_FILES = 101  # until vision has rooms
 PAGE = "docs/architecture.md"
 FOLDER, INCLUDES, ROOMS, LIBRARIES = "folder", "includes also", "rooms", "GStreamer, GLib or OpenCV in"
 SCANNED = ("gst-plugins", "spidar", "pipelines")
