@@ -5,6 +5,7 @@
 #include "field-track.hpp"
 #include "film-cut.hpp"
 #include "force-curve.hpp"
+#include "force-log.hpp"
 #include "klv.hpp"
 #include "package.hpp"
 #include "track-file.hpp"
