@@ -9,10 +9,6 @@
 
 namespace haptic {
 
-/// What the loop asks the kernel for, and the services where it refuses: above what desktops use,
-/// below the kernel's threads.
-inline constexpr int kRealTimePriority = 50;
-
 /// Empty where there is none.
 struct BusAddresses {
   std::string system;

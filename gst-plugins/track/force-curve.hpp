@@ -3,6 +3,7 @@
 #pragma once
 
 #include "curve-interpolation.hpp"
+#include "motion-force.hpp"
 #include "track-sample.hpp"
 
 #include <array>
@@ -12,29 +13,6 @@
 #include <vector>
 
 namespace haptic {
-
-struct CurveForce {
-  double x = 0; ///< fraction of the full force, to the right
-  double y = 0; ///< up
-
-  bool operator==(const CurveForce &) const = default;
-};
-
-/// px/s in a frame kReferenceWidth wide; both axes in units of its pixel width.
-struct ReferenceVelocity {
-  double right = 0;
-  double up = 0;
-};
-
-/// Returns zero if the numbers of the sample give none that is finite.
-ReferenceVelocity reference_velocity(const MotionSample &sample) noexcept;
-
-/// Returns the force of a motion by the paper's law (equation 5) with kDefaultAlpha, in a frame
-/// kReferenceWidth wide, times confidence_gate() (force-defaults.hpp).
-CurveForce force_of_motion(const MotionSample &sample) noexcept;
-
-/// Returns whether confidence_gate() lets anything through.
-bool is_felt(const MotionSample &sample) noexcept;
 
 /// Returns a motion that gives this force: equation 5 inverted, v = tan(pi/2 F) / alpha. Forces of
 /// 0.98 and more give one speed.

@@ -17,6 +17,7 @@
 #include "documentation.hpp"
 #include "exception-barrier.hpp"
 #include "gst-raii.hpp"
+#include "hmpg-form.hpp"
 #include "key-requests.hpp"
 #include "latency-query.hpp"
 #include "messages.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The form haptics/hmpg (docs/formats/hmpg.md).
+#include "hmpg-form.hpp"
+
 #include "hmpg-track.hpp"
-#include "track-form.hpp"
 
 #include <optional>
 #include <utility>

@@ -115,7 +115,5 @@ std::unique_ptr<TrackForm> make_raw_form(TrackLayout layout);
 std::unique_ptr<TrackForm> make_klv_form();
 /// Lines of text: text/x-raw.
 std::unique_ptr<TrackForm> make_text_form();
-/// Units of MPEG haptics: haptics/hmpg. They last for `unit_duration` ns.
-std::unique_ptr<TrackForm> make_hmpg_form(std::uint64_t unit_duration);
 
 } // namespace haptic

@@ -12,6 +12,7 @@
 #include "patch-tracker.hpp"
 #include "pixel-motions.hpp"
 #include "pixel-votes.hpp"
+#include "region-size.hpp"
 #include "start-set.hpp"
 #include "sudden-change.hpp"
 #include "texture-period.hpp"

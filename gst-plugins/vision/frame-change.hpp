@@ -2,7 +2,7 @@
 // Whether anything moved between two frames, or within one, from differences of pixels alone.
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "luma-view.hpp"
 
 namespace haptic {
 

@@ -3,7 +3,7 @@
 // for every instruction set (Google Highway, dispatched at run time).
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "luma-view.hpp"
 #include "tensor.hpp"
 
 #include <cstddef>

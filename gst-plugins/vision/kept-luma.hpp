@@ -2,7 +2,7 @@
 // The luma of one frame around a place that moves, so that no pixel is converted twice.
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "luma-view.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "image-kernels.hpp"
+#include "measurement.hpp"
 #include "tensor.hpp"
 
 #include <array>

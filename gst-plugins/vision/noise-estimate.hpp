@@ -2,12 +2,12 @@
 // How noisy the camera is, learned from what does not move.
 #pragma once
 
-#include "patch-tracker.hpp"
-
 #include <algorithm>
 
 namespace haptic {
 
+/// Standard deviation of the noise that a camera's frame is assumed to have, 8-bit grey levels.
+inline constexpr float kAssumedNoise = 1.5F;
 inline constexpr float kAssumedVariance = kAssumedNoise * kAssumedNoise;
 /// Least variance of a pixel: rounding to 8 bits, with a margin for averages, which are rounded
 /// too.

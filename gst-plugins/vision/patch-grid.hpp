@@ -3,9 +3,10 @@
 #pragma once
 
 #include "lk-kernels.hpp"
+#include "measurement.hpp"
+#include "pyramid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -13,39 +14,11 @@
 
 namespace haptic {
 
-inline constexpr int kMostLevels = 5;
-inline constexpr int kSmallPatch = 8;      // px
-inline constexpr int kLargePatch = 16;     // px
-inline constexpr int kRim = 4;             // px around a patch, for gradients and interpolation
-inline constexpr int kSmoothingRadius = 1; // px that a plane lacks on every side of the frame
-inline constexpr int kMostAlong = 8;       // patches along one side of a grid
+inline constexpr int kSmallPatch = 8;  // px
+inline constexpr int kLargePatch = 16; // px
+inline constexpr int kRim = 4;         // px around a patch, for gradients and interpolation
+inline constexpr int kMostAlong = 8;   // patches along one side of a grid
 static_assert(kMostAlong * kMostAlong <= kMaxPatches);
-
-/// A rectangle in pixels of some level; pixel i covers i..i+1.
-struct Area {
-  float x;
-  float y;
-  float width;
-  float height;
-
-  Area at_level(int level) const {
-    const float scale = 1 / static_cast<float>(1 << level);
-    return {x * scale, y * scale, width * scale, height * scale};
-  }
-  /// The same place in the smoothed plane of the frame, which begins kSmoothingRadius further in.
-  Area in_plane() const { return {x - kSmoothingRadius, y - kSmoothingRadius, width, height}; }
-};
-
-/// One frame, from fine to coarse.
-struct Pyramid {
-  std::array<Plane, kMostLevels> levels;
-
-  void build(const LumaView &view, std::size_t count) {
-    smooth(view, levels[0]);
-    for (std::size_t i = 1; i < count; ++i)
-      halve(levels[i - 1], levels[i]);
-  }
-};
 
 /// Index into a table with so many columns.
 inline std::size_t cell(int row, int columns, int column) {

@@ -5,6 +5,7 @@
 
 #include "kept-luma.hpp"
 #include "patch-tracker.hpp"
+#include "region.hpp"
 #include "repetition.hpp"
 
 #include <chrono>

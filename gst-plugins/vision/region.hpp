@@ -2,18 +2,10 @@
 // The region of interest and the crop around it, from the pointer and a side length.
 #pragma once
 
+#include "luma-view.hpp"
 #include "region-size.hpp"
 
 namespace haptic {
-
-/// Pixels of a frame, origin at its top left corner.
-struct Rectangle {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  bool operator==(const Rectangle &) const = default;
-};
 
 /// region_side() with hysteresis, for a hand that trembles. Not thread-safe.
 class RegionSize {

@@ -3,7 +3,7 @@
 // that anew in a key frame: clouds and shades jump by some pixels, though nothing moved.
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "luma-view.hpp"
 
 #include <algorithm>
 

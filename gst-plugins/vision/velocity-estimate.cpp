@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "velocity-estimate.hpp"
 
-#include "patch-tracker.hpp"
+#include "luma-view.hpp"
 
 #include <algorithm>
 #include <array>

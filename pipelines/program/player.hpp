@@ -11,8 +11,8 @@
 #include "array-output.hpp"
 #include "gst-raii.hpp"
 #include "playback.hpp"
+#include "reading.hpp"
 #include "source.hpp"
-#include "strip-chart.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -2,20 +2,13 @@
 // A scrolling strip of velocity and force.
 #pragma once
 
+#include "reading.hpp"
+
 #include <cairo.h>
 #include <deque>
 #include <gdk/gdk.h>
 
 namespace program {
-
-/// Motion and force of one frame. A value that was not measured is not finite.
-struct Reading {
-  double duration = 0; ///< s since the previous reading
-  double vx = 0;       ///< px/s, to the right
-  double vy = 0;       ///< px/s, down
-  double fx = 0;       ///< N, to the right
-  double fy = 0;       ///< N, up
-};
 
 /// Of the window: a light one or a dark one.
 struct ChartColors {

@@ -6,6 +6,7 @@
 #include "player.hpp"
 #include "recorder.hpp"
 #include "settings.hpp"
+#include "strip-chart.hpp"
 
 #include <chrono>
 #include <functional>

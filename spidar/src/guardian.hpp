@@ -6,7 +6,13 @@
 // guardian answers each, so that one that was stopped is noticed too.
 #pragma once
 
-#include "usb-link.hpp"
+#include "file-descriptor.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
 
 namespace spidar {
 

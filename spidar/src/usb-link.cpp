@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
-#include <unistd.h>
 
 namespace spidar {
 
@@ -81,12 +80,6 @@ std::string UsbPlace::node() const {
 
 std::string UsbPlace::text() const {
   return "bus " + std::to_string(bus) + " device " + std::to_string(address);
-}
-
-void FileDescriptor::reset(int value) noexcept {
-  if (value_ >= 0)
-    close(value_);
-  value_ = value;
 }
 
 UsbLink::UsbLink(UsbPlace place)

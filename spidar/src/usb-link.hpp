@@ -7,6 +7,8 @@
 // thread at a time uses it. Waiting is in whole milliseconds, so a deadline may be missed by one.
 #pragma once
 
+#include "file-descriptor.hpp"
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -47,22 +49,6 @@ struct UsbPlace {
 
   std::string node() const; ///< "/dev/bus/usb/001/005"
   std::string text() const; ///< "bus 1 device 5", for people
-};
-
-class FileDescriptor {
-public:
-  explicit FileDescriptor(int value = -1) noexcept : value_(value) {}
-  ~FileDescriptor() { reset(); }
-  FileDescriptor(FileDescriptor &&other) noexcept : value_(std::exchange(other.value_, -1)) {}
-  FileDescriptor &operator=(FileDescriptor &&other) noexcept {
-    reset(std::exchange(other.value_, -1));
-    return *this;
-  }
-  int get() const noexcept { return value_; }
-  void reset(int value = -1) noexcept;
-
-private:
-  int value_;
 };
 
 class UsbLink {

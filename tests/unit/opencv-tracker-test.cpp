@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "noise-estimate.hpp"
 #include "region-tracking.hpp"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include "field-frames.hpp"
 #include "frame-reduction.hpp"
 #include "noise-estimate.hpp"
+#include "patch-tracker.hpp"
 #include "patch-trust.hpp"
 #include "start-set.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-codec.hpp"
+#include "hmpg-form.hpp"
 #include "klv.hpp"
 #include "leaf-fields.hpp"
 #include "text-line.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "field-codec.hpp"
-#include "force-log.hpp"
+#include "hand-path.hpp"
 #include "track-sample.hpp"
 
 #include <functional>

@@ -146,19 +146,6 @@ private:
 
 } // namespace
 
-PointerPosition place_at(const std::vector<TimedPlace> &path, double time) {
-  const auto after = std::ranges::upper_bound(path, time, {}, &TimedPlace::time);
-  return (after == path.begin() ? after : after - 1)->position();
-}
-
-PointerPosition TimedPlace::position() const {
-  PointerPosition position;
-  position.x = x;
-  position.y = y;
-  position.z = z;
-  return position;
-}
-
 bool is_force_log(const std::string &path) {
   std::ifstream file(path);
   std::array<char, 4096> line = {};

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "force-signal.hpp"
-#include "pointer-position.hpp"
+#include "hand-path.hpp"
 
 #include <string>
 #include <vector>
@@ -12,18 +12,6 @@ namespace haptic {
 
 /// Half of the workspace in which a log's positions are meant, m: that of every built-in geometry.
 inline constexpr double kWorkspaceHalf = 0.025;
-
-struct TimedPlace {
-  double time = 0; ///< s
-  float x = 0.5F;  ///< 0..1, fractions of the frame as of PointerPosition
-  float y = 0.5F;
-  float z = 0; ///< -1..1
-
-  PointerPosition position() const;
-};
-
-/// Returns the place at a time; before the path begins, its first one. The path is not empty.
-PointerPosition place_at(const std::vector<TimedPlace> &path, double time);
 
 struct ForceLog {
   std::vector<TimedForce> forces; ///< in rising order of time

@@ -4,11 +4,13 @@
 #include "compare.hpp"
 #include "field-track.hpp"
 #include "film-cut.hpp"
-#include "force-curve.hpp"
+#include "force-log.hpp"
 #include "klv.hpp"
+#include "motion-force.hpp"
 #include "package.hpp"
 #include "track-file.hpp"
 #include "track-plot.hpp"
+#include "vibration-file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -476,6 +478,14 @@ std::vector<haptic::TimedPlace> read_hand(const std::string &log) {
   return hand;
 }
 
+void write(const std::string &output, const TrackFile &track,
+           const haptic::VibrationOptions &vibration = {}) {
+  if (haptic::is_vibration_file(output))
+    haptic::write_vibration_file(output, track, vibration);
+  else
+    haptic::write_track_file(output, track);
+}
+
 void convert(const Arguments &arguments) {
   check_output(arguments);
   TrackFile track = read_some(arguments);
@@ -488,9 +498,9 @@ void convert(const Arguments &arguments) {
     track.fields.clear();
   }
   const std::string &output = arguments.files[1];
-  if (output.ends_with(".wav") || output.ends_with(".ahap"))
+  if (haptic::is_vibration_file(output))
     haptic::begin_at_zero(track);
-  haptic::write_track_file(output, track, vibration);
+  write(output, track, vibration);
 }
 
 void cut(const Arguments &arguments) {
@@ -508,7 +518,7 @@ void cut(const Arguments &arguments) {
   haptic::cut_track(track, from, to);
   if (track.holds_nothing())
     throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
-  haptic::write_track_file(arguments.files[1], track);
+  write(arguments.files[1], track);
 }
 
 void plot(const Arguments &arguments) {

@@ -2,7 +2,7 @@
 // Errors of haptic-track in the words of messages.hpp.
 #pragma once
 
-#include "messages.hpp"
+#include "../messages.hpp"
 
 #include <stdexcept>
 #include <string>

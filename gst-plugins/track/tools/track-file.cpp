@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "track-file.hpp"
 
-#include "ahap.hpp"
-
 #include "field-codec.hpp"
 #include "field-track.hpp"
 #include "gst-raii.hpp"
@@ -491,62 +489,9 @@ const char *caps_of_track(bool is_coded) {
   return is_coded ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
 }
 
-// A hapticarray of the line has the name "array".
-void write_container(const std::string &path, const TrackFile &track, const std::string &line,
-                     const VibrationOptions &vibration = {}) {
-  GError *error = nullptr;
-  const std::string whole = "appsrc name=in format=time caps=\"" +
-                            std::string(caps_of_track(!track.coded().empty())) +
-                            "\" ! hapticconvert ! " + line + " ! filesink name=out";
-  GstElement *made = gst_parse_launch(whole.c_str(), &error);
-  if (!made || error) {
-    const std::string what = error ? error->message : "unknown";
-    g_clear_error(&error);
-    if (made)
-      gst_object_unref(made);
-    throw_error("\"%s\": %s", path.c_str(), what.c_str());
-  }
-  const ElementPtr pipeline(made);
-  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  g_object_set(out.get(), "location", path.c_str(), nullptr);
-  if (const ElementPtr array{gst_bin_get_by_name(GST_BIN(made), "array")})
-    set_vibration(array.get(), vibration, !track.fields.empty());
-  gst_element_set_state(made, GST_STATE_PLAYING);
-  push_track(in.get(), track);
-  const BusPtr bus(gst_element_get_bus(made));
-  GstMessage *message =
-      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
-                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  std::string failure;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-    failure = error_of(message);
-  gst_message_unref(message);
-  gst_element_set_state(made, GST_STATE_NULL);
-  if (failure.empty())
-    return;
-  std::remove(path.c_str());
-  throw_error("\"%s\": %s", path.c_str(), failure.c_str());
-}
-
-constexpr char kArrayLine[] = "haptics/x-raw ! hapticarray name=array ! ";
-
-// The carrier of the layout is that of coils-2.
-std::string ahap_of(const std::string &part, const TrackFile &track, VibrationOptions options) {
-  constexpr int kRate = 48000;     // as of .wav, in steps as short
-  constexpr double kCarrier = 180; // Hz, of coils-2
-  options.layout = "coils-2";
-  write_container(part, track, kArrayLine + ("audio/x-raw,rate=" + std::to_string(kRate)), options);
-  std::ifstream file(part, std::ios::binary);
-  std::vector<float> samples(std::filesystem::file_size(part) / sizeof(float));
-  file.read(reinterpret_cast<char *>(samples.data()),
-            static_cast<std::streamsize>(samples.size() * sizeof(float)));
-  return write_ahap({samples, 2, kRate}, kCarrier);
-}
-
-[[noreturn]] void discard_output(const std::string &part, const std::string &path) {
+[[noreturn]] void discard_part(const std::string &path) {
   const int reason = errno;
-  std::remove(part.c_str());
+  std::remove(part_of(path).c_str());
   throw_error(messages::kOutputFails, path.c_str(), std::strerror(reason));
 }
 
@@ -617,34 +562,78 @@ void begin_at_zero(TrackFile &track) {
   shift(track.fields);
 }
 
-void write_track_file(const std::string &path, const TrackFile &track,
-                      const VibrationOptions &vibration) {
+void write_container(const std::string &path, const TrackFile &track, const std::string &line,
+                     const std::function<void(GstElement *pipeline)> &prepare) {
+  GError *error = nullptr;
+  const std::string whole = "appsrc name=in format=time caps=\"" +
+                            std::string(caps_of_track(!track.coded().empty())) +
+                            "\" ! hapticconvert ! " + line + " ! filesink name=out";
+  GstElement *made = gst_parse_launch(whole.c_str(), &error);
+  if (!made || error) {
+    const std::string what = error ? error->message : "unknown";
+    g_clear_error(&error);
+    if (made)
+      gst_object_unref(made);
+    throw_error("\"%s\": %s", path.c_str(), what.c_str());
+  }
+  const ElementPtr pipeline(made);
+  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
+  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
+  g_object_set(out.get(), "location", path.c_str(), nullptr);
+  if (prepare)
+    prepare(made);
+  gst_element_set_state(made, GST_STATE_PLAYING);
+  push_track(in.get(), track);
+  const BusPtr bus(gst_element_get_bus(made));
+  GstMessage *message =
+      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
+                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  std::string failure;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+    failure = error_of(message);
+  gst_message_unref(message);
+  gst_element_set_state(made, GST_STATE_NULL);
+  if (failure.empty())
+    return;
+  std::remove(path.c_str());
+  throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+}
+
+std::string part_of(const std::string &path) {
+  return path + ".part";
+}
+
+void keep_part(const std::string &path) {
+  if (std::rename(part_of(path).c_str(), path.c_str()) != 0)
+    discard_part(path);
+}
+
+void write_bytes(const std::string &path, std::string_view bytes) {
+  std::ofstream file(part_of(path), std::ios::binary);
+  file << bytes << std::flush;
+  if (!file)
+    discard_part(path);
+  keep_part(path);
+}
+
+void write_track_file(const std::string &path, const TrackFile &track) {
   const std::string ending = std::filesystem::path(path).extension().string();
-  const std::string part = path + ".part";
-  if (track.empty() &&
-      (ending == ".wav" || ending == ".ahap" || ending == ".hmpg" || ending == ".hjif"))
+  const bool holds_points = ending == ".hmpg" || ending == ".hjif";
+  if (track.empty() && holds_points)
     throw_error(messages::kOutputHoldsMotion, path.c_str());
-  if (!track.fields.empty() && (ending == ".hmpg" || ending == ".hjif"))
+  if (!track.fields.empty() && holds_points)
     throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
-    write_container(part, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
+    write_container(part_of(path), track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
+    keep_part(path);
   } else if (ending == ".mkv") {
-    write_container(part, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
-  } else if (ending == ".wav") {
-    write_container(part, track, std::string(kArrayLine) + "wavenc", vibration);
-  } else if (ending == ".klv" || ending == ".txt" || ending == ".hmpg" || ending == ".hjif" ||
-             ending == ".ahap") {
-    const std::string bytes =
-        ending == ".ahap" ? ahap_of(part, track, vibration) : bytes_of(track, ending);
-    std::ofstream file(part, std::ios::binary);
-    file << bytes << std::flush;
-    if (!file)
-      discard_output(part, path);
+    write_container(part_of(path), track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
+    keep_part(path);
+  } else if (ending == ".klv" || ending == ".txt" || holds_points) {
+    write_bytes(path, bytes_of(track, ending));
   } else {
     throw_error(messages::kOutputFormIsUnknown, path.c_str());
   }
-  if (std::rename(part.c_str(), path.c_str()) != 0)
-    discard_output(part, path);
 }
 
 void push_track(GstElement *in, const TrackFile &track) {

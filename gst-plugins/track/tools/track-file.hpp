@@ -4,9 +4,9 @@
 
 #include "track-error.hpp"
 #include "track-sample.hpp"
-#include "vibration.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <gst/gst.h>
 #include <string>
 #include <string_view>
@@ -46,10 +46,24 @@ void leave_reliefs_out(const std::string &path, TrackFile &track);
 /// Subtracts the first time from all.
 void begin_at_zero(TrackFile &track);
 
-/// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif, .wav, .ahap. The
-/// file appears under its name when it is whole. Throws TrackFileError.
-void write_track_file(const std::string &path, const TrackFile &track,
-                      const VibrationOptions &vibration = {});
+/// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
+/// under its name when it is whole. Throws TrackFileError.
+void write_track_file(const std::string &path, const TrackFile &track);
+
+/// Writes what the elements of `line`, in the syntax of gst-launch-1.0, make of the track.
+/// `prepare` gets the pipeline before it starts. Throws TrackFileError; then there is no file.
+void write_container(const std::string &path, const TrackFile &track, const std::string &line,
+                     const std::function<void(GstElement *pipeline)> &prepare = {});
+
+/// Writes a file that appears under its name when it is whole. Throws TrackFileError.
+void write_bytes(const std::string &path, std::string_view bytes);
+
+/// The name of a file that is not whole yet.
+std::string part_of(const std::string &path);
+
+/// Gives part_of(path), which is whole, the name `path`. Throws TrackFileError; then neither is
+/// there.
+void keep_part(const std::string &path);
 
 /// Removes what is not within [from, to) (ns). What is left begins at 0.
 void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);

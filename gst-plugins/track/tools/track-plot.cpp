@@ -2,9 +2,9 @@
 #include "track-plot.hpp"
 
 #include "field-track.hpp"
-#include "force-curve.hpp"
 #include "frame-reader.hpp"
 #include "gnuplot.hpp"
+#include "motion-force.hpp"
 #include "touch-signal.hpp"
 
 #include <algorithm>

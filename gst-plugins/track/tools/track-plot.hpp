@@ -2,7 +2,7 @@
 // Pictures of tracks, drawn by gnuplot.
 #pragma once
 
-#include "force-log.hpp"
+#include "hand-path.hpp"
 #include "track-file.hpp"
 
 #include <string>

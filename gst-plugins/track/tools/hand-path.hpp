@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The path of a hand over the frame.
+#pragma once
+
+#include "pointer-position.hpp"
+
+#include <vector>
+
+namespace haptic {
+
+struct TimedPlace {
+  double time = 0; ///< s
+  float x = 0.5F;  ///< 0..1, fractions of the frame as of PointerPosition
+  float y = 0.5F;
+  float z = 0; ///< -1..1
+
+  PointerPosition position() const;
+};
+
+/// Returns the place at a time; before the path begins, its first one. The path is not empty.
+PointerPosition place_at(const std::vector<TimedPlace> &path, double time);
+
+} // namespace haptic

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Writes what a hand would feel from a track as vibration: sound for actuators, or a pattern for
+// telephones.
+#pragma once
+
+#include "track-file.hpp"
+#include "vibration.hpp"
+
+#include <string>
+
+namespace haptic {
+
+/// Returns whether the ending is .wav or .ahap.
+bool is_vibration_file(const std::string &path);
+
+/// Writes a file with one of these endings. It appears under its name when it is whole. Throws
+/// TrackFileError.
+void write_vibration_file(const std::string &path, const TrackFile &track,
+                          const VibrationOptions &options);
+
+} // namespace haptic
