@@ -34,7 +34,11 @@ std::string name_of(const fs::path &process) {
 
 } // namespace
 
+// This program first: it is the one that can be told for sure, since what another program has open
+// may be a device of that name on another bus (in a container, in a test).
 std::string holder_of(const std::string &path) {
+  if (has_open("/proc/self", path) > 1) // the attempt to open it counts as one
+    return "this program already";
   std::string guardian;
   std::error_code error;
   for (fs::directory_iterator entry("/proc", error), end; !error && entry != end;
@@ -42,13 +46,7 @@ std::string holder_of(const std::string &path) {
     const std::string number = entry->path().filename().string();
     if (!std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); }))
       continue;
-    const int times = has_open(entry->path(), path);
-    if (number == std::to_string(getpid())) {
-      if (times > 1) // the attempt to open it counts as one
-        return "this program already";
-      continue;
-    }
-    if (times == 0)
+    if (number == std::to_string(getpid()) || has_open(entry->path(), path) == 0)
       continue;
     const std::string name = name_of(entry->path());
     std::string holder = name;

@@ -25,11 +25,11 @@ measure() {
 }
 measure guardian "$build/tests/faults/faults-guardian" --gtest_filter='*F1_*:*F2_*:*F3_*'
 measure group "$build/tests/faults/faults-guardian" --gtest_filter='*Cgroup*:*Service*'
-measure guarded umockdev-wrapper "$build/tests/usb/usb-guarded"
+measure guarded umockdev-wrapper "$build/tests/usb/usb-realtime" --gtest_filter='*Guarded*:*Stamped*'
 measure fuzz umockdev-wrapper "$build/tests/usb/usb-fuzz"
 measure tick umockdev-wrapper "$build/tests/usb/usb-tick"
 measure unplug umockdev-wrapper "$build/tests/usb/usb-unplug"
-measure sink umockdev-wrapper "$build/tests/usb/usb-sink" --gtest_filter='*F13*:*InReady*'
+measure sink umockdev-wrapper "$build/tests/usb/usb-realtime" --gtest_filter='*F13*:*InReady*'
 measure refusals umockdev-wrapper "$build/tests/usb/usb-refusals"
 measure stall umockdev-wrapper "$build/tests/usb/usb-controllers" --gtest_filter='*Stalled*'
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What spidar-check finds out about controllers on USB, good ones and broken ones. Its own time is
-// simulated, and there is no guardian, but for the last test.
-#include "check-guardian.hpp"
+// simulated, and there is no guardian: check-guardian-test.cpp.
 #include "direct-fixture.hpp"
 #include "promises.hpp"
 
@@ -26,16 +25,6 @@ private:
   std::unique_ptr<spidar::Controller> inner_;
 };
 
-/// Counts ticks, each of which gives the real guardian at least a millisecond: the force that a
-/// check waits for is there after the same number of ticks, however late this machine is.
-class TimeOfTicks final : public SimulatedTime {
-public:
-  void wait_until(Clock::time_point time) override {
-    std::this_thread::sleep_for(1ms);
-    SimulatedTime::wait_until(time);
-  }
-};
-
 class Check : public DirectlyOnBusOf {
 protected:
   void SetUp() override {
@@ -54,10 +43,7 @@ protected:
                                       std::make_shared<SimulatedTime>());
   }
   Report report() {
-    return [this](const Finding &finding) {
-      verdicts_[finding.promise] = finding.verdict;
-      figure_ = finding.figure;
-    };
+    return [this](const Finding &finding) { verdicts_[finding.promise] = finding.verdict; };
   }
   /// Opens a good unit, breaks it, and expects that it may not pull.
   template <class Break>
@@ -72,7 +58,6 @@ protected:
 
   std::unique_ptr<Unit> checked_;
   std::map<std::string, Verdict> verdicts_;
-  std::string figure_; ///< of the last finding
 };
 INSTANTIATE_TEST_SUITE_P(Both, Check, ::testing::Values(Model::simple, Model::sh4), name_of_model);
 
@@ -122,20 +107,6 @@ TEST_P(Check, ForgivesTwoLostReplies) {
   unit_->faults([](Faults &faults) { faults.short_replies = 2; });
   EXPECT_TRUE(check_answers(*checked_, report()));
   EXPECT_EQ(verdicts_["the device answers"], Verdict::pass);
-}
-
-// The times are not asserted: what is noticed has a time in its figure, what is not has none.
-TEST_P(Check, StopsAndKillsTheRealGuardian) {
-  adopt_guardians();
-  checked_ =
-      std::make_unique<Unit>(spidar::open_usb(""), spidar::load_geometry(spidar::kDefaultGeometry),
-                             std::make_shared<TimeOfTicks>());
-  check_guardian_hangs(*checked_, 0.2, signal_guardian, report());
-  EXPECT_NE(figure_.find("ms promised"), std::string::npos) << figure_;
-  EXPECT_TRUE(checked_->connected());
-  check_guardian_dies(*checked_, 0.2, signal_guardian, report());
-  EXPECT_NE(figure_.find("ms promised"), std::string::npos) << figure_;
-  EXPECT_FALSE(checked_->connected());
 }
 
 } // namespace

@@ -20,16 +20,22 @@ TEST_P(Unplug, AHundredTimesAtRandomInstants) {
   for (int round = 0; round < 100; ++round) {
     plug(GetParam(), round % 16);
     auto controller = spidar::open_usb("");
-    const auto wait = std::chrono::microseconds(random() % 3000);
+    // In the midst of an exchange, or between two.
+    const auto after = random() % 30; // exchanges
+    const auto then = random() % 300; // turns of the hand's thread
+    std::atomic<unsigned> exchanges = 0;
     Clock::time_point unplugged;
     std::jthread hand([&] {
-      std::this_thread::sleep_for(wait);
+      while (exchanges < after)
+        std::this_thread::yield();
+      for (unsigned turn = 0; turn < then; ++turn)
+        std::this_thread::yield();
       unplugged = bus_->unplug(device_number_);
     });
     spidar::Counts counts{};
-    const auto begin = Clock::now();
-    while (controller->connected() && Clock::now() - begin < 60s) { // not for ever
+    while (controller->connected()) {
       controller->exchange({}, counts);
+      ++exchanges;
       std::this_thread::yield(); // to the hand, which may have only this processor
     }
     const auto noticed = Clock::now();
