@@ -4,6 +4,7 @@
 // docs/force.md#touch gives the reasons.
 #pragma once
 
+#include "non-blocking.hpp"
 #include "relief-surface.hpp"
 
 #include <spidar/types.hpp>
@@ -36,7 +37,7 @@ public:
   /// `dt` in s since the call before, > 0.
   const Contact &step(const ReliefSurface &surface, const spidar::Vector3 &hand,
                       const spidar::Vector3 &velocity, const ContactLimits &limits,
-                      double dt) noexcept;
+                      double dt) noexcept HAPTIC_NONBLOCKING;
   const Contact &contact() const noexcept { return contact_; }
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
   /// of it slowly.

@@ -11,6 +11,7 @@
 #include "motion-conditioning.hpp"
 #include "motion-interpolator.hpp"
 #include "newest-slot.hpp"
+#include "non-blocking.hpp"
 #include "pointer-mapping.hpp"
 #include "running-time.hpp"
 #include "safety-chain.hpp"
@@ -127,7 +128,7 @@ public:
   /// After prepare(). Throws std::system_error.
   void start_thread();
   /// One period of the loop, begun at `now` though meant for `scheduled` (ns). Real-time safe.
-  void tick(std::int64_t scheduled, std::int64_t now) noexcept;
+  void tick(std::int64_t scheduled, std::int64_t now) noexcept HAPTIC_NONBLOCKING;
 
   // Any thread.
 

@@ -3,6 +3,7 @@
 // intervals that the velocities were measured over.
 #pragma once
 
+#include "non-blocking.hpp"
 #include "pointer-position.hpp"
 #include "timed-motion.hpp"
 
@@ -30,9 +31,10 @@ public:
   static constexpr std::size_t kCapacity = 128; ///< more than a second ahead at 120 frames/s
   static_assert(kCapacity < FieldPool::kSlots);
 
-  void add(TimedMotion motion, std::int64_t now) noexcept;
+  void add(TimedMotion motion, std::int64_t now) noexcept HAPTIC_NONBLOCKING;
   /// Returns the motion at `now`; in fields at `place` of the frame.
-  const MotionAt &at(std::int64_t now, const PointerPosition &place = {}) noexcept;
+  const MotionAt &at(std::int64_t now,
+                     const PointerPosition &place = {}) noexcept HAPTIC_NONBLOCKING;
   /// Discards everything that was added.
   void clear() noexcept;
 

@@ -2,6 +2,7 @@
 // From a relief per frame to a surface at any time: straight lines between the reliefs.
 #pragma once
 
+#include "non-blocking.hpp"
 #include "timed-motion.hpp"
 
 #include <array>
@@ -33,8 +34,8 @@ public:
   static constexpr std::size_t kCapacity = 32;
   static_assert(kCapacity < ReliefPool::kSlots);
 
-  void add(TimedRelief relief, std::int64_t now) noexcept;
-  const ReliefAt &at(std::int64_t now) noexcept;
+  void add(TimedRelief relief, std::int64_t now) noexcept HAPTIC_NONBLOCKING;
+  const ReliefAt &at(std::int64_t now) noexcept HAPTIC_NONBLOCKING;
   /// Discards everything that was added.
   void clear() noexcept;
 

@@ -4,6 +4,7 @@
 
 #include "continuous-force.hpp"
 #include "force-defaults.hpp"
+#include "non-blocking.hpp"
 
 #include <array>
 #include <cstdint>
@@ -90,7 +91,7 @@ public:
 
   /// Returns the wrench to command. Never more than max_force and max_torque (a lowered maximum is
   /// approached at the slew rate). An input that is not finite yields zero on this very step.
-  spidar::Wrench step(const Input &input) noexcept;
+  spidar::Wrench step(const Input &input) noexcept HAPTIC_NONBLOCKING;
 
   /// Returns the result of the last step.
   const spidar::Wrench &wrench() const noexcept { return braked_; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "loop-clock.hpp"
+#include "non-blocking.hpp"
 
 #include <array>
 #include <atomic>
@@ -57,7 +58,7 @@ public:
 
   /// Returns false if the row is lost because the writer is too far behind. One thread; real-time
   /// safe.
-  bool write(const TickRow &row) noexcept;
+  bool write(const TickRow &row) noexcept HAPTIC_NONBLOCKING;
 
   /// Returns the errno of the first write that failed (nothing is written after it), or 0.
   int error() const noexcept { return error_.load(std::memory_order_relaxed); }

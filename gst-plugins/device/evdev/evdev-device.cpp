@@ -6,6 +6,7 @@
 #include "format-text.hpp"
 #include "messages.hpp"
 #include "newest-slot.hpp"
+#include "non-blocking.hpp"
 
 #include <algorithm>
 #include <array>
@@ -155,7 +156,7 @@ public:
 
   // ---- the loop's thread ------------------------------------------------------------------------
 
-  bool exchange(std::int64_t now) noexcept override {
+  bool exchange(std::int64_t now) noexcept HAPTIC_NONBLOCKING override {
     tick_at_.store(now);
     const bool answered =
         connected() && now - round_at_.load() < std::chrono::nanoseconds(kDriverStands).count();
@@ -176,7 +177,9 @@ public:
     return true;
   }
   bool connected() const noexcept override { return !gone_.load(); }
-  void command(const spidar::Wrench &wrench) noexcept override { force_.write(wrench.force); }
+  void command(const spidar::Wrench &wrench) noexcept HAPTIC_NONBLOCKING override {
+    force_.write(wrench.force);
+  }
   void calibrate() noexcept override {
     centre_ = stick_.value().place;
     state_.pose.position.setZero();
