@@ -232,12 +232,15 @@ run_sanitized_tests() {
   # The slow unwinder, since Debian's GLib has no frame pointers and a leak must be told from GLib's own.
   # Without intercept_tls_get_addr=0, LeakSanitizer sometimes reads the thread-local memory of a thread at a
   # wrong address and crashes.
-  ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0:intercept_tls_get_addr=0 \
-    LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0 \
-    UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-    GTEST_FILTER="-$(IFS=: && echo "${repetitions[*]}")" \
-    run_meson_tests 'sanitized ' build-sanitized "$(nproc)" "${sanitized_suites[@]/#/--suite=}" --no-suite realtime \
+  local -x ASAN_OPTIONS=detect_leaks=$leaks:fast_unwind_on_malloc=0:intercept_tls_get_addr=0
+  local -x LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0
+  local -x UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+  local -x GTEST_FILTER
+  GTEST_FILTER=-$(IFS=: && echo "${repetitions[*]}")
+  run_meson_tests 'sanitized ' build-sanitized "$(nproc)" "${sanitized_suites[@]/#/--suite=}" --no-suite realtime \
     --timeout-multiplier 10
+  [ "$size" != all ] ||
+    run_meson_tests 'sanitized ' build-sanitized 1 --suite realtime --no-suite long --timeout-multiplier 10
 }
 
 check_format() {
