@@ -105,7 +105,7 @@ TEST_F(SinkFaults, F10_FilmInVideoIsFeltAsEvenAsItMoves) {
       ASSERT_NEAR(row.fx, 0.5, 0.5 * 0.05) << row.time;
       ++rows;
     }
-  EXPECT_GT(rows, 0);
+  EXPECT_NEAR(rows, 1800, 2);
 }
 
 TEST_F(SinkFaults, F18_EveryDeviceThatCannotBeOpenedSaysWhy) {
@@ -231,12 +231,10 @@ TEST_F(SinkFaults, TheForceOfAFileComesWithItsFrameWithin20Milliseconds) {
       const double frame = std::round(2 * rows[i].time) / 2;
       skews.push_back(1000 * std::max({rows[i - 1].time - frame, frame - rows[i].time, 0.0}));
     }
-  ASSERT_GE(skews.size(), 7U);
-  // The median: a machine with other work delays the streaming thread, and with it one crossing.
-  std::ranges::sort(skews);
-  const double median = skews[skews.size() / 2];
-  EXPECT_LE(median, 20);
-  std::printf("frame to force: %.1f ms in the median, %.1f ms at most\n", median, skews.back());
+  ASSERT_EQ(skews.size(), 8U);
+  const double largest = std::ranges::max(skews);
+  EXPECT_LE(largest, 20);
+  std::printf("frame to force: %.1f ms at most\n", largest);
 }
 
 } // namespace
