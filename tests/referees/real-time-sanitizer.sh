@@ -9,12 +9,9 @@
 # Builds in build-real-time/. Needs clang 20 or newer with its runtime library; without it, the exit status is 77.
 
 source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/support.sh"
 
-case ${1:-} in
-'') ;;
---help | -h) show_help && exit ;;
-*) fail "unknown option '$1'; see --help" ;;
-esac
+no_options "$@"
 
 # `find_compiler` sets $compiler to the newest clang++ that can link a program with RealtimeSanitizer.
 find_compiler() {
@@ -26,8 +23,7 @@ find_compiler() {
       return
     fi
   done
-  echo "SKIPPED: no clang of version 20 or newer has RealtimeSanitizer here (clang-22, libclang-rt-22-dev)"
-  exit 77
+  skip "no clang of version 20 or newer has RealtimeSanitizer here (clang-22, libclang-rt-22-dev)"
 }
 
 # Every test that ticks the loop or runs a part of it that is marked.
@@ -38,53 +34,29 @@ unit_tests=(
 # The device of this one sleeps on purpose.
 export GTEST_FILTER=-Loop.ADeviceThatHoldsUpTheLoopMakesItsNextTickAMissedOne
 
-build_tests() {
-  local log=$folder/build.log targets=("${unit_tests[@]/#/tests/unit/unit-}")
-  targets+=(tests/faults/faults-loop tests/usb/usb-tick spidar/spidar-guardian tests/referees/allocating-device)
-  mkdir -p "$folder"
-  # Meson 1.0 has no name for this sanitizer.
-  [ -f "$folder/build.ninja" ] ||
-    CXX=$compiler meson setup "$folder" "$root" -Dcpp_args=-fsanitize=realtime -Dcpp_link_args=-fsanitize=realtime \
-      -Db_lundef=false -Db_pch=false -Doptimization=1 -Ddebug=false -Dtests=enabled -Ddevice=enabled \
-      -Dvision=disabled -Dtrack=disabled -Dview=disabled -Dbenchmarks=disabled -Dman-pages=disabled >"$log" 2>&1 ||
-    build_failed "$log"
-  ninja -C "$folder" "${targets[@]}" >"$log" 2>&1 || build_failed "$log"
-}
-
-# `judge COMMAND...` runs a program. The sanitizer ends it with status 43 at the first report.
-judge() {
-  local status=0
-  echo "-- $*"
-  "$@" >"$folder/output" 2>&1 || status=$?
-  case $status in
-  0) ;;
-  77) sed -nE 's/^SKIP(PED)?: */   skipped: /p' "$folder/output" | head -n 1 ;;
-  *)
-    failed=yes
-    grep -A 30 -m 1 'ERROR: RealtimeSanitizer' "$folder/output" || tail -n 30 "$folder/output"
-    ;;
-  esac
-}
-
 # A referee that no longer sees what it must report would pass everything.
 check_that_it_sees() {
   local action status
   for action in heap mutex sleep; do
     status=0
-    tests/referees/allocating-device "$action" >"$folder/output" 2>&1 || status=$?
-    [ "$status" = 43 ] || fail "a device that uses the $action in its exchange was not reported; is HapticLoop::tick still marked?"
+    tests/referees/allocating-device "$action" >/dev/null 2>&1 || status=$?
+    # 43: the sanitizer ended it.
+    [ $status = 43 ] ||
+      fail "a device whose exchange uses the $action was not reported; HapticLoop::tick must be HAPTIC_NONBLOCKING"
   done
 }
 
 folder=$root/build-real-time
 find_compiler
-build_tests
+targets=("${unit_tests[@]/#/tests/unit/unit-}" tests/faults/faults-loop tests/usb/usb-tick spidar/spidar-guardian
+  tests/referees/allocating-device)
+# Meson 1.0 has no name for this sanitizer.
+CXX=$compiler build_sanitized "$folder" -Dcpp_args=-fsanitize=realtime -Dcpp_link_args=-fsanitize=realtime
 cd "$folder"
 # A name of each function, which the exceptions need, also without the package llvm.
 symbolizer=$(command -v llvm-symbolizer || command -v addr2line)
 export RTSAN_OPTIONS=external_symbolizer_path=$symbolizer:suppressions=$root/tests/suppressions/rtsan.supp:print_suppressions=0
 export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry SPIDAR_GUARDIAN=$folder/spidar/spidar-guardian
-failed=no
 judge tests/referees/allocating-device nothing
 check_that_it_sees
 for unit in "${unit_tests[@]}"; do

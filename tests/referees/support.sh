@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# shellcheck shell=bash disable=SC2034,SC2154 # $root is common.sh's, $targets the script's, $failed for it
+# Functions of the scripts in this folder. To be sourced after common.sh, not run.
+
+no_options() {
+  case ${1:-} in
+  '') ;;
+  --help | -h) show_help && exit ;;
+  *) fail "unknown option '$1'; see --help" ;;
+  esac
+}
+
+# `skip REASON`
+skip() {
+  echo "SKIPPED: $1"
+  exit 77
+}
+
+# `build_sanitized FOLDER MESON-OPTION...` builds $targets, of what needs neither OpenCV nor GTK.
+build_sanitized() {
+  local folder=$1 log=$1/build.log
+  mkdir -p "$folder"
+  [ -f "$folder/build.ninja" ] ||
+    meson setup "$folder" "$root" -Db_lundef=false -Db_pch=false -Doptimization=1 -Ddebug=false -Dtests=enabled \
+      -Ddevice=enabled -Dvision=disabled -Dtrack=disabled -Dview=disabled -Dbenchmarks=disabled -Dman-pages=disabled \
+      "${@:2}" >"$log" 2>&1 || build_failed "$log"
+  ninja -C "$folder" "${targets[@]}" >"$log" 2>&1 || build_failed "$log"
+}
+
+# `judge COMMAND...` runs a program. If it fails, $failed becomes yes and the first report of the sanitizer is shown.
+failed=no
+judge() {
+  local status=0 output report='(ERROR|WARNING|FATAL): [A-Za-z]*Sanitizer'
+  output=$(mktemp)
+  echo "-- $*"
+  "$@" >"$output" 2>&1 || status=$?
+  case $status in
+  0) ;;
+  77) sed -nE 's/^SKIP(PED)?: */   not run: /p' "$output" | head -n 1 ;;
+  *)
+    failed=yes
+    if grep -qE "$report" "$output"; then
+      grep -A 40 -m 1 -E "$report" "$output" | sed '/^SUMMARY/q'
+    else
+      tail -n 30 "$output"
+    fi
+    ;;
+  esac
+  rm -f "$output"
+}
