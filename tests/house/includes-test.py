@@ -18,6 +18,7 @@ FILES = {
     PICTURE: """digraph {
   "gst-plugins/vision/pixels" -> "gst-plugins/vision/tracking" -> "gst-plugins/vision/elements"
   "pipelines/web/player" -> "pipelines/web/page"
+  "gst-plugins/vision/elements" -> "pipelines/web/player" [label="what flows"]
 }
 """,
     "gst-plugins/common/field.hpp": "double at(int x);\n",

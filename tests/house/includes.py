@@ -11,7 +11,7 @@ its rooms and files include GStreamer, GLib or OpenCV. A room is a folder in tha
 * What lies beside the rooms (the ground) includes none of them.
 * An include names its file by the path from the folder of the table, so that a line shows its arrow.
 * A room is entered only by the headers that its README names after `* Doors:`. Tests may open every door.
-* docs/images/house.dot has the same arrows, between nodes named FOLDER/ROOM.
+* docs/images/house.dot has the same arrows within each folder, between nodes named FOLDER/ROOM.
 * A header declares the functions that its own room defines.
 * What starts a plugin or a program lies in a room that no other includes.
 * No folder holds more than MOST_FILES files.
@@ -232,7 +232,7 @@ class House:
         drawn = set()
         for line in read(self.root / PICTURE).splitlines():
             chain = re.findall(r'"([^"\s]+/[^"\s]+)"', line) if "->" in line else []
-            drawn.update(zip(chain, chain[1:]))
+            drawn.update(pair for pair in zip(chain, chain[1:]) if Path(pair[0]).parent == Path(pair[1]).parent)
         arrows = {
             (str(row.folder / source), str(row.folder / room)) for row in self.rows.values() for source, room in row.arrows
         }
