@@ -7,7 +7,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from includes import MOST_FILES, PAGE, SCANNED, House
+from includes import MOST_FILES, PAGE, PICTURE, SCANNED, House
 
 ROOT = Path(__file__).parents[2]
 HEAD = "| folder | includes also | rooms | GStreamer, GLib or OpenCV in |\n|---|---|---|---|\n"
@@ -15,18 +15,24 @@ VISION = "| `gst-plugins/vision` | `gst-plugins/common` | `pixels` → `tracking
 COMMON = "| `gst-plugins/common` | | | |\n"
 FILES = {
     PAGE: f"{HEAD}{COMMON}{VISION}| `pipelines/web` | | `player` → `page` | |\n",
+    PICTURE: """digraph {
+  "gst-plugins/vision/pixels" -> "gst-plugins/vision/tracking" -> "gst-plugins/vision/elements"
+  "pipelines/web/player" -> "pipelines/web/page"
+  "gst-plugins/vision/elements" -> "pipelines/web/player" [label="what flows"]
+}
+""",
     "gst-plugins/common/field.hpp": "double at(int x);\n",
     "gst-plugins/common/field.cpp": '#include "field.hpp"\ndouble at(int x)\n{\n}\n',
     "gst-plugins/vision/messages.hpp": "",
-    "gst-plugins/vision/pixels/README.md": "Doors: `tensor.hpp`.\n",
+    "gst-plugins/vision/pixels/README.md": "* Doors: `tensor.hpp`.\n",
     "gst-plugins/vision/pixels/tensor.hpp": '#include "pixels/rows.hpp"\n',
     "gst-plugins/vision/pixels/rows.hpp": "int rows();\n",
     "gst-plugins/vision/pixels/rows.cpp": '#include "pixels/rows.hpp"\n#include "messages.hpp"\nint rows()\n{\n}\n',
-    "gst-plugins/vision/tracking/README.md": "Doors: `tracker.hpp`.\n",
+    "gst-plugins/vision/tracking/README.md": "* Doors: `tracker.hpp`.\n",
     "gst-plugins/vision/tracking/tracker.hpp": '#include "field.hpp"\n#include "pixels/tensor.hpp"\n',
-    "gst-plugins/vision/elements/README.md": "Doors: none.\n",
+    "gst-plugins/vision/elements/README.md": "* Doors: none.\n",
     "gst-plugins/vision/elements/plugin.cpp": '#include <gst/gst.h>\n#include "tracking/tracker.hpp"\n',
-    "pipelines/web/player/README.md": "Doors: `player.js`\n",
+    "pipelines/web/player/README.md": "* Doors: `player.js`\n",
     "pipelines/web/player/player.js": "",
     "pipelines/web/page/README.md": "",
     "pipelines/web/page/page.js": "import { attach } from '../player/player.js';\n",
@@ -69,13 +75,18 @@ class Includes(unittest.TestCase):
         self.assert_refused("no arrow leads from tracking to pixels")
 
     def test_an_import_against_the_arrows_is_refused(self):
-        self.write("pipelines/web/page/README.md", "Doors: `page.js`\n")
+        self.write("pipelines/web/page/README.md", "* Doors: `page.js`\n")
         self.add("pipelines/web/player/player.js", "import { draw } from '../page/page.js';\n")
         self.assert_refused("no arrow leads from page to player")
 
     def test_an_arrow_that_no_include_needs_is_refused(self):
         self.replace_in_table("`elements` | `elements`", "`elements`<br>`pixels` → `elements` | `elements`")
+        self.add(PICTURE, '"gst-plugins/vision/pixels" -> "gst-plugins/vision/elements"\n')
         self.assert_refused("nothing needs the arrow from pixels to elements")
+
+    def test_an_arrow_that_only_the_picture_has_is_refused(self):
+        self.add(PICTURE, '"gst-plugins/vision/pixels" -> "gst-plugins/vision/elements"\n')
+        self.assert_refused("house.dot alone has an arrow from gst-plugins/vision/pixels")
 
     def test_arrows_in_a_circle_are_refused(self):
         self.replace_in_table("`elements` | `elements`", "`elements`<br>`tracking` → `pixels` | `elements`")
@@ -94,7 +105,7 @@ class Includes(unittest.TestCase):
         self.assert_refused("includes gst-plugins/vision/pixels/rows.hpp, which its room does not name as a door")
 
     def test_a_door_that_nobody_opens_is_refused(self):
-        self.write("gst-plugins/vision/pixels/README.md", "Doors: `tensor.hpp`,\n`rows.hpp`.\n")
+        self.write("gst-plugins/vision/pixels/README.md", "* Doors: `tensor.hpp`,\n  `rows.hpp`.\n")
         self.assert_refused("no other room includes rows.hpp")
 
     def test_a_room_without_a_readme_is_refused(self):
@@ -158,8 +169,9 @@ class ThisHouse(unittest.TestCase):
         with tempfile.TemporaryDirectory() as root:
             for name in SCANNED:
                 shutil.copytree(ROOT / name, Path(root, name))
-            Path(root, PAGE).parent.mkdir()
-            shutil.copy(ROOT / PAGE, Path(root, PAGE))
+            Path(root, PICTURE).parent.mkdir(parents=True)
+            for name in (PAGE, PICTURE):
+                shutil.copy(ROOT / name, Path(root, name))
             self.assertEqual(House(root).problems, [])
             Path(root, "gst-plugins/common/wrong.hpp").write_text('#include "gsthapticmotionmeta.h"\n', encoding="utf-8")
             self.assertEqual(len(House(root).problems), 1)

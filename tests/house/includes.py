@@ -10,7 +10,8 @@ its rooms and files include GStreamer, GLib or OpenCV. A room is a folder in tha
 * A room includes only rooms from which arrows lead to it. Each arrow and each name of the table is needed.
 * What lies beside the rooms (the ground) includes none of them.
 * An include names its file by the path from the folder of the table, so that a line shows its arrow.
-* A room is entered only by the headers that its README names after `Doors:`. Tests may open every door.
+* A room is entered only by the headers that its README names after `* Doors:`. Tests may open every door.
+* docs/images/house.dot has the same arrows within each folder, between nodes named FOLDER/ROOM.
 * A header declares the functions that its own room defines.
 * What starts a plugin or a program lies in a room that no other includes.
 * No folder holds more than MOST_FILES files.
@@ -26,6 +27,7 @@ from pathlib import Path
 
 MOST_FILES = 101  # until vision has rooms
 PAGE = "docs/architecture.md"
+PICTURE = "docs/images/house.dot"
 FOLDER, INCLUDES, ROOMS, LIBRARIES = "folder", "includes also", "rooms", "GStreamer, GLib or OpenCV in"
 SCANNED = ("gst-plugins", "spidar", "pipelines")
 SOURCES = (".cpp", ".hpp", ".c", ".h", ".js")
@@ -102,6 +104,7 @@ class House:
         for path in self.files:
             self.resolve_includes(path)
         self.check_arrows()
+        self.check_picture()
         self.check_doors()
         self.check_heavy()
         self.check_declarations()
@@ -225,6 +228,18 @@ class House:
                 if (row.folder, folder) not in used_folders:
                     self.complain(f"{PAGE}: nothing in {row.folder} includes {folder}")
 
+    def check_picture(self):
+        drawn = set()
+        for line in read(self.root / PICTURE).splitlines():
+            chain = re.findall(r'"([^"\s]+/[^"\s]+)"', line) if "->" in line else []
+            drawn.update(pair for pair in zip(chain, chain[1:]) if Path(pair[0]).parent == Path(pair[1]).parent)
+        arrows = {
+            (str(row.folder / source), str(row.folder / room)) for row in self.rows.values() for source, room in row.arrows
+        }
+        for source, room in sorted(drawn ^ arrows):
+            where = PICTURE if (source, room) in drawn else PAGE
+            self.complain(f"{where} alone has an arrow from {source} to {room}")
+
     def check_doors(self):
         opened = defaultdict(set)
         for path, targets in self.includes.items():
@@ -237,7 +252,7 @@ class House:
                 if not readme.is_file():
                     self.complain(f"{row.folder}/{room} has no README.md")
                     continue
-                line = re.search(r"^Doors?:(.*(?:\n\S.*)*)", read(readme), re.MULTILINE)
+                line = re.search(r"^\* Doors:(.*(?:\n  .*)*)", read(readme), re.MULTILINE)
                 doors = set(quoted(line[1])) if line else set()
                 entered = opened[f"{row.folder}/{room}"]
                 for target, path in sorted(entered):
