@@ -92,3 +92,9 @@ lab_packages=(
   libopencv-contrib-dev # the peer RLOF
   libavcodec-dev libavutil-dev # the motion vectors of H.264 as a peer
 )
+
+# The referees of --all (tests/referees), which can do without them.
+referee_packages=(
+  qemu-user # processors of other generations
+  clang-22 libclang-rt-22-dev # RealtimeSanitizer
+)

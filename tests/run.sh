@@ -94,6 +94,7 @@ set_up() {
   (install_packages "${browser_packages[@]}" && install_npm && pipelines/web/fetch.sh --tests) || true
   (install_packages "${server_packages[@]}") || true
   (install_packages "${engine_packages[@]}") || true
+  (install_packages "${referee_packages[@]}") || true
 }
 
 # `configure FOLDER MESON-OPTION...`
@@ -129,22 +130,28 @@ build_plain() {
 
 sanitized_suites=(unit elements faults usb fuzz)
 
-# `programs_of FOLDER SUITE...` prints what these suites need: their programs and the plugins.
-programs_of() {
-  meson introspect --tests --targets "$1" | python3 -c 'import json, os, sys
+# `of_suites WHAT FOLDER SUITE...`: WHAT is `programs`, what the tests of these suites need (their programs and the
+# plugins), or `realtime`, the names of those tests of real time.
+of_suites() {
+  meson introspect --tests --targets "$2" | python3 -c 'import json, os, sys
+what, folder, *wanted = sys.argv[1:]
 found = json.load(sys.stdin)
-needed = {name for test in found["tests"] if {suite.split(":")[-1] for suite in test["suite"]} & set(sys.argv[2:])
-          for name in test["depends"]}
-for target in found["targets"]:
-    if target["id"] in needed or target["type"] == "shared module":
-        print(*(os.path.relpath(name, sys.argv[1]) for name in target["filename"]), sep="\n")' "$@"
+suites = lambda test: {suite.split(":")[-1] for suite in test["suite"]}
+tests = [test for test in found["tests"] if suites(test) & set(wanted)]
+needed = {name for test in tests for name in test["depends"]}
+if what == "realtime":
+    print(*(test["name"] for test in tests if "realtime" in suites(test)), sep="\n")
+else:
+    for target in found["targets"]:
+        if target["id"] in needed or target["type"] == "shared module":
+            print(*(os.path.relpath(name, folder) for name in target["filename"]), sep="\n")' "$@"
 }
 
 # Less optimised, which halves the time to compile. Only what its tests need.
 build_sanitized() {
   local programs
   configure build-sanitized "${unity[@]}" -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 \
-    -Dbenchmarks=disabled -Dview=disabled && mapfile -t programs < <(programs_of build-sanitized "${sanitized_suites[@]}") &&
+    -Dbenchmarks=disabled -Dview=disabled && mapfile -t programs < <(of_suites programs build-sanitized "${sanitized_suites[@]}") &&
     compile build-sanitized "${programs[@]}"
 }
 
@@ -223,7 +230,7 @@ leaks_can_be_found() {
 }
 
 run_sanitized_tests() {
-  local leaks=1
+  local leaks=1 realtime
   step "Tests with sanitizers"
   if ! leaks_can_be_found; then
     leaks=0
@@ -239,8 +246,9 @@ run_sanitized_tests() {
   GTEST_FILTER=-$(IFS=: && echo "${repetitions[*]}")
   run_meson_tests 'sanitized ' build-sanitized "$(nproc)" "${sanitized_suites[@]/#/--suite=}" --no-suite realtime \
     --timeout-multiplier 10
-  [ "$size" != all ] ||
-    run_meson_tests 'sanitized ' build-sanitized 1 --suite realtime --no-suite long --timeout-multiplier 10
+  [ "$size" = all ] || return 0
+  mapfile -t realtime < <(of_suites realtime build-sanitized "${sanitized_suites[@]}")
+  run_meson_tests 'sanitized ' build-sanitized 1 --timeout-multiplier 10 "${realtime[@]}"
 }
 
 check_format() {
@@ -269,6 +277,13 @@ check_demonstration() {
     "$copy/pipelines/moving-picture.sh" "$copy/moving.webp"
 }
 
+run_referees() {
+  check "No thread reads what another one writes" tests/referees/thread-sanitizer.sh || true
+  check "The loop never allocates, locks or waits" tests/referees/real-time-sanitizer.sh || true
+  check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
+  check "It builds with each option on and off" tests/referees/options.sh || true
+}
+
 # Packages of both Debians and the container need processor time and the network, while the long tests wait.
 check_in_background() {
   check "It builds on the other Debian" tests/other-debian.sh --part build || true
@@ -286,6 +301,7 @@ run_plain_tests
 check "clang-tidy finds nothing" check_style || true
 [ "$size" = all ] || exit 0
 
+run_referees
 set -m # the background gets a process group, which ends with this script
 in_idle_time check_in_background >build-tests/background.log 2>&1 &
 background=$!

@@ -14,7 +14,7 @@ source "$(dirname "$0")/support.sh"
 no_options "$@"
 
 unit_tests=(newest-slot sample-ring field-sampler sample-intake tick-log call-queue haptic-loop haptic-session)
-targets=("${unit_tests[@]/#/tests/unit/unit-}" tests/faults/faults-loop)
+targets=("${unit_tests[@]/#/tests/unit/unit-}" tests/faults/faults-loop tests/faults/faults-loop-realtime)
 folder=$root/build-threads
 build_sanitized "$folder" -Db_sanitize=thread
 
@@ -33,4 +33,5 @@ for unit in "${unit_tests[@]}"; do
   judge "${fixed_addresses[@]}" "tests/unit/unit-$unit"
 done
 judge "${fixed_addresses[@]}" tests/faults/faults-loop
+judge "${fixed_addresses[@]}" tests/faults/faults-loop-realtime
 [ $failed = no ]
