@@ -129,11 +129,3 @@ for script in demo play-file play-file-with-display camera mouse record play-tra
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"
 done
-
-# Pictures without a motion to measure, with the real tracker.
-for pattern in snow black; do
-  promise "pictures of nothing but $pattern play" gst-launch-1.0 -q videotestsrc "pattern=$pattern" num-buffers=60 \
-    ! video/x-raw,width=352,height=288,framerate=30/1 ! roitracker ! velocityavg \
-    ! hapticsink device=sim "log-location=$work/$pattern.csv"
-  promise "and are felt as hardly anything" in_log "$work/$pattern.csv" 'force <= 0.1'
-done

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs a command and interrupts it, as Ctrl-C in a terminal does, once hapticsink's log has reached a running time.
+# Runs a command and interrupts it, as Ctrl-C in a terminal does, once so many rows of hapticsink's log fulfil an awk
+# condition on time (s of the stream), fx, fy and fz (N).
 #
-# Usage: tests/pipelines/interrupt-at.sh LOG SECONDS COMMAND...
+# Usage: tests/pipelines/interrupt-at.sh LOG ROWS CONDITION COMMAND...
 set -euo pipefail
-log=$1 seconds=$2
-shift 2
+log=$1 rows=$2 condition=$3
+shift 3
 
 reached() {
-  tail -n 1 "$log" | awk -F, -v "at=$seconds" '{ there = NF >= 22 && $1 + 0 >= at } END { exit !there }'
+  awk -F, -v "rows=$rows" 'NR > 1 && NF >= 22 { time = $1; fx = $8; fy = $9; fz = $10; if ('"$condition"') n++ }
+    END { exit n < rows }' "$log"
 }
 
 set -m # the command gets a process group of its own, as in a terminal

@@ -118,7 +118,7 @@ port=$(free_ports 10)
 sender=$!
 until grep -qs 'New clock' "$work/srt-sender"; do sleep 0.1; done
 promise "SRT: a wrong passphrase is said in one sentence" explained another1234 'the passphrase is not that of the sender'
-promise "SRT: with the right one it plays until Ctrl-C" over_srt secret12345 "$interrupt_at" "$work/srt.csv" 5
+promise "SRT: with the right one it plays until Ctrl-C" over_srt secret12345 "$interrupt_at" "$work/srt.csv" 1 'time >= 5'
 promise "SRT: the stream is felt, and at the end nothing" felt_left
 kill -INT "$sender"
 wait "$sender"

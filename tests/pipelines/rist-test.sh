@@ -15,7 +15,7 @@ port=$(free_ports 4)
 timeout -k 10 120 "$root/pipelines/send-ts.sh" --rist --port "$port" "$work/halves.mkv" >"$work/sender" 2>&1 &
 sender=$!
 receive() {
-  timeout -k 10 60 "$interrupt_at" "$work/log.csv" 5 "$root/pipelines/send-ts.sh" --receive --rist --port "$port" \
+  timeout -k 10 60 "$interrupt_at" "$work/log.csv" 1 'time >= 5' "$root/pipelines/send-ts.sh" --receive --rist --port "$port" \
     -- device=sim sim-hand=hold:0.6,0,0 "log-location=$work/log.csv" >"$work/receiver" 2>&1 || {
     cat "$work/receiver"
     return 1

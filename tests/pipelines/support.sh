@@ -50,7 +50,7 @@ in_window_system() {
   xvfb-run -a -n $((100 + RANDOM % 20000)) -s '-screen 0 1024x768x24 -noreset' "$@"
 }
 
-# `interrupt_at LOG SECONDS COMMAND...`: Ctrl-C once the log has reached that running time.
+# `interrupt_at LOG ROWS CONDITION COMMAND...`: Ctrl-C once so many rows of the log fulfil the condition.
 interrupt_at=$root/tests/pipelines/interrupt-at.sh
 
 # `free_ports COUNT`: the first of so many ports in a row that nobody uses, for UDP or TCP. It depends on the process, so
@@ -133,6 +133,11 @@ felt() {
     END { print right + 0 " of " NR - 1 " rows have the force"; exit bad || right < 500 }' "$1"
 }
 
+# `ends_without_force FILE`: the last row has none.
+ends_without_force() {
+  tail -n 1 "$1" | awk -F, '{ exit !(NF >= 22 && $8 == 0 && $9 == 0 && $10 == 0) }'
+}
+
 # `smooth FILE`: the force changes by no more than slew-rate allows in the time between two rows.
 smooth() {
   awk -F, '
@@ -145,6 +150,28 @@ smooth() {
     END { exit bad || NR < 1000 }' "$1"
 }
 
+# `samples_of SCRIPT ARGUMENT...`: the script plays to its end, though not in real time, and $work/samples gets what the
+# same line measures: a motion sample a line, as docs/formats/text-line.md has it.
+samples_of() {
+  local line said=$work/said-by-script
+  "$root/pipelines/$1" "${@:2}" -- device=sim sync=false >"$said" 2>&1 || { cat "$said"; return 1; }
+  line=$(grep '^gst-launch-1.0 .* hapticsink device=sim sync=false' "$said") || { cat "$said"; return 1; }
+  eval "${line/hapticsink device=sim sync=false/hapticconvert ! text/x-raw ! filesink location=$work/track}" >/dev/null || return 1
+  sed 's/hv1 point/\n&/g' "$work/track" | sed 1d >"$work/samples"
+}
+
+# `measured CONDITION`: in $work/samples at least 20 samples were measured, and the awk condition on vx and vy, which
+# are in px/s, holds in each of them.
+measured() {
+  awk '{
+      for (i = 3; i <= NF; i++) { split($i, pair, "="); value[pair[1]] = pair[2] }
+      if (value["conf"] == 0) next
+      vx = value["vx"]; vy = value["vy"]; rows++
+      if (!('"$1"')) { print "line " NR ": " $0; bad = 1; exit }
+    }
+    END { print rows + 0 " of " NR " samples were measured"; exit bad || rows < 20 }' "$work/samples"
+}
+
 # `send_through RELAY PORT VIDEO RECEIVER...`: sends the video to the port of a relay, whose process ends with it,
 # while the command receives. What they say is in $work/sender and $work/receiver, and none of it may be a warning.
 send_through() {
@@ -154,10 +181,9 @@ send_through() {
   receiver=$!
   until grep -q PLAYING "$work/receiver"; do
     kill -0 "$receiver" 2>/dev/null || { cat "$work/receiver"; return 1; }
-    sleep 0.2
+    sleep 0.05
   done
-  timeout -k 10 60 "$root/pipelines/send.sh" --port "$port" "$video" >"$work/sender" 2>&1 || status=1
-  sleep 1
+  "$root/pipelines/send.sh" --port "$port" "$video" >"$work/sender" 2>&1 || status=1
   kill -INT "$receiver"
   wait "$receiver" || status=1
   kill "$relay"

@@ -27,12 +27,3 @@ plausible_velocities() {
     END { print count " measured, " moving " moving"; exit bad || count < 40 || moving < 10 }' "$work/motion"
 }
 promise "leaves move by some pixels from picture to picture, not more" plausible_velocities
-
-promise "tree.avi plays in real time" "$interrupt_at" "$work/log.csv" 4 \
-  "$root/pipelines/play-file.sh" "$tree" \
-  -- device=sim "sim-hand=file:$root/pipelines/tree-hand.csv" "log-location=$work/log.csv"
-promise "its log is sound" sound_log "$work/log.csv" 1 3
-some_force() {
-  ! in_log "$work/log.csv" 'force < 0.02' >"$work/first"
-}
-promise "the twig under the hand is felt" some_force

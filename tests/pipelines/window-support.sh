@@ -9,14 +9,15 @@ shot() {
     "startx=$2" "starty=$3" "endx=$(($2 + 199))" "endy=$(($3 + 199))" \
     ! videoconvert ! video/x-raw,format=RGB ! filesink "location=$1"
 }
-# `until_true COMMAND...` repeats a command until it succeeds. The limit is meant for a machine with other work.
+# `until_true COMMAND...` repeats a command until it succeeds. Only the end of the program ends that in vain.
 until_true() {
-  for _ in {1..300}; do
-    ! "$@" || return 0
+  until "$@"; do
+    if [ -n "${process:-}" ] && ! kill -0 "$process" 2>/dev/null && ! "$@"; then
+      echo "the program ended before this happened: $*" >&2
+      exit 1
+    fi
     sleep 0.1
   done
-  echo "this did not happen within 30 s: $*" >&2
-  exit 1
 }
 # `start ARGUMENT...` runs the program and gives its window the keys.
 start() {
@@ -24,7 +25,7 @@ start() {
   "$program" --verbose "$@" >said 2>&1 &
   process=$!
   trap 'kill -CONT $process ${server:-} 2>/dev/null || true; kill $process ${server:-} 2>/dev/null || true' EXIT
-  windows=$(timeout 60 xdotool search --sync --onlyvisible --class feeling-wind)
+  windows=$(timeout 120 xdotool search --sync --onlyvisible --class feeling-wind)
   window=$(tail -n 1 <<<"$windows")
   xdotool windowfocus "$window"
 }
@@ -50,7 +51,10 @@ dialog() {
 ended() {
   gone() { ! kill -0 "$process" 2>/dev/null; }
   until_true gone
-  wait "$process"
+  local status=0
+  wait "$process" || status=$?
+  process=
+  return $status
 }
 # `open_url URL` in the dialog for it.
 open_url() {
