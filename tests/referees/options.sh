@@ -64,7 +64,7 @@ not_built() {
 # `is_built PLUGIN STATE` fails if the build has the plugin although it is disabled, or the other way round.
 is_built() {
   local state=disabled
-  ! ninja -C "$folder" -t targets all | grep -q "/libgsthaptic$1.so:" || state=enabled
+  ! grep -q "^build [^ ]*/libgsthaptic$1\.so:" "$folder/build.ninja" || state=enabled
   [ $state = "$2" ] || fail "the option $1 is $2, and the build has it $state"
 }
 
