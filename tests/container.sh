@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds the image of pipelines/author/Containerfile with buildah, and authors a film in it. Where its base image cannot
-# be loaded, one is made of Debian's packages.
+# Builds the image of pipelines/author/Containerfile with buildah, authors a film in it, and checks what its Debian
+# package gives a user. Where its base image cannot be loaded, one is made of Debian's packages.
 #
-# Usage: tests/container.sh [--cache FOLDER]
-#   --cache FOLDER  where images are kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
+# Usage: tests/container.sh [--packages FOLDER] [--cache FOLDER]
+#   --packages FOLDER  what tests/debian-package.sh has built; on Debian 12, as in the image, nothing is built again
+#   --cache FOLDER     where images are kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
 #
 # Needs root, buildah and the network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
@@ -13,10 +14,15 @@ source "$(dirname "$0")/../pipelines/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
 
-given=("$@") cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
+given=("$@") packages='' cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 while [ $# -gt 0 ]; do
   case $1 in
   --help | -h) show_help && exit ;;
+  --packages)
+    packages=${2:-}
+    ls "$packages"/feeling-wind_*.deb >/dev/null 2>&1 || fail "'$packages' has no package of feeling-wind; see --help"
+    shift
+    ;;
   --cache)
     cache=${2:-}
     [ -n "$cache" ] || fail "--cache needs a folder; see --help"
@@ -26,6 +32,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+[ -z "$packages" ] || grep -q '^VERSION_ID="12"' /etc/os-release || packages='' # they are of another Debian
 command -v buildah >/dev/null || skip "buildah is not installed"
 command -v ffmpeg >/dev/null || skip "ffmpeg is not installed"
 enter_namespaces "${given[@]}"
@@ -65,9 +72,14 @@ base_is_there() {
   }
 }
 built() {
+  local arguments=()
   copy_tree "$work/source"
-  images build --pull-never --layers=false --file "$work/source/pipelines/author/Containerfile" --tag "$author" \
-    "$work/source" >"$work/build.log" 2>&1 || { tail -n 30 "$work/build.log"; return 1; }
+  if [ -n "$packages" ]; then
+    mkdir "$work/source/packages" && cp "$packages"/*.deb "$work/source/packages/" || return
+    arguments=(--build-arg packages=packages)
+  fi
+  images build --pull-never --layers=false "${arguments[@]}" --file "$work/source/pipelines/author/Containerfile" \
+    --tag "$author" "$work/source" >"$work/build.log" 2>&1 || { tail -n 30 "$work/build.log"; return 1; }
 }
 inside() {
   images run --volume "$work/films:/films" "$container" haptic-track "$@"
@@ -78,8 +90,17 @@ authored() {
   container=$(images from --pull-never "$author")
   inside author /films/film.mp4 && inside info /films/film.haptic.ts | tee "$work/info" && grep -q '^ *fields  *60$' "$work/info"
 }
+# With GStreamer's tools, and with the program where its package is given.
+serves_users() {
+  # shellcheck disable=SC2016 # for the inner shell
+  images run --volume "$work/source:/source:ro" "$container" sh -c 'apt-get -q update &&
+    apt-get -qy install --no-install-recommends gstreamer1.0-tools $(ls /source/packages/feeling-wind-gtk_*.deb)' \
+    >"$work/install.log" 2>&1 || { tail -n 20 "$work/install.log"; return 1; }
+  images run --volume "$work/source:/source:ro" "$container" /source/tests/installed-package.sh
+}
 
 promise "the base image is there" base_is_there
 promise "the image builds" built
 promise "it authors a film" authored
+promise "its package serves users" serves_users
 images rm --all >/dev/null

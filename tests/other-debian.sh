@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Makes a chroot of the Debian that this machine does not run (13 on Debian 12, 12 on Debian 13), builds the
-# project there without a warning, runs the unit, element and pipeline tests there, and builds the Debian
-# package there and here. Closes with one line: N passed, N failed, N skipped. The exit status is 0 only when
-# nothing failed.
+# Makes a chroot of the Debian that this machine does not run (13 on Debian 12, 12 on Debian 13) and builds the Debian
+# package there, without a warning and with its unit tests. Runs the element and pipeline tests there in the folder
+# where the package was built. Installs the package there, and checks what it gives a user. Closes with one line:
+# N passed, N failed, N skipped. The exit status is 0 only when nothing failed.
 #
 # Usage: tests/other-debian.sh [--part build|tests] [--fresh] [--cache FOLDER]
-#   --part          only builds the project and its packages, or only runs the tests of a build that is there
+#   --part          only builds the package, or only runs the tests of a build that is there
 #   --fresh         makes the chroot anew; without it, one that is there is used again
 #   --cache FOLDER  where the chroot is kept, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
 #
@@ -17,6 +17,7 @@ source "$(dirname "$0")/../pipelines/common.sh"
 source "$(dirname "$0")/../pipelines/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
+source "$(dirname "$0")/support/debian-package.sh"
 
 part=all fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 
@@ -85,11 +86,18 @@ in_chroot() {
   "${enter[@]}" 'cd /feeling-wind && exec "$@"' in_chroot "$@"
 }
 
-# The same, where there is no network but the machine itself.
+# The same, without a network.
 offline_in_chroot() {
+  # shellcheck disable=SC2154 # it is in debian-package.sh
+  unshare --net "${enter[@]}" "cd /feeling-wind && $only_loopback" offline_in_chroot "$@"
+}
+
+# Without the packages of an earlier run, which tests of a build would find.
+make_clean_chroot() {
+  local names
+  mapfile -t names < <(sed -n 's/^Package: //p' "$root/debian/control")
   # shellcheck disable=SC2016 # for the inner shell
-  unshare --net "${enter[@]}" \
-    'ip link set lo up && ip route add 224.0.0.0/4 dev lo && cd /feeling-wind && exec "$@"' in_chroot "$@"
+  make_chroot && "${enter[@]}" 'exec dpkg --purge "$@"' purge "${names[@]}"
 }
 
 copy_tree_and_film() {
@@ -103,7 +111,7 @@ copy_tree_and_film() {
 # By the project's own script, as on any machine.
 install_in_chroot() {
   local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}"
-    "${chroot_packages[@]}" "${server_packages[@]}")
+    "${chroot_packages[@]}" "${server_packages[@]}" ccache)
   local package
   for package in "${test_packages[@]}"; do
     case $package in
@@ -116,53 +124,41 @@ install_in_chroot() {
     install "${packages[@]}"
 }
 
-build_in_chroot() {
-  local again=()
-  [ ! -f "$chroot/build/build.ninja" ] || again=(--reconfigure)
-  offline_in_chroot meson setup /build "${again[@]}" -Dwerror=true -Ddebug=false -Dtests=enabled \
-    -Dbenchmarks=disabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled -Dview=enabled &&
-    offline_in_chroot ninja -C /build -k 0 # shows every fault
+package_in_chroot() {
+  rm -f "$chroot"/{feeling-wind,libspidar}[-_0]*.*
+  build_package offline_in_chroot
 }
 
-# Counts what meson wrote down. The few tests that failed beside others are repeated alone.
-run_tests_in_chroot() {
-  local log=$chroot/build/meson-logs/testlog.json status=0 again=() outcomes outcome
-  printf '\n== Unit, element and pipeline tests on Debian %s\n' "$version"
-  rm -f "${log%.json}"*.json
-  set -- offline_in_chroot meson test -C /build --no-rebuild --print-errorlogs --timeout-multiplier 3
-  "$@" --num-processes $((2 * $(nproc))) --suite unit --suite elements --suite pipelines </dev/null || status=$?
-  mapfile -t again < <("$root/tests/summary.py" failed "$log")
-  if [ ${#again[@]} -gt 0 ]; then
-    # Its status is the number of failed tests, if nothing else went wrong.
-    "$@" --num-processes 1 --logbase testlog-alone "${again[@]}" </dev/null && status=$((status - ${#again[@]}))
-  fi
-  outcomes=$("$root/tests/summary.py" collect '' "$log" "$(mktemp -d -p "$work")")
+# `count_tests NAME` counts what meson wrote down in the log NAME.json.
+count_tests() {
+  local outcomes outcome
+  outcomes=$("$root/tests/summary.py" collect '' "$chroot$built/meson-logs/$1.json" "$(mktemp -d -p "$work")")
   sed -n 's/^passed\t\([^\t]*\)\t.*\tpassed alone$/failed beside others: \1 (passed alone)/p' <<<"$outcomes"
   for outcome in passed skipped failed; do
     printf -v "$outcome" %d $((${!outcome} + $(grep -c "^$outcome" <<<"$outcomes" || true)))
   done
+  ! grep -q ^failed <<<"$outcomes"
+}
+
+# The few tests that failed beside others are repeated alone.
+run_tests_in_chroot() {
+  local status=0 again=()
+  printf '\n== Element and pipeline tests on Debian %s\n' "$version"
+  rm -f "$chroot$built"/meson-logs/testlog-there*.json
+  set -- offline_in_chroot meson test -C "$built" --no-rebuild --print-errorlogs --timeout-multiplier 3
+  "$@" --num-processes $((2 * $(nproc))) --logbase testlog-there --suite elements --suite pipelines </dev/null || status=$?
+  mapfile -t again < <("$root/tests/summary.py" failed "$chroot$built/meson-logs/testlog-there.json")
+  if [ ${#again[@]} -gt 0 ]; then
+    # Its status is the number of failed tests, if nothing else went wrong.
+    "$@" --num-processes 1 --logbase testlog-there-alone "${again[@]}" </dev/null && status=$((status - ${#again[@]}))
+  fi
   # A run that went wrong without a failed test still is a failure.
-  [ "$status" = 0 ] || grep -q ^failed <<<"$outcomes" || failed=$((failed + 1))
+  ! count_tests testlog-there || [ "$status" = 0 ] || failed=$((failed + 1))
 }
 
-# `build_package COMMAND...` builds the Debian package and looks at it, both by COMMAND, which knows where.
-build_package() {
-  "$@" env DEB_BUILD_OPTIONS="noautodbgsym parallel=$(nproc)" dpkg-buildpackage -us -uc -b &&
-    "$@" sh -c 'lintian --fail-on error,warning ../feeling-wind_*.changes'
-}
-
-package_there() {
-  rm -f "$chroot"/feeling-wind[-_]*
-  build_package offline_in_chroot
-}
-
-in_copy() {
-  (cd "$work/feeling-wind" && unshare --net "$@")
-}
-
-package_here() {
-  install_packages "${package_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" &&
-    copy_tree "$work/feeling-wind" && build_package in_copy
+check_installed_in_chroot() {
+  offline_in_chroot sh -c 'dpkg --install ../feeling-wind[-_]*.deb ../libspidar*.deb' &&
+    offline_in_chroot tests/installed-package.sh
 }
 
 read_options "$@"
@@ -181,15 +177,15 @@ trap 'finish $?' EXIT
 chroot=$cache/debian-$version
 enter=(chroot "$chroot" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb sh -c)
 
-check "A chroot of Debian $version is there" make_chroot
-if [ "$part" = tests ]; then
-  run_tests_in_chroot
-  exit
+check "A chroot of Debian $version is there" make_clean_chroot
+if [ "$part" != tests ]; then
+  check "The tree is copied" copy_tree_and_film
+  check "The packages are installed on Debian $version" install_in_chroot
+  check "The Debian package builds without a warning on Debian $version, and its unit tests pass" package_in_chroot
 fi
-check "The tree is copied" copy_tree_and_film
-check "The packages are installed on Debian $version" install_in_chroot
-if check "Everything builds without a warning on Debian $version" build_in_chroot && [ "$part" = all ]; then
+built=$(cd "$chroot" && echo /feeling-wind/obj-*)
+[ "$part" = tests ] || count_tests testlog || true
+if [ "$part" != build ]; then
   run_tests_in_chroot
+  check "The Debian package serves its users on Debian $version" check_installed_in_chroot
 fi
-check "The Debian package builds on Debian $version" package_there || true
-check "The Debian package builds on this machine" package_here || true
