@@ -17,6 +17,11 @@ thread_local const CallQueue *making_calls_of = nullptr;
 
 } // namespace
 
+CallQueue::Time &CallQueue::machine_time() {
+  static Time time;
+  return time;
+}
+
 // The limit is one for each call: it begins anew when another thread has begun a further one. What
 // drain() has once waited for in vain it does not wait for again.
 void CallQueue::wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait) {
@@ -28,10 +33,10 @@ void CallQueue::wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait) 
   while (!is_free()) {
     if (begun_ != wait->number) {
       wait->number = begun_;
-      wait->deadline = Clock::now() + wait->limit;
+      wait->deadline = time_.now() + wait->limit;
     }
-    if (!changed_.wait_until(lock, wait->deadline,
-                             [&] { return is_free() || begun_ != wait->number; }))
+    if (!time_.wait_until(changed_, lock, wait->deadline,
+                          [&] { return is_free() || begun_ != wait->number; }))
       return;
   }
 }
@@ -91,7 +96,7 @@ void CallQueue::finish() {
   drain();
   std::unique_lock lock(mutex_);
   if (making_calls_of != this)
-    changed_.wait_for(lock, kLimit, [this] { return !in_pool_; });
+    time_.wait_until(changed_, lock, time_.now() + kLimit, [this] { return !in_pool_; });
 }
 
 } // namespace haptic

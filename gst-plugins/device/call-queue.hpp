@@ -19,8 +19,23 @@ namespace haptic {
 class CallQueue {
 public:
   using Call = std::function<void()>;
+  using Clock = std::chrono::steady_clock;
 
-  explicit CallQueue(GstElement *owner) : owner_(owner) {}
+  /// What passes while it waits. Tests have one of their own.
+  class Time {
+  public:
+    virtual ~Time() = default;
+    virtual Clock::time_point now() const { return Clock::now(); }
+    /// Waits for `changed` until `done()`, at most until `deadline`. Returns done().
+    virtual bool wait_until(std::condition_variable &changed, std::unique_lock<std::mutex> &lock,
+                            Clock::time_point deadline, const std::function<bool()> &done) {
+      return changed.wait_until(lock, deadline, done);
+    }
+  };
+  static Time &machine_time();
+
+  /// `time` outlives the queue.
+  explicit CallQueue(GstElement *owner, Time &time = machine_time()) : owner_(owner), time_(time) {}
 
   void add(Call call);
   /// Makes the calls that are left, in the present thread, after those that another thread makes.
@@ -31,7 +46,6 @@ public:
   void finish();
 
 private:
-  using Clock = std::chrono::steady_clock;
   // How long drain() waits for a call of another thread, and until when for the one of that number.
   struct Wait {
     Clock::duration limit;
@@ -45,6 +59,7 @@ private:
   void make_calls(Wait *wait);
 
   GstElement *owner_;
+  Time &time_;
   // Guards the members below. A thread of the pool makes calls while in_pool_ is true. changed_ is
   // notified when that or calling_ falls.
   std::mutex mutex_;

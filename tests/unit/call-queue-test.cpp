@@ -2,83 +2,103 @@
 // Calls of handlers, which the pool's thread and the one that changes the state make.
 #include "call-queue.hpp"
 
-#include "eventually.hpp"
 #include "gst-raii.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <gtest/gtest.h>
-#include <mutex>
-#include <optional>
 #include <thread>
 #include <vector>
 
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
-using test::eventually;
+using haptic::CallQueue;
+using Clock = CallQueue::Clock;
+
+/// Passes only as a test lets it, or where somebody waits in vain.
+class TestTime final : public CallQueue::Time {
+public:
+  Clock::time_point now() const override { return now_; }
+  bool wait_until(std::condition_variable &changed, std::unique_lock<std::mutex> &lock,
+                  Clock::time_point deadline, const std::function<bool()> &done) override {
+    if (waits_in_vain && !done())
+      now_ = deadline;
+    waiting_ = &changed;
+    changed.wait(lock, [&] { return done() || now() >= deadline; });
+    waiting_ = nullptr;
+    return done();
+  }
+  void pass(Clock::duration time) {
+    now_ = now() + time;
+    if (std::condition_variable *const waiting = waiting_)
+      waiting->notify_all();
+    std::this_thread::yield(); // to the one that waits
+  }
+
+  std::atomic<bool> waits_in_vain = false;
+
+private:
+  std::atomic<Clock::time_point> now_{Clock::time_point()};
+  std::atomic<std::condition_variable *> waiting_ = nullptr;
+};
 
 class Calls : public ::testing::Test {
 protected:
   static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
-  void TearDown() override { queue_.finish(); }
 
+  TestTime time_;
   haptic::ElementPtr owner_{GST_ELEMENT(gst_object_ref_sink(gst_bin_new(nullptr)))};
-  haptic::CallQueue queue_{owner_.get()};
+  CallQueue queue_{owner_.get(), time_};
 };
 
-// A call begins at once when the one before it has ended: that end counts as its begin.
 TEST_F(Calls, OnlyACallThatLasts100MillisecondsIsOvertakenHoweverManyAreLeft) {
   constexpr std::size_t kCalls = 30;
-  std::mutex mutex;
-  std::vector<Clock::time_point> ends = {Clock::now()};
-  std::size_t begun = 0;
-  std::optional<Clock::duration> overtaken_after; // the first one
-  const auto call = [&] {
-    {
-      const std::lock_guard lock(mutex);
-      if (ends.size() != ++begun && !overtaken_after)
-        overtaken_after = Clock::now() - ends.back();
-    }
-    std::this_thread::sleep_for(10ms);
-    const std::lock_guard lock(mutex);
-    ends.push_back(Clock::now());
-  };
+  std::promise<void> begun;
+  std::atomic<std::size_t> ended = 0;
+  std::atomic<int> under_way = 0;
+  std::atomic<bool> overtaken = false;
+  queue_.add([&] { begun.set_value(); });
   for (std::size_t i = 0; i < kCalls; ++i)
-    queue_.add(call);
-  EXPECT_TRUE(eventually([&] {
-    const std::lock_guard lock(mutex);
-    return begun > 0;
-  }));
+    queue_.add([&] {
+      if (++under_way > 1)
+        overtaken = true;
+      time_.pass(99ms);
+      --under_way;
+      ++ended;
+    });
+  begun.get_future().wait();
   queue_.drain();
-  EXPECT_TRUE(eventually([&] {
-    const std::lock_guard lock(mutex);
-    return ends.size() == 1 + kCalls;
-  }));
-  EXPECT_GE(overtaken_after.value_or(1s), 100ms);
+  queue_.finish();
+  EXPECT_EQ(ended, kCalls);
+  EXPECT_FALSE(overtaken);
 }
 
 TEST_F(Calls, ACallThatDoesNotEndIsOvertakenByAllThatAreLeft) {
-  std::atomic<bool> begun = false;
-  std::atomic<bool> may_end = false;
-  std::atomic<bool> ended = false;
+  std::promise<void> begun;
+  std::promise<void> may_end;
+  std::promise<void> ended;
   std::vector<int> made;
   queue_.add([&] {
-    begun = true;
-    eventually([&] { return may_end.load(); });
-    ended = true;
+    begun.set_value();
+    may_end.get_future().wait();
+    ended.set_value();
   });
-  EXPECT_TRUE(eventually([&] { return begun.load(); }));
+  begun.get_future().wait();
+  time_.waits_in_vain = true;
   for (int i = 0; i < 20; ++i) // of which each would wait in vain
     queue_.add([&, i] { made.push_back(i); });
+  const auto begin = time_.now();
   queue_.drain();
-  EXPECT_FALSE(ended);
   EXPECT_EQ(made.size(), 20U);
   EXPECT_TRUE(std::ranges::is_sorted(made));
-  may_end = true;
-  EXPECT_TRUE(eventually([&] { return ended.load(); }));
+  EXPECT_EQ(time_.now() - begin, 100ms) << "once for all";
+  time_.waits_in_vain = false;
+  may_end.set_value();
+  ended.get_future().wait();
+  queue_.finish();
 }
 
 } // namespace

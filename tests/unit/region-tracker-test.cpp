@@ -36,8 +36,8 @@ public:
   }
   void convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t stride) const override {
     const auto begin = std::chrono::steady_clock::now();
-    if (pause.count() > 0)
-      std::this_thread::sleep_for(pause);
+    while (std::chrono::steady_clock::now() - begin < pause) {
+    }
     for (int y = 0; y < area.height; ++y)
       std::copy_n(view(area).pixels + y * frame_.width, area.width, to + y * stride);
     converted += area.width * area.height;

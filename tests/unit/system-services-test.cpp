@@ -257,17 +257,19 @@ TEST_F(Services, ABusWithoutServicesIsARefusal) {
 TEST_F(Services, AServiceThatDoesNotAnswerDelaysNoEnd) {
   Machine machine(address());
   machine.offer(kRtkit); // and never runs
+  Machine other(address());
+  other.offer(kPortal); // nor this one
   const dbus::CancellablePtr cancellable(g_cancellable_new());
   const auto earlier = std::async(std::launch::async, [&] {
     const auto bus = dbus::connect(address(), nullptr);
-    dbus::call(bus.get(), kRtkit, kRtkit.interface, "MakeThreadRealtime",
-               g_variant_new("(tu)", guint64{1}, guint32{1}), cancellable.get());
+    dbus::call(bus.get(), kPortal, kPortal.interface, "MakeThreadRealtimeWithPID",
+               g_variant_new("(ttu)", guint64{1}, guint64{1}, guint32{1}), cancellable.get());
   });
-  ASSERT_TRUE(eventually([&] { return machine.is_called(); }));
+  ASSERT_TRUE(eventually([&] { return other.is_called(); }));
   {
     SystemServices services([] {}, {address(), ""});
     services.request_real_time(4711);
-    std::this_thread::sleep_for(20ms); // it is likely to wait by now
+    ASSERT_TRUE(eventually([&] { return machine.is_called(); })); // it waits
     EXPECT_EQ(services.real_time_answer(), RealTimeAnswer::pending);
   }
   EXPECT_EQ(earlier.wait_for(0s), std::future_status::timeout);
@@ -291,7 +293,6 @@ TEST_F(Services, TheMachineSleepsOnceOnSleepHasReturnedAndTheLockIsTakenAgainWhe
   EXPECT_FALSE(machine.may_sleep());
   machine.prepare_for_sleep(true);
   ASSERT_TRUE(eventually([&] { return sleeps == 1; }));
-  std::this_thread::sleep_for(20ms);
   EXPECT_FALSE(machine.may_sleep());
   returns = true;
   EXPECT_TRUE(eventually([&] { return machine.may_sleep(); }));
