@@ -4,7 +4,6 @@
 #pragma once
 
 #include "image-kernels.hpp"
-#include "measurement.hpp"
 #include "tensor.hpp"
 
 #include <array>
