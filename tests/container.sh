@@ -10,7 +10,7 @@
 # Needs root, buildah and the network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
 source "$(dirname "$0")/../pipelines/common.sh"
-source "$(dirname "$0")/../pipelines/packages.sh"
+source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
 

@@ -14,7 +14,7 @@
 # tests have no network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
 source "$(dirname "$0")/../pipelines/common.sh"
-source "$(dirname "$0")/../pipelines/packages.sh"
+source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
 source "$(dirname "$0")/support/debian-package.sh"
@@ -120,7 +120,7 @@ install_in_chroot() {
     esac
   done
   # shellcheck disable=SC2016 # for the inner shell
-  in_chroot bash -c 'source pipelines/common.sh && source pipelines/packages.sh && install_packages "$@" && apt-get clean' \
+  in_chroot bash -c 'source pipelines/common.sh && source tests/packages.sh && install_packages "$@" && apt-get clean' \
     install "${packages[@]}"
 }
 
