@@ -7,7 +7,7 @@
 #include <regex>
 #include <stdexcept>
 
-#include "gst-plugins/common/messages.hpp"
+#include "gst-plugins/common/glue/messages.hpp"
 #include "gst-plugins/device/messages.hpp"
 #include "gst-plugins/track/messages.hpp"
 #include "gst-plugins/vision/messages.hpp"
