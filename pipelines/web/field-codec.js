@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-codec.cpp bit for bit.
+// Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/field-codec.cpp bit for bit.
 // Velocities are single precision there, so each step is rounded with Math.fround. relief-codec.js adds reliefs.
 
 const KEY = 1, RESTED = 2, INTERVAL = 4, OF_PAIR = 8; // bits of the first byte; above them the field's flags
@@ -35,7 +35,7 @@ function unitOf(us) {
   return fround(1 / (us > 0 ? fround(nanoseconds(us) * fround(1e-9)) : fround(1 / 30)));
 }
 
-// ---- range decoder (gst-plugins/track/range-coder.hpp)
+// ---- range decoder (gst-plugins/track/field-code/range-coder.hpp)
 
 // Places of the models in one array.
 const NUMBER_SIZE = 14;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reader of motion sets (docs/formats/klv.md), equal to gst-plugins/track/klv.cpp.
+// Reader of motion sets (docs/formats/klv.md), equal to gst-plugins/track/forms/klv.cpp.
 
 const DESIGNATOR = [0x06, 0x0E, 0x2B, 0x34];
 const MOTION_KEY = [...DESIGNATOR, 0x02, 0x0B, 0x01, 0x01, 0x0F, 0x48, 0x41, 0x50, 0x54, 0x49, 0x43, 0x01];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The cells of reliefs in the code of fields (docs/formats/field-code.md), equal to gst-plugins/track/relief-cells.cpp
+// The cells of reliefs in the code of fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/relief-cells.cpp
 // bit for bit. `new FieldDecoder(RELIEF)` decodes reliefs.
 import { EVEN, bit, clamp, fround, number, sizeClass } from './field-codec.js';
 
