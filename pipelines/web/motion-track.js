@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The packets of a film by their time, and the motion under the hand at any time of it: straight lines between the
-// middles of the intervals that velocities were measured over, as gst-plugins/device/motion-interpolator.cpp.
+// middles of the intervals that velocities were measured over, as gst-plugins/device/motion/motion-interpolator.cpp.
 import { CUT, FieldDecoder, beginsPair } from './field-codec.js';
 import { sampleField } from './field-sampler.js';
 import { readKlv } from './klv.js';

@@ -9,7 +9,7 @@ import { RELIEF } from './relief-codec.js';
 
 const USUAL_INTERVAL = 1 / 30; // s, of a relief that has none
 
-/** The surface at any time: straight lines between reliefs, as gst-plugins/device/relief-timeline.cpp. */
+/** The surface at any time: straight lines between reliefs, as gst-plugins/device/touch/relief-timeline.cpp. */
 export class ReliefTrack extends PacketTrack {
   constructor() { super(new FieldDecoder(RELIEF), ['relief']); }
 

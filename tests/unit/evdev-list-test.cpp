@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "evdev/evdev-device.hpp"
-#include "evdev/evdev-list.hpp"
+#include "evdev-device.hpp"
+#include "evdev-list.hpp"
 
 #include <cstdlib>
 #include <fstream>

@@ -2,7 +2,7 @@
 #include "device-list.hpp"
 
 #if HAVE_EVDEV
-#include "evdev/evdev-list.hpp"
+#include "evdev-list.hpp"
 #endif
 
 #include <spidar/usb.hpp>

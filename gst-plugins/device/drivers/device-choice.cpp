@@ -5,7 +5,7 @@
 #include "messages.hpp"
 
 #if HAVE_EVDEV
-#include "evdev/evdev-device.hpp"
+#include "evdev-device.hpp"
 #endif
 
 #include <optional>
