@@ -14,7 +14,7 @@
 #   --test-source  a live test video that moves to the left at 60 px/s
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 if [ "${1:-}" = --test-source ]; then
   shift

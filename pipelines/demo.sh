@@ -17,8 +17,8 @@
 #   --output DIR          where the results go (demo-output)
 #   --help
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/packages.sh"
 
 video='' camera='' seconds='' device=sim show=no output=demo-output
 hand=circle:0.6,20 strength=()
@@ -76,7 +76,7 @@ set_up() {
   use_elements
   if [ -z "$video$camera" ]; then
     video=$(wind_film)
-    hand=file:$root/pipelines/wind-hand.csv strength=("alpha=$wind_alpha")
+    hand=file:$root/pipelines/films/hands/wind-hand.csv strength=("alpha=$wind_alpha")
   fi
 }
 
@@ -192,7 +192,7 @@ draw() {
     echo "Files       $output/trace.csv (too short for a plot)"
     return
   fi
-  gnuplot -c "$root/pipelines/trace.gp" "$output/trace.csv" "$output/trace.png" \
+  gnuplot -c "$root/pipelines/shared/trace.gp" "$output/trace.csv" "$output/trace.png" \
     "${name:-${video##*/}}" || fail "gnuplot could not draw $output/trace.png; install gnuplot-nox"
   echo "Files       $output/trace.csv, $output/trace.png"
 }

@@ -25,7 +25,7 @@
 #   --latency    ms to wait for late or reordered packets (30)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 group=239.255.43.1 port=5010 interface=lo latency=30 receives='' video=''
 while [ $# -gt 0 ] && [ "$1" != -- ]; do

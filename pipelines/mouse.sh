@@ -15,8 +15,8 @@
 #   example log-location=trace.csv, or device=usb: point with the mouse, feel with the other hand.
 #   Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/packages.sh"
 
 read_arguments "$@"
 default_to_wind_film

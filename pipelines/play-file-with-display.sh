@@ -10,7 +10,7 @@
 # Usage: pipelines/play-file-with-display.sh FILE [-- OPTION=VALUE...]
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 read_arguments "$@"
 need_video "$input"

@@ -10,7 +10,7 @@
 #     pipelines/play-file.sh in.mp4 -- device=sim sim-hand=circle:0.5,10 log-location=trace.csv
 #   Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 read_arguments "$@"
 need_video "$input"

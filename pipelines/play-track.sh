@@ -14,7 +14,7 @@
 #   --stream  the track with this name, where haptic-track info shows several
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 chosen=()
 if [ "${1:-}" = --stream ]; then

@@ -13,7 +13,7 @@
 # videorate writes new time stamps: hapticsink cannot distinguish slow motion from a slow scene. An
 # application that seeks with a rate can choose (rate-law).
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 speeds=(0.5 1 2)
 if [ "${1:-}" = --speed ]; then

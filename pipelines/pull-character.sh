@@ -7,7 +7,7 @@
 #   FILE is a video. --output: to a file instead of a window. --story: the film without the character, raw I420.
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 case ${1:---help} in
 --help | -h)
@@ -17,4 +17,4 @@ case ${1:---help} in
 esac
 find_plugins
 need_packaged_elements compositor
-exec "$root/pipelines/pull-character.py" "$@"
+exec "$root/pipelines/shared/pull-character.py" "$@"

@@ -22,8 +22,8 @@
 #   --latency  ms to wait for late or reordered packets (30)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/rtp.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/rtp.sh"
 
 host=127.0.0.1 port=5000 latency=30 track=point key='' sdp=''
 while [ $# -gt 0 ] && [ "$1" != -- ]; do

@@ -18,7 +18,7 @@
 #   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
 #   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/shared/common.sh"
 
 case ${1:-} in
 '') fail "which video? See --help" ;;

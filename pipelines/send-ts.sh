@@ -29,8 +29,8 @@
 #                 encrypted. --passphrase WORDS shows them to other users of the machine.
 #   What follows -- goes to hapticsink. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/rtp.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/rtp.sh"
 
 from=127.0.0.1 to='' port=5020 passphrase='' latency=125 receives='' rist='' video=''
 while [ $# -gt 0 ] && [ "$1" != -- ]; do

@@ -32,8 +32,8 @@
 #            of an hour or more).
 #   Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/rtp.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/rtp.sh"
 
 host=127.0.0.1 port=5000 track=point sdp='' key='' video=''
 while [ $# -gt 0 ]; do

@@ -18,9 +18,9 @@
 #   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
-source "$(dirname "$0")/touch.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/packages.sh"
+source "$(dirname "$0")/shared/touch.sh"
 
 # Fails if reliefmap does not take the table.
 need_table() {
@@ -36,7 +36,7 @@ use_elements reliefmap roitracker velocityavg hapticsink hapticoverlay
 hand=circle:0.5,10 strength=()
 if [ -z "$video" ]; then
   video=$(wind_film)
-  hand=file:$root/pipelines/wind-hand.csv strength=("alpha=$wind_alpha")
+  hand=file:$root/pipelines/films/hands/wind-hand.csv strength=("alpha=$wind_alpha")
   table=${table:-foliage}
 fi
 need_video "$video"

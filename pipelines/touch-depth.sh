@@ -19,9 +19,9 @@
 #   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
-source "$(dirname "$0")/touch.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/packages.sh"
+source "$(dirname "$0")/shared/touch.sh"
 
 still=no
 read_touch_options still "$@"
@@ -35,9 +35,9 @@ if [ "$still" = yes ]; then
   title="Aloe (Middlebury 2006)"
   picture=$(opencv_file aloeL.jpg)
   disparity=$(opencv_file aloeGT.png)
-  hand=file:$root/pipelines/aloe-hand.csv
+  hand=file:$root/pipelines/films/hands/aloe-hand.csv
 else
-  [ -n "$video" ] || { video=$(depth_film) && hand=file:$root/pipelines/depth-hand.csv; }
+  [ -n "$video" ] || { video=$(depth_film) && hand=file:$root/pipelines/films/hands/depth-hand.csv; }
   title=${video##*/}
   need_video "$video"
   [[ ${film_width:-none} =~ [02468]$ ]] ||

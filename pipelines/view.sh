@@ -15,8 +15,8 @@
 #   --touch        a hand that has depth also touches the colours, by a table of reliefmap
 #   What follows -- goes to hapticsink. With device=... (usb, auto) that device points, not the mouse.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/shared/common.sh"
+source "$(dirname "$0")/shared/packages.sh"
 
 arguments=() kind=file
 while :; do
@@ -60,7 +60,7 @@ set_up() {
 program=$build/pipelines/program/feeling-wind
 [ -x "$program" ] || program=$(command -v feeling-wind) || { set_up && program=$build/pipelines/program/feeling-wind; }
 use_elements hapticoverlay
-[ ! -x "$build/pipelines/film/wind-film" ] || PATH=$build/pipelines/film:$PATH # for the film of the demonstration
+[ ! -x "$build/pipelines/films/wind-film" ] || PATH=$build/pipelines/films:$PATH # for the film of the demonstration
 [ "$kind" != file ] || [ -n "$input" ] || input=$(wind_film)
 
 for option in "${sink_options[@]}"; do

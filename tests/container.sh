@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds the image of pipelines/author/Containerfile with buildah, authors a film in it, and checks what its Debian
+# Builds the image of pipelines/batch/Containerfile with buildah, authors a film in it, and checks what its Debian
 # package gives a user. Where its base image cannot be loaded, one is made of Debian's packages.
 #
 # Usage: tests/container.sh [--packages FOLDER] [--cache FOLDER]
@@ -9,7 +9,7 @@
 #
 # Needs root, buildah and the network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
-source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
@@ -54,7 +54,7 @@ export BUILDAH_ISOLATION=chroot # it needs no more than root
 images() {
   buildah --storage-driver vfs --root "$cache/images" --runroot "$work/run" "$@"
 }
-base=$(sed -n 's/^FROM \([^ ]*\) AS build$/\1/p' "$root/pipelines/author/Containerfile")
+base=$(sed -n 's/^FROM \([^ ]*\) AS build$/\1/p' "$root/pipelines/batch/Containerfile")
 author=localhost/feeling-wind-author
 
 # The base image, of a Debian with the settings of this machine.
@@ -78,7 +78,7 @@ built() {
     mkdir "$work/source/packages" && cp "$packages"/*.deb "$work/source/packages/" || return
     arguments=(--build-arg packages=packages)
   fi
-  images build --pull-never --layers=false "${arguments[@]}" --file "$work/source/pipelines/author/Containerfile" \
+  images build --pull-never --layers=false "${arguments[@]}" --file "$work/source/pipelines/batch/Containerfile" \
     --tag "$author" "$work/source" >"$work/build.log" 2>&1 || { tail -n 30 "$work/build.log"; return 1; }
 }
 inside() {

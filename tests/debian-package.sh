@@ -8,7 +8,7 @@
 #
 # Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
-source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"

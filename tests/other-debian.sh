@@ -13,7 +13,7 @@
 # Needs root. The packages come from the archive that apt uses on this machine, with apt's settings. Builds and
 # tests have no network. Exit status 77: it cannot run here; a line that begins with SKIPPED says why.
 
-source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
@@ -120,7 +120,7 @@ install_in_chroot() {
     esac
   done
   # shellcheck disable=SC2016 # for the inner shell
-  in_chroot bash -c 'source pipelines/common.sh && source tests/packages.sh && install_packages "$@" && apt-get clean' \
+  in_chroot bash -c 'source pipelines/shared/common.sh && source tests/packages.sh && install_packages "$@" && apt-get clean' \
     install "${packages[@]}"
 }
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2034,SC2154 # shared with the scripts that source it
-# The packages that the tests take from Debian, 12 and 13 alike, beside those of pipelines/packages.sh. To be sourced
-# after pipelines/common.sh.
+# The packages that the tests take from Debian, 12 and 13 alike, beside those of pipelines/shared/packages.sh. To be sourced
+# after pipelines/shared/common.sh.
 
-source "$root/pipelines/packages.sh"
+source "$root/pipelines/shared/packages.sh"
 
 # To build and run the tests.
 test_packages=(
@@ -33,7 +33,7 @@ test_packages=(
   python3-matplotlib # the plot of docs/python.md
   ffmpeg # remuxes a recording; moving-picture.sh
   mkvtoolnix # remuxes a recording
-  parallel # runs pipelines/author/parallel.sh
+  parallel # runs pipelines/batch/parallel.sh
   curl # asks the server of a packaged film
   libopencv-imgcodecs-dev # JPEG in the stability suite, frames of the lab
   libjson-glib-dev        # the lab
@@ -52,7 +52,7 @@ server_packages=(
   nginx-light
 )
 
-# Engines for batches (pipelines/author). They bring much with them: only for --all, which can do without them.
+# Engines for batches (pipelines/batch). They bring much with them: only for --all, which can do without them.
 engine_packages=(
   snakemake
   slurm-wlm

@@ -14,7 +14,7 @@
 #
 # Builds in build-tests/, build-sanitized/ and build-style/. A compiler cache is used if ccache is installed.
 
-source "$(dirname "$0")/../pipelines/common.sh"
+source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 
 size=quick
@@ -274,7 +274,7 @@ check_demonstration() {
   mkdir "$copy"
   tar --exclude='./build*' --exclude=./.git -cf - . | tar -xf - -C "$copy"
   "$copy/pipelines/demo.sh" --output "$copy/demo-output" &&
-    "$copy/pipelines/moving-picture.sh" "$copy/moving.webp"
+    "$copy/pipelines/paper/moving-picture.sh" "$copy/moving.webp"
 }
 
 run_referees() {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws one of the paper's figures to standard output; paper.sh sets figure, pipelines, work, width and height.
-load pipelines . "/palette.gp"
+load pipelines . "/shared/palette.gp"
 set terminal pngcairo size 1100,620 font "DejaVu Sans,17" background "white"
 set datafile separator ","
 set datafile columnheaders

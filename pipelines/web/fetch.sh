@@ -6,7 +6,7 @@
 # Usage: pipelines/web/fetch.sh [--tests]
 #   --tests  also what drives the browser of the tests
 
-source "$(dirname "$0")/../common.sh"
+source "$(dirname "$0")/../shared/common.sh"
 
 what=(--omit=dev)
 case ${1:-} in

@@ -6,7 +6,7 @@
 #   --build BUILD  the build folder (build)
 #   VIDEO          without one, a minute of a test picture of 1920x1080, H.264
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 
 video=''
 while [ $# -gt 0 ]; do
@@ -36,7 +36,7 @@ fi
 seconds() {
   local TIMEFORMAT=%R
   mkdir "$work/$1"
-  time (cd "$work/$1" && taskset -c "$1" "$root/pipelines/author/parallel.sh" --chunks 6 --output "$work/$1" "$video" >"$work/$1.log" 2>&1) ||
+  time (cd "$work/$1" && taskset -c "$1" "$root/pipelines/batch/parallel.sh" --chunks 6 --output "$work/$1" "$video" >"$work/$1.log" 2>&1) ||
     fail "$(tail -n 3 "$work/$1.log")"
 }
 one=$({ seconds 0; } 2>&1)

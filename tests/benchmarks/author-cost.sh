@@ -8,7 +8,7 @@
 #   --before BUILD  an earlier build, whose motionfield is measured in the same run
 #   VIDEO.mp4       H.264; without one, five seconds of a drawn film of 1920x1080
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 
 build=$root/build before='' videos=()
 while [ $# -gt 0 ]; do
@@ -52,7 +52,7 @@ authored() {
 }
 
 if [ ${#videos[@]} = 0 ]; then
-  in_build "$build" "$build/pipelines/film/wind-film" --width 1920 --height 1080 --duration 5 "$work/film.ts"
+  in_build "$build" "$build/pipelines/films/wind-film" --width 1920 --height 1080 --duration 5 "$work/film.ts"
   ffmpeg -v error -i "$work/film.ts" -map 0:v -c copy "$work/film.mp4"
   videos=("$work/film.mp4")
 fi

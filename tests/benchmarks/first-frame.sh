@@ -6,7 +6,7 @@
 # Usage: tests/benchmarks/first-frame.sh FILM [PROGRAM]
 #   PROGRAM  feeling-wind as it is installed by default; build/pipelines/program/feeling-wind is that of a build
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 
 [[ ${1:-} != --help && ${1:-} != -h ]] || { show_help && exit; }
 [ -f "${1:-}" ] || fail "which film? See --help"

@@ -13,7 +13,7 @@
 #
 # Needs root and the network. The packages come from the archive that apt uses on this machine.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/../../tests/packages.sh"
 source "$(dirname "$0")/../support/promise.sh"
 source "$(dirname "$0")/../support/debian-chroot.sh"

@@ -8,7 +8,7 @@
 #
 # Takes the programs from build/, which needs the option -Dtests=enabled.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 
 case ${1:-} in
 --help | -h) show_help && exit ;;

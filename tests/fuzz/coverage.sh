@@ -10,7 +10,7 @@
 # Prints a line for each parser. The exit status is 0 if there was no finding; otherwise each input of a finding is in
 # build-fuzz/findings/PARSER/default. Later runs continue from the inputs of the earlier ones.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 
 case ${1:-} in
 --help | -h) show_help && exit ;;

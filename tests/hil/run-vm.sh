@@ -13,7 +13,7 @@
 # Exit status 77: no virtual machine can run here; a line that begins with SKIPPED says why.
 # The kernel's package is fetched once and unpacked in build-data/vm, not installed.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/../../tests/packages.sh"
 
 skip() {

@@ -3,7 +3,7 @@
 # What the scripts share that run in the virtual machine: the emulator on its USB, and assertions
 # about what the motors were told. To be sourced.
 
-source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/shared/common.sh"
 source "$(dirname "${BASH_SOURCE[0]}")/../support/promise.sh"
 
 export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}

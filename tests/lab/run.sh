@@ -13,7 +13,7 @@
 #   --output FOLDER  where tables and charts go. Without it they go to build-lab/results/, and the
 #                    charts and the results page are copied to docs/
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/../../tests/packages.sh"
 here=$root/tests/lab
 

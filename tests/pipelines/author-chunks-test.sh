@@ -136,12 +136,12 @@ by_engine() {
 }
 missing=()
 if command -v parallel >/dev/null; then
-  promise "GNU parallel gives the same bytes" by_engine "$root/pipelines/author/parallel.sh" --chunks 3 --output out in/film.mp4
+  promise "GNU parallel gives the same bytes" by_engine "$root/pipelines/batch/parallel.sh" --chunks 3 --output out in/film.mp4
 else
   missing+=("parallel is not installed")
 fi
 if command -v snakemake >/dev/null; then
-  promise "Snakemake gives the same bytes" by_engine snakemake --quiet --cores 2 --snakefile "$root/pipelines/author/Snakefile"
+  promise "Snakemake gives the same bytes" by_engine snakemake --quiet --cores 2 --snakefile "$root/pipelines/batch/Snakefile"
 else
   missing+=("snakemake is not installed")
 fi
@@ -185,7 +185,7 @@ END
   done
 }
 by_slurm() {
-  local chunks script=$root/pipelines/author/slurm.sh
+  local chunks script=$root/pipelines/batch/slurm.sh
   chunks=$(sbatch --parsable --output="$work/chunk-%a.log" --array=0-$(($(count plan.json) - 1)) "$script" plan.json) &&
     sbatch --wait --output="$work/merge.log" --dependency="afterok:$chunks" "$script" --merge plan.json
 }

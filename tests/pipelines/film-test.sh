@@ -3,7 +3,7 @@
 # wind-film writes a film with its true motion beside it, or a still.
 
 source "$(dirname "$0")/support.sh"
-program=$build/pipelines/film/wind-film
+program=$build/pipelines/films/wind-film
 [ -x "$program" ] || skip "wind-film is not built (package libcairo2-dev)"
 gst-inspect-1.0 --exists x264enc || skip "x264enc is not installed (package gstreamer1.0-plugins-ugly)"
 

@@ -69,7 +69,7 @@ promise "and felt exactly nothing" in_log "$work/log.csv" 'fx == 0 && fy == 0 &&
 if tree=$(found_opencv_file tree.avi); then
   promise "tree.avi plays until it was felt" "$interrupt_at" "$work/log.csv" 1 'fx ^ 2 + fy ^ 2 >= 0.02 ^ 2' \
     "$root/pipelines/play-file.sh" "$tree" \
-    -- device=sim "sim-hand=file:$root/pipelines/tree-hand.csv" "log-location=$work/log.csv"
+    -- device=sim "sim-hand=file:$root/pipelines/films/hands/tree-hand.csv" "log-location=$work/log.csv"
   some_force() {
     ! in_log "$work/log.csv" 'force < 0.02' >"$work/first"
   }

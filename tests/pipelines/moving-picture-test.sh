@@ -9,7 +9,7 @@ gst-inspect-1.0 --exists webpdec || skip "webpdec is not installed (package gstr
 # At 30 pictures a second: to the right and up, 2 px a picture.
 clip "$work/clip.mkv" 352 288 30 2 uniform:60,-60
 picture=$work/moving.webp
-"$root/pipelines/moving-picture.sh" "$work/clip.mkv" "$picture"
+"$root/pipelines/paper/moving-picture.sh" "$work/clip.mkv" "$picture"
 
 number() { # OFFSET BYTES, little endian
   od -An -tu1 -j "$1" -N "$2" "$picture" | awk '{ for (i = NF; i; i--) n = 256 * n + $i; print n }'
@@ -37,7 +37,7 @@ colours() { # AWK-CONDITION on r, g, b: as many pixels
 promise "the velocity is drawn in orange" test "$(colours 'r > b + 50')" -ge 50
 promise "the force that was felt in blue" test "$(colours 'b > r + 40')" -ge 20
 
-! "$root/pipelines/moving-picture.sh" "$work/clip.mkv" "$work/moving.gif" 2>"$work/said" || exit 1
+! "$root/pipelines/paper/moving-picture.sh" "$work/clip.mkv" "$work/moving.gif" 2>"$work/said" || exit 1
 promise "what it cannot make it refuses" grep -q "must end in .webp" "$work/said"
-! "$root/pipelines/moving-picture.sh" "$0" "$picture.new.webp" 2>"$work/said" || exit 1
+! "$root/pipelines/paper/moving-picture.sh" "$0" "$picture.new.webp" 2>"$work/said" || exit 1
 promise "no video is told from a video" grep -q "is not a video" "$work/said"

@@ -6,7 +6,7 @@ source "$(dirname "$0")/support.sh"
 [ -x "$build/pipelines/motion-log" ] || skip "the program motion-log is not built"
 
 clip "$work/clip.mkv" 352 288 30 3 uniform:60,-30
-"$root/pipelines/paper.sh" --video "$work/clip.mkv" --hand hold:0.2,0.1,0 "$work/figures" >"$work/output" 2>&1 ||
+"$root/pipelines/paper/paper.sh" --video "$work/clip.mkv" --hand hold:0.2,0.1,0 "$work/figures" >"$work/output" 2>&1 ||
   { cat "$work/output"; exit 1; }
 
 # 60 px/s to the right and 30 px/s up at 30 pictures a second, of the pair that seemed to move most.
@@ -22,5 +22,5 @@ promise "the picture itself is behind the features" has_colour "$work/figures/fe
 # 2/π · arctan(0.01 · 67) N.
 promise "the largest force is equation (5)'s" grep -qE 'force at most 0\.3[78] N' "$work/output"
 
-! "$root/pipelines/paper.sh" --video "$work/none.mkv" "$work/figures" 2>"$work/output" || exit 1
+! "$root/pipelines/paper/paper.sh" --video "$work/none.mkv" "$work/figures" 2>"$work/output" || exit 1
 promise "a video that is not there is named" grep -q "there is no file '$work/none.mkv'" "$work/output"

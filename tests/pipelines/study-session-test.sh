@@ -3,7 +3,7 @@
 # haptic-study.sh plays a video with and without force, asks, and keeps every answer.
 
 source "$(dirname "$0")/support.sh"
-study=$root/pipelines/haptic-study.sh
+study=$root/pipelines/study/haptic-study.sh
 clip "$work/clip.mkv" 352 288 30 1 uniform:60,-30
 
 # `session ANSWERS-ON-STDIN OPTION...`

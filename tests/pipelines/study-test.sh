@@ -3,7 +3,7 @@
 # haptic-study.sh weighs the answers (equation 6), and draws them.
 
 source "$(dirname "$0")/support.sh"
-study=$root/pipelines/haptic-study.sh
+study=$root/pipelines/study/haptic-study.sh
 
 cat >"$work/known.csv" <<'CSV'
 session,time,participant,video,round,force,interactivity,sensitivity,reality

@@ -5,8 +5,8 @@
 #
 # From the environment: FEELING_WIND_BUILD, the build to test; MAKE_CLIP, the program beside this file.
 
-source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/common.sh"
-source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/packages.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/shared/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipelines/shared/packages.sh"
 source "$(dirname "${BASH_SOURCE[0]}")/../support/promise.sh"
 use_elements
 

@@ -3,7 +3,7 @@
 # touch-depth.sh and touch-colour.sh: a hand feels the depth and the colours of a film, beside its motion.
 
 source "$(dirname "$0")/support.sh"
-draw=$build/pipelines/film/depth-film
+draw=$build/pipelines/films/depth-film
 
 # `touch_it SCRIPT HAND OPTION...`: without a window. The log is $work/out/trace.csv.
 touch_it() {

@@ -7,7 +7,7 @@
 #
 # Takes the programs from build-tests/ or $FEELING_WIND_BUILD. Without qemu-x86_64 the exit status is 77.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/support.sh"
 
 no_options "$@"

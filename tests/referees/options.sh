@@ -8,7 +8,7 @@
 #
 # Builds in build-options/.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/support.sh"
 
 no_options "$@"

@@ -8,7 +8,7 @@
 #
 # Builds in build-threads/. Where ThreadSanitizer does not run, the exit status is 77.
 
-source "$(dirname "$0")/../../pipelines/common.sh"
+source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/support.sh"
 
 no_options "$@"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # shellcheck shell=bash disable=SC2154
 # A chroot of another Debian, whose packages come from the archive that apt uses on this machine, with apt's settings.
-# Needs root, debootstrap, and pipelines/common.sh.
+# Needs root, debootstrap, and pipelines/shared/common.sh.
 
 # Everything that is mounted or started after this goes away with the script, however it ends.
 enter_namespaces() {

@@ -2,7 +2,7 @@
 // The scene of depth-film as reliefs.
 #pragma once
 
-#include "../../pipelines/film/depth-scene.hpp"
+#include "../../pipelines/films/depth-scene.hpp"
 #include "relief-field.hpp"
 
 #include <cstdint>

@@ -13,7 +13,7 @@ done
 [ -f "$build/pipelines/web/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
 export FEELING_WIND_WEB=$build/pipelines/web
 
-promise "a film is drawn" "$build/pipelines/film/wind-film" --width 640 --height 360 --rate 30 --duration 10 "$work/film.ts"
+promise "a film is drawn" "$build/pipelines/films/wind-film" --width 640 --height 360 --rate 30 --duration 10 "$work/film.ts"
 for carriage in cmaf ts; do
   promise "and packaged as $carriage" "$build/gst-plugins/track/tools/haptic-track" package --carriage "$carriage" \
     --output "$work/$carriage" "$work/film.ts"

@@ -8,7 +8,7 @@
 namespace haptic {
 namespace {
 
-// As in pipelines/common.sh. Each picture has a message.
+// As in pipelines/shared/common.sh. Each picture has a message.
 constexpr std::size_t kHeadSize = 1 << 20; // bytes
 
 struct Turn {

@@ -4,12 +4,12 @@
 #
 #   ... ! motionfield ! hapticarray ! audio/x-raw,rate=8000 ! filesink
 #
-# Usage: pipelines/array-picture.sh OUT.png [LAYOUT [VIDEO]]
+# Usage: pipelines/paper/array-picture.sh OUT.png [LAYOUT [VIDEO]]
 #   LAYOUT  as of hapticarray (back-3x4)
 #   VIDEO   its first 360 frames, without it those of the film of the demonstration
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/../shared/common.sh"
+source "$(dirname "$0")/../shared/packages.sh"
 
 case ${1:---help} in --help | -h) show_help && exit ;; esac
 out=$1 layout=${2:-back-3x4} video=${3:-} rate=8000
@@ -29,5 +29,5 @@ od -An -v -t f4 -w$((4 * channels)) "$work/sound.f32" | awk -v "step=$((rate / 5
   { for (i = 1; i <= NF; i++) { a = $i < 0 ? -$i : $i; if (a > most[i]) most[i] = a } }
   NR % step == 0 { for (i = 1; i <= NF; i++) { print (NR / step - 0.5) / 50, i, most[i]; most[i] = 0 }; print "" }
 ' >"$work/amplitudes"
-gnuplot -e "load '$root/pipelines/palette.gp'; amplitudes='$work/amplitudes'; out='$out'; channels=$channels" \
-  "$root/pipelines/array-picture.gp"
+gnuplot -e "load '$root/pipelines/shared/palette.gp'; amplitudes='$work/amplitudes'; out='$out'; channels=$channels" \
+  "$root/pipelines/paper/array-picture.gp"

@@ -8,8 +8,8 @@
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
 #
-# Usage: pipelines/haptic-study.sh run [OPTION...] VIDEO... [-- OPTION=VALUE...]
-#        pipelines/haptic-study.sh report ANSWERS.csv [PLOT.png]
+# Usage: pipelines/study/haptic-study.sh run [OPTION...] VIDEO... [-- OPTION=VALUE...]
+#        pipelines/study/haptic-study.sh report ANSWERS.csv [PLOT.png]
 #   run      one session with a random video. Each answer is written at once.
 #     --participant NAME  letters, digits, _ and - (anonymous)
 #     --answers FILE      file of the answers (answers.csv)
@@ -20,7 +20,7 @@
 #   report   prints the counts and the weighted average value (equation 6) of each aspect with and without force,
 #            and draws them as the paper's figure 12
 
-source "$(dirname "$0")/common.sh"
+source "$(dirname "$0")/../shared/common.sh"
 
 header=session,time,participant,video,round,force,interactivity,sensitivity,reality
 scale=(Bad Poor Average Good 'Very good')
@@ -174,7 +174,7 @@ report() {
   trap 'rm -f "$table"' EXIT
   weigh "$1" "$table" || fail "'$1' cannot be used; give a file that 'haptic-study.sh run' wrote"
   awk -F, '{ printf "%-14s %-8s", $1, $2; for (i = 3; i <= NF; i++) printf " %9s", $i; print "" }' "$table"
-  [ $# = 1 ] || gnuplot -c "$root/pipelines/haptic-study.gp" "$table" "$2" || fail "gnuplot could not draw '$2'; install gnuplot-nox, or give another name"
+  [ $# = 1 ] || gnuplot -c "$root/pipelines/study/haptic-study.gp" "$table" "$2" || fail "gnuplot could not draw '$2'; install gnuplot-nox, or give another name"
 }
 
 case ${1:-} in

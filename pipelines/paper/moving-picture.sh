@@ -8,13 +8,13 @@
 #
 # It runs in real time: the overlay draws the force that the simulated device currently feels.
 #
-# Usage: pipelines/moving-picture.sh [VIDEO] OUTPUT
+# Usage: pipelines/paper/moving-picture.sh [VIDEO] OUTPUT
 #   VIDEO   a file or URL; its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with the
 #           pointer in the crown of the tree, and arrows enlarged.
 #   OUTPUT  the file, with the ending .webp
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/../shared/common.sh"
+source "$(dirname "$0")/../shared/packages.sh"
 
 seconds=3.5
 case ${1:-} in

@@ -4,7 +4,7 @@
 
 Shows how the elements, their properties and their messages are used from Python (package python3-gi).
 
-Usage: pipelines/follow.py VIDEO
+Usage: pipelines/examples/follow.py VIDEO
   VIDEO  a file or URL
 """
 

@@ -110,7 +110,7 @@ depth_film() {
 # `drawn_film NAME PROGRAM TEXT` prints the path of a film, which the program draws in less time than it plays. It is
 # kept until there is a newer program. For $(...) only: its trap is that of the subshell.
 drawn_film() {
-  local kept=$root/build-data/$1 program=$build/pipelines/film/$2
+  local kept=$root/build-data/$1 program=$build/pipelines/films/$2
   [ -x "$program" ] || program=$(command -v "$2") ||
     fail "$2 is not built; run ./pipelines/demo.sh, which installs and builds everything"
   if [ ! -f "$kept" ] || [ "$program" -nt "$kept" ]; then

@@ -3,10 +3,10 @@
 # One chunk of a plan as a job of an array for Slurm, and the merge after all. Slurm counts from 0, as the plan does:
 #
 #   haptic-track author --plan FILE... > plan.json
-#   chunks=$(sbatch --parsable --array=0-$(($(grep -c '"first-span"' plan.json) - 1)) pipelines/author/slurm.sh plan.json)
-#   sbatch --dependency=afterok:$chunks pipelines/author/slurm.sh --merge plan.json
+#   chunks=$(sbatch --parsable --array=0-$(($(grep -c '"first-span"' plan.json) - 1)) pipelines/batch/slurm.sh plan.json)
+#   sbatch --dependency=afterok:$chunks pipelines/batch/slurm.sh --merge plan.json
 #
-# Usage: pipelines/author/slurm.sh [--merge] PLAN
+# Usage: pipelines/batch/slurm.sh [--merge] PLAN
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=1
 #SBATCH --requeue

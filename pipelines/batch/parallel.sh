@@ -3,7 +3,7 @@
 # Authors motion fields for videos with GNU parallel: a plan, its chunks in any order, one process on each core of each
 # machine, and their merge. All machines must see the folders under the same names.
 #
-# Usage: pipelines/author/parallel.sh [--machines LOGIN,...] [--output FOLDER] [--chunks N] FILE...
+# Usage: pipelines/batch/parallel.sh [--machines LOGIN,...] [--output FOLDER] [--chunks N] FILE...
 #   --machines  as parallel's --sshlogin: names of machines, N/NAME for N processes there; : is this machine
 #               (default)
 #   --output    folder of the copies (default: that of each video)
@@ -11,7 +11,7 @@
 # The plan is plan.json in the folder where you stand. A second run continues where the first was stopped. The exit
 # status is 0 if all copies exist.
 
-source "$(dirname "$0")/../common.sh"
+source "$(dirname "$0")/../shared/common.sh"
 
 machines=: options=()
 while [ $# -gt 0 ]; do

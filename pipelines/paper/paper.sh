@@ -8,7 +8,7 @@
 #       ! videorate rate=SPEED ! video/x-raw,format=GRAY8 \
 #       ! roitracker method=opencv ! velocityavg average=mean ! hapticsink force-law=arctan log-location=trace.csv
 #
-# Usage: pipelines/paper.sh [--video FILE] [--speed SPEED] [--hand HAND] [FOLDER]
+# Usage: pipelines/paper/paper.sh [--video FILE] [--speed SPEED] [--hand HAND] [FOLDER]
 #   FOLDER        folder of the figures (docs/images/paper)
 #   --video FILE  another video than the tree
 #   --speed SPEED playback speed (1; the tree's file shows 2.4 frames a second and is played 8 times as fast)
@@ -16,10 +16,10 @@
 #
 # Needs build/ configured with -Dtests=enabled.
 
-source "$(dirname "$0")/common.sh"
-source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/../shared/common.sh"
+source "$(dirname "$0")/../shared/packages.sh"
 
-video='' speed='' hand=file:$root/pipelines/tree-hand.csv output=$root/docs/images/paper
+video='' speed='' hand=file:$root/pipelines/films/hands/tree-hand.csv output=$root/docs/images/paper
 while [ $# -gt 0 ]; do
   case $1 in
   --help | -h) show_help && exit ;;

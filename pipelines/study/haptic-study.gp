@@ -4,7 +4,7 @@
 #   gnuplot -c haptic-study.gp TABLE.csv PLOT.png
 if (ARGC != 2) { print "usage: gnuplot -c haptic-study.gp TABLE.csv PLOT.png"; exit status 1 }
 
-load system("dirname '" . ARG0 . "'") . "/palette.gp"
+load system("dirname '" . ARG0 . "'") . "/../shared/palette.gp"
 set terminal pngcairo size 900,600 font "DejaVu Sans,15" background "white"
 set output ARG2
 set datafile separator ","

@@ -98,7 +98,7 @@ draw_touch() {
     echo "Files       $output/trace.csv (too short for a plot)"
     return
   fi
-  gnuplot -c "$root/pipelines/touch.gp" "$output/trace.csv" "$output/trace.png" "$1" ||
+  gnuplot -c "$root/pipelines/shared/touch.gp" "$output/trace.csv" "$output/trace.png" "$1" ||
     fail "gnuplot could not draw $output/trace.png; install gnuplot-nox"
   echo "Files       $output/trace.csv, $output/trace.png"
 }

@@ -6,7 +6,7 @@ set -euo pipefail
 # A decimal point in every language.
 export LC_ALL=C.UTF-8
 
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
 # The build folder. FEELING_WIND_BUILD names a finished build to use unchanged.
 build=${FEELING_WIND_BUILD:-$root/build}
@@ -258,7 +258,7 @@ launch() {
     /usr/bin/python3 -c 'import gi; gi.require_version("Gst", "1.0")' 2>/dev/null ||
       fail "a key, or RIST, needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
     [ -z "${secret:-}" ] || export LAUNCH_SECRET=$secret
-    exec "$root/pipelines/launch.py" "$@"
+    exec "$root/pipelines/shared/launch.py" "$@"
   fi
   exec gst-launch-1.0 -e "$@"
 }
