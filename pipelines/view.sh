@@ -57,8 +57,8 @@ set_up() {
   build_plugins
 }
 
-program=$build/pipelines/program/feeling-wind
-[ -x "$program" ] || program=$(command -v feeling-wind) || { set_up && program=$build/pipelines/program/feeling-wind; }
+program=$build/pipelines/feeling-wind/feeling-wind
+[ -x "$program" ] || program=$(command -v feeling-wind) || { set_up && program=$build/pipelines/feeling-wind/feeling-wind; }
 use_elements hapticoverlay
 [ ! -x "$build/pipelines/films/wind-film" ] || PATH=$build/pipelines/films:$PATH # for the film of the demonstration
 [ "$kind" != file ] || [ -n "$input" ] || input=$(wind_film)

@@ -4,7 +4,7 @@
 # start reads the program from the disk and fills GStreamer's registry; then come nine more.
 #
 # Usage: tests/benchmarks/first-frame.sh FILM [PROGRAM]
-#   PROGRAM  feeling-wind as it is installed by default; build/pipelines/program/feeling-wind is that of a build
+#   PROGRAM  feeling-wind as it is installed by default; build/pipelines/feeling-wind/feeling-wind is that of a build
 
 source "$(dirname "$0")/../../pipelines/shared/common.sh"
 

@@ -75,7 +75,7 @@ installed() {
   [ -d "$chroot/feeling-wind/build" ]
 }
 built() {
-  [ -x "$chroot/feeling-wind/build/pipelines/program/feeling-wind" ]
+  [ -x "$chroot/feeling-wind/build/pipelines/feeling-wind/feeling-wind" ]
 }
 shown() {
   grep -q 'first frame' "$work/view.log"

@@ -5,7 +5,7 @@
 
 source "$(dirname "$0")/support.sh"
 command -v ffmpeg >/dev/null || skip "ffmpeg is not installed"
-program=$build/pipelines/program/feeling-wind
+program=$build/pipelines/feeling-wind/feeling-wind
 tries=${TRIES:-1} part=${PART:-1/1}
 export NO_AT_BRIDGE=1 GSETTINGS_BACKEND=memory XDG_CONFIG_HOME=$work/config XDG_CACHE_HOME=$work/cache
 

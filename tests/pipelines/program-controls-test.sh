@@ -32,7 +32,7 @@ if [ $# = 4 ]; then
 fi
 
 source "$(dirname "$0")/support.sh"
-program=$build/pipelines/program/feeling-wind
+program=$build/pipelines/feeling-wind/feeling-wind
 [ -x "$program" ] || skip "feeling-wind is not built (package libgtk-3-dev)"
 need_window_system
 for needed in xdotool openbox weston dbus-run-session; do

@@ -3,13 +3,13 @@
 # The files that a desktop reads about feeling-wind, and what the program refuses.
 
 source "$(dirname "$0")/support.sh"
-data=$root/pipelines/program/data
+data=$root/pipelines/feeling-wind/data
 
 promise "the desktop file starts the program with one film" grep -qx 'Exec=feeling-wind %u' "$data/feeling-wind.desktop"
 # shellcheck disable=SC2016 # $0 is awk's
 promise "each of its lines is a group or KEY=VALUE" \
   awk '!/^\[Desktop Entry\]$/ && !/^[A-Za-z]+=.+$/ { print; bad = 1 } END { exit bad }' "$data/feeling-wind.desktop"
-if [ -x "$build/pipelines/program/feeling-wind" ]; then
+if [ -x "$build/pipelines/feeling-wind/feeling-wind" ]; then
   # `fails_with TEXT COMMAND...`: exit status 1 and that text.
   fails_with() {
     local text=$1 status=0
@@ -18,7 +18,7 @@ if [ -x "$build/pipelines/program/feeling-wind" ]; then
     cat "$work/output"
     [ "$status" = 1 ] && grep -q -- "$text" "$work/output"
   }
-  program=$build/pipelines/program/feeling-wind
+  program=$build/pipelines/feeling-wind/feeling-wind
   promise "without a display it says so" fails_with "there is no display for the window" \
     env -u DISPLAY -u WAYLAND_DISPLAY "$root/pipelines/view.sh" "$0"
   promise "nor does one help that does not answer" fails_with "there is no display for the window" \

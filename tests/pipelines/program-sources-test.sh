@@ -150,7 +150,7 @@ SERVER
 fi
 
 source "$(dirname "$0")/support.sh"
-program=$build/pipelines/program/feeling-wind
+program=$build/pipelines/feeling-wind/feeling-wind
 [ -x "$program" ] || skip "feeling-wind is not built (package libgtk-3-dev)"
 need_window_system
 command -v xdotool >/dev/null || skip "xdotool is not installed"

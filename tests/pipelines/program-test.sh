@@ -413,12 +413,12 @@ server.serve_forever()' >port-of-files 2>requests &
 fi
 
 source "$(dirname "$0")/support.sh"
-[ -x "$build/pipelines/program/feeling-wind" ] || skip "feeling-wind is not built (package libgtk-3-dev)"
+[ -x "$build/pipelines/feeling-wind/feeling-wind" ] || skip "feeling-wind is not built (package libgtk-3-dev)"
 export NO_AT_BRIDGE=1 # nobody has started an accessibility bus
 export GSETTINGS_BACKEND=memory # nor a bus of a session
 export XDG_CONFIG_HOME=$work/config XDG_CACHE_HOME=$work/cache
 
-program=$build/pipelines/program/feeling-wind
+program=$build/pipelines/feeling-wind/feeling-wind
 need_window_system
 command -v xdotool >/dev/null || skip "xdotool is not installed"
 gst-inspect-1.0 --exists gtksink || skip "gtksink is not installed (package gstreamer1.0-gtk3)"
