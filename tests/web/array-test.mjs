@@ -5,7 +5,7 @@
 //   array-test.mjs WEB-FOLDER
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { levelsOf, placesInFrame, readLayout } from '../../pipelines/web/array.js';
+import { levelsOf, placesInFrame, readLayout } from '../../pipelines/web/page/array.js';
 import { promise } from './promise.mjs';
 
 const layout = name => readLayout(readFileSync(join(process.argv[2], `${name}.ini`)).toString());

@@ -11,7 +11,7 @@ here=$root/tests/web
 command -v node >/dev/null || skip "node is not installed"
 command -v chromium >/dev/null || skip "chromium is not installed"
 [ -d "$WEB_PACKAGES/node_modules/puppeteer-core" ] || skip "npm has not fetched puppeteer-core (no network, or no npm)"
-[ -f "$build/pipelines/web/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
+[ -f "$build/pipelines/web/player/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
 wind_film=$build/pipelines/films/wind-film
 haptic_track=$build/gst-plugins/track/tools/haptic-track
 [ -x "$wind_film" ] || skip "wind-film is not built"

@@ -3,9 +3,9 @@
 //
 //   decoder-test.mjs DECODED-TRACKS GOLDEN.klv GOLDEN-RELIEF.klv COUNT
 import { spawnSync } from 'node:child_process';
-import { FieldDecoder } from '../../pipelines/web/field-codec.js';
-import { readKlv } from '../../pipelines/web/klv.js';
-import { RELIEF } from '../../pipelines/web/relief-codec.js';
+import { FieldDecoder } from '../../pipelines/web/player/field-codec.js';
+import { readKlv } from '../../pipelines/web/player/klv.js';
+import { RELIEF } from '../../pipelines/web/player/relief-codec.js';
 import { promise } from './promise.mjs';
 
 const [program, ...given] = process.argv.slice(2);

@@ -18,7 +18,7 @@ async function attachTo(server, playlist, begin = () => {}) {
   await page.goto(`${server.origin}/blank.html`);
   await page.evaluate(`window.begin = ${begin}`);
   await page.evaluate(async playlist => {
-    const { attach } = await import('./player.js');
+    const { attach } = await import('./player/player.js');
     const film = document.querySelector('video');
     window.film = film;
     window.problems = [];

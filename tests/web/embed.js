@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-import { attach } from './player.js';
+import { attach } from './player/player.js';
 
 const video = document.getElementById('film');
 let shown = 0; // s, the picture on the screen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-import { attach } from './player.js';
+import { attach } from './player/player.js';
 
 const AHEAD = 0.008; // s; the hand is where it will be at the middle of the next frame of the screen
 const film = document.getElementById('film');

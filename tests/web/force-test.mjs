@@ -3,8 +3,8 @@
 //
 //   force-test.mjs FELT-FORCES
 import { spawnSync } from 'node:child_process';
-import { ForceChain } from '../../pipelines/web/force-chain.js';
-import { MotionTrack } from '../../pipelines/web/motion-track.js';
+import { ForceChain } from '../../pipelines/web/player/force-chain.js';
+import { MotionTrack } from '../../pipelines/web/player/motion-track.js';
 import { promise } from './promise.mjs';
 
 const { stdout: bytes, status } = spawnSync(process.argv[2], { maxBuffer: 2 ** 30 });

@@ -34,7 +34,7 @@ promise('they feel different forces', tree > 2 && sky < 0.05 * tree);
 const page = await openPage(browser, origin);
 await page.goto(`${origin}/${folder}/index.html`);
 const times = await page.evaluate(async () => {
-  const { playFilm } = await import('./film.js');
+  const { playFilm } = await import('./player/film.js');
   const times = new Set();
   await playFilm(document.createElement('video'), new URL('film.m3u8', location).href, {
     onPacket: (_, time) => times.add(Math.round(time * 1000)), onProblem() {},

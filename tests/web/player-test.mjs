@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The player without a browser: a phone that vibrates, and motion that is no number.
-import { ForceChain } from '../../pipelines/web/force-chain.js';
-import { Rumble, magnitudes } from '../../pipelines/web/rumble.js';
+import { ForceChain } from '../../pipelines/web/player/force-chain.js';
+import { Rumble, magnitudes } from '../../pipelines/web/player/rumble.js';
 import { promise } from './promise.mjs';
 
 // ---- a phone, which writes down when its motor is on

@@ -4,10 +4,10 @@
 //
 //   touch-test.mjs TOUCHED-SURFACES
 import { spawnSync } from 'node:child_process';
-import { Contact, DEPTH, Surface } from '../../pipelines/web/contact.js';
-import { ForceChain } from '../../pipelines/web/force-chain.js';
-import { shadingOf } from '../../pipelines/web/relief-page.js';
-import { ReliefTrack, Touch } from '../../pipelines/web/touch.js';
+import { Contact, DEPTH, Surface } from '../../pipelines/web/player/contact.js';
+import { ForceChain } from '../../pipelines/web/player/force-chain.js';
+import { shadingOf } from '../../pipelines/web/page/relief-page.js';
+import { ReliefTrack, Touch } from '../../pipelines/web/player/touch.js';
 import { promise } from './promise.mjs';
 
 const { stdout: bytes, status } = spawnSync(process.argv[2], { maxBuffer: 2 ** 30 });

@@ -25,7 +25,7 @@ constexpr auto kFrame = static_cast<std::int64_t>(test::DepthScene::kInterval);
 constexpr int kFrames = 120;
 constexpr int kColumns = 32;
 const Vector3 kHalf = spidar::Geometry{}.workspace_half;
-// Of the finger, as in pipelines/web/contact.js.
+// Of the finger, as in pipelines/web/player/contact.js.
 constexpr double kDepth = 0.0025;
 constexpr double kSteepest = 0.25;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Packets that come in any order, tracks of points, and limits of what a track or a caller may ask for.
-import { FieldDecoder } from '../../pipelines/web/field-codec.js';
-import { load } from '../../pipelines/web/film.js';
-import { MotionTrack } from '../../pipelines/web/motion-track.js';
-import { magnitudes } from '../../pipelines/web/rumble.js';
-import { mediaType, readPackets, readPlaylist } from '../../pipelines/web/plain-hls.js';
+import { FieldDecoder } from '../../pipelines/web/player/field-codec.js';
+import { load } from '../../pipelines/web/player/film.js';
+import { MotionTrack } from '../../pipelines/web/player/motion-track.js';
+import { magnitudes } from '../../pipelines/web/player/rumble.js';
+import { mediaType, readPackets, readPlaylist } from '../../pipelines/web/player/plain-hls.js';
 import { promise } from './promise.mjs';
 
 const KEY = [0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01, 0x0F, 0x48, 0x41, 0x50, 0x54, 0x49, 0x43, 0x01];

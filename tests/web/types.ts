@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What others write with the player's types (pipelines/web/player.d.ts). Compiled, not run.
-import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player.js';
+// What others write with the player's types (pipelines/web/player/player.d.ts). Compiled, not run.
+import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player/player.js';
 
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {

@@ -4,18 +4,18 @@
 //   weight-test.mjs WEB-FOLDER
 import { spawnSync } from 'node:child_process';
 import { readFileSync, readdirSync } from 'node:fs';
-import { join } from 'node:path';
+import { basename, dirname, join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { promise } from './promise.mjs';
 
 const folder = process.argv[2];
-const names = readdirSync(folder).filter(name => /\.(html|css|m?js)$/.test(name));
+const names = readdirSync(folder, { recursive: true }).filter(name => /\.(html|css|m?js)$/.test(name));
 const read = name => readFileSync(join(folder, name));
 const weight = names => names.reduce((sum, name) => sum + gzipSync(read(name)).length, 0);
 
-const isHls = name => name.startsWith('hls.');
-const ON_REQUEST = ['array.js']; // the address asks for it
-const WITH_RELIEFS = ['touch.js', 'contact.js', 'relief-codec.js', 'relief-page.js']; // the first relief does
+const isHls = name => basename(name).startsWith('hls.');
+const ON_REQUEST = ['page/array.js']; // the address asks for it
+const WITH_RELIEFS = ['player/touch.js', 'player/contact.js', 'player/relief-codec.js', 'page/relief-page.js']; // the first relief does
 const later = [...ON_REQUEST, ...WITH_RELIEFS];
 const own = names.filter(name => !isHls(name) && !later.includes(name));
 console.log(`without hls.js ${weight(own)} bytes, with it ${weight(names)}; of a film that can be touched ${weight(WITH_RELIEFS)} more`);
@@ -24,9 +24,9 @@ promise('and 250 kB with hls.js', weight(names) <= 250_000);
 
 promise('what the address may ask for weighs at most 5 kB', weight(ON_REQUEST) > 1_000 && weight(ON_REQUEST) <= 5_000);
 promise('what a relief needs weighs at most 8 kB', weight(WITH_RELIEFS) > 4_000 && weight(WITH_RELIEFS) <= 8_000);
-const FILE = /'?(?:\.\/)?([\w.-]+\.(?:js|css))['"]/.source;
+const FILE = /'?((?:\.{1,2}\/)*(?:[\w-]+\/)?[\w.-]+\.(?:js|css))['"]/.source;
 const filesIn = (name, before) =>
-  Array.from(read(name).toString().matchAll(new RegExp(before + FILE, 'g')), ([, file]) => file);
+  Array.from(read(name).toString().matchAll(new RegExp(before + FILE, 'g')), ([, file]) => join(dirname(name), file));
 const isHlsOr = list => file => isHls(file) || list.includes(file);
 for (const name of [...own, ...later]) {
   const atOnce = filesIn(name, '(?:from |src="|href=")');

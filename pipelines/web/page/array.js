@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The actuators of an array over the film, as hapticarray map=field drives them (docs/arrays.md). The page loads this
 // file only if its address asks for it: ?array=NAME shows NAME.ini, a layout in the folder of the page.
-import { REFERENCE_WIDTH, arctanGain, confidenceGate, shareKept } from './force-chain.js';
-import { sampleField } from './field-sampler.js';
+import { REFERENCE_WIDTH, arctanGain, confidenceGate, shareKept } from '../player/force-chain.js';
+import { sampleField } from '../player/field-sampler.js';
 
 const FEWEST = 2, MOST = 64; // actuators
 const PANEL = 0.3; // of the shorter side of the film

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the page shows of a film that can be touched: height as shading, and the touched place. It also reads what presses:
 // the button of the mouse, a finger, a key, a button of a gamepad. The page loads this file with the first relief.
-import { HALF } from './contact.js';
+import { HALF } from '../player/contact.js';
 import { pictureIn } from './drawing.js';
 
 const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The page around the player: film, hand, controls and keys.
-import { attach } from './player.js';
+import { attach } from '../player/player.js';
 import { draw, pictureIn } from './drawing.js';
 import { StickHand } from './stick-hand.js';
 
