@@ -17,7 +17,7 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "motion-models-test.cpp"
+#define HWY_TARGET_INCLUDE "vision/velocity/motion-models-test.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
