@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Times of the pose solver, the tension solver and one whole tick. Run by hand on an idle machine:
-//   BUILD/tests/benchmarks/spidar-benchmark
+//   BUILD/tests/measure/benchmarks/spidar-benchmark
 // Each call is timed alone; the counters p50_us, p99_us and max_us are over all calls and contain
 // the clock's own some 0.03 us.
 #include "spidar/device.hpp"

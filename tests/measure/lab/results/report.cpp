@@ -490,7 +490,8 @@ void write_page(const Report &report, const fs::path &path) {
   File file(path);
   std::ostream &out = file.text();
   out << "# Results of the lab\n\n"
-         "Written by `tests/lab/run.sh`; [the lab](lab.md) explains the terms. All rows are in the "
+         "Written by `tests/measure/lab/run.sh`; [the lab](lab.md) explains the terms. All rows "
+         "are in the "
          "CSV files that the command writes to `build-lab/results/`.\n\n";
   out << joined(report.circumstances, "; ", [](const auto &row) {
     return row.first + ": " + row.second;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Settings of all charts of the lab. The colours are those of the palette and more; each method also has
 # its own symbol.
-load system("dirname '" . ARG0 . "'") . "/../../pipelines/shared/palette.gp"
+load system("dirname '" . ARG0 . "'") . "/../../../../pipelines/shared/palette.gp"
 set datafile separator ","
 set datafile columnheaders
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Timing of the 1 kHz loop with the simulated device, as hapticsink runs it. Run by hand on an idle
 // machine:
-//   BUILD/tests/benchmarks/hapticsink-loop [SECONDS]
+//   BUILD/tests/measure/benchmarks/hapticsink-loop [SECONDS]
 // Targets: no tick missed (more than 20 ms late) in 60 s, loop body p99 <= 20 us; of it 1 us for a
 // field; the loop's own part of a tick, without the controller's exchange, p99 <= 15 us, with a
 // hand that touches 20 us; nothing taken from the heap in any tick.

@@ -3,12 +3,12 @@
 # Measures what authoring costs beside decoding: processor seconds of the decoder alone, of decoder and motionfield,
 # and of haptic-track author, each the least of three. Nothing else should run meanwhile.
 #
-# Usage: tests/benchmarks/author-cost.sh [--build BUILD] [--before BUILD] [VIDEO.mp4...]
+# Usage: tests/measure/benchmarks/author-cost.sh [--build BUILD] [--before BUILD] [VIDEO.mp4...]
 #   --build BUILD   the build folder (build)
 #   --before BUILD  an earlier build, whose motionfield is measured in the same run
 #   VIDEO.mp4       H.264; without one, five seconds of a drawn film of 1920x1080
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 build=$root/build before='' videos=()
 while [ $# -gt 0 ]; do

@@ -4,7 +4,7 @@
 #   gnuplot -c force-chart.gp TRACE.csv PICTURE.png
 if (ARGC != 2) { print "usage: gnuplot -c force-chart.gp TRACE.csv PICTURE.png"; exit status 1 }
 
-load system("dirname '" . ARG0 . "'") . "/../../pipelines/shared/palette.gp"
+load system("dirname '" . ARG0 . "'") . "/../../../pipelines/shared/palette.gp"
 
 set terminal pngcairo size 1200,800 font "DejaVu Sans,17" background "white"
 set output ARG2

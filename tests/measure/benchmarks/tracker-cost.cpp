@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
-//   meson devenv -C BUILD tests/benchmarks/tracker-cost [FRAMES|field|formats]
+//   meson devenv -C BUILD tests/measure/benchmarks/tracker-cost [FRAMES|field|formats]
 // Region of 30 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
 // twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // How much of a processor hapticarray takes, and what it adds to the latency of a live stream. Run
 // by hand on an idle machine:
-//   meson devenv -C BUILD tests/benchmarks/hapticarray-element
+//   meson devenv -C BUILD tests/measure/benchmarks/hapticarray-element
 // Targets: 64 channels at 48 kHz <= 5 % of a core; <= 20 ms added.
 #include "gst-raii.hpp"
 #include "motion-field.hpp"

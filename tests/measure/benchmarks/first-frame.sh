@@ -3,10 +3,10 @@
 # Measures how long feeling-wind takes from its start to the first frame of a film, in an X server of its own. The first
 # start reads the program from the disk and fills GStreamer's registry; then come nine more.
 #
-# Usage: tests/benchmarks/first-frame.sh FILM [PROGRAM]
+# Usage: tests/measure/benchmarks/first-frame.sh FILM [PROGRAM]
 #   PROGRAM  feeling-wind as it is installed by default; build/pipelines/feeling-wind/feeling-wind is that of a build
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 [[ ${1:-} != --help && ${1:-} != -h ]] || { show_help && exit; }
 [ -f "${1:-}" ] || fail "which film? See --help"

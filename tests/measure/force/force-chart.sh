@@ -3,19 +3,19 @@
 # Draws the force over time that hapticsink makes of a clip, and the force that a sink would make that holds
 # each velocity until the next; and says how much each of them buzzes.
 #
-# Usage: tests/force/force-chart.sh [CLIP] PICTURE.png
+# Usage: tests/measure/force/force-chart.sh [CLIP] PICTURE.png
 #   Without a CLIP a leaf swings in the wind for 20 s.
 #
 # Takes the programs from build/, which needs the option -Dtests=enabled.
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 case ${1:-} in
 --help | -h) show_help && exit ;;
 esac
 [[ $# =~ ^[12]$ ]] || fail "which picture is to be written? See --help"
 picture=${*: -1}
-trace=$build/tests/force/force-trace
+trace=$build/tests/measure/force/force-trace
 [ -x "$trace" ] ||
   fail "'$trace' is not built: meson configure $build -Dtests=enabled && meson compile -C $build"
 use_elements
@@ -32,5 +32,5 @@ fi
 need_file "$clip"
 gst-launch-1.0 -m filesrc "location=$(quoted "$clip")" ! decodebin ! videoconvert ! roitracker \
   ! velocityavg post-messages=true ! fakesink | "$trace" >"$work/trace.csv"
-gnuplot -c "$root/tests/force/force-chart.gp" "$work/trace.csv" "$picture"
+gnuplot -c "$root/tests/measure/force/force-chart.gp" "$work/trace.csv" "$picture"
 echo "$picture"

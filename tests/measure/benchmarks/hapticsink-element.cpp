@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // How long hapticsink keeps a live stream, and how fast a stream that waits for its time ends. Run
 // by hand on an idle machine:
-//   meson devenv -C BUILD tests/benchmarks/hapticsink-element
+//   meson devenv -C BUILD tests/measure/benchmarks/hapticsink-element
 // Targets: a live push p50 <= 2 ms; a waiting stream ends within 0.2 s.
 #include "hapticsink-fixture.hpp"
 #include "processor.hpp"

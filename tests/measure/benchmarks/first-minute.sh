@@ -6,17 +6,17 @@
 # 2. with --packages, from the installed packages of the project to the first frame of that film.
 # The window is on an X server of this machine. The time to make that Debian and to load git is left out.
 #
-# Usage: tests/benchmarks/first-minute.sh [--debian 12|13] [--packages FOLDER] [--cache FOLDER]
+# Usage: tests/measure/benchmarks/first-minute.sh [--debian 12|13] [--packages FOLDER] [--cache FOLDER]
 #   --debian           the version (12)
 #   --packages FOLDER  where the project's packages of that version are, as dpkg-buildpackage leaves them
 #   --cache FOLDER     where the chroot is made, about 3 GB (${XDG_CACHE_HOME:-~/.cache}/feeling-wind)
 #
 # Needs root and the network. The packages come from the archive that apt uses on this machine.
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
-source "$(dirname "$0")/../../tests/packages.sh"
-source "$(dirname "$0")/../support/promise.sh"
-source "$(dirname "$0")/../support/debian-chroot.sh"
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../packages.sh"
+source "$(dirname "$0")/../../support/promise.sh"
+source "$(dirname "$0")/../../support/debian-chroot.sh"
 
 given=("$@") version=12 packages='' cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 while [ $# -gt 0 ]; do
@@ -99,4 +99,4 @@ wait "$viewer" || true
 mv "$chroot/feeling-wind/build-data/wind.ts" "$chroot/wind.ts"
 cp "$packages"/*.deb "$chroot/"
 inside sh -c 'apt-get -qy install ./*.deb' >"$work/packages.log" 2>&1
-inside env FIRST_FRAME_DISPLAY=yes /feeling-wind/tests/benchmarks/first-frame.sh /wind.ts
+inside env FIRST_FRAME_DISPLAY=yes /feeling-wind/tests/measure/benchmarks/first-frame.sh /wind.ts

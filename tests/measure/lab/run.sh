@@ -4,7 +4,7 @@
 # processors. Builds (release) in build-lab/, measures, draws the charts. The exit status is 0 only
 # when no configuration of a peer dominates the default.
 #
-# Usage: tests/lab/run.sh [--quick] [--ablation] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
+# Usage: tests/measure/lab/run.sh [--quick] [--ablation] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
 #   --quick          a minute, and few cases: to see whether all works, not to be believed
 #   --ablation       only what each part of the default is worth: prints ablation.md, leaves docs/ alone
 #   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
@@ -13,9 +13,9 @@
 #   --output FOLDER  where tables and charts go. Without it they go to build-lab/results/, and the
 #                    charts and the results page are copied to docs/
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
-source "$(dirname "$0")/../../tests/packages.sh"
-here=$root/tests/lab
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../packages.sh"
+here=$root/tests/measure/lab
 
 # Absolute, since the lab may be started from any folder.
 folder() {
@@ -47,19 +47,19 @@ if [ -z "${FEELING_WIND_BUILD:-}" ]; then
   mkdir -p "$build"
   if { [ -f "$build/build.ninja" ] ||
     meson setup "$build" "$root" --buildtype=release -Dtests=enabled -Dbenchmarks=enabled -Ddevice=disabled; } \
-    >"$build/build.log" 2>&1 && ninja -C "$build" tests/lab/lab >>"$build/build.log" 2>&1; then
+    >"$build/build.log" 2>&1 && ninja -C "$build" tests/measure/lab/lab >>"$build/build.log" 2>&1; then
     :
   else
     tail -n 40 "$build/build.log" >&2
     fail "the lab could not be built; read the log $build/build.log"
   fi
 fi
-[ -x "$build/tests/lab/lab" ] || fail "there is no '$build/tests/lab/lab'; run: meson configure $build -Dbenchmarks=enabled, then build again"
+[ -x "$build/tests/measure/lab/lab" ] || fail "there is no '$build/tests/measure/lab/lab'; run: meson configure $build -Dbenchmarks=enabled, then build again"
 
 results=${output:-$root/build-lab/results}
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null) || commit=unknown
 status=0
-"$build/tests/lab/lab" ${options[@]+"${options[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
+"$build/tests/measure/lab/lab" ${options[@]+"${options[@]}"} ${pairs:+--pairs "$pairs"} ${clips:+--clips "$clips"} \
   --commit "$commit" --output "$results" || status=$?
 [ "$status" -le 1 ] || exit "$status"
 
@@ -68,7 +68,7 @@ if [ "$ablation" ]; then
   exit
 fi
 for chart in pareto series confidence; do
-  gnuplot -c "$here/$chart.gp" "$results" "$results/$chart.png"
+  gnuplot -c "$here/results/$chart.gp" "$results" "$results/$chart.png"
 done
 if [ -z "$output" ]; then
   cp "$results"/{pareto,series,confidence}.png "$root/docs/images/lab/"

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Measures how much faster two processors author the chunks of a film than one. Nothing else should run meanwhile.
 #
-# Usage: tests/benchmarks/author-cores.sh [--build BUILD] [VIDEO]
+# Usage: tests/measure/benchmarks/author-cores.sh [--build BUILD] [VIDEO]
 #   --build BUILD  the build folder (build)
 #   VIDEO          without one, a minute of a test picture of 1920x1080, H.264
 
-source "$(dirname "$0")/../../pipelines/shared/common.sh"
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 video=''
 while [ $# -gt 0 ]; do
