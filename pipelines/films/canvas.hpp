@@ -2,7 +2,7 @@
 // A frame that is painted with textures, and the true motion of what its pixels show.
 #pragma once
 
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <cstdint>
 #include <span>

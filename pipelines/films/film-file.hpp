@@ -2,8 +2,8 @@
 // A film as a file: H.264 with a track of motion fields beside it.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "motion-field.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/motion-field.hpp"
 
 #include <cstdint>
 #include <span>

@@ -9,9 +9,9 @@
 //                        the pair of frames with the largest mean displacement: luma, row by row
 //   FOLDER/pair.csv      frame number and size of that pair
 // Frames must be GRAY8 at the tracker.
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
 #include "gsthapticmotionmeta.h"
-#include "pointer-event.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -2,7 +2,7 @@
 // spidar-guardian: puts the motors at rest if the process that drives them dies or hangs. Started
 // by guardian.hpp, or by systemd for a connection to its socket. It uses the kernel only, allocates
 // nothing while it watches, and may do nothing but write to the device that it was given.
-#include "guardian-protocol.hpp"
+#include "guard/guardian-protocol.hpp"
 
 #include <array>
 #include <cerrno>

@@ -2,7 +2,7 @@
 // A device that spidar-check drives at 1 kHz, and a record of what was sent to its controller.
 #pragma once
 
-#include "gentle-pull.hpp"
+#include "model/gentle-pull.hpp"
 
 #include <chrono>
 #include <memory>

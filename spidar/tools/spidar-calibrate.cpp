@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-calibrate: measures a SPIDAR-G with the help of its user, and writes a geometry file.
 #include "fail.hpp"
-#include "gentle-pull.hpp"
+#include "model/gentle-pull.hpp"
 #include "tool.hpp"
 
 #include <array>

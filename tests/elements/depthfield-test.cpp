@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "depth-scene.hpp"
-#include "motion-sample.hpp"
 #include "relief-buffers.hpp"
+#include "samples/motion-sample.hpp"
 #include "video-harness.hpp"
 
 #include <algorithm>

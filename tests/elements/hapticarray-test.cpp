@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticarray makes channels of vibration from motion samples and fields.
-#include "force-defaults.hpp"
-#include "gst-raii.hpp"
-#include "motion-field.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/force-defaults.hpp"
+#include "samples/motion-field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion fields in files and packets: what goes in comes out, but for what cannot be felt.
-#include "field-codec.hpp"
-#include "key-requests.hpp"
+#include "field-code/field-codec.hpp"
 #include "leaf-fields.hpp"
+#include "network/key-requests.hpp"
 #include "track-pipeline.hpp"
 #include "track-samples.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Haptic tracks in files and packets: what goes in comes out.
-#include "force-curve.hpp"
-#include "hmpg-track.hpp"
-#include "klv.hpp"
+#include "forms/klv.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 #include "track-pipeline.hpp"
 #include "track-samples.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "luma-crop.hpp"
-#include "pointer-event.hpp"
-#include "relief-field.hpp"
+#include "frames/luma-crop.hpp"
+#include "glue/pointer-event.hpp"
+#include "samples/relief-field.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>

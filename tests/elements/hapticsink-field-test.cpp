@@ -2,7 +2,7 @@
 // hapticsink plays motion fields; what the hand felt is read from its log.
 #include "virtual-sink.hpp"
 
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <algorithm>
 #include <limits>

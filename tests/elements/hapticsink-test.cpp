@@ -2,7 +2,7 @@
 // hapticsink in small pipelines, with the simulated device; what it did is read from its log.
 #include "virtual-sink.hpp"
 
-#include "pointer-event.hpp"
+#include "glue/pointer-event.hpp"
 
 #include <array>
 #include <gst/check/gstharness.h>

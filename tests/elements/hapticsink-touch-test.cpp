@@ -2,7 +2,7 @@
 // hapticsink plays reliefs; what the hand touched is read from its log.
 #include "virtual-sink.hpp"
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 namespace {
 

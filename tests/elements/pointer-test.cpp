@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The pointer on its way over a network: pointerextract at the hand, pointerinject at the tracker.
-#include "klv.hpp"
-#include "pointer-event.hpp"
+#include "forms/klv.hpp"
+#include "glue/pointer-event.hpp"
 
 #include <cstring>
 #include <gst/check/gstharness.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pointer-event.hpp"
+#include "glue/pointer-event.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Full intra requests and aggregation packets of MPEG haptics over RTP.
-#include "gst-raii.hpp"
-#include "hmpg-track.hpp"
+#include "glue/gst-raii.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 
 #include <gst/check/gstharness.h>
 #include <gst/rtp/gstrtpbuffer.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a hand feels of frames whose motion is known, from the frame to the force: the elements
 // measure, and a loop ticks without a thread. No clock runs.
-#include "haptic-loop.hpp"
-#include "motion-sample.hpp"
+#include "loop/haptic-loop.hpp"
+#include "samples/motion-sample.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>

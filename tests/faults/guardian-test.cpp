@@ -2,8 +2,8 @@
 // The guardian, with a socket in the device's place: umockdev cannot lend its usbfs to another
 // program. All else is real: the library's side, the helper program, processes that are killed.
 // The tests ask what is on the wire in the end; the times are reported.
-#include "guardian-protocol.hpp"
-#include "guardian.hpp"
+#include "guard/guardian-protocol.hpp"
+#include "guard/guardian.hpp"
 #include "loop-priority.hpp"
 #include "report-line.hpp"
 #include "stolen-time.hpp"

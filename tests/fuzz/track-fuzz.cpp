@@ -8,16 +8,16 @@
 //   track-fuzz PARSER --file FILE           feeds one input
 //
 // Built by afl++ (coverage.sh), `track-fuzz PARSER` gets its inputs from afl-fuzz.
-#include "bits.hpp"
 #include "depth-scene.hpp"
-#include "field-codec.hpp"
-#include "hjif.hpp"
-#include "hmpg-rtp.hpp"
-#include "hmpg-track.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
 #include "leaf-fields.hpp"
+#include "mpeg-haptics/bits.hpp"
+#include "mpeg-haptics/hjif.hpp"
+#include "mpeg-haptics/hmpg-rtp.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 #include "mutator.hpp"
-#include "text-line.hpp"
 #include "track-samples.hpp"
 
 #include <algorithm>

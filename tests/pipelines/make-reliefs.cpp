@@ -2,8 +2,8 @@
 // Writes a track of reliefs (KLV) of the scene of depth-scene.hpp.
 // Usage: make-reliefs FILE FRAMES [scale=FACTOR] [noise=MM] [delay=FRAMES] [surface=none]
 #include "depth-scene.hpp"
-#include "field-codec.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
 
 #include <cstdio>
 #include <cstdlib>

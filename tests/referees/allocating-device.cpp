@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // One tick of the loop with a device that does what the loop must never do: RealtimeSanitizer must
 // report it. Usage: allocating-device heap | mutex | sleep | nothing
-#include "haptic-loop.hpp"
+#include "loop/haptic-loop.hpp"
 
 #include <chrono>
 #include <memory>

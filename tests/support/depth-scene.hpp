@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../../pipelines/films/depth-scene.hpp"
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <cstdint>
 

@@ -2,7 +2,7 @@
 // The field tracker with frames of a test, read strip by strip as the element reads them.
 #pragma once
 
-#include "field-tracker.hpp"
+#include "field/field-tracker.hpp"
 #include "moving-texture.hpp"
 
 #include <vector>

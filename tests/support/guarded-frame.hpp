@@ -2,7 +2,7 @@
 // A frame whose surroundings may not be read.
 #pragma once
 
-#include "patch-tracker.hpp"
+#include "tracking/patch-tracker.hpp"
 
 #include <algorithm>
 #include <array>

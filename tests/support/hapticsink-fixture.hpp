@@ -3,9 +3,9 @@
 #pragma once
 
 #include "eventually.hpp"
-#include "gst-raii.hpp"
-#include "motion-sample.hpp"
-#include "pointer-event.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <algorithm>
 #include <array>

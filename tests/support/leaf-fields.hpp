@@ -3,7 +3,7 @@
 // error of 0.02 px. The same ones for each seed.
 #pragma once
 
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // The leaf as a tracker sees it, and the force that the loop makes of it.
 #pragma once
 
-#include "haptic-loop.hpp"
 #include "leaf.hpp"
+#include "loop/haptic-loop.hpp"
 
 #include <cmath>
 #include <optional>

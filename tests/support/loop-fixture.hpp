@@ -2,7 +2,7 @@
 // The loop driven by hand, so that a test takes no time and knows every tick.
 #pragma once
 
-#include "haptic-loop.hpp"
+#include "loop/haptic-loop.hpp"
 
 #include <atomic>
 #include <cmath>

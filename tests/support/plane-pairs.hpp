@@ -3,8 +3,8 @@
 #pragma once
 
 #include "field-frames.hpp"
-#include "image-kernels.hpp"
 #include "moving-texture.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <algorithm>
 #include <random>

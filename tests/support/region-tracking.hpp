@@ -3,9 +3,9 @@
 #pragma once
 
 #include "moving-texture.hpp"
-#include "patch-tracker.hpp"
-#include "region.hpp"
-#include "velocity-estimate.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "tracking/region.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>

@@ -2,8 +2,8 @@
 // Reliefs in buffers.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "relief-field.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/relief-field.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>

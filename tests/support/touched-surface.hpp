@@ -3,8 +3,8 @@
 // motors. The clock is driven by hand.
 #pragma once
 
-#include "contact-law.hpp"
-#include "safety-chain.hpp"
+#include "force/safety-chain.hpp"
+#include "touch/contact-law.hpp"
 
 #include <algorithm>
 #include <cmath>

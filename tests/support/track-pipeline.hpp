@@ -2,8 +2,8 @@
 // Feeds samples or bytes into a pipeline and takes what comes out at its end.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "motion-sample.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -2,7 +2,7 @@
 // Motion samples with something in every field, the same ones for each seed.
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <random>
 

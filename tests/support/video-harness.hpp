@@ -2,7 +2,7 @@
 // Feeds frames of known motion to elements and looks at what comes out.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 #include "gsthapticmotionmeta.h"
 #include "moving-texture.hpp"
 #include "video-samples.hpp"

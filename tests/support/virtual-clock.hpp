@@ -4,8 +4,8 @@
 // nothing is late, however busy the machine is.
 #pragma once
 
-#include "loop-clock.hpp"
 #include "other-threads.hpp"
+#include "share/loop-clock.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -2,8 +2,8 @@
 // hapticsink, linked by the test, in a pipeline whose time passes when the test says so.
 #pragma once
 
+#include "elements/sink-clock.hpp"
 #include "hapticsink-fixture.hpp"
-#include "sink-clock.hpp"
 #include "virtual-clock.hpp"
 
 #include <cstdlib>

@@ -3,7 +3,7 @@
 // The real one could not write to a device on MockBus, which only this process sees.
 #pragma once
 
-#include "guardian-protocol.hpp"
+#include "guard/guardian-protocol.hpp"
 #include "mock-unit.hpp"
 
 #include <atomic>

@@ -2,7 +2,7 @@
 // gst-device-monitor-1.0 and its like find a SPIDAR, and hapticsink is made from what they found.
 #include "bus-fixture.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <gst/gst.h>
 

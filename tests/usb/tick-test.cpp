@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Ten thousand ticks: they fail for no reason, and the pose is right. Their times are reported.
 #include "direct-fixture.hpp"
-#include "haptic-loop.hpp"
 #include "loop-priority.hpp"
+#include "loop/haptic-loop.hpp"
 #include "report-line.hpp"
 
 #include <algorithm>

@@ -7,8 +7,8 @@
 // Numbers are little-endian. A record is its type (u8: 0 a new stream, 1 a coded field of the
 // stream, 2 KLV, 3 a new stream of reliefs), the bytes with their length (u32) and the number of
 // numbers with them (u32).
-#include "field-codec.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
 #include "mutator.hpp"
 #include "track-samples.hpp"
 

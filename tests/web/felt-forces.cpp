@@ -3,13 +3,13 @@
 // force-test.mjs. Numbers are little-endian doubles. A track is the number of packets; each packet
 // with its time in s, its size and its bytes; the number of ticks; each tick with the hand's x, y
 // and z and the force's x and y.
-#include "field-codec.hpp"
-#include "force-law.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "force/force-law.hpp"
+#include "force/safety-chain.hpp"
+#include "forms/klv.hpp"
 #include "leaf-fields.hpp"
-#include "motion-interpolator.hpp"
-#include "safety-chain.hpp"
-#include "sample-intake.hpp"
+#include "motion/motion-interpolator.hpp"
+#include "motion/sample-intake.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,11 +5,11 @@
 // bytes; the number of probes; each with time, x and y (m), 1 where there is a surface, height,
 // stiffness and friction; the number of ticks of the finger; each with x and y, the proxy's x and
 // y, and the force.
-#include "contact-law.hpp"
 #include "depth-scene.hpp"
-#include "field-codec.hpp"
-#include "klv.hpp"
-#include "relief-intake.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "touch/contact-law.hpp"
+#include "touch/relief-intake.hpp"
 
 #include <cmath>
 #include <cstdio>

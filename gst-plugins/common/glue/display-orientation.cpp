@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "display-orientation.hpp"
+#include "glue/display-orientation.hpp"
 
 #include <algorithm>
 #include <array>

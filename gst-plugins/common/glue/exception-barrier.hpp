@@ -2,7 +2,7 @@
 // Keeps C++ exceptions out of GLib's and GStreamer's C frames.
 #pragma once
 
-#include "messages.hpp"
+#include "glue/messages.hpp"
 
 #include <exception>
 #include <gst/gst.h>

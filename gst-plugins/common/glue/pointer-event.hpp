@@ -2,8 +2,8 @@
 // The pointer event: the position of the hand, sent upstream from hapticsink to roitracker.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "pointer-position.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/pointer-position.hpp"
 
 #include <optional>
 

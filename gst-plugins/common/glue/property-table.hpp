@@ -3,8 +3,8 @@
 // read.
 #pragma once
 
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <cmath>
 #include <type_traits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
-#include "region-size.hpp"
+#include "samples/region-size.hpp"
 
 #include <algorithm>
 #include <array>

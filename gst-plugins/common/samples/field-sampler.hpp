@@ -2,8 +2,8 @@
 // The motion of a field under the hand.
 #pragma once
 
-#include "motion-field.hpp"
-#include "pointer-position.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/pointer-position.hpp"
 
 namespace haptic {
 

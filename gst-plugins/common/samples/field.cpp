@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field.hpp"
+#include "samples/field.hpp"
 
 #include <algorithm>
 #include <cmath>

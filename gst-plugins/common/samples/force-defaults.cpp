@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-defaults.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 // (docs/formats/motion-sample.md, docs/formats/motion-field.md).
 #pragma once
 
-#include "field.hpp"
-#include "little-endian.hpp"
+#include "samples/field.hpp"
+#include "samples/little-endian.hpp"
 
 #include <algorithm>
 #include <array>

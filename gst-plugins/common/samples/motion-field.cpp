@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
-#include "motion-bytes.hpp"
+#include "samples/motion-bytes.hpp"
 
 #include <cmath>
 

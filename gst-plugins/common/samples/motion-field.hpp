@@ -3,8 +3,8 @@
 // buffers.
 #pragma once
 
-#include "field.hpp"
-#include "motion-sample.hpp"
+#include "samples/field.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-force.hpp"
+#include "samples/motion-force.hpp"
 
-#include "force-defaults.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 // law.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 namespace haptic {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
-#include "motion-bytes.hpp"
+#include "samples/motion-bytes.hpp"
 
 namespace haptic {
 namespace {

@@ -2,7 +2,7 @@
 // The motion sample: the motion of one frame, as velocityavg puts it into haptics/x-raw buffers.
 #pragma once
 
-#include "planar-motion.hpp"
+#include "samples/planar-motion.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "region-size.hpp"
+#include "samples/region-size.hpp"
 
-#include "force-defaults.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <algorithm>
 #include <cmath>

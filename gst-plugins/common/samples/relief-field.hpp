@@ -3,7 +3,7 @@
 // make it.
 #pragma once
 
-#include "field.hpp"
+#include "samples/field.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "relief-sampler.hpp"
+#include "samples/relief-sampler.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -2,7 +2,7 @@
 // The surface of a relief, or of two between which it changes, above one place.
 #pragma once
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 namespace haptic {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "array-drive.hpp"
+#include "array/array-drive.hpp"
 
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,11 +2,11 @@
 // From the motion in a film to the amplitude of each actuator.
 #pragma once
 
-#include "array-mapping.hpp"
-#include "force-defaults.hpp"
-#include "motion-conditioning.hpp"
-#include "motion-field.hpp"
-#include "pointer-position.hpp"
+#include "array/array-mapping.hpp"
+#include "motion/motion-conditioning.hpp"
+#include "samples/force-defaults.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/pointer-position.hpp"
 
 #include <span>
 #include <vector>

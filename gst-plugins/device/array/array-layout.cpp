@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "array-layout.hpp"
+#include "array/array-layout.hpp"
 
 #include "builtin-layouts.hpp"
 #include "key-file.hpp"

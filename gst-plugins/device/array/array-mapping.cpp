@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "array-mapping.hpp"
+#include "array/array-mapping.hpp"
 
 #include <algorithm>
 #include <cmath>

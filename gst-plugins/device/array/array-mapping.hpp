@@ -2,7 +2,7 @@
 // A place on the skin between actuators, and a stroke across them.
 #pragma once
 
-#include "array-layout.hpp"
+#include "array/array-layout.hpp"
 
 #include <array>
 #include <cstdint>

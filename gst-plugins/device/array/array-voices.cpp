@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "array-voices.hpp"
+#include "array/array-voices.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 // within the limits of safety.
 #pragma once
 
-#include "array-layout.hpp"
-#include "continuous-force.hpp"
+#include "array/array-layout.hpp"
+#include "force/continuous-force.hpp"
 
 #include <complex>
 #include <span>

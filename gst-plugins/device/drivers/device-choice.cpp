@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "device-choice.hpp"
+#include "drivers/device-choice.hpp"
 
 #include "format-text.hpp"
 #include "messages.hpp"
 
 #if HAVE_EVDEV
-#include "evdev-device.hpp"
+#include "drivers/evdev-device.hpp"
 #endif
 
 #include <optional>

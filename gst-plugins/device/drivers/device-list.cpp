@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "device-list.hpp"
+#include "drivers/device-list.hpp"
 
 #if HAVE_EVDEV
-#include "evdev-list.hpp"
+#include "drivers/evdev-list.hpp"
 #endif
 
 #include <spidar/usb.hpp>

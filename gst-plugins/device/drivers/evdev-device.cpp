@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "evdev-device.hpp"
+#include "drivers/evdev-device.hpp"
 
-#include "evdev-list.hpp"
-#include "force-effect.hpp"
+#include "drivers/evdev-list.hpp"
+#include "drivers/force-effect.hpp"
 #include "format-text.hpp"
 #include "messages.hpp"
-#include "newest-slot.hpp"
-#include "non-blocking.hpp"
+#include "share/newest-slot.hpp"
+#include "share/non-blocking.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "evdev-list.hpp"
+#include "drivers/evdev-list.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -2,7 +2,7 @@
 // The joysticks and wheels with force feedback that the kernel knows.
 #pragma once
 
-#include "force-effect.hpp"
+#include "drivers/force-effect.hpp"
 
 #include <filesystem>
 #include <string>

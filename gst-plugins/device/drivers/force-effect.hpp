@@ -2,7 +2,7 @@
 // From a force to the effect that Linux drivers of joysticks and wheels play.
 #pragma once
 
-#include "force-defaults.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <cstdint>
 #include <linux/input.h>

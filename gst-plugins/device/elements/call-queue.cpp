@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "call-queue.hpp"
+#include "elements/call-queue.hpp"
 
-#include "exception-barrier.hpp"
+#include "glue/exception-barrier.hpp"
 
 #include <chrono>
 #include <utility>

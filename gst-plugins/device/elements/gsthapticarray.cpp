@@ -5,16 +5,16 @@
 //   autoaudiosink
 //
 // It is an aggregator with one pad, because only that class makes live output when input is late.
-#include "gsthapticarray.h"
+#include "elements/gsthapticarray.h"
 
-#include "array-drive.hpp"
-#include "array-voices.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
+#include "array/array-drive.hpp"
+#include "array/array-voices.hpp"
+#include "force/safety-chain.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "property-table.hpp"
-#include "safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

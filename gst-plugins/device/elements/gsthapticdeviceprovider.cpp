@@ -8,11 +8,11 @@
  * gst-device-monitor-1.0 Sink/Haptics
  * ]|
  */
-#include "gsthapticdeviceprovider.h"
+#include "elements/gsthapticdeviceprovider.h"
 
-#include "device-list.hpp"
-#include "gst-raii.hpp"
-#include "motion-field.hpp"
+#include "drivers/device-list.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/motion-field.hpp"
 
 #include <exception>
 #include <utility>

@@ -9,22 +9,22 @@
  * gst-launch-1.0 videotestsrc is-live=true ! roitracker ! velocityavg ! hapticsink device=sim
  * ]|
  */
-#include "gsthapticsink.h"
+#include "elements/gsthapticsink.h"
 
-#include "call-queue.hpp"
-#include "callback-thread.hpp"
-#include "controllers.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "haptic-session.hpp"
-#include "loop-clock.hpp"
-#include "motion-field.hpp"
-#include "pointer-event.hpp"
-#include "relief-pad.hpp"
-#include "sink-clock.hpp"
-#include "sink-messages.hpp"
-#include "sink-properties.hpp"
+#include "elements/call-queue.hpp"
+#include "elements/relief-pad.hpp"
+#include "elements/sink-clock.hpp"
+#include "elements/sink-messages.hpp"
+#include "elements/sink-properties.hpp"
+#include "glue/controllers.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
+#include "samples/motion-field.hpp"
+#include "session/haptic-session.hpp"
+#include "share/callback-thread.hpp"
+#include "share/loop-clock.hpp"
 
 #include <atomic>
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "gsthapticarray.h"
-#include "gsthapticdeviceprovider.h"
-#include "gsthapticsink.h"
+#include "elements/gsthapticarray.h"
+#include "elements/gsthapticdeviceprovider.h"
+#include "elements/gsthapticsink.h"
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;

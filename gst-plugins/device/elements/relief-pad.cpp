@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "relief-pad.hpp"
+#include "elements/relief-pad.hpp"
 
-#include "exception-barrier.hpp"
+#include "glue/exception-barrier.hpp"
 
 #include <algorithm>
 #include <memory>

@@ -2,7 +2,7 @@
 // The request pad `relief` of hapticsink: reliefs beside the motion of the pad `sink`.
 #pragma once
 
-#include "haptic-session.hpp"
+#include "session/haptic-session.hpp"
 
 #include <functional>
 #include <gst/gst.h>

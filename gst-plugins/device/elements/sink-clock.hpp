@@ -2,8 +2,8 @@
 // For the tests of hapticsink, which link it: the module exports nothing of this.
 #pragma once
 
-#include "gsthapticsink.h"
-#include "loop-clock.hpp"
+#include "elements/gsthapticsink.h"
+#include "share/loop-clock.hpp"
 
 namespace haptic {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sink-messages.hpp"
+#include "elements/sink-messages.hpp"
 
 #include <cstdint>
 

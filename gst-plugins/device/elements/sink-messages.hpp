@@ -2,8 +2,8 @@
 // What hapticsink posts: notices of the session as messages with their codes, and the statistics.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "haptic-session.hpp"
+#include "glue/gst-raii.hpp"
+#include "session/haptic-session.hpp"
 
 namespace haptic {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sink-properties.hpp"
+#include "elements/sink-properties.hpp"
 
-#include "property-table.hpp"
+#include "glue/property-table.hpp"
 
 #include <iterator>
 #include <type_traits>

@@ -2,7 +2,7 @@
 // The properties of hapticsink: one table with their names, ranges, texts and places.
 #pragma once
 
-#include "haptic-session.hpp"
+#include "session/haptic-session.hpp"
 
 #include <gst/gst.h>
 #include <string>

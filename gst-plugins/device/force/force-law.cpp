@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A new law is a class here and a row in kLaws.
-#include "force-law.hpp"
+#include "force/force-law.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 // (safety-chain.hpp), so that no law can be unsafe.
 #pragma once
 
-#include "force-defaults.hpp"
-#include "motion-conditioning.hpp"
+#include "motion/motion-conditioning.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <memory>
 #include <span>

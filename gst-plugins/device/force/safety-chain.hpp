@@ -2,9 +2,9 @@
 // The last stage before the device. Every force passes it, whatever law computed it.
 #pragma once
 
-#include "continuous-force.hpp"
-#include "force-defaults.hpp"
-#include "non-blocking.hpp"
+#include "force/continuous-force.hpp"
+#include "samples/force-defaults.hpp"
+#include "share/non-blocking.hpp"
 
 #include <array>
 #include <cstdint>

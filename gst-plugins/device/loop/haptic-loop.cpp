@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "haptic-loop.hpp"
+#include "loop/haptic-loop.hpp"
 
-#include "real-time-priority.hpp"
+#include "share/real-time-priority.hpp"
 
 #include <algorithm>
 #include <cerrno>

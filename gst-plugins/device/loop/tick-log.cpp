@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tick-log.hpp"
+#include "loop/tick-log.hpp"
 
 #include <cerrno>
 #include <charconv>

@@ -2,8 +2,8 @@
 // The CSV log: rows come from the real-time thread, a thread of normal priority writes them.
 #pragma once
 
-#include "loop-clock.hpp"
-#include "non-blocking.hpp"
+#include "share/loop-clock.hpp"
+#include "share/non-blocking.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cadence.hpp"
+#include "motion/cadence.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // is measured unevenly, six times a second.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-conditioning.hpp"
+#include "motion/motion-conditioning.hpp"
 
 #include <algorithm>
 #include <cmath>

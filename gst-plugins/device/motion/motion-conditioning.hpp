@@ -3,7 +3,7 @@
 // of noise at standstill, and low-passed on request.
 #pragma once
 
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <spidar/types.hpp>
 

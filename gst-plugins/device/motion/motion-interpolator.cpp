@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-interpolator.hpp"
+#include "motion/motion-interpolator.hpp"
 
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
 #include <algorithm>
 #include <cmath>

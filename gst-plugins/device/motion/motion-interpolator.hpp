@@ -3,9 +3,9 @@
 // intervals that the velocities were measured over.
 #pragma once
 
-#include "non-blocking.hpp"
-#include "pointer-position.hpp"
-#include "timed-motion.hpp"
+#include "motion/timed-motion.hpp"
+#include "samples/pointer-position.hpp"
+#include "share/non-blocking.hpp"
 
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 // Time deformation: the motion of a film that is played slower, faster or backwards.
 #pragma once
 
-#include "timed-motion.hpp"
+#include "motion/timed-motion.hpp"
 
 namespace haptic {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pointer-mapping.hpp"
+#include "motion/pointer-mapping.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // From the hand to the point in the frame (paper, equation 1), and when an event is sent.
 #pragma once
 
-#include "pointer-position.hpp"
+#include "samples/pointer-position.hpp"
 
 #include <cstdint>
 #include <optional>

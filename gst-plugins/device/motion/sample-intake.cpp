@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sample-intake.hpp"
+#include "motion/sample-intake.hpp"
 
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -2,11 +2,11 @@
 // From the bytes of a sample or field and its presentation time to a motion for the loop.
 #pragma once
 
-#include "cadence.hpp"
-#include "field-pool.hpp"
-#include "playback-rate.hpp"
-#include "shared-value.hpp"
-#include "timed-motion.hpp"
+#include "motion/cadence.hpp"
+#include "motion/playback-rate.hpp"
+#include "motion/timed-motion.hpp"
+#include "share/field-pool.hpp"
+#include "share/shared-value.hpp"
 
 #include <cstdint>
 #include <optional>

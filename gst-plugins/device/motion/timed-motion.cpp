@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "timed-motion.hpp"
+#include "motion/timed-motion.hpp"
 
-#include "motion-conditioning.hpp"
+#include "motion/motion-conditioning.hpp"
 
 #include <algorithm>
 

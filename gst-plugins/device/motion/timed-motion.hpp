@@ -2,8 +2,8 @@
 // The motion of one frame, a sample or a field, with the time at which it is felt.
 #pragma once
 
-#include "field-pool.hpp"
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
+#include "share/field-pool.hpp"
 
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "haptic-session.hpp"
+#include "session/haptic-session.hpp"
 
 #include "format-text.hpp"
 #include "messages.hpp"

@@ -4,15 +4,15 @@
 // samples and state changes, and posts the notices and points that come out (SessionClient).
 #pragma once
 
-#include "callback-thread.hpp"
-#include "device-choice.hpp"
-#include "haptic-loop.hpp"
-#include "loop-clock.hpp"
-#include "pointer-mapping.hpp"
-#include "relief-intake.hpp"
-#include "sample-intake.hpp"
-#include "session-state.hpp"
-#include "system-services.hpp"
+#include "drivers/device-choice.hpp"
+#include "loop/haptic-loop.hpp"
+#include "motion/pointer-mapping.hpp"
+#include "motion/sample-intake.hpp"
+#include "session/session-state.hpp"
+#include "share/callback-thread.hpp"
+#include "share/loop-clock.hpp"
+#include "system/system-services.hpp"
+#include "touch/relief-intake.hpp"
 
 #include <array>
 #include <cstdint>

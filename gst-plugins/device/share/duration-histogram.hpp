@@ -2,7 +2,7 @@
 // Counts durations; percentiles can be read while it counts.
 #pragma once
 
-#include "shared-value.hpp"
+#include "share/shared-value.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 // allocate or free any.
 #pragma once
 
-#include "motion-field.hpp"
-#include "relief-field.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "loop-clock.hpp"
+#include "share/loop-clock.hpp"
 
 #include <cerrno>
 #include <chrono>

@@ -2,7 +2,7 @@
 // Passes the newest value from one thread to another; older ones are lost. Neither side waits.
 #pragma once
 
-#include "shared-value.hpp"
+#include "share/shared-value.hpp"
 
 #include <array>
 #include <cstdint>

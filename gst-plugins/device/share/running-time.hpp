@@ -2,7 +2,7 @@
 // The pipeline's running time from the monotonic clock.
 #pragma once
 
-#include "shared-value.hpp"
+#include "share/shared-value.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "real-time-service.hpp"
+#include "system/real-time-service.hpp"
 
-#include "real-time-priority.hpp"
+#include "share/real-time-priority.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // Asks rtkit, or the desktop's portal, for real-time priority where limits.conf grants none.
 #pragma once
 
-#include "dbus.hpp"
+#include "system/dbus.hpp"
 
 namespace haptic {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sleep-inhibitor.hpp"
+#include "system/sleep-inhibitor.hpp"
 
 #include <exception>
 #include <gio/gunixfdlist.h>

@@ -2,7 +2,7 @@
 // Delays the sleep of the machine until the force is zero: logind's delay inhibitor.
 #pragma once
 
-#include "dbus.hpp"
+#include "system/dbus.hpp"
 
 #include <functional>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "system-services.hpp"
+#include "system/system-services.hpp"
 
-#include "dbus.hpp"
-#include "real-time-service.hpp"
-#include "sleep-inhibitor.hpp"
+#include "system/dbus.hpp"
+#include "system/real-time-service.hpp"
+#include "system/sleep-inhibitor.hpp"
 
 #include <atomic>
 #include <cstdlib>

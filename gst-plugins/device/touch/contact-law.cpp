@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "contact-law.hpp"
+#include "touch/contact-law.hpp"
 
-#include "safety-chain.hpp"
+#include "force/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

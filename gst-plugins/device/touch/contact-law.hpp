@@ -4,8 +4,8 @@
 // docs/force.md#touch gives the reasons.
 #pragma once
 
-#include "non-blocking.hpp"
-#include "relief-surface.hpp"
+#include "share/non-blocking.hpp"
+#include "touch/relief-surface.hpp"
 
 #include <spidar/types.hpp>
 

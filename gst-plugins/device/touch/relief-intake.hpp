@@ -2,8 +2,8 @@
 // From the bytes of a relief and its presentation time to a surface for the loop.
 #pragma once
 
-#include "relief-timeline.hpp"
-#include "shared-value.hpp"
+#include "share/shared-value.hpp"
+#include "touch/relief-timeline.hpp"
 
 #include <cstdint>
 #include <optional>

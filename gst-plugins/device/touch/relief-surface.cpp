@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "relief-surface.hpp"
+#include "touch/relief-surface.hpp"
 
 #include <algorithm>
 

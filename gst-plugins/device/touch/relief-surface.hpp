@@ -3,8 +3,8 @@
 // the device's workspace.
 #pragma once
 
-#include "pointer-mapping.hpp"
-#include "relief-sampler.hpp"
+#include "motion/pointer-mapping.hpp"
+#include "samples/relief-sampler.hpp"
 
 #include <algorithm>
 #include <spidar/types.hpp>

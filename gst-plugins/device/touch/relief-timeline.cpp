@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "relief-timeline.hpp"
+#include "touch/relief-timeline.hpp"
 
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -2,8 +2,8 @@
 // From a relief per frame to a surface at any time: straight lines between the reliefs.
 #pragma once
 
-#include "non-blocking.hpp"
-#include "timed-motion.hpp"
+#include "motion/timed-motion.hpp"
+#include "share/non-blocking.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "touch.hpp"
+#include "touch/touch.hpp"
 
 namespace haptic {
 

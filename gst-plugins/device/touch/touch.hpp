@@ -2,9 +2,9 @@
 // What touching adds to a tick of the loop: the surface at this time, and the force of contact.
 #pragma once
 
-#include "contact-law.hpp"
-#include "relief-timeline.hpp"
-#include "safety-chain.hpp"
+#include "force/safety-chain.hpp"
+#include "touch/contact-law.hpp"
+#include "touch/relief-timeline.hpp"
 
 #include <cstdint>
 #include <utility>

@@ -2,7 +2,7 @@
 // Buffers of a haptic track: their bytes in and out.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <cstdint>
 #include <span>

@@ -2,9 +2,9 @@
 // The media types and caps of a haptic track.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "motion-field.hpp"
-#include "relief-field.hpp"
+#include "glue/gst-raii.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #define HAPTIC_RAW_TYPE "haptics/x-raw"
 #define HAPTIC_RELIEF_TYPE "haptics/x-field"

@@ -2,7 +2,7 @@
 // Gives samples back the time stamps that their buffers lost: some remuxers drop them.
 #pragma once
 
-#include "track-time.hpp"
+#include "core/track-time.hpp"
 
 #include <cstdint>
 

@@ -3,7 +3,7 @@
 // the time stamps of buffers.
 #pragma once
 
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "track-time.hpp"
+#include "core/track-time.hpp"
 
 #include <array>
 #include <ctime>

@@ -2,7 +2,7 @@
 // Times of a haptic track: nanoseconds in the program, ticks in MPEG haptics.
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -11,23 +11,23 @@
  *
  * Standards: SMPTE ST 336 for KLV, ISO/IEC 23090-31:2025 for MPEG haptics.
  */
-#include "gsthapticconvert.h"
+#include "elements/gsthapticconvert.h"
 
-#include "convert-caps.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "hmpg-form.hpp"
-#include "key-requests.hpp"
-#include "latency-query.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "core/track-clock.hpp"
+#include "core/track-time.hpp"
+#include "forms/convert-caps.hpp"
+#include "forms/problem-counters.hpp"
+#include "forms/track-form.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "problem-counters.hpp"
-#include "property-table.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
-#include "track-clock.hpp"
-#include "track-form.hpp"
-#include "track-time.hpp"
+#include "mpeg-haptics/hmpg-form.hpp"
+#include "network/key-requests.hpp"
+#include "network/latency-query.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -10,12 +10,12 @@
  *
  * Standards: ISO/IEC 13818-1 (2.4.3.7, stream_id), RFC 9559 (5.1.4.1.5, FlagDefault).
  */
-#include "gsthapticmark.h"
+#include "elements/gsthapticmark.h"
 
-#include "container-mark.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
+#include "forms/container-mark.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <span>
 

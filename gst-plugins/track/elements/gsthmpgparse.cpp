@@ -10,15 +10,15 @@
  *
  * Standard: ISO/IEC 23090-31:2025, the MIHS stream of units (summed up in RFC 9993, section 4.2).
  */
-#include "gsthmpgparse.h"
+#include "elements/gsthmpgparse.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "hmpg.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 #include "messages.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -9,16 +9,16 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "gstpointerextract.h"
+#include "elements/gstpointerextract.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "klv.hpp"
-#include "pad-pair.hpp"
-#include "pointer-event.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "elements/pad-pair.hpp"
+#include "forms/klv.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
 
 #include <condition_variable>
 #include <mutex>

@@ -9,18 +9,18 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "gstpointerinject.h"
+#include "elements/gstpointerinject.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "klv.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "elements/pad-pair.hpp"
+#include "forms/klv.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
 #include "messages.hpp"
-#include "pad-pair.hpp"
-#include "pointer-event.hpp"
-#include "pointer-order.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
+#include "network/pointer-order.hpp"
 
 #include <chrono>
 #include <utility>

@@ -10,15 +10,15 @@
  *
  * Standard: RFC 9993, sections 5.2 (payload header) and 5.3 (payload structures).
  */
-#include "gstrtphmpgdepay.h"
+#include "elements/gstrtphmpgdepay.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "hmpg-rtp.hpp"
-#include "key-requests.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "mpeg-haptics/hmpg-rtp.hpp"
+#include "network/key-requests.hpp"
 
 #include <gst/rtp/gstrtpbuffer.h>
 #include <utility>

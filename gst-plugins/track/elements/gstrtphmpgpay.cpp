@@ -10,16 +10,16 @@
  * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
  * (full intra requests).
  */
-#include "gstrtphmpgpay.h"
+#include "elements/gstrtphmpgpay.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
-#include "hmpg-rtp.hpp"
+#include "core/track-buffer.hpp"
+#include "core/track-caps.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "property-table.hpp"
-#include "track-buffer.hpp"
-#include "track-caps.hpp"
+#include "mpeg-haptics/hmpg-rtp.hpp"
 
 #include <array>
 #include <atomic>

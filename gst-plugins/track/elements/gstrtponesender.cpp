@@ -12,15 +12,15 @@
  *
  * Standard: RFC 3550, sections 6.4.1 (sender reports) and 8 (SSRC); RFC 4585 (early feedback).
  */
-#include "gstrtponesender.h"
+#include "elements/gstrtponesender.h"
 
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "one-sender.hpp"
-#include "property-table.hpp"
-#include "stream-sync.hpp"
+#include "network/one-sender.hpp"
+#include "network/stream-sync.hpp"
 
 #include <cstdio>
 #include <gst/net/gstnetaddressmeta.h>

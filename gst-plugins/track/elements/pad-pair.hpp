@@ -2,7 +2,7 @@
 // The pads of an element that passes a stream on untouched and has a third pad beside it.
 #pragma once
 
-#include "exception-barrier.hpp"
+#include "glue/exception-barrier.hpp"
 
 #include <gst/gst.h>
 

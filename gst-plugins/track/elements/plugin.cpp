@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "gsthapticconvert.h"
-#include "gsthapticmark.h"
-#include "gsthmpgparse.h"
-#include "gstpointerextract.h"
-#include "gstpointerinject.h"
-#include "gstrtphmpgdepay.h"
-#include "gstrtphmpgpay.h"
-#include "gstrtponesender.h"
-#include "track-typefind.hpp"
+#include "elements/gsthapticconvert.h"
+#include "elements/gsthapticmark.h"
+#include "elements/gsthmpgparse.h"
+#include "elements/gstpointerextract.h"
+#include "elements/gstpointerinject.h"
+#include "elements/gstrtphmpgdepay.h"
+#include "elements/gstrtphmpgpay.h"
+#include "elements/gstrtponesender.h"
+#include "elements/track-typefind.hpp"
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;

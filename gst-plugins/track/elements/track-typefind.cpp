@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "track-typefind.hpp"
+#include "elements/track-typefind.hpp"
 
-#include "hmpg.hpp"
-#include "track-caps.hpp"
+#include "core/track-caps.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
 #include <string_view>
 

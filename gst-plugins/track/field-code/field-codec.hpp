@@ -3,8 +3,8 @@
 // cells that changed (docs/formats/field-code.md).
 #pragma once
 
-#include "motion-field.hpp"
-#include "relief-field.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <array>
 #include <cstdint>

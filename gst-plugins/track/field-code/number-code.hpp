@@ -2,7 +2,7 @@
 // Whole numbers as bits of the range coder.
 #pragma once
 
-#include "range-coder.hpp"
+#include "field-code/range-coder.hpp"
 
 #include <array>
 #include <bit>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The cells of reliefs in the code of fields (docs/formats/field-code.md).
-#include "field-codec.hpp"
-#include "number-code.hpp"
+#include "field-code/field-codec.hpp"
+#include "field-code/number-code.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "container-mark.hpp"
+#include "forms/container-mark.hpp"
 
-#include "klv.hpp"
+#include "forms/klv.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "convert-caps.hpp"
+#include "forms/convert-caps.hpp"
 
-#include "track-caps.hpp"
-#include "track-time.hpp"
+#include "core/track-caps.hpp"
+#include "core/track-time.hpp"
 
 #include <array>
 #include <optional>

@@ -2,8 +2,8 @@
 // The caps of hapticconvert: which form they mean, and what can become what.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "track-form.hpp"
+#include "forms/track-form.hpp"
+#include "glue/gst-raii.hpp"
 
 namespace haptic {
 

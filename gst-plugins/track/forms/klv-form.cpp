@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The form meta/x-klv (docs/formats/klv.md).
-#include "field-codec.hpp"
-#include "klv.hpp"
-#include "track-form.hpp"
-#include "track-time.hpp"
+#include "core/track-time.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "forms/track-form.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "klv.hpp"
+#include "forms/klv.hpp"
 
 #include <algorithm>
 #include <array>

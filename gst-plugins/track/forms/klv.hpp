@@ -3,7 +3,7 @@
 // byte and lengths in BER (docs/formats/klv.md).
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <algorithm>
 #include <array>

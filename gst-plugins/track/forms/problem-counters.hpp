@@ -3,8 +3,8 @@
 // counted.
 #pragma once
 
+#include "forms/track-form.hpp"
 #include "messages.hpp"
-#include "track-form.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The form haptics/x-raw (docs/formats/motion-sample.md, docs/formats/motion-field.md)
 // and haptics/x-field (docs/formats/relief-field.md).
-#include "field-codec.hpp"
-#include "motion-field.hpp"
-#include "relief-field.hpp"
-#include "track-form.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/track-form.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The form text/x-raw (docs/formats/text-line.md).
-#include "field-codec.hpp"
-#include "text-line.hpp"
-#include "track-form.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/text-line.hpp"
+#include "forms/track-form.hpp"
 
 #include <algorithm>
 #include <utility>

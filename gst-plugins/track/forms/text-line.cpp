@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "text-line.hpp"
+#include "forms/text-line.hpp"
 
-#include "gst-raii.hpp"
-#include "track-time.hpp"
+#include "core/track-time.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <algorithm>
 #include <array>

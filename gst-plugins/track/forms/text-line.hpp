@@ -2,7 +2,7 @@
 // A motion sample, a motion field or a relief as one line of text (docs/formats/text-line.md).
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <optional>
 #include <string>

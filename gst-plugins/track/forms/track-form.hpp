@@ -2,7 +2,7 @@
 // The forms that a haptic track has on its way: packets to samples and fields, and back.
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "curve-interpolation.hpp"
+#include "mpeg-haptics/curve-interpolation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-curve.hpp"
+#include "mpeg-haptics/force-curve.hpp"
 
-#include "force-defaults.hpp"
-#include "track-time.hpp"
+#include "core/track-time.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <algorithm>
 #include <cmath>

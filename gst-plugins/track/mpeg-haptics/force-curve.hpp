@@ -2,9 +2,9 @@
 // Motion samples as the force that MPEG haptics holds, to the right and up, and back.
 #pragma once
 
-#include "curve-interpolation.hpp"
-#include "motion-force.hpp"
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
+#include "mpeg-haptics/curve-interpolation.hpp"
+#include "samples/motion-force.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads .hjif: ISO/IEC 23090-31:2025, clause 6.2 (HJIF specifications).
-#include "force-curve.hpp"
-#include "hjif.hpp"
-#include "json-events.hpp"
-#include "track-time.hpp"
+#include "core/track-time.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hjif.hpp"
+#include "mpeg-haptics/json-events.hpp"
 
 #include <algorithm>
 #include <cmath>

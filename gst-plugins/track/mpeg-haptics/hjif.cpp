@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Writes .hjif: ISO/IEC 23090-31:2025, clause 6.2 (HJIF specifications).
-#include "hjif.hpp"
+#include "mpeg-haptics/hjif.hpp"
 
-#include "force-curve.hpp"
-#include "track-time.hpp"
+#include "core/track-time.hpp"
+#include "mpeg-haptics/force-curve.hpp"
 
 #include <algorithm>
 #include <charconv>

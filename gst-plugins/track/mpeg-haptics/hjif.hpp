@@ -3,7 +3,7 @@
 // 23090-31:2025, clause 6.2.
 #pragma once
 
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
 
 #include <span>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hmpg-form.hpp"
+#include "mpeg-haptics/hmpg-form.hpp"
 
-#include "hmpg-track.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 
 #include <optional>
 #include <utility>

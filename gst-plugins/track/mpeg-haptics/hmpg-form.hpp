@@ -2,7 +2,7 @@
 // The form haptics/hmpg (docs/formats/hmpg.md).
 #pragma once
 
-#include "track-form.hpp"
+#include "forms/track-form.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hmpg-rtp.hpp"
+#include "mpeg-haptics/hmpg-rtp.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -4,7 +4,7 @@
 // the figure of those with several time stamps disagree on the size of the offset: not supported.
 #pragma once
 
-#include "hmpg.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
 #include <cstddef>
 #include <cstdint>

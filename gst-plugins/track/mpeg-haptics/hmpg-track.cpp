@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hmpg-track.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 // A motion track as MPEG haptics: samples to units and back (docs/formats/hmpg.md).
 #pragma once
 
-#include "force-curve.hpp"
-#include "hmpg.hpp"
-#include "track-sample.hpp"
-#include "track-time.hpp"
+#include "core/track-sample.hpp"
+#include "core/track-time.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "bits.hpp"
-#include "hmpg-packets.hpp"
-#include "hmpg.hpp"
+#include "mpeg-haptics/bits.hpp"
+#include "mpeg-haptics/hmpg-packets.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hmpg.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 
-#include "bits.hpp"
-#include "hmpg-packets.hpp"
+#include "mpeg-haptics/bits.hpp"
+#include "mpeg-haptics/hmpg-packets.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 // of the bits is that of the standard's reference software, byte for byte (docs/formats/hmpg.md).
 #pragma once
 
-#include "curve-interpolation.hpp"
+#include "mpeg-haptics/curve-interpolation.hpp"
 
 #include <array>
 #include <cstddef>

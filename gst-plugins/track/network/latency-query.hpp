@@ -2,7 +2,7 @@
 // Latency queries of an element that holds buffers back.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 namespace haptic {
 

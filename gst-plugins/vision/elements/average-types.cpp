@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "average-types.hpp"
+#include "elements/average-types.hpp"
 
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 namespace haptic {
 

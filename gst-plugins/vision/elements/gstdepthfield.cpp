@@ -4,13 +4,13 @@
 //   gst-launch-1.0 filesrc location=depth.mkv ! matroskademux ! avdec_ffv1 ! depthfield ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "gstdepthfield.h"
+#include "elements/gstdepthfield.h"
 
-#include "depth-relief.hpp"
-#include "documentation.hpp"
-#include "gst-raii.hpp"
+#include "glue/documentation.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "property-table.hpp"
+#include "relief/depth-relief.hpp"
 
 #include <span>
 #include <utility>

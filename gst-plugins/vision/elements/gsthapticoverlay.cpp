@@ -6,23 +6,23 @@
 //
 // It draws on a writable frame in place, lets downstream draw where downstream can, and copies a
 // frame only where neither is possible.
-#include "gsthapticoverlay.h"
+#include "elements/gsthapticoverlay.h"
 
-#include "average-types.hpp"
-#include "controllers.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "frame-blending.hpp"
-#include "gst-raii.hpp"
+#include "elements/average-types.hpp"
+#include "elements/motion-reader.hpp"
+#include "frames/luma-crop.hpp"
+#include "frames/mapped-frame.hpp"
+#include "glue/controllers.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "gsthapticmotionmeta.h"
-#include "luma-crop.hpp"
-#include "mapped-frame.hpp"
 #include "messages.hpp"
-#include "motion-reader.hpp"
-#include "overlay-drawing.hpp"
-#include "property-table.hpp"
-#include "shown-relief.hpp"
-#include "touch-picture.hpp"
+#include "overlay/frame-blending.hpp"
+#include "overlay/overlay-drawing.hpp"
+#include "overlay/shown-relief.hpp"
+#include "overlay/touch-picture.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,21 +5,21 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! motionfield ! hapticsink
 //
 // It reads the luma of each frame once.
-#include "gstmotionfield.h"
+#include "elements/gstmotionfield.h"
 
-#include "buffer-timeline.hpp"
-#include "camera-motion.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "field-tracker.hpp"
-#include "frame-caps.hpp"
-#include "gst-raii.hpp"
-#include "luma-crop.hpp"
-#include "mapped-frame.hpp"
+#include "field/camera-motion.hpp"
+#include "field/field-tracker.hpp"
+#include "frames/buffer-timeline.hpp"
+#include "frames/frame-caps.hpp"
+#include "frames/luma-crop.hpp"
+#include "frames/mapped-frame.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "messages.hpp"
-#include "motion-field.hpp"
-#include "property-table.hpp"
-#include "repetition.hpp"
+#include "samples/motion-field.hpp"
+#include "tracking/repetition.hpp"
 
 #include <algorithm>
 #include <span>

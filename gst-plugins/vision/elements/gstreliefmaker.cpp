@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "gstreliefmaker.h"
+#include "elements/gstreliefmaker.h"
 
-#include "exception-barrier.hpp"
-#include "frame-caps.hpp"
-#include "gst-raii.hpp"
-#include "mapped-frame.hpp"
+#include "frames/frame-caps.hpp"
+#include "frames/mapped-frame.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 #include "messages.hpp"
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <algorithm>
 

@@ -2,9 +2,9 @@
 // The base class of the elements that make a relief of each frame.
 #pragma once
 
-#include "buffer-timeline.hpp"
-#include "property-table.hpp"
-#include "relief-field.hpp"
+#include "frames/buffer-timeline.hpp"
+#include "glue/property-table.hpp"
+#include "samples/relief-field.hpp"
 
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>

@@ -4,12 +4,12 @@
 //   gst-launch-1.0 videotestsrc ! videoconvert ! reliefmap table=foliage ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "gstreliefmap.h"
+#include "elements/gstreliefmap.h"
 
-#include "colour-relief.hpp"
-#include "documentation.hpp"
-#include "gst-raii.hpp"
-#include "property-table.hpp"
+#include "glue/documentation.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
+#include "relief/colour-relief.hpp"
 
 #include <optional>
 #include <span>

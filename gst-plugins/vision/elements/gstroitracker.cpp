@@ -6,23 +6,23 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
-#include "gstroitracker.h"
+#include "elements/gstroitracker.h"
 
-#include "buffer-timeline.hpp"
-#include "controllers.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "gst-raii.hpp"
+#include "elements/motion-reader.hpp"
+#include "frames/buffer-timeline.hpp"
+#include "frames/luma-crop.hpp"
+#include "frames/mapped-frame.hpp"
+#include "glue/controllers.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/pointer-event.hpp"
+#include "glue/property-table.hpp"
 #include "gsthapticmotionmeta.h"
-#include "luma-crop.hpp"
-#include "mapped-frame.hpp"
 #include "messages.hpp"
-#include "motion-reader.hpp"
-#include "pointer-arbiter.hpp"
-#include "pointer-event.hpp"
-#include "property-table.hpp"
-#include "region-tracker.hpp"
-#include "tracking-statistics.hpp"
+#include "tracking/pointer-arbiter.hpp"
+#include "tracking/region-tracker.hpp"
+#include "tracking/tracking-statistics.hpp"
 
 #include <algorithm>
 #include <chrono>

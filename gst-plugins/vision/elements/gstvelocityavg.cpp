@@ -5,18 +5,18 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! roitracker ! velocityavg ! hapticsink
 //
 // A frame without a measurement gives a sample with the GAP flag, so that the branch never starves.
-#include "gstvelocityavg.h"
+#include "elements/gstvelocityavg.h"
 
-#include "average-types.hpp"
-#include "documentation.hpp"
-#include "exception-barrier.hpp"
-#include "frame-caps.hpp"
-#include "gst-raii.hpp"
+#include "elements/average-types.hpp"
+#include "elements/motion-reader.hpp"
+#include "frames/frame-caps.hpp"
+#include "frames/luma-crop.hpp"
+#include "glue/documentation.hpp"
+#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/property-table.hpp"
 #include "gsthapticmotionmeta.h"
-#include "luma-crop.hpp"
 #include "messages.hpp"
-#include "motion-reader.hpp"
-#include "property-table.hpp"
 
 #include <gst/video/gstvideometa.h>
 #include <span>

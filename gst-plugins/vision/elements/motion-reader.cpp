@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-reader.hpp"
+#include "elements/motion-reader.hpp"
 
 #include <algorithm>
 #include <iterator>

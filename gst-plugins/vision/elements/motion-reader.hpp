@@ -3,8 +3,8 @@
 #pragma once
 
 #include "gsthapticmotionmeta.h"
-#include "motion-sample.hpp"
-#include "velocity-estimate.hpp"
+#include "samples/motion-sample.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <gst/video/video.h>
 

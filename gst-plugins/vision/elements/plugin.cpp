@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "gstdepthfield.h"
-#include "gsthapticoverlay.h"
-#include "gstmotionfield.h"
-#include "gstreliefmap.h"
-#include "gstroitracker.h"
-#include "gstvelocityavg.h"
+#include "elements/gstdepthfield.h"
+#include "elements/gsthapticoverlay.h"
+#include "elements/gstmotionfield.h"
+#include "elements/gstreliefmap.h"
+#include "elements/gstroitracker.h"
+#include "elements/gstvelocityavg.h"
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean registered = FALSE;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "camera-motion.hpp"
+#include "field/camera-motion.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // The motion of the background of a frame, as the camera makes it, from a motion field.
 #pragma once
 
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <array>
 #include <span>

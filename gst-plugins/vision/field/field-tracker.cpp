@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-tracker.hpp"
+#include "field/field-tracker.hpp"
 
-#include "texture-period.hpp"
+#include "patches/texture-period.hpp"
 
 #include <algorithm>
 #include <cmath>

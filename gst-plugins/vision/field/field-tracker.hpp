@@ -2,14 +2,14 @@
 // The motion of a whole frame on a grid of cells, from one reading of its luma.
 #pragma once
 
-#include "block-translation.hpp"
-#include "frame-change.hpp"
-#include "frame-reduction.hpp"
-#include "motion-field.hpp"
-#include "noise-estimate.hpp"
-#include "pixel-votes.hpp"
-#include "start-set.hpp"
-#include "velocity-estimate.hpp"
+#include "patches/block-translation.hpp"
+#include "patches/pixel-votes.hpp"
+#include "patches/start-set.hpp"
+#include "pixels/frame-change.hpp"
+#include "pixels/frame-reduction.hpp"
+#include "samples/motion-field.hpp"
+#include "tracking/noise-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -2,7 +2,7 @@
 // The time line of the frames of a stream, from the time stamps and flags of their buffers.
 #pragma once
 
-#include "frame-timeline.hpp"
+#include "frames/frame-timeline.hpp"
 
 #include <gst/base/gstbasetransform.h>
 #include <optional>

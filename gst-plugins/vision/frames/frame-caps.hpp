@@ -2,7 +2,7 @@
 // Caps and timing of elements that turn frames into haptic samples.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <gst/base/gstbasetransform.h>
 

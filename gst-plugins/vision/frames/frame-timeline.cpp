@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame-timeline.hpp"
+#include "frames/frame-timeline.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "luma-crop.hpp"
+#include "frames/luma-crop.hpp"
 
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 namespace haptic {
 namespace {

@@ -2,7 +2,7 @@
 // Reads the luma of a part of a mapped frame of any supported format.
 #pragma once
 
-#include "kept-luma.hpp"
+#include "pixels/kept-luma.hpp"
 
 #include <gst/video/video.h>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame-blending.hpp"
+#include "overlay/frame-blending.hpp"
 
 #include <algorithm>
 #include <cstddef>

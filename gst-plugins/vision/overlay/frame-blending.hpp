@@ -2,8 +2,8 @@
 // Blends painted pixels with video frames of any format, or attaches them for downstream to draw.
 #pragma once
 
-#include "gst-raii.hpp"
-#include "overlay-drawing.hpp"
+#include "glue/gst-raii.hpp"
+#include "overlay/overlay-drawing.hpp"
 
 #include <gst/video/video-overlay-composition.h>
 #include <gst/video/video.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "overlay-drawing.hpp"
+#include "overlay/overlay-drawing.hpp"
 
 #include <algorithm>
 #include <cairo.h>

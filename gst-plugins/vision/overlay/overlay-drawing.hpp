@@ -3,7 +3,7 @@
 #pragma once
 
 #include "haptic-patch.h"
-#include "luma-view.hpp"
+#include "pixels/luma-view.hpp"
 
 #include <array>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // The reliefs that come to the pad `relief` of hapticoverlay, beside the frames.
 #pragma once
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <array>
 #include <cstddef>

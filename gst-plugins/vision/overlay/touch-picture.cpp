@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "touch-picture.hpp"
+#include "overlay/touch-picture.hpp"
 
 #include <algorithm>
 #include <cmath>

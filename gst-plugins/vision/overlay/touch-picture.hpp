@@ -3,7 +3,7 @@
 // shading of a relief.
 #pragma once
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <cstdint>
 #include <gst/video/video.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "block-translation.hpp"
+#include "patches/block-translation.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,9 +2,9 @@
 // One translation of several blocks, and how well it explains the pixels.
 #pragma once
 
-#include "patch-grid.hpp"
-#include "patch-trust.hpp"
-#include "tensor.hpp"
+#include "patches/patch-grid.hpp"
+#include "patches/patch-trust.hpp"
+#include "pixels/tensor.hpp"
 
 namespace haptic {
 

@@ -3,7 +3,7 @@
 // where the light passed the limit, and not a thing that moves.
 #pragma once
 
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -2,10 +2,10 @@
 // Least squares for the strain S of displacements d_i at the places x_i with the weights w_i, about
 // their weighted means m_d and m_x, with a ridge r:
 //   S = (sum w (d - m_d) (x - m_x)^T) (sum w (x - m_x) (x - m_x)^T + r I)^-1
-#include "grid-motions.hpp"
+#include "patches/grid-motions.hpp"
 
-#include "patch-trust.hpp"
-#include "start-set.hpp"
+#include "patches/patch-trust.hpp"
+#include "patches/start-set.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "haptic-patch.h"
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 #include <optional>
 #include <span>

@@ -11,7 +11,7 @@
 //   Lewis, Fast normalized cross-correlation, 1995: zero-mean normalised correlation
 // Notation: T(x) are the grey levels of a patch in the earlier frame, I those of the later frame, n
 // the pixels of the patch; sums run over its pixels, a bar is a mean over them.
-#include "lk-kernels.hpp"
+#include "patches/lk-kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,10 +21,10 @@
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lk-kernels.cpp"
+#define HWY_TARGET_INCLUDE "patches/lk-kernels.cpp"
 #include <hwy/foreach_target.h>
 
-#include "for-row-inl.hpp"
+#include "pixels/for-row-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

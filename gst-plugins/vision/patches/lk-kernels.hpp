@@ -3,8 +3,8 @@
 // at run time). Formulas and sources stand above the kernels.
 #pragma once
 
-#include "image-kernels.hpp"
-#include "tensor.hpp"
+#include "pixels/image-kernels.hpp"
+#include "pixels/tensor.hpp"
 
 #include <array>
 #include <limits>

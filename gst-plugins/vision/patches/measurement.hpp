@@ -3,7 +3,7 @@
 #pragma once
 
 #include "haptic-patch.h"
-#include "motion-sample.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <array>
 #include <cstddef>

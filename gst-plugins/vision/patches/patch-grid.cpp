@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 namespace haptic {
 namespace {

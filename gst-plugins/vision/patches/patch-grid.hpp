@@ -2,9 +2,9 @@
 // Patches side by side over an area of a pyramid.
 #pragma once
 
-#include "lk-kernels.hpp"
-#include "measurement.hpp"
-#include "pyramid.hpp"
+#include "patches/lk-kernels.hpp"
+#include "patches/measurement.hpp"
+#include "pixels/pyramid.hpp"
 
 #include <algorithm>
 #include <cmath>

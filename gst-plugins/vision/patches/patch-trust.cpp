@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "patch-trust.hpp"
+#include "patches/patch-trust.hpp"
 
 #include <algorithm>
 

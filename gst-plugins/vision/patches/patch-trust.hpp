@@ -2,8 +2,8 @@
 // How far a patch can be trusted, from its texture, its correlation and its residual.
 #pragma once
 
-#include "patch-grid.hpp"
-#include "tensor.hpp"
+#include "patches/patch-grid.hpp"
+#include "pixels/tensor.hpp"
 
 namespace haptic {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Differences of the grey levels of two planes, one of them displaced.
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <algorithm>
 #include <cmath>

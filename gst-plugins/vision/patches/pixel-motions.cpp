@@ -11,9 +11,9 @@
 // Of two motions, a pixel follows the one with the smaller energy E_i(p), the mean over a box about
 // p of min(r_i^2, limit). share = mean over p of w_2(p) / (w_1(p) + w_2(p)) with
 // w_i = (E0 / (E0 + E_i))^3 as for the votes of patches, and E0 the energy that noise leaves.
-#include "pixel-motions.hpp"
+#include "patches/pixel-motions.hpp"
 
-#include "patch-trust.hpp"
+#include "patches/patch-trust.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,10 +22,10 @@
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "pixel-motions.cpp"
+#define HWY_TARGET_INCLUDE "patches/pixel-motions.cpp"
 #include <hwy/foreach_target.h>
 
-#include "pixel-differences-inl.hpp"
+#include "patches/pixel-differences-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

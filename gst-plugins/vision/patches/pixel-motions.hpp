@@ -4,7 +4,7 @@
 // squared.
 #pragma once
 
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 #include <array>
 #include <cstddef>

@@ -7,10 +7,10 @@
 // energy that noise leaves. share_i = mean over p of w_i(p) / sum of all w_j(p).
 // The densification of Kroeger et al., Fast optical flow using dense inverse search, ECCV 2016,
 // weighs by the residual in a similar way; boxes and their own offset are needed at borders.
-#include "pixel-votes.hpp"
+#include "patches/pixel-votes.hpp"
 
-#include "patch-trust.hpp"
-#include "start-set.hpp"
+#include "patches/patch-trust.hpp"
+#include "patches/start-set.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,10 +19,10 @@
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "pixel-votes.cpp"
+#define HWY_TARGET_INCLUDE "patches/pixel-votes.cpp"
 #include <hwy/foreach_target.h>
 
-#include "pixel-differences-inl.hpp"
+#include "patches/pixel-differences-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

@@ -2,7 +2,7 @@
 // How much of a region each patch stands for, where the patches disagree.
 #pragma once
 
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 #include <array>
 #include <cstddef>

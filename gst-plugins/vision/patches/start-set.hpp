@@ -2,7 +2,7 @@
 // The displacements from which the alignment of a patch may start.
 #pragma once
 
-#include "tensor.hpp"
+#include "pixels/tensor.hpp"
 
 #include <algorithm>
 #include <array>

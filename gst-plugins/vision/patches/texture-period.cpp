@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "texture-period.hpp"
+#include "patches/texture-period.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 // frames alone do not show which of several displacements is the true one.
 #pragma once
 
-#include "block-translation.hpp"
+#include "patches/block-translation.hpp"
 
 namespace haptic {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame-change.hpp"
+#include "pixels/frame-change.hpp"
 
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <algorithm>
 

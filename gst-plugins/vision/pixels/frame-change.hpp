@@ -2,7 +2,7 @@
 // Whether anything moved between two frames, or within one, from differences of pixels alone.
 #pragma once
 
-#include "luma-view.hpp"
+#include "pixels/luma-view.hpp"
 
 namespace haptic {
 

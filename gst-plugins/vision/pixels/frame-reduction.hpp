@@ -2,7 +2,7 @@
 // Smaller frames for large regions, so that the cost of a measurement stays bounded.
 #pragma once
 
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <array>
 

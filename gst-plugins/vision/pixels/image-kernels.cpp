@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,10 +9,10 @@
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "image-kernels.cpp"
+#define HWY_TARGET_INCLUDE "pixels/image-kernels.cpp"
 #include <hwy/foreach_target.h>
 
-#include "for-row-inl.hpp"
+#include "pixels/for-row-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

@@ -3,8 +3,8 @@
 // for every instruction set (Google Highway, dispatched at run time).
 #pragma once
 
-#include "luma-view.hpp"
-#include "tensor.hpp"
+#include "pixels/luma-view.hpp"
+#include "pixels/tensor.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "kept-luma.hpp"
+#include "pixels/kept-luma.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 // The luma of one frame around a place that moves, so that no pixel is converted twice.
 #pragma once
 
-#include "luma-view.hpp"
+#include "pixels/luma-view.hpp"
 
 #include <cstddef>
 #include <cstdint>

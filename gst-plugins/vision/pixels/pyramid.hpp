@@ -2,7 +2,7 @@
 // A frame at several sizes, and places in it.
 #pragma once
 
-#include "image-kernels.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "colour-relief.hpp"
+#include "relief/colour-relief.hpp"
 
-#include "cell-samples.hpp"
+#include "relief/cell-samples.hpp"
 
 #include <algorithm>
 

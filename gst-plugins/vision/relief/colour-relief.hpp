@@ -2,7 +2,7 @@
 // From a frame of colours to the relief of a grid of cells, by a table.
 #pragma once
 
-#include "touch-table.hpp"
+#include "relief/touch-table.hpp"
 
 #include <array>
 #include <cstddef>

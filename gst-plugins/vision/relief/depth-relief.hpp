@@ -2,7 +2,7 @@
 // From a frame of depth or disparity to the relief of a grid of cells.
 #pragma once
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <cstddef>
 #include <cstdint>

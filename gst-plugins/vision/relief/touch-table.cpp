@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "touch-table.hpp"
+#include "relief/touch-table.hpp"
 
 #include "builtin-tables.hpp"
 #include "key-file.hpp"

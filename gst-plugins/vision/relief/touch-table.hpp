@@ -2,7 +2,7 @@
 // From colours to what a hand feels there (docs/formats/touch-table.md).
 #pragma once
 
-#include "relief-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <array>
 #include <string>

@@ -4,18 +4,18 @@
 //   2. one translation of the whole region
 //   3. two translations, side by side
 //   4. a grid of patches, evenly spread, so that their mean is the mean over the region
-#include "clipped-pixels.hpp"
-#include "frame-change.hpp"
-#include "frame-reduction.hpp"
-#include "grid-motions.hpp"
-#include "noise-estimate.hpp"
-#include "patch-tracker.hpp"
-#include "pixel-motions.hpp"
-#include "pixel-votes.hpp"
-#include "region-size.hpp"
-#include "start-set.hpp"
-#include "sudden-change.hpp"
-#include "texture-period.hpp"
+#include "patches/clipped-pixels.hpp"
+#include "patches/grid-motions.hpp"
+#include "patches/pixel-motions.hpp"
+#include "patches/pixel-votes.hpp"
+#include "patches/start-set.hpp"
+#include "patches/texture-period.hpp"
+#include "pixels/frame-change.hpp"
+#include "pixels/frame-reduction.hpp"
+#include "samples/region-size.hpp"
+#include "tracking/noise-estimate.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "tracking/sudden-change.hpp"
 
 #include <algorithm>
 #include <cmath>

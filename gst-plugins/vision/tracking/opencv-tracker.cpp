@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The method of the paper on the crop (section 3.2.1): corners after Shi and Tomasi (1994),
 // displacements after Lucas and Kanade on image pyramids (Bouguet 2000), both from OpenCV.
-#include "noise-estimate.hpp"
-#include "patch-tracker.hpp"
-#include "region.hpp"
-#include "tensor.hpp"
+#include "pixels/tensor.hpp"
+#include "tracking/noise-estimate.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "tracking/region.hpp"
 
 #include <algorithm>
 #include <cmath>

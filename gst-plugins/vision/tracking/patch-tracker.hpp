@@ -2,9 +2,9 @@
 // The interface of a tracker: two crops of luma in, patches with their displacement out.
 #pragma once
 
-#include "luma-view.hpp"
-#include "measurement.hpp"
-#include "tracker-options.hpp"
+#include "patches/measurement.hpp"
+#include "pixels/luma-view.hpp"
+#include "tracking/tracker-options.hpp"
 
 #include <algorithm>
 #include <bit>

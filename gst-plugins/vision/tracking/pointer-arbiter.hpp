@@ -2,7 +2,7 @@
 // Chooses among the pointers of the haptic device, the mouse or touch screen, and the application.
 #pragma once
 
-#include "pointer-position.hpp"
+#include "samples/pointer-position.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "region-tracker.hpp"
+#include "tracking/region-tracker.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -3,10 +3,10 @@
 // and runs the patch tracker only where they differ.
 #pragma once
 
-#include "kept-luma.hpp"
-#include "patch-tracker.hpp"
-#include "region.hpp"
-#include "repetition.hpp"
+#include "pixels/kept-luma.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "tracking/region.hpp"
+#include "tracking/repetition.hpp"
 
 #include <chrono>
 #include <memory>

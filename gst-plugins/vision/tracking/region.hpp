@@ -2,8 +2,8 @@
 // The region of interest and the crop around it, from the pointer and a side length.
 #pragma once
 
-#include "luma-view.hpp"
-#include "region-size.hpp"
+#include "pixels/luma-view.hpp"
+#include "samples/region-size.hpp"
 
 namespace haptic {
 

@@ -3,7 +3,7 @@
 // that anew in a key frame: clouds and shades jump by some pixels, though nothing moved.
 #pragma once
 
-#include "luma-view.hpp"
+#include "pixels/luma-view.hpp"
 
 #include <algorithm>
 

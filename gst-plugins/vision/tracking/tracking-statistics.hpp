@@ -2,7 +2,7 @@
 // Counts what happened to the frames of one run.
 #pragma once
 
-#include "region-tracker.hpp"
+#include "tracking/region-tracker.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Motion models fitted to points by robust weighted least squares, and the choice among them.
-#include "motion-points-inl.hpp"
+#include "velocity/motion-points-inl.hpp"
 
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Two motions among the points of one region.
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #define HAPTIC_TWO_LAYERS_INL_HPP
 #endif
 
-#include "motion-models-inl.hpp"
+#include "velocity/motion-models-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
-#include "luma-view.hpp"
+#include "pixels/luma-view.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,12 +11,12 @@
 #include <optional>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "velocity-estimate.cpp"
+#define HWY_TARGET_INCLUDE "velocity/velocity-estimate.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "motion-models-inl.hpp"
-#include "two-layers-inl.hpp"
+#include "velocity/motion-models-inl.hpp"
+#include "velocity/two-layers-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {

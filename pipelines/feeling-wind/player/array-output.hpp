@@ -4,7 +4,7 @@
 //   tee. ! queue ! velocityavg ! hapticarray ! level ! audioconvert ! autoaudiosink
 #pragma once
 
-#include "array-layout.hpp"
+#include "array/array-layout.hpp"
 
 #include <cairo.h>
 #include <gst/gst.h>

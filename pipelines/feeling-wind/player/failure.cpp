@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "failure.hpp"
+#include "player/failure.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <gst/pbutils/missing-plugins.h>
 

@@ -2,7 +2,7 @@
 // Errors of GStreamer as a sentence with its cure.
 #pragma once
 
-#include "source.hpp"
+#include "player/source.hpp"
 
 #include <gst/gst.h>
 #include <string>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "player.hpp"
+#include "player/player.hpp"
 
-#include "display-orientation.hpp"
-#include "failure.hpp"
+#include "glue/display-orientation.hpp"
 #include "gsthapticmotionmeta.h"
+#include "player/failure.hpp"
 
 #include <algorithm>
 #include <cmath>

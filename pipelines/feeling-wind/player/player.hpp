@@ -8,11 +8,11 @@
 //   source. ! queue ! audioconvert ! audioresample ! volume ! autoaudiosink
 #pragma once
 
-#include "array-output.hpp"
-#include "gst-raii.hpp"
-#include "playback.hpp"
-#include "reading.hpp"
-#include "source.hpp"
+#include "glue/gst-raii.hpp"
+#include "player/array-output.hpp"
+#include "player/playback.hpp"
+#include "player/reading.hpp"
+#include "player/source.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "recorder.hpp"
+#include "player/recorder.hpp"
 
 #include <atomic>
 #include <gst/app/gstappsrc.h>

@@ -3,7 +3,7 @@
 // recording is a pipeline of its own: its errors do not stop the film.
 #pragma once
 
-#include "player.hpp"
+#include "player/player.hpp"
 
 #include <functional>
 #include <memory>

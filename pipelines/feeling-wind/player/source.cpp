@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "source.hpp"
+#include "player/source.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <gio/gio.h>
 #include <glib/gstdio.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "appearance.hpp"
+#include "window/appearance.hpp"
 
 #include <gio/gio.h>
 #include <gtk/gtk.h>

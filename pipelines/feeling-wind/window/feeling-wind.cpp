@@ -5,8 +5,8 @@
 //
 // main() reads the command line. Window (window.hpp) shows a Player (player.hpp) and records with a
 // Recorder; keys.hpp is the table of all actions.
-#include "keys.hpp"
-#include "window.hpp"
+#include "window/keys.hpp"
+#include "window/window.hpp"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-gauge.hpp"
+#include "window/force-gauge.hpp"
 
 #include "gsthapticmotionmeta.h"
 

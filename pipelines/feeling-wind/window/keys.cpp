@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "keys.hpp"
+#include "window/keys.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <cstring>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "session-text.hpp"
+#include "window/session-text.hpp"
 
 #include <array>
 #include <cmath>

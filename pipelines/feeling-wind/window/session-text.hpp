@@ -2,7 +2,7 @@
 // The state of the force in words and as a light.
 #pragma once
 
-#include "player.hpp"
+#include "player/player.hpp"
 
 #include <cairo.h>
 #include <string>

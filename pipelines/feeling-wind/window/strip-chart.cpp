@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "strip-chart.hpp"
+#include "window/strip-chart.hpp"
 
 #include <algorithm>
 #include <array>

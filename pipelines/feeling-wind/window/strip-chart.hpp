@@ -2,7 +2,7 @@
 // A scrolling strip of velocity and force.
 #pragma once
 
-#include "reading.hpp"
+#include "player/reading.hpp"
 
 #include <cairo.h>
 #include <deque>

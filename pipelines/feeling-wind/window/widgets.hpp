@@ -2,7 +2,7 @@
 // Widgets with a name for screen readers.
 #pragma once
 
-#include "keys.hpp"
+#include "window/keys.hpp"
 
 #include <gtk/gtk.h>
 #include <string>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What each action of the window does.
-#include "appearance.hpp"
-#include "region-size.hpp"
-#include "widgets.hpp"
-#include "window.hpp"
+#include "samples/region-size.hpp"
+#include "window/appearance.hpp"
+#include "window/widgets.hpp"
+#include "window/window.hpp"
 
 #include <algorithm>
 #include <array>

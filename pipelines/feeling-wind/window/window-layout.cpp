@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The widgets of the window.
 #include "builtin-layouts.hpp"
-#include "force-gauge.hpp"
-#include "session-text.hpp"
-#include "widgets.hpp"
-#include "window.hpp"
+#include "window/force-gauge.hpp"
+#include "window/session-text.hpp"
+#include "window/widgets.hpp"
+#include "window/window.hpp"
 
 #include <algorithm>
 #include <gst/video/video.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the window shows while a film plays.
-#include "window.hpp"
+#include "window/window.hpp"
 
-#include "appearance.hpp"
-#include "session-text.hpp"
-#include "widgets.hpp"
+#include "window/appearance.hpp"
+#include "window/session-text.hpp"
+#include "window/widgets.hpp"
 
 #include <algorithm>
 #include <cmath>

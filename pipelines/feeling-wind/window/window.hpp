@@ -2,11 +2,11 @@
 // The window: film, curves, controls, and the actions of keys.hpp.
 #pragma once
 
-#include "devices.hpp"
-#include "player.hpp"
-#include "recorder.hpp"
-#include "settings.hpp"
-#include "strip-chart.hpp"
+#include "player/devices.hpp"
+#include "player/player.hpp"
+#include "player/recorder.hpp"
+#include "window/settings.hpp"
+#include "window/strip-chart.hpp"
 
 #include <chrono>
 #include <functional>

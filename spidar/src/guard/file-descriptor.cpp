@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "file-descriptor.hpp"
+#include "guard/file-descriptor.hpp"
 
 #include <unistd.h>
 

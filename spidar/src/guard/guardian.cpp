@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "guardian.hpp"
+#include "guard/guardian.hpp"
 
 #include "fail.hpp"
-#include "guardian-protocol.hpp"
+#include "guard/guardian-protocol.hpp"
 
 #include <cerrno>
 #include <cstdlib>

@@ -6,7 +6,7 @@
 // guardian answers each, so that one that was stopped is noticed too.
 #pragma once
 
-#include "file-descriptor.hpp"
+#include "guard/file-descriptor.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/device.hpp"
 
-#include "drive-scale.hpp"
 #include "fail.hpp"
+#include "model/drive-scale.hpp"
+#include "model/string-kinematics.hpp"
 #include "spidar/pose-solver.hpp"
 #include "spidar/tension-solver.hpp"
-#include "string-kinematics.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -2,8 +2,8 @@
 #include "spidar/geometry.hpp"
 
 #include "fail.hpp"
-#include "string-kinematics.hpp"
-#include "wrench-closure.hpp"
+#include "model/string-kinematics.hpp"
+#include "model/wrench-closure.hpp"
 
 #include <cmath>
 

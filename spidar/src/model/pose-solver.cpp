@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/pose-solver.hpp"
 
-#include "string-kinematics.hpp"
+#include "model/string-kinematics.hpp"
 
 #include <Eigen/Cholesky>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/simulator.hpp"
 
-#include "drive-scale.hpp"
 #include "fail.hpp"
-#include "string-kinematics.hpp"
+#include "model/drive-scale.hpp"
+#include "model/string-kinematics.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "wrench-closure.hpp"
+#include "model/wrench-closure.hpp"
 
 #include <Eigen/QR>
 #include <vector>

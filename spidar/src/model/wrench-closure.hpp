@@ -2,7 +2,7 @@
 // Finds the directions in which strings cannot pull, by non-negative least squares.
 #pragma once
 
-#include "string-kinematics.hpp"
+#include "model/string-kinematics.hpp"
 
 #include <string>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "usb-controllers.hpp"
+#include "usb/usb-controllers.hpp"
 
 #include "fail.hpp"
-#include "guardian.hpp"
+#include "guard/guardian.hpp"
 #include "spidar/usb.hpp"
-#include "usb-protocol.hpp"
+#include "usb/usb-protocol.hpp"
 
 #include <algorithm>
 #include <charconv>

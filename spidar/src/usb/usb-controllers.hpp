@@ -3,7 +3,7 @@
 #pragma once
 
 #include "spidar/controller.hpp"
-#include "usb-link.hpp"
+#include "usb/usb-link.hpp"
 
 namespace spidar {
 

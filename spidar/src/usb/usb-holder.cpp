@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "usb-holder.hpp"
+#include "usb/usb-holder.hpp"
 
 #include <algorithm>
 #include <cctype>

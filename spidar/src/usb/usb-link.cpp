@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "usb-link.hpp"
+#include "usb/usb-link.hpp"
 
 #include "fail.hpp"
-#include "usb-holder.hpp"
-#include "usb-protocol.hpp"
+#include "usb/usb-holder.hpp"
+#include "usb/usb-protocol.hpp"
 
 #include <algorithm>
 #include <cerrno>

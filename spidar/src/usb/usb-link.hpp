@@ -7,7 +7,7 @@
 // thread at a time uses it. Waiting is in whole milliseconds, so a deadline may be missed by one.
 #pragma once
 
-#include "file-descriptor.hpp"
+#include "guard/file-descriptor.hpp"
 
 #include <array>
 #include <chrono>

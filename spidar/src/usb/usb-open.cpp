@@ -2,8 +2,8 @@
 // Finds the controllers on USB and opens the wanted one.
 #include "fail.hpp"
 #include "spidar/usb.hpp"
-#include "usb-controllers.hpp"
-#include "usb-protocol.hpp"
+#include "usb/usb-controllers.hpp"
+#include "usb/usb-protocol.hpp"
 
 #include <array>
 #include <charconv>

@@ -3,9 +3,9 @@
 // by hand on an idle machine:
 //   meson devenv -C BUILD tests/measure/benchmarks/hapticarray-element
 // Targets: 64 channels at 48 kHz <= 5 % of a core; <= 20 ms added.
-#include "gst-raii.hpp"
-#include "motion-field.hpp"
+#include "glue/gst-raii.hpp"
 #include "processor.hpp"
+#include "samples/motion-field.hpp"
 
 #include <cmath>
 #include <cstdio>

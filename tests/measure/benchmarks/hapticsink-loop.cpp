@@ -6,8 +6,8 @@
 // field; the loop's own part of a tick, without the controller's exchange, p99 <= 15 us, with a
 // hand that touches 20 us; nothing taken from the heap in any tick.
 #include "counted-allocations.hpp"
-#include "device-choice.hpp"
-#include "haptic-loop.hpp"
+#include "drivers/device-choice.hpp"
+#include "loop/haptic-loop.hpp"
 #include "processor.hpp"
 
 #include <algorithm>

@@ -8,10 +8,10 @@
 // second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice I420.
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
-#include "patch-tracker.hpp"
 #include "processor.hpp"
-#include "region.hpp"
-#include "velocity-estimate.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "tracking/region.hpp"
+#include "velocity/velocity-estimate.hpp"
 #include "video-harness.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What one estimate costs by what the patches show, beside OpenCV's similarity fit of the same
 // patches: ns per frame.
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <benchmark/benchmark.h>
 #include <cmath>

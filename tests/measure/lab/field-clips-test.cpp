@@ -2,7 +2,7 @@
 // On videos the field agrees with the tracker of a region at the same place. FIELD_CLIPS names
 // their folder.
 #include "field-agreement.hpp"
-#include "pairs.hpp"
+#include "scenes/pairs.hpp"
 
 #include <cstdlib>
 #include <gtest/gtest.h>

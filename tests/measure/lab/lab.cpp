@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Speed against accuracy of the project's trackers and their peers. run.sh builds, runs and draws.
-#include "ablation.hpp"
-#include "confidence.hpp"
-#include "fields.hpp"
-#include "h264.hpp"
-#include "measure.hpp"
-#include "motion-vectors.hpp"
+#include "methods/ablation.hpp"
+#include "methods/confidence.hpp"
+#include "methods/fields.hpp"
+#include "methods/measure.hpp"
+#include "methods/motion-vectors.hpp"
 #include "processor.hpp"
-#include "report.hpp"
+#include "results/report.hpp"
+#include "scenes/h264.hpp"
 
 #include <algorithm>
 #include <chrono>

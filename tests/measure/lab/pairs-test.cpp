@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pairs.hpp"
+#include "scenes/pairs.hpp"
 
-#include "report.hpp"
+#include "results/report.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -2,11 +2,11 @@
 // One test for each way in which trackers fail (tracker and average over its patches), with the
 // bound that the default must keep. Errors are end-point errors of the velocity of the region in
 // pixels per frame, means over random scenes unless said otherwise.
-#include "h264.hpp"
-#include "methods.hpp"
-#include "region.hpp"
-#include "scenes.hpp"
-#include "statistics.hpp"
+#include "methods/methods.hpp"
+#include "results/statistics.hpp"
+#include "scenes/h264.hpp"
+#include "scenes/scenes.hpp"
+#include "tracking/region.hpp"
 
 #include <algorithm>
 #include <array>

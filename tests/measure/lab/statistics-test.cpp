@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "statistics.hpp"
+#include "results/statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-field.hpp"
+#include "samples/motion-field.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

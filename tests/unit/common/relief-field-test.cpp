@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-field.hpp"
-#include "relief-field.hpp"
+#include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>

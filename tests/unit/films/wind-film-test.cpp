@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The film of the demonstration: its true motion is what the trackers find, and its tree is felt.
 #include "field-frames.hpp"
-#include "force-defaults.hpp"
-#include "motion-conditioning.hpp"
+#include "motion/motion-conditioning.hpp"
 #include "region-tracking.hpp"
+#include "samples/force-defaults.hpp"
 #include "scene.hpp"
 
 #include <algorithm>

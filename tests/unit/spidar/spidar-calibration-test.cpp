@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "spidar/calibration.hpp"
 
-#include "gentle-pull.hpp"
+#include "model/gentle-pull.hpp"
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
 #include "spidar/simulator.hpp"

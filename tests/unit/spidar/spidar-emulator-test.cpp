@@ -2,7 +2,7 @@
 #include "commands.hpp"
 #include "session.hpp"
 #include "spidar/error.hpp"
-#include "usb-protocol.hpp"
+#include "usb/usb-protocol.hpp"
 
 #include <cerrno>
 #include <cstdlib>

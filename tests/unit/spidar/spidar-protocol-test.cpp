@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "usb-protocol.hpp"
+#include "usb/usb-protocol.hpp"
 
 #include "spidar/error.hpp"
 #include "spidar/usb.hpp"

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "author-file.hpp"
+#include "author/author-file.hpp"
 
-#include "copied-stream.hpp"
-#include "display-orientation.hpp"
-#include "field-codec.hpp"
-#include "klv.hpp"
-#include "matroska-track.hpp"
+#include "core/track-buffer.hpp"
+#include "field-code/field-codec.hpp"
+#include "film/copied-stream.hpp"
+#include "film/matroska-track.hpp"
+#include "film/pipeline.hpp"
+#include "forms/klv.hpp"
+#include "glue/display-orientation.hpp"
 #include "part-file.hpp"
-#include "pipeline.hpp"
-#include "source-mark.hpp"
-#include "track-buffer.hpp"
-#include "track-file.hpp"
+#include "tracks/source-mark.hpp"
+#include "tracks/track-file.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -2,8 +2,8 @@
 // Writes the copy of one film with the motion of its whole frame beside it.
 #pragma once
 
-#include "author-plan.hpp"
-#include "chunk-file.hpp"
+#include "author/author-plan.hpp"
+#include "author/chunk-file.hpp"
 
 #include <string>
 #include <vector>

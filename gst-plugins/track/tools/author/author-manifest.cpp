@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "author-manifest.hpp"
+#include "author/author-manifest.hpp"
 
 #include "part-file.hpp"
 #include "track-error.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "author-plan.hpp"
+#include "author/author-plan.hpp"
 
-#include "source-mark.hpp"
 #include "track-error.hpp"
+#include "tracks/source-mark.hpp"
 
 #include <algorithm>
 #include <filesystem>

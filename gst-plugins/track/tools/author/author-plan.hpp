@@ -2,8 +2,8 @@
 // The plan of an authoring: which films, and the chunks that processes measure in any order.
 #pragma once
 
-#include "film-index.hpp"
-#include "span-measure.hpp"
+#include "author/film-index.hpp"
+#include "author/span-measure.hpp"
 
 #include <cstdint>
 #include <string>

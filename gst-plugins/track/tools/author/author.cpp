@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "author.hpp"
+#include "author/author.hpp"
 
-#include "author-file.hpp"
-#include "author-manifest.hpp"
-#include "source-mark.hpp"
+#include "author/author-file.hpp"
+#include "author/author-manifest.hpp"
 #include "track-error.hpp"
+#include "tracks/source-mark.hpp"
 
 #include <algorithm>
 #include <chrono>

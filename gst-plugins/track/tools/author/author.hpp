@@ -3,7 +3,7 @@
 // chunks in any order, and their merge.
 #pragma once
 
-#include "author-plan.hpp"
+#include "author/author-plan.hpp"
 
 #include <string>
 #include <vector>

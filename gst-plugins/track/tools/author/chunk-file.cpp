@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "chunk-file.hpp"
+#include "author/chunk-file.hpp"
 
 #include "track-error.hpp"
 

@@ -3,9 +3,9 @@
 // what they belong to.
 #pragma once
 
-#include "klv.hpp"
+#include "forms/klv.hpp"
 #include "part-file.hpp"
-#include "source-mark.hpp"
+#include "tracks/source-mark.hpp"
 
 #include <cstdint>
 #include <fstream>

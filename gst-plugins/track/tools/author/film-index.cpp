@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-index.hpp"
+#include "author/film-index.hpp"
 
-#include "copied-stream.hpp"
-#include "display-orientation.hpp"
-#include "pipeline.hpp"
-#include "track-file.hpp"
+#include "film/copied-stream.hpp"
+#include "film/pipeline.hpp"
+#include "glue/display-orientation.hpp"
+#include "tracks/track-file.hpp"
 
 #include <algorithm>
 #include <atomic>

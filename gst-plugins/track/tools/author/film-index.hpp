@@ -3,7 +3,7 @@
 // copy gets, and what of it has no place there.
 #pragma once
 
-#include "film-streams.hpp"
+#include "film/film-streams.hpp"
 
 #include <cstdint>
 #include <string>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "span-measure.hpp"
+#include "author/span-measure.hpp"
 
-#include "copied-stream.hpp"
-#include "display-orientation.hpp"
-#include "key-requests.hpp"
-#include "motion-field.hpp"
-#include "pipeline.hpp"
-#include "track-buffer.hpp"
-#include "track-form.hpp"
+#include "core/track-buffer.hpp"
+#include "film/copied-stream.hpp"
+#include "film/pipeline.hpp"
+#include "forms/track-form.hpp"
+#include "glue/display-orientation.hpp"
+#include "network/key-requests.hpp"
+#include "samples/motion-field.hpp"
 
 #include <deque>
 #include <limits>

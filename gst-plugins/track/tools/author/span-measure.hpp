@@ -2,8 +2,8 @@
 // Measures the motion of some spans of a film.
 #pragma once
 
-#include "chunk-file.hpp"
-#include "film-index.hpp"
+#include "author/chunk-file.hpp"
+#include "author/film-index.hpp"
 
 #include <functional>
 #include <span>

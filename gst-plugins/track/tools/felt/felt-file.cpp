@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "felt-file.hpp"
+#include "felt/felt-file.hpp"
 
-#include "field-sampler.hpp"
-#include "field-track.hpp"
-#include "region-size.hpp"
+#include "samples/field-sampler.hpp"
+#include "samples/region-size.hpp"
+#include "tracks/field-track.hpp"
 
 #include <algorithm>
 #include <cmath>

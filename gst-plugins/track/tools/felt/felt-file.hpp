@@ -2,10 +2,10 @@
 // What hands at some places of the frame feel from a file: a log or a track of any form.
 #pragma once
 
-#include "force-log.hpp"
-#include "pointer-position.hpp"
-#include "touch-signal.hpp"
-#include "track-file.hpp"
+#include "felt/force-log.hpp"
+#include "felt/touch-signal.hpp"
+#include "samples/pointer-position.hpp"
+#include "tracks/track-file.hpp"
 
 #include <limits>
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-log.hpp"
+#include "felt/force-log.hpp"
 
 #include "track-error.hpp"
 

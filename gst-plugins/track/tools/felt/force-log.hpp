@@ -2,8 +2,8 @@
 // Reads logs of hapticsink (docs/formats/csv-log.md), or tables of others with the same columns.
 #pragma once
 
-#include "force-signal.hpp"
-#include "hand-path.hpp"
+#include "felt/force-signal.hpp"
+#include "tracks/hand-path.hpp"
 
 #include <string>
 #include <vector>

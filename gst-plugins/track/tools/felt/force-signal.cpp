@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-signal.hpp"
+#include "felt/force-signal.hpp"
 
-#include "motion-force.hpp"
+#include "samples/motion-force.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // The force of a track or a log as a signal: a force each millisecond.
 #pragma once
 
-#include "force-defaults.hpp"
-#include "motion-sample.hpp"
+#include "samples/force-defaults.hpp"
+#include "samples/motion-sample.hpp"
 
 #include <cstdint>
 #include <span>

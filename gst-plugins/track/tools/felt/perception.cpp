@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "perception.hpp"
+#include "felt/perception.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // A model of what a hand can tell apart. docs/comparing.md has its limits and sources.
 #pragma once
 
-#include "force-signal.hpp"
+#include "felt/force-signal.hpp"
 
 #include <cstddef>
 #include <functional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "touch-signal.hpp"
+#include "felt/touch-signal.hpp"
 
-#include "motion-sample.hpp"
-#include "relief-sampler.hpp"
+#include "samples/motion-sample.hpp"
+#include "samples/relief-sampler.hpp"
 
 #include <algorithm>
 #include <cmath>

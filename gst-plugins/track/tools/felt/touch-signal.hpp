@@ -4,9 +4,9 @@
 // there.
 #pragma once
 
-#include "force-log.hpp"
-#include "perception.hpp"
-#include "relief-field.hpp"
+#include "felt/force-log.hpp"
+#include "felt/perception.hpp"
+#include "samples/relief-field.hpp"
 
 #include <span>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "copied-stream.hpp"
+#include "film/copied-stream.hpp"
 
-#include "pipeline.hpp"
+#include "film/pipeline.hpp"
 
 #include <algorithm>
 #include <array>

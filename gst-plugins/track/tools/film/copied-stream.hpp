@@ -2,7 +2,7 @@
 // Streams of a file that go into another container as they are.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <gst/gst.h>
 

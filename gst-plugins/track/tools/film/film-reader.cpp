@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-reader.hpp"
+#include "film/film-reader.hpp"
 
-#include "display-orientation.hpp"
-#include "gst-raii.hpp"
-#include "pipeline.hpp"
-#include "track-buffer.hpp"
+#include "core/track-buffer.hpp"
+#include "film/pipeline.hpp"
+#include "glue/display-orientation.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <algorithm>
 #include <array>

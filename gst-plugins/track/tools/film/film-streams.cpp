@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-streams.hpp"
+#include "film/film-streams.hpp"
 
-#include "copied-stream.hpp"
-#include "pipeline.hpp"
+#include "film/copied-stream.hpp"
+#include "film/pipeline.hpp"
 
 #include <gst/pbutils/pbutils.h>
 #include <string_view>

@@ -2,7 +2,7 @@
 // The coded streams of a film, held in a pipeline until each has its place.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <atomic>
 #include <functional>

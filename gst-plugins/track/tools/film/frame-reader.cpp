@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame-reader.hpp"
+#include "film/frame-reader.hpp"
 
-#include "display-orientation.hpp"
-#include "pipeline.hpp"
+#include "film/pipeline.hpp"
+#include "glue/display-orientation.hpp"
 
 #include <gst/app/gstappsink.h>
 

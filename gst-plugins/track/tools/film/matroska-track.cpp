@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "matroska-track.hpp"
+#include "film/matroska-track.hpp"
 
 #include "track-error.hpp"
 

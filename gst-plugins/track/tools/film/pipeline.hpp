@@ -2,7 +2,7 @@
 // Pipelines of haptic-track and their errors.
 #pragma once
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 #include "track-error.hpp"
 
 #include <cstring>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-segments.hpp"
+#include "package/film-segments.hpp"
 
-#include "field-track.hpp"
-#include "klv.hpp"
+#include "forms/klv.hpp"
 #include "track-error.hpp"
+#include "tracks/field-track.hpp"
 
 #include <algorithm>
 #include <iterator>

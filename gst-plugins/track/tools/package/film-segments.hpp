@@ -2,8 +2,8 @@
 // Cuts a film at IDR frames into segments of some seconds, each with its part of the field track.
 #pragma once
 
-#include "film-reader.hpp"
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
+#include "film/film-reader.hpp"
 
 #include <cstdint>
 #include <functional>

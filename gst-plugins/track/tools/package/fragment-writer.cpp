@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "fragment-writer.hpp"
+#include "package/fragment-writer.hpp"
 
 #include <algorithm>
 #include <span>

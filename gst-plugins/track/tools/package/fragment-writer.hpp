@@ -3,7 +3,7 @@
 // (ISO/IEC 23009-1, 5.10.3.3; MISB ST 1910).
 #pragma once
 
-#include "film-segments.hpp"
+#include "package/film-segments.hpp"
 
 namespace haptic {
 

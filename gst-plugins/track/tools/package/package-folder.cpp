@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "package-folder.hpp"
+#include "package/package-folder.hpp"
 
 #include "part-file.hpp"
 #include "track-error.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "package.hpp"
+#include "package/package.hpp"
 
-#include "film-segments.hpp"
-#include "fragment-writer.hpp"
-#include "package-folder.hpp"
-#include "poster.hpp"
-#include "source-mark.hpp"
-#include "track-file.hpp"
-#include "transport-stream.hpp"
+#include "package/film-segments.hpp"
+#include "package/fragment-writer.hpp"
+#include "package/package-folder.hpp"
+#include "package/poster.hpp"
+#include "package/transport-stream.hpp"
+#include "tracks/source-mark.hpp"
+#include "tracks/track-file.hpp"
 
 #include <algorithm>
 #include <cmath>

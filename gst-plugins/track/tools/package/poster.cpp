@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "poster.hpp"
+#include "package/poster.hpp"
 
-#include "gst-raii.hpp"
-#include "pipeline.hpp"
-#include "track-buffer.hpp"
-#include "transport-stream.hpp"
+#include "core/track-buffer.hpp"
+#include "film/pipeline.hpp"
+#include "glue/gst-raii.hpp"
+#include "package/transport-stream.hpp"
 
 #include <gst/app/gstappsink.h>
 #include <gst/app/gstappsrc.h>

@@ -2,7 +2,7 @@
 // One frame of a film as JPEG.
 #pragma once
 
-#include "film-segments.hpp"
+#include "package/film-segments.hpp"
 
 namespace haptic {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "transport-stream.hpp"
+#include "package/transport-stream.hpp"
 
 #include <algorithm>
 #include <limits>

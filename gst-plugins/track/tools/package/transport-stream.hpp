@@ -3,7 +3,7 @@
 // them, each with its time (SMPTE RP 217, asynchronous).
 #pragma once
 
-#include "film-segments.hpp"
+#include "package/film-segments.hpp"
 
 #include <array>
 #include <span>

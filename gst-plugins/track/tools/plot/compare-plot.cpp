@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "compare-plot.hpp"
+#include "plot/compare-plot.hpp"
 
-#include "gnuplot.hpp"
+#include "plot/gnuplot.hpp"
 
 #include <algorithm>
 #include <cmath>

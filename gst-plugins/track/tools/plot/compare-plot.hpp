@@ -2,7 +2,7 @@
 // The picture of a comparison, drawn by gnuplot.
 #pragma once
 
-#include "perception.hpp"
+#include "felt/perception.hpp"
 
 #include <cstddef>
 #include <string>

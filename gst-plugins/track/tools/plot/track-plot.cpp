@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "track-plot.hpp"
+#include "plot/track-plot.hpp"
 
-#include "field-track.hpp"
-#include "frame-reader.hpp"
-#include "gnuplot.hpp"
-#include "motion-force.hpp"
-#include "touch-signal.hpp"
+#include "felt/touch-signal.hpp"
+#include "film/frame-reader.hpp"
+#include "plot/gnuplot.hpp"
+#include "samples/motion-force.hpp"
+#include "tracks/field-track.hpp"
 
 #include <algorithm>
 #include <cmath>

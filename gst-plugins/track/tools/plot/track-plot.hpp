@@ -2,8 +2,8 @@
 // Pictures of tracks, drawn by gnuplot.
 #pragma once
 
-#include "hand-path.hpp"
-#include "track-file.hpp"
+#include "tracks/hand-path.hpp"
+#include "tracks/track-file.hpp"
 
 #include <string>
 #include <vector>

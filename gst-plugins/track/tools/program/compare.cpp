@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "compare.hpp"
+#include "program/compare.hpp"
 
-#include "compare-plot.hpp"
-#include "felt-file.hpp"
-#include "perception.hpp"
+#include "felt/felt-file.hpp"
+#include "felt/perception.hpp"
+#include "plot/compare-plot.hpp"
 #include "track-error.hpp"
 
 #include <algorithm>

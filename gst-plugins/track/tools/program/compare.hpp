@@ -2,7 +2,7 @@
 // Compares what two files let a hand feel: see docs/comparing.md.
 #pragma once
 
-#include "force-signal.hpp"
+#include "felt/force-signal.hpp"
 
 #include <optional>
 #include <string>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Shows, converts, cuts, plots, compares and authors haptic tracks. See docs/haptic-track.md.
-#include "author.hpp"
-#include "compare.hpp"
-#include "field-track.hpp"
-#include "film-cut.hpp"
-#include "force-log.hpp"
-#include "klv.hpp"
-#include "motion-force.hpp"
-#include "package.hpp"
-#include "track-file.hpp"
-#include "track-plot.hpp"
-#include "vibration-file.hpp"
+#include "author/author.hpp"
+#include "felt/force-log.hpp"
+#include "forms/klv.hpp"
+#include "package/package.hpp"
+#include "plot/track-plot.hpp"
+#include "program/compare.hpp"
+#include "samples/motion-force.hpp"
+#include "tracks/field-track.hpp"
+#include "tracks/film-cut.hpp"
+#include "tracks/track-file.hpp"
+#include "vibration/vibration-file.hpp"
 
 #include <algorithm>
 #include <charconv>

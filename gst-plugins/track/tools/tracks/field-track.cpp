@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-track.hpp"
+#include "tracks/field-track.hpp"
 
-#include "field-sampler.hpp"
+#include "samples/field-sampler.hpp"
 
 #include <algorithm>
 

@@ -2,9 +2,9 @@
 // Tracks of motion fields or reliefs: decoding, cutting, and the amount of motion.
 #pragma once
 
-#include "field-codec.hpp"
-#include "hand-path.hpp"
-#include "track-sample.hpp"
+#include "core/track-sample.hpp"
+#include "field-code/field-codec.hpp"
+#include "tracks/hand-path.hpp"
 
 #include <functional>
 #include <span>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-cut.hpp"
+#include "tracks/film-cut.hpp"
 
-#include "copied-stream.hpp"
-#include "field-track.hpp"
+#include "core/track-caps.hpp"
+#include "film/copied-stream.hpp"
+#include "film/pipeline.hpp"
 #include "part-file.hpp"
-#include "pipeline.hpp"
-#include "track-caps.hpp"
+#include "tracks/field-track.hpp"
 
 #include <algorithm>
 #include <filesystem>

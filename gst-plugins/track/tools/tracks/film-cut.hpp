@@ -2,7 +2,7 @@
 // Cuts a film together with its track.
 #pragma once
 
-#include "track-file.hpp"
+#include "tracks/track-file.hpp"
 
 #include <cstdint>
 #include <string>

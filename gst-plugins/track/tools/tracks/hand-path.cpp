@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hand-path.hpp"
+#include "tracks/hand-path.hpp"
 
 #include <algorithm>
 

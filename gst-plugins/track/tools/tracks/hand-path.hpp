@@ -2,7 +2,7 @@
 // The path of a hand over the frame.
 #pragma once
 
-#include "pointer-position.hpp"
+#include "samples/pointer-position.hpp"
 
 #include <vector>
 

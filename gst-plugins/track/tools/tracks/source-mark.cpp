@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "source-mark.hpp"
+#include "tracks/source-mark.hpp"
 
-#include "klv.hpp"
-#include "text-line.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
 #include "track-error.hpp"
 
 #include <algorithm>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "track-file.hpp"
+#include "tracks/track-file.hpp"
 
-#include "field-codec.hpp"
-#include "field-track.hpp"
-#include "gst-raii.hpp"
-#include "hjif.hpp"
-#include "hmpg-track.hpp"
-#include "klv.hpp"
-#include "pipeline.hpp"
-#include "text-line.hpp"
-#include "track-caps.hpp"
+#include "core/track-caps.hpp"
+#include "field-code/field-codec.hpp"
+#include "film/pipeline.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
+#include "glue/gst-raii.hpp"
+#include "mpeg-haptics/hjif.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
+#include "tracks/field-track.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -2,8 +2,8 @@
 // Reads and writes haptic tracks as files of every form.
 #pragma once
 
+#include "core/track-sample.hpp"
 #include "track-error.hpp"
-#include "track-sample.hpp"
 
 #include <cstdint>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "ahap.hpp"
+#include "vibration/ahap.hpp"
 
 #include <algorithm>
 #include <cmath>

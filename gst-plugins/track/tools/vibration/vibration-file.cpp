@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "vibration-file.hpp"
+#include "vibration/vibration-file.hpp"
 
-#include "ahap.hpp"
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
+#include "vibration/ahap.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -3,8 +3,8 @@
 // telephones.
 #pragma once
 
-#include "track-file.hpp"
-#include "vibration.hpp"
+#include "tracks/track-file.hpp"
+#include "vibration/vibration.hpp"
 
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "vibration.hpp"
+#include "vibration/vibration.hpp"
 
 #include "track-error.hpp"
 

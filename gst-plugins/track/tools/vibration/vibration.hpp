@@ -2,7 +2,7 @@
 // How haptic-track makes a vibration of a track: the options of hapticarray.
 #pragma once
 
-#include "force-defaults.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <gst/gst.h>
 #include <string>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "ablation.hpp"
+#include "methods/ablation.hpp"
 
-#include "cases.hpp"
-#include "h264.hpp"
-#include "measure.hpp"
+#include "methods/cases.hpp"
+#include "methods/measure.hpp"
+#include "scenes/h264.hpp"
 
 #include <algorithm>
 

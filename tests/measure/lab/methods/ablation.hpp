@@ -2,8 +2,8 @@
 // What each part of the default costs and saves.
 #pragma once
 
-#include "pairs.hpp"
-#include "report.hpp"
+#include "results/report.hpp"
+#include "scenes/pairs.hpp"
 
 namespace lab {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cases.hpp"
+#include "methods/cases.hpp"
 
 #include <array>
 #include <cmath>

@@ -2,9 +2,9 @@
 // The test cases: two frames, a position, and the true velocity.
 #pragma once
 
-#include "methods.hpp"
-#include "pairs.hpp"
-#include "scenes.hpp"
+#include "methods/methods.hpp"
+#include "scenes/pairs.hpp"
+#include "scenes/scenes.hpp"
 
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "confidence.hpp"
+#include "methods/confidence.hpp"
 
-#include "cases.hpp"
-#include "measure.hpp"
+#include "methods/cases.hpp"
+#include "methods/measure.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 // Whether a method knows when it is wrong.
 #pragma once
 
-#include "methods.hpp"
-#include "report.hpp"
+#include "methods/methods.hpp"
+#include "results/report.hpp"
 
 namespace lab {
 

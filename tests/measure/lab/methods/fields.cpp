@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "fields.hpp"
+#include "methods/fields.hpp"
 
 #include "field-frames.hpp"
 

@@ -2,8 +2,8 @@
 // Motion of a whole frame on a grid: the project's field and its peers against the true flow.
 #pragma once
 
-#include "pairs.hpp"
-#include "report.hpp"
+#include "results/report.hpp"
+#include "scenes/pairs.hpp"
 
 namespace lab {
 

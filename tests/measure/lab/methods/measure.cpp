@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "measure.hpp"
+#include "methods/measure.hpp"
 
 namespace lab {
 

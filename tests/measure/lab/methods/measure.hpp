@@ -2,7 +2,7 @@
 // Runs a method on all cases and times each.
 #pragma once
 
-#include "cases.hpp"
+#include "methods/cases.hpp"
 
 #include <chrono>
 #include <vector>

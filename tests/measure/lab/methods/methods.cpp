@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "methods.hpp"
+#include "methods/methods.hpp"
 
-#include "region.hpp"
+#include "tracking/region.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -3,10 +3,10 @@
 // from two frames and a pointer.
 #pragma once
 
-#include "motion-sample.hpp"
-#include "patch-tracker.hpp"
-#include "scenes.hpp"
-#include "velocity-estimate.hpp"
+#include "samples/motion-sample.hpp"
+#include "scenes/scenes.hpp"
+#include "tracking/patch-tracker.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <functional>
 #include <memory>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "motion-vectors.hpp"
+#include "methods/motion-vectors.hpp"
 
-#include "h264.hpp"
+#include "scenes/h264.hpp"
 
 #ifdef HAVE_LIBAVCODEC
-#include "cases.hpp"
-#include "measure.hpp"
+#include "methods/cases.hpp"
+#include "methods/measure.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // The motion vectors that a decoder of H.264 has anyway, as a peer.
 #pragma once
 
-#include "report.hpp"
+#include "results/report.hpp"
 
 #include <filesystem>
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The peers: OpenCV's methods, each with the same pixels as the fast tracker.
-#include "methods.hpp"
-#include "region.hpp"
+#include "methods/methods.hpp"
+#include "tracking/region.hpp"
 
 #include <algorithm>
 #include <cmath>

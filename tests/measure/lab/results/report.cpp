@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "report.hpp"
+#include "results/report.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // The results: CSV for the charts, JSON for programs, tables for docs/lab-results.md.
 #pragma once
 
-#include "statistics.hpp"
+#include "results/statistics.hpp"
 
 #include <filesystem>
 #include <map>

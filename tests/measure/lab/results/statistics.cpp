@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "statistics.hpp"
+#include "results/statistics.hpp"
 
-#include "random.hpp"
+#include "scenes/random.hpp"
 
 #include <algorithm>
 #include <cmath>

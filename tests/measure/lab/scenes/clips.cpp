@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads videos with GStreamer, so that the lab needs no further library.
-#include "pairs.hpp"
-#include "pipeline.hpp"
+#include "scenes/pairs.hpp"
+#include "scenes/pipeline.hpp"
 
 #include <algorithm>
 #include <stdexcept>

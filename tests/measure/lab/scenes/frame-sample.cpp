@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame-sample.hpp"
+#include "scenes/frame-sample.hpp"
 
 #include <gst/video/video.h>
 #include <stdexcept>

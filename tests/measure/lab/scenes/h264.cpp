@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "h264.hpp"
+#include "scenes/h264.hpp"
 
-#include "pipeline.hpp"
+#include "scenes/pipeline.hpp"
 
 #include <gst/video/video.h>
 #include <stdexcept>

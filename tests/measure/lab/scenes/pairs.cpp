@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pairs.hpp"
+#include "scenes/pairs.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pipeline.hpp"
+#include "scenes/pipeline.hpp"
 
 #include <stdexcept>
 

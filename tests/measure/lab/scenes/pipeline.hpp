@@ -2,7 +2,7 @@
 // A GStreamer pipeline between elements named `in` and `out`.
 #pragma once
 
-#include "frame-sample.hpp"
+#include "scenes/frame-sample.hpp"
 
 #include <filesystem>
 #include <gst/app/gstappsink.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "scenes.hpp"
+#include "scenes/scenes.hpp"
 
-#include "h264.hpp"
+#include "scenes/h264.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // Scenes whose motion is known exactly, one for every way in which trackers fail.
 #pragma once
 
-#include "random.hpp"
+#include "scenes/random.hpp"
 
 #include <array>
 #include <functional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "array-layout.hpp"
-#include "array-mapping.hpp"
-#include "array-voices.hpp"
+#include "array/array-layout.hpp"
+#include "array/array-mapping.hpp"
+#include "array/array-voices.hpp"
 
 #include <cmath>
 #include <fstream>

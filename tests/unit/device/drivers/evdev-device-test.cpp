@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "evdev-device.hpp"
+#include "drivers/evdev-device.hpp"
 
-#include "evdev-list.hpp"
+#include "drivers/evdev-list.hpp"
 #include "eventually.hpp"
 #include "virtual-joystick.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "evdev-device.hpp"
-#include "evdev-list.hpp"
+#include "drivers/evdev-device.hpp"
+#include "drivers/evdev-list.hpp"
 
 #include <cstdlib>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-effect.hpp"
+#include "drivers/force-effect.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Calls of handlers, which the pool's thread and the one that changes the state make.
-#include "call-queue.hpp"
+#include "elements/call-queue.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <algorithm>
 #include <atomic>

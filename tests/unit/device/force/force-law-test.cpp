@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-law.hpp"
+#include "force/force-law.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

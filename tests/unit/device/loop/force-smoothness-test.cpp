@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the hand feels of a frame 30 times a second, in numbers.
-#include "cadence.hpp"
 #include "leaf-motion.hpp"
+#include "motion/cadence.hpp"
 #include "spectrum.hpp"
 
 #include <algorithm>

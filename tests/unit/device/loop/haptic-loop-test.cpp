@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "loop-fixture.hpp"
 
-#include "device-choice.hpp"
+#include "drivers/device-choice.hpp"
 #include "virtual-clock.hpp"
 
 #include <algorithm>

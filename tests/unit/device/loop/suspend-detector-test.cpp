@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "suspend-detector.hpp"
+#include "loop/suspend-detector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tick-log.hpp"
+#include "loop/tick-log.hpp"
 
-#include "running-time.hpp"
+#include "share/running-time.hpp"
 
 #include <clocale>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "playback-rate.hpp"
+#include "motion/playback-rate.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sample-intake.hpp"
+#include "motion/sample-intake.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The session with a device that fails and comes back. The clock is driven by hand.
-#include "haptic-session.hpp"
+#include "session/haptic-session.hpp"
 
+#include "glue/messages.hpp"
 #include "loop-fixture.hpp"
-#include "messages.hpp"
 #include "other-threads.hpp"
 #include "virtual-clock.hpp"
 

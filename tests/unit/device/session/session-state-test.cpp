@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The states of a session: no other transitions than those that docs/elements/hapticsink.md draws.
-#include "session-state.hpp"
+#include "session/session-state.hpp"
 
-#include "safety-chain.hpp"
+#include "force/safety-chain.hpp"
 
 #include <algorithm>
 #include <fstream>

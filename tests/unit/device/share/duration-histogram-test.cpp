@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "duration-histogram.hpp"
+#include "share/duration-histogram.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>

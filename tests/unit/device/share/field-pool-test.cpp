@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-pool.hpp"
+#include "share/field-pool.hpp"
 
-#include "sample-ring.hpp"
+#include "share/sample-ring.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "newest-slot.hpp"
+#include "share/newest-slot.hpp"
 
 #include <gtest/gtest.h>
 #include <thread>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sample-ring.hpp"
+#include "share/sample-ring.hpp"
 
 #include <gtest/gtest.h>
 #include <thread>

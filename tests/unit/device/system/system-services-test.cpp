@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a session asks of the machine over D-Bus, with a bus of the test and services that the test
 // plays. Without a dbus-daemon only the tests without a bus run.
-#include "system-services.hpp"
+#include "system/system-services.hpp"
 
-#include "dbus.hpp"
 #include "eventually.hpp"
-#include "haptic-session.hpp"
-#include "messages.hpp"
+#include "glue/messages.hpp"
+#include "session/haptic-session.hpp"
+#include "system/dbus.hpp"
 
 #include <algorithm>
 #include <atomic>

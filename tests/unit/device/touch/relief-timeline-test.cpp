@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "relief-timeline.hpp"
+#include "touch/relief-timeline.hpp"
 #include "touched-surface.hpp"
 
 #include <gtest/gtest.h>

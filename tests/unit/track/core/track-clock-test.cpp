@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "track-clock.hpp"
+#include "core/track-clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Why the field code has models of its own: the simple alternative is larger.
-#include "field-codec.hpp"
+#include "field-code/field-codec.hpp"
 #include "leaf-fields.hpp"
 
 #include <gio/gio.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-codec.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
 #include "leaf-fields.hpp"
-#include "text-line.hpp"
 
 #include <cstdlib>
 #include <fstream>

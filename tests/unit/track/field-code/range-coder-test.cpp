@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "range-coder.hpp"
+#include "field-code/range-coder.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

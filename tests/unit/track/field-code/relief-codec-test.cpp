@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "depth-scene.hpp"
-#include "field-codec.hpp"
-#include "klv.hpp"
-#include "text-line.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "text-line.hpp"
+#include "forms/text-line.hpp"
 #include "track-samples.hpp"
 
 #include <gtest/gtest.h>

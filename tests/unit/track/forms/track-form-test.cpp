@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "field-codec.hpp"
-#include "hmpg-form.hpp"
-#include "klv.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "forms/text-line.hpp"
+#include "forms/track-form.hpp"
 #include "leaf-fields.hpp"
-#include "text-line.hpp"
-#include "track-form.hpp"
+#include "mpeg-haptics/hmpg-form.hpp"
 #include "track-samples.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "bits.hpp"
+#include "mpeg-haptics/bits.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-curve.hpp"
-#include "hjif.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hjif.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

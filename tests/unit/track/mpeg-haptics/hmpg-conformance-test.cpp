@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Streams that others write, against a plain synthesis: newtons are the sum over the effects of
 // amplitude * gain * 10^exponent along the direction, on the curve through the keyframes.
-#include "bits.hpp"
-#include "force-curve.hpp"
-#include "hjif.hpp"
-#include "hmpg-track.hpp"
+#include "mpeg-haptics/bits.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hjif.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 
 #include <algorithm>
 #include <cmath>

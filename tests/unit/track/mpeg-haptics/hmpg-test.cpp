@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force-curve.hpp"
-#include "hjif.hpp"
-#include "hmpg-rtp.hpp"
-#include "hmpg-track.hpp"
+#include "mpeg-haptics/force-curve.hpp"
+#include "mpeg-haptics/hjif.hpp"
+#include "mpeg-haptics/hmpg-rtp.hpp"
+#include "mpeg-haptics/hmpg-track.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "json-events.hpp"
+#include "mpeg-haptics/json-events.hpp"
 
 #include <gtest/gtest.h>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "one-sender.hpp"
+#include "network/one-sender.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pointer-order.hpp"
+#include "network/pointer-order.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "stream-sync.hpp"
+#include "network/stream-sync.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // AHAP as Apple's Core Haptics reads it: its keys and ranges, and the intensity that a player
 // makes.
-#include "ahap.hpp"
+#include "vibration/ahap.hpp"
 
 #include <cmath>
 #include <functional>

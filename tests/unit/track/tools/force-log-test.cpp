@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Tables of columns from outside: those of hapticsink, and damaged ones.
-#include "force-log.hpp"
+#include "felt/force-log.hpp"
 #include "track-error.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The model of haptic-track compare on gusts: identity, symmetry, and growth with each kind of
 // change.
-#include "perception.hpp"
+#include "felt/perception.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The model of haptic-track compare on reliefs: identity, and growth with each kind of change.
 #include "depth-scene.hpp"
-#include "touch-signal.hpp"
+#include "felt/touch-signal.hpp"
 
 #include <cmath>
 #include <functional>

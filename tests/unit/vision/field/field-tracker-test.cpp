@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-frames.hpp"
-#include "field-tracker.hpp"
+#include "field/field-tracker.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

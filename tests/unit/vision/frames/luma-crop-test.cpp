@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "luma-crop.hpp"
+#include "frames/luma-crop.hpp"
 
-#include "gst-raii.hpp"
+#include "glue/gst-raii.hpp"
 #include "guarded-frame.hpp"
 #include "instruction-sets.hpp"
 #include "video-samples.hpp"

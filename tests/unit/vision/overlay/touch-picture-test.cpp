@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "touch-picture.hpp"
+#include "overlay/touch-picture.hpp"
 
 #include "counted-allocations.hpp"
-#include "luma-crop.hpp"
-#include "mapped-frame.hpp"
+#include "frames/luma-crop.hpp"
+#include "frames/mapped-frame.hpp"
 #include "video-harness.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "block-translation.hpp"
 #include "field-frames.hpp"
-#include "texture-period.hpp"
+#include "patches/block-translation.hpp"
+#include "patches/texture-period.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

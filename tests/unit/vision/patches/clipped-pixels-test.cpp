@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "clipped-pixels.hpp"
+#include "patches/clipped-pixels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-frames.hpp"
-#include "grid-motions.hpp"
+#include "patches/grid-motions.hpp"
 
 #include <array>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 // kernels.
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
-#include "lk-kernels.hpp"
+#include "patches/lk-kernels.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-frames.hpp"
-#include "patch-grid.hpp"
+#include "patches/patch-grid.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The rules that the tracker of a region and that of the whole frame share.
 #include "field-frames.hpp"
-#include "frame-reduction.hpp"
-#include "noise-estimate.hpp"
-#include "patch-tracker.hpp"
-#include "patch-trust.hpp"
-#include "start-set.hpp"
+#include "patches/patch-trust.hpp"
+#include "patches/start-set.hpp"
+#include "pixels/frame-reduction.hpp"
+#include "tracking/noise-estimate.hpp"
+#include "tracking/patch-tracker.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

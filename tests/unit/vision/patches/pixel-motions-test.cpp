@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pixel-motions.hpp"
+#include "patches/pixel-motions.hpp"
 
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pixel-votes.hpp"
+#include "patches/pixel-votes.hpp"
 
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field-frames.hpp"
-#include "frame-change.hpp"
+#include "pixels/frame-change.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

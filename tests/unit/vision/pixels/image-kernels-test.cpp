@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Each instruction set against plain loops written from the formulas. The sums are exact in
 // integers, so that all results must be equal.
-#include "image-kernels.hpp"
 #include "instruction-sets.hpp"
+#include "pixels/image-kernels.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

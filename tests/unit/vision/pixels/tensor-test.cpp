@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tensor.hpp"
+#include "pixels/tensor.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "depth-relief.hpp"
+#include "relief/depth-relief.hpp"
 
 #include <algorithm>
 #include <cmath>

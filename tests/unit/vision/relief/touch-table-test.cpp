@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "colour-relief.hpp"
-#include "touch-table.hpp"
+#include "relief/colour-relief.hpp"
+#include "relief/touch-table.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "noise-estimate.hpp"
 #include "region-tracking.hpp"
+#include "tracking/noise-estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

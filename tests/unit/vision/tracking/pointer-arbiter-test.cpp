@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pointer-arbiter.hpp"
+#include "tracking/pointer-arbiter.hpp"
 
 #include <gtest/gtest.h>
 

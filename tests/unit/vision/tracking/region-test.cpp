@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "region.hpp"
+#include "tracking/region.hpp"
 
 #include <gtest/gtest.h>
 

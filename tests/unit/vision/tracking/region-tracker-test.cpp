@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "region-tracker.hpp"
+#include "tracking/region-tracker.hpp"
 
 #include "moving-texture.hpp"
-#include "tracking-statistics.hpp"
+#include "tracking/tracking-statistics.hpp"
 
 #include <algorithm>
 #include <chrono>

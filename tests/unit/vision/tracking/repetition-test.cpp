@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "repetition.hpp"
+#include "tracking/repetition.hpp"
 
 #include <gtest/gtest.h>
 

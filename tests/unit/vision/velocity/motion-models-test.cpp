@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The motion models in each instruction set against a plain reference in double precision.
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "motion-models-inl.hpp"
+#include "velocity/motion-models-inl.hpp"
 
 #ifndef HAPTIC_MOTION_MODELS_TEST
 #define HAPTIC_MOTION_MODELS_TEST

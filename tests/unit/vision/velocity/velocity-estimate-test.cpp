@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "velocity-estimate.hpp"
+#include "velocity/velocity-estimate.hpp"
 
 #include <algorithm>
 #include <array>
