@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The files that docs/architecture.md names exist, and so do the functions of its list "Find the line".
-# Every source file of the rooms but messages.hpp is in one of its tables.
+# The files and functions that docs/architecture.md names below "Find the line" exist.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 page=docs/architecture.md
@@ -35,17 +34,5 @@ while IFS='|' read -r _ _ file functions _; do
   done < <(words "$functions")
 done < <(rows '## Find the line')
 
-for room in gst-plugins/common gst-plugins/vision gst-plugins/track gst-plugins/device spidar/src spidar/emulator pipelines; do
-  named=$(rows "### $room" | cut -d'|' -f2)
-  while read -r name; do
-    count=$((count + 1))
-    compgen -G "$room/$name" >/dev/null || compgen -G "$room/$name.*" >/dev/null || complain "there is no file $room/$name"
-  done < <(words "$named")
-  while read -r file; do
-    file=${file#"$room"/}
-    words "$named" | grep -qxF -e "$file" -e "${file%.*}" || complain "$room/$file is not in the table"
-  done < <(find "$room" ! -name messages.hpp \( -name "*.[ch]pp" -o -name "*.h" -o -name "*.js" \))
-done
-
 echo "$count names checked, $wrong wrong"
-[ "$count" -gt 50 ] && [ "$wrong" = 0 ]
+[ "$count" -gt 20 ] && [ "$wrong" = 0 ]
