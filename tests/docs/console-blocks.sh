@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs the commands of the pages: each line that begins with "$ " in a ```console block, with its continuation lines. A
 # command must exit with status 0. One that does not end by itself is interrupted, as with Ctrl-C: a live pipeline one
-# second after it began to play, a server as soon as it listens. (num-buffers and timeout are its end.)
+# second after it began to play, a server as soon as it listens. (A film, num-buffers and timeout have an end.)
 #
 # A block below a line `<!-- not run: REASON -->` is skipped.
 #
@@ -16,13 +16,16 @@
 # What plays in real time: hapticsink, a window, the scripts, a server.
 playing='hapticsink|autovideosink|sync=true|is-live=true|\./pipelines/|spidar-emulator|--seconds'
 
+# What ends by itself.
+ends='\.(mp4|ts)( |$)|num-buffers=|timeout '
+
 # `run COMMAND OUTPUT` runs a command and interrupts it if it does not end by itself.
 run() {
   set -m # the command gets a process group of its own, as in a terminal
   : >"$2"
   bash -o pipefail -c "$1" >"$2" 2>&1 </dev/null &
   local process=$!
-  until [[ $1 =~ num-buffers=|timeout\  ]] || ! kill -0 "$process" 2>/dev/null; do
+  until [[ $1 =~ $ends ]] || ! kill -0 "$process" 2>/dev/null; do
     sleep 0.05
     if grep -q 'live and does not need PREROLL' "$2" && grep -q PLAYING "$2"; then
       sleep 1
@@ -42,13 +45,17 @@ if [ "${1:-}" = page ]; then
   while IFS=$'\t' read -r number command; do
     begin=${EPOCHREALTIME/./}
     status=0
-    run "$command" "$3.output" || status=$?
+    output=$3.output-$number
+    run "$command" "$output" || status=$?
     echo "$2:$number: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms: $command"
-    if [ "$status" != 0 ] || grep -qE '^(ERROR|erroneous pipeline)|CRITICAL \*\*' "$3.output"; then
-      echo "FAILED with status $status"
-      tail -n 20 "$3.output"
+    if [ "$status" != 0 ] || grep -qE '^(ERROR|erroneous pipeline)|CRITICAL \*\*' "$output"; then
+      echo "FAILED with status $status, after"
+      tail -n 20 "${before:-/dev/null}"
+      echo "by"
+      tail -n 20 "$output"
       wrong=1
     fi
+    before=$output
   done <"$3.commands"
   exit $wrong
 fi

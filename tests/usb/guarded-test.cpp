@@ -242,9 +242,10 @@ protected:
     }
   }
 
-  /// Whether one of the next exchanges is answered.
+  /// Whether one of the next exchanges is answered, in ticks of at least 1 ms: the guardian, which
+  /// may have something to say, is another thread.
   bool recovers() {
-    for (int i = 0; i < 200; ++i)
+    for (int i = 0; i < 200; ++i, std::this_thread::sleep_for(1ms))
       if (lag())
         return true;
     return false;
