@@ -264,7 +264,7 @@ check_style() {
 }
 
 check_scripts() {
-  find pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
+  find changes pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
     xargs -0 shellcheck -x -P SCRIPTDIR:.
 }
 
