@@ -13,7 +13,7 @@ from mkdocs.structure.files import File
 LINK = re.compile(r"(\]\()([^)#\s]+)(#[^)\s]*)?\)")
 IMAGE = re.compile(r"^(!\[[^]]*\]\(([^)]*)\))$", re.MULTILINE)
 LIST_ITEM = re.compile(r"(\*|-|\d+\.) ")
-PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
+PAGES = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"]
 
 
 def in_repository(page):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Every link between the pages leads to an existing file and, where it names one, an existing heading.
+# Every address is the maintainer's.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -18,7 +19,11 @@ complain() {
 while IFS= read -r page; do
   while IFS= read -r target; do
     case $target in
-    http:* | https:* | mailto:*) continue ;;
+    http:* | https:*) continue ;;
+    mailto:*)
+      grep '^Maintainer:' debian/control | grep -qF "<${target#mailto:}>" || complain "to nobody in debian/control"
+      continue
+      ;;
     esac
     count=$((count + 1))
     file=${target%%#*}
@@ -33,7 +38,7 @@ while IFS= read -r page; do
       complain "to a heading that is not there"
     fi
   done < <(grep -o '](\([^)]*\))' "$page" | sed 's/^](//; s/)$//')
-done < <(printf '%s\n' *.md; find docs -name '*.md')
+done < <(printf '%s\n' *.md changes/*.md; find docs -name '*.md')
 
 echo "$count links checked"
 [ "$count" -gt 0 ] && [ "$broken" = 0 ]
