@@ -64,12 +64,15 @@ public:
   }
 
   // The parts of an intervention.
-  void announce() { notify(spidar::kWriting); }
+  void announce() {
+    ++intervention_;
+    notify(spidar::kResting);
+  }
   void write(MockUnit &unit) {
     unit.use([&](emulator::Unit &u) { u.firmware().receive(rest_, emulator::Clock::now()); });
     ++delivered_;
   }
-  void finish() { notify(spidar::kLetGo); }
+  void finish() { notify(spidar::kHere); }
   /// Nothing of it was delivered, and the driver has put the motors at rest meanwhile.
   void give_up() { notify(spidar::kHere); }
   void intervene(MockUnit &unit, int packets = 1) {
@@ -98,11 +101,12 @@ private:
   }
 
   void notify(std::uint8_t kind, std::uint32_t value) {
-    const spidar::GuardianNotice notice{.kind = kind, .value = value};
+    const spidar::GuardianNotice notice{
+        .kind = kind, .intervention = intervention_, .value = value};
     send(control_, &notice, sizeof notice, MSG_NOSIGNAL);
   }
   void notify(std::uint8_t kind) {
-    writing_ = kind == spidar::kWriting;
+    resting_ = kind == spidar::kResting;
     notify(kind, delivered_);
   }
 
@@ -140,11 +144,11 @@ private:
   }
 
   void read_word() {
-    std::uint8_t word = 0;
-    if (recv(control_, &word, 1, 0) == 1) {
-      told_ = word;
+    spidar::GuardianWord word;
+    if (recv(control_, &word, sizeof word, 0) == sizeof word) {
+      told_ = word.state;
       heard_ = Clock::now();
-      notify(writing_ ? spidar::kWriting : spidar::kHere, delivered_);
+      notify(resting_ ? spidar::kResting : spidar::kHere, delivered_);
       return;
     }
     close(control_);
@@ -157,7 +161,8 @@ private:
   std::atomic<int> control_ = -1;
   std::atomic<bool> stopped_ = false;
   std::atomic<bool> quiet_ = false;
-  std::atomic<bool> writing_ = false;
+  std::atomic<bool> resting_ = false;
+  std::atomic<std::uint8_t> intervention_ = 0;
   std::atomic<int> told_ = -1;
   std::atomic<MockUnit *> guarded_ = nullptr;
   std::atomic<int> interventions_ = 0;
