@@ -126,7 +126,7 @@ bool GuardedMotors::hear() noexcept {
 
 /// Writes the rest packet until it was delivered, or the device is gone.
 void GuardedMotors::end_at_rest() noexcept {
-  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = kBetweenAttempts * 1'000'000};
+  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = kBetweenAttempts * 1'000'000L};
   const bool force = force_ || intervenes_;
   int delivered = 0;
   for (int attempt = 0; delivered < kWritesAtTheEnd; ++attempt) {

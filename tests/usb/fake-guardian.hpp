@@ -68,25 +68,27 @@ public:
   ~ThreadedGuardian() {
     thread_.request_stop();
     shutdown(socket_.get(), SHUT_RDWR);
+    shutdown(control_, SHUT_RDWR); // of a device that a failed test has left open
   }
   ThreadedGuardian(const ThreadedGuardian &) = delete;
   ThreadedGuardian &operator=(const ThreadedGuardian &) = delete;
 
 private:
-  void run(const std::stop_token &stop) const {
+  void run(const std::stop_token &stop) {
     take_priority_of_guardian();
     while (!stop.stop_requested()) {
-      const int control = accept(socket_.get(), nullptr, nullptr);
-      if (control < 0)
+      control_ = accept(socket_.get(), nullptr, nullptr);
+      if (control_ < 0)
         continue;
-      spidar::GuardedMotors motors(control, -1);
+      spidar::GuardedMotors motors(control_, -1);
       if (motors.receive_order())
         motors.guard();
-      close(control);
+      close(control_.exchange(-1));
     }
   }
 
   ServiceSocket socket_;
+  std::atomic<int> control_ = -1;
   std::jthread thread_;
 };
 

@@ -134,7 +134,9 @@ struct MockBus::Socket {
 
   /// A transfer that its thread waits for.
   Outcome bulk(const void *client, const usbdevfs_bulktransfer &transfer) {
-    usbdevfs_urb urb{};
+    usbdevfs_urb urb;
+    std::memset(&urb, 0, sizeof urb); // it ends with an array that has no size, so no braces
+    const auto is_ours = [wanted = &urb](const Flying &one) { return one.urb == wanted; };
     urb.endpoint = static_cast<unsigned char>(transfer.ep);
     urb.buffer = transfer.data;
     urb.buffer_length = static_cast<int>(transfer.len);
@@ -147,15 +149,11 @@ struct MockBus::Socket {
         submit(client, urb);
       }
       work();
-      const auto ours = std::find_if(landed.begin(), landed.end(),
-                                     [&](const Flying &one) { return one.urb == &urb; });
-      if (ours != landed.end()) {
-        landed.erase(ours);
+      if (std::erase_if(landed, is_ours) > 0)
         return urb.status != 0 ? Outcome{-urb.status} : Outcome{0, urb.actual_length};
-      }
       if (std::chrono::steady_clock::now() >= end) {
         discard(&urb);
-        std::erase_if(landed, [&](const Flying &one) { return one.urb == &urb; });
+        std::erase_if(landed, is_ours);
         return {ETIMEDOUT};
       }
     }
