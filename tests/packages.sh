@@ -16,6 +16,7 @@ test_packages=(
   clang-format
   clang-tidy
   shellcheck
+  spin # the model of the guardian's protocol
   afl++ # tests/fuzz/coverage.sh
   xvfb
   xauth # xvfb-run needs it

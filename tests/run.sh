@@ -280,6 +280,7 @@ check_demonstration() {
 run_referees() {
   check "No thread reads what another one writes" tests/referees/thread-sanitizer.sh || true
   check "The loop never allocates, locks or waits" tests/referees/real-time-sanitizer.sh || true
+  check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
   check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
   check "It builds with each option on and off" tests/referees/options.sh || true
 }

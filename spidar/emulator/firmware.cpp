@@ -53,6 +53,10 @@ void Firmware::report(const std::string &event, Time now) const {
     listener_(now, event, words_);
 }
 
+bool Firmware::takes_packets() const noexcept {
+  return !faults_.refuse_out && (faults_.most_unread == 0 || replies_.size() < faults_.most_unread);
+}
+
 void Firmware::receive(std::span<const std::uint8_t> packet, Time now) {
   if (faults_.watch)
     faults_.watch(packet);

@@ -54,6 +54,7 @@ constexpr std::uint16_t product_id(Model model) noexcept {
 /// Faults. A number counts down to 0; the others stay until they are changed.
 struct Faults {
   bool refuse_out = false;               ///< the OUT endpoint answers NAK: transfers wait
+  std::size_t most_unread = 0;           ///< takes no packet while so many replies wait; 0: any
   bool silent = false;                   ///< takes packets, never replies
   int stalled_replies = 0;               ///< this many replies halt the IN endpoint instead
   int short_replies = 0;                 ///< this many replies are cut to 7 bytes
@@ -78,6 +79,9 @@ public:
 
   /// No tension, random counters, no replies, no faults.
   void power_on(Time now);
+
+  /// Whether it takes a packet now.
+  bool takes_packets() const noexcept;
 
   /// Handles one packet of the host.
   void receive(std::span<const std::uint8_t> packet, Time now);

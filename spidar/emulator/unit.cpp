@@ -156,7 +156,7 @@ bool Unit::unlink(std::uint32_t sequence) {
 
 /// Gives the firmware the packets of the waiting transfers, if it takes any.
 void Unit::send_out(Time now, std::vector<Completion> &done) {
-  while (!waiting_out_.empty() && !firmware_.faults().refuse_out) {
+  while (!waiting_out_.empty() && firmware_.takes_packets()) {
     const Waiting transfer = std::move(waiting_out_.front());
     waiting_out_.pop_front();
     for (auto rest = std::span(transfer.data); !rest.empty();) {
@@ -188,6 +188,7 @@ void Unit::collect(Time now, std::vector<Completion> &done) {
                       std::move(transfer.data)});
       waiting_in_.pop_front();
     }
+    send_out(now, done); // there may be room for its reply now
   }
 }
 

@@ -61,6 +61,7 @@ row "tick: exchange, pose, law, safety chain, tensions; emulated usbfs" "p99 ≤
 row "of it our own part, without USB" "p99 ≤ 15 µs" "$(largest own-part-p99-us) µs" tick 15
 row "kill -9 at full force → minimum tension, slowest of 200" "≤ 5 ms" "$(largest kill-to-rest-ms) ms" guardian 5
 row "SIGSTOP → minimum tension, slowest of 200" "≤ 15 ms" "$(largest stop-to-rest-ms) ms" guardian 15
+row "stopped twice → minimum tension, slowest of 200" "≤ 15 ms" "$(largest double-stop-to-rest-ms) ms" guardian 15
 row "dead guardian noticed" "≤ 10 ms" "$(largest dead-guardian-noticed-ms) ms" guardian 10
 row "guardian stopped → minimum tension, slowest of 400" "≤ 10 ms" "$(largest stopped-guardian-to-rest-ms) ms" guarded 10
 row "cgroup killed → minimum tension" "≤ 5 ms" "$(largest cgroup-kill-to-rest-ms) ms" group 5

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The user's guardian service, played by the test: it does what the test says, when it says it.
-// The real one could not write to a device on MockBus, which only this process sees.
+// The user's guardian service in the test's process, since only this process sees a device on
+// MockBus: as it is, or played by the test, which says what it does and when.
 #pragma once
 
-#include "guard/guardian-protocol.hpp"
+#include "guarded-motors.hpp"
 #include "mock-unit.hpp"
 
 #include <atomic>
@@ -21,9 +21,10 @@
 
 namespace test {
 
-class FakeGuardian {
+/// The socket of the user's guardian service, in a folder of its own.
+class ServiceSocket {
 public:
-  FakeGuardian() {
+  ServiceSocket() {
     std::string folder = "/tmp/fake-guardian-XXXXXX";
     folder_ = mkdtemp(folder.data());
     if (const char *helper = std::getenv("SPIDAR_GUARDIAN"))
@@ -36,15 +37,64 @@ public:
     listener_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr *>(&address), sizeof address), 0);
     EXPECT_EQ(listen(listener_, 1), 0);
-    thread_ = std::jthread([this](const std::stop_token &stop) { run(stop); });
   }
-  ~FakeGuardian() {
-    thread_ = {};
+  ~ServiceSocket() {
     close(listener_);
     std::filesystem::remove_all(folder_);
     unsetenv("XDG_RUNTIME_DIR");
     setenv("SPIDAR_GUARDIAN", helper_.c_str(), 1);
   }
+  ServiceSocket(const ServiceSocket &) = delete;
+  ServiceSocket &operator=(const ServiceSocket &) = delete;
+
+  int get() const noexcept { return listener_; }
+
+private:
+  std::string folder_;
+  std::string helper_;
+  int listener_ = -1;
+};
+
+/// As the real one has, where it is allowed.
+inline void take_priority_of_guardian() {
+  const sched_param priority{.sched_priority = 51};
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+}
+
+/// What the real guardian does, in a thread of this process: it can write to a device on MockBus.
+class ThreadedGuardian {
+public:
+  ThreadedGuardian() : thread_([this](const std::stop_token &stop) { run(stop); }) {}
+  ~ThreadedGuardian() {
+    thread_.request_stop();
+    shutdown(socket_.get(), SHUT_RDWR);
+    shutdown(control_, SHUT_RDWR); // of a device that a failed test has left open
+  }
+  ThreadedGuardian(const ThreadedGuardian &) = delete;
+  ThreadedGuardian &operator=(const ThreadedGuardian &) = delete;
+
+private:
+  void run(const std::stop_token &stop) {
+    take_priority_of_guardian();
+    while (!stop.stop_requested()) {
+      control_ = accept(socket_.get(), nullptr, nullptr);
+      if (control_ < 0)
+        continue;
+      spidar::GuardedMotors motors(control_, -1);
+      if (motors.receive_order())
+        motors.guard();
+      close(control_.exchange(-1));
+    }
+  }
+
+  ServiceSocket socket_;
+  std::atomic<int> control_ = -1;
+  std::jthread thread_;
+};
+
+class FakeGuardian {
+public:
+  FakeGuardian() : thread_([this](const std::stop_token &stop) { run(stop); }) {}
   FakeGuardian(const FakeGuardian &) = delete;
   FakeGuardian &operator=(const FakeGuardian &) = delete;
 
@@ -64,12 +114,15 @@ public:
   }
 
   // The parts of an intervention.
-  void announce() { notify(spidar::kWriting); }
+  void announce() {
+    ++intervention_;
+    notify(spidar::kResting);
+  }
   void write(MockUnit &unit) {
     unit.use([&](emulator::Unit &u) { u.firmware().receive(rest_, emulator::Clock::now()); });
     ++delivered_;
   }
-  void finish() { notify(spidar::kLetGo); }
+  void finish() { notify(spidar::kHere); }
   /// Nothing of it was delivered, and the driver has put the motors at rest meanwhile.
   void give_up() { notify(spidar::kHere); }
   void intervene(MockUnit &unit, int packets = 1) {
@@ -98,11 +151,12 @@ private:
   }
 
   void notify(std::uint8_t kind, std::uint32_t value) {
-    const spidar::GuardianNotice notice{.kind = kind, .value = value};
+    const spidar::GuardianNotice notice{
+        .kind = kind, .intervention = intervention_, .value = value};
     send(control_, &notice, sizeof notice, MSG_NOSIGNAL);
   }
   void notify(std::uint8_t kind) {
-    writing_ = kind == spidar::kWriting;
+    resting_ = kind == spidar::kResting;
     notify(kind, delivered_);
   }
 
@@ -112,11 +166,10 @@ private:
   }
 
   void run(const std::stop_token &stop) {
-    const sched_param priority{.sched_priority = 51}; // as the real one, where it is allowed
-    pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+    take_priority_of_guardian();
     while (!stop.stop_requested()) {
       quiet_ = stopped_.load();
-      if (control_ < 0 ? !readable(listener_) : quiet_ || !readable(control_)) {
+      if (control_ < 0 ? !readable(socket_.get()) : quiet_ || !readable(control_)) {
         intervene_after_silence();
         std::this_thread::sleep_for(std::chrono::microseconds(100));
       } else if (control_ < 0)
@@ -130,7 +183,7 @@ private:
 
   void accept_process() {
     delivered_ = 0;
-    const int control = accept(listener_, nullptr, nullptr);
+    const int control = accept(socket_.get(), nullptr, nullptr);
     std::array<std::uint8_t, 600> order{};
     const ssize_t size = recv(control, order.data(), order.size(), 0);
     const auto *begin = order.data() + sizeof(spidar::GuardianOrder);
@@ -140,24 +193,23 @@ private:
   }
 
   void read_word() {
-    std::uint8_t word = 0;
-    if (recv(control_, &word, 1, 0) == 1) {
-      told_ = word;
+    spidar::GuardianWord word;
+    if (recv(control_, &word, sizeof word, 0) == sizeof word) {
+      told_ = word.state;
       heard_ = Clock::now();
-      notify(writing_ ? spidar::kWriting : spidar::kHere, delivered_);
+      notify(resting_ ? spidar::kResting : spidar::kHere, delivered_);
       return;
     }
     close(control_);
     control_ = -1;
   }
 
-  std::string folder_;
-  std::string helper_;
-  int listener_ = -1;
+  ServiceSocket socket_;
   std::atomic<int> control_ = -1;
   std::atomic<bool> stopped_ = false;
   std::atomic<bool> quiet_ = false;
-  std::atomic<bool> writing_ = false;
+  std::atomic<bool> resting_ = false;
+  std::atomic<std::uint8_t> intervention_ = 0;
   std::atomic<int> told_ = -1;
   std::atomic<MockUnit *> guarded_ = nullptr;
   std::atomic<int> interventions_ = 0;

@@ -302,4 +302,96 @@ TEST_P(Stamped, PacketsOfTheGuardianLeaveNoReplyBehind) {
   }
 }
 
+/// The real guardian, and a process that stands still before a system call of an exchange.
+class Stopped : public DirectlyOnBusOf {
+protected:
+  static constexpr int kCalls = 9; // an exchange makes eight, with an SH4 six
+
+  void SetUp() override {
+    DirectlyOnBusOf::SetUp();
+    if (IsSkipped())
+      return;
+    allow_exchanges(2ms); // the guardian waits 10 ms
+    plug(GetParam(), 4);
+    if (GetParam() == Model::sh4)
+      unit_->faults([](Faults &faults) { faults.most_unread = 4; });
+    guardian_ = std::make_unique<ThreadedGuardian>();
+    bus_->before_ioctl = [this] {
+      if (std::this_thread::get_id() != process_)
+        return;
+      if (call_ == first_)
+        stand_still(GetParam() == Model::sh4 ? 30ms : 0ms); // more rests than room for replies
+      if (call_ == second_)
+        stand_still(0ms);
+      ++call_;
+    };
+    controller_ = spidar::open_usb("4");
+    controller_->guard(kRestWords);
+  }
+  void TearDown() override {
+    controller_.reset();
+    guardian_.reset();
+    DirectlyOnBusOf::TearDown();
+  }
+
+  /// Returns when the motors have been at rest for `time`.
+  void stand_still(std::chrono::milliseconds time) {
+    const auto begin = Clock::now();
+    while (unit_->words() != kRestWords && Clock::now() - begin < 1s)
+      std::this_thread::sleep_for(100us);
+    slowest_ = std::max(slowest_, milliseconds(Clock::now() - begin));
+    EXPECT_EQ(unit_->words(), kRestWords) << "stopped before calls " << first_ << ", " << second_;
+    std::this_thread::sleep_for(time);
+  }
+
+  /// Full force until a number of exchanges in a row were answered and the motors have it.
+  bool pulls() {
+    for (int ticks = 0, answered = 0; ticks < 1000; ++ticks) {
+      std::this_thread::sleep_for(1ms);
+      answered = controller_->exchange(kForceWords, counts_) ? answered + 1 : 0;
+      if (answered >= 5 && unit_->words() == kForceWords)
+        return true;
+    }
+    return false;
+  }
+
+  std::unique_ptr<ThreadedGuardian> guardian_;
+  std::unique_ptr<spidar::Controller> controller_;
+  Counts counts_{};
+  std::thread::id process_ = std::this_thread::get_id();
+  int call_ = 0;
+  int first_ = -1;
+  int second_ = -1;
+  double slowest_ = 0; ///< ms
+};
+INSTANTIATE_TEST_SUITE_P(Both, Stopped, ::testing::Values(Model::simple, Model::sh4),
+                         name_of_model);
+
+TEST_P(Stopped, TwiceBeforeAnyTwoCallsOfAnExchangeItLeavesNoForce) {
+  for (int first = 0; first < kCalls && !HasFailure(); ++first)
+    for (int second = first + 1; second <= first + kCalls; ++second) {
+      first_ = second_ = -1;
+      ASSERT_TRUE(pulls()) << first << ", " << second;
+      const AsTheLoop priority;
+      call_ = 0;
+      first_ = first;
+      second_ = second;
+      while (call_ <= second)
+        controller_->exchange(kForceWords, counts_);
+    }
+  report("stopped-at-a-call-to-rest-ms", slowest_);
+}
+
+TEST_P(Stopped, RepliesThatNobodyReadsDoNotStopTheGuardian) {
+  ASSERT_TRUE(pulls());
+  std::atomic<int> rests = 0;
+  unit_->faults([&](Faults &faults) { faults.watch = [&](const auto &) { ++rests; }; });
+  const auto begin = Clock::now();
+  while (rests < 20 && Clock::now() - begin < 10s)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_GE(rests, 20);
+  unit_->faults([](Faults &faults) { faults.watch = nullptr; });
+  EXPECT_TRUE(pulls()) << "its count of the replies is right";
+}
+
 } // namespace

@@ -12,6 +12,7 @@
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <thread>
 #include <utility>
 
 namespace test {
@@ -131,6 +132,33 @@ struct MockBus::Socket {
     return static_cast<int>(done.front().actual);
   }
 
+  /// A transfer that its thread waits for.
+  Outcome bulk(const void *client, const usbdevfs_bulktransfer &transfer) {
+    usbdevfs_urb urb;
+    std::memset(&urb, 0, sizeof urb); // it ends with an array that has no size, so no braces
+    const auto is_ours = [wanted = &urb](const Flying &one) { return one.urb == wanted; };
+    urb.endpoint = static_cast<unsigned char>(transfer.ep);
+    urb.buffer = transfer.data;
+    urb.buffer_length = static_cast<int>(transfer.len);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(transfer.timeout);
+    for (bool submitted = false;; std::this_thread::sleep_for(std::chrono::microseconds(50))) {
+      const std::lock_guard lock(mutex);
+      if (!std::exchange(submitted, true)) {
+        if (!here)
+          return {ENODEV};
+        submit(client, urb);
+      }
+      work();
+      if (std::erase_if(landed, is_ours) > 0)
+        return urb.status != 0 ? Outcome{-urb.status} : Outcome{0, urb.actual_length};
+      if (std::chrono::steady_clock::now() >= end) {
+        discard(&urb);
+        std::erase_if(landed, is_ours);
+        return {ETIMEDOUT};
+      }
+    }
+  }
+
   Outcome reap(const void *client, void *argument) {
     work();
     const auto ours = std::find_if(landed.begin(), landed.end(),
@@ -186,6 +214,8 @@ struct MockBus::Socket {
 
   /// `client` tells those who have the device open apart.
   Outcome handle(const void *client, unsigned long request, void *argument) {
+    if (request == USBDEVFS_BULK)
+      return bulk(client, as<usbdevfs_bulktransfer>(argument));
     const std::lock_guard lock(mutex);
     if (request == USBDEVFS_REAPURBNDELAY || request == USBDEVFS_REAPURB)
       return reap(client, argument);
@@ -262,6 +292,8 @@ std::optional<int> MockBus::ioctl(int descriptor, unsigned long request, void *a
   }
   if (!wanted)
     return std::nullopt;
+  if (before_ioctl)
+    before_ioctl();
   const auto *client = reinterpret_cast<const void *>(static_cast<std::intptr_t>(descriptor));
   const Outcome outcome = wanted->handle(client, request, argument);
   errno = outcome.error ? outcome.error : errno;

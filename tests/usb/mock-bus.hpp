@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,6 +40,10 @@ public:
   /// Answers an ioctl() of this process as usbfs would, without the two context switches that
   /// umockdev needs. Returns nothing for a descriptor that is not on this bus.
   std::optional<int> ioctl(int descriptor, unsigned long request, void *argument);
+
+  /// Called before each ioctl() that a program makes here itself, in its thread: there it may stand
+  /// still. Set it while nobody makes any.
+  std::function<void()> before_ioctl;
 
   std::atomic<int> resets = 0;
   std::atomic<int> halts_cleared = 0;

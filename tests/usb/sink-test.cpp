@@ -201,6 +201,43 @@ TEST_F(Sink, InReadyTheMotorsAreAtRestWhereverTheGripIsAndTheGuardianKnows) {
   test::report("ready-faults", static_cast<double>(faults)); // ticks may have been late
 }
 
+// A faulted loop asks the device ten times a second, and says nothing to the guardian between.
+TEST_F(Sink, OffTheCentreAFaultedLoopLeavesTheMotorsAtRestWithoutTheGuardian) {
+  const test::ThreadedGuardian guardian;
+  plug();
+  build("device=usb:6 sync=false");
+  set(GST_STATE_READY);
+  const spidar::DacWords rest = unit_->words();
+  unit_->move_hand({0.8, -0.6, 0.5});
+  set(GST_STATE_PAUSED);
+  ASSERT_TRUE(eventually([&] { return highest(unit_->words()) > highest(rest) + 1; }));
+  const std::uint64_t before = count("faults");
+  unit_->faults([](test::Faults &faults) { faults.silent = true; });
+  ASSERT_TRUE(eventually([&] { return count("faults") > before; }));
+  unit_->faults([](test::Faults &faults) { faults.silent = false; });
+  ASSERT_TRUE(eventually([&] { return unit_->words() == rest; }));
+  std::atomic<int> packets = 0;
+  std::atomic<int> flips = 0;
+  unit_->faults([&](test::Faults &faults) {
+    faults.watch = [&](std::span<const std::uint8_t> packet) {
+      if (packet[0] != 0x52) // sets the motors
+        return;
+      ++packets;
+      for (std::size_t i = 0; i < rest.size(); ++i)
+        if ((packet[1 + 2 * i] | packet[2 + 2 * i] << 8) != rest[i]) {
+          ++flips;
+          return;
+        }
+    };
+  });
+  std::this_thread::sleep_for(1s);
+  unit_->faults([](test::Faults &faults) { faults.watch = nullptr; });
+  EXPECT_EQ(flips, 0) << "words that are more than minimum tension";
+  EXPECT_GE(packets, 5) << "the loop still asks";
+  EXPECT_LE(packets, 11) << "one each 0.1 s: the guardian adds none";
+  stop();
+}
+
 TEST_F(Sink, ItsEndLeavesMinimumTension) {
   plug();
   play("usb");

@@ -262,6 +262,8 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (faulted && now < run_.retry_at)
     return;
   run_.retry_at = now + kRetryFaultedDevice;
+  if (faulted) // not a force of zero, which needs a tick every few milliseconds
+    device->rest();
   const bool answered = device->exchange(now);
   const bool gone = !answered && !device->connected();
   if (answered) {
@@ -271,7 +273,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
     if (!faulted) {
       hold(kHoldFaulted);
       add<std::uint64_t>(run_.statistics.device_faults);
-      run_.retry_at = 0; // sends a force of zero, which it may accept even if it does not answer
+      run_.retry_at = 0; // puts it at rest, which it may accept even if it does not answer
     }
   }
   if (device->state().interrupted) {

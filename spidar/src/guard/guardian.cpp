@@ -2,7 +2,6 @@
 #include "guard/guardian.hpp"
 
 #include "fail.hpp"
-#include "guard/guardian-protocol.hpp"
 
 #include <cerrno>
 #include <cstdlib>
@@ -80,10 +79,12 @@ bool guardian_service_wanted() {
 }
 
 Guardian::Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
-                   std::chrono::milliseconds patience, bool use_service) {
+                   std::chrono::milliseconds patience, bool use_service,
+                   unsigned char reply_endpoint) {
   static_assert(kPatience.count() == kGuardianPatience);
   const GuardianOrder head{.endpoint = endpoint,
-                           .patience = static_cast<std::uint16_t>(patience.count())};
+                           .patience = static_cast<std::uint16_t>(patience.count()),
+                           .reply_endpoint = reply_endpoint};
   std::array<std::uint8_t, sizeof head + kLargestGuardedPacket> bytes{};
   std::memcpy(bytes.data(), &head, sizeof head);
   std::memcpy(bytes.data() + sizeof head, packet.data(), packet.size());
@@ -204,30 +205,35 @@ void Guardian::read_notices() noexcept {
     if (size != sizeof notice)
       return;
     unanswered_ = 0;
-    writing_ = notice.kind == kWriting;
-    let_go_ = let_go_ || notice.kind == kLetGo;
-    delivered_ += notice.value - std::exchange(delivered_before_, notice.value);
+    intervenes_ = notice.kind == kResting;
+    intervention_ = notice.intervention;
+    const std::uint32_t delivered = notice.value - std::exchange(delivered_before_, notice.value);
+    let_go_ = let_go_ || delivered != 0;
+    delivered_ += delivered;
+    replies_ += notice.replies - std::exchange(replies_before_, notice.replies);
   }
 }
 
 Guardian::Watch Guardian::watch(bool force, Clock::time_point now) noexcept {
   read_notices();
-  if (!dead_ && (force != force_ || now - last_word_ >= kBetweenWords)) {
-    const std::uint8_t state = force ? kForce : kRest;
-    const bool sent = send(socket_.get(), &state, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
-    if (!sent && (errno == EPIPE || errno == ECONNRESET))
+  const GuardianWord word{.state = force ? kForce : kRest, .intervention = intervention_};
+  const bool news = word.state != told_.state || word.intervention != told_.intervention;
+  if (!dead_ && (news || unsent_ || now - last_word_ >= kBetweenWords)) {
+    unsent_ = send(socket_.get(), &word, sizeof word, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof word;
+    if (unsent_ && (errno == EPIPE || errno == ECONNRESET))
       dead_ = true;
-    // One that reads no more fills its socket: that is no answer either.
+    if (!unsent_)
+      told_ = word;
     if (unanswered_++ == 0)
       first_unanswered_ = now;
     last_word_ = now;
-    force_ = sent ? force : !force;
   }
   if (dead_)
     return Watch::dead;
   // Several, so that a process that stood still itself reads the answer before it judges.
   const bool silent = unanswered_ >= kMostUnanswered && now - first_unanswered_ >= kAnswerTime;
-  return silent ? Watch::silent : Watch::kept;
+  // It would not expect a force that it was not told of.
+  return silent || unsent_ ? Watch::silent : Watch::kept;
 }
 
 } // namespace spidar

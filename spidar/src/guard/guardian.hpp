@@ -2,11 +2,13 @@
 // The process that puts the motors at rest if this process dies or hangs.
 //
 // It holds a duplicate of the device's file descriptor, so that the claim outlives this process,
-// and a socket: a message there shows that this process lives, its end that it has died. The
-// guardian answers each, so that one that was stopped is noticed too.
+// and a socket: a word there shows that this process lives, its end that it has died. The guardian
+// answers each, so that one that was stopped is noticed too. guardian-protocol.hpp has the
+// messages.
 #pragma once
 
 #include "guard/file-descriptor.hpp"
+#include "guard/guardian-protocol.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -29,11 +31,12 @@ public:
   static constexpr auto kPatience = std::chrono::milliseconds(10);
 
   /// `device` is a descriptor of usbfs, or a datagram socket that stands for one; `packet`, written
-  /// to `endpoint`, puts the motors at rest. Returns once the guardian watches: the user's service
-  /// if there is one, else a helper program. Throws Error (io).
+  /// to `endpoint`, puts the motors at rest. If the controller replies to it, the replies come at
+  /// `reply_endpoint`. Returns once the guardian watches: the user's service if there is one, else
+  /// a helper program. Throws Error (io).
   Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
            std::chrono::milliseconds patience = kPatience,
-           bool use_service = guardian_service_wanted());
+           bool use_service = guardian_service_wanted(), unsigned char reply_endpoint = 0);
   /// Lets the guardian put the motors at rest and end, and waits for it: it shares the claim.
   ~Guardian();
   Guardian(const Guardian &) = delete;
@@ -41,7 +44,7 @@ public:
 
   enum class Watch {
     kept,   ///< it watches
-    silent, ///< it has not answered for some milliseconds, and may again
+    silent, ///< it has not answered for some milliseconds or reads nothing, and may again
     dead
   };
 
@@ -57,8 +60,12 @@ public:
   /// Rest packets of the guardian that were delivered since the call before.
   int delivered() noexcept { return static_cast<int>(std::exchange(delivered_, 0)); }
 
-  /// Whether the guardian is writing to the device now, or tries to.
-  bool writing() const noexcept { return writing_; }
+  /// Replies of the controller that the guardian has read since the call before.
+  int replies_read() noexcept { return static_cast<int>(std::exchange(replies_, 0)); }
+
+  /// Whether the guardian intervenes: it writes to the device, or tries to, until it has heard that
+  /// this process knows.
+  bool intervenes() const noexcept { return intervenes_; }
 
   int process() const noexcept { return process_; }
 
@@ -76,14 +83,18 @@ private:
   FileDescriptor socket_;
   Clock::time_point last_word_{};
   Clock::time_point first_unanswered_{};
-  int unanswered_ = 0; ///< signs of life
+  int unanswered_ = 0; ///< words
   std::uint32_t delivered_before_ = 0;
   std::uint32_t delivered_ = 0;
+  std::uint32_t replies_before_ = 0;
+  std::uint32_t replies_ = 0;
   int process_ = 0;
   std::string remark_;
-  bool force_ = false;
+  std::uint8_t intervention_ = 0; ///< the newest that it has told
+  GuardianWord told_;             ///< the newest word
+  bool unsent_ = false;           ///< the word after that did not fit into the socket
   bool let_go_ = false;
-  bool writing_ = false;
+  bool intervenes_ = false;
   bool dead_ = false;
 };
 

@@ -109,7 +109,8 @@ public:
     link_->set_rest({packet, Protocol::kRepliesToMotors});
     guardian_.reset();
     guardian_.emplace(link_->file_descriptor(), kEndpointOut, packet,
-                      exchange_timeout_ + kBetweenExchanges);
+                      exchange_timeout_ + kBetweenExchanges, guardian_service_wanted(),
+                      Protocol::kRepliesToMotors > 0 ? kEndpointIn : 0);
   }
 
   bool exchange(const DacWords &words, Counts &counts) noexcept override {
@@ -118,7 +119,7 @@ public:
     force_ = force_ || is_force(words, rest_);
     // Words of before the guardian put the motors at rest are too old.
     const DacWords &sent = ask_guardian(now) ? words : rest_;
-    const bool shared = guardian_ && guardian_->writing();
+    const bool shared = guardian_ && guardian_->intervenes();
     const auto reply = Protocol::exchange(*link_, sent, now + exchange_timeout_);
     note_delivery(sent);
     ask_guardian(Clock::now());
@@ -157,12 +158,13 @@ private:
     const Guardian::Watch watch = guardian_->watch(force_, now);
     unguarded_ = watch == Guardian::Watch::dead;
     const bool let_go = guardian_->let_go();
-    const bool prevents = watch == Guardian::Watch::silent || guardian_->writing();
+    const bool prevents = watch == Guardian::Watch::silent || guardian_->intervenes();
     const bool changed = prevents != std::exchange(prevents_, prevents);
     interrupted_ = interrupted_ || let_go || changed;
-    link_->expect_replies(guardian_->delivered() * Protocol::kRepliesToMotors);
-    link_->set_shared(guardian_->writing());
-    guardian_wrote_ = let_go || guardian_->writing();
+    link_->expect_replies(guardian_->delivered() * Protocol::kRepliesToMotors -
+                          guardian_->replies_read());
+    link_->set_shared(guardian_->intervenes());
+    guardian_wrote_ = let_go || guardian_->intervenes();
     return watch == Guardian::Watch::kept && !guardian_wrote_ && !changed;
   }
 

@@ -93,7 +93,8 @@ public:
   /// Whether `first` of the last exchange went out.
   bool first_went_out() const noexcept { return first_went_out_; }
 
-  /// Another program with this device open has sent packets that get this many replies.
+  /// Another program with this device open has sent packets that get this many replies, less those
+  /// that it has read itself.
   void expect_replies(int replies) noexcept { owed_ += replies; }
 
   /// Whether that program may be sending, so that a reply to it may come before expect_replies().

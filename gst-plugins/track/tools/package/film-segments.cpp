@@ -18,8 +18,6 @@ constexpr std::int64_t kWanted = 4 * kSecond;
 constexpr std::int64_t kLongest = 6 * kSecond;
 // The frames of a segment are in memory.
 constexpr std::int64_t kMost = 60 * kSecond;
-// Of frame and field in two copies of one film: transport streams and Matroska round times.
-constexpr std::int64_t kSameTime = kSecond / 1000;
 constexpr std::int64_t kFrame = kSecond / 25; // of a film of one frame
 
 struct PlannedFrame {

@@ -13,6 +13,9 @@
 
 namespace haptic {
 
+/// ns, by which two copies of one film differ: transport streams and Matroska round times.
+constexpr std::int64_t kSameTime = 1'000'000;
+
 /// Returns ns as ticks of 90 kHz, the clock of transport streams, rounded.
 constexpr std::int64_t ticks_of(std::int64_t ns) {
   return (ns * 9 + (ns < 0 ? -50'000 : 50'000)) / 100'000;

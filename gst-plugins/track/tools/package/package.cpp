@@ -29,7 +29,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kLongSegment = 6'000'000'000; // ns
 constexpr double kSameAspect = 0.02;                 // sizes are rounded to even numbers
-constexpr std::int64_t kSameTime = 1'000'000;        // ns
 constexpr char kPlaylist[] = "film.m3u8";            // of a bit rate
 constexpr char kPoster[] = "poster.jpg";
 constexpr char kHead[] = "head.mp4";
