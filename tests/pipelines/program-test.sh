@@ -467,8 +467,8 @@ if [ "${1:-}" = more ]; then
   cat "$work/said"
 
   /usr/bin/python3 -c 'import gi
-  gi.require_version("Atspi", "2.0")
-  gi.require_version("Gtk", "3.0")' 2>/dev/null || skip "Python has no Atspi and Gtk (packages gir1.2-atspi-2.0, gir1.2-gtk-3.0)"
+gi.require_version("Atspi", "2.0")
+gi.require_version("Gtk", "3.0")' 2>/dev/null || skip "Python has no Atspi and Gtk (packages gir1.2-atspi-2.0, gir1.2-gtk-3.0)"
   unset NO_AT_BRIDGE
   promise "every control has a name for screen readers, and a film can be dropped on the window" \
     in_window_system dbus-run-session -- "$0" names "$program" "$work/clip.mkv" "$work"
