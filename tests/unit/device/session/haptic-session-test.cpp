@@ -2,8 +2,8 @@
 // The session with a device that fails and comes back. The clock is driven by hand.
 #include "session/haptic-session.hpp"
 
-#include "glue/messages.hpp"
 #include "loop-fixture.hpp"
+#include "messages.hpp"
 #include "other-threads.hpp"
 #include "virtual-clock.hpp"
 

@@ -4,7 +4,7 @@
 #include "system/system-services.hpp"
 
 #include "eventually.hpp"
-#include "glue/messages.hpp"
+#include "messages.hpp"
 #include "session/haptic-session.hpp"
 #include "system/dbus.hpp"
 
