@@ -126,9 +126,9 @@ int change(const spidar::Counts &from, const spidar::Counts &to) {
 
 // ---- The guardian
 
-constexpr const char *kHangs = "the program hangs under a force";
+constexpr const char *kHangs = "the program hangs or is stopped under a force";
 constexpr const char *kInStep = "a reply belongs to the exchange that asked for it";
-constexpr const char *kGuardianHangs = "the guardian hangs";
+constexpr const char *kGuardianHangs = "the guardian hangs, or takes no more words";
 constexpr const char *kGuardianDies = "the guardian is killed";
 constexpr const char *kNotOurs = "there is no guardian that this program may signal: it is a user "
                                  "service, or the device needs none";

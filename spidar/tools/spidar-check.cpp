@@ -94,6 +94,8 @@ void list_others(const Report &report) {
                 {"release", kOfSink},
                 {"three exchanges fail", kFault},
                 {"a string slips, counts jump", kFault},
+                {"the program is stopped again before it knows",
+                 "needs a stop at a given instant; the tests of the guardian make it"},
                 {"the device takes no data", kFault},
                 {"the machine goes to sleep", kOfSink},
                 {"with dead-man=button it is released", kOfSink},
@@ -105,8 +107,8 @@ void list_without_force(const Report &report, const char *why) {
   list(report, {{"the force is the commanded one", why},
                 {"the tension of each string", why},
                 {"a number that is not finite counts as zero", why},
-                {"the program hangs under a force", why},
-                {"the guardian hangs", why},
+                {"the program hangs or is stopped under a force", why},
+                {"the guardian hangs, or takes no more words", why},
                 {"the guardian is killed", why},
                 {"the program is killed or crashes", why},
                 {"program and guardian are killed together", why}});
@@ -178,8 +180,8 @@ void check_all(const Settings &settings, Output &output, const Report &report) {
   if (settings.simulated()) {
     list(report, {{"the USB cable is pulled", kNone}});
     if (session.pulled) // else these are listed already
-      list(report, {{"the program hangs under a force", kNone},
-                    {"the guardian hangs", kNone},
+      list(report, {{"the program hangs or is stopped under a force", kNone},
+                    {"the guardian hangs, or takes no more words", kNone},
                     {"the guardian is killed", kNone},
                     {"the program is killed or crashes", kNone},
                     {"program and guardian are killed together", kNone}});

@@ -12,7 +12,7 @@ refuses() {
     echo "NOT OK: $script $* succeeded"
     exit 1
   fi
-  if [ "$(wc -l <"$work/stderr")" != 1 ] || ! grep -qE "^$script: .*$pattern" "$work/stderr"; then
+  if [ "$(wc -l <"$work/stderr")" != 1 ] || ! grep -qE "^${script##*/}: .*$pattern" "$work/stderr"; then
     echo "NOT OK: $script $* said:"
     cat "$work/stderr"
     exit 1
@@ -65,8 +65,8 @@ refuses "from 0.01 to 100" playback-speed.sh --speed 0 "$work/clip.mkv"
 refuses "is empty" record.sh "$work/empty.mp4" "$work/never.ts"
 refuses "still picture" record.sh "$work/still.jpg" "$work/never.ts"
 promise "a recording that never began leaves no file" test ! -e "$work/never.ts"
-refuses "is empty" moving-picture.sh "$work/empty.mp4" "$work/never.webp"
-refuses "not a video" moving-picture.sh "$work/noise.avi" "$work/never.webp"
+refuses "is empty" paper/moving-picture.sh "$work/empty.mp4" "$work/never.webp"
+refuses "not a video" paper/moving-picture.sh "$work/noise.avi" "$work/never.webp"
 promise "nor does an animation" test ! -e "$work/never.webp"
 refuses "unknown option '--bogus'" send.sh --bogus
 refuses "which video" record.sh
@@ -124,7 +124,7 @@ refuses "no display" mouse.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast author/parallel view moving-picture paper touch-depth touch-colour; do
+for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast batch/parallel view paper/moving-picture paper/paper touch-depth touch-colour; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"
