@@ -265,7 +265,7 @@ check_style() {
 
 check_scripts() {
   find changes pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
-    xargs -0 shellcheck -x -P SCRIPTDIR:.
+    xargs -0 -n 8 -P "$(nproc)" shellcheck -x -P SCRIPTDIR:.
 }
 
 # In a copy without a build folder; the moving picture of the README too.
