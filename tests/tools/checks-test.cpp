@@ -166,7 +166,8 @@ TEST(Checks, AGoodDeviceKeepsEveryPromise) {
        {"the device answers", "the pose is known", "the force is the commanded one",
         "the grip goes where the force points", "a number that is not finite counts as zero",
         "the tension of each string is within the limits of the geometry",
-        "the program hangs or is stopped under a force", "a reply belongs to the exchange that asked for it",
+        "the program hangs or is stopped under a force",
+        "a reply belongs to the exchange that asked for it",
         "the guardian hangs, or takes no more words", "the guardian is killed"})
     checked.expect_pass(promise);
 }
@@ -255,7 +256,8 @@ TEST(Checks, AMachineThatCannotKeepAForceIsNotTested) {
   Checked checked({.rests = 500us}); // within every tick
   check_hang(checked.unit(), kForce, checked.report());
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
-  checked.expect("the program hangs or is stopped under a force", Verdict::not_testable, "too late");
+  checked.expect("the program hangs or is stopped under a force", Verdict::not_testable,
+                 "too late");
   checked.expect("the guardian hangs, or takes no more words", Verdict::not_testable, "too late");
 }
 
@@ -306,7 +308,8 @@ TEST(Checks, AGuardianOfAnotherProgramIsLeftAlone) {
   const SignalGuardian none = [](int) { return false; };
   check_guardian_hangs(checked.unit(), kForce, none, checked.report());
   check_guardian_dies(checked.unit(), kForce, none, checked.report());
-  checked.expect("the guardian hangs, or takes no more words", Verdict::not_testable, "user service");
+  checked.expect("the guardian hangs, or takes no more words", Verdict::not_testable,
+                 "user service");
   checked.expect("the guardian is killed", Verdict::not_testable, "user service");
 }
 
