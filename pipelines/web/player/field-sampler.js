@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The motion of a field under the hand, as gst-plugins/device/field-sampler.cpp and region-size.cpp compute it.
+// The motion of a field under the hand, as gst-plugins/common/samples/field-sampler.cpp and region-size.cpp compute it.
 
 const REFERENCE_WIDTH = 352; // px, the paper's frame
 const REGION = 30; // px there
