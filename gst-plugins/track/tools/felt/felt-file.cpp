@@ -12,7 +12,6 @@
 namespace haptic {
 namespace {
 
-constexpr double kPathStep = 0.01;        // s, between motions under a hand that moves
 constexpr double kLongest = 4 * 3600 + 1; // s
 
 // Keeps the times rising.

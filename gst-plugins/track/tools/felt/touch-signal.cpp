@@ -10,8 +10,6 @@
 namespace haptic {
 namespace {
 
-constexpr double kPathStep = 0.01; // s
-
 SurfacePoint point_at(const ReliefField &relief, double x, double y) {
   ReliefSums sums;
   sums.add(relief, x, y, 1);

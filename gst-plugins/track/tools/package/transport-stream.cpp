@@ -7,7 +7,7 @@
 namespace haptic {
 namespace {
 
-constexpr std::size_t kHead = 4;
+constexpr std::size_t kPacketHead = 4;
 constexpr std::uint8_t kSync = 0x47;
 constexpr std::uint8_t kFill = 0xFF;
 // Of the first frame: decoding times and the clock, which runs ahead of them, stay positive.
@@ -132,7 +132,7 @@ void TransportStreamWriter::put_tables() {
 void TransportStreamWriter::put_table(unsigned number, std::vector<std::uint8_t> section) {
   put_number(section, check_of(section), 4);
   section.insert(section.begin(), 0); // it begins at once
-  section.resize(kPacket - kHead, kFill);
+  section.resize(kPacket - kPacketHead, kFill);
   put_packets(tables_.at(number), section, {});
 }
 
@@ -164,7 +164,8 @@ void TransportStreamWriter::put_packets(Stream &stream, Bytes unit, Clock clock)
       put_number(adaptation, static_cast<std::uint64_t>(clock.reference & kTimeMask) << 15 | 0x7E00,
                  6);
     }
-    const std::size_t room = kPacket - kHead - (adaptation.empty() ? 0 : 1 + adaptation.size());
+    const std::size_t room =
+        kPacket - kPacketHead - (adaptation.empty() ? 0 : 1 + adaptation.size());
     const std::size_t taken = std::min(room, unit.size());
     std::size_t fill = room - taken;
     const bool has_adaptation = !adaptation.empty() || fill > 0;

@@ -17,6 +17,9 @@ struct TimedPlace {
   PointerPosition position() const;
 };
 
+/// s, between what is felt along a path: 100 a second.
+inline constexpr double kPathStep = 0.01;
+
 /// Returns the place at a time; before the path begins, its first one. The path is not empty.
 PointerPosition place_at(const std::vector<TimedPlace> &path, double time);
 
