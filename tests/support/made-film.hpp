@@ -31,14 +31,14 @@ inline haptic::FilmFormat film_format(bool has_sound) {
 
 /// A slice's head behind its length, and so many bytes of no meaning.
 inline std::vector<std::uint8_t> film_frame(bool is_idr, std::size_t more = 0) {
-  std::vector<std::uint8_t> unit = is_idr ? std::vector<std::uint8_t>{0x65, 0x88, 0x84, 0xC0}
-                                          : std::vector<std::uint8_t>{0x41, 0x9A, 0x23};
+  std::vector<std::uint8_t> frame =
+      is_idr ? std::vector<std::uint8_t>{0, 0, 0, 0, 0x65, 0x88, 0x84, 0xC0}
+             : std::vector<std::uint8_t>{0, 0, 0, 0, 0x41, 0x9A, 0x23};
   for (std::size_t i = 0; i < more; ++i)
-    unit.push_back(static_cast<std::uint8_t>(i % 251 + 1));
-  std::vector<std::uint8_t> frame;
-  for (const unsigned shift : {24U, 16U, 8U, 0U})
-    frame.push_back(static_cast<std::uint8_t>(unit.size() >> shift));
-  frame.insert(frame.end(), unit.begin(), unit.end());
+    frame.push_back(static_cast<std::uint8_t>(i % 251 + 1));
+  const std::size_t length = frame.size() - 4;
+  for (std::size_t i = 0; i < 4; ++i)
+    frame[i] = static_cast<std::uint8_t>(length >> (24 - 8 * i));
   return frame;
 }
 
