@@ -16,6 +16,7 @@
 source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/promise.sh"
+source "$(dirname "$0")/support/repeat.sh"
 source "$(dirname "$0")/support/debian-chroot.sh"
 source "$(dirname "$0")/support/debian-package.sh"
 
@@ -129,31 +130,25 @@ package_in_chroot() {
   build_package offline_in_chroot
 }
 
-# `count_tests NAME STATUS` counts what meson wrote down in the log NAME.json before it ended with STATUS.
+# `count_tests STATUS` counts what meson wrote down before it ended so.
 count_tests() {
   local outcomes outcome
-  outcomes=$("$root/tests/summary.py" collect '' "$chroot/feeling-wind/$built/meson-logs/$1.json" "$(mktemp -d -p "$work")")
-  sed -n 's/^passed\t\([^\t]*\)\t.*\tpassed alone$/failed beside others: \1 (passed alone)/p' <<<"$outcomes"
+  outcomes=$("$root/tests/summary.py" collect '' "$chroot/feeling-wind/$built/meson-logs" "$(mktemp -d -p "$work")")
+  sed -n 's/^passed\t\([^\t]*\)\t.*\tpassed alone$/repeated: \1 (passed alone)/p' <<<"$outcomes"
   for outcome in passed skipped failed; do
     printf -v "$outcome" %d $((${!outcome} + $(grep -c "^$outcome" <<<"$outcomes" || true)))
   done
   # A run that went wrong without a failed test still is a failure, and so is one without a test.
-  [[ $2 = 0 && -n $outcomes ]] || grep -q ^failed <<<"$outcomes" || failed=$((failed + 1))
+  [[ $1 = 0 && -n $outcomes ]] || failed=$((failed + 1))
 }
 
-# The few tests that failed beside others are repeated alone.
+# One at a time, since some are of real time.
 run_tests_in_chroot() {
-  local status=0 again=()
+  local status=0
   printf '\n== Element and pipeline tests on Debian %s\n' "$version"
-  rm -f "$chroot/feeling-wind/$built"/meson-logs/testlog-there*.json
-  set -- offline_in_chroot meson test -C "$built" --no-rebuild --print-errorlogs --timeout-multiplier 3
-  "$@" --num-processes $((2 * $(nproc))) --logbase testlog-there --suite elements --suite pipelines </dev/null || status=$?
-  mapfile -t again < <("$root/tests/summary.py" failed "$chroot/feeling-wind/$built/meson-logs/testlog-there.json")
-  if [ ${#again[@]} -gt 0 ]; then
-    # Its status is the number of failed tests, if nothing else went wrong.
-    "$@" --num-processes 1 --logbase testlog-there-alone "${again[@]}" </dev/null && status=$((status - ${#again[@]}))
-  fi
-  count_tests testlog-there "$status"
+  run_and_repeat "$chroot/feeling-wind/$built/meson-logs" 1 offline_in_chroot meson test -C "$built" --no-rebuild \
+    --print-errorlogs --timeout-multiplier 3 --suite elements --suite pipelines || status=1
+  count_tests "$status"
 }
 
 check_installed_in_chroot() {
@@ -184,7 +179,7 @@ if [ "$part" != tests ]; then
   check "The Debian package builds without a warning on Debian $version, and its unit tests pass" package_in_chroot
 fi
 built=$(cd "$chroot/feeling-wind" && echo obj-*)
-[ "$part" = tests ] || count_tests testlog 0
+[ "$part" = tests ] || count_tests 0
 if [ "$part" != build ]; then
   run_tests_in_chroot
   check "The Debian package serves its users on Debian $version" check_installed_in_chroot

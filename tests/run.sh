@@ -16,6 +16,7 @@
 
 source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
+source "$(dirname "$0")/support/repeat.sh"
 
 size=quick
 case ${1:-} in
@@ -177,27 +178,18 @@ processor_time() {
   times | awk 'NR == 2 { gsub("s", ""); split($1 "m" $2, part, "m"); printf "%d", part[1] * 60 + part[2] + part[3] * 60 + part[4] }'
 }
 
-# `run_meson_tests PREFIX FOLDER PROCESSES OPTION...` records each test of a build folder, so many at once. Each case and
-# each script that failed is repeated alone. The time limits are meant for a machine with other work.
+# `run_meson_tests PREFIX FOLDER PROCESSES OPTION...` records each test of a build folder, so many at once. The time limits
+# are meant for a machine with other work.
 run_meson_tests() {
-  local prefix=$1 folder=$2 processes=$3 logs=$2/meson-logs status=0 start=$SECONDS used name case
+  local prefix=$1 folder=$2 processes=$3 logs=$2/meson-logs status=0 start=$SECONDS used
   shift 3
   used=$(processor_time)
-  rm -f "$logs"/testlog*.json "$logs/alone"
-  set -- meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
-  "$@" --num-processes "$processes" </dev/null || status=$?
-  # Its status is the number of failed tests, if nothing else went wrong.
-  while IFS=$'\t' read -r name case; do
-    step "Alone: $name $case"
-    if "$@" --num-processes 1 --logbase testlog-alone ${case:+"--test-args=--gtest_filter=$case"} "$name" </dev/null; then
-      printf '%s\t%s\n' "$name" "$case" >>"$logs/alone"
-    fi
-  done < <(python3 tests/summary.py failed "$logs/testlog.json")
+  run_and_repeat "$logs" "$processes" meson test -C "$folder" --no-rebuild --print-errorlogs "$@" || status=1
   python3 tests/summary.py collect "$prefix" "$logs" "$outputs" >"$scratch/collected" || status=1
   cat "$scratch/collected" >>"$results"
-  # A run that went wrong without a failed test is a failure too.
-  if [ ! -s "$scratch/collected" ]; then
-    record failed "${prefix}meson test" 0 "exit status $status"
+  # A run that went wrong without a failed test is a failure too, and so is one without a test.
+  if [ "$status" != 0 ] || [ ! -s "$scratch/collected" ]; then
+    record failed "${prefix}meson test" 0 "meson ended otherwise than by failed tests"
   fi
   record waited "$prefix$folder" $((processes * (SECONDS - start) - $(processor_time) + used)) ''
 }

@@ -44,21 +44,15 @@ build_with() {
   printf -- '-- %s' "$text"
   if [ -f "$folder/build.ninja" ]; then
     # Meson 1.0 ignores some options beside --reconfigure.
-    { meson configure "$folder" "${options[@]}" && meson setup --reconfigure "$folder"; } >"$log" 2>&1 || not_built
+    { meson configure "$folder" "${options[@]}" && meson setup --reconfigure "$folder"; } >"$log" 2>&1 || build_failed "$log"
   else
-    meson setup "$folder" -Dwerror=true -Doptimization=0 -Ddebug=false -Db_pch=false "${options[@]}" >"$log" 2>&1 || not_built
+    meson setup "$folder" -Dwerror=true -Doptimization=0 -Ddebug=false -Db_pch=false "${options[@]}" >"$log" 2>&1 || build_failed "$log"
   fi
-  ninja -C "$folder" >"$log" 2>&1 || not_built
+  ninja -C "$folder" >"$log" 2>&1 || build_failed "$log"
   for feature in "${plugins[@]}"; do
     is_built "$feature" "$(state_of "$feature" "${states[@]}")"
   done
   echo ": $((SECONDS - start)) s"
-}
-
-not_built() {
-  echo
-  grep -A 30 '^FAILED:' "$log" || tail -n 30 "$log"
-  fail "it does not build with these options"
 }
 
 # `is_built PLUGIN STATE` fails if the build has the plugin although it is disabled, or the other way round.
@@ -89,7 +83,7 @@ build_with "libspidar alone" "${nothing[@]}" vision disabled device disabled tra
 build_with "other folders" tests disabled benchmarks disabled "${manuals[@]}" \
   -- -Dgst-plugin-dir=/elsewhere/plugins -Dudev-dir=/elsewhere/rules -Dhls-js=none -Ddocumentation-uri=https://example.org
 rm -rf "$folder/installed"
-meson install -C "$folder" --no-rebuild --quiet --destdir "$folder/installed" >"$log" 2>&1 || not_built
+meson install -C "$folder" --no-rebuild --quiet --destdir "$folder/installed" >"$log" 2>&1 || build_failed "$log"
 for file in plugins/libgsthaptic{vision,device,track}.so rules/70-spidar.rules; do
   [ -f "$folder/installed/elsewhere/$file" ] || fail "$file is not where gst-plugin-dir or udev-dir says"
 done

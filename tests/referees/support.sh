@@ -2,6 +2,8 @@
 # shellcheck shell=bash disable=SC2034,SC2154 # $root is common.sh's, $targets the script's, $failed for it
 # Functions of the scripts in this folder. To be sourced after common.sh, not run.
 
+source "$(dirname "${BASH_SOURCE[0]}")/../support/promise.sh"
+
 no_options() {
   case ${1:-} in
   '') ;;
@@ -10,10 +12,10 @@ no_options() {
   esac
 }
 
-# `skip REASON`
-skip() {
-  echo "SKIPPED: $1"
-  exit 77
+# `build_failed LOG` shows the first commands that failed: others may have ended after them.
+build_failed() {
+  grep -A 30 '^FAILED:' "$1" || tail -n 30 "$1"
+  fail "it does not build; read the log $1"
 }
 
 # `build_sanitized FOLDER MESON-OPTION...` builds $targets, of what needs neither OpenCV nor GTK.

@@ -4,22 +4,7 @@
 # Usage: calibrate-test.sh SPIDAR-INFO SPIDAR-CALIBRATE
 
 info=$1 calibrate=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-
-# `expect STATUS TEXT COMMAND...`: its exit status, and what it must say.
-expect() {
-  local status=0 wanted=$1 text=$2
-  shift 2
-  "$@" >"$work/output" 2>&1 || status=$?
-  if [ "$status" != "$wanted" ] || ! grep -qF -- "$text" "$work/output"; then
-    echo "FAILED: $*"
-    echo "  status $status instead of $wanted, or '$text' is missing in:"
-    sed 's/^/  | /' "$work/output"
-    failed=1
-  fi
-}
+source "$(dirname "$0")/expect.sh"
 
 # `answers TEXT...`: from the first question on, which the tool asks when its device runs. The grip has moved
 # before the second empty answer, which says that it is there.

@@ -82,3 +82,21 @@ promise "how long the tests waited is said" says 'The tests waited 12 s in all.'
 promise "and is no test" says '1 passed, 0 failed, 0 skipped'
 logged
 promise "no test at all is a failure" fails closed
+
+# Stands for `meson test`: a program of two cases fails, one of which passes alone.
+root=$(cd "$(dirname "$0")/../.." && pwd)
+source "$root/tests/support/repeat.sh"
+pretended=2 # its status
+played() {
+  if [[ " $* " = *" --logbase testlog-alone "* ]]; then
+    [[ $* = *"--gtest_filter=Some.Case late"* ]]
+    return
+  fi
+  logged "late=FAIL=${ran//\\/\\}[  FAILED  ] Some.Case\\n" broken=FAIL good=OK
+  return "$pretended"
+}
+repeated() { run_and_repeat "$work" 2 played >/dev/null; }
+promise "each failure is repeated" repeated
+promise "and what passes alone is noted" diff "$work/alone" <(printf 'late\tSome.Case\n')
+pretended=3
+promise "a run that went wrong otherwise is noticed" fails repeated

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# shellcheck shell=bash disable=SC2154 # $root
+# How the tests of a build folder are run. To be sourced with $root set.
+
+# `run_and_repeat LOGS PROCESSES COMMAND...`: COMMAND is `meson test` with its options, which writes into the folder LOGS;
+# so many tests at once. Each case and each script that failed is repeated alone, and the file LOGS/alone names those that
+# passed then. Returns 1 if the run went wrong in another way than by failed tests.
+run_and_repeat() {
+  local logs=$1 processes=$2 status=0 failures name case
+  shift 2
+  rm -f "$logs"/testlog*.json "$logs/alone"
+  "$@" --num-processes "$processes" </dev/null || status=$?
+  failures=$(python3 "$root/tests/summary.py" failed "$logs/testlog.json")
+  while IFS=$'\t' read -r name case; do
+    [ -n "$name" ] || continue
+    printf '\n== Alone: %s %s\n' "$name" "$case"
+    if "$@" --num-processes 1 --logbase testlog-alone ${case:+"--test-args=--gtest_filter=$case"} "$name" </dev/null; then
+      printf '%s\t%s\n' "$name" "$case" >>"$logs/alone"
+    fi
+  done <<<"$failures"
+  # Its status is the number of failed tests.
+  [ "$status" = "$(cut -f 1 <<<"$failures" | sort -u | grep -c .)" ]
+}
