@@ -39,8 +39,11 @@ constexpr double kStaleLongest = 2;    // s
 // The force goes down over the last of the work, so that running out of it is no step.
 constexpr double kWorkToFade = 0.25; // J
 
-// The budget for continuous force is kept also where the slew limit is slower than it falls.
-constexpr double kLimitFalls = 20; // N/s
+// A lowered maximum takes the force off at least so fast, whatever the slew rate: 5 N, the most
+// that is offered, in 50 ms. A step would be felt as a blow.
+constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
+// The budget for continuous force spares motors and hand over a minute, and has time.
+constexpr double kBudgetFalls = 20; // N/s
 
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
@@ -56,12 +59,9 @@ Vector3 clamp_norm(const Vector3 &v, double limit) {
   return norm > limit ? Vector3(v * (limit / norm)) : v;
 }
 
-// Returns a step of at most `most` towards the target. Its norm exceeds the limit only while it
-// returns from beyond it.
+// Returns a step of at most `most` towards the target, cut to the limit.
 Vector3 approach(const Vector3 &from, const Vector3 &target, double most, double limit) {
-  const Vector3 change = target - from;
-  const Vector3 reached = change.norm() <= most ? target : Vector3(from + clamp_norm(change, most));
-  return clamp_norm(reached, std::max(limit, from.norm() - most));
+  return clamp_norm(from + clamp_norm(target - from, most), limit);
 }
 
 // F' = F - min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
@@ -118,6 +118,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     gate_ = 0;
 
   account_for_work(input);
+  acting_ = braked_;
   force_limit_ = continuous_force_.step(output_.force.norm(), input.continuous_force, dt);
   limited_ = false;
   braked_ = holds ? fade_out(holds, dt) : follow(input);
@@ -185,13 +186,15 @@ Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   return output_;
 }
 
-// E += (0.3 W - max(F . v + tau . w, 0)) dt, 0 <= E <= 0.9 J. Only work that the force did counts:
-// a hand that pushes back does not add to the budget.
+// E += (0.3 W - max(F . v + tau . w, 0)) dt, E <= 0.9 J, F and tau of the command before last: the
+// device sends a command at the next exchange, and it acts until the one after that. Only work that
+// the force did counts: a hand that pushes back does not add to the budget. What a late tick let
+// the force do beyond it is a debt.
 void SafetyChain::account_for_work(const Input &input) noexcept {
   const double dt = std::max(input.dt, 0.0);
   const double power = std::max(
-      braked_.force.dot(input.hand_velocity) + braked_.torque.dot(input.hand_turning), 0.0);
-  work_left_ = std::clamp(work_left_ + (kWorkRate - power) * dt, 0.0, kWorkAtOnce);
+      acting_.force.dot(input.hand_velocity) + acting_.torque.dot(input.hand_turning), 0.0);
+  work_left_ = std::min(work_left_ + (kWorkRate - power) * dt, kWorkAtOnce);
 }
 
 Wrench SafetyChain::follow(const Input &input) noexcept {
@@ -202,17 +205,27 @@ Wrench SafetyChain::follow(const Input &input) noexcept {
   // A measurement not worth trusting must not turn the force on its way to zero.
   if (confidence_gate(input.confidence) > 0)
     accepted_ = input.wanted;
-  const double share = gate_ * envelope_ * std::min(work_left_ / kWorkToFade, 1.0);
+  const double share = gate_ * envelope_;
   const Vector3 wanted = clamp_norm(accepted_.force, input.max_force) * share;
-  const Vector3 force = clamp_norm(wanted, force_limit_);
-  limited_ = wanted.norm() > force_limit_;
+  const Vector3 force = damped(clamp_norm(wanted, force_limit_), input);
   const Vector3 torque = clamp_norm(accepted_.torque, input.max_torque) * share;
+  limited_ = wanted.norm() > force_limit_;
 
   const double step = input.slew_rate * dt;
-  const double fallen = output_.force.norm() - std::max(input.slew_rate, kLimitFalls) * dt;
-  output_.force = clamp_norm(approach(output_.force, damped(force, input), step, input.max_force),
-                             std::max(force_limit_, fallen));
-  output_.torque = approach(output_.torque, torque, step * kTorqueArm, input.max_torque);
+  const double fall = std::max(input.slew_rate, kMaximumFalls) * dt;
+  const double budget_fall = std::max(input.slew_rate, kBudgetFalls) * dt;
+  const double before = output_.force.norm();
+  output_.force = approach(output_.force, force, step,
+                           std::min(std::max(input.max_force, before - fall),
+                                    std::max(force_limit_, before - budget_fall)));
+  output_.torque = approach(output_.torque, torque, step * kTorqueArm,
+                            std::max(input.max_torque, output_.torque.norm() - fall * kTorqueArm));
+
+  // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
+  const double left = std::clamp(work_left_ / kWorkToFade, 0.0, 1.0);
+  output_.force = clamp_norm(output_.force, std::max(input.max_force, output_.force.norm()) * left);
+  output_.torque =
+      clamp_norm(output_.torque, std::max(input.max_torque, output_.torque.norm()) * left);
   return output_;
 }
 

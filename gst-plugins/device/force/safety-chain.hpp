@@ -55,13 +55,14 @@ inline constexpr std::uint32_t kLatches =
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 
-/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, work limit, budget
-/// for continuous force, damping, slew limit, norm clamp, brake of the turning grip. One thread;
-/// real-time safe.
+/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, budget for
+/// continuous force, damping, slew limit, norm clamp, work limit, brake of the turning grip. The
+/// slew limit delays what the law says, and nothing that takes the force off. One thread; real-time
+/// safe.
 class SafetyChain {
 public:
   /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
-  /// is at most 2.4 J, or 0.48 W, over any 5 s.
+  /// is at most 2.4 J, or 0.48 W, over any 5 s, and what two ticks add; it is a debt.
   static constexpr double kWorkAtOnce = 0.9; // J
   static constexpr double kWorkRate = 0.3;   // W
   /// Hand speeds up to this one are not damped, so that a hand that points feels the frame alone.
@@ -89,8 +90,9 @@ public:
     double dt = 0;                                           ///< s since the step before
   };
 
-  /// Returns the wrench to command. Never more than max_force and max_torque (a lowered maximum is
-  /// approached at the slew rate). An input that is not finite yields zero on this very step.
+  /// Returns the wrench to command. Never more than max_force and max_torque; a lowered maximum is
+  /// reached at 100 N/s, or at the slew rate if that is faster. An input that is not finite yields
+  /// zero on this very step.
   spidar::Wrench step(const Input &input) noexcept HAPTIC_NONBLOCKING;
 
   /// Returns the result of the last step.
@@ -126,13 +128,14 @@ private:
 
   spidar::Wrench output_;          // before the brake
   spidar::Wrench braked_;          // the result
+  spidar::Wrench acting_;          // the result before it: what the device exerts until the step
   spidar::Wrench accepted_;        // last wanted wrench worth trusting
   std::uint32_t holds_ = kHoldGap; // of the step before
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the confidence
-  double work_left_ = kWorkAtOnce; // J
+  double work_left_ = kWorkAtOnce; // J; negative: a debt
   ContinuousForce continuous_force_;
   double force_limit_ = 0; // N, that it leaves
   bool limited_ = false;   // the last step
