@@ -17,6 +17,21 @@ PlanarForce arctan_force(double x, double y, const LawSettings &s) noexcept {
   return {gain * x, gain * y};
 }
 
+// The force of what is felt of the frame, changed by at most most_for_hand to that of what is felt
+// relative to the hand.
+PlanarForce relative_force(const PlanarVelocity &frame, const PlanarVelocity &relative,
+                           const LawSettings &s) noexcept {
+  const PlanarForce at_rest = arctan_force(frame.x, frame.y, s);
+  const PlanarForce moving = arctan_force(relative.x, relative.y, s);
+  const double x = moving.x - at_rest.x;
+  const double y = moving.y - at_rest.y;
+  const double change = std::hypot(x, y);
+  if (change <= s.most_for_hand)
+    return moving;
+  const double share = s.most_for_hand / change;
+  return {at_rest.x + share * x, at_rest.y + share * y};
+}
+
 class ArctanLaw final : public ForceLaw {
   PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
                     double) noexcept override {
@@ -81,31 +96,38 @@ class LinearLaw final : public ForceLaw {
 class DragLaw final : public ForceLaw {
   PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
                     double) noexcept override {
-    return arctan_force(m.velocity.x - hand.x, m.velocity.y - hand.y, s);
+    return relative_force(m.velocity, {m.velocity.x - hand.x, m.velocity.y - hand.y}, s);
   }
 };
 
 // Newton's second law on the acceleration of the frame relative to the hand (Dindar, Tekalp and
 // Basdogan's dynamic force), the acceleration taken over T = 0.1 s: a raw second difference of
-// 0.1 px of tracking noise at 30 frames/s is 220 px/s². With r = v - v_hand and its low-pass u,
-// u += (1 - exp(-dt / T)) (r - u), it is equation 5 on r - u, the velocity gained within T.
+// 0.1 px of tracking noise at 30 frames/s is 220 px/s². With the low-pass u of v and of v_hand,
+// u += (1 - exp(-dt / T)) (v - u), it is equation 5 on the velocity v - u that the frame gained
+// within T, less the hand's.
 class InertialLaw final : public ForceLaw {
   PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
                     double dt) noexcept override {
-    const double x = m.velocity.x - hand.x;
-    const double y = m.velocity.y - hand.y;
-    // A value that is not finite must not stay in the memory.
-    if (!std::isfinite(x + y + smooth_.x + smooth_.y))
-      smooth_ = {};
     const double share = 1 - std::exp(-dt / kResponse);
-    smooth_.x += share * (x - smooth_.x);
-    smooth_.y += share * (y - smooth_.y);
-    return arctan_force(x - smooth_.x, y - smooth_.y, s);
+    const PlanarVelocity frame = gained(m.velocity, frame_, share);
+    const PlanarVelocity own = gained(hand, hand_, share);
+    return relative_force(frame, {frame.x - own.x, frame.y - own.y}, s);
+  }
+
+  static PlanarVelocity gained(const PlanarVelocity &now, PlanarVelocity &smooth,
+                               double share) noexcept {
+    // A value that is not finite must not stay in the memory.
+    if (!std::isfinite(now.x + now.y + smooth.x + smooth.y))
+      smooth = {};
+    smooth.x += share * (now.x - smooth.x);
+    smooth.y += share * (now.y - smooth.y);
+    return {now.x - smooth.x, now.y - smooth.y};
   }
 
   static constexpr double kResponse = 0.1; // s
 
-  PlanarVelocity smooth_;
+  PlanarVelocity frame_; // low-passed
+  PlanarVelocity hand_;
 };
 
 template <typename Law>

@@ -6,6 +6,8 @@
 #include "motion/motion-conditioning.hpp"
 #include "samples/force-defaults.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <span>
 #include <spidar/types.hpp>
@@ -20,7 +22,19 @@ struct LawSettings {
   double max_torque = 0.02;     ///< N·m
   double spin_half = 1;         ///< rad/s that give half of max_torque
   double max_push = 0;          ///< N along z
+  /// N by which the motion of the hand may change the force of a law that knows it
+  double most_for_hand = std::numeric_limits<double>::infinity();
 };
+
+/// The most by which a force may follow the hand's speed, N·s/m, at ticks of `period` s. It is a
+/// damper behind the delay of device, hold and low-pass, which pumps a light grip up if it is more,
+/// also over a still frame. For grips of at least 0.1 kg and steps of up to 35 µm a count;
+/// relative-law-test.cpp has the hands.
+constexpr double most_resistance(double period) noexcept {
+  constexpr double kOfCoarseCounts = 2; // N·s/m; with 3 a free grip shakes by 0.06 N (inertial)
+  constexpr double kOfSlowTicks = 0.01; // N·s²/m
+  return std::min(kOfCoarseCounts, kOfSlowTicks / period);
+}
 
 /// What a law computes, in the plane of the frame: x to the right, y down.
 struct PlanarForce {

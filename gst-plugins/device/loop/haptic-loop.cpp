@@ -373,7 +373,7 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
 
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const LoopSettings &settings = settings_.value();
-  const LawSettings &law = settings.law_settings;
+  LawSettings law = settings.law_settings;
   const MotionAt &now = run_.motion;
   SafetyChain::Input input;
   input.holds = holds_of_tick(dt, late);
@@ -384,6 +384,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }
+  law.most_for_hand = most_resistance(seconds(run_.period)) * input.hand_velocity.head<2>().norm();
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();

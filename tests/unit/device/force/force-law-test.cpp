@@ -232,6 +232,18 @@ TEST(DragLaw, IsEquation5OfTheMotionRelativeToTheHand) {
   EXPECT_NEAR(drag(100, -100), equation5(200), 1e-12);
 }
 
+TEST(DragLaw, TheHandChangesTheForceByAtMostWhatIsStable) {
+  haptic::LawSettings settings;
+  settings.most_for_hand = 0.1; // N
+  const auto drag = [&](double v, double hand) {
+    return law("drag")->wrench(motion(v), {hand, 0}, settings, kTick).force.x();
+  };
+  EXPECT_NEAR(drag(100, 100), equation5(100) - 0.1, 1e-12);
+  EXPECT_NEAR(drag(0, 300), -0.1, 1e-12);
+  EXPECT_NEAR(drag(100, 101), equation5(100) - 0.1, 1e-12);
+  EXPECT_NEAR(drag(100, 5), equation5(95), 1e-12); // less than that: as the law says
+}
+
 TEST(InertialLaw, FeelsTheChangeOfTheMotionAndNotTheMotion) {
   const auto inertial = law("inertial");
   const auto feel = [&](double v) { return inertial->wrench(motion(v), {}, {}, kTick).force.x(); };
