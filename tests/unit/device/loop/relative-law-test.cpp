@@ -104,7 +104,7 @@ std::size_t index_of(const std::string &law) {
       laws.begin());
 }
 
-// N, peak to peak along x in the last 3 of 10 s after a tap of 0.02 s.
+// N, peak to peak along x in the last 2 of 6 s. The tap lasts 0.02 s.
 double unrest(const Case &c, const Hand &hand, double tap) {
   const spidar::Geometry geometry = spidar::load_geometry(c.geometry);
   auto held = std::make_unique<HeldGrip>(geometry, hand);
@@ -127,7 +127,7 @@ double unrest(const Case &c, const Hand &hand, double tap) {
   double most = 0;
   std::mt19937 random(3);
   const std::int64_t begin = now;
-  for (double time = 0; time < 10; time = static_cast<double>(now - begin) * 1e-9) {
+  for (double time = 0; time < 6; time = static_cast<double>(now - begin) * 1e-9) {
     grip.tap = time >= 0.5 && time < 0.52 ? Vector3(tap / 0.02, 0, 0) : Vector3::Zero();
     if (now - sampled >= 33 * kMs) {
       loop.submit(test::moving(0, 0), now);
@@ -138,7 +138,7 @@ double unrest(const Case &c, const Hand &hand, double tap) {
     now += period + late;
     loop.tick(now - late, now);
     const double force = loop.wrench().force.x();
-    if (time < 7)
+    if (time < 4)
       least = most = force;
     least = std::min(least, force);
     most = std::max(most, force);
@@ -149,8 +149,8 @@ double unrest(const Case &c, const Hand &hand, double tap) {
 class RelativeLaw : public ::testing::TestWithParam<Case> {};
 
 TEST_P(RelativeLaw, OverAStillFrameATapOnALightHandComesToRest) {
-  for (const Hand &hand : {Hand{0.1, 0.5, 0}, Hand{0.1, 0.5, 20}, Hand{0.1, 0.5, 300},
-                           Hand{0.4, 3, 20}, Hand{1, 8, 300}, Hand{1, 0.5, 300}})
+  for (const Hand &hand :
+       {Hand{0.1, 0.5, 0}, Hand{0.1, 0.5, 20}, Hand{0.1, 0.5, 300}, Hand{1, 8, 300}})
     for (const double tap : {0.01, 0.1}) // N·s
       EXPECT_LE(unrest(GetParam(), hand, tap), 0.05)
           << hand.mass << " kg, " << hand.damping << " N·s/m, " << hand.stiffness << " N/m, " << tap
@@ -160,7 +160,7 @@ TEST_P(RelativeLaw, OverAStillFrameATapOnALightHandComesToRest) {
 INSTANTIATE_TEST_SUITE_P(Cases, RelativeLaw,
                          testing::Values(Case{"spidar-g6x3r", "drag", 0.01, 1, 1000},
                                          Case{"spidar-g6x3r", "drag", 0.04, 5, 1000},
-                                         Case{"spidar-g6x3r", "drag", 0.04, 5, 4000},
+                                         Case{"spidar-g6x3r", "drag", 0.04, 5, 2000},
                                          Case{"spidar-g6x3r", "drag", 0.04, 5, 200},
                                          Case{"spidar-g6x3r", "drag", 0.04, 5, 100},
                                          Case{"spidar-g6x3r", "drag", 0.04, 5, 1000, 10},
