@@ -288,7 +288,12 @@ TEST_F(Faults, F25_ARaisedMaximumForceIsSlewLimitedAndALoweredOneActsWithin50Mil
   settings.slew_rate = 0.1; // the slowest; safety does not wait for it
   loop_.set_settings(settings);
   loop_.submit(moving(kFast, 0), now_);
-  ticks(50);
+  for (int i = 0; i < 50; ++i) {
+    const double before = force();
+    ticks(1);
+    ASSERT_LE(force(), before);
+    ASSERT_LE(before - force(), 0.1 + 1e-9); // no blow: 100 N/s
+  }
   EXPECT_LE(force(), 1e-9);
 }
 

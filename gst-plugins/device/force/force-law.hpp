@@ -27,11 +27,10 @@ struct LawSettings {
 };
 
 /// The most by which a force may follow the hand's speed, N·s/m, at ticks of `period` s. It is a
-/// damper behind the delay of device, hold and low-pass, which pumps a light grip up if it is more,
-/// also over a still frame. For grips of at least 0.1 kg and steps of up to 35 µm a count;
-/// relative-law-test.cpp has the hands.
+/// damper behind the delay of device, hold and low-pass; more of it pumps a light grip up, also
+/// over a still frame. For grips of at least 0.1 kg and up to 35 µm a count: relative-law-test.cpp.
 constexpr double most_resistance(double period) noexcept {
-  constexpr double kOfCoarseCounts = 2; // N·s/m; with 3 a free grip shakes by 0.06 N (inertial)
+  constexpr double kOfCoarseCounts = 2; // N·s/m
   constexpr double kOfSlowTicks = 0.01; // N·s²/m
   return std::min(kOfCoarseCounts, kOfSlowTicks / period);
 }

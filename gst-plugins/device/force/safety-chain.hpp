@@ -57,8 +57,8 @@ inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 
 /// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, budget for
 /// continuous force, damping, slew limit, norm clamp, work limit, brake of the turning grip. The
-/// slew limit delays what the law says, and nothing that takes the force off. One thread; real-time
-/// safe.
+/// slew limit delays what the law and its confidence say, and no hold, lowered maximum or end of
+/// the work. One thread; real-time safe.
 class SafetyChain {
 public:
   /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
