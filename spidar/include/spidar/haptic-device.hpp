@@ -25,6 +25,19 @@ struct DeviceState {
   bool interrupted = false;             ///< minimum tension was set meanwhile: begin from zero
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
   bool pressed = false;                       ///< a button of the grip or stick
+
+  // What happened to the grip since the last valid pose before this exchange: normally between the
+  // last two exchanges, else over the whole gap. acted·moved + acted·turned is the work that the
+  // strings did on the grip, J. Frame of the workspace.
+
+  /// The mean of what the motors had in that time, of the words as the D/A rounds them, in the
+  /// middle between the poses before and after. exchange() leaves words at the motors that act
+  /// until the next one; minimum tension counts for both where this device was interrupted.
+  Wrench acted;
+  /// m and rad (rotation vector); not low-passed. Zero if this pose is not valid or continues no
+  /// other: the first one, after calibrate(), after a move that nobody saw.
+  Vector3 moved = Vector3::Zero();
+  Vector3 turned = Vector3::Zero();
 };
 
 /// Returns the monotonic clock, ns: what exchange() is called with.
@@ -67,6 +80,10 @@ public:
   /// Whether a released grip can move freely, so that a grip that is too fast must lose its force.
   /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
+
+  /// Whether its forces are newtons and its places metres. If not, as with a stick whose driver
+  /// knows neither, a stiffness (N/m), a damping (N·s/m) and an energy (J) mean nothing with it.
+  virtual bool knows_newtons() const noexcept { return true; }
 
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;

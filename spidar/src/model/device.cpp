@@ -41,8 +41,8 @@ double low_pass_share(double cutoff, double elapsed) noexcept {
 }
 
 double jump(const Pose &from, const Pose &to, double grip_radius) noexcept {
-  const double angle = Eigen::AngleAxisd(Matrix3(from.rotation.transpose() * to.rotation)).angle();
-  return std::max((to.position - from.position).norm(), grip_radius * angle);
+  const Vector3 turn = rotation_vector(from.rotation.transpose() * to.rotation);
+  return std::max((to.position - from.position).norm(), grip_radius * turn.norm());
 }
 
 } // namespace
@@ -63,6 +63,10 @@ struct Device::Implementation {
   double since_exchange = 0;                ///< s, between the last two exchanges
   double since_valid = 0;                   ///< s, from the last valid pose to the last exchange
   bool velocity_known = false;              ///< the pose before is part of the same movement
+  Tensions at_rest;                         ///< N, of relax()
+  Tensions at_motors;                       ///< N, since the last exchange
+  Tensions acting;                          ///< N, between the last two exchanges
+  Tensions impulse = Tensions::Zero();      ///< N·s, since the last valid pose
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -70,6 +74,7 @@ struct Device::Implementation {
         period(the_period), pose_solver(geometry), tension_solver(geometry),
         home_lengths(string_lengths(geometry, {})) {
     relax();
+    at_rest = at_motors = acting = state.tensions;
     controller->guard(words);
   }
 
@@ -90,27 +95,51 @@ struct Device::Implementation {
                                                geometry.metres_per_count[i];
   }
 
+  /// The words that were just sent act from now on, those of the exchange before acted until now.
+  void note_words() noexcept {
+    acting = state.interrupted ? at_rest : at_motors;
+    at_motors = state.interrupted ? at_rest : state.tensions;
+    impulse += since_exchange * acting;
+  }
+
+  /// Midpoint rule: what a tension does is the way by which its string becomes shorter.
+  void tell_what_acted() noexcept {
+    const Tensions mean = since_valid > 0 ? Tensions(impulse / since_valid) : acting;
+    const Pose middle{state.pose.position - state.moved / 2,
+                      turned(state.pose.rotation, -state.turned / 2)};
+    state.acted = realised_wrench(string_kinematics(geometry, middle).pull, mean);
+  }
+
   // v' = (x_n - x_n-1) / dt and w' = rotation vector of (R_n R_n-1^T) / dt, each low-passed, with
   // the measured dt.
   void accept(const Pose &pose) noexcept {
+    const Vector3 moved = pose.position - state.pose.position;
+    const Vector3 turn = rotation_vector(pose.rotation * state.pose.rotation.transpose());
     if (!velocity_known) {
       state.velocity.setZero();
       state.angular_velocity.setZero();
     } else if (since_valid > 0) {
-      const Vector3 velocity = (pose.position - state.pose.position) / since_valid;
-      const Eigen::AngleAxisd turn(Matrix3(pose.rotation * state.pose.rotation.transpose()));
-      const Vector3 turning = turn.angle() / since_valid * turn.axis();
-      state.velocity += low_pass_share(kVelocityCutoff, since_valid) * (velocity - state.velocity);
-      state.angular_velocity +=
-          low_pass_share(kTurningCutoff, since_valid) * (turning - state.angular_velocity);
+      state.velocity +=
+          low_pass_share(kVelocityCutoff, since_valid) * (moved / since_valid - state.velocity);
+      state.angular_velocity += low_pass_share(kTurningCutoff, since_valid) *
+                                (turn / since_valid - state.angular_velocity);
     }
+    state.moved = velocity_known ? moved : Vector3::Zero();
+    state.turned = velocity_known ? turn : Vector3::Zero();
+    state.pose = pose;
+    tell_what_acted();
     velocity_known = true;
     since_valid = 0;
-    state.pose = pose;
+    impulse.setZero();
     state.valid = true;
   }
 
-  void reject() noexcept { state.valid = false; }
+  void reject() noexcept {
+    state.valid = false;
+    state.moved.setZero();
+    state.turned.setZero();
+    tell_what_acted();
+  }
 
   void update_pose() noexcept {
     const PoseSolver::Result solved = pose_solver.solve(state.lengths, state.pose);
@@ -137,6 +166,7 @@ struct Device::Implementation {
     const bool answered = controller->exchange(words, counts);
     state.interrupted = controller->interrupted();
     state.pressed = answered && controller->pressed();
+    note_words();
     if (!answered) {
       reject();
       return false;

@@ -36,11 +36,6 @@ constexpr double kLargestTurn = 80 * std::numbers::pi / 180;
 // Counters do not start at zero when the power comes on.
 constexpr Counts kPowerOnCounts = {4711, -1234, 20011, -7, 815, -30000, 9973, 123};
 
-Vector3 rotation_vector(const Matrix3 &rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * turn.axis();
-}
-
 } // namespace
 
 struct Simulator::State {

@@ -39,6 +39,12 @@ inline Wrench realised_wrench(const WrenchMatrix &pull, const Tensions &tensions
   return {wrench.head<3>(), wrench.tail<3>()};
 }
 
+/// The axis of a rotation times its angle, rad.
+inline Vector3 rotation_vector(const Matrix3 &rotation) noexcept {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
 /// Rotation by the vector `turn` (axis times angle, rad), applied in the workspace frame.
 inline Matrix3 turned(const Matrix3 &rotation, const Vector3 &turn) noexcept {
   const double angle = turn.norm();

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <limits>
+#include <utility>
 #include <vector>
 
 using namespace spidar;
@@ -28,11 +29,15 @@ struct Wire {
   int silent_exchanges = 0; ///< still to fail
   Counts disturbance{};     ///< added to the counts
   bool knows_home = true;
+  bool interrupts = false;     ///< rest words go out in place of the next ones
+  const Pose *truth = nullptr; ///< of the simulated grip
 };
 
 class Tapped final : public Controller {
 public:
-  Tapped(Wire &wire, std::unique_ptr<Controller> inner) : wire_(wire), inner_(std::move(inner)) {}
+  Tapped(Wire &wire, std::unique_ptr<Simulator> inner) : wire_(wire), inner_(std::move(inner)) {
+    wire_.truth = &inner_->pose();
+  }
   bool exchange(const DacWords &words, Counts &counts) noexcept override {
     wire_.sent.push_back(words);
     if (wire_.silent_exchanges > 0) {
@@ -48,11 +53,12 @@ public:
   bool home(Counts &counts) const noexcept override {
     return wire_.knows_home && inner_->home(counts);
   }
+  bool interrupted() noexcept override { return std::exchange(wire_.interrupts, false); }
   std::string description() const override { return "test controller"; }
 
 private:
   Wire &wire_;
-  std::unique_ptr<Controller> inner_;
+  std::unique_ptr<Simulator> inner_;
 };
 
 Device device_with(const std::string &hand, Wire &wire,
@@ -76,6 +82,24 @@ Wrench push(double x, double y, double z) {
 
 double tension(const Geometry &geometry, std::size_t i, std::int16_t word) {
   return word / (geometry.digits_per_volt * geometry.volts_per_newton[i]);
+}
+
+/// The tensions of what went out at a tick, N.
+Tensions tensions_of(const Geometry &geometry, const DacWords &words) {
+  Tensions tensions;
+  for (std::size_t i = 0; i < kStrings; ++i)
+    tensions[static_cast<Eigen::Index>(i)] = tension(geometry, i, words[i]);
+  return tensions;
+}
+
+double work(const DeviceState &state) {
+  return state.acted.force.dot(state.moved) + state.acted.torque.dot(state.turned);
+}
+
+/// A force that turns and swells.
+Wrench swirl(int tick) {
+  const double t = 0.001 * tick;
+  return push(std::cos(7 * t), std::sin(5 * t), std::sin(3 * t));
 }
 
 } // namespace
@@ -247,6 +271,104 @@ TEST(Device, VelocityIsThatOfTheHandHoweverLateTheTicksCome) {
   }
 }
 
+// The truth is that of the strings: a tension does work by the way its string becomes shorter.
+TEST_P(DeviceOf, WhatActedTimesTheWayIsTheWorkOfTheStringsHoweverLateTheTicksCome) {
+  Wire wire;
+  Device device = device_with("circle:0.6,0.7", wire, GetParam());
+  const Geometry &geometry = device.geometry();
+  Random random(5);
+  std::int64_t now = next_tick();
+  device.exchange(now);
+  StringLengths before = string_lengths(geometry, *wire.truth);
+  double told = 0;
+  double true_work = 0;
+  double largest_error = 0;
+  double most = 0;
+  for (int tick = 0; tick < 10'000; ++tick) {
+    device.command(swirl(tick));
+    const Tensions acting = tensions_of(geometry, wire.sent.back());
+    now += static_cast<std::int64_t>(
+        1e6 * (random.between(0, 1) < 0.05 ? random.between(1, 20) : random.between(0.1, 1.9)));
+    ASSERT_TRUE(device.exchange(now));
+    ASSERT_TRUE(device.state().valid);
+    const StringLengths lengths = string_lengths(geometry, *wire.truth);
+    true_work += acting.dot(before - lengths);
+    before = lengths;
+    told += work(device.state());
+    largest_error = std::max(largest_error, std::abs(told - true_work));
+    most = std::max(most, std::abs(true_work));
+  }
+  EXPECT_GT(most, 0.02);            // J: there was something to account for
+  EXPECT_LT(largest_error, 0.0001); // J: about half a count of each string, at its tension
+  RecordProperty("largest_error_mJ", std::to_string(1000 * largest_error));
+  RecordProperty("most_work_mJ", std::to_string(1000 * most));
+}
+
+TEST(Device, WhatActedAreTheWordsOfTheExchangeBefore) {
+  Wire wire;
+  Device device = device_with("hold:0.2,0,0", wire);
+  run(device, 100);
+  const Vector3 resting = device.state().acted.force;
+  device.command(push(0, 1, 0));
+  device.exchange(next_tick()); // they leave
+  EXPECT_LT((device.state().acted.force - resting).norm(), 0.01);
+  device.command({});
+  device.exchange(next_tick()); // they have acted
+  EXPECT_NEAR(device.state().acted.force.y(), 1, 0.02);
+  device.exchange(next_tick());
+  EXPECT_NEAR(device.state().acted.force.y(), 0, 0.02);
+}
+
+TEST(Device, MinimumTensionActsAroundAnInterruption) {
+  Wire wire;
+  Device device = device_with("hold:0,0,0", wire);
+  run(device, 100, push(0, 1, 0));
+  EXPECT_NEAR(device.state().acted.force.y(), 1, 0.02);
+  wire.interrupts = true;
+  for (int tick = 0; tick < 2; ++tick) { // where they were found, and where they went out
+    run(device, 1, push(0, 1, 0));
+    EXPECT_LT(device.state().acted.force.norm(), 0.05) << tick;
+  }
+  run(device, 1, push(0, 1, 0));
+  EXPECT_NEAR(device.state().acted.force.y(), 1, 0.02);
+}
+
+TEST(Device, AfterSilentTicksTheMoveAndTheMeanOfWhatActedSpanTheGap) {
+  Wire wire;
+  Device device = device_with("circle:1,1", wire);
+  run(device, 100, push(0, 1, 0));
+  const Pose before = device.state().pose;
+  wire.silent_exchanges = 3;
+  for (int tick = 0; tick < 3; ++tick) {
+    EXPECT_FALSE(device.exchange(next_tick()));
+    EXPECT_EQ(device.state().moved, Vector3::Zero());
+    EXPECT_EQ(device.state().turned, Vector3::Zero());
+    device.command({});
+  }
+  // Of four intervals the force was at the motors in two: of its own exchange, and of the next one,
+  // which sent it again.
+  run(device, 1);
+  EXPECT_TRUE(device.state().valid);
+  EXPECT_LT((device.state().moved - (device.state().pose.position - before.position)).norm(),
+            1e-12);
+  EXPECT_GT(device.state().moved.norm(), 0.0001);
+  EXPECT_NEAR(device.state().acted.force.y(), 0.5, 0.05);
+}
+
+TEST(Device, NothingHasMovedAtTheFirstPoseAndByCalibrating) {
+  Wire wire;
+  Device device = device_with("circle:1,1", wire);
+  EXPECT_EQ(device.state().moved, Vector3::Zero());
+  EXPECT_EQ(device.state().turned, Vector3::Zero());
+  run(device, 100);
+  EXPECT_GT(device.state().moved.norm(), 0.0001);
+  device.calibrate();
+  EXPECT_EQ(device.state().moved, Vector3::Zero());
+  EXPECT_EQ(device.state().turned, Vector3::Zero());
+  run(device, 1);
+  EXPECT_NEAR(device.state().moved.norm(), 0.001 * 2 * std::numbers::pi * 0.025, 0.0001);
+}
+
 TEST(Device, AngularVelocityIsThatOfTheGrip) {
   Wire wire;
   Device device = device_with("hold:0,0,0", wire);
@@ -348,6 +470,7 @@ TEST(Device, AMoveWhileNobodyLookedIsBelievedWhenItLasts) {
   EXPECT_TRUE(device.state().valid);
   EXPECT_NEAR(device.state().pose.position.x(), elsewhere.position.x(), 0.001);
   EXPECT_LT(device.state().velocity.norm(), 0.5);
+  EXPECT_EQ(device.state().moved, Vector3::Zero());
 }
 
 TEST(Device, AControllerThatNeverAnswersIsAnError) {
