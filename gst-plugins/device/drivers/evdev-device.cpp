@@ -162,14 +162,16 @@ public:
         connected() && now - round_at_.load() < std::chrono::nanoseconds(kDriverStands).count();
     state_.valid = answered;
     state_.pressed = state_.pressed && answered;
+    state_.moved.setZero();
     if (!answered)
       return false;
     stick_.refresh();
     const StickState &stick = stick_.value();
     const spidar::Vector3 position = kStickHalf * (stick.place - centre_);
+    state_.moved = position - state_.pose.position;
     if (const double dt = static_cast<double>(now - exchanged_at_) * 1e-9; dt > 0) {
       const double share = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * dt);
-      state_.velocity += share * ((position - state_.pose.position) / dt - state_.velocity);
+      state_.velocity += share * (state_.moved / dt - state_.velocity);
     }
     exchanged_at_ = now;
     state_.pose.position = position;

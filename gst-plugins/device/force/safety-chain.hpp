@@ -82,12 +82,15 @@ public:
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
     spidar::Vector3 hand_turning = spidar::Vector3::Zero();  ///< rad/s
-    double max_force = 0;                                    ///< N
-    double continuous_force = 0;                             ///< N rms over a minute; 0: any
-    double max_torque = 0;                                   ///< N·m
-    double slew_rate = 0;                                    ///< N/s; for the torque at kTorqueArm
-    double damping = 0;                                      ///< N·s/m
-    double dt = 0;                                           ///< s since the step before
+    /// m and rad, since the step before: as measured, not low-passed
+    spidar::Vector3 moved = spidar::Vector3::Zero();
+    spidar::Vector3 turned = spidar::Vector3::Zero();
+    double max_force = 0;        ///< N
+    double continuous_force = 0; ///< N rms over a minute; 0: any
+    double max_torque = 0;       ///< N·m
+    double slew_rate = 0;        ///< N/s; for the torque at kTorqueArm
+    double damping = 0;          ///< N·s/m
+    double dt = 0;               ///< s since the step before
   };
 
   /// Returns the wrench to command. Never more than max_force and max_torque; a lowered maximum is

@@ -381,6 +381,8 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   if (const spidar::HapticDevice *device = run_.environment.device) {
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;
+    input.moved = device->state().moved;
+    input.turned = device->state().turned;
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }

@@ -81,10 +81,6 @@ public:
   /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
 
-  /// Whether its forces are newtons and its places metres. If not, as with a stick whose driver
-  /// knows neither, a stiffness (N/m), a damping (N·s/m) and an energy (J) mean nothing with it.
-  virtual bool knows_newtons() const noexcept { return true; }
-
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;
 

@@ -313,6 +313,8 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
                        +[](SafetyChain::Input &i, double b) { i.wanted.torque.z() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_velocity.x() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_turning.z() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.moved.y() = b; },
+                       +[](SafetyChain::Input &i, double b) { i.turned.x() = b; },
                        +[](SafetyChain::Input &i, double b) { i.max_torque = b; },
                        +[](SafetyChain::Input &i, double b) { i.continuous_force = b; },
                        +[](SafetyChain::Input &i, double b) { i.damping = b; },
@@ -372,12 +374,18 @@ TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
   }
 }
 
+// The hand moves at so many m/s to the right.
+void carry(SafetyChain::Input &input, double speed) {
+  input.hand_velocity = {speed, 0, 0};
+  input.moved = speed * input.dt * Vector3::UnitX();
+}
+
 // A hand that a strong force carries along, undamped.
 SafetyChain::Input carried_off() {
   auto input = push(4);
   input.max_force = 4;
   input.damping = 0;
-  input.hand_velocity = {0.9, 0, 0};
+  carry(input, 0.9);
   return input;
 }
 
@@ -459,7 +467,7 @@ TEST(SafetyChain, InFiveSecondsTheForceDoesAtMostTwoAndAHalfJoules) {
 double most_work_in_five_seconds(SafetyChain::Input input, double speed) {
   SafetyChain chain;
   steps(chain, input, 50'000);
-  input.hand_velocity = {speed, 0, 0};
+  carry(input, speed);
   double acting = chain.wrench().force.x();
   double work = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -489,11 +497,11 @@ TEST(SafetyChain, WorkThatALateTickLetTheForceDoIsPaidBackFirst) {
   input.damping = 0;
   SafetyChain chain;
   steps(chain, input, 1000);
-  input.hand_velocity = {1, 0, 0};
   input.dt = 0.5; // s: 2.5 J, and 0.9 J were left
+  carry(input, 1);
   chain.step(input);
   input.dt = kTick;
-  input.hand_velocity.setZero();
+  carry(input, 0);
   chain.step(input);
   EXPECT_TRUE(chain.silent());
   // 1.45 J at 0.3 W
@@ -535,6 +543,7 @@ TEST(SafetyChain, TheTorqueDoesNoMoreWorkThanTheForceMay) {
   auto input = turn(0.1);
   input.max_torque = 0.1;
   input.hand_turning = {0, 0, 8};
+  input.turned = input.hand_turning * kTick;
   SafetyChain chain;
   steps(chain, input, 1000);
   EXPECT_GT(chain.wrench().torque.z() * 8, 1.4 * SafetyChain::kWorkRate);
