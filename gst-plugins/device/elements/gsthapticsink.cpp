@@ -284,8 +284,7 @@ bool start_threads(GstHapticSink *self) {
   const auto entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); };
   if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
                               .log_location = setting_of(self, &SinkSettings::log_location),
-                              .entered = entered,
-                              .keeper = keeper}))
+                              .callbacks = {.entered = entered, .keeper = keeper}}))
     return false;
   state.liveness = Liveness::unknown;
   try {

@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "loop/haptic-loop.hpp"
 
-#include "share/real-time-priority.hpp"
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <Eigen/Geometry>
 #include <limits>
-#include <pthread.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <unistd.h>
 
 namespace haptic {
 namespace {
@@ -19,10 +11,6 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;            // ns
 constexpr std::int64_t kTooLate = 20'000'000;              // ns
 constexpr std::int64_t kRetryFaultedDevice = kSecond / 10; // ns
-constexpr double kGripLetGo = 1.0;                         // m/s
-constexpr double kGripTurnedOn = 3;                        // rad/s, while the torque drives it
-constexpr double kGripWhirls = 10;                         // rad/s, whatever drives it
-constexpr double kTurnsFor = 0.0045;                       // s, as the speed's low-pass of 35 Hz
 constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
@@ -42,34 +30,6 @@ void raise(std::atomic<T> &maximum, T value) noexcept {
 
 double seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) / static_cast<double>(kSecond);
-}
-
-void back_to_normal_priority() noexcept {
-  const sched_param normal{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
-}
-
-// Touches and locks the stack as deep as the loop ever needs it, so that no tick waits for a page.
-[[gnu::noinline]] int lock_stack() noexcept {
-  constexpr std::size_t kDepth = 65536;
-  volatile char stack[kDepth];
-  for (std::size_t i = 0; i < kDepth; i += 1024)
-    stack[i] = 0;
-  return mlock(const_cast<char *>(stack), kDepth) == 0 ? 0 : errno;
-}
-
-int lock_memory(const HapticLoop &loop) noexcept {
-  if (const int error = lock_stack(); error != 0)
-    return error;
-  return mlock(&loop, sizeof loop) == 0 ? 0 : errno;
-}
-
-int request_real_time_priority() noexcept {
-  const sched_param wanted{.sched_priority = kRealTimePriority};
-  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  // At normal priority the kernel delays a wake-up by up to 50 us to save power by default.
-  prctl(PR_SET_TIMERSLACK, 1UL);
-  return error;
 }
 
 } // namespace
@@ -109,25 +69,18 @@ void HapticLoop::start(Environment environment) {
 }
 
 void HapticLoop::start_thread() {
-  thread_ =
-      CallbackThread(run_.environment.keeper, [this](CallbackThread::Self &self) { run(self); });
+  thread_.start(run_.environment.callbacks, std::as_bytes(std::span(this, 1)),
+                [this](const std::stop_token &stop) { run(stop); });
 }
 
 void HapticLoop::stop() noexcept {
   thread_.end();
 }
 
-void HapticLoop::run(CallbackThread::Self &self) noexcept {
-  // A copy: when it stops this run it may begin another one, which has an environment of its own.
-  if (const auto entered = run_.environment.entered; entered && !self.call_out(entered))
-    return;
-  run_.thread_number = gettid();
-  run_.memory_error = lock_memory(*this);
-  run_.priority_error = request_real_time_priority();
-
+void HapticLoop::run(const std::stop_token &stop) noexcept {
   LoopClock &clock = *run_.environment.clock;
   std::int64_t next = clock.now() + run_.period;
-  while (!self.stop_requested()) {
+  while (!stop.stop_requested()) {
     clock.sleep_until(next);
     const std::int64_t now = clock.now();
     if (run_.suspend.has_slept(now, clock.boot_time())) {
@@ -148,9 +101,6 @@ void HapticLoop::run(CallbackThread::Self &self) noexcept {
   }
   run_.silent = true;
   run_.tick_holds = 0;
-  back_to_normal_priority();
-  if (run_.environment.left)
-    run_.environment.left();
 }
 
 void HapticLoop::count_tick(std::int64_t lateness) noexcept {
@@ -335,16 +285,6 @@ void HapticLoop::update_touch(double dt) noexcept {
                   run_.wash_out.shift(), limits, dt);
 }
 
-// Without a force the grip may move and turn as fast as the hand likes.
-bool HapticLoop::is_let_go(const spidar::DeviceState &state, double dt) noexcept {
-  const double turning = state.angular_velocity.norm();
-  const bool turns = turning > kGripWhirls ||
-                     (turning > kGripTurnedOn && run_.chain.drives(state.angular_velocity));
-  run_.turns_for = turns ? run_.turns_for + dt : 0;
-  return !run_.chain.silent() &&
-         (state.velocity.norm() > kGripLetGo || run_.turns_for >= kTurnsFor);
-}
-
 std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   std::uint32_t holds = holds_.load();
   if (late)
@@ -355,20 +295,13 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   if ((run_.motion.cut && touch != TouchMode::surface) ||
       (run_.touch.cut() && touch != TouchMode::off))
     holds |= kHoldCut;
-  const spidar::HapticDevice *device = run_.environment.device;
-  if (run_.environment.dead_man && !(device && device->state().pressed))
-    holds |= kHoldDeadMan;
-  if (!device)
-    return holds;
-  const spidar::DeviceState &state = device->state();
-  if (!state.valid)
-    return holds | kHoldNoPose;
-  if (device->grip_is_free() && is_let_go(state, dt) && !(holds & kHoldOverspeed)) {
+  const std::uint32_t of_grip =
+      run_.grip.holds(run_.environment.device, run_.chain, run_.environment.dead_man, dt);
+  if (of_grip & ~holds & kHoldOverspeed) {
     hold(kHoldOverspeed);
-    holds |= kHoldOverspeed;
     add<std::uint64_t>(run_.statistics.overspeeds);
   }
-  return holds;
+  return holds | of_grip;
 }
 
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
@@ -428,54 +361,25 @@ void HapticLoop::log_tick(std::int64_t now, const spidar::Wrench &wrench) noexce
     add<std::uint64_t>(run_.statistics.log_rows_lost);
 }
 
-namespace {
-
-std::array<double, 3> columns(const spidar::Vector3 &v) noexcept {
-  return {v.x(), v.y(), v.z()};
-}
-
-// The quaternion x, y, z, w with w >= 0.
-std::array<double, 4> columns(const spidar::Matrix3 &rotation) noexcept {
-  const Eigen::Quaterniond q(rotation);
-  const double sign = q.w() < 0 ? -1 : 1;
-  return {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()};
-}
-
-void read_state(TickRow &row, const spidar::DeviceState &state) noexcept {
-  row.position = columns(state.pose.position);
-  for (std::size_t i = 0; i < row.tension.size(); ++i)
-    row.tension[i] = state.tensions[static_cast<Eigen::Index>(i)];
-  row.orientation = columns(state.pose.rotation);
-  row.turning = columns(state.angular_velocity);
-  row.realised_force = columns(state.realised.force);
-  row.realised_torque = columns(state.realised.torque);
-}
-
-} // namespace
-
 TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept {
   const MotionSample &sample = run_.motion.sample;
   const bool playing = !(holds_.load() & kHoldPaused);
   TickRow row;
   row.time = playing ? run_.running_time.advance(now) : run_.running_time.last();
   if (run_.environment.device)
-    read_state(row, run_.environment.device->state());
+    row.read(run_.environment.device->state());
   if (!run_.chain.silent() || run_.chain.follows_sample()) {
     row.velocity = {sample.velocity_x, sample.velocity_y};
     row.spin = sample.spin;
   }
-  row.force = columns(wrench.force);
-  row.torque = columns(wrench.torque);
+  row.commanded = wrench;
   row.confidence = sample.confidence;
   row.mono = seconds(now - run_.log_start.value_or(now));
   row.hold = run_.chain.holds();
   row.energy = run_.chain.continuous_force().used();
-  if (const Contact &contact = run_.touch.contact(); contact.touches) {
-    row.proxy = columns(contact.proxy);
-    row.touches = true;
-  } else {
-    row.proxy = row.position;
-  }
+  const Contact &contact = run_.touch.contact();
+  row.touches = contact.touches;
+  row.proxy = contact.touches ? contact.proxy : row.position;
   return row;
 }
 

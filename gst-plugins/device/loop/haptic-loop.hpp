@@ -5,13 +5,14 @@
 
 #include "force/force-law.hpp"
 #include "force/safety-chain.hpp"
+#include "loop/grip-watch.hpp"
+#include "loop/real-time-thread.hpp"
 #include "loop/suspend-detector.hpp"
 #include "loop/tick-log.hpp"
 #include "motion/motion-conditioning.hpp"
 #include "motion/motion-interpolator.hpp"
 #include "motion/pointer-mapping.hpp"
 #include "samples/field-sampler.hpp"
-#include "share/callback-thread.hpp"
 #include "share/duration-histogram.hpp"
 #include "share/loop-clock.hpp"
 #include "share/newest-slot.hpp"
@@ -22,7 +23,6 @@
 #include "touch/touch.hpp"
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <spidar/haptic-device.hpp>
@@ -108,10 +108,7 @@ public:
     LoopClock *clock = &machine_clock();    ///< outlives the thread
     double rate = 1000;                     ///< Hz
     bool dead_man = false;                  ///< force only while a button of the grip is pressed
-    std::function<void()> entered;          ///< called in the thread before the loop proper; it may
-                                            ///< stop the loop
-    CallbackThread::Keeper keeper;          ///< what lives while `entered` runs
-    std::function<void()> left;             ///< and after it
+    RealTimeThread::Callbacks callbacks;
   };
 
   // Life cycle: one thread at a time.
@@ -121,7 +118,7 @@ public:
   /// force. Throws std::system_error.
   void start(Environment environment);
   /// Zero wrench, two exchanges, join. Does nothing when not started. A thread that has not come
-  /// back from Environment::entered is not waited for; it has touched nothing.
+  /// back from Callbacks::entered is not waited for; it has touched nothing.
   void stop() noexcept;
   /// As start() without the thread: the caller calls tick(). For tests and measurements.
   void prepare(Environment environment);
@@ -202,12 +199,7 @@ public:
     run_.impulse_slot.refresh();
     return run_.impulse_slot.value();
   }
-  /// 0 with real-time priority, else the errno of the refusal; -1 until the thread runs.
-  int priority_error() const noexcept { return run_.priority_error.load(); }
-  /// Kernel's number of the loop's thread, once priority_error() is not -1.
-  int thread_number() const noexcept { return run_.thread_number.load(); }
-  /// 0 when the memory of the loop cannot be swapped out, else the errno of the refusal.
-  int memory_error() const noexcept { return run_.memory_error.load(); }
+  const RealTimeThread &thread() const noexcept { return thread_; }
   /// The device has gone for good, the loop no longer uses it, and it may be destroyed.
   bool device_lost() const noexcept { return run_.device_lost.load(); }
   /// Only when device_lost(): the loop continues with this one, silent until armed.
@@ -240,9 +232,6 @@ private:
     SharedValue<bool> calibrate;
     SharedValue<bool> silent = true;
     SharedValue<std::uint32_t> tick_holds;
-    SharedValue<int> thread_number;
-    SharedValue<int> priority_error = -1;
-    SharedValue<int> memory_error;
     SharedValue<bool> device_lost;
     SharedValue<spidar::HapticDevice *> replacement; // pointer thread -> loop
     NewestSlot<HandPosition> hand;                   // loop -> pointer thread
@@ -271,12 +260,12 @@ private:
     std::int64_t rests_since = 0; // ns, end of the run before; 0: there was none
     std::int64_t retry_at = 0;    // ns, while faulted
     int failed_exchanges = 0;
-    double turns_for = 0;                  // s, faster than a hand that is in control of the grip
+    GripWatch grip;
     std::optional<std::int64_t> log_start; // ns, monotonic; of the first row
     bool row_had_force = false;
   };
 
-  void run(CallbackThread::Self &self) noexcept;
+  void run(const std::stop_token &stop) noexcept;
   void count_tick(std::int64_t lateness) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
   void exchange(std::int64_t now) noexcept;
@@ -285,7 +274,6 @@ private:
   void receive_reliefs(std::int64_t running) noexcept;
   void update_motion(std::int64_t now) noexcept;
   void update_touch(double dt) noexcept;
-  bool is_let_go(const spidar::DeviceState &state, double dt) noexcept;
   std::uint32_t holds_of_tick(double dt, bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept;
@@ -302,7 +290,7 @@ private:
 
   Run run_;
 
-  CallbackThread thread_; // last: ends before what it uses
+  RealTimeThread thread_; // last: ends before what it uses
 };
 
 } // namespace haptic

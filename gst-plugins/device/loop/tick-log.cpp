@@ -2,8 +2,6 @@
 #include "loop/tick-log.hpp"
 
 #include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <new>
 #include <system_error>
 
@@ -11,46 +9,8 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kDrainEvery = 20'000'000; // ns
-constexpr int kDigits = 9;
-
-void append_number(std::string &text, double value) {
-  std::array<char, 32> digits{};
-  // Adding zero turns -0 into 0.
-  const auto end =
-      std::to_chars(digits.begin(), digits.end(), std::isfinite(value) ? value + 0.0 : 0,
-                    std::chars_format::general, kDigits)
-          .ptr;
-  if (!text.empty() && text.back() != '\n')
-    text += ',';
-  text.append(digits.begin(), end);
-}
 
 } // namespace
-
-void append_row(std::string &text, const TickRow &row) {
-  const auto append = [&text](const auto &values) {
-    for (const double value : values)
-      append_number(text, value);
-  };
-  append_number(text, row.time);
-  append(row.position);
-  append(row.velocity);
-  append_number(text, row.spin);
-  append(row.force);
-  append(row.torque);
-  append_number(text, row.confidence);
-  append(row.tension);
-  append_number(text, row.mono);
-  append_number(text, row.hold);
-  append(row.orientation);
-  append_number(text, row.energy);
-  append(row.turning);
-  append(row.realised_force);
-  append(row.realised_torque);
-  append(row.proxy);
-  append_number(text, row.touches ? 1 : 0);
-  text += '\n';
-}
 
 TickLog::TickLog(const std::string &path, LoopClock &clock)
     : file_(std::fopen(path.c_str(), "we")), rows_(kRows), clock_(clock) {

@@ -142,16 +142,13 @@ bool HapticSession::prepare(const RunSettings &settings) {
   run_.armed = is_armed();
   read_description();
 
-  HapticLoop::Environment environment;
-  environment.device = device_.get();
-  environment.lost = !device_ && opened_as_.device != "none"; // in a run before this one
-  environment.log = log_.get();
-  environment.clock = clock_;
-  environment.rate = opened_as_.rate;
-  environment.dead_man = opened_as_.dead_man == DeadMan::button;
-  environment.entered = settings.entered;
-  environment.keeper = settings.keeper;
-  loop_.prepare(std::move(environment));
+  loop_.prepare({.device = device_.get(),
+                 .lost = !device_ && opened_as_.device != "none", // in a run before this one
+                 .log = log_.get(),
+                 .clock = clock_,
+                 .rate = static_cast<double>(opened_as_.rate),
+                 .dead_man = opened_as_.dead_man == DeadMan::button,
+                 .callbacks = settings.callbacks});
   loop_.set_running_time(clock_->now(), 0); // until the client has a clock
   return true;
 }
@@ -297,12 +294,12 @@ void HapticSession::report_tracker(bool handled, std::int64_t now) {
 }
 
 void HapticSession::report_priority() {
-  int error = loop_.priority_error();
+  int error = loop_.thread().priority_error();
   if (run_.priority_reported || error < 0)
     return;
   if (error > 0 && services_) {
     if (!std::exchange(run_.priority_requested, true))
-      services_->request_real_time(loop_.thread_number());
+      services_->request_real_time(loop_.thread().number());
     const RealTimeAnswer answer = services_->real_time_answer();
     if (answer == RealTimeAnswer::pending)
       return;
@@ -310,7 +307,7 @@ void HapticSession::report_priority() {
       error = 0;
   }
   run_.priority_reported = true;
-  const int memory_error = loop_.memory_error();
+  const int memory_error = loop_.thread().memory_error();
   if (error == 0 && memory_error == 0)
     note(Severity::debug, "the loop has real-time priority, and its memory is locked");
   else

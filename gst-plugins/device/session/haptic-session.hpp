@@ -89,10 +89,9 @@ public:
   bool open(const DeviceChoice &choice);
 
   struct RunSettings {
-    DeviceChoice choice;           ///< another one than before: the device is opened anew
-    std::string log_location;      ///< empty: no log
-    std::function<void()> entered; ///< called in the loop's thread before its first tick
-    CallbackThread::Keeper keeper; ///< what lives while `entered` runs
+    DeviceChoice choice;                 ///< another one than before: the device is opened anew
+    std::string log_location;            ///< empty: no log
+    RealTimeThread::Callbacks callbacks; ///< of the loop's thread
   };
   /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.
   bool prepare(const RunSettings &settings);
@@ -101,7 +100,7 @@ public:
   void start_loop();
   void play() noexcept { loop_.unhold(kHoldPaused); }
   void pause() noexcept { loop_.hold(kHoldPaused); }
-  /// Zero force, two exchanges, join. Also from RunSettings::entered.
+  /// Zero force, two exchanges, join. Also from Callbacks::entered.
   void stop_loop() noexcept { loop_.stop(); }
   /// After the loop and the thread of run_rounds() have ended: reports what happened since the last
   /// round and completes the log.

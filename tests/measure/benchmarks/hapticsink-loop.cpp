@@ -157,8 +157,8 @@ int main(int argc, char **argv) {
     haptic::TickLog log(path);
     loop.start({.device = opened.device.get(),
                 .log = &log,
-                .entered = [&] { before = test::allocations; },
-                .left = [&] { allocations = test::allocations - before; }});
+                .callbacks = {.entered = [&] { before = test::allocations; },
+                              .left = [&] { allocations = test::allocations - before; }}});
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
     const auto start = std::chrono::steady_clock::now();
     auto next = start;
@@ -177,8 +177,9 @@ int main(int argc, char **argv) {
   const haptic::LoopStatistics &s = loop.statistics();
   std::printf("%s, %ld processors, compiler %s, %.0f s with the log on\n",
               test::processor().c_str(), sysconf(_SC_NPROCESSORS_ONLN), __VERSION__, seconds);
-  std::printf("real-time priority: %s\n",
-              loop.priority_error() == 0 ? "yes" : std::strerror(loop.priority_error()));
+  std::printf("real-time priority: %s\n", loop.thread().priority_error() == 0
+                                              ? "yes"
+                                              : std::strerror(loop.thread().priority_error()));
   std::printf("ticks %lu, late by a period %lu, missed (20 ms) %lu, log rows lost %lu\n",
               s.ticks.load(), s.late_ticks.load(), s.missed_ticks.load(), s.log_rows_lost.load());
   std::printf("lateness  p50 %8.1f us  p99 %8.1f us  p99.9 %8.1f us  max %8.1f us\n",

@@ -506,7 +506,8 @@ protected:
 TEST_F(LoopThread, TicksAndLeavesMinimumTensionBehind) {
   bool entered = false;
   bool left = false;
-  start({.rate = 1000, .entered = [&] { entered = true; }, .left = [&] { left = true; }});
+  start({.rate = 1000,
+         .callbacks = {.entered = [&] { entered = true; }, .left = [&] { left = true; }}});
   play();
   for (int i = 0; i < 50; ++i) {
     loop_.submit(moving(1000, 0), clock_.now());

@@ -46,8 +46,7 @@ TickRow numbered_row() {
   row.position = {2, 3, 4};
   row.velocity = {5, 6};
   row.spin = 7;
-  row.force = {8, 9, 10};
-  row.torque = {11, 12, 13};
+  row.commanded = {{8, 9, 10}, {11, 12, 13}};
   row.confidence = 14;
   row.tension = {15, 16, 17, 18, 19, 20, 21, 22};
   row.mono = 23;
@@ -55,8 +54,7 @@ TickRow numbered_row() {
   row.orientation = {25, 26, 27, 28};
   row.energy = 29;
   row.turning = {30, 31, 32};
-  row.realised_force = {33, 34, 35};
-  row.realised_torque = {36, 37, 38};
+  row.realised = {{33, 34, 35}, {36, 37, 38}};
   row.proxy = {39, 40, 41};
   row.touches = true;
   return row;
@@ -122,7 +120,7 @@ TEST(TickRow, KeepsNineDigitsWithAPointInEveryLocale) {
   const char *before = std::setlocale(LC_NUMERIC, "de_DE.UTF-8"); // where it exists
   TickRow row;
   row.time = 12345.6789;
-  row.force[0] = -1.0 / 3;
+  row.commanded.force[0] = -1.0 / 3;
   std::string text;
   haptic::append_row(text, row);
   if (before)
@@ -134,7 +132,7 @@ TEST(TickRow, KeepsNineDigitsWithAPointInEveryLocale) {
 TEST(TickRow, HoldsNoNanNoInfinityAndNoMinusZero) {
   TickRow row;
   row.velocity = {std::nan(""), std::numeric_limits<double>::infinity()};
-  row.force[1] = -0.0;
+  row.commanded.force[1] = -0.0;
   std::string text;
   haptic::append_row(text, row);
   EXPECT_EQ(text, "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,"
