@@ -80,17 +80,17 @@ public:
     const Vector3 seen = (position / kCount).array().round() * kCount;
     seen_velocity_ +=
         (1 - std::exp(-kTick / kVelocityTime)) * ((seen - seen_before_) / kTick - seen_velocity_);
+    haptic::SafetyChain::Input input;
+    input.moved = seen - seen_before_;
     seen_before_ = seen;
-    const double before = law.contact().proxy.z();
-    const bool touched = law.contact().touches;
     const Vector3 acting = force; // the exchange sends what the tick before has computed
     const haptic::Contact contact =
-        law.step(surface, seen, seen_velocity_, {slew_rate, 1, 1000}, kTick);
-    if (touched && contact.touches)
-      surface_work += std::max(0.0, acted_.z() * (contact.proxy.z() - before));
+        law.step(surface, seen, seen_velocity_,
+                 {.slew_rate = slew_rate, .energy = chain_.energy_of_hand()}, kTick);
+    surface_work += std::max(0.0, contact.surface_work);
+    input.acted.force = acted_;
     acted_ = acting;
-    haptic::SafetyChain::Input input;
-    input.wanted.force = contact.force;
+    input.touch = {contact.force, contact.surface_work, contact.energy, contact.released};
     input.measured = true;
     input.confidence = 1;
     input.interval = 1.0 / 30;

@@ -169,6 +169,7 @@ public:
     const StickState &stick = stick_.value();
     const spidar::Vector3 position = kStickHalf * (stick.place - centre_);
     state_.moved = position - state_.pose.position;
+    state_.acted.force = commanded_;
     if (const double dt = static_cast<double>(now - exchanged_at_) * 1e-9; dt > 0) {
       const double share = 1 - std::exp(-2 * std::numbers::pi * kVelocityCutoff * dt);
       state_.velocity += share * (state_.moved / dt - state_.velocity);
@@ -180,6 +181,7 @@ public:
   }
   bool connected() const noexcept override { return !gone_.load(); }
   void command(const spidar::Wrench &wrench) noexcept HAPTIC_NONBLOCKING override {
+    commanded_ = wrench.force;
     force_.write(wrench.force);
   }
   void calibrate() noexcept override {
@@ -304,7 +306,8 @@ private:
   // The loop's thread.
   spidar::DeviceState state_;
   spidar::Vector3 centre_ = spidar::Vector3::Zero();
-  std::int64_t exchanged_at_ = 0; // ns
+  spidar::Vector3 commanded_ = spidar::Vector3::Zero(); // N, nominal
+  std::int64_t exchanged_at_ = 0;                       // ns
 
   // The driver's thread.
   std::unique_ptr<libevdev, FreeEvdev> evdev_;

@@ -36,23 +36,25 @@ constexpr double kStaleIntervals = 3;
 constexpr double kStaleShortest = 0.1; // s
 constexpr double kStaleLongest = 2;    // s
 
-// The force goes down over the last of the work, so that running out of it is no step.
-constexpr double kWorkToFade = 0.25; // J
-
 // A lowered maximum takes the force off at least so fast, whatever the slew rate: 5 N, the most
 // that is offered, in 50 ms. A step would be felt as a blow.
 constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
+// A grip of 0.1 kg that is let go with it reaches 0.36 m/s at 1 N and 0.8 m/s at 5 N.
+constexpr double kMostForHand = 6.4e-3; // J per N of max_force
 // The budget for continuous force spares motors and hand over a minute, and has time.
 constexpr double kBudgetFalls = 20; // N/s
 
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
+         input.touch.force.allFinite() && std::isfinite(input.touch.surface_work) &&
+         std::isfinite(input.touch.energy) && std::isfinite(input.touch.released) &&
+         input.acted.force.allFinite() && input.acted.torque.allFinite() &&
          input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
          input.moved.allFinite() && input.turned.allFinite() && std::isfinite(input.confidence) &&
          std::isfinite(input.age) && std::isfinite(input.interval) &&
          std::isfinite(input.max_force) && std::isfinite(input.continuous_force) &&
          std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
-         std::isfinite(input.damping) && std::isfinite(input.dt);
+         std::isfinite(input.damping) && std::isfinite(input.dt) && std::isfinite(input.longest_dt);
 }
 
 Vector3 clamp_norm(const Vector3 &v, double limit) {
@@ -65,14 +67,14 @@ Vector3 approach(const Vector3 &from, const Vector3 &target, double most, double
   return clamp_norm(from + clamp_norm(target - from, most), limit);
 }
 
-// F' = F - min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
+// Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
 // that it damps: without a force nothing runs away.
-Vector3 damped(const Vector3 &force, const SafetyChain::Input &input) {
+Vector3 damping_of(const Vector3 &force, const SafetyChain::Input &input) {
   const double speed = input.hand_velocity.norm();
   if (speed <= SafetyChain::kUndamped)
-    return force;
+    return Vector3::Zero();
   const double brake = std::min(input.damping * (speed - SafetyChain::kUndamped), force.norm());
-  return force - brake / speed * input.hand_velocity;
+  return -brake / speed * input.hand_velocity;
 }
 
 // tau' = tau - min(b (|w| - w_0), |tau| + r |F|) w / |w| for |w| > w_0 = kUnbraked, with
@@ -97,8 +99,10 @@ double stale_after(double interval) noexcept {
 Wrench SafetyChain::step(const Input &input) noexcept {
   follows_sample_ = false;
   non_finite_ = !is_finite(input);
-  if (non_finite_)
-    return silence();
+  if (non_finite_) {
+    silence();
+    return braked_;
+  }
 
   const double dt = std::max(input.dt, 0.0);
   std::uint32_t holds = input.holds;
@@ -118,22 +122,29 @@ Wrench SafetyChain::step(const Input &input) noexcept {
   if (gate_ < kGateNothing)
     gate_ = 0;
 
-  account_for_work(input);
-  acting_ = braked_;
+  account_for_energy(input);
+  acting_ = parts_;
+  acting_.film.torque = braked_.torque;
   force_limit_ = continuous_force_.step(output_.force.norm(), input.continuous_force, dt);
   limited_ = false;
-  braked_ = holds ? fade_out(holds, dt) : follow(input);
-  braked_.torque = braked_torque(output_, input);
+  if (holds)
+    fade_out(holds, dt);
+  else
+    follow(input);
+  parts_.hand = account_.affordable(parts_.hand, input.hand_velocity, input.moved, dt,
+                                    std::max(input.longest_dt, dt));
+  output_ = {.force = parts_.force(), .torque = parts_.film.torque};
+  braked_ = {.force = output_.force, .torque = braked_torque(output_, input)};
   return braked_;
 }
 
-Wrench SafetyChain::silence() noexcept {
+void SafetyChain::silence() noexcept {
   envelope_ = 0;
   gate_ = 0;
   accepted_ = {};
+  parts_ = {};
   output_ = {};
   braked_ = {};
-  return output_;
 }
 
 void SafetyChain::restart() noexcept {
@@ -145,21 +156,21 @@ void SafetyChain::restart() noexcept {
 
 void SafetyChain::begin_run(double acted) noexcept {
   SafetyChain anew;
-  anew.work_left_ = work_left_;
+  anew.account_ = account_;
   anew.continuous_force_ = continuous_force_;
   anew.continuous_force_.step(output_.force.norm(), acted);
   *this = anew;
 }
 
 void SafetyChain::rest(double seconds) noexcept {
-  account_for_work({.dt = seconds});
+  account_for_energy({.dt = seconds});
   continuous_force_.step(0, seconds);
 }
 
 // F(t) = F(0) (1 - t / T): scales down the present command, so that the force falls in a straight
 // line whatever the law and the samples do meanwhile, and reaches zero after T = fade_left_ also
 // where the slew limit is slower.
-Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
+void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   if (!holds_) {
     fade_left_ = kStaleLongest;
     if (envelope_ >= 1)
@@ -182,23 +193,34 @@ Wrench SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   const double factor = (fade_left_ - dt) / fade_left_;
   fade_left_ -= dt;
   envelope_ *= factor;
-  output_.force *= factor;
-  output_.torque *= factor;
-  return output_;
+  parts_.film.force *= factor;
+  parts_.film.torque *= factor;
+  parts_.hand *= factor;
 }
 
-// E += 0.3 W dt - max(F . dx + tau . dphi, 0), E <= 0.9 J, F and tau of the command before last:
-// the device sends a command at the next exchange, and it acts until the one after that. A
-// low-passed velocity lags by 5 ms and misses half of the work on a hand that goes round fast. Only
-// work that the force did counts: a hand that pushes back does not add to the budget. What a late
-// tick let the force do beyond it is a debt.
-void SafetyChain::account_for_work(const Input &input) noexcept {
-  const double work = acting_.force.dot(input.moved) + acting_.torque.dot(input.turned);
-  work_left_ += kWorkRate * std::max(input.dt, 0.0) - std::max(work, 0.0);
-  work_left_ = std::min(work_left_, kWorkAtOnce);
+// The device sends a command at the next exchange, and it acts until the one after that.
+void SafetyChain::account_for_energy(const Input &input) noexcept {
+  account_.charge({.acted = input.acted,
+                   .film = acting_.film,
+                   .touched = !acting_.hand.isZero(0),
+                   .moved = input.moved,
+                   .turned = input.turned,
+                   .surface_work = input.touch.surface_work,
+                   .most = std::min(input.touch.energy, kMostForHand * input.max_force),
+                   .time = input.dt});
 }
 
-Wrench SafetyChain::follow(const Input &input) noexcept {
+// Returns whether it had to.
+bool SafetyChain::Parts::limit_force(double limit) noexcept {
+  const double norm = force().norm();
+  if (norm <= limit)
+    return false;
+  film.force *= limit / norm;
+  hand *= limit / norm;
+  return true;
+}
+
+void SafetyChain::follow(const Input &input) noexcept {
   holds_ = 0;
   const double dt = std::max(input.dt, 0.0);
   envelope_ = fade_in_ > 0 ? std::min(envelope_ + dt / fade_in_, 1.0) : 1.0;
@@ -207,27 +229,34 @@ Wrench SafetyChain::follow(const Input &input) noexcept {
   if (confidence_gate(input.confidence) > 0)
     accepted_ = input.wanted;
   const double share = gate_ * envelope_;
-  const Vector3 wanted = clamp_norm(accepted_.force, input.max_force) * share;
-  const Vector3 force = damped(clamp_norm(wanted, force_limit_), input);
-  const Vector3 torque = clamp_norm(accepted_.torque, input.max_torque) * share;
-  limited_ = wanted.norm() > force_limit_;
+  Parts wanted{.film = accepted_, .hand = input.touch.force};
+  wanted.film.torque = clamp_norm(accepted_.torque, input.max_torque) * share;
+  wanted.film.force = clamp_norm(wanted.film.force, input.max_force);
+  wanted.limit_force(input.max_force);
+  wanted.film.force *= share;
+  wanted.hand *= share;
+  limited_ = wanted.limit_force(force_limit_);
+  (wanted.hand.isZero(0) ? wanted.film.force : wanted.hand) += damping_of(wanted.force(), input);
 
   const double step = input.slew_rate * dt;
   const double fall = std::max(input.slew_rate, kMaximumFalls) * dt;
   const double budget_fall = std::max(input.slew_rate, kBudgetFalls) * dt;
   const double before = output_.force.norm();
-  output_.force = approach(output_.force, force, step,
-                           std::min(std::max(input.max_force, before - fall),
-                                    std::max(force_limit_, before - budget_fall)));
-  output_.torque = approach(output_.torque, torque, step * kTorqueArm,
-                            std::max(input.max_torque, output_.torque.norm() - fall * kTorqueArm));
+  const double most = std::min(std::max(input.max_force, before - fall),
+                               std::max(force_limit_, before - budget_fall));
+  parts_.film.force = approach(parts_.film.force, wanted.film.force, step, most);
+  const bool falls = wanted.hand.norm() < parts_.hand.norm();
+  parts_.hand =
+      approach(parts_.hand, wanted.hand, falls ? step + input.touch.released : step, most);
+  parts_.limit_force(most);
+  Vector3 &torque = parts_.film.torque;
+  torque = approach(torque, wanted.film.torque, step * kTorqueArm,
+                    std::max(input.max_torque, torque.norm() - fall * kTorqueArm));
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
-  const double left = std::clamp(work_left_ / kWorkToFade, 0.0, 1.0);
-  output_.force = clamp_norm(output_.force, std::max(input.max_force, output_.force.norm()) * left);
-  output_.torque =
-      clamp_norm(output_.torque, std::max(input.max_torque, output_.torque.norm()) * left);
-  return output_;
+  const double left = account_.share_of_film();
+  parts_.limit_force(std::max(input.max_force, parts_.force().norm()) * left);
+  torque = clamp_norm(torque, std::max(input.max_torque, torque.norm()) * left);
 }
 
 } // namespace haptic

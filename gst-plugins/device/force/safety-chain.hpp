@@ -3,6 +3,7 @@
 #pragma once
 
 #include "force/continuous-force.hpp"
+#include "force/energy-account.hpp"
 #include "samples/force-defaults.hpp"
 #include "share/non-blocking.hpp"
 
@@ -55,16 +56,20 @@ inline constexpr std::uint32_t kLatches =
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 
+/// The force of touching a surface: the hand has to put in what it gets back.
+struct TouchForce {
+  spidar::Vector3 force = spidar::Vector3::Zero(); ///< N, on the hand
+  double surface_work = 0; ///< J, that the surface put into the spring since the step before
+  double energy = 0;       ///< J, of the whole spring
+  double released = 0; ///< N, by the hand\'s own way out since the step before: not slew-limited
+};
+
 /// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, budget for
-/// continuous force, damping, slew limit, norm clamp, work limit, brake of the turning grip. The
-/// slew limit delays what the law and its confidence say, and no hold, lowered maximum or end of
-/// the work. One thread; real-time safe.
+/// continuous force, damping, slew limit, norm clamp, energy account, brake of the turning grip.
+/// The slew limit delays what the law, its confidence and the touch say, and no hold, lowered
+/// maximum, end of a touch or of the energy. One thread; real-time safe.
 class SafetyChain {
 public:
-  /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
-  /// is at most 2.4 J, or 0.48 W, over any 5 s, and what two ticks add; it is a debt.
-  static constexpr double kWorkAtOnce = 0.9; // J
-  static constexpr double kWorkRate = 0.3;   // W
   /// Hand speeds up to this one are not damped, so that a hand that points feels the frame alone.
   static constexpr double kUndamped = 0.1; // m/s
   /// About the grip's radius: torques count as forces there.
@@ -75,6 +80,7 @@ public:
 
   struct Input {
     spidar::Wrench wanted;   ///< N and N·m, from the law
+    TouchForce touch;        ///< beside it
     bool measured = false;   ///< the newest sample holds a measurement
     double confidence = 0;   ///< 0..1, of the newest sample
     double age = 0;          ///< s since the newest sample came
@@ -82,7 +88,8 @@ public:
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
     spidar::Vector3 hand_turning = spidar::Vector3::Zero();  ///< rad/s
-    /// m and rad, since the step before: as measured, not low-passed
+    /// Since the step before: what the device did, and m and rad as measured, not low-passed
+    spidar::Wrench acted;
     spidar::Vector3 moved = spidar::Vector3::Zero();
     spidar::Vector3 turned = spidar::Vector3::Zero();
     double max_force = 0;        ///< N
@@ -91,6 +98,7 @@ public:
     double slew_rate = 0;        ///< N/s; for the torque at kTorqueArm
     double damping = 0;          ///< N·s/m
     double dt = 0;               ///< s since the step before
+    double longest_dt = 0;       ///< s, the longest that may come
   };
 
   /// Returns the wrench to command. Never more than max_force and max_torque; a lowered maximum is
@@ -104,10 +112,12 @@ public:
   bool drives(const spidar::Vector3 &turning) const noexcept {
     return output_.torque.dot(turning) > 0;
   }
-  /// The force begins anew, from zero. What is left of work and continuous force is kept.
+  /// J that the hand has put into the touch, and may have back.
+  double energy_of_hand() const noexcept { return account_.of_hand(); }
+  /// The force begins anew, from zero. What is left of energy and continuous force is kept.
   void restart() noexcept;
-  /// As new, but for what is left of work and continuous force. The last command acted for `acted`
-  /// s.
+  /// As new, but for what is left of energy and continuous force. The last command acted for
+  /// `acted` s.
   void begin_run(double acted) noexcept;
   /// Nothing was commanded for so long, s.
   void rest(double seconds) noexcept;
@@ -124,21 +134,31 @@ public:
   bool found_non_finite() const noexcept { return non_finite_; }
 
 private:
-  spidar::Wrench silence() noexcept;
-  spidar::Wrench fade_out(std::uint32_t holds, double dt) noexcept;
-  spidar::Wrench follow(const Input &input) noexcept;
-  void account_for_work(const Input &input) noexcept;
+  // A command, before the brake.
+  struct Parts {
+    spidar::Wrench film;
+    spidar::Vector3 hand = spidar::Vector3::Zero(); // N, of touch and damping
 
-  spidar::Wrench output_;          // before the brake
+    spidar::Vector3 force() const noexcept { return film.force + hand; }
+    bool limit_force(double limit) noexcept;
+  };
+
+  void silence() noexcept;
+  void fade_out(std::uint32_t holds, double dt) noexcept;
+  void follow(const Input &input) noexcept;
+  void account_for_energy(const Input &input) noexcept;
+
+  Parts parts_;                    // of the last step
+  Parts acting_;                   // of the step before it: what the device exerts until the next
+  spidar::Wrench output_;          // sum of parts_
   spidar::Wrench braked_;          // the result
-  spidar::Wrench acting_;          // the result before it: what the device exerts until the step
   spidar::Wrench accepted_;        // last wanted wrench worth trusting
   std::uint32_t holds_ = kHoldGap; // of the step before
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the confidence
-  double work_left_ = kWorkAtOnce; // J; negative: a debt
+  EnergyAccount account_;
   ContinuousForce continuous_force_;
   double force_limit_ = 0; // N, that it leaves
   bool limited_ = false;   // the last step

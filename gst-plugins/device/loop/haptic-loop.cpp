@@ -2,19 +2,25 @@
 #include "loop/haptic-loop.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
 namespace haptic {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;            // ns
-constexpr std::int64_t kTooLate = 20'000'000;              // ns
-constexpr std::int64_t kRetryFaultedDevice = kSecond / 10; // ns
+constexpr std::int64_t kSecond = 1'000'000'000;                                              // ns
+constexpr std::int64_t kTooLate = std::chrono::nanoseconds(spidar::kLongestSilence).count(); // ns
+constexpr std::int64_t kRetryFaultedDevice = kSecond / 10;                                   // ns
 constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
                                      kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan;
+
+// Of these the film is the reason: the hand has done nothing, and the surface stays where it is.
+constexpr std::uint32_t kHoldsOfFilm =
+    kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
+constexpr double kForgetsLate = 1; // s, time constant; a late tick is rarely alone
 
 // Only the loop writes its counters, so no read-modify-write instruction is needed.
 template <typename T>
@@ -120,6 +126,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
     run_.chain.rest(seconds(now - run_.rests_since));
   const double dt = seconds(run_.last_tick ? now - run_.last_tick : run_.period);
   run_.last_tick = now;
+  expect_late_ticks(dt);
 
   settings_.refresh();
   receive_submissions(now);
@@ -140,6 +147,13 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   run_.tick_holds.store(run_.chain.holds() & kTickHolds);
   raise(run_.statistics.force_max, wrench.force.norm());
   run_.statistics.force_rms.store(run_.chain.continuous_force().rms(), std::memory_order_relaxed);
+}
+
+// A stiffness that comes back under the hand would be felt as a push.
+void HapticLoop::expect_late_ticks(double dt) noexcept {
+  if (!run_.touch.contact().touches)
+    run_.longest_dt *= std::exp(-dt / kForgetsLate);
+  run_.longest_dt = std::max({run_.longest_dt, seconds(run_.period), dt});
 }
 
 void HapticLoop::receive_submissions(std::int64_t now) noexcept {
@@ -207,6 +221,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (run_.calibrate.exchange(false)) {
     device->calibrate();
     run_.wash_out.reset();
+    run_.touch.hold();
   }
   const bool faulted = holds_.load() & kHoldFaulted;
   if (faulted && now < run_.retry_at)
@@ -278,9 +293,12 @@ void HapticLoop::update_touch(double dt) noexcept {
   const spidar::HapticDevice *device = run_.environment.device;
   if (settings.touch == TouchMode::off || !device || !device->state().valid)
     return run_.touch.leave();
+  if (run_.chain.holds() & ~kHoldsOfFilm)
+    run_.touch.hold();
   const spidar::DeviceState &state = device->state();
-  const ContactLimits limits{settings.slew_rate, settings.law_settings.max_force,
-                             static_cast<double>(kSecond) / static_cast<double>(run_.period)};
+  const ContactLimits limits{.slew_rate = settings.slew_rate,
+                             .longest_dt = run_.longest_dt,
+                             .energy = run_.chain.energy_of_hand()};
   run_.touch.step(state.pose.position, state.velocity, device->workspace_half(),
                   run_.wash_out.shift(), limits, dt);
 }
@@ -314,12 +332,13 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   if (const spidar::HapticDevice *device = run_.environment.device) {
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;
+    input.acted = device->state().acted;
     input.moved = device->state().moved;
     input.turned = device->state().turned;
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }
-  law.most_for_hand = most_resistance(seconds(run_.period)) * input.hand_velocity.head<2>().norm();
+  law.most_for_hand = most_resistance(run_.longest_dt) * input.hand_velocity.head<2>().norm();
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();
@@ -340,6 +359,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.slew_rate = settings.slew_rate;
   input.damping = settings.damping;
   input.dt = dt;
+  input.longest_dt = run_.longest_dt;
   spidar::Wrench wrench = run_.chain.step(input);
   if (run_.chain.found_non_finite())
     add<std::uint64_t>(run_.statistics.non_finite);

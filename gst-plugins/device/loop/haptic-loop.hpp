@@ -73,7 +73,7 @@ struct Impulse {
 struct LoopStatistics {
   SharedValue<std::uint64_t> ticks;
   SharedValue<std::uint64_t> late_ticks;    ///< began more than a period late
-  SharedValue<std::uint64_t> missed_ticks;  ///< began more than 20 ms late
+  SharedValue<std::uint64_t> missed_ticks;  ///< began more than 10 ms late
   SharedValue<std::uint64_t> device_faults; ///< three failed exchanges in a row, or unplugged
   SharedValue<std::uint64_t> interruptions; ///< times that the guardian took the force off
   SharedValue<std::uint64_t> overspeeds;    ///< grip let go: too fast with a force on it
@@ -251,7 +251,8 @@ private:
     PointerPosition place; // of the hand, as last known
     MotionAt motion;       // at the time of this tick
     Touch touch;
-    bool broken = false; // a sample held a number that is not finite
+    double longest_dt = 0; // s between two ticks, lately
+    bool broken = false;   // a sample held a number that is not finite
     Impulse impulse;
     std::uint32_t epoch = 0;
     std::uint32_t relief_epoch = 0;
@@ -267,6 +268,7 @@ private:
 
   void run(const std::stop_token &stop) noexcept;
   void count_tick(std::int64_t lateness) noexcept;
+  void expect_late_ticks(double dt) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
   void exchange(std::int64_t now) noexcept;
   void update_hand(double dt) noexcept;

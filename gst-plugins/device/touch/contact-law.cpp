@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -31,14 +32,20 @@ constexpr int kBisections = 16;   // of the hand's way in one tick
 
 double stiffest(const ContactLimits &limits) noexcept {
   return std::min(limits.slew_rate / ContactLaw::kFastestSurface,
-                  kLightestDamping * limits.rate / kDelayPeriods);
+                  kLightestDamping / (kDelayPeriods * limits.longest_dt));
 }
 
 void ContactLaw::restart() noexcept {
   contact_ = {};
   lag_ = 0;
-  energy_ = 0;
+  sunk_ = 0;
+  sinks_ = false;
   hand_known_ = false;
+}
+
+void ContactLaw::hold() noexcept {
+  restart();
+  sinks_ = true;
 }
 
 // Returns whether the hand came through the surface, and sets the proxy to where. A hand over which
@@ -46,14 +53,19 @@ void ContactLaw::restart() noexcept {
 // surface begins at the hand (lag_).
 bool ContactLaw::touch(const ReliefSurface &surface, const Vector3 &hand) noexcept {
   const SurfacePoint here = surface.at(hand.x(), hand.y());
-  if (!here.exists || hand.z() >= here.height)
+  if (!here.exists || hand.z() >= here.height) {
+    sunk_ = 0;
+    sinks_ = false;
+    return false;
+  }
+  if (hand.z() >= felt_height(here))
     return false;
   const auto is_inside = [&](const Vector3 &place) {
     const SurfacePoint point = surface.at(place.x(), place.y());
-    return point.exists && place.z() < point.height;
+    return point.exists && place.z() < felt_height(point);
   };
   const auto begin_at_hand = [&] {
-    lag_ = hand.z() - here.height;
+    (std::exchange(sinks_, false) ? sunk_ : lag_) += hand.z() - felt_height(here);
     contact_.proxy = hand;
     stiffness_ = 0;
     return true;
@@ -70,7 +82,7 @@ bool ContactLaw::touch(const ReliefSurface &surface, const Vector3 &hand) noexce
   if (!surface.at(last_outside.x(), last_outside.y()).exists)
     return begin_at_hand();
   contact_.proxy = hand_before_ + inside * (hand - hand_before_);
-  contact_.proxy.z() = surface.at(contact_.proxy.x(), contact_.proxy.y()).height;
+  contact_.proxy.z() = felt_height(surface.at(contact_.proxy.x(), contact_.proxy.y()));
   stiffness_ = 0;
   return true;
 }
@@ -90,7 +102,7 @@ void ContactLaw::move_with_surface(const ReliefSurface &surface, const Vector3 &
   }
   if (!point.exists) // the hand has a surface and the proxy has none: it begins anew at the hand
     return restart();
-  lag_ = proxy.z() - point.height;
+  lag_ = proxy.z() - point.height - sunk_;
   const double most = kFastestSurface * dt;
   lag_ -= std::clamp(lag_, -most, most);
   proxy.z() = felt_height(point);
@@ -156,69 +168,68 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
   const double most = stiffest(limits);
   const Vector3 before = hand_before_;
   const double height = contact_.proxy.z();
-  double rise = 0; // m/s
-  if (contact_.touches) {
-    move_with_surface(surface, hand, most, dt);
-    rise = (contact_.proxy.z() - height) / dt;
-  }
+  Vector3 rise = Vector3::Zero(); // m
   const bool touched = contact_.touches;
-  if (!contact_.touches) {
+  if (touched)
+    move_with_surface(surface, hand, most, dt);
+  if (contact_.touches)
+    rise.z() = contact_.proxy.z() - height;
+  else
     contact_.touches = touch(surface, hand);
-    rise = 0;
-  }
   const SurfacePoint here = surface.at(hand.x(), hand.y());
   contact_.touches = contact_.touches && here.exists && hand.z() <= felt_height(here) + kAtRest;
   hand_before_ = hand;
   hand_known_ = !contact_.touches;
   if (!contact_.touches) {
-    contact_.proxy = hand;
+    contact_ = {.proxy = hand};
     lag_ = 0;
-    energy_ = 0;
-    exert(Vector3::Zero(), limits, dt);
     return contact_;
   }
+  // F . dx of a spring that grew meanwhile. One that the surface shortens has less energy left.
+  contact_.surface_work = std::max(stiffness_ * (contact_.proxy - hand - rise / 2).dot(rise), 0.0);
   slide(surface, hand, most);
   if (hangs(surface, hand)) {
-    lag_ = hand.z() - here.height;
+    lag_ = hand.z() - here.height - sunk_;
     contact_.proxy = hand;
     stiffness_ = 0;
   }
-  const Vector3 moved =
-      touched ? Vector3(hand - before - Vector3(0, 0, rise * dt)) : Vector3::Zero();
-  exert(wanted(hand, velocity - Vector3(0, 0, rise), moved, limits), limits, dt);
+  const double out = touched ? (hand - before).dot((contact_.proxy - hand).normalized()) : 0; // m
+  contact_.released = stiffness_ * std::max(out, 0.0);
+  if (out > 0)
+    shorten_to(limits.energy + contact_.surface_work, surface, hand);
+  contact_.force = force(hand, velocity - rise / dt);
+  contact_.energy = stiffness_ * (contact_.proxy - hand).squaredNorm() / 2;
   return contact_;
 }
 
-// F = k d + k T min(d / d_0, 1) (-v'), with v' the speed of the hand out of the surface: at least
-// 0, at most what the slew rate takes back before the hand is out, S d / v'. A force that the slew
-// rate delays takes less energy e from a fast hand than the spring holds, and must not give back
-// more: at v_0, the speed from which this can be, F <= 2 e / d, so that e is zero at d = 0; below
-// it, in proportion to the speed.
-Vector3 ContactLaw::wanted(const Vector3 &hand, const Vector3 &velocity, const Vector3 &moved,
-                           const ContactLimits &limits) noexcept {
+// k d² / 2 <= E: what the hand did not put in, or what a limit of the force took from it, does not
+// come back.
+void ContactLaw::shorten_to(double energy, const ReliefSurface &surface,
+                            const Vector3 &hand) noexcept {
+  Vector3 &proxy = contact_.proxy;
+  const Vector3 spring = proxy - hand;
+  const double most = std::sqrt(2 * std::max(energy, 0.0) / stiffness_);
+  const double depth = spring.norm();
+  if (!(depth > most))
+    return;
+  const Vector3 place = hand + most / depth * spring;
+  const SurfacePoint there = surface.at(place.x(), place.y());
+  if (!there.exists)
+    return;
+  sunk_ += place.z() - felt_height(there);
+  proxy = place;
+}
+
+// F = k d + k T min(d / d_0, 1) (-v'), at least 0, with v' the speed of the hand out of the
+// surface.
+Vector3 ContactLaw::force(const Vector3 &hand, const Vector3 &velocity) const noexcept {
   const Vector3 spring = contact_.proxy - hand;
   const double depth = spring.norm();
-  energy_ = std::clamp(energy_ - acting_.dot(moved), 0.0, stiffness_ * depth * depth / 2);
   if (!(depth > 0))
     return Vector3::Zero();
   const double out = velocity.dot(spring) / depth;
-  const double pull = stiffness_ * depth;
-  double force = pull * (1 - kDampingTime * std::min(1 / kWholeDamping, 1 / depth) * out);
-  if (out > 0) {
-    force = std::min(force, limits.slew_rate * depth / out);
-    force = std::min(force, std::max(2 * energy_ / depth, pull * (1 - out / kFastestSurface)));
-  }
-  return std::max(force, 0.0) / depth * spring;
-}
-
-// The limits of the safety chain, so that the law knows what acts.
-void ContactLaw::exert(const Vector3 &wanted, const ContactLimits &limits, double dt) noexcept {
-  const auto limited = [](const Vector3 &v, double most) {
-    return v.norm() > most ? Vector3(v * (most / v.norm())) : v;
-  };
-  acting_ = contact_.force;
-  contact_.force +=
-      limited(limited(wanted, limits.max_force) - contact_.force, limits.slew_rate * dt);
+  const double damper = kDampingTime * std::min(1 / kWholeDamping, 1 / depth);
+  return stiffness_ * std::max(1 - damper * out, 0.0) * spring;
 }
 
 } // namespace haptic

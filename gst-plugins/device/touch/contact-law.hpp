@@ -7,15 +7,17 @@
 #include "share/non-blocking.hpp"
 #include "touch/relief-surface.hpp"
 
+#include <limits>
 #include <spidar/types.hpp>
 
 namespace haptic {
 
 /// What the device can hold.
 struct ContactLimits {
-  double slew_rate = 20; ///< N/s, of the safety chain
-  double max_force = 1;  ///< N
-  double rate = 1000;    ///< Hz, of the loop
+  double slew_rate = 20;     ///< N/s, of the safety chain
+  double longest_dt = 0.001; ///< s between two steps
+  /// J that the hand has put into the touch: what acted on it in truth, by the safety chain
+  double energy = std::numeric_limits<double>::infinity();
 };
 
 /// The stiffest surface, N/m: at the fastest hand that is not braked, the slew rate still follows
@@ -26,6 +28,9 @@ struct Contact {
   bool touches = false;
   spidar::Vector3 proxy = spidar::Vector3::Zero(); ///< m, on the surface; the hand, if free
   spidar::Vector3 force = spidar::Vector3::Zero(); ///< N, on the hand
+  double surface_work = 0; ///< J, that its own movement put into the spring since the step before
+  double energy = 0;       ///< J, of the spring
+  double released = 0;     ///< N, of the spring, by the hand\'s own way out since the step before
 };
 
 /// One thread; real-time safe. SI units.
@@ -40,8 +45,11 @@ public:
                       double dt) noexcept HAPTIC_NONBLOCKING;
   const Contact &contact() const noexcept { return contact_; }
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
-  /// of it slowly.
+  /// of it slowly, at the film's cost.
   void restart() noexcept;
+  /// What is felt is held, or the hand is somewhere else: the surface begins anew at the hand, and
+  /// stays there until the hand has come out of the film's.
+  void hold() noexcept;
 
 private:
   bool touch(const ReliefSurface &surface, const spidar::Vector3 &hand) noexcept;
@@ -50,17 +58,20 @@ private:
   void slide(const ReliefSurface &surface, const spidar::Vector3 &hand,
              double most_stiffness) noexcept;
   bool hangs(const ReliefSurface &surface, const spidar::Vector3 &hand) const noexcept;
-  spidar::Vector3 wanted(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
-                         const spidar::Vector3 &moved, const ContactLimits &limits) noexcept;
-  void exert(const spidar::Vector3 &wanted, const ContactLimits &limits, double dt) noexcept;
-  double felt_height(const SurfacePoint &point) const noexcept { return point.height + lag_; }
+  void shorten_to(double energy, const ReliefSurface &surface,
+                  const spidar::Vector3 &hand) noexcept;
+  spidar::Vector3 force(const spidar::Vector3 &hand,
+                        const spidar::Vector3 &velocity) const noexcept;
+  double felt_height(const SurfacePoint &point) const noexcept {
+    return point.height + lag_ + sunk_;
+  }
 
   Contact contact_;
-  double stiffness_ = 0; // N/m, felt in the step before
-  double lag_ = 0;       // m, of the surface that is felt above the film's; 0 while free
-  double energy_ = 0;    // J that the hand and the surface have put into the spring
-  spidar::Vector3 acting_ = spidar::Vector3::Zero();      // N, since the step before
-  bool hand_known_ = false;                               // the hand of the step before was free
+  double stiffness_ = 0;    // N/m, felt in the step before
+  double lag_ = 0;          // m, of the surface that is felt above the film's; 0 while free
+  double sunk_ = 0;         // m, the same, for good: what is not the film's to lift
+  bool sinks_ = false;      // the next touch begins with sunk_ instead of lag_
+  bool hand_known_ = false; // the hand of the step before was free
   spidar::Vector3 hand_before_ = spidar::Vector3::Zero(); // m
 };
 

@@ -28,7 +28,8 @@ void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
     input.wanted.torque *= share;
     input.measured = true;
   }
-  input.wanted.force += law_.contact().force;
+  const Contact &contact = law_.contact();
+  input.touch = {contact.force, contact.surface_work, contact.energy, contact.released};
   input.confidence = 1;
   input.age = at_.age;
   input.interval = at_.interval;

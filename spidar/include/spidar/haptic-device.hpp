@@ -46,6 +46,10 @@ inline std::int64_t monotonic_time() noexcept {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// The longest time between two exchanges under a force. The guardian of a SPIDAR-G puts the motors
+/// at rest after it; who is later must begin from zero.
+inline constexpr std::chrono::milliseconds kLongestSilence{10};
+
 /// Not thread-safe: call exchange(), command() and calibrate() from one thread, everything else
 /// before that thread starts or after it has ended.
 class SPIDAR_API HapticDevice {

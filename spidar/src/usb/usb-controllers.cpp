@@ -3,6 +3,7 @@
 
 #include "fail.hpp"
 #include "guard/guardian.hpp"
+#include "spidar/haptic-device.hpp"
 #include "spidar/usb.hpp"
 #include "usb/usb-protocol.hpp"
 
@@ -20,6 +21,7 @@ namespace {
 constexpr int kExchangeTimeout = 2; // ms
 // The guardian hears nothing during an exchange; this long between two it waits.
 constexpr auto kBetweenExchanges = std::chrono::milliseconds(8);
+static_assert(Guardian::kPatience == kLongestSilence);
 static_assert(Guardian::kPatience ==
               kBetweenExchanges + std::chrono::milliseconds(kExchangeTimeout));
 // Per attempt: a silent controller is refused within 0.1 s.

@@ -148,7 +148,7 @@ TEST(ContactLaw, RestsOnARampFlatterThanTheAngleOfFriction) {
 TEST(ContactLaw, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
   EXPECT_DOUBLE_EQ(haptic::stiffest({}), haptic::kStiffestTouch) << "of haptic-track compare";
   EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 5}), 50);
-  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 1000, .rate = 100}), 20);
+  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 1000, .longest_dt = 0.01}), 20);
   const ReliefField relief = test::relief_of(test::flat(), 1e5);
   expect_force(pressed(relief, {0, 0, -0.001}, {0, 0, 0.01}), 0.001, {0, 0, 1});
 }

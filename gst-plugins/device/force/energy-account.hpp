@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The energy that the force has given to the hand, and what it may still give (Stramigioli and
+// others 2005). docs/force.md#energy gives the reasons.
+#pragma once
+
+#include <spidar/types.hpp>
+
+namespace haptic {
+
+/// Two purses. The film's fills by itself; all work on the hand is paid from it. The hand's fills
+/// by nothing but the work that the hand has put into a touch, or a surface that moves. One thread;
+/// real-time safe. SI units.
+class EnergyAccount {
+public:
+  /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
+  /// is at most 2.4 J, or 0.48 W, over any 5 s, and what two ticks add; it is a debt.
+  static constexpr double kWorkAtOnce = 0.9; // J
+  static constexpr double kWorkRate = 0.3;   // W
+
+  /// What happened between the last two exchanges.
+  struct Charge {
+    spidar::Wrench acted;                             ///< on the grip
+    spidar::Wrench film;                              ///< the film's part of it
+    bool touched = false;                             ///< it had a part of the hand
+    spidar::Vector3 moved = spidar::Vector3::Zero();  ///< m, the grip
+    spidar::Vector3 turned = spidar::Vector3::Zero(); ///< rad
+    double surface_work = 0;                          ///< J, that a surface has put into the touch
+    double most = 0; ///< J, that the touch can hold; what is above it is lost, a debt is not
+    double time = 0; ///< s
+  };
+  void charge(const Charge &charge) noexcept;
+
+  /// 0..1 of the force; it goes down over the last of the film's work.
+  double share_of_film() const noexcept;
+  /// J; negative: a debt, paid by a hand that presses in.
+  double of_hand() const noexcept { return hand_; }
+  /// Returns the part of the hand's force that the purse can pay, whatever the hand does until the
+  /// command has acted: `longest` s is the longest interval of the ticks.
+  spidar::Vector3 affordable(const spidar::Vector3 &force, const spidar::Vector3 &velocity,
+                             const spidar::Vector3 &moved, double dt,
+                             double longest) const noexcept;
+
+private:
+  double film_ = kWorkAtOnce; // J; negative: a debt
+  double hand_ = 0;           // J; negative: a debt
+};
+
+} // namespace haptic
