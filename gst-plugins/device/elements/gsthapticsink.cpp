@@ -12,6 +12,7 @@
 #include "elements/gsthapticsink.h"
 
 #include "elements/call-queue.hpp"
+#include "elements/presentation-time.hpp"
 #include "elements/relief-pad.hpp"
 #include "elements/sink-clock.hpp"
 #include "elements/sink-messages.hpp"
@@ -34,7 +35,7 @@
 #include <system_error>
 #include <utility>
 
-GST_DEBUG_CATEGORY_STATIC(haptic_sink_debug);
+GST_DEBUG_CATEGORY(haptic_sink_debug);
 #define GST_CAT_DEFAULT haptic_sink_debug
 
 namespace {
@@ -47,8 +48,6 @@ constexpr std::int64_t kMs = 1'000'000;              // ns
 constexpr std::int64_t kEndFade = 150 * kMs;         // at the end of the stream, and some ticks
 constexpr std::int64_t kLongestHandler = 1000 * kMs; // that the end of the stream waits for
 constexpr std::int64_t kLookAtEnd = 2 * kMs;         // between two looks while it waits
-
-enum class Liveness { unknown, live, not_live };
 
 enum class ReliefsBy { none, sink, relief }; // by which pad
 
@@ -77,7 +76,9 @@ struct InStateChange {
 };
 
 struct State {
-  explicit State(GstHapticSink *self) : client(self), session(client), calls(GST_ELEMENT(self)) {}
+  explicit State(GstHapticSink *self)
+      : client(self), session(client), calls(GST_ELEMENT(self)),
+        presentation_time(GST_BASE_SINK(self), settings, session) {}
 
   SinkSettings settings; // the object's lock
   Client client;
@@ -89,7 +90,7 @@ struct State {
   // By the pad `sink` from its caps to the end of the run; by `relief` while that pad exists.
   std::atomic<ReliefsBy> reliefs_by = ReliefsBy::none;
 
-  std::atomic<Liveness> liveness = Liveness::unknown; // of the source, asked once a run
+  haptic::PresentationTime presentation_time; // streaming threads
 
   unsigned change = 0; // the element's state lock; number of the last state change
 
@@ -184,66 +185,9 @@ std::optional<haptic::ClockReading> Client::read_clocks() {
   return haptic::read_clocks(GST_ELEMENT(self_), self_->state->session.clock());
 }
 
-// ---- when a sample is felt ----------------------------------------------------------------------
-
-// Asked of the peer: the base class answers only once it has prerolled, which costs a live source
-// its first sample.
-bool is_live(GstHapticSink *self) {
-  State &state = *self->state;
-  if (state.liveness == Liveness::unknown) {
-    const haptic::QueryPtr query(gst_query_new_latency());
-    if (gst_pad_peer_query(GST_BASE_SINK_PAD(self), query.get())) {
-      gboolean live = FALSE;
-      gst_query_parse_latency(query.get(), &live, nullptr, nullptr);
-      state.liveness = live ? Liveness::live : Liveness::not_live;
-      GST_INFO_OBJECT(self, "%s",
-                      live ? "live: samples are felt as soon as they come"
-                           : "not live: samples are felt at their time stamps");
-    }
-  }
-  return state.liveness == Liveness::live;
-}
-
-bool is_immediate(GstHapticSink *self) {
-  return haptic::is_immediate(setting_of(self, &SinkSettings::latency_mode),
-                              gst_base_sink_get_sync(GST_BASE_SINK(self)),
-                              [self] { return is_live(self); });
-}
-
-// Presentation running time of `pts` in ns, or kAtOnce.
-std::int64_t presentation_time(GstHapticSink *self, const GstSegment &segment, GstClockTime pts) {
-  GstBaseSink *sink = GST_BASE_SINK(self);
-  if (is_immediate(self) || !GST_CLOCK_TIME_IS_VALID(pts) || segment.format != GST_FORMAT_TIME)
-    return haptic::kAtOnce;
-  guint64 running = 0;
-  const int sign = gst_segment_to_running_time_full(&segment, GST_FORMAT_TIME, pts, &running);
-  if (sign == 0)
-    return haptic::kAtOnce;
-  return sign * static_cast<std::int64_t>(running) +
-         static_cast<std::int64_t>(gst_base_sink_get_latency(sink)) +
-         gst_base_sink_get_ts_offset(sink);
-}
-
 haptic::Playback playback_of(const GstSegment &segment) {
   constexpr int kSkips = GST_SEGMENT_FLAG_TRICKMODE | GST_SEGMENT_FLAG_TRICKMODE_KEY_UNITS;
   return {segment.rate, segment.applied_rate, (segment.flags & kSkips) != 0};
-}
-
-void get_times(GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start, GstClockTime *end) {
-  *start = *end = GST_CLOCK_TIME_NONE;
-  if (is_immediate(GST_HAPTIC_SINK(sink)))
-    return; // nothing to wait for
-  parent_class()->get_times(sink, buffer, start, end);
-  // Earlier by the look-ahead, but not before the segment begins: a buffer outside it is dropped.
-  const GstSegment &segment = sink->segment;
-  const std::uint64_t look_ahead = state_of(sink).session.intake().look_ahead();
-  const auto ahead =
-      static_cast<GstClockTime>(static_cast<double>(look_ahead) * std::abs(segment.rate));
-  if (segment.rate > 0 && GST_CLOCK_TIME_IS_VALID(*start) && *start > segment.start)
-    *start -= std::min(ahead, *start - segment.start);
-  if (segment.rate < 0 && GST_CLOCK_TIME_IS_VALID(*end) && GST_CLOCK_TIME_IS_VALID(segment.stop) &&
-      *end < segment.stop)
-    *end += std::min(ahead, segment.stop - *end);
 }
 
 // Returns false if the pad `sink` is to have reliefs, but the pad `relief` has them.
@@ -286,7 +230,7 @@ bool start_threads(GstHapticSink *self) {
                               .log_location = setting_of(self, &SinkSettings::log_location),
                               .callbacks = {.entered = entered, .keeper = keeper}}))
     return false;
-  state.liveness = Liveness::unknown;
+  state.presentation_time.begin_run();
   try {
     state.session.start_loop();
     state.pointer_thread =
@@ -365,7 +309,7 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   State &state = *self->state;
   set_running_time(self);
   haptic::sync_controllers(self, sink->segment, buffer);
-  const std::int64_t time = presentation_time(self, sink->segment, GST_BUFFER_PTS(buffer));
+  const std::int64_t time = state.presentation_time.of(sink->segment, GST_BUFFER_PTS(buffer));
   const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
   GstMapInfo map{};
   const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
@@ -416,11 +360,9 @@ GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
   ReliefsBy none = ReliefsBy::none;
   if (!self->state->reliefs_by.compare_exchange_strong(none, ReliefsBy::relief))
     return nullptr;
-  const auto time = [self](const GstSegment &segment, GstClockTime pts) {
-    return presentation_time(self, segment, pts);
-  };
   GstPad *pad = guarded(element, static_cast<GstPad *>(nullptr), [&] {
-    return haptic::add_relief_pad(element, of, self->state->session, time);
+    return haptic::add_relief_pad(element, of, self->state->session,
+                                  self->state->presentation_time);
   });
   if (!pad)
     self->state->reliefs_by = ReliefsBy::none;
@@ -489,7 +431,7 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
   GstHapticSink *self = GST_HAPTIC_SINK(sink);
   haptic::HapticSession &session = self->state->session;
   const bool gap = GST_EVENT_TYPE(event) == GST_EVENT_GAP;
-  GstFlowReturn result = gap && is_immediate(self)
+  GstFlowReturn result = gap && self->state->presentation_time.is_immediate()
                              ? gst_base_sink_do_preroll(sink, GST_MINI_OBJECT_CAST(event))
                              : parent_class()->wait_event(sink, event);
   if (result != GST_FLOW_OK)
@@ -497,7 +439,7 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
   if (gap) {
     GstClockTime pts = GST_CLOCK_TIME_NONE;
     gst_event_parse_gap(event, &pts, nullptr);
-    const std::int64_t time = presentation_time(self, sink->segment, pts);
+    const std::int64_t time = self->state->presentation_time.of(sink->segment, pts);
     if (self->state->reliefs_by == ReliefsBy::sink)
       session.accept_relief({}, true, time);
     else
@@ -635,7 +577,14 @@ void install_sink_functions(GstBaseSinkClass *klass) {
   };
   klass->get_times = [](GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start,
                         GstClockTime *end) {
-    guarded(sink, [&] { get_times(sink, buffer, start, end); });
+    guarded(sink, [&] {
+      *start = *end = GST_CLOCK_TIME_NONE;
+      haptic::PresentationTime &time = state_of(sink).presentation_time;
+      if (time.is_immediate())
+        return; // nothing to wait for
+      parent_class()->get_times(sink, buffer, start, end);
+      time.look_ahead(*start, *end);
+    });
   };
   klass->event = [](GstBaseSink *sink, GstEvent *e) -> gboolean {
     return guarded(sink, FALSE, [&] { return event(sink, e); });

@@ -8,7 +8,6 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
-#include <utility>
 
 namespace haptic {
 namespace {
@@ -20,8 +19,7 @@ constexpr double kAheadIntervals = 1.5;
 // The parent's lock is never held here.
 class ReliefPad {
 public:
-  ReliefPad(HapticSession &session, PresentationTime time)
-      : session_(session), time_(std::move(time)) {
+  ReliefPad(HapticSession &session, PresentationTime &time) : session_(session), time_(time) {
     gst_segment_init(&segment_, GST_FORMAT_TIME);
     flush_.request_stop(); // until activated
   }
@@ -79,7 +77,7 @@ private:
 
   // Returns when a relief is due, once it may be handed over; nothing if the pad is flushing.
   std::optional<std::int64_t> wait_for(GstClockTime pts) {
-    const std::int64_t due = time_(segment_, pts);
+    const std::int64_t due = time_.of(segment_, pts);
     if (due != kAtOnce && !wait_until(due - ahead()))
       return std::nullopt;
     return due;
@@ -105,7 +103,7 @@ private:
   }
 
   HapticSession &session_;
-  PresentationTime time_;
+  PresentationTime &time_;
   GstSegment segment_{}; // streaming thread
   std::mutex mutex_;
   std::stop_source flush_; // mutex_; the pad is flushing if its stop is requested
@@ -143,8 +141,8 @@ GstPadTemplate *relief_pad_template() {
 }
 
 GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
-                       PresentationTime time) {
-  auto relief = std::make_unique<ReliefPad>(session, std::move(time));
+                       PresentationTime &time) {
+  auto relief = std::make_unique<ReliefPad>(session, time);
   GstPad *pad = gst_pad_new_from_template(of, "relief");
   gst_pad_set_element_private(pad, relief.get());
   g_object_set_data_full(G_OBJECT(pad), "relief-pad", relief.release(),

@@ -2,23 +2,21 @@
 // The request pad `relief` of hapticsink: reliefs beside the motion of the pad `sink`.
 #pragma once
 
+#include "elements/presentation-time.hpp"
 #include "session/haptic-session.hpp"
 
-#include <functional>
 #include <gst/gst.h>
 
 namespace haptic {
-
-/// The running time at which a buffer of this segment is presented, or kAtOnce. Streaming thread.
-using PresentationTime = std::function<std::int64_t(const GstSegment &, GstClockTime pts)>;
 
 GstPadTemplate *relief_pad_template();
 
 /// Adds the pad, which hands reliefs to the session, each at most 1.5 intervals before it is due.
 /// It waits while the session is paused, and no longer once the pad is flushing or inactive. A GAP
-/// event is a relief without a surface. `session` outlives the pad; there is one pad at most.
+/// event is a relief without a surface. `session` and `time` outlive the pad; there is one pad at
+/// most.
 GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
-                       PresentationTime time);
+                       PresentationTime &time);
 void remove_relief_pad(GstElement *element, GstPad *pad, HapticSession &session);
 
 } // namespace haptic

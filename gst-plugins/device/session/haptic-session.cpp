@@ -14,27 +14,7 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000; // ns
 constexpr std::int64_t kPointerPeriod = 10 * kMs;
 constexpr std::int64_t kClockPeriod = 100 * kMs;
-constexpr std::int64_t kTrackerGrace = 1000 * kMs;
-constexpr std::int64_t kFirstReopening = 100 * kMs; // after the loss; doubled with each attempt
-constexpr std::int64_t kLastReopening = 500 * kMs;
-
 constexpr std::int64_t kLongestFade = 500 * kMs; // before a sleep
-
-// The faults that are reported whenever their counter has changed.
-struct FaultReport {
-  SharedValue<std::uint64_t> LoopStatistics::*counter;
-  NoticeCause cause;
-  const char *text;
-  const char *detail;
-};
-constexpr std::array kFaultReports = {
-    FaultReport{&LoopStatistics::device_faults, NoticeCause::write, messages::kDeviceSilent,
-                "three exchanges in a row failed, or it was unplugged"},
-    FaultReport{&LoopStatistics::overspeeds, NoticeCause::failed, messages::kGripLetGo,
-                "latched until re-armed"},
-    FaultReport{&LoopStatistics::suspends, NoticeCause::failed, messages::kMachineSlept,
-                "latched until re-armed"},
-};
 
 NoticeCause notice_cause(spidar::Cause cause) noexcept {
   switch (cause) {
@@ -52,18 +32,10 @@ NoticeCause notice_cause(spidar::Cause cause) noexcept {
   return NoticeCause::open;
 }
 
-std::string error_text(int error) {
-  return std::generic_category().message(error);
-}
-
 } // namespace
 
 HapticSession::HapticSession(SessionClient &client, DeviceOpener opener)
     : client_(client), opener_(std::move(opener)), run_(fields_, relief_pool_) {}
-
-void HapticSession::note(Severity severity, std::string text) {
-  client_.on_notice({severity, std::nullopt, std::move(text), {}});
-}
 
 // ---- the device and the run ---------------------------------------------------------------------
 
@@ -85,7 +57,7 @@ bool HapticSession::open(const DeviceChoice &choice) {
   loop_.unhold(kHoldClosed | kFaults);
   state_.set_device(device_ ? device_->description() : "");
   update_state();
-  note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
+  client_.note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
   if (const std::string remark = device_ ? device_->remark() : ""; !remark.empty())
     client_.on_notice({Severity::warning, NoticeCause::open, remark, {}});
   return true;
@@ -138,7 +110,6 @@ bool HapticSession::prepare(const RunSettings &settings) {
   if (!open_log(settings.log_location))
     return false;
   run_ = Run(fields_, relief_pool_);
-  run_.reopening.wait = kFirstReopening;
   run_.armed = is_armed();
   read_description();
 
@@ -160,7 +131,7 @@ void HapticSession::start_loop() {
 
 void HapticSession::end_run() {
   loop_.adopt_replacement(); // if no tick has
-  report();
+  report(clock_->now());
   services_.reset();
   log_.reset();
 }
@@ -211,7 +182,7 @@ void HapticSession::run_rounds(CallbackThread::Self &self) {
       if (!self.call_out(
               [&client = client_, &point, &handled] { handled = client.on_point(*point); }))
         return;
-      report_tracker(handled, now);
+      run_.reports.report_tracker(client_, handled, now);
     }
     clock_->wait_until(clock_->now() + kPointerPeriod, self.stop_token());
   }
@@ -219,13 +190,11 @@ void HapticSession::run_rounds(CallbackThread::Self &self) {
 
 void HapticSession::round(std::int64_t now) {
   if (const auto point = work(now))
-    report_tracker(client_.on_point(*point), now);
+    run_.reports.report_tracker(client_, client_.on_point(*point), now);
 }
 
 // Everything of a round but sending the point that it returns.
 std::optional<PointerPosition> HapticSession::work(std::int64_t now) {
-  if (!run_.began_at)
-    run_.began_at = now;
   const bool playing = !(loop_.holds() & kHoldPaused);
   if (playing && (!run_.clock_read_at || now - *run_.clock_read_at > kClockPeriod)) {
     run_.clock_read_at = now;
@@ -233,16 +202,13 @@ std::optional<PointerPosition> HapticSession::work(std::int64_t now) {
       set_running_time(*reading);
   }
   auto point = run_.has_hand ? next_point(now, playing) : std::nullopt;
-  report();
+  report(now);
   reopen_lost_device(now);
   return point;
 }
 
-void HapticSession::report() {
-  report_priority();
-  report_faults();
-  report_losses();
-  report_log();
+void HapticSession::report(std::int64_t now) {
+  run_.reports.report(client_, loop_, services_.get(), log_.get(), now);
   update_state();
   if (const bool armed = is_armed(); armed != run_.armed) {
     run_.armed = armed;
@@ -285,69 +251,6 @@ std::optional<PointerPosition> HapticSession::next_point(std::int64_t now, bool 
   return point;
 }
 
-void HapticSession::report_tracker(bool handled, std::int64_t now) {
-  run_.tracker_found = run_.tracker_found || handled;
-  if (run_.tracker_found || run_.tracker_reported || now - *run_.began_at <= kTrackerGrace)
-    return;
-  run_.tracker_reported = true;
-  note(Severity::info, "no tracker upstream takes the pointer events");
-}
-
-void HapticSession::report_priority() {
-  int error = loop_.thread().priority_error();
-  if (run_.priority_reported || error < 0)
-    return;
-  if (error > 0 && services_) {
-    if (!std::exchange(run_.priority_requested, true))
-      services_->request_real_time(loop_.thread().number());
-    const RealTimeAnswer answer = services_->real_time_answer();
-    if (answer == RealTimeAnswer::pending)
-      return;
-    if (answer == RealTimeAnswer::granted)
-      error = 0;
-  }
-  run_.priority_reported = true;
-  const int memory_error = loop_.thread().memory_error();
-  if (error == 0 && memory_error == 0)
-    note(Severity::debug, "the loop has real-time priority, and its memory is locked");
-  else
-    note(Severity::info,
-         format_text(messages::kNoRealTime, error ? error_text(error).c_str() : "granted",
-                     memory_error ? error_text(memory_error).c_str() : "granted"));
-}
-
-void HapticSession::report_faults() {
-  const LoopStatistics &statistics = loop_.statistics();
-  static_assert(std::tuple_size_v<decltype(Run::faults)> == kFaultReports.size());
-  for (std::size_t i = 0; i < kFaultReports.size(); ++i) {
-    const FaultReport &report = kFaultReports[i];
-    const std::uint64_t count = (statistics.*report.counter).load();
-    if (std::exchange(run_.faults[i], count) != count)
-      client_.on_notice({Severity::warning, report.cause, report.text, report.detail});
-  }
-  if (!run_.non_finite_reported && statistics.non_finite.load() > 0) {
-    run_.non_finite_reported = true;
-    note(Severity::warning, "a force that was not finite counted as zero");
-  }
-}
-
-void HapticSession::report_losses() {
-  if (run_.loss_reported || loop_.statistics().samples_lost.load() == 0)
-    return;
-  run_.loss_reported = true;
-  client_.on_notice({Severity::warning, NoticeCause::failed, messages::kSamplesLost, {}});
-}
-
-void HapticSession::report_log() {
-  if (run_.log_reported || !log_ || !log_->error())
-    return;
-  run_.log_reported = true;
-  client_.on_notice({Severity::warning,
-                     NoticeCause::write,
-                     format_text(messages::kLogStopped, error_text(log_->error()).c_str()),
-                     {}});
-}
-
 // ---- before the machine sleeps ------------------------------------------------------------------
 
 // A thread of the services. The machine sleeps once this returns.
@@ -361,29 +264,14 @@ void HapticSession::on_sleep() {
   clock_->wait_until(clock_->now() + 3000 * kMs / opened_as_.rate);
 }
 
-// ---- opening a lost device again ----------------------------------------------------------------
-
 void HapticSession::reopen_lost_device(std::int64_t now) {
-  Reopening &reopening = run_.reopening;
-  if (!loop_.device_lost()) {
-    reopening.wait = kFirstReopening;
+  if (!loop_.device_lost())
+    return run_.reopening.rest();
+  device_.reset();
+  device_ = run_.reopening.attempt(
+      now, [this] { return opener_.reopen(opened_as_); }, client_);
+  if (!device_)
     return;
-  }
-  if (device_ || !reopening.waiting) {
-    device_.reset();
-    reopening = {.waiting = true, .wait = reopening.wait, .next_at = now + reopening.wait};
-  }
-  if (now < reopening.next_at)
-    return;
-  try {
-    device_ = opener_.reopen(opened_as_);
-  } catch (const spidar::Error &error) {
-    reopening.wait = std::min(2 * reopening.wait, kLastReopening);
-    reopening.next_at = now + reopening.wait;
-    report_reopening(error);
-    return;
-  }
-  reopening.waiting = false;
   loop_.replace_device(device_.get());
   state_.set_device(device_->description());
   client_.on_notice({Severity::info,
@@ -391,19 +279,6 @@ void HapticSession::reopen_lost_device(std::int64_t now) {
                      format_text(messages::kDeviceIsBack, device_->description().c_str()),
                      {}});
   read_description();
-}
-
-// A device that has just been plugged in may need a moment until it may be opened.
-void HapticSession::report_reopening(const spidar::Error &error) {
-  Reopening &reopening = run_.reopening;
-  note(Severity::debug, std::string("not opened again yet: ") + error.what());
-  if (error.cause() == spidar::Cause::not_found) {
-    reopening.reported.clear();
-  } else if (reopening.reported != error.what() && reopening.wait == kLastReopening) {
-    reopening.reported = error.what();
-    client_.on_notice(
-        {Severity::warning, NoticeCause::open, error.what(), "while opening it again"});
-  }
 }
 
 } // namespace haptic

@@ -8,65 +8,23 @@
 #include "loop/haptic-loop.hpp"
 #include "motion/pointer-mapping.hpp"
 #include "motion/sample-intake.hpp"
+#include "session/reopening.hpp"
+#include "session/session-client.hpp"
+#include "session/session-reports.hpp"
 #include "session/session-state.hpp"
 #include "share/callback-thread.hpp"
 #include "share/loop-clock.hpp"
 #include "system/system-services.hpp"
 #include "touch/relief-intake.hpp"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
-#include <spidar/error.hpp>
 #include <string>
 
 namespace haptic {
-
-enum class Severity { debug, info, warning, error };
-
-/// What a notice is about, as far as a program may act on it.
-enum class NoticeCause {
-  not_found, ///< no such device, geometry or file
-  busy,      ///< another program holds the device
-  settings,  ///< a property cannot be understood
-  open,      ///< the device cannot be opened, or was opened again
-  open_log,  ///< the log cannot be written
-  write,     ///< the device or the log stopped working
-  failed,    ///< the force is off for another reason
-  format,    ///< a sample is damaged
-};
-
-struct Notice {
-  Severity severity = Severity::debug;
-  std::optional<NoticeCause> cause; ///< nothing: for the debug log, not for the user
-  std::string text;                 ///< for the user, with its cure
-  std::string detail;               ///< for developers
-};
-
-/// Two clocks read at the same time.
-struct ClockReading {
-  std::int64_t monotonic = 0; ///< ns
-  std::int64_t running = 0;   ///< ns
-};
-
-/// What a session needs from its owner, and whom it reports to.
-class SessionClient {
-public:
-  virtual ~SessionClient() = default;
-  /// Any thread but the loop's.
-  virtual void on_notice(const Notice &notice) = 0;
-  /// Pointer thread. Returns whether a tracker took the point.
-  virtual bool on_point(const PointerPosition &point) = 0;
-  /// Pointer thread.
-  virtual void on_armed_changed() = 0;
-  /// Any thread but the loop's, in order. It must not call back into the session.
-  virtual void on_session_changed(const SessionStatus & /*status*/) {}
-  /// Pointer thread. Returns nothing without a clock.
-  virtual std::optional<ClockReading> read_clocks() = 0;
-};
 
 /// How devices are opened; tests replace it.
 struct DeviceOpener {
@@ -164,14 +122,6 @@ public:
   HapticLoop &loop() noexcept { return loop_; }
 
 private:
-  // How far the opening of a lost device has come.
-  struct Reopening {
-    bool waiting = false;
-    std::int64_t wait = 0;    // ns, between two attempts
-    std::int64_t next_at = 0; // ns, monotonic
-    std::string reported;     // text of the last failure that was reported
-  };
-
   // Everything that begins anew with a start, which replaces it as a whole.
   struct Run {
     Run(FieldPool &fields, ReliefPool &pool) noexcept : intake(fields), reliefs(pool) {}
@@ -192,33 +142,18 @@ private:
     PointerGate gate;
     Impulse last_sent; // as of the last event
     bool armed = false;
-    std::optional<std::int64_t> began_at;      // ns, monotonic, of the first round
     std::optional<std::int64_t> clock_read_at; // ns, monotonic
-    std::array<std::uint64_t, 3> faults{};     // reported so far, as in kFaultReports
-    bool tracker_found = false;
-    bool tracker_reported = false;
-    bool priority_requested = false;
-    bool priority_reported = false;
-    bool loss_reported = false;
-    bool non_finite_reported = false;
-    bool log_reported = false;
+    SessionReports reports;
   };
 
   bool open_log(const std::string &path);
   void read_description();
   std::optional<PointerPosition> work(std::int64_t now);
   std::optional<PointerPosition> next_point(std::int64_t now, bool playing);
-  void report();
-  void report_tracker(bool handled, std::int64_t now);
+  void report(std::int64_t now);
   void update_state();
   void on_sleep();
-  void report_priority();
-  void report_losses();
-  void report_faults();
-  void report_log();
-  void report_reopening(const spidar::Error &error);
   void reopen_lost_device(std::int64_t now);
-  void note(Severity severity, std::string text);
 
   SessionClient &client_;
   DeviceOpener opener_;

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "session/session-reports.hpp"
+
+#include "format-text.hpp"
+#include "messages.hpp"
+
+#include <system_error>
+#include <utility>
+
+namespace haptic {
+namespace {
+
+constexpr std::int64_t kTrackerGrace = 1'000'000'000; // ns
+
+// A warning whenever its counter has changed, or once.
+struct FaultReport {
+  SharedValue<std::uint64_t> LoopStatistics::*counter;
+  bool once;
+  std::optional<NoticeCause> cause;
+  const char *text;
+  const char *detail;
+};
+constexpr std::array kFaultReports = {
+    FaultReport{&LoopStatistics::device_faults, false, NoticeCause::write, messages::kDeviceSilent,
+                "three exchanges in a row failed, or it was unplugged"},
+    FaultReport{&LoopStatistics::overspeeds, false, NoticeCause::failed, messages::kGripLetGo,
+                "latched until re-armed"},
+    FaultReport{&LoopStatistics::suspends, false, NoticeCause::failed, messages::kMachineSlept,
+                "latched until re-armed"},
+    FaultReport{&LoopStatistics::non_finite, true, std::nullopt,
+                "a force that was not finite counted as zero", ""},
+    FaultReport{&LoopStatistics::samples_lost, true, NoticeCause::failed, messages::kSamplesLost,
+                ""},
+};
+
+std::string error_text(int error) {
+  return std::generic_category().message(error);
+}
+
+} // namespace
+
+void SessionReports::report(SessionClient &client, const HapticLoop &loop, SystemServices *services,
+                            const TickLog *log, std::int64_t now) {
+  began_at_ = began_at_.value_or(now);
+  report_priority(client, loop.thread(), services);
+  report_faults(client, loop.statistics());
+  report_log(client, log);
+}
+
+void SessionReports::report_tracker(SessionClient &client, bool handled, std::int64_t now) {
+  tracker_found_ = tracker_found_ || handled;
+  if (tracker_found_ || tracker_reported_ || now - *began_at_ <= kTrackerGrace)
+    return;
+  tracker_reported_ = true;
+  client.note(Severity::info, "no tracker upstream takes the pointer events");
+}
+
+void SessionReports::report_priority(SessionClient &client, const RealTimeThread &thread,
+                                     SystemServices *services) {
+  int error = thread.priority_error();
+  if (priority_reported_ || error < 0)
+    return;
+  if (error > 0 && services) {
+    if (!std::exchange(priority_requested_, true))
+      services->request_real_time(thread.number());
+    const RealTimeAnswer answer = services->real_time_answer();
+    if (answer == RealTimeAnswer::pending)
+      return;
+    if (answer == RealTimeAnswer::granted)
+      error = 0;
+  }
+  priority_reported_ = true;
+  const int memory_error = thread.memory_error();
+  if (error == 0 && memory_error == 0)
+    client.note(Severity::debug, "the loop has real-time priority, and its memory is locked");
+  else
+    client.note(Severity::info,
+                format_text(messages::kNoRealTime, error ? error_text(error).c_str() : "granted",
+                            memory_error ? error_text(memory_error).c_str() : "granted"));
+}
+
+void SessionReports::report_faults(SessionClient &client, const LoopStatistics &statistics) {
+  static_assert(std::tuple_size_v<decltype(reported_)> == kFaultReports.size());
+  for (std::size_t i = 0; i < kFaultReports.size(); ++i) {
+    const FaultReport &fault = kFaultReports[i];
+    const std::uint64_t count = (statistics.*fault.counter).load();
+    const std::uint64_t before = std::exchange(reported_[i], count);
+    if (count != before && !(fault.once && before))
+      client.on_notice({Severity::warning, fault.cause, fault.text, fault.detail});
+  }
+}
+
+void SessionReports::report_log(SessionClient &client, const TickLog *log) {
+  if (log_reported_ || !log || !log->error())
+    return;
+  log_reported_ = true;
+  client.on_notice({Severity::warning,
+                    NoticeCause::write,
+                    format_text(messages::kLogStopped, error_text(log->error()).c_str()),
+                    {}});
+}
+
+} // namespace haptic
