@@ -178,7 +178,7 @@ summarise() {
       printf "Velocity    at most %.0f px/s\n", fastest
       printf "Force       x %.2f to %.2f N, y %.2f to %.2f N, at most %.2f N\n", fx0, fx1, fy0, fy1, strongest
       if (ticks != "") {
-        printf "1 kHz loop  %d ticks in %.1f s, %d late by more than 1 ms, %d by more than 20 ms\n", ticks, last, late, missed
+        printf "1 kHz loop  %d ticks in %.1f s, %d late by more than 1 ms, %d by more than 10 ms\n", ticks, last, late, missed
         printf "            a tick begins %.0f us late (median), %.0f us (99 %%), %.0f us (worst)\n", start50, start99, start
         printf "            and takes %.0f us (median), %.0f us (99 %%)\n", body50, body99
       }

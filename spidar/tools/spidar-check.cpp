@@ -99,7 +99,7 @@ void list_others(const Report &report) {
                 {"the device takes no data", kFault},
                 {"the machine goes to sleep", kOfSink},
                 {"with dead-man=button it is released", kOfSink},
-                {"a tick comes more than 20 ms late", kOfSink}});
+                {"a tick comes more than 10 ms late", kOfSink}});
 }
 
 /// Promises that need a force, with the reason why there was none.

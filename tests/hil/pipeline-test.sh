@@ -11,7 +11,7 @@ promise "the kernel sees a USB2.0 Simple" attach 1 0203
 modprobe vivid n_devs=1 vid_cap_types=1
 promise "the kernel has a camera" within 20 test -c /dev/video0
 measure_the_bus
-# A tick more than 20 ms late holds the force, as it should.
+# A tick more than 10 ms late holds the force, as it should.
 [ "$exchange_time" -le 15000 ] || skip "an exchange takes $exchange_time µs here, and a force needs 15000"
 
 # Coloured squares move to the right by 4 px a picture: 120 px/s. The driver calls that movement 6, the

@@ -126,7 +126,7 @@ const SinkProperty kProperties[] = {
      "Frame width, px, that alpha is meant at; velocities are scaled to it (0 = native pixels)"},
     {"latency-mode", "Latency Mode", kPlaying, enumeration<AT(latency_mode)>(latency_mode_type), {},
      "When a sample is felt"},
-    {"rate", "Rate", kReady, Count(AT(choice.rate)), {100, 4000},
+    {"rate", "Rate", kReady, Count(AT(choice.rate)), {500, 4000},
      "Force updates per second, Hz"},
     {"slew-rate", "Slew Rate", kPlaying, Number(AT(loop.slew_rate)), {0.1, 1000},
      "How fast the force may change, N/s"},

@@ -114,7 +114,7 @@ TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
       {"another scene", haptic::kHoldCut},
       {"end of stream", haptic::kHoldEnded},
       {"a seek", haptic::kHoldFlushing},
-      {"a tick more than 20 ms late", haptic::kHoldLate},
+      {"a tick more than 10 ms late", haptic::kHoldLate},
       {"`release`", haptic::kHoldReleased},
       {"`dead-man=button`", haptic::kHoldDeadMan},
       {"three failed exchanges", haptic::kHoldFaulted},
