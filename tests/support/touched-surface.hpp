@@ -85,8 +85,7 @@ public:
     seen_before_ = seen;
     const Vector3 acting = force; // the exchange sends what the tick before has computed
     const haptic::Contact contact =
-        law.step(surface, seen, seen_velocity_,
-                 {.slew_rate = slew_rate, .energy = chain_.energy_of_hand()}, kTick);
+        law.step(surface, seen, {.slew_rate = slew_rate, .energy = chain_.energy_of_hand()}, kTick);
     surface_work += std::max(0.0, contact.surface_work);
     input.acted.force = acted_;
     acted_ = acting;

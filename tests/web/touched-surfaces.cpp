@@ -134,7 +134,7 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
     const haptic::SurfacePoint here = surface.at(finger.x(), finger.y());
     finger.z() =
         here.height - kDepth / std::max(surface.normal(finger.x(), finger.y()).z(), kSteepest);
-    const haptic::Contact &contact = law.step(surface, finger, Vector3::Zero(), {}, 1e-3);
+    const haptic::Contact &contact = law.step(surface, finger, {}, 1e-3);
     for (const double number : {finger.x(), finger.y(), contact.proxy.x(), contact.proxy.y(),
                                 contact.force.x(), contact.force.y(), contact.force.z()})
       put(number);

@@ -2,6 +2,8 @@
 #include "force/energy-account.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <spidar/haptic-device.hpp>
 
 namespace haptic {
 namespace {
@@ -15,6 +17,10 @@ constexpr double kWorkToFade = 0.25; // J
 // A command is computed, sent one tick later, and acts until the one after that; half a tick is the
 // margin for a hand that becomes faster.
 constexpr double kTicksOfCommand = 2.5;
+
+// A tick that is later than any before it, as late as holds no force yet, costs no more than this.
+constexpr double kLateTick = std::chrono::duration<double>(spidar::kLongestSilence).count(); // s
+constexpr double kCreditOfLateTick = 8e-4;                                                   // J
 
 double work(const Wrench &wrench, const EnergyAccount::Charge &charge) {
   return wrench.force.dot(charge.moved) + wrench.torque.dot(charge.turned);
@@ -32,7 +38,7 @@ void EnergyAccount::charge(const Charge &charge) noexcept {
   film_ =
       std::min(film_ + kWorkRate * std::max(charge.time, 0.0) - std::max(all, 0.0), kWorkAtOnce);
   hand_ += charge.surface_work;
-  if (charge.touched)
+  if (charge.by_hand)
     hand_ -= all - work(charge.film, charge);
   hand_ = std::min(hand_, charge.most);
 }
@@ -41,12 +47,24 @@ double EnergyAccount::share_of_film() const noexcept {
   return std::clamp(film_ / kWorkToFade, 0.0, 1.0);
 }
 
-// F . v 2.5 T <= E, v of the low-pass or of the last tick, whichever goes more with the force.
-Vector3 EnergyAccount::affordable(const Vector3 &force, const Vector3 &velocity,
-                                  const Vector3 &moved, double dt, double longest) const noexcept {
-  const double power = std::max(force.dot(velocity), dt > 0 ? force.dot(moved) / dt : 0.0);
-  const double price = power * kTicksOfCommand * longest;
-  return price > std::max(hand_, 0.0) ? Vector3(force * (std::max(hand_, 0.0) / price)) : force;
+// |F . v| 2.5 T <= E, v of the low-pass or of the last tick: a hand that presses in may turn round
+// before the force does. While it presses in, it pays a debt.
+Vector3 EnergyAccount::affordable(const Vector3 &force, const Motion &hand) const noexcept {
+  const double slow = force.dot(hand.velocity);
+  const double last = hand.time > 0 ? force.dot(hand.moved) / hand.time : 0;
+  const double pushes = std::max({slow, last, 0.0});   // W
+  const double resists = -std::min({slow, last, 0.0}); // W
+  const double held = std::max(hand_, 0.0);
+  const double delay = kTicksOfCommand * hand.longest_time;
+  double share = 1;
+  const auto limit = [&](double price, double purse) {
+    if (price > purse)
+      share = std::min(share, purse / price);
+  };
+  limit(pushes * delay, held);
+  limit(resists * delay, held + hand.credit);
+  limit(std::max(pushes, resists) * kLateTick, held + kCreditOfLateTick);
+  return share * force;
 }
 
 } // namespace haptic

@@ -7,8 +7,9 @@
 
 namespace haptic {
 
-/// Two purses. The film's fills by itself; all work on the hand is paid from it. The hand's fills
-/// by nothing but the work that the hand has put into a touch, or a surface that moves. One thread;
+/// Two purses. The film's fills by itself; all work on the hand is paid from it. The hand's is for
+/// the force that follows the hand, and fills by nothing but the work that the hand has put into
+/// it, or a surface that moves. One thread;
 /// real-time safe. SI units.
 class EnergyAccount {
 public:
@@ -21,11 +22,11 @@ public:
   struct Charge {
     spidar::Wrench acted;                             ///< on the grip
     spidar::Wrench film;                              ///< the film's part of it
-    bool touched = false;                             ///< it had a part of the hand
+    bool by_hand = false;                             ///< the hand had a part in it
     spidar::Vector3 moved = spidar::Vector3::Zero();  ///< m, the grip
     spidar::Vector3 turned = spidar::Vector3::Zero(); ///< rad
     double surface_work = 0;                          ///< J, that a surface has put into the touch
-    double most = 0; ///< J, that the touch can hold; what is above it is lost, a debt is not
+    double most = 0; ///< J, that the hand may have back; what is above it is lost, a debt is not
     double time = 0; ///< s
   };
   void charge(const Charge &charge) noexcept;
@@ -34,11 +35,16 @@ public:
   double share_of_film() const noexcept;
   /// J; negative: a debt, paid by a hand that presses in.
   double of_hand() const noexcept { return hand_; }
+  struct Motion {
+    spidar::Vector3 velocity = spidar::Vector3::Zero(); ///< m/s, low-passed
+    spidar::Vector3 moved = spidar::Vector3::Zero();    ///< m, in the last `time` s
+    double time = 0;                                    ///< s
+    double longest_time = 0;                            ///< s, of any tick
+    double credit = 0; ///< J, with which a force begins that nothing was put in yet
+  };
   /// Returns the part of the hand's force that the purse can pay, whatever the hand does until the
-  /// command has acted: `longest` s is the longest interval of the ticks.
-  spidar::Vector3 affordable(const spidar::Vector3 &force, const spidar::Vector3 &velocity,
-                             const spidar::Vector3 &moved, double dt,
-                             double longest) const noexcept;
+  /// command has acted.
+  spidar::Vector3 affordable(const spidar::Vector3 &force, const Motion &hand) const noexcept;
 
 private:
   double film_ = kWorkAtOnce; // J; negative: a debt

@@ -17,24 +17,10 @@ PlanarForce arctan_force(double x, double y, const LawSettings &s) noexcept {
   return {gain * x, gain * y};
 }
 
-// Equation 5 on the motion relative to the hand, at most `most` N from that on the frame's motion.
-PlanarForce relative_force(const PlanarVelocity &frame, const PlanarVelocity &hand, double most,
-                           const LawSettings &s) noexcept {
-  const PlanarForce at_rest = arctan_force(frame.x, frame.y, s);
-  const PlanarForce moving = arctan_force(frame.x - hand.x, frame.y - hand.y, s);
-  const double x = moving.x - at_rest.x;
-  const double y = moving.y - at_rest.y;
-  const double change = std::hypot(x, y);
-  if (change <= most)
-    return moving;
-  const double share = most / change;
-  return {at_rest.x + share * x, at_rest.y + share * y};
-}
-
 class ArctanLaw final : public ForceLaw {
-  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
-                    double) noexcept override {
-    return arctan_force(m.velocity.x, m.velocity.y, s);
+  Relative force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                 double) noexcept override {
+    return {arctan_force(m.velocity.x, m.velocity.y, s), {}};
   }
 };
 
@@ -42,11 +28,12 @@ class ArctanLaw final : public ForceLaw {
 // bends diagonal motions towards the diagonal, and its length reaches 1.41 max_force (the safety
 // chain cuts that).
 class ArctanAxisLaw final : public ForceLaw {
-  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
-                    double) noexcept override {
+  Relative force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                 double) noexcept override {
     const auto &v = m.velocity;
-    return {arctan_gain(v.x, s.alpha, s.max_force) * v.x,
-            arctan_gain(v.y, s.alpha, s.max_force) * v.y};
+    return {{arctan_gain(v.x, s.alpha, s.max_force) * v.x,
+             arctan_gain(v.y, s.alpha, s.max_force) * v.y},
+            {}};
   }
 };
 
@@ -76,12 +63,12 @@ private:
 // The linear gain of the paper's predecessor:
 // F = F_max v / max(v_floor, fastest |v| of the last gain_window).
 class LinearLaw final : public ForceLaw {
-  PlanarForce force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
-                    double dt) noexcept override {
+  Relative force(const Motion &m, const PlanarVelocity &, const LawSettings &s,
+                 double dt) noexcept override {
     const double fastest =
         fastest_.update(std::hypot(m.velocity.x, m.velocity.y), s.gain_window, dt);
     const double gain = s.max_force / std::max(fastest, kSlowestMaximum);
-    return {gain * m.velocity.x, gain * m.velocity.y};
+    return {{gain * m.velocity.x, gain * m.velocity.y}, {}};
   }
 
   // v_floor: without it noise at standstill would be amplified to max_force.
@@ -90,11 +77,28 @@ class LinearLaw final : public ForceLaw {
   SlidingMaximum fastest_; // px/s
 };
 
+class RelativeLaw : public ForceLaw {
+protected:
+  // Equation 5 on the motion relative to the hand, at most `most` N from that on the frame's
+  // motion.
+  static Relative relative_force(const PlanarVelocity &frame, const PlanarVelocity &hand,
+                                 double most, const LawSettings &s) noexcept {
+    const PlanarForce at_rest = arctan_force(frame.x, frame.y, s);
+    const PlanarForce moving = arctan_force(frame.x - hand.x, frame.y - hand.y, s);
+    PlanarForce of_hand{moving.x - at_rest.x, moving.y - at_rest.y};
+    const double change = std::hypot(of_hand.x, of_hand.y);
+    if (change <= most)
+      return {moving, of_hand};
+    of_hand = {most / change * of_hand.x, most / change * of_hand.y};
+    return {{at_rest.x + of_hand.x, at_rest.y + of_hand.y}, of_hand};
+  }
+};
+
 // The drag of a wind: equation 5 on v - v_hand. A hand at rest feels what `arctan` gives, one that
 // moves with the frame feels nothing, one that is faster is braked: the law takes energy out of it.
-class DragLaw final : public ForceLaw {
-  PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
-                    double) noexcept override {
+class DragLaw final : public RelativeLaw {
+  Relative force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
+                 double) noexcept override {
     return relative_force(m.velocity, hand, s.most_for_hand, s);
   }
 };
@@ -104,9 +108,9 @@ class DragLaw final : public ForceLaw {
 // 0.1 px of tracking noise at 30 frames/s is 220 px/s². With the low-pass u of v and of v_hand,
 // u += (1 - exp(-dt / T)) (v - u), it is equation 5 on the velocity v - u that the frame gained
 // within T, less the hand's.
-class InertialLaw final : public ForceLaw {
-  PlanarForce force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
-                    double dt) noexcept override {
+class InertialLaw final : public RelativeLaw {
+  Relative force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
+                 double dt) noexcept override {
     const double share = 1 - std::exp(-dt / kResponse);
     return relative_force(gained(m.velocity, frame_, share), gained(hand, hand_, share),
                           kShareForHand * s.most_for_hand, s);
@@ -158,7 +162,8 @@ std::span<const ForceLawInfo> force_laws() noexcept {
 // F_z = (2 max_push / pi) atan(divergence / kDivergenceHalf).
 spidar::Wrench ForceLaw::wrench(const Motion &motion, const PlanarVelocity &hand,
                                 const LawSettings &settings, double dt) noexcept {
-  const PlanarForce planar = force(motion, hand, settings, dt);
+  const auto [planar, of_hand] = force(motion, hand, settings, dt);
+  of_hand_ = {of_hand.x, -of_hand.y, 0};
   const double push =
       arctan_gain(motion.divergence, 1 / kDivergenceHalf, settings.max_push) * motion.divergence;
   const double turn =

@@ -51,11 +51,22 @@ public:
   /// `dt` in s since the call before.
   spidar::Wrench wrench(const Motion &motion, const PlanarVelocity &hand,
                         const LawSettings &settings, double dt) noexcept;
+  /// N, of that force: what the motion of the hand has changed in it.
+  const spidar::Vector3 &of_hand() const noexcept { return of_hand_; }
+
+protected:
+  /// What force() returns, and the part of it that the motion of the hand has changed.
+  struct Relative {
+    PlanarForce force;
+    PlanarForce of_hand;
+  };
 
 private:
   /// `hand` is in the unit of Motion::velocity.
-  virtual PlanarForce force(const Motion &motion, const PlanarVelocity &hand,
-                            const LawSettings &settings, double dt) noexcept = 0;
+  virtual Relative force(const Motion &motion, const PlanarVelocity &hand,
+                         const LawSettings &settings, double dt) noexcept = 0;
+
+  spidar::Vector3 of_hand_ = spidar::Vector3::Zero();
 };
 
 struct ForceLawInfo {

@@ -41,30 +41,30 @@ constexpr double kStaleLongest = 2;    // s
 constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
 // A grip of 0.1 kg that is let go with it reaches 0.36 m/s at 1 N and 0.8 m/s at 5 N.
 constexpr double kMostForHand = 6.4e-3; // J per N of max_force
+// A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
+constexpr double kCredit = 5e-5; // J per N of max_force
+// A law that resists the hand keeps what it may need at 1 m/s.
+constexpr double kMostForLaw = 2.5e-3; // J per N of max_force
 // The budget for continuous force spares motors and hand over a minute, and has time.
 constexpr double kBudgetFalls = 20; // N/s
 
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
-         input.touch.force.allFinite() && std::isfinite(input.touch.surface_work) &&
-         std::isfinite(input.touch.energy) && std::isfinite(input.touch.released) &&
-         input.acted.force.allFinite() && input.acted.torque.allFinite() &&
-         input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
-         input.moved.allFinite() && input.turned.allFinite() && std::isfinite(input.confidence) &&
-         std::isfinite(input.age) && std::isfinite(input.interval) &&
-         std::isfinite(input.max_force) && std::isfinite(input.continuous_force) &&
-         std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
-         std::isfinite(input.damping) && std::isfinite(input.dt) && std::isfinite(input.longest_dt);
+         input.of_hand.allFinite() && input.touch.force.allFinite() &&
+         std::isfinite(input.touch.surface_work) && std::isfinite(input.touch.energy) &&
+         std::isfinite(input.touch.released) && input.acted.force.allFinite() &&
+         input.acted.torque.allFinite() && input.hand_velocity.allFinite() &&
+         input.hand_turning.allFinite() && input.moved.allFinite() && input.turned.allFinite() &&
+         std::isfinite(input.confidence) && std::isfinite(input.age) &&
+         std::isfinite(input.interval) && std::isfinite(input.max_force) &&
+         std::isfinite(input.continuous_force) && std::isfinite(input.max_torque) &&
+         std::isfinite(input.slew_rate) && std::isfinite(input.damping) &&
+         std::isfinite(input.dt) && std::isfinite(input.longest_dt);
 }
 
 Vector3 clamp_norm(const Vector3 &v, double limit) {
   const double norm = v.norm();
   return norm > limit ? Vector3(v * (limit / norm)) : v;
-}
-
-// Returns a step of at most `most` towards the target, cut to the limit.
-Vector3 approach(const Vector3 &from, const Vector3 &target, double most, double limit) {
-  return clamp_norm(from + clamp_norm(target - from, most), limit);
 }
 
 // Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
@@ -131,8 +131,12 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     fade_out(holds, dt);
   else
     follow(input);
-  parts_.hand = account_.affordable(parts_.hand, input.hand_velocity, input.moved, dt,
-                                    std::max(input.longest_dt, dt));
+  credit_ = kCredit * input.max_force;
+  parts_.hand = account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
+                                                  .moved = input.moved,
+                                                  .time = dt,
+                                                  .longest_time = std::max(input.longest_dt, dt),
+                                                  .credit = credit_});
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
   braked_ = {.force = output_.force, .torque = braked_torque(output_, input)};
   return braked_;
@@ -200,13 +204,14 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
 
 // The device sends a command at the next exchange, and it acts until the one after that.
 void SafetyChain::account_for_energy(const Input &input) noexcept {
+  const double of_law = accepted_.hand.isZero(0) ? 0 : kMostForLaw * input.max_force;
   account_.charge({.acted = input.acted,
                    .film = acting_.film,
-                   .touched = !acting_.hand.isZero(0),
+                   .by_hand = !acting_.hand.isZero(0),
                    .moved = input.moved,
                    .turned = input.turned,
                    .surface_work = input.touch.surface_work,
-                   .most = std::min(input.touch.energy, kMostForHand * input.max_force),
+                   .most = std::min(input.touch.energy + of_law, kMostForHand * input.max_force),
                    .time = input.dt});
 }
 
@@ -220,21 +225,35 @@ bool SafetyChain::Parts::limit_force(double limit) noexcept {
   return true;
 }
 
+// At most so many N, each part and both together; `released` more where the hand's part falls.
+void SafetyChain::approach(const Parts &wanted, double step, double released) noexcept {
+  const bool falls = wanted.hand.norm() < parts_.hand.norm();
+  const double most = falls ? step + released : step;
+  const Vector3 film = clamp_norm(wanted.film.force - parts_.film.force, step);
+  const Vector3 hand = clamp_norm(wanted.hand - parts_.hand, most);
+  const double both = (film + hand).norm();
+  const double share = both > most ? most / both : 1;
+  parts_.film.force += share * film;
+  parts_.hand += share * hand;
+}
+
 void SafetyChain::follow(const Input &input) noexcept {
   holds_ = 0;
   const double dt = std::max(input.dt, 0.0);
   envelope_ = fade_in_ > 0 ? std::min(envelope_ + dt / fade_in_, 1.0) : 1.0;
 
   // A measurement not worth trusting must not turn the force on its way to zero.
-  if (confidence_gate(input.confidence) > 0)
-    accepted_ = input.wanted;
+  if (confidence_gate(input.confidence) > 0) {
+    accepted_ = {.film = input.wanted, .hand = input.of_hand};
+    accepted_.film.force -= input.of_hand;
+  }
   const double share = gate_ * envelope_;
-  Parts wanted{.film = accepted_, .hand = input.touch.force};
-  wanted.film.torque = clamp_norm(accepted_.torque, input.max_torque) * share;
-  wanted.film.force = clamp_norm(wanted.film.force, input.max_force);
+  Parts wanted = accepted_;
+  wanted.hand += input.touch.force;
   wanted.limit_force(input.max_force);
   wanted.film.force *= share;
   wanted.hand *= share;
+  wanted.film.torque = clamp_norm(accepted_.film.torque, input.max_torque) * share;
   limited_ = wanted.limit_force(force_limit_);
   (wanted.hand.isZero(0) ? wanted.film.force : wanted.hand) += damping_of(wanted.force(), input);
 
@@ -244,14 +263,12 @@ void SafetyChain::follow(const Input &input) noexcept {
   const double before = output_.force.norm();
   const double most = std::min(std::max(input.max_force, before - fall),
                                std::max(force_limit_, before - budget_fall));
-  parts_.film.force = approach(parts_.film.force, wanted.film.force, step, most);
-  const bool falls = wanted.hand.norm() < parts_.hand.norm();
-  parts_.hand =
-      approach(parts_.hand, wanted.hand, falls ? step + input.touch.released : step, most);
+  approach(wanted, step, input.touch.released);
   parts_.limit_force(most);
   Vector3 &torque = parts_.film.torque;
-  torque = approach(torque, wanted.film.torque, step * kTorqueArm,
-                    std::max(input.max_torque, torque.norm() - fall * kTorqueArm));
+  const double torque_limit = std::max(input.max_torque, torque.norm() - fall * kTorqueArm);
+  torque += clamp_norm(wanted.film.torque - torque, step * kTorqueArm);
+  torque = clamp_norm(torque, torque_limit);
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
   const double left = account_.share_of_film();

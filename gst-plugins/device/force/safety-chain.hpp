@@ -79,11 +79,12 @@ public:
   static constexpr double kTurnBrake = 6e-3; // N·m·s
 
   struct Input {
-    spidar::Wrench wanted;   ///< N and N·m, from the law
-    TouchForce touch;        ///< beside it
-    bool measured = false;   ///< the newest sample holds a measurement
-    double confidence = 0;   ///< 0..1, of the newest sample
-    double age = 0;          ///< s since the newest sample came
+    spidar::Wrench wanted;                             ///< N and N·m, from the law
+    spidar::Vector3 of_hand = spidar::Vector3::Zero(); ///< N, of it: what the hand's motion changed
+    TouchForce touch;                                  ///< beside it
+    bool measured = false;                             ///< the newest sample holds a measurement
+    double confidence = 0;                             ///< 0..1, of the newest sample
+    double age = 0;                                    ///< s since the newest sample came
     double interval = 0;     ///< s between the frames it was measured from
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
@@ -112,8 +113,9 @@ public:
   bool drives(const spidar::Vector3 &turning) const noexcept {
     return output_.torque.dot(turning) > 0;
   }
-  /// J that the hand has put into the touch, and may have back.
-  double energy_of_hand() const noexcept { return account_.of_hand(); }
+  /// J that the hand may have back: what it has put in, and a credit, without which the errors of
+  /// the tensions would wear a light touch out.
+  double energy_of_hand() const noexcept { return account_.of_hand() + credit_; }
   /// The force begins anew, from zero. What is left of energy and continuous force is kept.
   void restart() noexcept;
   /// As new, but for what is left of energy and continuous force. The last command acted for
@@ -137,7 +139,7 @@ private:
   // A command, before the brake.
   struct Parts {
     spidar::Wrench film;
-    spidar::Vector3 hand = spidar::Vector3::Zero(); // N, of touch and damping
+    spidar::Vector3 hand = spidar::Vector3::Zero(); // N, what follows the hand
 
     spidar::Vector3 force() const noexcept { return film.force + hand; }
     bool limit_force(double limit) noexcept;
@@ -146,19 +148,21 @@ private:
   void silence() noexcept;
   void fade_out(std::uint32_t holds, double dt) noexcept;
   void follow(const Input &input) noexcept;
+  void approach(const Parts &wanted, double step, double released) noexcept;
   void account_for_energy(const Input &input) noexcept;
 
   Parts parts_;                    // of the last step
   Parts acting_;                   // of the step before it: what the device exerts until the next
   spidar::Wrench output_;          // sum of parts_
   spidar::Wrench braked_;          // the result
-  spidar::Wrench accepted_;        // last wanted wrench worth trusting
+  Parts accepted_;                 // last wanted wrench worth trusting
   std::uint32_t holds_ = kHoldGap; // of the step before
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the confidence
   EnergyAccount account_;
+  double credit_ = 0; // J, of the last step
   ContinuousForce continuous_force_;
   double force_limit_ = 0; // N, that it leaves
   bool limited_ = false;   // the last step

@@ -299,8 +299,7 @@ void HapticLoop::update_touch(double dt) noexcept {
   const ContactLimits limits{.slew_rate = settings.slew_rate,
                              .longest_dt = run_.longest_dt,
                              .energy = run_.chain.energy_of_hand()};
-  run_.touch.step(state.pose.position, state.velocity, device->workspace_half(),
-                  run_.wash_out.shift(), limits, dt);
+  run_.touch.step(state.pose.position, device->workspace_half(), run_.wash_out.shift(), limits, dt);
 }
 
 std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
@@ -345,6 +344,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const Motion &motion = run_.conditioner.step(scale_motion(now.sample, settings.reference_width),
                                                settings.smooth_hz, dt);
   input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
+  input.of_hand = run_.laws[settings.law]->of_hand();
   input.measured = now.measured;
   input.confidence = now.sample.confidence;
   input.age = now.age;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace haptic {
@@ -21,6 +22,7 @@ constexpr double kLightestDamping = 0.5; // N·s/m
 constexpr double kDelayPeriods = 2.5;
 
 constexpr double kDampingTime = 0.005;   // s: damper over spring
+constexpr double kDamperCutoff = 35;     // Hz, of a count a tick that the hand would feel
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
@@ -159,14 +161,13 @@ bool ContactLaw::hangs(const ReliefSurface &surface, const Vector3 &hand) const 
 }
 
 const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &hand,
-                                const Vector3 &velocity, const ContactLimits &limits,
-                                double dt) noexcept {
-  if (!(hand + velocity).allFinite() || !(dt > 0)) {
+                                const ContactLimits &limits, double dt) noexcept {
+  if (!hand.allFinite() || !(dt > 0)) {
     restart();
     return contact_;
   }
   const double most = stiffest(limits);
-  const Vector3 before = hand_before_;
+  const Vector3 before = hand_known_ || contact_.touches ? hand_before_ : hand;
   const double height = contact_.proxy.z();
   Vector3 rise = Vector3::Zero(); // m
   const bool touched = contact_.touches;
@@ -183,23 +184,35 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
   if (!contact_.touches) {
     contact_ = {.proxy = hand};
     lag_ = 0;
+    follow_length(before - hand, dt);
     return contact_;
   }
   // F . dx of a spring that grew meanwhile. One that the surface shortens has less energy left.
   contact_.surface_work = std::max(stiffness_ * (contact_.proxy - hand - rise / 2).dot(rise), 0.0);
   slide(surface, hand, most);
+  const Vector3 spring = contact_.proxy - hand;
+  follow_length(touched ? Vector3(spring - spring_) : Vector3(before - hand), dt);
   if (hangs(surface, hand)) {
     lag_ = hand.z() - here.height - sunk_;
     contact_.proxy = hand;
     stiffness_ = 0;
   }
-  const double out = touched ? (hand - before).dot((contact_.proxy - hand).normalized()) : 0; // m
+  const double out = touched ? (hand - before).dot(spring.normalized()) : 0; // m
   contact_.released = stiffness_ * std::max(out, 0.0);
   if (out > 0)
     shorten_to(limits.energy + contact_.surface_work, surface, hand);
-  contact_.force = force(hand, velocity - rise / dt);
-  contact_.energy = stiffness_ * (contact_.proxy - hand).squaredNorm() / 2;
+  spring_ = contact_.proxy - hand;
+  contact_.force = force(surface, spring_);
+  contact_.energy = stiffness_ * spring_.squaredNorm() / 2;
   return contact_;
+}
+
+// A hand that has turned round is not damped on its way out by its way in.
+void ContactLaw::follow_length(const Vector3 &change, double dt) noexcept {
+  lengthens_ +=
+      (1 - std::exp(-2 * std::numbers::pi * kDamperCutoff * dt)) * (change / dt - lengthens_);
+  if (change.dot(lengthens_) < 0)
+    lengthens_ -= change.dot(lengthens_) / change.squaredNorm() * change;
 }
 
 // k d² / 2 <= E: what the hand did not put in, or what a limit of the force took from it, does not
@@ -220,16 +233,18 @@ void ContactLaw::shorten_to(double energy, const ReliefSurface &surface,
   proxy = place;
 }
 
-// F = k d + k T min(d / d_0, 1) (-v'), at least 0, with v' the speed of the hand out of the
-// surface.
-Vector3 ContactLaw::force(const Vector3 &hand, const Vector3 &velocity) const noexcept {
-  const Vector3 spring = contact_.proxy - hand;
-  const double depth = spring.norm();
-  if (!(depth > 0))
-    return Vector3::Zero();
-  const double out = velocity.dot(spring) / depth;
-  const double damper = kDampingTime * std::min(1 / kWholeDamping, 1 / depth);
-  return stiffness_ * std::max(1 - damper * out, 0.0) * spring;
+// F = k d + c d', c = k T min(|d| / d_0, 1), d' low-passed: a damper of the hand against the proxy.
+// It never pulls, and along the surface it is at most friction, or the spring.
+Vector3 ContactLaw::force(const ReliefSurface &surface, const Vector3 &spring) const noexcept {
+  const Vector3 &proxy = contact_.proxy;
+  const Vector3 normal = surface.normal(proxy.x(), proxy.y());
+  const double damper = stiffness_ * kDampingTime * std::min(spring.norm() / kWholeDamping, 1.0);
+  const Vector3 all = stiffness_ * spring + damper * lengthens_;
+  const double press = std::max(all.dot(normal), 0.0);
+  const Vector3 across = all - all.dot(normal) * normal;
+  const double held = stiffness_ * (spring - spring.dot(normal) * normal).norm();
+  const double most = std::max(held, surface.at(proxy.x(), proxy.y()).friction * press);
+  return press * normal + std::min(across.norm(), most) * across.stableNormalized();
 }
 
 } // namespace haptic

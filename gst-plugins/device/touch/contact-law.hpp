@@ -41,8 +41,7 @@ public:
 
   /// `dt` in s since the call before, > 0.
   const Contact &step(const ReliefSurface &surface, const spidar::Vector3 &hand,
-                      const spidar::Vector3 &velocity, const ContactLimits &limits,
-                      double dt) noexcept HAPTIC_NONBLOCKING;
+                      const ContactLimits &limits, double dt) noexcept HAPTIC_NONBLOCKING;
   const Contact &contact() const noexcept { return contact_; }
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
   /// of it slowly, at the film's cost.
@@ -60,18 +59,20 @@ private:
   bool hangs(const ReliefSurface &surface, const spidar::Vector3 &hand) const noexcept;
   void shorten_to(double energy, const ReliefSurface &surface,
                   const spidar::Vector3 &hand) noexcept;
-  spidar::Vector3 force(const spidar::Vector3 &hand,
-                        const spidar::Vector3 &velocity) const noexcept;
+  void follow_length(const spidar::Vector3 &change, double dt) noexcept;
+  spidar::Vector3 force(const ReliefSurface &surface, const spidar::Vector3 &spring) const noexcept;
   double felt_height(const SurfacePoint &point) const noexcept {
     return point.height + lag_ + sunk_;
   }
 
   Contact contact_;
-  double stiffness_ = 0;    // N/m, felt in the step before
-  double lag_ = 0;          // m, of the surface that is felt above the film's; 0 while free
-  double sunk_ = 0;         // m, the same, for good: what is not the film's to lift
-  bool sinks_ = false;      // the next touch begins with sunk_ instead of lag_
-  bool hand_known_ = false; // the hand of the step before was free
+  double stiffness_ = 0; // N/m, felt in the step before
+  double lag_ = 0;       // m, of the surface that is felt above the film's; 0 while free
+  double sunk_ = 0;      // m, the same, for good: what is not the film's to lift
+  bool sinks_ = false;   // the next touch begins with sunk_ instead of lag_
+  spidar::Vector3 spring_ = spidar::Vector3::Zero();      // m, from hand to proxy
+  spidar::Vector3 lengthens_ = spidar::Vector3::Zero();   // m/s, low-passed
+  bool hand_known_ = false;                               // the hand of the step before was free
   spidar::Vector3 hand_before_ = spidar::Vector3::Zero(); // m
 };
 

@@ -3,14 +3,13 @@
 
 namespace haptic {
 
-void Touch::step(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
-                 const spidar::Vector3 &half, const FrameShift &shift, const ContactLimits &limits,
-                 double dt) noexcept {
+void Touch::step(const spidar::Vector3 &hand, const spidar::Vector3 &half, const FrameShift &shift,
+                 const ContactLimits &limits, double dt) noexcept {
   if (at_.cut)
     law_.restart();
   if (!is_known())
     return law_.restart();
-  law_.step({*at_.from, *at_.to, at_.weight, half, shift}, hand, velocity, limits, dt);
+  law_.step({*at_.from, *at_.to, at_.weight, half, shift}, hand, limits, dt);
 }
 
 // A surface is certain: of the sum, the motion's part fades with its own confidence. While there is
@@ -18,6 +17,7 @@ void Touch::step(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
 void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
   if (mode == TouchMode::surface) {
     input.wanted = {};
+    input.of_hand.setZero();
     input.measured = at_.to != nullptr;
   } else if (!is_known()) {
     return;
@@ -26,6 +26,7 @@ void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
     const double share = fresh ? confidence_gate(input.confidence) : 0;
     input.wanted.force *= share;
     input.wanted.torque *= share;
+    input.of_hand *= share;
     input.measured = true;
   }
   const Contact &contact = law_.contact();

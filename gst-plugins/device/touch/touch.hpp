@@ -34,9 +34,8 @@ public:
   /// While the time stands still it is not called, and the surface stays.
   void update(std::int64_t now) noexcept { at_ = timeline_.at(now); }
   /// The force on this hand; zero where there is no surface that is known and not stale.
-  void step(const spidar::Vector3 &hand, const spidar::Vector3 &velocity,
-            const spidar::Vector3 &half, const FrameShift &shift, const ContactLimits &limits,
-            double dt) noexcept;
+  void step(const spidar::Vector3 &hand, const spidar::Vector3 &half, const FrameShift &shift,
+            const ContactLimits &limits, double dt) noexcept;
   /// Makes the chain's input that of the surface, or of surface and motion.
   void apply(TouchMode mode, SafetyChain::Input &input) const noexcept;
 
