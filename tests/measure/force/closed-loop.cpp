@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Runs the table of the closed loop (tests/support/closed-loop.hpp) in virtual time, and prints for
+// each row how many points keep what is wanted, and the worst of them.
+#include "closed-loop.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+constexpr const char *kUsage =
+    "Usage: closed-loop [--row NAME] [--only WORDS] [--sample N] [--seed N] [--points] [--jobs N]\n"
+    "  --row NAME    only this row of the table\n"
+    "  --only WORDS  only the points that have each of these words, as \"law=drag alpha=0.04\"\n"
+    "  --sample N    of each row N points by chance\n"
+    "  --seed N      other ones\n"
+    "  --points      prints each point\n"
+    "  --jobs N      so many at once; default: one for each processor\n"
+    "Exits with 1 if a point does not keep what is wanted.\n";
+
+struct Options {
+  std::string row;
+  std::string only;
+  std::size_t sample = 0;
+  unsigned seed = 1;
+  bool points = false;
+  unsigned jobs = std::max(std::thread::hardware_concurrency(), 1U);
+};
+
+Options options_of(const std::vector<std::string> &words) {
+  Options options;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string &word = words[i];
+    if (word == "--points") {
+      options.points = true;
+      continue;
+    }
+    const std::string value = words.at(++i);
+    if (word == "--row")
+      options.row = test::closed_loop_row(value).name;
+    else if (word == "--only")
+      options.only = value;
+    else if (word == "--sample")
+      options.sample = std::stoul(value);
+    else if (word == "--seed")
+      options.seed = static_cast<unsigned>(std::stoul(value));
+    else if (word == "--jobs")
+      options.jobs = std::max(static_cast<unsigned>(std::stoul(value)), 1U);
+    else
+      throw std::invalid_argument("unknown option '" + word + "'");
+  }
+  return options;
+}
+
+std::vector<test::Outcome> run(const test::LoopRow &row, const std::vector<std::size_t> &points,
+                               unsigned jobs) {
+  std::vector<test::Outcome> outcomes(points.size());
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::jthread> workers;
+  for (unsigned i = 0; i < jobs; ++i)
+    workers.emplace_back([&] {
+      for (std::size_t n = next++; n < points.size(); n = next++)
+        outcomes[n] = row.run(row.at(points[n]));
+    });
+  workers.clear(); // joins
+  return outcomes;
+}
+
+void print(const test::Outcome &outcome, const std::string &words) {
+  std::printf("  %s %.4g of %.4g%s%s: %s\n", outcome.kept() ? "kept" : "LOST", outcome.figure,
+              outcome.most, outcome.idle.empty() ? "" : ", proves nothing: ", outcome.idle.c_str(),
+              words.c_str());
+}
+
+// Returns whether each point keeps what is wanted.
+bool report(const test::LoopRow &row, const Options &options) {
+  const std::vector<std::size_t> points = row.select(options.only, options.sample, options.seed);
+  if (points.empty())
+    return true;
+  const std::vector<test::Outcome> outcomes = run(row, points, options.jobs);
+  std::size_t kept = 0;
+  std::size_t idle = 0;
+  std::size_t worst = 0;
+  const auto excess = [&](std::size_t i) { return outcomes[i].figure / outcomes[i].most; };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    kept += outcomes[i].kept();
+    idle += !outcomes[i].idle.empty();
+    if (excess(i) > excess(worst))
+      worst = i;
+    if (options.points)
+      print(outcomes[i], row.words(points[i]));
+  }
+  std::printf("%-18s kept %zu of %zu, %zu prove nothing (%s)\n  worst", row.name.c_str(), kept,
+              points.size(), idle, row.figure.c_str());
+  print(outcomes[worst], row.words(points[worst]));
+  std::fflush(stdout);
+  return kept == points.size();
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (std::ranges::count(words, "--help") > 0) {
+    std::fputs(kUsage, stdout);
+    return EXIT_SUCCESS;
+  }
+  try {
+    const Options options = options_of(words);
+    bool kept = true;
+    for (const test::LoopRow &row : test::closed_loop_table())
+      if (options.row.empty() || options.row == row.name)
+        kept = report(row, options) && kept;
+    return kept ? EXIT_SUCCESS : EXIT_FAILURE;
+  } catch (const std::exception &error) {
+    std::fprintf(stderr, "closed-loop: %s\n%s", error.what(), kUsage);
+    return 2;
+  }
+}
