@@ -278,11 +278,11 @@ class Way {
 public:
   static constexpr double kAbove = 0.002; // m
 
-  Way(const LoopPoint &point, const Vector3 &place)
+  Way(const LoopPoint &point, const Vector3 &place, bool has_surface = true)
       : point_(point), place_(place), held(setup_of(point, at(0, 0))) {
     held.hand().leads = true;
     held.hand().presses = true;
-    if (point.touch != TouchMode::off)
+    if (has_surface && point.touch != TouchMode::off)
       held.surface = surface_of(point, place.z());
     held.wait(kFadedIn);
     begun_ = held.hand().work();
@@ -462,9 +462,7 @@ Outcome through(const LoopPoint &point) {
 // is asked: the same way without a surface is subtracted.
 Outcome through_calibrate(const LoopPoint &point) {
   const auto outcome_of = [&](bool touches) {
-    Way way(point, kPlace + Vector3(0, 0, point.height));
-    if (!touches)
-      way.held.surface.reset();
+    Way way(point, kPlace + Vector3(0, 0, point.height), touches);
     way.go([&](int stage) {
       if (stage == point.stages.from)
         way.held.loop.calibrate();

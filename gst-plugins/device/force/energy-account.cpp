@@ -34,12 +34,12 @@ double work(const Wrench &wrench, const EnergyAccount::Charge &charge) {
 // beyond it is a debt.
 // The hand's: E -= F_hand . dx + tau_hand . dphi, of what acted beside the film's part.
 void EnergyAccount::charge(const Charge &charge) noexcept {
+  const double time = std::max(charge.time, 0.0);
   const double all = work(charge.acted, charge);
-  film_ =
-      std::min(film_ + kWorkRate * std::max(charge.time, 0.0) - std::max(all, 0.0), kWorkAtOnce);
+  film_ = std::min(film_ + kWorkRate * time - std::max(all, 0.0), kWorkAtOnce);
   hand_ += charge.surface_work;
   if (charge.by_hand)
-    hand_ -= all - work(charge.film, charge);
+    hand_ += charge.trickle * time - (all - work(charge.film, charge));
   hand_ = std::min(hand_, charge.most);
 }
 

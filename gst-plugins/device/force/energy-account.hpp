@@ -25,7 +25,8 @@ public:
     bool by_hand = false;                             ///< the hand had a part in it
     spidar::Vector3 moved = spidar::Vector3::Zero();  ///< m, the grip
     spidar::Vector3 turned = spidar::Vector3::Zero(); ///< rad
-    double surface_work = 0;                          ///< J, that a surface has put into the touch
+    double trickle = 0;      ///< W, to the hand's purse while a force follows the hand
+    double surface_work = 0; ///< J, that a surface has put into the touch
     double most = 0; ///< J, that the hand may have back; what is above it is lost, a debt is not
     double time = 0; ///< s
   };

@@ -43,6 +43,8 @@ constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
 constexpr double kMostForHand = 6.4e-3; // J per N of max_force
 // A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
 constexpr double kCredit = 5e-5; // J per N of max_force
+// The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
+constexpr double kTrickle = 2e-5; // W per N of max_force
 // A law that resists the hand keeps what it may need at 1 m/s.
 constexpr double kMostForLaw = 2.5e-3; // J per N of max_force
 // The budget for continuous force spares motors and hand over a minute, and has time.
@@ -210,6 +212,7 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .by_hand = !acting_.hand.isZero(0),
                    .moved = input.moved,
                    .turned = input.turned,
+                   .trickle = kTrickle * input.max_force,
                    .surface_work = input.touch.surface_work,
                    .most = std::min(input.touch.energy + of_law, kMostForHand * input.max_force),
                    .time = input.dt});

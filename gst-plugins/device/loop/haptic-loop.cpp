@@ -337,7 +337,9 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }
-  law.most_for_hand = most_resistance(run_.longest_dt) * input.hand_velocity.head<2>().norm();
+  // Both resist the hand.
+  const double resistance = most_resistance(run_.longest_dt) - run_.touch.damping(); // N·s/m
+  law.most_for_hand = resistance * input.hand_velocity.head<2>().norm();
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();

@@ -45,6 +45,10 @@ void ContactLaw::restart() noexcept {
   hand_known_ = false;
 }
 
+double ContactLaw::damping() const noexcept {
+  return contact_.touches ? kDampingTime * stiffness_ : 0;
+}
+
 void ContactLaw::hold() noexcept {
   restart();
   sinks_ = true;
@@ -238,7 +242,7 @@ void ContactLaw::shorten_to(double energy, const ReliefSurface &surface,
 Vector3 ContactLaw::force(const ReliefSurface &surface, const Vector3 &spring) const noexcept {
   const Vector3 &proxy = contact_.proxy;
   const Vector3 normal = surface.normal(proxy.x(), proxy.y());
-  const double damper = stiffness_ * kDampingTime * std::min(spring.norm() / kWholeDamping, 1.0);
+  const double damper = damping() * std::min(spring.norm() / kWholeDamping, 1.0);
   const Vector3 all = stiffness_ * spring + damper * lengthens_;
   const double press = std::max(all.dot(normal), 0.0);
   const Vector3 across = all - all.dot(normal) * normal;

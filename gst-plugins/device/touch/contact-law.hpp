@@ -43,6 +43,8 @@ public:
   const Contact &step(const ReliefSurface &surface, const spidar::Vector3 &hand,
                       const ContactLimits &limits, double dt) noexcept HAPTIC_NONBLOCKING;
   const Contact &contact() const noexcept { return contact_; }
+  /// N·s/m, of the hand against the surface; 0 while free.
+  double damping() const noexcept;
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
   /// of it slowly, at the film's cost.
   void restart() noexcept;

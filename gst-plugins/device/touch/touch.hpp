@@ -40,6 +40,7 @@ public:
   void apply(TouchMode mode, SafetyChain::Input &input) const noexcept;
 
   const Contact &contact() const noexcept { return law_.contact(); }
+  double damping() const noexcept { return law_.damping(); } ///< N·s/m
   bool cut() const noexcept { return at_.cut; }
 
 private:
