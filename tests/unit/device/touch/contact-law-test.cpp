@@ -178,6 +178,27 @@ TEST(ContactLaw, AHandThatIsFoundBeneathASurfaceIsLiftedSlowly) {
   EXPECT_NEAR(law.contact().proxy.z(), 0.01, 2e-4);
 }
 
+TEST(ContactLaw, AfterAHoldTheSurfaceBeginsAtTheHandAndDoesNotLiftIt) {
+  const ReliefField relief = test::relief_of(test::flat());
+  ContactLaw law;
+  led(law, relief, {0, 0, 0.002}, {0, 0, -0.004});
+  law.hold();
+  EXPECT_TRUE(led(law, relief, {0, 0, -0.004}, {0, 0, -0.004}).force.isZero(1e-9));
+  EXPECT_NEAR(led(law, relief, {0, 0, -0.004}, {0, 0, -0.005}).force.z(), 0.2, 0.005);
+  EXPECT_FALSE(led(law, relief, {0, 0, -0.005}, {0, 0, 0.002}).touches);
+  expect_force(led(law, relief, {0, 0, 0.002}, {0, 0, -0.001}), 0.001, {0, 0, 1});
+}
+
+TEST(ContactLaw, OnTheWayOutTheSpringHoldsNoMoreThanTheHandHasPutIn) {
+  const ReliefField relief = test::relief_of(test::flat());
+  ContactLaw law;
+  led(law, relief, {0, 0, 0.002}, {0, 0, -0.004});
+  const Contact contact = law.step(test::surface_of(relief), {0, 0, -0.00399},
+                                   {.energy = kStiffness * 0.001 * 0.001 / 2}, kTick);
+  EXPECT_NEAR(contact.proxy.z(), -0.00299, 1e-5);
+  EXPECT_DOUBLE_EQ(contact.energy, kStiffness * 0.001 * 0.001 / 2);
+}
+
 // A ball on a wall, of 14 mm, at x.
 test::Shape ball_at(double centre) {
   return [centre](double x, double y) {
