@@ -221,7 +221,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (run_.calibrate.exchange(false)) {
     device->calibrate();
     run_.wash_out.reset();
-    run_.touch.hold();
+    run_.touch.calibrate();
   }
   const bool faulted = holds_.load() & kHoldFaulted;
   if (faulted && now < run_.retry_at)

@@ -50,6 +50,13 @@ double ContactLaw::damping() const noexcept {
 }
 
 void ContactLaw::hold() noexcept {
+  if (contact_.touches || sinks_ || sunk_ != 0)
+    sink();
+  else
+    restart();
+}
+
+void ContactLaw::sink() noexcept {
   restart();
   sinks_ = true;
 }

@@ -48,9 +48,11 @@ public:
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
   /// of it slowly, at the film's cost.
   void restart() noexcept;
-  /// What is felt is held, or the hand is somewhere else: the surface begins anew at the hand, and
-  /// stays there until the hand has come out of the film's.
+  /// What is felt is held: a surface that was touched begins anew at the hand, and stays there
+  /// until the hand has come out of the film's.
   void hold() noexcept;
+  /// The same for any surface: the pose of the hand has jumped.
+  void sink() noexcept;
 
 private:
   bool touch(const ReliefSurface &surface, const spidar::Vector3 &hand) noexcept;

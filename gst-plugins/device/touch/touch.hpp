@@ -29,8 +29,8 @@ public:
   }
   /// Without a hand, or not used.
   void leave() noexcept { law_.restart(); }
-  /// The force is held, or the device was calibrated.
-  void hold() noexcept { law_.hold(); }
+  void hold() noexcept { law_.hold(); } ///< the force is held
+  void calibrate() noexcept { law_.sink(); }
   /// While the time stands still it is not called, and the surface stays.
   void update(std::int64_t now) noexcept { at_ = timeline_.at(now); }
   /// The force on this hand; zero where there is no surface that is known and not stale.
