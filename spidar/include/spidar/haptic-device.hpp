@@ -20,7 +20,7 @@ struct DeviceState {
   StringLengths lengths = StringLengths::Zero();
   Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
   Wrench realised;                      ///< what these tensions do at this pose
-  bool feasible = true;                 ///< the commanded wrench was within the limits
+  bool feasible = true;                 ///< no more than 5 mN of the force is given up
   bool valid = false;                   ///< the pose was measured
   bool interrupted = false;             ///< minimum tension was set meanwhile: begin from zero
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
@@ -38,6 +38,8 @@ struct DeviceState {
   /// other: the first one, after calibrate(), after a move that nobody saw.
   Vector3 moved = Vector3::Zero();
   Vector3 turned = Vector3::Zero();
+
+  Wrench given_up; ///< the commanded wrench without what the tensions are meant to do
 };
 
 /// Returns the monotonic clock, ns: what exchange() is called with.
@@ -65,8 +67,8 @@ public:
   virtual void command(const Wrench &wrench) noexcept = 0;
 
   /// The next exchange leaves the device as it is left behind: a SPIDAR-G with minimum tension in
-  /// each string. Off the centre that is not what command({}) sends, which balances the strings.
-  /// Call it before the exchanges stop: only after this may they stay away. Real-time safe.
+  /// each string, at once; command({}) takes 0.1 s. Call it before the exchanges stop: only after
+  /// this may they stay away. Real-time safe.
   virtual void rest() noexcept { command({}); }
 
   /// Takes the present grip position as workspace centre and identity orientation. Real-time safe.
@@ -80,6 +82,10 @@ public:
   /// Whether a released grip can move freely, so that a grip that is too fast must lose its force.
   /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
+
+  /// Limits the torque that comes with a force without being wanted, N·m: the force is reduced
+  /// until it keeps within. Real-time safe.
+  virtual void limit_side_torque(double /*limit*/) noexcept {}
 
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;

@@ -26,6 +26,13 @@ constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
 constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
 
+// Exactly no force needs unequal tensions off the centre, and these turn a grip that nobody holds
+// (up to 42 rad/s; minimum tension: up to 13). While there is nothing to exert, the strings go to
+// minimum tension instead. The way there and back changes no tension by more than 0.05 N a
+// millisecond.
+constexpr double kBalancing = 0.1;      // s
+constexpr double kNothingToFeel = 0.01; // N, a torque counts at the grip radius
+
 constexpr double kSettleWindow = 0.05; // s without movement: the strings are taut
 constexpr double kLongestSettling = 1; // s
 constexpr std::int32_t kSettledCounts = 3;
@@ -67,6 +74,7 @@ struct Device::Implementation {
   Tensions at_motors;                       ///< N, since the last exchange
   Tensions acting;                          ///< N, between the last two exchanges
   Tensions impulse = Tensions::Zero();      ///< N·s, since the last valid pose
+  double balanced = 0;                      ///< 0..1 of the pull that minimum tension has here
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -86,7 +94,24 @@ struct Device::Implementation {
     state.realised = realised_wrench(string_kinematics(geometry, state.pose).pull, state.tensions);
   }
 
-  void relax() noexcept { set_tensions(Tensions::Constant(geometry.tension_min)); }
+  void command(const Wrench &wrench) noexcept {
+    const double size = wrench.force.norm() + wrench.torque.norm() / geometry.grip_radius;
+    const double step = since_exchange / kBalancing;
+    balanced += std::clamp(std::min(size / kNothingToFeel, 1.0) - balanced, -step, step);
+    const Tensions minimum = Tensions::Constant(geometry.tension_min);
+    const Wrench pull =
+        realised_wrench(string_kinematics(geometry, state.pose).pull, (1 - balanced) * minimum);
+    const TensionSolver::Result result =
+        tension_solver.solve({wrench.force + pull.force, wrench.torque + pull.torque}, state.pose);
+    set_tensions(result.tensions);
+    state.given_up = {wrench.force - result.realised.force, wrench.torque - result.realised.torque};
+    state.feasible = state.given_up.force.norm() <= TensionSolver::kFeasible;
+  }
+
+  void relax() noexcept {
+    set_tensions(Tensions::Constant(geometry.tension_min));
+    balanced = 0;
+  }
 
   void update_lengths() noexcept {
     state.counts = counts;
@@ -165,6 +190,8 @@ struct Device::Implementation {
     controller->set_time(now);
     const bool answered = controller->exchange(words, counts);
     state.interrupted = controller->interrupted();
+    if (state.interrupted)
+      balanced = 0;
     state.pressed = answered && controller->pressed();
     note_words();
     if (!answered) {
@@ -253,10 +280,11 @@ bool Device::exchange(std::int64_t now) noexcept {
 
 void Device::command(const Wrench &wrench) noexcept {
   const bool finite = wrench.force.allFinite() && wrench.torque.allFinite();
-  const TensionSolver::Result result = implementation_->tension_solver.solve(
-      finite ? wrench : Wrench{}, implementation_->state.pose);
-  implementation_->set_tensions(result.tensions);
-  implementation_->state.feasible = result.feasible;
+  implementation_->command(finite ? wrench : Wrench{});
+}
+
+void Device::limit_side_torque(double limit) noexcept {
+  implementation_->tension_solver.limit_side_torque(limit);
 }
 
 void Device::rest() noexcept {
