@@ -33,6 +33,8 @@ static_assert(offsetof(DeviceState, realised) == 280);
 static_assert(offsetof(DeviceState, feasible) == 328);
 static_assert(offsetof(DeviceState, valid) == 329);
 static_assert(offsetof(DeviceState, interrupted) == 330);
+static_assert(offsetof(DeviceState, slipping) == 331);
+static_assert(offsetof(DeviceState, slipped) == 332);
 static_assert(offsetof(DeviceState, angular_velocity) == 336);
 static_assert(offsetof(DeviceState, pressed) == 360);
 static_assert(offsetof(DeviceState, acted) == 368);

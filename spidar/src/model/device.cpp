@@ -3,6 +3,7 @@
 
 #include "fail.hpp"
 #include "model/drive-scale.hpp"
+#include "model/slip-detector.hpp"
 #include "model/string-kinematics.hpp"
 #include "spidar/pose-solver.hpp"
 #include "spidar/tension-solver.hpp"
@@ -60,6 +61,7 @@ struct Device::Implementation {
   double period;
   PoseSolver pose_solver;
   TensionSolver tension_solver;
+  SlipDetector slip;
   StringLengths home_lengths;
   Counts home_counts{};
   Counts counts{};
@@ -80,7 +82,7 @@ struct Device::Implementation {
                  double the_period)
       : controller(std::move(the_controller)), geometry(std::move(the_geometry)),
         period(the_period), pose_solver(geometry), tension_solver(geometry),
-        home_lengths(string_lengths(geometry, {})) {
+        slip(geometry.grip_radius), home_lengths(string_lengths(geometry, {})) {
     relax();
     at_rest = at_motors = acting = state.tensions;
     controller->guard(words);
@@ -168,7 +170,10 @@ struct Device::Implementation {
 
   void update_pose() noexcept {
     const PoseSolver::Result solved = pose_solver.solve(state.lengths, state.pose);
-    if (solved.singular || solved.residual > kLargestResidual)
+    if (solved.singular)
+      return reject();
+    slip.step(solved.misfit, solved.pose, since_exchange);
+    if (solved.residual > kLargestResidual)
       return reject();
     const bool continues =
         jump(state.pose, solved.pose, geometry.grip_radius) <= kFastest * since_valid;
@@ -178,8 +183,10 @@ struct Device::Implementation {
     last_solved = solved.pose;
     if (!continues && !confirmed)
       return reject();
-    if (!continues)
+    if (!continues) {
       velocity_known = false;
+      slip.jump();
+    }
     accept(solved.pose);
   }
 
@@ -200,6 +207,8 @@ struct Device::Implementation {
     }
     update_lengths();
     update_pose();
+    state.slipping = slip.slipping();
+    state.slipped = slip.slipped();
     return true;
   }
 
@@ -207,6 +216,8 @@ struct Device::Implementation {
     home_counts = counts;
     update_lengths();
     state.pose = last_solved = {};
+    slip.calibrate();
+    state.slipping = state.slipped = false;
     velocity_known = false;
     accept({});
   }
