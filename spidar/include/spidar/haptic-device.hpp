@@ -85,6 +85,10 @@ public:
   /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
 
+  /// Whether a commanded force is one in newtons. A stick's strength is unknown to software, so
+  /// that no stiffness and no damping is safe on it.
+  virtual bool knows_newtons() const noexcept { return true; }
+
   /// Limits the torque that comes with a force without being wanted, N·m: the force is reduced
   /// until it keeps within. Real-time safe.
   virtual void limit_side_torque(double /*limit*/) noexcept {}
