@@ -192,6 +192,7 @@ public:
   const spidar::DeviceState &state() const noexcept override { return state_; }
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
   bool grip_is_free() const noexcept override { return false; }
+  bool knows_newtons() const noexcept override { return false; }
   std::string description() const override { return description_of(unit_); }
 
 private:

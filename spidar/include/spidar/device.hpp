@@ -25,8 +25,10 @@ public:
 
   bool exchange(std::int64_t now) noexcept override;
   bool connected() const noexcept override;
-  /// Computes the tensions for `wrench` at the present pose, within the geometry's limits.
+  /// Computes the tensions for `wrench` at the present pose, in the order of TensionSolver. While
+  /// it is nothing that could be felt, the strings go to minimum tension within 0.1 s.
   void command(const Wrench &wrench) noexcept override;
+  void limit_side_torque(double limit) noexcept override;
   void rest() noexcept override;
   void calibrate() noexcept override;
   const DeviceState &state() const noexcept override;

@@ -20,9 +20,11 @@ struct DeviceState {
   StringLengths lengths = StringLengths::Zero();
   Tensions tensions = Tensions::Zero(); ///< N, as last commanded, with the D/A's resolution
   Wrench realised;                      ///< what these tensions do at this pose
-  bool feasible = true;                 ///< the commanded wrench was within the limits
+  bool feasible = true;                 ///< no more than 5 mN of the force is given up
   bool valid = false;                   ///< the pose was measured
   bool interrupted = false;             ///< minimum tension was set meanwhile: begin from zero
+  bool slipping = false;                ///< a string has just slipped: pose and wrench are wrong
+  bool slipped = false;                 ///< and it was so for 0.2 s; until calibrate()
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
   bool pressed = false;                       ///< a button of the grip or stick
 
@@ -38,6 +40,8 @@ struct DeviceState {
   /// other: the first one, after calibrate(), after a move that nobody saw.
   Vector3 moved = Vector3::Zero();
   Vector3 turned = Vector3::Zero();
+
+  Wrench given_up; ///< the commanded wrench without what the tensions are meant to do
 };
 
 /// Returns the monotonic clock, ns: what exchange() is called with.
@@ -69,8 +73,8 @@ public:
   virtual void command(const Wrench &wrench) noexcept = 0;
 
   /// The next exchange leaves the device as it is left behind: a SPIDAR-G with minimum tension in
-  /// each string. Off the centre that is not what command({}) sends, which balances the strings.
-  /// Call it before the exchanges stop: only after this may they stay away. Real-time safe.
+  /// each string, at once; command({}) takes 0.1 s. Call it before the exchanges stop: only after
+  /// this may they stay away. Real-time safe.
   virtual void rest() noexcept { command({}); }
 
   /// Takes the present grip position as workspace centre and identity orientation. Real-time safe.
@@ -84,6 +88,14 @@ public:
   /// Whether a released grip can move freely, so that a grip that is too fast must lose its force.
   /// A stick on a joint cannot.
   virtual bool grip_is_free() const noexcept = 0;
+
+  /// Whether a commanded force is one in newtons. A stick's strength is unknown to software, so
+  /// that no stiffness and no damping is safe on it.
+  virtual bool knows_newtons() const noexcept { return true; }
+
+  /// Limits the torque that comes with a force without being wanted, N·m: the force is reduced
+  /// until it keeps within. Real-time safe.
+  virtual void limit_side_torque(double /*limit*/) noexcept {}
 
   /// For messages: model, identity, connection.
   virtual std::string description() const = 0;

@@ -33,12 +33,15 @@ static_assert(offsetof(DeviceState, realised) == 280);
 static_assert(offsetof(DeviceState, feasible) == 328);
 static_assert(offsetof(DeviceState, valid) == 329);
 static_assert(offsetof(DeviceState, interrupted) == 330);
+static_assert(offsetof(DeviceState, slipping) == 331);
+static_assert(offsetof(DeviceState, slipped) == 332);
 static_assert(offsetof(DeviceState, angular_velocity) == 336);
 static_assert(offsetof(DeviceState, pressed) == 360);
 static_assert(offsetof(DeviceState, acted) == 368);
 static_assert(offsetof(DeviceState, moved) == 416);
 static_assert(offsetof(DeviceState, turned) == 440);
-static_assert(is<DeviceState>(464));
+static_assert(offsetof(DeviceState, given_up) == 464);
+static_assert(is<DeviceState>(512));
 
 // From its first number: the size of std::string before it depends on the standard library.
 static_assert(offsetof(Geometry, attachments) - offsetof(Geometry, motors) == 192);

@@ -16,6 +16,7 @@ public:
     Pose pose;
     double residual = 0;   ///< m, rms difference between measured and modelled lengths
     bool singular = false; ///< the strings do not determine the pose; it was kept
+    StringLengths misfit = StringLengths::Zero(); ///< m, measured minus modelled
   };
 
   /// `lengths` in m; `start` is the pose of the tick before. Real-time safe.

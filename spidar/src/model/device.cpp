@@ -3,6 +3,7 @@
 
 #include "fail.hpp"
 #include "model/drive-scale.hpp"
+#include "model/slip-detector.hpp"
 #include "model/string-kinematics.hpp"
 #include "spidar/pose-solver.hpp"
 #include "spidar/tension-solver.hpp"
@@ -25,6 +26,13 @@ constexpr double kFastest = 5; // m/s
 constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
 constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
+
+// Exactly no force needs unequal tensions off the centre, and these turn a grip that nobody holds
+// (up to 42 rad/s; minimum tension: up to 13). While there is nothing to exert, the strings go to
+// minimum tension instead. The way there and back changes no tension by more than 0.05 N a
+// millisecond.
+constexpr double kBalancing = 0.1;      // s
+constexpr double kNothingToFeel = 0.01; // N, a torque counts at the grip radius
 
 constexpr double kSettleWindow = 0.05; // s without movement: the strings are taut
 constexpr double kLongestSettling = 1; // s
@@ -53,6 +61,7 @@ struct Device::Implementation {
   double period;
   PoseSolver pose_solver;
   TensionSolver tension_solver;
+  SlipDetector slip;
   StringLengths home_lengths;
   Counts home_counts{};
   Counts counts{};
@@ -67,12 +76,13 @@ struct Device::Implementation {
   Tensions at_motors;                       ///< N, since the last exchange
   Tensions acting;                          ///< N, between the last two exchanges
   Tensions impulse = Tensions::Zero();      ///< N·s, since the last valid pose
+  double balanced = 0;                      ///< 0..1 of the pull that minimum tension has here
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
       : controller(std::move(the_controller)), geometry(std::move(the_geometry)),
         period(the_period), pose_solver(geometry), tension_solver(geometry),
-        home_lengths(string_lengths(geometry, {})) {
+        slip(geometry.grip_radius), home_lengths(string_lengths(geometry, {})) {
     relax();
     at_rest = at_motors = acting = state.tensions;
     controller->guard(words);
@@ -86,7 +96,24 @@ struct Device::Implementation {
     state.realised = realised_wrench(string_kinematics(geometry, state.pose).pull, state.tensions);
   }
 
-  void relax() noexcept { set_tensions(Tensions::Constant(geometry.tension_min)); }
+  void command(const Wrench &wrench) noexcept {
+    const double size = wrench.force.norm() + wrench.torque.norm() / geometry.grip_radius;
+    const double step = since_exchange / kBalancing;
+    balanced += std::clamp(std::min(size / kNothingToFeel, 1.0) - balanced, -step, step);
+    const Tensions minimum = Tensions::Constant(geometry.tension_min);
+    const Wrench pull =
+        realised_wrench(string_kinematics(geometry, state.pose).pull, (1 - balanced) * minimum);
+    const TensionSolver::Result result =
+        tension_solver.solve({wrench.force + pull.force, wrench.torque + pull.torque}, state.pose);
+    set_tensions(result.tensions);
+    state.given_up = {wrench.force - result.realised.force, wrench.torque - result.realised.torque};
+    state.feasible = state.given_up.force.norm() <= TensionSolver::kFeasible;
+  }
+
+  void relax() noexcept {
+    set_tensions(Tensions::Constant(geometry.tension_min));
+    balanced = 0;
+  }
 
   void update_lengths() noexcept {
     state.counts = counts;
@@ -143,7 +170,10 @@ struct Device::Implementation {
 
   void update_pose() noexcept {
     const PoseSolver::Result solved = pose_solver.solve(state.lengths, state.pose);
-    if (solved.singular || solved.residual > kLargestResidual)
+    if (solved.singular)
+      return reject();
+    slip.step(solved.misfit, solved.pose, since_exchange);
+    if (solved.residual > kLargestResidual)
       return reject();
     const bool continues =
         jump(state.pose, solved.pose, geometry.grip_radius) <= kFastest * since_valid;
@@ -153,8 +183,10 @@ struct Device::Implementation {
     last_solved = solved.pose;
     if (!continues && !confirmed)
       return reject();
-    if (!continues)
+    if (!continues) {
       velocity_known = false;
+      slip.jump();
+    }
     accept(solved.pose);
   }
 
@@ -165,6 +197,8 @@ struct Device::Implementation {
     controller->set_time(now);
     const bool answered = controller->exchange(words, counts);
     state.interrupted = controller->interrupted();
+    if (state.interrupted)
+      balanced = 0;
     state.pressed = answered && controller->pressed();
     note_words();
     if (!answered) {
@@ -173,6 +207,8 @@ struct Device::Implementation {
     }
     update_lengths();
     update_pose();
+    state.slipping = slip.slipping();
+    state.slipped = slip.slipped();
     return true;
   }
 
@@ -180,6 +216,8 @@ struct Device::Implementation {
     home_counts = counts;
     update_lengths();
     state.pose = last_solved = {};
+    slip.calibrate();
+    state.slipping = state.slipped = false;
     velocity_known = false;
     accept({});
   }
@@ -253,10 +291,11 @@ bool Device::exchange(std::int64_t now) noexcept {
 
 void Device::command(const Wrench &wrench) noexcept {
   const bool finite = wrench.force.allFinite() && wrench.torque.allFinite();
-  const TensionSolver::Result result = implementation_->tension_solver.solve(
-      finite ? wrench : Wrench{}, implementation_->state.pose);
-  implementation_->set_tensions(result.tensions);
-  implementation_->state.feasible = result.feasible;
+  implementation_->command(finite ? wrench : Wrench{});
+}
+
+void Device::limit_side_torque(double limit) noexcept {
+  implementation_->tension_solver.limit_side_torque(limit);
 }
 
 void Device::rest() noexcept {

@@ -26,7 +26,7 @@ PoseSolver::PoseSolver(const Geometry &geometry) : geometry_(geometry) {}
 
 PoseSolver::Result PoseSolver::solve(const StringLengths &lengths,
                                      const Pose &start) const noexcept {
-  Result result{start, 0, true};
+  Result result{.pose = start, .singular = true};
   if (!lengths.allFinite() || lengths.minCoeff() <= 0 || lengths.maxCoeff() > kLongestString ||
       !start.position.allFinite() || !start.rotation.allFinite())
     return result;
@@ -57,7 +57,8 @@ PoseSolver::Result PoseSolver::solve(const StringLengths &lengths,
   if (!pose.position.allFinite() || !pose.rotation.allFinite())
     return result;
   constexpr double kCount = kStrings;
-  return {pose, std::sqrt((strings.lengths - lengths).squaredNorm() / kCount), false};
+  const StringLengths misfit = lengths - strings.lengths;
+  return {pose, std::sqrt(misfit.squaredNorm() / kCount), false, misfit};
 }
 
 } // namespace spidar

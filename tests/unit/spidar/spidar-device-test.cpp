@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "counted-allocations.hpp"
+#include "model/string-kinematics.hpp"
 #include "spidar-poses.hpp"
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
@@ -82,6 +83,13 @@ Wrench push(double x, double y, double z) {
 
 double tension(const Geometry &geometry, std::size_t i, std::int16_t word) {
   return word / (geometry.digits_per_volt * geometry.volts_per_newton[i]);
+}
+
+/// What minimum tension does at the present pose.
+Wrench at_minimum_tension(const Device &device) {
+  const Geometry &geometry = device.geometry();
+  return realised_wrench(string_kinematics(geometry, device.state().pose).pull,
+                         Tensions::Constant(geometry.tension_min));
 }
 
 /// The tensions of what went out at a tick, N.
@@ -181,6 +189,47 @@ TEST(Device, ReportsTheTensionsThatItSends) {
   device.exchange(next_tick());
   for (std::size_t i = 0; i < kStrings; ++i)
     EXPECT_DOUBLE_EQ(tension(device.geometry(), i, wire.sent.back()[i]), reported[i]);
+}
+
+TEST_P(DeviceOf, WithoutAForceTheStringsGoToMinimumTensionAndWithOneTheyAreBalanced) {
+  Wire wire;
+  Device device = device_with("hold:0.8,-0.7,0.6", wire, GetParam());
+  const Tensions minimum = Tensions::Constant(device.geometry().tension_min);
+  const auto let = [&](int ticks, const Wrench &wrench) {
+    for (int tick = 0; tick < ticks; ++tick) {
+      const Tensions before = device.state().tensions;
+      run(device, 1, wrench);
+      ASSERT_LE((device.state().tensions - before).cwiseAbs().maxCoeff(), 0.1);
+    }
+  };
+  let(200, {});
+  const Wrench pull = at_minimum_tension(device);
+  EXPECT_GT(pull.force.norm(), 0.1);
+  EXPECT_LE((device.state().tensions - minimum).norm(), 0.01); // half a digit each
+  EXPECT_FALSE(device.state().feasible);
+  EXPECT_LE((device.state().given_up.force + pull.force).norm(), 0.005);
+  let(1, push(0.02, 0, 0)); // on top of the pull
+  EXPECT_LE((device.state().given_up.force + pull.force).norm(), 0.02);
+  let(150, push(0.02, 0, 0));
+  EXPECT_TRUE(device.state().feasible);
+  EXPECT_LE(device.state().given_up.force.norm(), 0.005);
+  let(150, {});
+  EXPECT_LE((device.state().tensions - minimum).norm(), 0.01);
+}
+
+TEST(Device, TellsWhatTheLimitOfTheSideTorqueTakesFromTheForce) {
+  Wire wire;
+  Device device = device_with("hold:1,1,1", wire);
+  const auto most_turned = [&](double limit) {
+    device.limit_side_torque(limit);
+    run(device, 500, push(1, -0.5, 0));
+    return device.state().given_up.torque.norm();
+  };
+  ASSERT_GT(most_turned(0.1), 0.012);
+  EXPECT_TRUE(device.state().feasible);
+  EXPECT_LE(most_turned(0.008), 0.008001);
+  EXPECT_FALSE(device.state().feasible);
+  EXPECT_GT(device.state().given_up.force.norm(), 0.1);
 }
 
 TEST(Device, AWrenchThatIsNotFiniteCountsAsZero) {
@@ -329,8 +378,9 @@ TEST(Device, MinimumTensionActsAroundAnInterruption) {
     run(device, 1, push(0, 1, 0));
     EXPECT_LT(device.state().acted.force.norm(), 0.05) << tick;
   }
+  const Wrench pull = at_minimum_tension(device); // from where the force begins again
   run(device, 1, push(0, 1, 0));
-  EXPECT_NEAR(device.state().acted.force.y(), 1, 0.02);
+  EXPECT_NEAR(device.state().acted.force.y() - pull.force.y(), 1, 0.02);
 }
 
 TEST(Device, AfterSilentTicksTheMoveAndTheMeanOfWhatActedSpanTheGap) {
