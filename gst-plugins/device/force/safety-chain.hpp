@@ -32,6 +32,7 @@ enum Hold : std::uint32_t {
   kHoldNonFinite = 1 << 13, ///< a number was not finite; this step only (set by the chain)
   kHoldDeadMan = 1 << 14,   ///< `dead-man` is on and its button is not pressed
   kHoldSpent = 1 << 15,     ///< the budget for continuous force limits the force (set by the chain)
+  kHoldSlipped = 1 << 16,   ///< a string slips, or has slipped: until it is calibrated
 };
 
 struct HoldName {
@@ -48,6 +49,7 @@ inline constexpr std::array kHoldNames = {
     HoldName{kHoldStale, "stale"},         HoldName{kHoldCut, "cut"},
     HoldName{kHoldSuspended, "suspended"}, HoldName{kHoldNonFinite, "non-finite"},
     HoldName{kHoldDeadMan, "dead-man"},    HoldName{kHoldSpent, "spent"},
+    HoldName{kHoldSlipped, "slipped"},
 };
 
 /// The holds that only `arm` ends.
@@ -75,8 +77,8 @@ public:
   /// About the grip's radius: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
   /// A grip that turns faster than this one is braked (docs/force.md#turning).
-  static constexpr double kUnbraked = 1;     // rad/s
-  static constexpr double kTurnBrake = 6e-3; // N·m·s
+  static constexpr double kUnbraked = 1;       // rad/s
+  static constexpr double kTurnBrake = 7.5e-3; // N·m·s
 
   struct Input {
     spidar::Wrench wanted;                             ///< N and N·m, from the law

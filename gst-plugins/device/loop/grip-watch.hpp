@@ -11,9 +11,9 @@ namespace haptic {
 /// Watches whether a hand holds the grip. One thread; real-time safe.
 class GripWatch {
 public:
-  /// Returns kHoldDeadMan, kHoldNoPose and kHoldOverspeed as the grip gives reason for them on this
-  /// tick, `dt` s after the one before. `device`: null without a hand. `dead_man`: no force unless
-  /// a button of the grip is pressed.
+  /// Returns kHoldDeadMan, kHoldNoPose, kHoldSlipped and kHoldOverspeed as the grip gives reason
+  /// for them on this tick, `dt` s after the one before. `device`: null without a hand. `dead_man`:
+  /// no force unless a button of the grip is pressed.
   std::uint32_t holds(const spidar::HapticDevice *device, const SafetyChain &chain, bool dead_man,
                       double dt) noexcept {
     std::uint32_t holds = dead_man && !(device && device->state().pressed) ? kHoldDeadMan : 0U;
@@ -21,6 +21,8 @@ public:
       holds |= kHoldNoPose;
     else if (device && device->grip_is_free() && is_let_go(device->state(), chain, dt))
       holds |= kHoldOverspeed;
+    if (device && (device->state().slipping || device->state().slipped))
+      holds |= kHoldSlipped;
     return holds;
   }
 

@@ -15,7 +15,8 @@ constexpr std::int64_t kRetryFaultedDevice = kSecond / 10;                      
 constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
-                                     kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan;
+                                     kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan |
+                                     kHoldSlipped;
 
 // Of these the film is the reason: the hand has done nothing, and the surface stays where it is.
 constexpr std::uint32_t kHoldsOfFilm =
@@ -291,7 +292,8 @@ void HapticLoop::update_motion(std::int64_t now) noexcept {
 void HapticLoop::update_touch(double dt) noexcept {
   const LoopSettings &settings = settings_.value();
   const spidar::HapticDevice *device = run_.environment.device;
-  if (settings.touch == TouchMode::off || !device || !device->state().valid)
+  if (settings.touch == TouchMode::off || !device || !device->state().valid ||
+      !device->knows_newtons())
     return run_.touch.leave();
   if (run_.chain.holds() & ~kHoldsOfFilm)
     run_.touch.hold();
@@ -328,7 +330,10 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   SafetyChain::Input input;
   input.holds = holds_of_tick(dt, late);
   PlanarVelocity hand;
-  if (const spidar::HapticDevice *device = run_.environment.device) {
+  bool knows_newtons = false;
+  if (spidar::HapticDevice *device = run_.environment.device) {
+    device->limit_side_torque(law.max_torque);
+    knows_newtons = device->knows_newtons();
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;
     input.acted = device->state().acted;
@@ -339,7 +344,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   }
   // Both resist the hand.
   const double resistance = most_resistance(run_.longest_dt) - run_.touch.damping(); // N·s/m
-  law.most_for_hand = resistance * input.hand_velocity.head<2>().norm();
+  law.most_for_hand = knows_newtons ? resistance * input.hand_velocity.head<2>().norm() : 0;
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();
@@ -359,7 +364,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.continuous_force = settings.continuous_force;
   input.max_torque = law.max_torque;
   input.slew_rate = settings.slew_rate;
-  input.damping = settings.damping;
+  input.damping = knows_newtons ? settings.damping : 0;
   input.dt = dt;
   input.longest_dt = run_.longest_dt;
   spidar::Wrench wrench = run_.chain.step(input);
