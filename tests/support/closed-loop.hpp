@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The table of docs/force.md: what the force may do at most, whatever the hand does. Each row is a
+// The table of the closed loop: what the force may do at most, whatever the hand does. Each row is a
 // grid of points; a point is one run of the loop with a hand on its strings, in virtual time.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,12 +36,14 @@ struct LoopPoint {
   double slew_rate = 20;                ///< N/s
   double damping = 1;                   ///< N·s/m
 
-  double tap = 0;           ///< N·s
-  double load = 0;          ///< share of max_force with which the hand lies on the surface
-  double friction = 0;      ///< of the surface
-  double depth = 0;         ///< m
-  double in = 0.1;          ///< m/s, of the hand on its way in
-  double out = 0.1;         ///< m/s
+  double tap = 0;      ///< N·s
+  double load = 0;     ///< share of max_force with which the hand lies on the surface
+  double friction = 0; ///< of the surface
+  double depth = 0;    ///< m
+  double in = 0.1;     ///< m/s, of the hand on its way in
+  double out = 0.1;    ///< m/s
+  /// m/s², with which a hand gets that fast
+  double acceleration = std::numeric_limits<double>::infinity();
   double sideways = 0;      ///< m, that the hand goes at the bottom
   double late_at = 0;       ///< share of the way out after which the late tick comes
   double pause = 0;         ///< s, at each stage of the way

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <spidar/controller.hpp>
 #include <spidar/geometry.hpp>
@@ -37,7 +38,8 @@ struct TurningHand {
 class HandOnStrings final : public spidar::Controller {
 public:
   HandOnStrings(const spidar::Geometry &geometry, const Hand &of, const spidar::Vector3 &start)
-      : hand(of), target(start), goal(start), geometry_(geometry), position_(start) {
+      : hand(of), target(start), goal(start), geometry_(geometry), aimed_at_(start),
+        position_(start) {
     double nearest = geometry.motors[0].norm();
     for (const spidar::Vector3 &motor : geometry.motors)
       nearest = std::min(nearest, motor.norm());
@@ -48,12 +50,14 @@ public:
   // What the hand does until the next exchange.
 
   Hand hand;
-  spidar::Vector3 target;                  ///< m
-  spidar::Vector3 goal;                    ///< m, to which the target moves in a straight line
-  double speed = 0;                        ///< m/s, of the target
-  bool leads = false;                      ///< the grip is at the target, whatever the force
-  bool presses = false;                    ///< the button of the grip
-  std::optional<TurningHand> turning_hand; ///< none: the orientation is held
+  spidar::Vector3 target; ///< m
+  spidar::Vector3 goal;   ///< m, to which the target moves in a straight line
+  double speed = 0;       ///< m/s, of the target
+  /// m/s², with which it gets that fast after a change of the goal
+  double acceleration = std::numeric_limits<double>::infinity();
+  bool leads = false;                             ///< the grip is at the target, whatever the force
+  bool presses = false;                           ///< the button of the grip
+  std::optional<TurningHand> turning_hand;        ///< none: the orientation is held
   spidar::Vector3 push = spidar::Vector3::Zero(); ///< N, from outside
 
   // What the electronics do.
@@ -132,8 +136,12 @@ private:
 
   // Semi-implicit Euler.
   void step(double dt) noexcept {
+    if (goal != aimed_at_)
+      target_speed_ = 0;
+    aimed_at_ = goal;
+    target_speed_ = std::min(speed, target_speed_ + acceleration * dt);
     const spidar::Vector3 left = goal - target;
-    target += std::min(1.0, speed * dt / std::max(left.norm(), 1e-12)) * left;
+    target += std::min(1.0, target_speed_ * dt / std::max(left.norm(), 1e-12)) * left;
     const spidar::Wrench strings = wrench();
     if (leads) {
       velocity_ = (target - position_) / dt;
@@ -169,6 +177,8 @@ private:
   double reach_ = 0; // m; the grip cannot get farther from the centre
   spidar::Tensions tensions_ = spidar::Tensions::Zero();
   spidar::StringKinematics strings_{spidar::WrenchMatrix::Zero(), spidar::StringLengths::Zero()};
+  spidar::Vector3 aimed_at_; // the goal, until it changes
+  double target_speed_ = 0;  // m/s
   spidar::Vector3 position_;
   spidar::Vector3 velocity_ = spidar::Vector3::Zero();
   spidar::Matrix3 rotation_ = spidar::Matrix3::Identity();
