@@ -10,7 +10,7 @@
 #include "array/array-drive.hpp"
 #include "array/array-voices.hpp"
 #include "force/safety-chain.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -38,6 +38,7 @@ namespace {
 
 using haptic::ArrayVoices;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 
 // State
@@ -323,7 +324,7 @@ void begin(GstHapticArray *self) {
   self->state->begins = false;
 }
 
-GstFlowReturn aggregate(GstHapticArray *self, bool timeout) {
+GstFlowReturn aggregate(GstHapticArray *self, gboolean timeout) {
   State &state = *self->state;
   if (!state.voices)
     return GST_FLOW_NOT_NEGOTIATED;
@@ -360,7 +361,7 @@ GstFlowReturn update_src_caps(GstHapticArray *self, GstCaps *wanted, GstCaps **c
   return GST_FLOW_NOT_NEGOTIATED;
 }
 
-GstCaps *fixate(GstCaps *caps) {
+GstCaps *fixate(GstHapticArray *, GstCaps *caps) {
   haptic::CapsPtr made(gst_caps_make_writable(caps));
   gst_structure_fixate_field_nearest_int(gst_caps_get_structure(made.get(), 0), "rate", kUsualRate);
   return gst_caps_fixate(made.release());
@@ -402,11 +403,12 @@ gboolean start(GstHapticArray *self) {
   return TRUE;
 }
 
-void flush(GstHapticArray *self) {
+GstFlowReturn flush(GstHapticArray *self) {
   self->state->begin_anew();
   GstAggregatorPad *pad = GST_AGGREGATOR_PAD(GST_AGGREGATOR(self)->srcpad);
   const ObjectLock lock(pad);
   pad->segment.position = GST_CLOCK_TIME_NONE;
+  return GST_FLOW_OK;
 }
 
 // After a seek that does not flush, the class would change the segment of the sound at once, before
@@ -433,28 +435,9 @@ void on_sink_event(GstHapticArray *self, GstEvent *event) {
 
 } // namespace
 
-static void gst_haptic_array_finalize(GObject *object) {
-  delete GST_HAPTIC_ARRAY(object)->state;
-  G_OBJECT_CLASS(gst_haptic_array_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_haptic_array_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_HAPTIC_ARRAY(object)->state->settings;
-  });
-}
-
 static void install_aggregator_vfuncs(GstAggregatorClass *klass) {
-  klass->start = [](GstAggregator *aggregator) {
-    return guarded(aggregator, FALSE, [&] { return start(GST_HAPTIC_ARRAY(aggregator)); });
-  };
-  klass->flush = [](GstAggregator *aggregator) {
-    return guarded(aggregator, GST_FLOW_ERROR, [&] {
-      flush(GST_HAPTIC_ARRAY(aggregator));
-      return GST_FLOW_OK;
-    });
-  };
+  klass->start = kGuarded<start>;
+  klass->flush = kGuarded<flush>;
   klass->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event) {
     guarded(aggregator, [&] { on_sink_event(GST_HAPTIC_ARRAY(aggregator), event); });
     return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->sink_event(aggregator, pad, event);
@@ -470,34 +453,26 @@ static void install_aggregator_vfuncs(GstAggregatorClass *klass) {
       return gst_pad_peer_query(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), query);
     return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_query(aggregator, query);
   };
-  klass->update_src_caps = [](GstAggregator *aggregator, GstCaps *wanted, GstCaps **caps) {
-    return guarded(aggregator, GST_FLOW_ERROR,
-                   [&] { return update_src_caps(GST_HAPTIC_ARRAY(aggregator), wanted, caps); });
-  };
-  klass->fixate_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
-    return guarded(aggregator, static_cast<GstCaps *>(nullptr), [&] { return fixate(caps); });
-  };
-  klass->negotiated_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
-    return guarded(aggregator, FALSE, [&] { return on_caps(GST_HAPTIC_ARRAY(aggregator), caps); });
-  };
+  klass->update_src_caps = kGuarded<update_src_caps>;
+  klass->fixate_src_caps = kGuarded<fixate>;
+  klass->negotiated_src_caps = kGuarded<on_caps>;
   klass->get_next_time = gst_aggregator_simple_get_next_time;
-  klass->aggregate = [](GstAggregator *aggregator, gboolean timeout) {
-    return guarded(aggregator, GST_FLOW_ERROR,
-                   [&] { return aggregate(GST_HAPTIC_ARRAY(aggregator), timeout != FALSE); });
-  };
+  klass->aggregate = kGuarded<aggregate>;
 }
 
 static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Haptic array", "Filter/Converter/Haptics",
-                                        "Makes motion felt on an array of actuators",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticarray");
+  haptic::describe(element_class, "hapticarray", "Haptic array", "Filter/Converter/Haptics",
+                   "Makes motion felt on an array of actuators", {});
   gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
                                                        GST_TYPE_AGGREGATOR_PAD);
   gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
                                                        GST_TYPE_AGGREGATOR_PAD);
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstHapticArray, gst_haptic_array_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_HAPTIC_ARRAY(object)->state->settings;
+  });
   install_aggregator_vfuncs(GST_AGGREGATOR_CLASS(klass));
 }
 

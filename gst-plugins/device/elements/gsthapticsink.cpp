@@ -18,7 +18,7 @@
 #include "elements/sink-messages.hpp"
 #include "elements/sink-properties.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
@@ -41,6 +41,7 @@ GST_DEBUG_CATEGORY(haptic_sink_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 using haptic::SinkSettings;
 
@@ -522,59 +523,44 @@ void install_actions(GObjectClass *klass) {
    *
    * Makes the present position of the grip the centre of the workspace.
    */
-  install_action(klass, "calibrate", [](GstHapticSink *self) {
-    guarded(self, [&] { self->state->session.calibrate(); });
-  });
+  install_action(klass, "calibrate",
+                 kGuarded<[](GstHapticSink *self) { self->state->session.calibrate(); }>);
   /**
    * GstHapticSink::arm:
    *
    * Allows force again after `release` or a fault; it comes back within half a second.
    */
-  install_action(klass, "arm", [](GstHapticSink *self) { guarded(self, [&] { arm(self); }); });
+  install_action(klass, "arm", kGuarded<arm>);
   /**
    * GstHapticSink::release:
    *
    * The force fades in 50 ms and stays off until `arm`.
    */
-  install_action(klass, "release",
-                 [](GstHapticSink *self) { guarded(self, [&] { release(self); }); });
+  install_action(klass, "release", kGuarded<release>);
 }
 
 // ---- virtual functions --------------------------------------------------------------------------
 
 void install_object_functions(GObjectClass *klass) {
-  klass->finalize = [](GObject *object) {
-    guarded(object, [&] { delete GST_HAPTIC_SINK(object)->state; });
-    G_OBJECT_CLASS(gst_haptic_sink_parent_class)->finalize(object);
-  };
-  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { set_property(object, id, value, pspec); });
-  };
-  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { get_property(object, id, value, pspec); });
-  };
+  klass->finalize = haptic::delete_state<GstHapticSink, gst_haptic_sink_parent_class>;
+  klass->set_property = kGuarded<set_property>;
+  klass->get_property = kGuarded<get_property>;
 }
 
 void install_sink_functions(GstBaseSinkClass *klass) {
-  klass->start = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] {
-      State &state = state_of(sink);
-      const bool opened = state.session.open(setting_of(sink, &SinkSettings::choice));
-      state.client.on_armed_changed();
-      return gboolean{opened};
-    });
-  };
-  klass->stop = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] {
-      State &state = state_of(sink);
-      state.session.close();
-      state.client.on_armed_changed();
-      return TRUE;
-    });
-  };
-  klass->set_caps = [](GstBaseSink *sink, GstCaps *caps) -> gboolean {
-    return guarded(sink, FALSE, [&] { return set_caps(sink, caps); });
-  };
+  klass->start = kGuarded<[](GstBaseSink *sink) {
+    State &state = state_of(sink);
+    const bool opened = state.session.open(setting_of(sink, &SinkSettings::choice));
+    state.client.on_armed_changed();
+    return gboolean{opened};
+  }>;
+  klass->stop = kGuarded<[](GstBaseSink *sink) {
+    State &state = state_of(sink);
+    state.session.close();
+    state.client.on_armed_changed();
+    return TRUE;
+  }>;
+  klass->set_caps = kGuarded<set_caps>;
   klass->get_times = [](GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start,
                         GstClockTime *end) {
     guarded(sink, [&] {
@@ -586,15 +572,9 @@ void install_sink_functions(GstBaseSinkClass *klass) {
       time.look_ahead(*start, *end);
     });
   };
-  klass->event = [](GstBaseSink *sink, GstEvent *e) -> gboolean {
-    return guarded(sink, FALSE, [&] { return event(sink, e); });
-  };
-  klass->wait_event = [](GstBaseSink *sink, GstEvent *e) {
-    return guarded(sink, GST_FLOW_ERROR, [&] { return wait_event(sink, e); });
-  };
-  klass->render = [](GstBaseSink *sink, GstBuffer *buffer) {
-    return guarded(sink, GST_FLOW_ERROR, [&] { return render(sink, buffer); });
-  };
+  klass->event = kGuarded<event>;
+  klass->wait_event = kGuarded<wait_event>;
+  klass->render = kGuarded<render>;
 }
 
 } // namespace
@@ -610,25 +590,12 @@ static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
       GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS));
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
-  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
-                                      const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr),
-                   [&] { return request_pad(element, of); });
-  };
-  element_class->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] { release_pad(element, pad); });
-  };
-  element_class->send_event = [](GstElement *element, GstEvent *event) -> gboolean {
-    return guarded(element, FALSE, [&] { return send_event(element, event); });
-  };
-  gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
-                                        "Motion in frames as force on the hand",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticsink");
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
+  element_class->send_event = kGuarded<send_event>;
+  haptic::describe(element_class, "hapticsink", "Haptic sink", "Sink/Haptics",
+                   "Motion in frames as force on the hand", {});
+  element_class->change_state = kGuarded<change_state>;
   install_object_functions(G_OBJECT_CLASS(klass));
   install_properties(G_OBJECT_CLASS(klass));
   install_actions(G_OBJECT_CLASS(klass));

@@ -20,7 +20,7 @@
 #include "forms/convert-caps.hpp"
 #include "forms/problem-counters.hpp"
 #include "forms/track-form.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -46,6 +46,7 @@ using haptic::BufferPtr;
 using haptic::CapsPtr;
 using Form = haptic::TrackFormKind;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::layout_of;
 using haptic::ObjectLock;
 using haptic::TrackForm;
@@ -112,7 +113,8 @@ GstBaseTransformClass *parent_class() {
 
 // ---- caps ---------------------------------------------------------------------------------------
 
-GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filter) {
+GstCaps *transform_caps(GstHapticConvert *, GstPadDirection direction, GstCaps *caps,
+                        GstCaps *filter) {
   CapsPtr result = haptic::convertible_caps(
       caps, direction == GST_PAD_SINK ? &src_template : &sink_template, direction);
   if (filter)
@@ -122,7 +124,8 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
 
 // The caps of KLV and text do not show whether points, fields or reliefs come. The layout that came
 // last is expected.
-GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *othercaps) {
+GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *,
+                     GstCaps *othercaps) {
   if (direction != GST_PAD_SINK)
     return gst_caps_fixate(othercaps);
   return haptic::fixated_caps(CapsPtr(othercaps), self->state->layout).release();
@@ -481,11 +484,6 @@ std::span<const haptic::Property<State>> properties() {
   return table;
 }
 
-void finalize(GObject *object) {
-  delete GST_HAPTIC_CONVERT(object)->state;
-  G_OBJECT_CLASS(gst_haptic_convert_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_haptic_convert_init(GstHapticConvert *self) {
@@ -499,48 +497,24 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
 
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstHapticConvert, gst_haptic_convert_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return state_of(object); });
 
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic track converter", "Codec/Converter/Haptics",
+  haptic::describe(
+      element_class, "hapticconvert", "Haptic track converter", "Codec/Converter/Haptics",
       "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticconvert");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+      {&sink_template, &src_template});
 
   transform_class->passthrough_on_same_caps = TRUE;
-  transform_class->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction,
-                                       GstCaps *caps, GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return transform_caps(direction, caps, filter); });
-  };
-  transform_class->fixate_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *,
-                                    GstCaps *other) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return fixate_caps(GST_HAPTIC_CONVERT(trans), direction, other); });
-  };
-  transform_class->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *out) -> gboolean {
-    return guarded(trans, FALSE, [&] { return set_caps(GST_HAPTIC_CONVERT(trans), in, out); });
-  };
-  transform_class->start = [](GstBaseTransform *trans) -> gboolean {
-    return guarded(trans, FALSE, [&] { return start(trans); });
-  };
-  transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
-    return guarded(trans, FALSE, [&] { return sink_event(trans, event); });
-  };
-  transform_class->src_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
-    return guarded(trans, FALSE, [&] { return src_event(trans, event); });
-  };
-  transform_class->query = [](GstBaseTransform *trans, GstPadDirection direction,
-                              GstQuery *q) -> gboolean {
-    return guarded(trans, FALSE, [&] { return query(trans, direction, q); });
-  };
-  transform_class->generate_output = [](GstBaseTransform *trans, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return generate_output(trans, out); });
-  };
+  transform_class->transform_caps = kGuarded<transform_caps>;
+  transform_class->fixate_caps = kGuarded<fixate_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->start = kGuarded<start>;
+  transform_class->sink_event = kGuarded<sink_event>;
+  transform_class->src_event = kGuarded<src_event>;
+  transform_class->query = kGuarded<query>;
+  transform_class->generate_output = kGuarded<generate_output>;
   // Without this function the base class takes the element for one that changes nothing.
   transform_class->transform = [](GstBaseTransform *, GstBuffer *, GstBuffer *) {
     return GST_FLOW_NOT_SUPPORTED;

@@ -13,7 +13,7 @@
 #include "elements/gsthapticmark.h"
 
 #include "forms/container-mark.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 
@@ -42,7 +42,7 @@ GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, GST_TYPE_HA
 
 namespace {
 
-using haptic::guarded;
+using haptic::kGuarded;
 
 GstFlowReturn mark(GstHapticMark *self, GstBuffer *buffer) {
   const haptic::CapsPtr caps(
@@ -69,18 +69,13 @@ static void gst_haptic_mark_init(GstHapticMark *) {}
 
 static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic track marker", "Codec/Formatter/Haptics",
-      "Marks the haptic track in MPEG-TS and Matroska for other programs", "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticmark");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+  haptic::describe(element_class, "hapticmark", "Haptic track marker", "Codec/Formatter/Haptics",
+                   "Marks the haptic track in MPEG-TS and Matroska for other programs",
+                   {&sink_template, &src_template});
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   transform_class->start = [](GstBaseTransform *trans) -> gboolean {
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;
     return TRUE;
   };
-  transform_class->transform_ip = [](GstBaseTransform *trans, GstBuffer *buffer) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return mark(GST_HAPTIC_MARK(trans), buffer); });
-  };
+  transform_class->transform_ip = kGuarded<mark>;
 }

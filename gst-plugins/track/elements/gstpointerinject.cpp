@@ -15,7 +15,7 @@
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
 #include "forms/klv.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
@@ -32,6 +32,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 
 struct State {
   // Set once.
@@ -87,10 +88,10 @@ void send_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
                  handled ? "" : ", which nobody wanted");
 }
 
-GstFlowReturn chain_pointer(GstPointerInject *self, GstBuffer *raw) {
+GstFlowReturn chain_pointer(GstPad *, GstObject *parent, GstBuffer *raw) {
   const BufferPtr buffer(raw);
   if (const haptic::ReadableBuffer readable(buffer.get()); readable)
-    send_pointer(self, readable.bytes());
+    send_pointer(GST_POINTER_INJECT(parent), readable.bytes());
   return GST_FLOW_OK;
 }
 
@@ -109,22 +110,12 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   return GST_ELEMENT_CLASS(gst_pointer_inject_parent_class)->change_state(element, transition);
 }
 
-void finalize(GObject *object) {
-  delete GST_POINTER_INJECT(object)->state;
-  G_OBJECT_CLASS(gst_pointer_inject_parent_class)->finalize(object);
-}
-
 void add_pads(GstPointerInject *self) {
   self->state = new State;
   self->state->sink = haptic::add_pad_pair(GST_ELEMENT(self)).sink;
   GstPad *pointer = haptic::add_lone_pad(GST_ELEMENT(self), &pointer_template);
-  gst_pad_set_chain_function(pointer, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
-    return guarded(parent, GST_FLOW_ERROR,
-                   [&] { return chain_pointer(GST_POINTER_INJECT(parent), buffer); });
-  });
-  gst_pad_set_event_function(pointer, [](GstPad *pad, GstObject *parent, GstEvent *event) {
-    return guarded(parent, FALSE, [&] { return drop_event(pad, parent, event); });
-  });
+  gst_pad_set_chain_function(pointer, kGuarded<chain_pointer>);
+  gst_pad_set_event_function(pointer, kGuarded<drop_event>);
 }
 
 } // namespace
@@ -135,16 +126,10 @@ static void gst_pointer_inject_init(GstPointerInject *self) {
 
 static void gst_pointer_inject_class_init(GstPointerInjectClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
-    guarded(object, [&] { finalize(object); });
-  };
-  gst_element_class_set_static_metadata(element_class, "Pointer injector", "Generic/Haptics",
-                                        "Sends pointers that come as a stream upstream as events",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "pointerinject");
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstPointerInject, gst_pointer_inject_parent_class>;
+  haptic::describe(element_class, "pointerinject", "Pointer injector", "Generic/Haptics",
+                   "Sends pointers that come as a stream upstream as events", {});
   haptic::add_pad_templates(element_class, &pointer_template);
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
+  element_class->change_state = kGuarded<change_state>;
 }

@@ -14,7 +14,7 @@
 
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -35,6 +35,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 using haptic::UnitType;
 
@@ -224,11 +225,6 @@ std::span<const haptic::Property<State>> properties() {
   return table;
 }
 
-void finalize(GObject *object) {
-  delete GST_RTP_HMPG_PAY(object)->state;
-  G_OBJECT_CLASS(gst_rtp_hmpg_pay_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_rtp_hmpg_pay_init(GstRtpHmpgPay *self) {
@@ -239,26 +235,14 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *payload_class = GST_RTP_BASE_PAYLOAD_CLASS(klass);
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstRtpHmpgPay, gst_rtp_hmpg_pay_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return *GST_RTP_HMPG_PAY(object)->state; });
-  gst_element_class_set_static_metadata(
-      element_class, "RTP MPEG haptics payloader", "Codec/Payloader/Network/RTP",
-      "Sends MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
-  haptic::add_documentation(element_class, "rtphmpgpay");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
-  payload_class->set_caps = [](GstRTPBasePayload *payload, GstCaps *caps) -> gboolean {
-    return guarded(payload, FALSE, [&] { return set_caps(payload, caps); });
-  };
-  payload_class->src_event = [](GstRTPBasePayload *payload, GstEvent *event) -> gboolean {
-    return guarded(payload, FALSE, [&] { return src_event(payload, event); });
-  };
-  payload_class->handle_buffer = [](GstRTPBasePayload *payload, GstBuffer *buffer) {
-    return guarded(payload, GST_FLOW_ERROR, [&] { return handle_buffer(payload, buffer); });
-  };
+  haptic::describe(element_class, "rtphmpgpay", "RTP MPEG haptics payloader",
+                   "Codec/Payloader/Network/RTP", "Sends MPEG haptics over RTP (RFC 9993)",
+                   {&sink_template, &src_template});
+  element_class->change_state = kGuarded<change_state>;
+  payload_class->set_caps = kGuarded<set_caps>;
+  payload_class->src_event = kGuarded<src_event>;
+  payload_class->handle_buffer = kGuarded<handle_buffer>;
 }

@@ -14,7 +14,7 @@
  */
 #include "elements/gstrtponesender.h"
 
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -40,6 +40,7 @@ namespace {
 
 using haptic::ElementPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::OneSender;
 using haptic::PadPtr;
 
@@ -396,11 +397,6 @@ void add_rtpbin(GstRtpOneSender *self) {
         self, static_cast<GConnectFlags>(0));
 }
 
-void finalize(GObject *object) {
-  delete GST_RTP_ONE_SENDER(object)->state;
-  G_OBJECT_CLASS(gst_rtp_one_sender_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_rtp_one_sender_init(GstRtpOneSender *self) {
@@ -413,25 +409,14 @@ static void gst_rtp_one_sender_init(GstRtpOneSender *self) {
 static void gst_rtp_one_sender_class_init(GstRtpOneSenderClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstRtpOneSender, gst_rtp_one_sender_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return *GST_RTP_ONE_SENDER(object)->state; });
-  gst_element_class_set_static_metadata(
-      element_class, "RTP of one sender", "Generic/Bin/Network/RTP",
-      "Receives RTP of one sender a session, in step by RTCP", "Feeling Wind project");
-  haptic::add_documentation(element_class, "rtponesender");
+  haptic::describe(element_class, "rtponesender", "RTP of one sender", "Generic/Bin/Network/RTP",
+                   "Receives RTP of one sender a session, in step by RTCP", {});
   for (auto *pad : {&rtp_sink_template, &rtcp_sink_template, &rtp_src_template, &rtcp_src_template})
     gst_element_class_add_static_pad_template(element_class, pad);
-  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *pad_template,
-                                      const gchar *name, const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr),
-                   [&] { return request_pad(GST_RTP_ONE_SENDER(element), pad_template, name); });
-  };
-  element_class->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] { release_pad(GST_RTP_ONE_SENDER(element), pad); });
-  };
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
+  element_class->change_state = kGuarded<change_state>;
 }

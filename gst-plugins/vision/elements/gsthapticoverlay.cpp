@@ -13,7 +13,7 @@
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -36,7 +36,7 @@ GST_DEBUG_CATEGORY_STATIC(haptic_overlay_debug);
 
 namespace {
 
-using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MappedFrame;
 using haptic::ObjectLock;
 using haptic::OverlayLook;
@@ -301,7 +301,8 @@ haptic::CapsPtr without_composition(const GstCaps *caps) {
 }
 
 // The caps with which downstream draws come first: they avoid a copy.
-GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filter) {
+GstCaps *transform_caps(GstHapticOverlay *, GstPadDirection direction, GstCaps *caps,
+                        GstCaps *filter) {
   haptic::CapsPtr result = without_composition(caps);
   if (direction == GST_PAD_SINK) {
     haptic::CapsPtr preferred = with_composition(result.get());
@@ -310,6 +311,23 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();
+}
+
+gboolean set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
+  const gboolean result =
+      GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->set_caps(trans, in, out);
+  // The parent says that frames are changed in place; but copies then come from no pool.
+  gst_base_transform_set_in_place(trans, FALSE);
+  return result;
+}
+
+GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
+  return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
+}
+
+void release_pad(GstElement *element, GstPad *pad) {
+  gst_pad_set_active(pad, FALSE);
+  gst_element_remove_pad(element, pad);
 }
 
 gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
@@ -325,85 +343,38 @@ gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 } // namespace
 
-static void gst_haptic_overlay_finalize(GObject *object) {
-  delete GST_HAPTIC_OVERLAY(object)->state;
-  G_OBJECT_CLASS(gst_haptic_overlay_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_haptic_overlay_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_HAPTIC_OVERLAY(object)->state->settings;
-  });
-}
-
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return transform_caps(direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
-    return guarded(trans, FALSE, [&] {
-      const gboolean result =
-          GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->set_caps(trans, in, out);
-      // The parent says that frames are changed in place; but copies then come from no pool.
-      gst_base_transform_set_in_place(trans, FALSE);
-      return result;
-    });
-  };
-  klass->decide_allocation = [](GstBaseTransform *trans, GstQuery *query) {
-    return guarded(trans, FALSE, [&] { return decide_allocation(trans, query); });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(GST_HAPTIC_OVERLAY(trans), in, out); });
-  };
+  klass->transform_caps = kGuarded<transform_caps>;
+  klass->set_caps = kGuarded<set_caps>;
+  klass->decide_allocation = kGuarded<decide_allocation>;
+  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
   // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_HAPTIC_OVERLAY(trans), in, out); });
-  };
+  klass->transform = kGuarded<transform>;
   // The geometry stays as it is, so all metadata stay true.
-  klass->transform_meta = [](GstBaseTransform *trans, GstBuffer *, GstMeta *, GstBuffer *) {
-    return guarded(trans, FALSE, [] { return TRUE; });
+  klass->transform_meta = [](GstBaseTransform *, GstBuffer *, GstMeta *, GstBuffer *) -> gboolean {
+    return TRUE;
   };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_HAPTIC_OVERLAY(trans)->state->reader = {};
-      return TRUE;
-    });
-  };
-}
-
-static void install_relief_pad(GstElementClass *klass) {
-  gst_element_class_add_pad_template(klass, haptic::shown_relief_template());
-  klass->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
-                              const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr), [&] {
-      return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
-    });
-  };
-  klass->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] {
-      gst_pad_set_active(pad, FALSE);
-      gst_element_remove_pad(element, pad);
-    });
-  };
+  klass->start = kGuarded<[](GstHapticOverlay *self) {
+    self->state->reader = {};
+    return TRUE;
+  }>;
 }
 
 static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic overlay", "Filter/Effect/Video",
+  haptic::describe(
+      element_class, "hapticoverlay", "Haptic overlay", "Filter/Effect/Video",
       "Draws over a frame the motion that was measured in it, its force, and what is touched",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticoverlay");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  install_relief_pad(element_class);
+      {&sink_template, &src_template});
+  gst_element_class_add_pad_template(element_class, haptic::shown_relief_template());
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstHapticOverlay, gst_haptic_overlay_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_HAPTIC_OVERLAY(object)->state->settings;
+  });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 
   gst_type_mark_as_plugin_api(style_type(), static_cast<GstPluginAPIFlags>(0));

@@ -13,7 +13,7 @@
 #include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -31,6 +31,7 @@ GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MotionField;
 using haptic::ObjectLock;
 
@@ -300,72 +301,40 @@ void on_sink_event(GstMotionField *self, GstEvent *event) {
 
 } // namespace
 
-static void gst_motion_field_finalize(GObject *object) {
-  delete GST_MOTION_FIELD(object)->state;
-  G_OBJECT_CLASS(gst_motion_field_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_motion_field_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_MOTION_FIELD(object)->state->settings;
-  });
-}
-
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] { return set_caps(GST_MOTION_FIELD(trans), in); });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(GST_MOTION_FIELD(trans), in, out); });
-  };
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_MOTION_FIELD(trans), in, out); });
-  };
+  klass->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  klass->set_caps = kGuarded<set_caps>;
+  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  klass->transform = kGuarded<transform>;
   klass->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
     guarded(trans, [&] { on_sink_event(GST_MOTION_FIELD(trans), event); });
     return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
   };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // Rows are read one by one, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_MOTION_FIELD(trans)->state->timeline.report_faults_again();
-      return TRUE;
-    });
-  };
-  klass->stop = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_MOTION_FIELD(trans)->state->forget_frames();
-      return TRUE;
-    });
-  };
+  klass->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  klass->start = kGuarded<[](GstMotionField *self) {
+    self->state->timeline.report_faults_again();
+    return TRUE;
+  }>;
+  klass->stop = kGuarded<[](GstMotionField *self) {
+    self->state->forget_frames();
+    return TRUE;
+  }>;
 }
 
 static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
-                                        "Measures the motion of the whole frame on a grid of cells",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "motionfield");
+  haptic::describe(element_class, "motionfield", "Motion field", "Filter/Analyzer/Video",
+                   "Measures the motion of the whole frame on a grid of cells", {});
   static const gchar *no_tags[] = {nullptr};
   gst_meta_register_custom(kCameraMotion, no_tags, nullptr, nullptr, nullptr);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstMotionField, gst_motion_field_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_MOTION_FIELD(object)->state->settings;
+  });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 }
 

@@ -40,6 +40,7 @@ void gst_relief_maker_class_add_source(GstElementClass *klass) {
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ReliefField;
 using haptic::ReliefMaker;
 
@@ -47,7 +48,8 @@ ReliefMaker &state_of(GstBaseTransform *trans) {
   return *gst_relief_maker_state(GST_RELIEF_MAKER(trans));
 }
 
-GstFlowReturn prepare_output_buffer(ReliefMaker &state, GstBuffer *in, GstBuffer **out) {
+GstFlowReturn prepare_output_buffer(GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
+  ReliefMaker &state = state_of(trans);
   const GstVideoInfo &info = state.frame;
   const haptic::FieldShape shape = haptic::field_shape(
       GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info),
@@ -86,7 +88,8 @@ GstFlowReturn transform(GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-gboolean set_caps(ReliefMaker &state, const GstCaps *in) {
+gboolean set_caps(GstBaseTransform *trans, GstCaps *in) {
+  ReliefMaker &state = state_of(trans);
   state.timeline.forget();
   if (!gst_video_info_from_caps(&state.frame, in))
     return FALSE;
@@ -97,6 +100,13 @@ gboolean set_caps(ReliefMaker &state, const GstCaps *in) {
   relief.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&info));
   relief.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&info));
   return TRUE;
+}
+
+gboolean start(GstBaseTransform *trans) {
+  ReliefMaker &state = state_of(trans);
+  state.timeline.forget();
+  state.timeline.report_faults_again();
+  return state.start() ? TRUE : FALSE;
 }
 
 void on_sink_event(ReliefMaker &state, const GstEvent *event) {
@@ -114,40 +124,16 @@ static void gst_relief_maker_finalize(GObject *object) {
 static void gst_relief_maker_class_init(GstReliefMakerClass *klass) {
   G_OBJECT_CLASS(klass)->finalize = gst_relief_maker_finalize;
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-  transform_class->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction,
-                                       GstCaps *caps, GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  transform_class->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] { return set_caps(state_of(trans), in); });
-  };
-  transform_class->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in,
-                                              GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(state_of(trans), in, out); });
-  };
-  transform_class->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return transform(trans, in, out); });
-  };
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
   transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
     guarded(trans, [&] { on_sink_event(state_of(trans), event); });
     return GST_BASE_TRANSFORM_CLASS(gst_relief_maker_parent_class)->sink_event(trans, event);
   };
-  transform_class->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // Rows are read one by one, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  transform_class->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      state_of(trans).timeline.forget();
-      state_of(trans).timeline.report_faults_again();
-      return state_of(trans).start() ? TRUE : FALSE;
-    });
-  };
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<start>;
 }
 
 static void gst_relief_maker_init(GstReliefMaker *self) {

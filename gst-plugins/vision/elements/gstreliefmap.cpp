@@ -6,7 +6,7 @@
 // It reads 25 pixels of each cell.
 #include "elements/gstreliefmap.h"
 
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "relief/colour-relief.hpp"
@@ -115,11 +115,8 @@ std::span<const haptic::Property<Settings>> properties() {
 
 static void gst_relief_map_class_init(GstReliefMapClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Relief map", "Filter/Analyzer/Video",
-                                        "Makes a relief of the colours of frames by a table",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "reliefmap");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  haptic::describe(element_class, "reliefmap", "Relief map", "Filter/Analyzer/Video",
+                   "Makes a relief of the colours of frames by a table", {&sink_template});
   gst_relief_maker_class_add_source(element_class);
   haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
     return state_of(object).settings;

@@ -13,7 +13,7 @@
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
@@ -37,6 +37,7 @@ namespace {
 
 using haptic::Finding;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MappedFrame;
 using haptic::ObjectLock;
 using haptic::Pointer;
@@ -408,12 +409,12 @@ gboolean stop(GstRoiTracker *self) {
   return TRUE;
 }
 
-gboolean set_info(GstRoiTracker *self, const GstVideoInfo &info) {
+gboolean set_info(GstRoiTracker *self, GstCaps *, GstVideoInfo *info) {
   State &state = *self->state;
   state.forget_frames();
   const ObjectLock lock(self);
-  state.shared.frame_width = GST_VIDEO_INFO_WIDTH(&info);
-  state.shared.frame_height = GST_VIDEO_INFO_HEIGHT(&info);
+  state.shared.frame_width = GST_VIDEO_INFO_WIDTH(info);
+  state.shared.frame_height = GST_VIDEO_INFO_HEIGHT(info);
   return TRUE;
 }
 
@@ -473,7 +474,7 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
 }
 
 // Frames pass through, so the query goes downstream. The reference holds one buffer more.
-gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
+gboolean propose_allocation(GstBaseTransform *trans, GstQuery *, GstQuery *query) {
   constexpr guint kHeld = 1;
   GstCaps *caps = nullptr;
   gst_query_parse_allocation(query, &caps, nullptr);
@@ -503,25 +504,11 @@ gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 } // namespace
 
-static void gst_roi_tracker_finalize(GObject *object) {
-  delete GST_ROI_TRACKER(object)->state;
-  G_OBJECT_CLASS(gst_roi_tracker_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_roi_tracker_finalize;
-  haptic::install_properties<properties>(
-      klass, [](GObject *object) -> Shared & { return GST_ROI_TRACKER(object)->state->shared; });
-}
-
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
   // Without it the base class works in place only; GstVideoFilter's own transform_ip would map the
   // pixels for writing, and copy them.
   klass->transform = nullptr;
-  klass->transform_ip = [](GstBaseTransform *trans, GstBuffer *buffer) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform_ip(GST_ROI_TRACKER(trans), buffer); });
-  };
+  klass->transform_ip = kGuarded<transform_ip>;
   klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
     return guarded(trans, GST_FLOW_ERROR, [&] {
       *out = haptic::with_own_metadata(in);
@@ -544,33 +531,25 @@ static void install_transform_vfuncs(GstBaseTransformClass *klass) {
       guarded(trans, [&] { GST_ROI_TRACKER(trans)->state->forget_frames(); });
     return GST_BASE_TRANSFORM_CLASS(gst_roi_tracker_parent_class)->query(trans, direction, query);
   };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    return guarded(trans, FALSE, [&] { return propose_allocation(trans, query); });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return start(GST_ROI_TRACKER(trans)); });
-  };
-  klass->stop = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return stop(GST_ROI_TRACKER(trans)); });
-  };
+  klass->propose_allocation = kGuarded<propose_allocation>;
+  klass->start = kGuarded<start>;
+  klass->stop = kGuarded<stop>;
 }
 
 static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Region of interest tracker", "Filter/Analyzer/Video",
-      "Measures the motion under a pointer and attaches it to the untouched frame",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "roitracker");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+  haptic::describe(element_class, "roitracker", "Region of interest tracker",
+                   "Filter/Analyzer/Video",
+                   "Measures the motion under a pointer and attaches it to the untouched frame",
+                   {&sink_template, &src_template});
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstRoiTracker, gst_roi_tracker_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Shared & {
+    return GST_ROI_TRACKER(object)->state->shared;
+  });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
-  GST_VIDEO_FILTER_CLASS(klass)->set_info = [](GstVideoFilter *filter, GstCaps *,
-                                               GstVideoInfo *in_info, GstCaps *, GstVideoInfo *) {
-    return guarded(filter, FALSE, [&] { return set_info(GST_ROI_TRACKER(filter), *in_info); });
-  };
+  GST_VIDEO_FILTER_CLASS(klass)->set_info = kGuarded<set_info>;
 
   gst_type_mark_as_plugin_api(pointer_source_type(), static_cast<GstPluginAPIFlags>(0));
   gst_type_mark_as_plugin_api(method_type(), static_cast<GstPluginAPIFlags>(0));

@@ -11,7 +11,7 @@
 #include "elements/motion-reader.hpp"
 #include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -28,7 +28,7 @@ GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
 namespace {
 
 using haptic::Average;
-using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ModelChoice;
 using haptic::MotionSample;
 using haptic::ObjectLock;
@@ -131,7 +131,11 @@ GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-GstFlowReturn prepare_output_buffer(GstBuffer *in, GstBuffer **out) {
+gboolean set_caps(GstVelocityAvg *self, GstCaps *in) {
+  return gst_video_info_from_caps(&self->state->frame, in);
+}
+
+GstFlowReturn prepare_output_buffer(GstVelocityAvg *, GstBuffer *in, GstBuffer **out) {
   *out = gst_buffer_new_allocate(nullptr, haptic::kMotionSampleSize, nullptr);
   haptic::copy_timing(in, *out);
   return GST_FLOW_OK;
@@ -145,59 +149,27 @@ gboolean start(GstVelocityAvg *self) {
 
 } // namespace
 
-static void gst_velocity_avg_finalize(GObject *object) {
-  delete GST_VELOCITY_AVG(object)->state;
-  G_OBJECT_CLASS(gst_velocity_avg_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_velocity_avg_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_VELOCITY_AVG(object)->state->settings;
-  });
-}
-
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] {
-      return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->frame, in);
-    });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return prepare_output_buffer(in, out); });
-  };
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_VELOCITY_AVG(trans), in, out); });
-  };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // The pixels are not read, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return start(GST_VELOCITY_AVG(trans)); });
-  };
+  klass->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  klass->set_caps = kGuarded<set_caps>;
+  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  klass->transform = kGuarded<transform>;
+  klass->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  klass->start = kGuarded<start>;
 }
 
 static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Velocity averager", "Filter/Analyzer/Video",
+  haptic::describe(
+      element_class, "velocityavg", "Velocity averager", "Filter/Analyzer/Video",
       "Turns the motion that roitracker found in a frame into one haptic motion sample",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "velocityavg");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+      {&sink_template, &src_template});
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstVelocityAvg, gst_velocity_avg_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_VELOCITY_AVG(object)->state->settings;
+  });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
 
   gst_type_mark_as_plugin_api(haptic::average_type(), static_cast<GstPluginAPIFlags>(0));
