@@ -5,8 +5,6 @@
 //   autoaudiosink
 //
 // It is an aggregator with one pad, because only that class makes live output when input is late.
-#include "elements/gsthapticarray.h"
-
 #include "array/array-drive.hpp"
 #include "array/array-voices.hpp"
 #include "force/safety-chain.hpp"
@@ -18,9 +16,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <gst/base/gstaggregator.h>
 #include <memory>
 #include <optional>
 #include <string>
+
+G_DECLARE_FINAL_TYPE(GstHapticArray, gst_haptic_array, GST, HAPTIC_ARRAY, GstAggregator)
 
 GST_DEBUG_CATEGORY_STATIC(hapticarray_debug);
 #define GST_CAT_DEFAULT hapticarray_debug
@@ -110,7 +111,7 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHapticArray, gst_haptic_array, GST_TYPE_AGGREGATOR,
                         GST_DEBUG_CATEGORY_INIT(hapticarray_debug, "hapticarray", 0,
                                                 "motion on an array of actuators"))
-GST_ELEMENT_REGISTER_DEFINE(hapticarray, "hapticarray", GST_RANK_NONE, GST_TYPE_HAPTIC_ARRAY)
+GST_ELEMENT_REGISTER_DEFINE(hapticarray, "hapticarray", GST_RANK_NONE, gst_haptic_array_get_type())
 
 namespace {
 

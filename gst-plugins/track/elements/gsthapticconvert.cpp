@@ -11,8 +11,6 @@
  *
  * Standards: SMPTE ST 336 for KLV, ISO/IEC 23090-31:2025 for MPEG haptics.
  */
-#include "elements/gsthapticconvert.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "core/track-clock.hpp"
@@ -32,10 +30,13 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
+#include <gst/base/gstbasetransform.h>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstHapticConvert, gst_haptic_convert, GST, HAPTIC_CONVERT, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_convert_debug);
 #define GST_CAT_DEFAULT haptic_convert_debug
@@ -99,7 +100,8 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHapticConvert, gst_haptic_convert, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(haptic_convert_debug, "hapticconvert", 0,
                                                 "forms of a haptic track"))
-GST_ELEMENT_REGISTER_DEFINE(hapticconvert, "hapticconvert", GST_RANK_NONE, GST_TYPE_HAPTIC_CONVERT)
+GST_ELEMENT_REGISTER_DEFINE(hapticconvert, "hapticconvert", GST_RANK_NONE,
+                            gst_haptic_convert_get_type())
 
 namespace {
 

@@ -10,14 +10,15 @@
  *
  * Standards: ISO/IEC 13818-1 (2.4.3.7, stream_id), RFC 9559 (5.1.4.1.5, FlagDefault).
  */
-#include "elements/gsthapticmark.h"
-
 #include "forms/container-mark.hpp"
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 
+#include <gst/base/gstbasetransform.h>
 #include <span>
+
+G_DECLARE_FINAL_TYPE(GstHapticMark, gst_haptic_mark, GST, HAPTIC_MARK, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_mark_debug);
 #define GST_CAT_DEFAULT haptic_mark_debug
@@ -38,7 +39,7 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHapticMark, gst_haptic_mark, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(haptic_mark_debug, "hapticmark", 0,
                                                 "marks of a haptic track in a container"))
-GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, GST_TYPE_HAPTIC_MARK)
+GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, gst_haptic_mark_get_type())
 
 namespace {
 

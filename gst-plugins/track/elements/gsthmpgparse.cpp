@@ -10,8 +10,6 @@
  *
  * Standard: ISO/IEC 23090-31:2025, the MIHS stream of units (summed up in RFC 9993, section 4.2).
  */
-#include "elements/gsthmpgparse.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "glue/element-class.hpp"
@@ -21,10 +19,13 @@
 #include "mpeg-haptics/hmpg.hpp"
 
 #include <algorithm>
+#include <gst/base/gstbaseparse.h>
 #include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
+
+G_DECLARE_FINAL_TYPE(GstHmpgParse, gst_hmpg_parse, GST, HMPG_PARSE, GstBaseParse)
 
 GST_DEBUG_CATEGORY_STATIC(hmpg_parse_debug);
 #define GST_CAT_DEFAULT hmpg_parse_debug
@@ -77,7 +78,7 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHmpgParse, gst_hmpg_parse, GST_TYPE_BASE_PARSE,
                         GST_DEBUG_CATEGORY_INIT(hmpg_parse_debug, "hmpgparse", 0,
                                                 "units of MPEG haptics"))
-GST_ELEMENT_REGISTER_DEFINE(hmpgparse, "hmpgparse", GST_RANK_PRIMARY, GST_TYPE_HMPG_PARSE)
+GST_ELEMENT_REGISTER_DEFINE(hmpgparse, "hmpgparse", GST_RANK_PRIMARY, gst_hmpg_parse_get_type())
 
 namespace {
 

@@ -9,8 +9,6 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "elements/gstpointerextract.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
@@ -21,9 +19,12 @@
 #include "glue/pointer-event.hpp"
 
 #include <condition_variable>
+#include <gst/gst.h>
 #include <mutex>
 #include <optional>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstPointerExtract, gst_pointer_extract, GST, POINTER_EXTRACT, GstElement)
 
 GST_DEBUG_CATEGORY_STATIC(pointer_extract_debug);
 #define GST_CAT_DEFAULT pointer_extract_debug
@@ -66,7 +67,7 @@ G_DEFINE_TYPE_WITH_CODE(GstPointerExtract, gst_pointer_extract, GST_TYPE_ELEMENT
                         GST_DEBUG_CATEGORY_INIT(pointer_extract_debug, "pointerextract", 0,
                                                 "pointer events as a stream"))
 GST_ELEMENT_REGISTER_DEFINE(pointerextract, "pointerextract", GST_RANK_NONE,
-                            GST_TYPE_POINTER_EXTRACT)
+                            gst_pointer_extract_get_type())
 
 namespace {
 

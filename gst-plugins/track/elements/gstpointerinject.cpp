@@ -9,8 +9,6 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "elements/gstpointerinject.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
@@ -23,7 +21,10 @@
 #include "network/pointer-order.hpp"
 
 #include <chrono>
+#include <gst/gst.h>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstPointerInject, gst_pointer_inject, GST, POINTER_INJECT, GstElement)
 
 GST_DEBUG_CATEGORY_STATIC(pointer_inject_debug);
 #define GST_CAT_DEFAULT pointer_inject_debug
@@ -56,7 +57,8 @@ static GstStaticPadTemplate pointer_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstPointerInject, gst_pointer_inject, GST_TYPE_ELEMENT,
                         GST_DEBUG_CATEGORY_INIT(pointer_inject_debug, "pointerinject", 0,
                                                 "pointers from a stream"))
-GST_ELEMENT_REGISTER_DEFINE(pointerinject, "pointerinject", GST_RANK_NONE, GST_TYPE_POINTER_INJECT)
+GST_ELEMENT_REGISTER_DEFINE(pointerinject, "pointerinject", GST_RANK_NONE,
+                            gst_pointer_inject_get_type())
 
 namespace {
 

@@ -10,8 +10,6 @@
  *
  * Standard: RFC 9993, sections 5.2 (payload header) and 5.3 (payload structures).
  */
-#include "elements/gstrtphmpgdepay.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "glue/element-class.hpp"
@@ -20,9 +18,12 @@
 #include "mpeg-haptics/hmpg-rtp.hpp"
 #include "network/key-requests.hpp"
 
+#include <gst/rtp/gstrtpbasedepayload.h>
 #include <gst/rtp/gstrtpbuffer.h>
 #include <utility>
 #include <vector>
+
+G_DECLARE_FINAL_TYPE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST, RTP_HMPG_DEPAY, GstRTPBaseDepayload)
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_depay_debug);
 #define GST_CAT_DEFAULT rtp_hmpg_depay_debug
@@ -53,7 +54,7 @@ G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST_TYPE_RTP_BASE_D
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_depay_debug, "rtphmpgdepay", 0,
                                                 "MPEG haptics over RTP"))
 GST_ELEMENT_REGISTER_DEFINE(rtphmpgdepay, "rtphmpgdepay", GST_RANK_SECONDARY,
-                            GST_TYPE_RTP_HMPG_DEPAY)
+                            gst_rtp_hmpg_depay_get_type())
 
 namespace {
 

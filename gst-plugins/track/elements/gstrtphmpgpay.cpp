@@ -10,8 +10,6 @@
  * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
  * (full intra requests).
  */
-#include "elements/gstrtphmpgpay.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "glue/element-class.hpp"
@@ -24,9 +22,12 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <gst/rtp/gstrtpbasepayload.h>
 #include <gst/rtp/gstrtpbuffer.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST, RTP_HMPG_PAY, GstRTPBasePayload)
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_pay_debug);
 #define GST_CAT_DEFAULT rtp_hmpg_pay_debug
@@ -72,7 +73,8 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST_TYPE_RTP_BASE_PAYLOAD,
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_pay_debug, "rtphmpgpay", 0,
                                                 "MPEG haptics over RTP"))
-GST_ELEMENT_REGISTER_DEFINE(rtphmpgpay, "rtphmpgpay", GST_RANK_SECONDARY, GST_TYPE_RTP_HMPG_PAY)
+GST_ELEMENT_REGISTER_DEFINE(rtphmpgpay, "rtphmpgpay", GST_RANK_SECONDARY,
+                            gst_rtp_hmpg_pay_get_type())
 
 namespace {
 

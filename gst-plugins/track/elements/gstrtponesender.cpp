@@ -12,8 +12,6 @@
  *
  * Standard: RFC 3550, sections 6.4.1 (sender reports) and 8 (SSRC); RFC 4585 (early feedback).
  */
-#include "elements/gstrtponesender.h"
-
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
@@ -23,6 +21,7 @@
 #include "network/stream-sync.hpp"
 
 #include <cstdio>
+#include <gst/gst.h>
 #include <gst/net/gstnetaddressmeta.h>
 #include <gst/rtp/gstrtcpbuffer.h>
 #include <gst/rtp/gstrtpbuffer.h>
@@ -32,6 +31,8 @@
 #include <optional>
 #include <span>
 #include <string>
+
+G_DECLARE_FINAL_TYPE(GstRtpOneSender, gst_rtp_one_sender, GST, RTP_ONE_SENDER, GstBin)
 
 GST_DEBUG_CATEGORY_STATIC(rtp_one_sender_debug);
 #define GST_CAT_DEFAULT rtp_one_sender_debug
@@ -80,7 +81,8 @@ static GstStaticPadTemplate rtp_src_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstRtpOneSender, gst_rtp_one_sender, GST_TYPE_BIN,
                         GST_DEBUG_CATEGORY_INIT(rtp_one_sender_debug, "rtponesender", 0,
                                                 "RTP of one sender"))
-GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE, GST_TYPE_RTP_ONE_SENDER)
+GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE,
+                            gst_rtp_one_sender_get_type())
 
 namespace {
 

@@ -4,8 +4,7 @@
 //   gst-launch-1.0 filesrc location=depth.mkv ! matroskademux ! avdec_ffv1 ! depthfield ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "elements/gstdepthfield.h"
-
+#include "elements/gstreliefmaker.h"
 #include "glue/element-class.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -14,6 +13,8 @@
 
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstDepthField, gst_depth_field, GST, DEPTH_FIELD, GstReliefMaker)
 
 namespace {
 
@@ -38,7 +39,7 @@ static GstStaticPadTemplate sink_template =
                             GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }")));
 
 G_DEFINE_TYPE(GstDepthField, gst_depth_field, GST_TYPE_RELIEF_MAKER)
-GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, GST_TYPE_DEPTH_FIELD)
+GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, gst_depth_field_get_type())
 
 namespace {
 

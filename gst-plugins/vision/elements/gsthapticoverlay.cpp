@@ -6,8 +6,6 @@
 //
 // It draws on a writable frame in place, lets downstream draw where downstream can, and copies a
 // frame only where neither is possible.
-#include "elements/gsthapticoverlay.h"
-
 #include "elements/average-types.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/luma-crop.hpp"
@@ -27,9 +25,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <gst/video/gstvideofilter.h>
 #include <optional>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstHapticOverlay, gst_haptic_overlay, GST, HAPTIC_OVERLAY, GstVideoFilter)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_overlay_debug);
 #define GST_CAT_DEFAULT haptic_overlay_debug
@@ -96,7 +97,8 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstHapticOverlay, gst_haptic_overlay, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(haptic_overlay_debug, "hapticoverlay", 0,
                                                 "what is felt, drawn over the frame"))
-GST_ELEMENT_REGISTER_DEFINE(hapticoverlay, "hapticoverlay", GST_RANK_NONE, GST_TYPE_HAPTIC_OVERLAY)
+GST_ELEMENT_REGISTER_DEFINE(hapticoverlay, "hapticoverlay", GST_RANK_NONE,
+                            gst_haptic_overlay_get_type())
 
 namespace {
 

@@ -5,8 +5,6 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! motionfield ! hapticsink
 //
 // It reads the luma of each frame once.
-#include "elements/gstmotionfield.h"
-
 #include "field/camera-motion.hpp"
 #include "field/field-tracker.hpp"
 #include "frames/buffer-timeline.hpp"
@@ -22,8 +20,11 @@
 #include "tracking/repetition.hpp"
 
 #include <algorithm>
+#include <gst/base/gstbasetransform.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstMotionField, gst_motion_field, GST, MOTION_FIELD, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
 #define GST_CAT_DEFAULT motionfield_debug
@@ -86,7 +87,7 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstMotionField, gst_motion_field, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(motionfield_debug, "motionfield", 0,
                                                 "motion of the whole frame"))
-GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, GST_TYPE_MOTION_FIELD)
+GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, gst_motion_field_get_type())
 
 namespace {
 

@@ -4,8 +4,7 @@
 //   gst-launch-1.0 videotestsrc ! videoconvert ! reliefmap table=foliage ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "elements/gstreliefmap.h"
-
+#include "elements/gstreliefmaker.h"
 #include "glue/element-class.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -15,6 +14,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+
+G_DECLARE_FINAL_TYPE(GstReliefMap, gst_relief_map, GST, RELIEF_MAP, GstReliefMaker)
 
 namespace {
 
@@ -41,7 +42,7 @@ static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
                                         "ABGR }")));
 
 G_DEFINE_TYPE(GstReliefMap, gst_relief_map, GST_TYPE_RELIEF_MAKER)
-GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, GST_TYPE_RELIEF_MAP)
+GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, gst_relief_map_get_type())
 
 namespace {
 

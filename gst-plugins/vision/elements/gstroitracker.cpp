@@ -6,8 +6,6 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
-#include "elements/gstroitracker.h"
-
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/luma-crop.hpp"
@@ -27,8 +25,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <gst/video/gstvideofilter.h>
 #include <gst/video/navigation.h>
 #include <optional>
+
+G_DECLARE_FINAL_TYPE(GstRoiTracker, gst_roi_tracker, GST, ROI_TRACKER, GstVideoFilter)
 
 GST_DEBUG_CATEGORY_STATIC(roitracker_debug);
 #define GST_CAT_DEFAULT roitracker_debug
@@ -107,7 +108,7 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstRoiTracker, gst_roi_tracker, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(roitracker_debug, "roitracker", 0,
                                                 "motion in a region of interest"))
-GST_ELEMENT_REGISTER_DEFINE(roitracker, "roitracker", GST_RANK_NONE, GST_TYPE_ROI_TRACKER)
+GST_ELEMENT_REGISTER_DEFINE(roitracker, "roitracker", GST_RANK_NONE, gst_roi_tracker_get_type())
 
 namespace {
 

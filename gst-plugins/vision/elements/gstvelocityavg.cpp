@@ -5,8 +5,6 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! roitracker ! velocityavg ! hapticsink
 //
 // A frame without a measurement gives a sample with the GAP flag, so that the branch never starves.
-#include "elements/gstvelocityavg.h"
-
 #include "elements/average-types.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/frame-caps.hpp"
@@ -18,9 +16,12 @@
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 
+#include <gst/base/gstbasetransform.h>
 #include <gst/video/gstvideometa.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstVelocityAvg, gst_velocity_avg, GST, VELOCITY_AVG, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
 #define GST_CAT_DEFAULT velocityavg_debug
@@ -67,7 +68,7 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(velocityavg_debug, "velocityavg", 0,
                                                 "one velocity per frame"))
-GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, GST_TYPE_VELOCITY_AVG)
+GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, gst_velocity_avg_get_type())
 
 namespace {
 
