@@ -188,24 +188,22 @@ bool is_gap(GstBuffer *buffer) {
 // Takes over what a buffer says, from `time` (running time) on.
 void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Settings &settings) {
   State &state = *self->state;
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+  const haptic::ReadableBuffer readable(buffer);
+  if (!readable)
     return;
-  const std::span<const std::uint8_t> bytes{map.data, map.size};
   guint64 interval = 0;
   bool is_read = false;
   if (state.is_field) {
-    is_read = haptic::unpack_motion_field(bytes, state.field);
+    is_read = haptic::unpack_motion_field(readable.bytes(), state.field);
     if (is_read) {
       interval = state.field.interval;
       state.drive->follow(state.field, settings);
     }
-  } else if (const auto sample = haptic::unpack_motion_sample(bytes)) {
+  } else if (const auto sample = haptic::unpack_motion_sample(readable.bytes())) {
     is_read = true;
     interval = sample->interval;
     state.drive->follow(*sample, settings);
   }
-  gst_buffer_unmap(buffer, &map);
   if (!is_read) {
     if (!is_gap(buffer))
       GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));

@@ -312,18 +312,14 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   haptic::sync_controllers(self, sink->segment, buffer);
   const std::int64_t time = state.presentation_time.of(sink->segment, GST_BUFFER_PTS(buffer));
   const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
-  GstMapInfo map{};
-  const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  const haptic::ReadableBuffer readable(buffer);
   if (state.reliefs_by == ReliefsBy::sink)
-    state.session.accept_relief_alone(bytes, gap, time);
+    state.session.accept_relief_alone(readable.bytes(), gap, time);
   else
-    state.session.accept(bytes, gap,
+    state.session.accept(readable.bytes(), gap,
                          {.time = time,
                           .playback = playback_of(sink->segment),
                           .rate_law = setting_of(self, &SinkSettings::rate_law)});
-  if (mapped)
-    gst_buffer_unmap(buffer, &map);
   return GST_FLOW_OK;
 }
 

@@ -2,6 +2,7 @@
 #include "elements/relief-pad.hpp"
 
 #include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -28,12 +29,8 @@ public:
     const auto due = wait_for(GST_BUFFER_PTS(buffer));
     if (!due)
       return GST_FLOW_FLUSHING;
-    GstMapInfo map{};
-    const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
-    session_.accept_relief(std::span<const std::uint8_t>(map.data, map.size),
+    session_.accept_relief(ReadableBuffer(buffer).bytes(),
                            GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), *due);
-    if (mapped)
-      gst_buffer_unmap(buffer, &map);
     return GST_FLOW_OK;
   }
 

@@ -9,7 +9,6 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
 #include "forms/klv.hpp"

@@ -2,6 +2,7 @@
 #include "overlay/shown-relief.hpp"
 
 #include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -55,14 +56,12 @@ struct ReliefStream {
   }
 
   void chain(GstObject *parent, GstBuffer *buffer) {
-    GstMapInfo map;
-    if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    const ReadableBuffer readable(buffer);
+    if (!readable)
       return;
     const std::uint64_t time =
         gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-    const bool known = relief.add({map.data, map.size}, time);
-    gst_buffer_unmap(buffer, &map);
-    if (!known)
+    if (!relief.add(readable.bytes(), time))
       GST_WARNING_OBJECT(parent, "%" GST_PTR_FORMAT " is no relief", static_cast<void *>(buffer));
   }
 

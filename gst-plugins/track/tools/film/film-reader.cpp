@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/film-reader.hpp"
 
-#include "core/track-buffer.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"

@@ -84,18 +84,13 @@ bool append_line(TextLine &&line, TrackFile &track) {
 
 // The same for a buffer that holds one set or one line.
 bool append_bytes(GstBuffer *buffer, TrackFile &track) {
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return false;
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
-  bool is_item = false;
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
   if (begins_with(bytes, kTextName))
-    is_item =
-        append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
-  else if (const auto item = KlvReader(bytes).next())
-    is_item = append_item(*item, track);
-  gst_buffer_unmap(buffer, &map);
-  return is_item;
+    return append_line(read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()}),
+                       track);
+  const auto item = KlvReader(bytes).next();
+  return item && append_item(*item, track);
 }
 
 // A unit of some bytes may last for hours, and containers have any size.
@@ -218,15 +213,11 @@ struct Container {
 } // namespace
 
 bool is_own_track(GstBuffer *buffer) {
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return false;
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
-  const bool own = begins_with(bytes, kTextName) ||
-                   (bytes.size() >= kMotionKey.size() &&
-                    std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
-  gst_buffer_unmap(buffer, &map);
-  return own;
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
+  return begins_with(bytes, kTextName) ||
+         (bytes.size() >= kMotionKey.size() &&
+          std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
 }
 
 namespace {
