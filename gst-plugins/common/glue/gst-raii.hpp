@@ -73,4 +73,11 @@ private:
   GstObject *object_;
 };
 
+/// Returns what is read under the lock of the object.
+template <typename Value>
+Value locked_copy(gpointer object, const Value &value) {
+  const ObjectLock lock(object);
+  return value;
+}
+
 } // namespace haptic

@@ -44,13 +44,12 @@ using haptic::ObjectLock;
 
 // State
 
-constexpr char kDefaultLayout[] = "back-3x4";
 constexpr int kFrames = 2 * ArrayVoices::kStep; // of a buffer
 constexpr int kUsualRate = 48000;
 constexpr GstClockTime kFade = GST_SECOND / static_cast<int>(ArrayVoices::kSlew); // from 1 to 0
 
 struct Settings : haptic::DriveSettings {
-  std::string layout = kDefaultLayout;
+  std::string layout = "back-3x4";
   haptic::VoiceLimits limits = {.level = 1, .continuous_level = 0.5};
 };
 
@@ -117,65 +116,46 @@ namespace {
 
 // Properties
 
-GType map_type() {
-  using haptic::MapChoice;
-  static const GEnumValue values[] = {
-      {static_cast<int>(MapChoice::stroke),
-       "The motion at the pointer runs across the array in its direction", "stroke"},
-      {static_cast<int>(MapChoice::field),
-       "Each actuator vibrates with the motion at its place of the frame", "field"},
-      {static_cast<int>(MapChoice::point),
-       "The motion at the pointer is felt at the pointer's place on the array", "point"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstHapticArrayMap", values);
-  return type;
-}
-
-template <auto kPath>
-haptic::Property<Settings> number_row(const char *name, const char *nick, const char *blurb,
-                                      double most) {
-  const Settings usual;
-  return {g_param_spec_double(name, nick, blurb, 0, most, *kPath(usual), haptic::kReadWrite),
-          [](Settings &s, const GValue *value) { haptic::read_value(value, *kPath(s)); },
-          [](const Settings &s, GValue *value) { g_value_set_double(value, *kPath(s)); }};
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using haptic::MapChoice;
+  using haptic::PointerPosition;
+  using haptic::VoiceLimits;
+  using Rows = haptic::Rows<Settings>;
   constexpr double kSteepest = 10; // s/px
   static const haptic::Property<Settings> table[] = {
-      {g_param_spec_string("layout", "Layout",
-                           "Where the actuators are: back-3x4, ring-8, shakers-2, coils-2, or the "
-                           "path of a layout file. Takes effect at the next start",
-                           kDefaultLayout,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                    GST_PARAM_MUTABLE_READY)),
-       [](Settings &s, const GValue *value) {
-         const gchar *text = g_value_get_string(value);
-         s.layout = text ? text : kDefaultLayout;
-       },
-       [](const Settings &s, GValue *value) { g_value_set_string(value, s.layout.c_str()); }},
-      haptic::member_row<&Settings::map, Settings>(
-          g_param_spec_enum("map", "Map", "How a motion is spread over the array", map_type(),
-                            static_cast<gint>(haptic::MapChoice::stroke), haptic::kReadWrite)),
-      number_row<[](auto &s) { return &s.pointer.x; }>(
-          "pointer-x", "Pointer X", "Pointer in a field, fraction of the frame's width", 1),
-      number_row<[](auto &s) { return &s.pointer.y; }>(
-          "pointer-y", "Pointer Y", "Pointer in a field, fraction of the frame's height", 1),
-      number_row<[](auto &s) { return &s.alpha; }>(
+      Rows::text<&Settings::layout>(
+          "layout", "Layout",
+          "Where the actuators are: back-3x4, ring-8, shakers-2, coils-2, or the path of a layout "
+          "file. Takes effect at the next start"),
+      Rows::choice<&Settings::map>(
+          "map", "Map", "How a motion is spread over the array",
+          haptic::register_enum<MapChoice>(
+              "GstHapticArrayMap",
+              {{MapChoice::stroke,
+                "The motion at the pointer runs across the array in its direction", "stroke"},
+               {MapChoice::field,
+                "Each actuator vibrates with the motion at its place of the frame", "field"},
+               {MapChoice::point,
+                "The motion at the pointer is felt at the pointer's place on the array",
+                "point"}})),
+      Rows::number<&Settings::pointer, &PointerPosition::x>(
+          "pointer-x", "Pointer X", "Pointer in a field, fraction of the frame's width", 0, 1),
+      Rows::number<&Settings::pointer, &PointerPosition::y>(
+          "pointer-y", "Pointer Y", "Pointer in a field, fraction of the frame's height", 0, 1),
+      Rows::number<&Settings::alpha>(
           "alpha", "Alpha", "Steepness, s/px in a frame 352 wide: 1/alpha px/s give half of level",
-          kSteepest),
-      number_row<[](auto &s) { return &s.limits.level; }>(
-          "level", "Level", "Highest amplitude of an actuator, of full scale", 1),
-      number_row<[](auto &s) { return &s.limits.continuous_level; }>(
+          0, kSteepest),
+      Rows::number<&Settings::limits, &VoiceLimits::level>(
+          "level", "Level", "Highest amplitude of an actuator, of full scale", 0, 1),
+      Rows::number<&Settings::limits, &VoiceLimits::continuous_level>(
           "continuous-level", "Continuous Level",
-          "Amplitude that an actuator may keep up: rms over a minute, of full scale; 0: any", 1),
+          "Amplitude that an actuator may keep up: rms over a minute, of full scale; 0: any", 0, 1),
   };
   return table;
 }
 
 Settings settings_of(GstHapticArray *self) {
-  const ObjectLock lock(self);
-  return self->state->settings;
+  return haptic::locked_copy(self, self->state->settings);
 }
 
 // Motion in

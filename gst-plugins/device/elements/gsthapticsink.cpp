@@ -121,8 +121,7 @@ State &state_of(gpointer object) {
 
 template <typename Value>
 Value setting_of(gpointer object, Value SinkSettings::*member) {
-  const ObjectLock lock(object);
-  return state_of(object).settings.*member;
+  return haptic::locked_copy(object, state_of(object).settings.*member);
 }
 
 GstBaseSinkClass *parent_class() {
@@ -452,18 +451,14 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
 
 // ---- properties and signals ---------------------------------------------------------------------
 
-void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-  if (id > haptic::kSinkProperties) {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    return;
-  }
+void set_property(GObject *object, guint id, const GValue *value) {
   State &state = state_of(object);
   const ObjectLock lock(object);
-  haptic::set_sink_property(id, value, state.settings);
+  haptic::sink_properties()[id - 1].set(state.settings, value);
   state.session.set_settings(state.settings.loop);
 }
 
-void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
+void get_property(GObject *object, guint id, GValue *value) {
   State &state = state_of(object);
   if (id == kPropStats) {
     g_value_take_boxed(value, haptic::make_stats(state.session).release());
@@ -471,27 +466,28 @@ void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
     g_value_set_boolean(value, state.session.is_armed());
   } else if (id == kPropSessionState) {
     g_value_set_enum(value, static_cast<gint>(state.session.state()));
-  } else if (id <= haptic::kSinkProperties) {
-    const ObjectLock lock(object);
-    haptic::get_sink_property(id, value, state.settings);
   } else {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    const ObjectLock lock(object);
+    haptic::sink_properties()[id - 1].get(state.settings, value);
   }
 }
 
 void install_properties(GObjectClass *klass) {
-  haptic::install_sink_properties(klass);
-  constexpr auto kReadOnly = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
-  armed_property = g_param_spec_boolean(
-      "armed", "Armed", "Whether the device is open and allowed to exert force", FALSE, kReadOnly);
+  guint id = 0;
+  for (const auto &row : haptic::sink_properties())
+    g_object_class_install_property(klass, ++id, row.spec);
+  armed_property = g_param_spec_boolean("armed", "Armed",
+                                        "Whether the device is open and allowed to exert force",
+                                        FALSE, haptic::kReadOnly);
   g_object_class_install_property(klass, kPropArmed, armed_property);
   g_object_class_install_property(klass, kPropStats,
                                   g_param_spec_boxed("stats", "Statistics",
                                                      "Counters and timing since the last start",
-                                                     GST_TYPE_STRUCTURE, kReadOnly));
-  session_state_property = g_param_spec_enum(
-      "session-state", "Session State", "Whether and why a force is possible",
-      haptic::session_state_type(), static_cast<gint>(haptic::SessionState::closed), kReadOnly);
+                                                     GST_TYPE_STRUCTURE, haptic::kReadOnly));
+  session_state_property =
+      g_param_spec_enum("session-state", "Session State", "Whether and why a force is possible",
+                        haptic::session_state_type(),
+                        static_cast<gint>(haptic::SessionState::closed), haptic::kReadOnly);
   g_object_class_install_property(klass, kPropSessionState, session_state_property);
 }
 

@@ -148,11 +148,6 @@ void report(GstHapticConvert *self, const TrackProblem &problem) {
 
 // ---- time ---------------------------------------------------------------------------------------
 
-bool starts_untied(GstHapticConvert *self) {
-  const ObjectLock lock(self);
-  return self->state->start_untied;
-}
-
 // Completes the two times of a sample or field: `pts` of its buffer and the sender's `time`.
 // Returns false if nothing ties the sample to the streams beside it: its place among them is
 // unknown.
@@ -164,7 +159,8 @@ bool complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &tim
     time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
   } else if (!GST_CLOCK_TIME_IS_VALID(pts) && GST_CLOCK_TIME_IS_VALID(time)) {
     const bool has_times = segment.format == GST_FORMAT_TIME;
-    if (has_times && !state.clock.is_tied() && !starts_untied(self)) {
+    if (has_times && !state.clock.is_tied() &&
+        !haptic::locked_copy(self, self->state->start_untied)) {
       state.problems.count(TrackProblemKind::untied);
       if (state.clock.wait_for_tie(time))
         warn_once(self, {TrackProblemKind::untied, "no PTS so far"});
@@ -462,17 +458,15 @@ gboolean start(GstBaseTransform *trans) {
 // ---- properties ---------------------------------------------------------------------------------
 
 std::span<const haptic::Property<State>> properties() {
+  using Rows = haptic::Rows<State>;
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::unit_duration>(g_param_spec_uint(
+      Rows::number<&State::unit_duration>(
           "unit-duration", "Unit Duration",
           "Length of the units of haptics/hmpg, ms; a unit is sent when it is over", 1,
-          kLongestUnitDuration, kDefaultUnitDuration,
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_READY))),
-      haptic::member_row<&State::start_untied>(g_param_spec_boolean(
+          kLongestUnitDuration, haptic::kReady),
+      Rows::flag<&State::start_untied>(
           "start-untied", "Start Untied",
-          "A track that has lost its time stamps begins where the other streams begin", FALSE,
-          haptic::kReadWrite)),
+          "A track that has lost its time stamps begins where the other streams begin"),
       {g_param_spec_boxed("stats", "Statistics", "Counters since the last start",
                           GST_TYPE_STRUCTURE, haptic::kReadOnly),
        nullptr,

@@ -10,7 +10,6 @@
  * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
  * (full intra requests).
  */
-#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
@@ -213,16 +212,15 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 // ---- properties ---------------------------------------------------------------------------------
 
 std::span<const haptic::Property<State>> properties() {
+  using Rows = haptic::Rows<State>;
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::config_interval>(
-          g_param_spec_uint("config-interval", "Config Interval",
-                            "Seconds after which the initialization unit is sent again, for late "
-                            "receivers; 0: never",
-                            0, kLongestConfigInterval, kDefaultConfigInterval, haptic::kReadWrite)),
-      haptic::member_row<&State::aggregate>(g_param_spec_boolean(
+      Rows::number<&State::config_interval>(
+          "config-interval", "Config Interval",
+          "Seconds after which the initialization unit is sent again, for late receivers; 0: never",
+          0, kLongestConfigInterval),
+      Rows::flag<&State::aggregate>(
           "aggregate", "Aggregate",
-          "Send the initialization unit in one packet with the unit that follows", FALSE,
-          haptic::kReadWrite)),
+          "Send the initialization unit in one packet with the unit that follows"),
   };
   return table;
 }

@@ -132,11 +132,6 @@ void choose(GstRtpOneSender *self, GstPad *pad, GstPad *out) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
-guint latency_of(GstRtpOneSender *self) {
-  const haptic::ObjectLock lock(self);
-  return self->state->latency;
-}
-
 // Gives the packet the time that those of the other sessions have at the same instant.
 void bring_into_step(GstRtpOneSender *self, GstPad *pad, const Sender &sender,
                      GstPadProbeInfo *info) {
@@ -155,9 +150,11 @@ void bring_into_step(GstRtpOneSender *self, GstPad *pad, const Sender &sender,
   packet.time = static_cast<std::int64_t>(GST_BUFFER_PTS(buffer));
   gst_rtp_buffer_unmap(&rtp);
   const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(self));
-  packet.earliest = GST_CLOCK_TIME_IS_VALID(now) ? static_cast<std::int64_t>(now) -
-                                                       std::int64_t{latency_of(self)} * GST_MSECOND
-                                                 : packet.time;
+  packet.earliest =
+      GST_CLOCK_TIME_IS_VALID(now)
+          ? static_cast<std::int64_t>(now) -
+                std::int64_t{haptic::locked_copy(self, self->state->latency)} * GST_MSECOND
+          : packet.time;
   const auto time = [&] {
     const std::lock_guard lock(state.mutex);
     return static_cast<GstClockTime>(state.sync.time_of(sender.session, packet));
@@ -363,12 +360,10 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 
 std::span<const haptic::Property<State>> properties() {
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::latency>(
-          g_param_spec_uint("latency", "Latency",
-                            "How long packets that come late or out of order are waited for, ms", 0,
-                            10000, kDefaultLatency,
-                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                     GST_PARAM_MUTABLE_READY))),
+      haptic::Rows<State>::number<&State::latency>(
+          "latency", "Latency",
+          "How long packets that come late or out of order are waited for, ms", 0, 10000,
+          haptic::kReady),
   };
   return table;
 }

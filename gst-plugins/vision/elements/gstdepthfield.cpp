@@ -85,61 +85,44 @@ State &state_of(gpointer element) {
 
 // Properties
 
-GType kind_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(DepthKind::depth), "Distance from the camera", "depth"},
-      {static_cast<int>(DepthKind::disparity), "Proportional to 1 / distance", "disparity"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstDepthFieldKind", values);
-  return type;
-}
-
-GType cell_height_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(CellHeight::median), "The median of the pixels", "median"},
-      {static_cast<int>(CellHeight::nearest), "The nearest tenth of the pixels", "nearest"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstDepthFieldCellHeight", values);
-  return type;
-}
-
-// The members of a base need the class that they are settings of.
-template <auto kMember>
-haptic::Property<Settings> row(GParamSpec *spec) {
-  return haptic::member_row<kMember, Settings>(spec);
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr double kLargest = 1e9;
   constexpr double kLeast = 1e-9;
   constexpr double kFarthest = 1e4; // m
-  const Settings usual;
   static const haptic::Property<Settings> table[] = {
-      haptic::relief_columns_row<&Settings::columns>(),
-      row<&Settings::kind>(g_param_spec_enum("kind", "Kind", "What the pixels hold", kind_type(),
-                                             static_cast<gint>(usual.kind), haptic::kReadWrite)),
-      row<&Settings::scale>(g_param_spec_double(
+      haptic::relief_columns_row<Settings>(),
+      Rows::choice<&Settings::kind>(
+          "kind", "Kind", "What the pixels hold",
+          haptic::register_enum<DepthKind>(
+              "GstDepthFieldKind",
+              {{DepthKind::depth, "Distance from the camera", "depth"},
+               {DepthKind::disparity, "Proportional to 1 / distance", "disparity"}})),
+      Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Metres that are one unit of depth; of disparity, metres times the value of a pixel",
-          kLeast, kLargest, usual.scale, haptic::kReadWrite)),
-      row<&Settings::near>(g_param_spec_double(
+          kLeast, kLargest),
+      Rows::number<&Settings::near>(
           "near", "Near", "Metres from the camera that are the highest place of the relief", kLeast,
-          kFarthest, usual.near, haptic::kReadWrite)),
-      row<&Settings::far>(g_param_spec_double(
-          "far", "Far", "Metres from the camera that are the lowest place of the relief", kLeast,
-          kFarthest, usual.far, haptic::kReadWrite)),
-      row<&Settings::range>(g_param_spec_double(
+          kFarthest),
+      Rows::number<&Settings::far>("far", "Far",
+                                   "Metres from the camera that are the lowest place of the relief",
+                                   kLeast, kFarthest),
+      Rows::number<&Settings::range>(
           "range", "Range", "Metres between the lowest and the highest place of the relief", 0,
-          2 * haptic::kMostReliefHeight, usual.range, haptic::kReadWrite)),
-      row<&Settings::cell_height>(g_param_spec_enum(
+          2 * haptic::kMostReliefHeight),
+      Rows::choice<&Settings::cell_height>(
           "cell-height", "Cell Height", "Which pixels give the height of a cell",
-          cell_height_type(), static_cast<gint>(usual.cell_height), haptic::kReadWrite)),
-      row<&Settings::stiffness>(
-          g_param_spec_double("stiffness", "Stiffness", "Stiffness of the surface in N/m", 0,
-                              haptic::kMostReliefStiffness, usual.stiffness, haptic::kReadWrite)),
-      row<&Settings::friction>(
-          g_param_spec_double("friction", "Friction", "Coulomb coefficient of the surface", 0,
-                              haptic::kMostReliefFriction, usual.friction, haptic::kReadWrite)),
+          haptic::register_enum<CellHeight>(
+              "GstDepthFieldCellHeight",
+              {{CellHeight::median, "The median of the pixels", "median"},
+               {CellHeight::nearest, "The nearest tenth of the pixels", "nearest"}})),
+      Rows::number<&Settings::stiffness>("stiffness", "Stiffness",
+                                         "Stiffness of the surface in N/m", 0,
+                                         haptic::kMostReliefStiffness),
+      Rows::number<&Settings::friction>("friction", "Friction",
+                                        "Coulomb coefficient of the surface", 0,
+                                        haptic::kMostReliefFriction),
   };
   return table;
 }

@@ -8,6 +8,7 @@
 // frame only where neither is possible.
 #include "elements/average-types.hpp"
 #include "elements/motion-reader.hpp"
+#include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
@@ -39,7 +40,6 @@ namespace {
 
 using haptic::kGuarded;
 using haptic::MappedFrame;
-using haptic::ObjectLock;
 using haptic::OverlayLook;
 using haptic::OverlayPixels;
 using haptic::OverlayStyle;
@@ -104,50 +104,41 @@ namespace {
 
 // Properties
 
-GType style_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(OverlayStyle::none), "Nothing", "none"},
-      {static_cast<int>(OverlayStyle::arrows), "Region, velocity and force", "arrows"},
-      {static_cast<int>(OverlayStyle::full),
-       "These, the displacement of each patch, the motion model and the confidence", "full"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstHapticOverlayStyle", values);
-  return type;
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr double kLongestScale = 10; // s
   constexpr double kMostDeform = 100;  // px/mm
-  const OverlayLook look;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&OverlayLook::style, Settings>(
-          g_param_spec_enum("style", "Style", "What is drawn", style_type(),
-                            static_cast<gint>(look.style), haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::velocity_color, Settings>(
-          g_param_spec_uint("velocity-color", "Velocity Color", "Of velocity and patches, ARGB", 0,
-                            G_MAXUINT32, look.velocity_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::force_color, Settings>(
-          g_param_spec_uint("force-color", "Force Color", "Of the force, ARGB", 0, G_MAXUINT32,
-                            look.force_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::scale, Settings>(g_param_spec_double(
+      Rows::choice<&Settings::style>(
+          "style", "Style", "What is drawn",
+          haptic::register_enum<OverlayStyle>(
+              "GstHapticOverlayStyle",
+              {{OverlayStyle::none, "Nothing", "none"},
+               {OverlayStyle::arrows, "Region, velocity and force", "arrows"},
+               {OverlayStyle::full,
+                "These, the displacement of each patch, the motion model and the confidence",
+                "full"}})),
+      Rows::number<&Settings::velocity_color>("velocity-color", "Velocity Color",
+                                              "Of velocity and patches, ARGB", 0, G_MAXUINT32),
+      Rows::number<&Settings::force_color>("force-color", "Force Color", "Of the force, ARGB", 0,
+                                           G_MAXUINT32),
+      Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",
-          0, kLongestScale, look.scale, haptic::kControllable)),
-      haptic::member_row<&Settings::average>(g_param_spec_enum(
-          "average", "Average", "That of the velocityavg whose output is felt",
-          haptic::average_type(), static_cast<gint>(haptic::Average::model), haptic::kReadWrite)),
-      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
-          "motion-model", "Motion Model", "That of the velocityavg whose output is felt",
-          haptic::motion_model_type(), static_cast<gint>(haptic::ModelChoice::automatic),
-          haptic::kReadWrite)),
-      haptic::member_row<&Settings::deform>(
-          g_param_spec_double("deform", "Deform",
-                              "Pixels that the picture is pulled towards a touching hand per mm of "
-                              "depth; 0: not at all",
-                              0, kMostDeform, Settings{}.deform, haptic::kControllable)),
-      haptic::member_row<&Settings::shading>(g_param_spec_double(
+          0, kLongestScale, haptic::kControllable),
+      Rows::choice<&Settings::average>("average", "Average",
+                                       "That of the velocityavg whose output is felt",
+                                       haptic::average_type()),
+      Rows::choice<&Settings::motion_model>("motion-model", "Motion Model",
+                                            "That of the velocityavg whose output is felt",
+                                            haptic::motion_model_type()),
+      Rows::number<&Settings::deform>("deform", "Deform",
+                                      "Pixels that the picture is pulled towards a touching hand "
+                                      "per mm of depth; 0: not at all",
+                                      0, kMostDeform, haptic::kControllable),
+      Rows::number<&Settings::shading>(
           "shading", "Shading", "Strength of the light on the relief of the pad relief; 0: none", 0,
-          1, Settings{}.shading, haptic::kControllable)),
+          1, haptic::kControllable),
   };
   return table;
 }
@@ -205,11 +196,7 @@ std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, const GstHapticM
 Changes changes_of(GstHapticOverlay *self, GstBuffer *frame) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  Settings settings;
-  {
-    const ObjectLock lock(self);
-    settings = state.settings;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
   Changes changes;
   if (settings.shading > 0)
     changes.shaded = state.relief.read_at(
@@ -378,14 +365,10 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
     return GST_HAPTIC_OVERLAY(object)->state->settings;
   });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
-
-  gst_type_mark_as_plugin_api(style_type(), static_cast<GstPluginAPIFlags>(0));
 }
 
 static void gst_haptic_overlay_init(GstHapticOverlay *self) {
   self->state = new State;
-  auto *trans = GST_BASE_TRANSFORM(self);
   // A frame skipped here would be missing from the history that a duplicate repeats.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

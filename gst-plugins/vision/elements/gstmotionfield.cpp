@@ -34,7 +34,6 @@ namespace {
 using haptic::guarded;
 using haptic::kGuarded;
 using haptic::MotionField;
-using haptic::ObjectLock;
 
 // State
 
@@ -93,26 +92,21 @@ namespace {
 
 // Properties
 
-GType camera_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(Camera::keep), "The motion in the frame, as it is", "keep"},
-      {static_cast<int>(Camera::remove), "The motion relative to the background", "remove"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstMotionFieldCamera", values);
-  return type;
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr guint kFewestColumns = 4;
   constexpr guint kMostColumns = 96;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&Settings::columns>(g_param_spec_uint(
+      Rows::number<&Settings::columns>(
           "field-columns", "Field Columns",
           "Cells side by side; rows follow from the frame's shape. None is narrower than 8 pixels",
-          kFewestColumns, kMostColumns, Settings{}.columns, haptic::kReadWrite)),
-      haptic::member_row<&Settings::camera>(g_param_spec_enum(
+          kFewestColumns, kMostColumns),
+      Rows::choice<&Settings::camera>(
           "camera", "Camera", "Whether the camera's motion stays in the field or is subtracted",
-          camera_type(), static_cast<gint>(Camera::keep), haptic::kReadWrite)),
+          haptic::register_enum<Camera>(
+              "GstMotionFieldCamera",
+              {{Camera::keep, "The motion in the frame, as it is", "keep"},
+               {Camera::remove, "The motion relative to the background", "remove"}})),
   };
   return table;
 }
@@ -123,17 +117,13 @@ std::span<const haptic::Property<Settings>> properties() {
 void set_shape(GstMotionField *self) {
   State &state = *self->state;
   const GstVideoInfo &info = state.frame;
-  guint columns = 0;
-  {
-    const ObjectLock lock(self);
-    columns = state.settings.columns;
-    state.camera_choice = state.settings.camera;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
+  state.camera_choice = settings.camera;
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   const haptic::FieldShape shape = haptic::field_shape(
       width, height, static_cast<double>(GST_VIDEO_INFO_PAR_N(&info)) / GST_VIDEO_INFO_PAR_D(&info),
-      static_cast<int>(columns));
+      static_cast<int>(settings.columns));
   MotionField &field = state.field;
   if (shape == state.shape && field.frame_width == static_cast<std::uint32_t>(width) &&
       field.frame_height == static_cast<std::uint32_t>(height))
@@ -342,9 +332,5 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
 static void gst_motion_field_init(GstMotionField *self) {
   self->state = new State;
   gst_video_info_init(&self->state->frame);
-  auto *trans = GST_BASE_TRANSFORM(self);
-  // A late sink must not make the tracker skip frames.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

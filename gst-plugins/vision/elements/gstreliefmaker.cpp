@@ -137,9 +137,5 @@ static void gst_relief_maker_class_init(GstReliefMakerClass *klass) {
 }
 
 static void gst_relief_maker_init(GstReliefMaker *self) {
-  auto *trans = GST_BASE_TRANSFORM(self);
-  // A late sink must not make it leave out frames.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

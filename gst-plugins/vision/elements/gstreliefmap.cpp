@@ -19,15 +19,11 @@ G_DECLARE_FINAL_TYPE(GstReliefMap, gst_relief_map, GST, RELIEF_MAP, GstReliefMak
 
 namespace {
 
-using haptic::ObjectLock;
-
 // State
-
-constexpr char kDefaultTable[] = "generic";
 
 struct Settings {
   guint columns = haptic::kReliefColumns;
-  std::string table = kDefaultTable;
+  std::string table = "generic";
 };
 
 } // namespace
@@ -51,13 +47,8 @@ public:
   explicit State(GstElement *element) : element_(element) {}
 
   bool start() override {
-    std::string name;
-    {
-      const ObjectLock lock(element_);
-      name = settings.table;
-    }
     try {
-      table_ = haptic::load_touch_table(name);
+      table_ = haptic::load_touch_table(haptic::locked_copy(element_, settings.table));
     } catch (const std::runtime_error &error) {
       GST_ELEMENT_ERROR(element_, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
       return false;
@@ -65,10 +56,7 @@ public:
     return true;
   }
 
-  guint follow_settings() override {
-    const ObjectLock lock(element_);
-    return settings.columns;
-  }
+  guint follow_settings() override { return haptic::locked_copy(element_, settings.columns); }
 
   void make(const GstVideoFrame &mapped) override {
     haptic::ColourView view;
@@ -96,18 +84,11 @@ State &state_of(gpointer element) {
 
 std::span<const haptic::Property<Settings>> properties() {
   static const haptic::Property<Settings> table[] = {
-      haptic::relief_columns_row<&Settings::columns>(),
-      {g_param_spec_string("table", "Table",
-                           "What colours feel like: generic, fabric, foliage, or the path of a "
-                           "table file. Takes effect at the next start",
-                           kDefaultTable,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                    GST_PARAM_MUTABLE_READY)),
-       [](Settings &s, const GValue *value) {
-         const gchar *text = g_value_get_string(value);
-         s.table = text ? text : kDefaultTable;
-       },
-       [](const Settings &s, GValue *value) { g_value_set_string(value, s.table.c_str()); }},
+      haptic::relief_columns_row<Settings>(),
+      haptic::Rows<Settings>::text<&Settings::table>(
+          "table", "Table",
+          "What colours feel like: generic, fabric, foliage, or the path of a "
+          "table file. Takes effect at the next start"),
   };
   return table;
 }

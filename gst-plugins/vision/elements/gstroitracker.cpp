@@ -8,6 +8,7 @@
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
+#include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
@@ -114,33 +115,6 @@ namespace {
 
 // Properties
 
-GType pointer_source_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(PointerSource::automatic),
-       "The haptic device if it spoke within the last second, else mouse or touch, else properties",
-       "auto"},
-      {static_cast<int>(PointerSource::haptic), "The haptic device", "haptic"},
-      {static_cast<int>(PointerSource::navigation), "Mouse or touch screen", "navigation"},
-      {static_cast<int>(PointerSource::property), "The properties pointer-x and pointer-y",
-       "property"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstRoiTrackerPointerSource", values);
-  return type;
-}
-
-GType method_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(TrackerMethod::fast),
-       "Still, one translation or a grid of patches, whatever is the least that explains the "
-       "frame",
-       "fast"},
-      {static_cast<int>(TrackerMethod::opencv),
-       "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstRoiTrackerMethod", values);
-  return type;
-}
-
 GstStructure *to_structure(const haptic::TrackingStatistics &s) {
   return gst_structure_new("roitracker-stats", "frames", G_TYPE_UINT64, s.frames, "measured",
                            G_TYPE_UINT64, s.measured, "still", G_TYPE_UINT64, s.still, "duplicates",
@@ -168,13 +142,14 @@ haptic::Property<Shared> pointer_row(const char *name, const char *nick, const c
 }
 
 std::span<const haptic::Property<Shared>> properties() {
+  using Rows = haptic::Rows<Shared>;
   constexpr guint kLargestRoi = 8192; // px
   static const haptic::Property<Shared> table[] = {
-      haptic::member_row<&Shared::roi_size>(g_param_spec_uint(
+      Rows::number<&Shared::roi_size>(
           "roi-size", "Region Size",
           "Side of the square region of interest about the pointer in pixels; 0: 30 pixels in a "
           "frame 352 pixels wide, and in proportion",
-          0, kLargestRoi, 0, haptic::kControllable)),
+          0, kLargestRoi, haptic::kControllable),
       pointer_row<&Pointer::x>(
           "pointer-x", "Pointer X",
           "Pointer as a fraction of the frame's width, from the left. Setting it takes effect "
@@ -183,17 +158,31 @@ std::span<const haptic::Property<Shared>> properties() {
           "pointer-y", "Pointer Y",
           "Pointer as a fraction of the frame's height, from the top. Setting it takes effect "
           "while neither a haptic device nor a mouse points; reading it gives the pointer in use"),
-      {g_param_spec_enum("pointer-source", "Pointer Source", "Who moves the pointer",
-                         pointer_source_type(), static_cast<gint>(PointerSource::automatic),
-                         haptic::kReadWrite),
-       [](Shared &s, const GValue *value) { haptic::read_value(value, s.pointers.source); },
-       [](const Shared &s, GValue *value) { haptic::write_value(value, s.pointers.source); }},
-      haptic::member_row<&Shared::method>(
-          g_param_spec_enum("method", "Method", "How motion is measured", method_type(),
-                            static_cast<gint>(TrackerMethod::fast), haptic::kReadWrite)),
-      haptic::member_row<&Shared::max_points>(g_param_spec_uint(
-          "max-points", "Maximum Points", "Most points that are tracked in the region", 1,
-          haptic::kMaxPatches, haptic::kUsualPatches, haptic::kReadWrite)),
+      Rows::choice<&Shared::pointers, &haptic::PointerArbiter::source>(
+          "pointer-source", "Pointer Source", "Who moves the pointer",
+          haptic::register_enum<PointerSource>(
+              "GstRoiTrackerPointerSource",
+              {{PointerSource::automatic,
+                "The haptic device if it spoke within the last second, else mouse or touch, else "
+                "properties",
+                "auto"},
+               {PointerSource::haptic, "The haptic device", "haptic"},
+               {PointerSource::navigation, "Mouse or touch screen", "navigation"},
+               {PointerSource::property, "The properties pointer-x and pointer-y", "property"}})),
+      Rows::choice<&Shared::method>(
+          "method", "Method", "How motion is measured",
+          haptic::register_enum<TrackerMethod>(
+              "GstRoiTrackerMethod",
+              {{TrackerMethod::fast,
+                "Still, one translation or a grid of patches, whatever is the least that explains "
+                "the frame",
+                "fast"},
+               {TrackerMethod::opencv,
+                "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference",
+                "opencv"}})),
+      Rows::number<&Shared::max_points>("max-points", "Maximum Points",
+                                        "Most points that are tracked in the region", 1,
+                                        haptic::kMaxPatches),
       {g_param_spec_boxed(
            "stats", "Statistics",
            "Frames so far, how many of them were measured, still or duplicates, mean number of "
@@ -422,11 +411,7 @@ gboolean set_info(GstRoiTracker *self, GstCaps *, GstVideoInfo *info) {
 // Events and queries
 
 void post_statistics(GstRoiTracker *self) {
-  haptic::TrackingStatistics statistics;
-  {
-    const ObjectLock lock(self);
-    statistics = self->state->shared.statistics;
-  }
+  const auto statistics = haptic::locked_copy(self, self->state->shared.statistics);
   gst_element_post_message(GST_ELEMENT(self),
                            gst_message_new_element(GST_OBJECT(self), to_structure(statistics)));
 }
@@ -551,14 +536,9 @@ static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
   });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
   GST_VIDEO_FILTER_CLASS(klass)->set_info = kGuarded<set_info>;
-
-  gst_type_mark_as_plugin_api(pointer_source_type(), static_cast<GstPluginAPIFlags>(0));
-  gst_type_mark_as_plugin_api(method_type(), static_cast<GstPluginAPIFlags>(0));
 }
 
 static void gst_roi_tracker_init(GstRoiTracker *self) {
   self->state = new State;
-  // A late video sink must not make the tracker skip frames.
-  gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(self), FALSE);
-  gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(self), TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

@@ -32,7 +32,6 @@ using haptic::Average;
 using haptic::kGuarded;
 using haptic::ModelChoice;
 using haptic::MotionSample;
-using haptic::ObjectLock;
 
 // State
 
@@ -75,17 +74,16 @@ namespace {
 // Properties
 
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&Settings::average>(g_param_spec_enum(
-          "average", "Average", "How the velocities of the points become one",
-          haptic::average_type(), static_cast<gint>(Average::model), haptic::kReadWrite)),
-      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
-          "motion-model", "Motion Model", "Motion model that is fitted with average=model",
-          haptic::motion_model_type(), static_cast<gint>(ModelChoice::automatic),
-          haptic::kReadWrite)),
-      haptic::member_row<&Settings::post_messages>(g_param_spec_boolean(
-          "post-messages", "Post Messages", "Post an element message haptic-motion for each frame",
-          FALSE, haptic::kReadWrite)),
+      Rows::choice<&Settings::average>("average", "Average",
+                                       "How the velocities of the points become one",
+                                       haptic::average_type()),
+      Rows::choice<&Settings::motion_model>("motion-model", "Motion Model",
+                                            "Motion model that is fitted with average=model",
+                                            haptic::motion_model_type()),
+      Rows::flag<&Settings::post_messages>("post-messages", "Post Messages",
+                                           "Post an element message haptic-motion for each frame"),
   };
   return table;
 }
@@ -108,11 +106,7 @@ void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
 
 GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
-  Settings settings;
-  {
-    const ObjectLock lock(self);
-    settings = state.settings;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
   MotionSample sample;
   if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame)) {
     sample = state.reader.read(*meta, state.frame, settings.average, settings.motion_model);
@@ -172,16 +166,10 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
     return GST_VELOCITY_AVG(object)->state->settings;
   });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
-
-  gst_type_mark_as_plugin_api(haptic::average_type(), static_cast<GstPluginAPIFlags>(0));
-  gst_type_mark_as_plugin_api(haptic::motion_model_type(), static_cast<GstPluginAPIFlags>(0));
 }
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {
   self->state = new State;
   gst_video_info_init(&self->state->frame);
-  auto *trans = GST_BASE_TRANSFORM(self);
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

@@ -25,6 +25,12 @@ inline CapsPtr with_frame_fields(GstPad *pad, const GstCaps *caps) {
   return result;
 }
 
+/// A late sink must not make an element leave out frames, nor the base class clear the GAP flag.
+inline void keep_every_frame(GstBaseTransform *trans) {
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+  gst_base_transform_set_gap_aware(trans, TRUE);
+}
+
 /// For GstBaseTransform::transform_caps.
 inline GstCaps *transform_frame_caps(GstBaseTransform *trans, GstPadDirection from,
                                      const GstCaps *caps, GstCaps *filter) {
