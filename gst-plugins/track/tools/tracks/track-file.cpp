@@ -9,6 +9,7 @@
 #include "glue/gst-raii.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
+#include "seconds.hpp"
 #include "tracks/field-track.hpp"
 
 #include <algorithm>
@@ -331,15 +332,15 @@ void compare_with_film(const Container &container, TrackFile &track) {
       track.fields.empty() ? track.samples.back().time : track.fields.back().time;
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
-        formatted(messages::kTrackIsLonger, static_cast<double>(end - container.film_end) * 1e-9));
+        format_text(messages::kTrackIsLonger, seconds(end - container.film_end)));
   const auto [width, height] = frame_size_of(track);
   if (width <= 0 || container.film_width <= 0)
     return;
   // Of a film that lies on its side, author measures the upright frame.
   const bool is_turned = width == container.film_height && height == container.film_width;
   if (!is_turned && (width != container.film_width || height != container.film_height))
-    track.remarks.push_back(formatted(messages::kTrackHasOtherFrame, width, height,
-                                      container.film_width, container.film_height));
+    track.remarks.push_back(format_text(messages::kTrackHasOtherFrame, width, height,
+                                        container.film_width, container.film_height));
 }
 
 // Appends one set or one line. Its time is that of its buffer.
