@@ -414,35 +414,10 @@ void on_sink_event(GstHapticArray *self, GstEvent *event) {
 
 } // namespace
 
-static void install_aggregator_vfuncs(GstAggregatorClass *klass) {
-  klass->start = kGuarded<start>;
-  klass->flush = kGuarded<flush>;
-  klass->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event) {
-    guarded(aggregator, [&] { on_sink_event(GST_HAPTIC_ARRAY(aggregator), event); });
-    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->sink_event(aggregator, pad, event);
-  };
-  klass->src_event = [](GstAggregator *aggregator, GstEvent *event) -> gboolean {
-    if (guarded(aggregator, FALSE, [&] { return is_for_motion_alone(event); }))
-      return gst_pad_push_event(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), event);
-    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_event(aggregator, event);
-  };
-  // The class says of every aggregator that it cannot be sought in.
-  klass->src_query = [](GstAggregator *aggregator, GstQuery *query) -> gboolean {
-    if (GST_QUERY_TYPE(query) == GST_QUERY_SEEKING)
-      return gst_pad_peer_query(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), query);
-    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_query(aggregator, query);
-  };
-  klass->update_src_caps = kGuarded<update_src_caps>;
-  klass->fixate_src_caps = kGuarded<fixate>;
-  klass->negotiated_src_caps = kGuarded<on_caps>;
-  klass->get_next_time = gst_aggregator_simple_get_next_time;
-  klass->aggregate = kGuarded<aggregate>;
-}
-
 static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(element_class, "hapticarray", "Haptic array", "Filter/Converter/Haptics",
-                   "Makes motion felt on an array of actuators", {});
+                   "Makes motion felt on an array of actuators");
   gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
                                                        GST_TYPE_AGGREGATOR_PAD);
   gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
@@ -452,7 +427,31 @@ static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
   haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_HAPTIC_ARRAY(object)->state->settings;
   });
-  install_aggregator_vfuncs(GST_AGGREGATOR_CLASS(klass));
+
+  auto *aggregator_class = GST_AGGREGATOR_CLASS(klass);
+  aggregator_class->start = kGuarded<start>;
+  aggregator_class->flush = kGuarded<flush>;
+  aggregator_class->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad,
+                                    GstEvent *event) {
+    guarded(aggregator, [&] { on_sink_event(GST_HAPTIC_ARRAY(aggregator), event); });
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->sink_event(aggregator, pad, event);
+  };
+  aggregator_class->src_event = [](GstAggregator *aggregator, GstEvent *event) -> gboolean {
+    if (guarded(aggregator, FALSE, [&] { return is_for_motion_alone(event); }))
+      return gst_pad_push_event(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), event);
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_event(aggregator, event);
+  };
+  // The class says of every aggregator that it cannot be sought in.
+  aggregator_class->src_query = [](GstAggregator *aggregator, GstQuery *query) -> gboolean {
+    if (GST_QUERY_TYPE(query) == GST_QUERY_SEEKING)
+      return gst_pad_peer_query(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), query);
+    return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_query(aggregator, query);
+  };
+  aggregator_class->update_src_caps = kGuarded<update_src_caps>;
+  aggregator_class->fixate_src_caps = kGuarded<fixate>;
+  aggregator_class->negotiated_src_caps = kGuarded<on_caps>;
+  aggregator_class->get_next_time = gst_aggregator_simple_get_next_time;
+  aggregator_class->aggregate = kGuarded<aggregate>;
 }
 
 static void gst_haptic_array_init(GstHapticArray *self) {

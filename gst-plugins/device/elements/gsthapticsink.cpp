@@ -473,6 +473,8 @@ void get_property(GObject *object, guint id, GValue *value) {
 }
 
 void install_properties(GObjectClass *klass) {
+  klass->set_property = kGuarded<set_property>;
+  klass->get_property = kGuarded<get_property>;
   guint id = 0;
   for (const auto &row : haptic::sink_properties())
     g_object_class_install_property(klass, ++id, row.spec);
@@ -491,14 +493,9 @@ void install_properties(GObjectClass *klass) {
   g_object_class_install_property(klass, kPropSessionState, session_state_property);
 }
 
-void arm(GstHapticSink *self) {
-  self->state->session.arm();
-  if (armed_has_changed(*self->state))
-    notify_armed(self);
-}
-
-void release(GstHapticSink *self) {
-  self->state->session.release();
+template <void (haptic::HapticSession::*kAction)()>
+void change_armed(GstHapticSink *self) {
+  (self->state->session.*kAction)();
   if (armed_has_changed(*self->state))
     notify_armed(self);
 }
@@ -522,22 +519,16 @@ void install_actions(GObjectClass *klass) {
    *
    * Allows force again after `release` or a fault; it comes back within half a second.
    */
-  install_action(klass, "arm", kGuarded<arm>);
+  install_action(klass, "arm", kGuarded<change_armed<&haptic::HapticSession::arm>>);
   /**
    * GstHapticSink::release:
    *
    * The force fades in 50 ms and stays off until `arm`.
    */
-  install_action(klass, "release", kGuarded<release>);
+  install_action(klass, "release", kGuarded<change_armed<&haptic::HapticSession::release>>);
 }
 
 // ---- virtual functions --------------------------------------------------------------------------
-
-void install_object_functions(GObjectClass *klass) {
-  klass->finalize = haptic::delete_state<GstHapticSink, gst_haptic_sink_parent_class>;
-  klass->set_property = kGuarded<set_property>;
-  klass->get_property = kGuarded<get_property>;
-}
 
 void install_sink_functions(GstBaseSinkClass *klass) {
   klass->start = kGuarded<[](GstBaseSink *sink) {
@@ -577,18 +568,16 @@ void haptic::set_clock(GstHapticSink *sink, LoopClock &clock) {
 
 static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
-  static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-      "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-      GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS));
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
   element_class->request_new_pad = kGuarded<request_pad>;
   element_class->release_pad = kGuarded<release_pad>;
   element_class->send_event = kGuarded<send_event>;
   haptic::describe(element_class, "hapticsink", "Haptic sink", "Sink/Haptics",
-                   "Motion in frames as force on the hand", {});
+                   "Motion in frames as force on the hand",
+                   HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS);
   element_class->change_state = kGuarded<change_state>;
-  install_object_functions(G_OBJECT_CLASS(klass));
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstHapticSink, gst_haptic_sink_parent_class>;
   install_properties(G_OBJECT_CLASS(klass));
   install_actions(G_OBJECT_CLASS(klass));
   install_sink_functions(GST_BASE_SINK_CLASS(klass));

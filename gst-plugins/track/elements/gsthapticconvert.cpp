@@ -499,8 +499,9 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
 
   haptic::describe(
       element_class, "hapticconvert", "Haptic track converter", "Codec/Converter/Haptics",
-      "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics",
-      {&sink_template, &src_template});
+      "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
 
   transform_class->passthrough_on_same_caps = TRUE;
   transform_class->transform_caps = kGuarded<transform_caps>;

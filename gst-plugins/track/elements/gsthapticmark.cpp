@@ -31,10 +31,6 @@ struct _GstHapticMark {
 #define CONTAINERS                                                                                 \
   "video/mpegts, systemstream=(boolean)true; video/x-matroska; audio/x-matroska; "                 \
   "application/x-matroska"
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
 
 G_DEFINE_TYPE_WITH_CODE(GstHapticMark, gst_haptic_mark, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(haptic_mark_debug, "hapticmark", 0,
@@ -71,8 +67,8 @@ static void gst_haptic_mark_init(GstHapticMark *) {}
 static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(element_class, "hapticmark", "Haptic track marker", "Codec/Formatter/Haptics",
-                   "Marks the haptic track in MPEG-TS and Matroska for other programs",
-                   {&sink_template, &src_template});
+                   "Marks the haptic track in MPEG-TS and Matroska for other programs", CONTAINERS,
+                   CONTAINERS);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   transform_class->start = [](GstBaseTransform *trans) -> gboolean {
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;

@@ -70,11 +70,6 @@ struct _GstHmpgParse {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_TYPE));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstHmpgParse, gst_hmpg_parse, GST_TYPE_BASE_PARSE,
                         GST_DEBUG_CATEGORY_INIT(hmpg_parse_debug, "hmpgparse", 0,
                                                 "units of MPEG haptics"))
@@ -404,7 +399,7 @@ static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
   G_OBJECT_CLASS(klass)->finalize = haptic::delete_state<GstHmpgParse, gst_hmpg_parse_parent_class>;
   haptic::describe(
       element_class, "hmpgparse", "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
-      "Cuts a stream of MPEG haptics (.hmpg) into units", {&sink_template, &src_template});
+      "Cuts a stream of MPEG haptics (.hmpg) into units", HAPTIC_HMPG_TYPE, HAPTIC_HMPG_CAPS);
   parse_class->start = kGuarded<start>;
   parse_class->convert = kGuarded<convert>;
   parse_class->pre_push_frame = kGuarded<push_initialization>;

@@ -229,6 +229,6 @@ static void gst_pointer_extract_class_init(GstPointerExtractClass *klass) {
   G_OBJECT_CLASS(klass)->finalize =
       haptic::delete_state<GstPointerExtract, gst_pointer_extract_parent_class>;
   haptic::describe(element_class, "pointerextract", "Pointer extractor", "Generic/Haptics",
-                   "Makes a stream of the pointer events that come upstream", {});
+                   "Makes a stream of the pointer events that come upstream");
   haptic::add_pad_templates(element_class, &pointer_template);
 }

@@ -130,7 +130,7 @@ static void gst_pointer_inject_class_init(GstPointerInjectClass *klass) {
   G_OBJECT_CLASS(klass)->finalize =
       haptic::delete_state<GstPointerInject, gst_pointer_inject_parent_class>;
   haptic::describe(element_class, "pointerinject", "Pointer injector", "Generic/Haptics",
-                   "Sends pointers that come as a stream upstream as events", {});
+                   "Sends pointers that come as a stream upstream as events");
   haptic::add_pad_templates(element_class, &pointer_template);
   element_class->change_state = kGuarded<change_state>;
 }

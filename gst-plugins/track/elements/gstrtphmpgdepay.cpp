@@ -45,11 +45,6 @@ struct _GstRtpHmpgDepay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST_TYPE_RTP_BASE_DEPAYLOAD,
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_depay_debug, "rtphmpgdepay", 0,
                                                 "MPEG haptics over RTP"))
@@ -120,7 +115,7 @@ static void gst_rtp_hmpg_depay_class_init(GstRtpHmpgDepayClass *klass) {
       haptic::delete_state<GstRtpHmpgDepay, gst_rtp_hmpg_depay_parent_class>;
   haptic::describe(element_class, "rtphmpgdepay", "RTP MPEG haptics depayloader",
                    "Codec/Depayloader/Network/RTP", "Receives MPEG haptics over RTP (RFC 9993)",
-                   {&sink_template, &src_template});
+                   HAPTIC_HMPG_RTP_CAPS, HAPTIC_HMPG_CAPS);
   element_class->change_state = kGuarded<change_state>;
   depayload_class->set_caps = kGuarded<set_caps>;
   depayload_class->handle_event = kGuarded<handle_event>;

@@ -64,11 +64,6 @@ struct _GstRtpHmpgPay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST_TYPE_RTP_BASE_PAYLOAD,
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_pay_debug, "rtphmpgpay", 0,
                                                 "MPEG haptics over RTP"))
@@ -240,7 +235,7 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
       object_class, [](GObject *object) -> State & { return *GST_RTP_HMPG_PAY(object)->state; });
   haptic::describe(element_class, "rtphmpgpay", "RTP MPEG haptics payloader",
                    "Codec/Payloader/Network/RTP", "Sends MPEG haptics over RTP (RFC 9993)",
-                   {&sink_template, &src_template});
+                   HAPTIC_HMPG_CAPS, HAPTIC_HMPG_RTP_CAPS);
   element_class->change_state = kGuarded<change_state>;
   payload_class->set_caps = kGuarded<set_caps>;
   payload_class->src_event = kGuarded<src_event>;

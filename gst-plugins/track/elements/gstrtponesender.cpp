@@ -410,7 +410,7 @@ static void gst_rtp_one_sender_class_init(GstRtpOneSenderClass *klass) {
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return *GST_RTP_ONE_SENDER(object)->state; });
   haptic::describe(element_class, "rtponesender", "RTP of one sender", "Generic/Bin/Network/RTP",
-                   "Receives RTP of one sender a session, in step by RTCP", {});
+                   "Receives RTP of one sender a session, in step by RTCP");
   for (auto *pad : {&rtp_sink_template, &rtcp_sink_template, &rtp_src_template, &rtcp_src_template})
     gst_element_class_add_static_pad_template(element_class, pad);
   element_class->request_new_pad = kGuarded<request_pad>;

@@ -34,10 +34,6 @@ struct _GstDepthField {
   GstReliefMaker parent;
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }")));
-
 G_DEFINE_TYPE(GstDepthField, gst_depth_field, GST_TYPE_RELIEF_MAKER)
 GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, gst_depth_field_get_type())
 
@@ -132,8 +128,8 @@ std::span<const haptic::Property<Settings>> properties() {
 static void gst_depth_field_class_init(GstDepthFieldClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(element_class, "depthfield", "Depth field", "Filter/Analyzer/Video",
-                   "Makes a relief of frames of depth or disparity", {&sink_template});
-  gst_relief_maker_class_add_source(element_class);
+                   "Makes a relief of frames of depth or disparity",
+                   GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }"), HAPTIC_RELIEF_CAPS);
   haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
     return state_of(object).settings;
   });

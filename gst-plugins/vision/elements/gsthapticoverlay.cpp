@@ -84,16 +84,6 @@ struct _GstHapticOverlay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS,
-    GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
-        GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
-        ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
-        HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
-
 G_DEFINE_TYPE_WITH_CODE(GstHapticOverlay, gst_haptic_overlay, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(haptic_overlay_debug, "hapticoverlay", 0,
                                                 "what is felt, drawn over the frame"))
@@ -332,29 +322,16 @@ gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 } // namespace
 
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = kGuarded<transform_caps>;
-  klass->set_caps = kGuarded<set_caps>;
-  klass->decide_allocation = kGuarded<decide_allocation>;
-  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
-  // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
-  klass->transform = kGuarded<transform>;
-  // The geometry stays as it is, so all metadata stay true.
-  klass->transform_meta = [](GstBaseTransform *, GstBuffer *, GstMeta *, GstBuffer *) -> gboolean {
-    return TRUE;
-  };
-  klass->start = kGuarded<[](GstHapticOverlay *self) {
-    self->state->reader = {};
-    return TRUE;
-  }>;
-}
-
 static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(
       element_class, "hapticoverlay", "Haptic overlay", "Filter/Effect/Video",
       "Draws over a frame the motion that was measured in it, its force, and what is touched",
-      {&sink_template, &src_template});
+      GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS),
+      GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
+          GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
+          ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
+          HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS));
   gst_element_class_add_pad_template(element_class, haptic::shown_relief_template());
   element_class->request_new_pad = kGuarded<request_pad>;
   element_class->release_pad = kGuarded<release_pad>;
@@ -364,7 +341,21 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_HAPTIC_OVERLAY(object)->state->settings;
   });
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<transform_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->decide_allocation = kGuarded<decide_allocation>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
+  transform_class->transform = kGuarded<transform>;
+  // The geometry stays as it is, so all metadata stay true.
+  transform_class->transform_meta = [](GstBaseTransform *, GstBuffer *, GstMeta *,
+                                       GstBuffer *) -> gboolean { return TRUE; };
+  transform_class->start = kGuarded<[](GstHapticOverlay *self) {
+    self->state->reader = {};
+    return TRUE;
+  }>;
 }
 
 static void gst_haptic_overlay_init(GstHapticOverlay *self) {

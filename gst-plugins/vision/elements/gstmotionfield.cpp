@@ -77,12 +77,6 @@ struct _GstMotionField {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_FIELD_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstMotionField, gst_motion_field, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(motionfield_debug, "motionfield", 0,
                                                 "motion of the whole frame"))
@@ -292,41 +286,38 @@ void on_sink_event(GstMotionField *self, GstEvent *event) {
 
 } // namespace
 
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = kGuarded<haptic::transform_frame_caps>;
-  klass->set_caps = kGuarded<set_caps>;
-  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
-  klass->transform = kGuarded<transform>;
-  klass->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
-    guarded(trans, [&] { on_sink_event(GST_MOTION_FIELD(trans), event); });
-    return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
-  };
-  klass->propose_allocation = kGuarded<haptic::accept_any_strides>;
-  klass->start = kGuarded<[](GstMotionField *self) {
-    self->state->timeline.report_faults_again();
-    return TRUE;
-  }>;
-  klass->stop = kGuarded<[](GstMotionField *self) {
-    self->state->forget_frames();
-    return TRUE;
-  }>;
-}
-
 static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(element_class, "motionfield", "Motion field", "Filter/Analyzer/Video",
-                   "Measures the motion of the whole frame on a grid of cells", {});
+                   "Measures the motion of the whole frame on a grid of cells",
+                   GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS), HAPTIC_FIELD_CAPS);
   static const gchar *no_tags[] = {nullptr};
   gst_meta_register_custom(kCameraMotion, no_tags, nullptr, nullptr, nullptr);
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
 
   auto *object_class = G_OBJECT_CLASS(klass);
   object_class->finalize = haptic::delete_state<GstMotionField, gst_motion_field_parent_class>;
   haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_MOTION_FIELD(object)->state->settings;
   });
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
+  transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
+    guarded(trans, [&] { on_sink_event(GST_MOTION_FIELD(trans), event); });
+    return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
+  };
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<[](GstMotionField *self) {
+    self->state->timeline.report_faults_again();
+    return TRUE;
+  }>;
+  transform_class->stop = kGuarded<[](GstMotionField *self) {
+    self->state->forget_frames();
+    return TRUE;
+  }>;
 }
 
 static void gst_motion_field_init(GstMotionField *self) {

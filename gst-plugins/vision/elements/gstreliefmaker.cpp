@@ -13,9 +13,6 @@
 GST_DEBUG_CATEGORY_STATIC(reliefmaker_debug);
 #define GST_CAT_DEFAULT reliefmaker_debug
 
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_RELIEF_CAPS));
-
 struct GstReliefMakerPrivate {
   haptic::ReliefMaker *state;
 };
@@ -31,10 +28,6 @@ haptic::ReliefMaker *gst_relief_maker_state(GstReliefMaker *self) {
 
 void gst_relief_maker_set_state(GstReliefMaker *self, haptic::ReliefMaker *state) {
   static_cast<GstReliefMakerPrivate *>(gst_relief_maker_get_instance_private(self))->state = state;
-}
-
-void gst_relief_maker_class_add_source(GstElementClass *klass) {
-  gst_element_class_add_static_pad_template(klass, &src_template);
 }
 
 namespace {

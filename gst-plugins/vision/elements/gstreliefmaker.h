@@ -59,6 +59,3 @@ haptic::ReliefMaker *gst_relief_maker_state(GstReliefMaker *self);
 
 /// To be called once, by the init function of a class.
 void gst_relief_maker_set_state(GstReliefMaker *self, haptic::ReliefMaker *state);
-
-/// Adds the pad `src`.
-void gst_relief_maker_class_add_source(GstElementClass *klass);

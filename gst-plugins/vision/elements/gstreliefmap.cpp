@@ -32,11 +32,6 @@ struct _GstReliefMap {
   GstReliefMaker parent;
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-    GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, "
-                                        "ABGR }")));
-
 G_DEFINE_TYPE(GstReliefMap, gst_relief_map, GST_TYPE_RELIEF_MAKER)
 GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, gst_relief_map_get_type())
 
@@ -98,8 +93,10 @@ std::span<const haptic::Property<Settings>> properties() {
 static void gst_relief_map_class_init(GstReliefMapClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(element_class, "reliefmap", "Relief map", "Filter/Analyzer/Video",
-                   "Makes a relief of the colours of frames by a table", {&sink_template});
-  gst_relief_maker_class_add_source(element_class);
+                   "Makes a relief of the colours of frames by a table",
+                   GST_VIDEO_CAPS_MAKE("{ RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, "
+                                       "ABGR }"),
+                   HAPTIC_RELIEF_CAPS);
   haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
     return state_of(object).settings;
   });

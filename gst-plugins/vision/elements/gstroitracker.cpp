@@ -101,11 +101,6 @@ struct _GstRoiTracker {
 
 #define ROITRACKER_CAPS GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(ROITRACKER_CAPS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(ROITRACKER_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRoiTracker, gst_roi_tracker, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(roitracker_debug, "roitracker", 0,
                                                 "motion in a region of interest"))
@@ -527,7 +522,7 @@ static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
   haptic::describe(element_class, "roitracker", "Region of interest tracker",
                    "Filter/Analyzer/Video",
                    "Measures the motion under a pointer and attaches it to the untouched frame",
-                   {&sink_template, &src_template});
+                   ROITRACKER_CAPS, ROITRACKER_CAPS);
 
   auto *object_class = G_OBJECT_CLASS(klass);
   object_class->finalize = haptic::delete_state<GstRoiTracker, gst_roi_tracker_parent_class>;

@@ -58,12 +58,6 @@ struct _GstVelocityAvg {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_MOTION_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(velocityavg_debug, "velocityavg", 0,
                                                 "one velocity per frame"))
@@ -144,28 +138,26 @@ gboolean start(GstVelocityAvg *self) {
 
 } // namespace
 
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = kGuarded<haptic::transform_frame_caps>;
-  klass->set_caps = kGuarded<set_caps>;
-  klass->prepare_output_buffer = kGuarded<prepare_output_buffer>;
-  klass->transform = kGuarded<transform>;
-  klass->propose_allocation = kGuarded<haptic::accept_any_strides>;
-  klass->start = kGuarded<start>;
-}
-
 static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   haptic::describe(
       element_class, "velocityavg", "Velocity averager", "Filter/Analyzer/Video",
       "Turns the motion that roitracker found in a frame into one haptic motion sample",
-      {&sink_template, &src_template});
+      GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS), HAPTIC_MOTION_CAPS);
 
   auto *object_class = G_OBJECT_CLASS(klass);
   object_class->finalize = haptic::delete_state<GstVelocityAvg, gst_velocity_avg_parent_class>;
   haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_VELOCITY_AVG(object)->state->settings;
   });
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<start>;
 }
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {
