@@ -22,6 +22,7 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
+#include "glue/relief-pad.hpp"
 #include "samples/motion-field.hpp"
 #include "session/haptic-session.hpp"
 #include "share/callback-thread.hpp"

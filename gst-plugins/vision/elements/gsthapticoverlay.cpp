@@ -16,6 +16,7 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/relief-pad.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 #include "overlay/frame-blending.hpp"
@@ -332,7 +333,7 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
           GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
           ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
           HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS));
-  gst_element_class_add_pad_template(element_class, haptic::shown_relief_template());
+  gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
   element_class->request_new_pad = kGuarded<request_pad>;
   element_class->release_pad = kGuarded<release_pad>;
 
