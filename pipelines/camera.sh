@@ -25,10 +25,7 @@ else
   need_camera "${input:=/dev/video0}"
   source=(v4l2src "device=$input")
 fi
-if ! has_display; then
-  echo "There is no display: continuing without a window."
-  window_branch=()
-fi
+may_show || window_branch=()
 
 launch "${source[@]}" ! "${camera_frames[@]}" \
   ! roitracker ! "${window_branch[@]}" velocityavg ! hapticsink "${sink_options[@]}"

@@ -23,34 +23,6 @@ source "$(dirname "$0")/shared/packages.sh"
 video='' camera='' seconds='' device=sim show=no output=demo-output
 hand=circle:0.6,20 strength=()
 
-read_options() {
-  while [ $# -gt 0 ]; do
-    case $1 in
-    --help | -h)
-      show_help
-      exit
-      ;;
-    --show)
-      show=yes
-      shift
-      continue
-      ;;
-    --video | --camera | --seconds | --device | --output)
-      [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-      ;;
-    *) fail "unknown option '$1'; see --help" ;;
-    esac
-    case $1 in
-    --video) video=$2 ;;
-    --camera) camera=$2 ;;
-    --seconds) seconds=$2 ;;
-    --device) device=$2 ;;
-    --output) output=$2 ;;
-    esac
-    shift 2
-  done
-}
-
 check_options() {
   [ -z "$video" ] || [ -z "$camera" ] || fail "give either --video or --camera, not both"
   [ -z "$video" ] || need_input "$video"
@@ -58,13 +30,8 @@ check_options() {
   [ -z "$camera" ] || seconds=${seconds:-30}
   [[ ${seconds:-1} =~ ^[1-9][0-9]{0,5}$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
   [[ $device =~ ^(sim|auto|usb|usb:.+)$ ]] || fail "--device is sim, usb, usb:ID or auto, not '$device'"
-  if [ "$show" = yes ] && ! has_display; then
-    echo "There is no display: continuing without a window."
-    show=no
-  fi
-  if ! mkdir -p "$output" 2>/dev/null || ! : 2>/dev/null >"$output/trace.csv"; then
-    fail "the folder '$output' cannot be written to; give another with --output"
-  fi
+  [ "$show" = no ] || may_show || show=no
+  make_output "$output"
 }
 
 # Installs packages and builds, unless FEELING_WIND_BUILD names a finished build.
@@ -185,18 +152,6 @@ summarise() {
     }' "$trace"
 }
 
-draw() {
-  local name=${camera:+camera $camera}
-  if [ "$(wc -l <"$output/trace.csv")" -lt 3 ]; then
-    rm -f "$output/trace.png"
-    echo "Files       $output/trace.csv (too short for a plot)"
-    return
-  fi
-  gnuplot -c "$root/pipelines/shared/trace.gp" "$output/trace.csv" "$output/trace.png" \
-    "${name:-${video##*/}}" || fail "gnuplot could not draw $output/trace.png; install gnuplot-nox"
-  echo "Files       $output/trace.csv, $output/trace.png"
-}
-
 run() {
   local log=$output/gst-launch.log status
   : >"$log"
@@ -213,10 +168,11 @@ run() {
   set -e
   [ "$status" = 0 ] || fail "${camera:+the camera $camera: }$(reason <"$log") (log: $log)"
   summarise "$log"
-  draw
+  draw_trace "$output" trace.gp "${camera:+camera $camera}${video##*/}"
 }
 
-read_options "$@"
+read_options 'video= camera= seconds= device= output= show' "$@"
+[ ${#inputs[@]} = 0 ] || fail "unknown option '${inputs[0]}'; see --help"
 check_options
 set_up
 [ -z "$video" ] || need_video "$video"

@@ -27,29 +27,10 @@
 
 source "$(dirname "$0")/shared/common.sh"
 
-group=239.255.43.1 port=5010 interface=lo latency=30 receives='' video=''
-while [ $# -gt 0 ] && [ "$1" != -- ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --group | --port | --interface | --latency)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    case $1 in
-    --group) group=$2 ;;
-    --port) port=$2 ;;
-    --interface) interface=$2 ;;
-    --latency) latency=$2 ;;
-    esac
-    shift
-    ;;
-  --receive) receives=yes ;;
-  --test-source | [!-]*)
-    [ -z "$video" ] || fail "one input only; see --help"
-    video=$1
-    ;;
-  *) fail "unknown option '$1'; see --help" ;;
-  esac
-  shift
-done
+group=239.255.43.1 port=5010 interface=lo latency=30 receive=''
+read_options 'group= port= interface= latency= receive --test-source --' "$@"
+[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+video=${inputs[0]:-}
 # RFC 2365: 239.0.0.0/8 is for private use.
 [[ $group =~ ^239(\.[0-9]{1,3}){3}$ ]] || fail "--group needs an address from 239.0.0.0 to 239.255.255.255, not '$group'"
 [[ $port =~ ^[1-9][0-9]{0,4}$ ]] || fail "--port needs a number, not '$port'"
@@ -57,9 +38,8 @@ done
 [ -e "/sys/class/net/$interface" ] ||
   fail "there is no network interface '$interface'; use one of: $(cd /sys/class/net && echo *)"
 
-if [ -n "$receives" ]; then
+if [ -n "$receive" ]; then
   [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
-  read_arguments "$@"
   elements=(rtponesender hapticconvert hapticsink)
   need_packaged_elements rtpbin rtpklvdepay
   launch rtponesender name=rtp "latency=$latency" \
@@ -68,7 +48,7 @@ if [ -n "$receives" ]; then
     rtp.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! hapticsink "${sink_options[@]}"
 fi
 
-[ $# -eq 0 ] || fail "options of hapticsink go with --receive; see --help"
+[ ${#sink_options[@]} = 0 ] || fail "options of hapticsink go with --receive; see --help"
 [ -n "$video" ] || fail "which video? See --help"
 if [[ $video = /dev/* ]]; then
   need_camera "$video"

@@ -9,12 +9,7 @@
 
 source "$(dirname "$0")/shared/common.sh"
 
-case ${1:---help} in
---help | -h)
-  show_help
-  exit
-  ;;
-esac
+case ${1:---help} in --help | -h) show_help && exit ;; esac
 find_plugins
 need_packaged_elements compositor
 exec "$root/pipelines/shared/pull-character.py" "$@"

@@ -25,29 +25,14 @@
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"
 
-host=127.0.0.1 port=5000 latency=30 track=point key='' sdp=''
-while [ $# -gt 0 ] && [ "$1" != -- ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --from | --port | --latency | --sdp)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    case $1 in
-    --from) host=$2 ;;
-    --port) port=$2 ;;
-    --latency) latency=$2 ;;
-    --sdp) sdp=$2 ;;
-    esac
-    shift
-    ;;
-  *) fail "unknown option '$1'; see --help" ;;
-  esac
-  shift
-done
+from=127.0.0.1 port=5000 latency=30 track=point key='' sdp=''
+read_options 'from= port= latency= sdp= --' "$@"
+[ ${#inputs[@]} = 0 ] || fail "unknown option '${inputs[0]}'; see --help"
+host=$from
 [ -z "$sdp" ] || read_sdp "$sdp"
 [ -z "$key" ] || hide_key
 need_rtp_port "$port"
 [[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
-read_arguments "$@"
 elements=(rtponesender hapticconvert pointerextract hapticsink)
 need_packaged_elements rtpbin rtph264depay rtpklvdepay avdec_h264
 

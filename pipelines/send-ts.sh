@@ -32,30 +32,15 @@
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"
 
-from=127.0.0.1 to='' port=5020 passphrase='' latency=125 receives='' rist='' video=''
-while [ $# -gt 0 ] && [ "$1" != -- ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --from | --to | --port | --passphrase | --passphrase-file | --latency)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    if [ "$1" = --passphrase-file ]; then
-      need_file "$2"
-      IFS= read -r passphrase <"$2" || true
-      [ -n "$passphrase" ] || fail "'$2' has no passphrase in its first line"
-    else
-      printf -v "${1#--}" %s "$2"
-    fi
-    shift
-    ;;
-  --receive) receives=yes ;;
-  --rist) rist=yes ;;
-  *)
-    [ -z "$video" ] || fail "one input only; see --help"
-    video=$1
-    ;;
-  esac
-  shift
-done
+from=127.0.0.1 to='' port=5020 passphrase='' passphrase_file='' latency=125 receive='' rist=''
+read_options 'from= to= port= passphrase= passphrase-file= latency= receive rist --test-source --' "$@"
+[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+video=${inputs[0]:-}
+if [ -n "$passphrase_file" ]; then
+  need_file "$passphrase_file"
+  IFS= read -r passphrase <"$passphrase_file" || true
+  [ -n "$passphrase" ] || fail "'$passphrase_file' has no passphrase in its first line"
+fi
 need_rtp_port "$port"
 [[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
 [[ $passphrase =~ ^([[:alnum:]]{10,79})?$ ]] || fail "the passphrase needs 10 to 79 letters or digits"
@@ -72,8 +57,8 @@ fi
 srt() {
   local side="listener"
   need_packaged_elements srtsrc srtsink
-  [ -z "$receives" ] || side="caller"
-  link=("srt$1" "uri=$(quoted "srt://${receives:+$from}:$2?mode=$side")" ${secret:+passphrase=@secret@} "latency=$latency" "${@:3}")
+  [ -z "$receive" ] || side="caller"
+  link=("srt$1" "uri=$(quoted "srt://${receive:+$from}:$2?mode=$side")" ${secret:+passphrase=@secret@} "latency=$latency" "${@:3}")
 }
 
 # Passes the errors of the pipeline on, line by line, and adds one sentence to those of SRT. After Ctrl-C the pipeline
@@ -92,9 +77,8 @@ explain_errors() {
   [ -z "$cure" ] || printf '%s: %s\n' "${0##*/}" "$cure"
 }
 
-if [ -n "$receives" ]; then
+if [ -n "$receive" ]; then
   [ -z "$video" ] || fail "an input is for the sender, not for --receive; see --help"
-  read_arguments "$@"
   elements=(hapticconvert pointerextract hapticsink)
   need_packaged_elements tsdemux h264parse avdec_h264
   window=(fakesink sync=false async=false)
@@ -116,7 +100,7 @@ if [ -n "$receives" ]; then
     p.pointer ! "${pointer[@]}"
 fi
 
-[ $# -eq 0 ] || fail "options of hapticsink go with --receive; see --help"
+[ ${#sink_options[@]} = 0 ] || fail "options of hapticsink go with --receive; see --help"
 [ -n "$video" ] || fail "which video? See --help"
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert pointerinject)

@@ -35,28 +35,11 @@
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"
 
-host=127.0.0.1 port=5000 track=point sdp='' key='' video=''
-while [ $# -gt 0 ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --to | --port | --track | --sdp)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    case $1 in
-    --to) host=$2 ;;
-    --port) port=$2 ;;
-    --track) track=$2 ;;
-    --sdp) sdp=$2 ;;
-    esac
-    shift
-    ;;
-  --srtp) key=$(head -c 30 /dev/urandom | base64) ;;
-  *)
-    [ -z "$video" ] || fail "one input only; see --help"
-    video=$1
-    ;;
-  esac
-  shift
-done
+to=127.0.0.1 port=5000 track=point sdp='' srtp='' key=''
+read_options 'to= port= track= sdp= srtp --test-source' "$@"
+[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+video=${inputs[0]:-} host=$to
+[ -z "$srtp" ] || key=$(head -c 30 /dev/urandom | base64)
 [ -n "$video" ] || fail "which video? See --help"
 need_rtp_port "$port"
 [ -z "$key" ] || [ -n "$sdp" ] || fail "--srtp needs --sdp: the receiver gets the key from that file"
@@ -88,12 +71,12 @@ fi
 
 # `sent SESSION PORT`: the packets of one session go to the receiver. rtpsession ends the stream of RTCP if its thread
 # finds, after the last report, the end of the stream noted; this thread waits a little, so that it is.
-to=("host=$(quoted "$host")" sync=false async=false)
+there=("host=$(quoted "$host")" sync=false async=false)
 sent() {
   local rtp=() rtcp=()
   [ -z "$key" ] || rtp=(srtp."rtp_sink_$1" srtp."rtp_src_$1" !) rtcp=(srtp."rtcp_sink_$1" srtp."rtcp_src_$1" !)
-  ways+=(rtp."send_rtp_src_$1" ! "${rtp[@]}" udpsink "port=$2" "${to[@]}")
-  ways+=(rtp."send_rtcp_src_$1" ! identity sleep-time=100000 ! "${rtcp[@]}" udpsink "port=$(($2 + 1))" "${to[@]}")
+  ways+=(rtp."send_rtp_src_$1" ! "${rtp[@]}" udpsink "port=$2" "${there[@]}")
+  ways+=(rtp."send_rtcp_src_$1" ! identity sleep-time=100000 ! "${rtcp[@]}" udpsink "port=$(($2 + 1))" "${there[@]}")
 }
 ways=()
 sent 0 "$port"

@@ -40,7 +40,7 @@ if [ -z "$video" ]; then
   table=${table:-foliage}
 fi
 need_video "$video"
-make_output
+make_output "$output"
 choose_window
 feel "sim-hand=$(quoted "$hand")" "${strength[@]}"
 

@@ -43,7 +43,7 @@ else
   [[ ${film_width:-none} =~ [02468]$ ]] ||
     fail "the frames of '$video' are ${film_width:-?} px wide and cannot be halved; give a video with depth right of the picture"
 fi
-make_output
+make_output "$output"
 choose_window
 feel "sim-hand=$(quoted "$hand")"
 

@@ -13,20 +13,9 @@
 
 source "$(dirname "$0")/../shared/common.sh"
 
-machines=: options=()
-while [ $# -gt 0 ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --machines | --output | --chunks)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    if [ "$1" = --machines ]; then machines=$2; else options+=("$1" "$2"); fi
-    shift 2
-    ;;
-  -*) fail "unknown option '$1'; see --help" ;;
-  *) break ;;
-  esac
-done
-[ $# -gt 0 ] || fail "which videos? See --help"
+machines=: output='' chunks=''
+read_options 'machines= output= chunks=' "$@"
+[ ${#inputs[@]} -gt 0 ] || fail "which videos? See --help"
 command -v parallel >/dev/null || fail "GNU parallel is not installed; as root run: apt-get install parallel"
 use_elements motionfield hapticconvert
 program=$build/gst-plugins/track/tools/haptic-track
@@ -34,7 +23,8 @@ program=$build/gst-plugins/track/tools/haptic-track
 
 # What cannot be authored is said and not in the plan. The rest goes on.
 status=0
-"$program" author --plan "${options[@]}" -- "$@" >plan.json || status=1
+"$program" author --plan ${output:+--output "$output"} ${chunks:+--chunks "$chunks"} -- \
+  "${inputs[@]}" >plan.json || status=1
 [ -s plan.json ] || exit 1
 seq 0 $(($(grep -c '"first-span"' plan.json) - 1)) |
   parallel --will-cite --sshlogin "$machines" --env GST_PLUGIN_PATH --env GST_REGISTRY --workdir "$PWD" \

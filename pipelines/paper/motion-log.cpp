@@ -12,6 +12,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
 #include "gsthapticmotionmeta.h"
+#include "seconds.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -24,6 +25,8 @@
 #include <vector>
 
 namespace {
+
+using haptic::seconds;
 
 struct Frame {
   int width = 0;
@@ -52,10 +55,6 @@ struct Log {
   std::mutex mutex;
   std::ofstream pointers; // under the mutex: hapticsink's pointer thread writes
 };
-
-double seconds(GstClockTime time) {
-  return static_cast<double>(time) / GST_SECOND;
-}
 
 std::optional<Frame> luma(GstPad *pad, GstBuffer *buffer) {
   const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));

@@ -19,24 +19,9 @@
 source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"
 
-video='' speed='' hand=file:$root/pipelines/films/hands/tree-hand.csv output=$root/docs/images/paper
-while [ $# -gt 0 ]; do
-  case $1 in
-  --help | -h) show_help && exit ;;
-  --video | --speed | --hand)
-    [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-    case $1 in
-    --video) video=$2 ;;
-    --speed) speed=$2 ;;
-    --hand) hand=$2 ;;
-    esac
-    shift
-    ;;
-  -*) fail "unknown option '$1'; see --help" ;;
-  *) output=$1 ;;
-  esac
-  shift
-done
+video='' speed='' hand=file:$root/pipelines/films/hands/tree-hand.csv
+read_options 'video= speed= hand=' "$@"
+output=${inputs[0]:-$root/docs/images/paper}
 program=$build/pipelines/motion-log
 [ -x "$program" ] ||
   fail "'$program' is not built; run: meson configure $build -Dtests=enabled && meson compile -C $build"

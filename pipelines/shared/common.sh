@@ -22,29 +22,39 @@ show_help() {
   sed -n '3,/^[^#]/ s/^# \{0,1\}//p' "$0"
 }
 
+# `read_options 'OPTION...' ARGUMENT...` reads the arguments of a script. `name=` is an option --name VALUE, whose value
+# goes into $name; `name` is an option --name, which sets $name to yes (a - in it becomes _); `--name` counts as an
+# input. $inputs are what is no option. If there is a word `--`, what follows it in the arguments goes to $sink_options.
+read_options() {
+  local known=" $1 " name
+  inputs=() sink_options=()
+  while shift && [ $# -gt 0 ]; do
+    name=${1#--}
+    case $1 in
+    --help | -h) show_help && exit ;;
+    esac
+    if [ "$1" = -- ] && [[ $known = *' -- '* ]]; then
+      sink_options=("${@:2}")
+      return
+    elif [[ $1 != -* || $known = *" $1 "* ]]; then
+      inputs+=("$1")
+    elif [[ $known = *" $name "* ]]; then
+      printf -v "${name//-/_}" yes
+    elif [[ $known = *" $name= "* ]]; then
+      [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
+      printf -v "${name//-/_}" %s "$2"
+      shift
+    else
+      fail "unknown option '$1'; see --help"
+    fi
+  done
+}
+
 # Reads `[--help] [INPUT] [-- OPTION=VALUE...]` into $input and $sink_options.
 read_arguments() {
-  input=''
-  sink_options=()
-  while [ $# -gt 0 ]; do
-    case $1 in
-    --help | -h)
-      show_help
-      exit
-      ;;
-    --)
-      shift
-      sink_options=("$@")
-      return
-      ;;
-    -*) fail "unknown option '$1'; see --help" ;;
-    *)
-      [ -z "$input" ] || fail "one input only; write options of hapticsink after --, see --help"
-      input=$1
-      shift
-      ;;
-    esac
-  done
+  read_options -- "$@"
+  [ ${#inputs[@]} -le 1 ] || fail "one input only; write options of hapticsink after --, see --help"
+  input=${inputs[0]:-}
 }
 
 # `quoted TEXT` prints TEXT as a value for a gst-launch line, with any characters in it escaped.
@@ -159,6 +169,11 @@ has_display() {
   [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]
 }
 
+# Returns whether there is a display, and says so if there is none.
+may_show() {
+  has_display || { echo "There is no display: continuing without a window." && return 1; }
+}
+
 need_display() {
   has_display || fail "there is no display for the window; set DISPLAY, or use play-file.sh"
 }
@@ -233,6 +248,25 @@ use_elements() {
     gst-inspect-1.0 --exists --atleast-version=0.1 "$element" ||
       fail "GStreamer does not find the element $element; run ./pipelines/demo.sh, which installs and builds everything"
   done
+}
+
+# `make_output FOLDER` makes it, with an empty log in it.
+make_output() {
+  if ! mkdir -p "$1" 2>/dev/null || ! : 2>/dev/null >"$1/trace.csv"; then
+    fail "the folder '$1' cannot be written to; give another with --output"
+  fi
+}
+
+# `draw_trace FOLDER SCRIPT TITLE` draws the log in it.
+draw_trace() {
+  local log=$1/trace.csv plot=$1/trace.png
+  if [ "$(wc -l <"$log")" -lt 3 ]; then
+    rm -f "$plot"
+    echo "Files       $log (too short for a plot)"
+    return
+  fi
+  gnuplot -c "$root/pipelines/shared/$2" "$log" "$plot" "$3" || fail "gnuplot could not draw $plot; install gnuplot-nox"
+  echo "Files       $log, $plot"
 }
 
 # Prints a command, quoted for a shell.

@@ -3,40 +3,13 @@
 # What touch-depth.sh and touch-colour.sh have in common: options, the run, its log and its plot. To be sourced after
 # common.sh.
 
-video='' touch=surface+motion output=touch-output shows=auto sink_options=()
+video='' touch=surface+motion output=touch-output no_window=no
 
-# `read_touch_options EXTRA ARGUMENT...` reads the options of both scripts, and EXTRA, which only one of them has: a
-# word with = sets the variable of that name to its value, without = to yes.
+# `read_touch_options EXTRA ARGUMENT...` reads the options of both scripts, and EXTRA, which only one of them has.
 read_touch_options() {
-  local extra=$1 name
-  shift
-  while [ $# -gt 0 ]; do
-    name=${1#--}
-    case $1 in
-    --help | -h)
-      show_help
-      exit
-      ;;
-    --)
-      shift
-      sink_options=("$@")
-      break
-      ;;
-    --no-window) shows=no ;;
-    --video | --touch | --output | "--${extra%=}")
-      if [ "$name" = "$extra" ]; then
-        printf -v "$name" yes
-      else
-        [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-        printf -v "$name" %s "$2"
-        shift
-      fi
-      ;;
-    -*) fail "unknown option '$1'; see --help" ;;
-    *) fail "what is '$1'? Give a video with --video, and options of hapticsink after --" ;;
-    esac
-    shift
-  done
+  read_options "$1 video= touch= output= no-window --" "${@:2}"
+  [ ${#inputs[@]} = 0 ] ||
+    fail "what is '${inputs[0]}'? Give a video with --video, and options of hapticsink after --"
   [[ $touch =~ ^(off|surface|surface\+motion)$ ]] || fail "--touch is surface+motion, surface or off, not '$touch'"
 }
 
@@ -44,11 +17,7 @@ read_touch_options() {
 # window the height is shown as light, and the picture yields under the hand.
 choose_window() {
   window=() to_hand=(hand.relief)
-  if [ "$shows" = auto ]; then
-    shows=yes
-    has_display || { echo "There is no display: continuing without a window." && shows=no; }
-  fi
-  [ "$shows" = yes ] || return 0
+  [ "$no_window" = no ] && may_show || return 0
   window=(tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay name=seen deform=4 ! videoconvert
     ! autovideosink t. ! queue max-size-buffers=1 !)
   to_hand=(tee name=surface surface. ! queue ! seen.relief surface. ! queue ! hand.relief)
@@ -60,12 +29,6 @@ feel() {
     "log-location=$(quoted "$output/trace.csv")" "$@" "${sink_options[@]}")
 }
 
-make_output() {
-  if ! mkdir -p "$output" 2>/dev/null || ! : 2>/dev/null >"$output/trace.csv"; then
-    fail "the folder '$output' cannot be written to; give another with --output"
-  fi
-}
-
 # `play TITLE LINE...` runs gst-launch, then prints and draws what was felt. Ctrl-C ends the film and keeps the results.
 play() {
   local title=$1 log=$output/gst-launch.log status=0
@@ -75,7 +38,7 @@ play() {
   gst-launch-1.0 -e "$@" 2>&1 | tee -i "$log" || status=$?
   [ "$status" = 0 ] || fail "$(reason <"$log") (log: $log)"
   summarise_touch
-  draw_touch "$title"
+  draw_trace "$output" touch.gp "$title"
 }
 
 summarise_touch() {
@@ -90,15 +53,4 @@ summarise_touch() {
       if (rows) printf "Touched     %.0f %% of %.1f s\nForce       %.2f N towards the user at most, %.2f N in all\n",
         100 * touched / rows, rows / 1000, push, strongest
     }' "$output/trace.csv"
-}
-
-draw_touch() {
-  if [ "$(wc -l <"$output/trace.csv")" -lt 3 ]; then
-    rm -f "$output/trace.png"
-    echo "Files       $output/trace.csv (too short for a plot)"
-    return
-  fi
-  gnuplot -c "$root/pipelines/shared/touch.gp" "$output/trace.csv" "$output/trace.png" "$1" ||
-    fail "gnuplot could not draw $output/trace.png; install gnuplot-nox"
-  echo "Files       $output/trace.csv, $output/trace.png"
 }

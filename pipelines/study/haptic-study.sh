@@ -33,33 +33,9 @@ questions=(
 )
 
 read_run_options() {
-  participant=anonymous answers=answers.csv seconds='' window=yes videos=() sink_options=()
-  while [ $# -gt 0 ]; do
-    case $1 in
-    --no-window) window=no ;;
-    --participant | --answers | --seconds | --seed)
-      [ -n "${2:-}" ] || fail "$1 needs a value; see --help"
-      case $1 in
-      --participant) participant=$2 ;;
-      --answers) answers=$2 ;;
-      --seconds) seconds=$2 ;;
-      --seed)
-        [[ $2 =~ ^[0-9]{1,9}$ ]] || fail "--seed needs a whole number, not '$2'"
-        RANDOM=$2
-        ;;
-      esac
-      shift
-      ;;
-    --)
-      shift
-      sink_options=("$@")
-      break
-      ;;
-    -*) fail "unknown option '$1'; see --help" ;;
-    *) videos+=("$1") ;;
-    esac
-    shift
-  done
+  participant=anonymous answers=answers.csv seconds='' seed='' no_window=no
+  read_options 'participant= answers= seconds= seed= no-window --' "$@"
+  videos=("${inputs[@]}")
   [ ${#videos[@]} -gt 0 ] || fail "which videos? See --help"
   for video in "${videos[@]}"; do
     need_video "$video"
@@ -67,7 +43,9 @@ read_run_options() {
   done
   [[ $participant =~ ^[[:alnum:]_-]+$ ]] || fail "--participant takes letters, digits, _ and -, not '$participant'"
   [[ $seconds =~ ^([1-9][0-9]{0,5})?$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
-  [ "$window" = no ] || need_display
+  [[ $seed =~ ^[0-9]{0,9}$ ]] || fail "--seed needs a whole number, not '$seed'"
+  [ -z "$seed" ] || RANDOM=$seed
+  [ "$no_window" = yes ] || need_display
 }
 
 prepare_answers() {
@@ -84,7 +62,7 @@ play() {
   local line status=0
   decoding "$1"
   line=("${film[@]}" ! clocksync ! roitracker !)
-  [ "$window" = no ] || line+=("${file_window_branch[@]}")
+  [ "$no_window" = yes ] || line+=("${file_window_branch[@]}")
   line+=(velocityavg ! hapticsink "${sink_options[@]}" "max-force=$2")
   # Ctrl-C ends the video, not the session.
   trap : INT

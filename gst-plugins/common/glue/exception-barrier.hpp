@@ -6,6 +6,8 @@
 
 #include <exception>
 #include <gst/gst.h>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace haptic {
@@ -39,5 +41,49 @@ void guarded(gpointer element, Body &&body) noexcept {
     return 0;
   });
 }
+
+/// What a function of GStreamer returns after an exception.
+template <typename Result>
+inline constexpr Result kFailure{};
+template <>
+inline constexpr GstFlowReturn kFailure<GstFlowReturn> = GST_FLOW_ERROR;
+template <>
+inline constexpr GstStateChangeReturn kFailure<GstStateChangeReturn> = GST_STATE_CHANGE_FAILURE;
+
+/// See kGuarded.
+template <auto kBody>
+class GuardedFunction {
+  template <typename Result, typename Self, typename... Needed, typename... Given>
+  static Result call(Result (*body)(Self *, Needed...), gpointer self, const Given &...given) {
+    return [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+      return body(static_cast<Self *>(self), std::get<kIndex>(std::tie(given...))...);
+    }
+    (std::index_sequence_for<Needed...>());
+  }
+
+public:
+  template <typename Result, typename Object, typename... Arguments>
+  using Pointer = Result (*)(Object *, Arguments...);
+
+  template <typename Result, typename Object, typename... Arguments>
+  constexpr operator Pointer<Result, Object, Arguments...>() const noexcept {
+    return [](Object *object, Arguments... arguments) {
+      gpointer element = object;
+      if constexpr (std::is_same_v<Object, GstPad>)
+        element = std::get<0>(std::tie(arguments...)); // the parent of the pad
+      if constexpr (std::is_void_v<Result>)
+        guarded(element, [&] { call(+kBody, object, arguments...); });
+      else
+        return guarded(element, kFailure<Result>,
+                       [&]() -> Result { return call(+kBody, object, arguments...); });
+    };
+  }
+};
+
+/// A virtual function of an element, or a function of its pad, that runs kBody as guarded() does:
+/// `klass->start = kGuarded<start>`. kBody takes as many of its arguments as it needs, the first
+/// one by the element's own type. After an exception it returns kFailure.
+template <auto kBody>
+inline constexpr GuardedFunction<kBody> kGuarded;
 
 } // namespace haptic

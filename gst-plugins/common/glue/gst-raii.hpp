@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Owning pointers and scoped locks for GStreamer's C types.
+// Owning pointers, scoped mappings and locks for GStreamer's C types.
 #pragma once
 
+#include <cstdint>
 #include <gst/gst.h>
 #include <memory>
+#include <span>
 
 namespace haptic {
 
@@ -37,6 +39,26 @@ using StructurePtr = std::unique_ptr<GstStructure, Releaser>;
 using ErrorPtr = std::unique_ptr<GError, Releaser>;
 using GCharPtr = std::unique_ptr<gchar, Releaser>;
 
+/// The bytes of a buffer, mapped for reading for a scope.
+class ReadableBuffer {
+public:
+  explicit ReadableBuffer(GstBuffer *buffer) noexcept
+      : buffer_(gst_buffer_map(buffer, &map_, GST_MAP_READ) ? buffer : nullptr) {}
+  ~ReadableBuffer() {
+    if (buffer_)
+      gst_buffer_unmap(buffer_, &map_);
+  }
+  ReadableBuffer(const ReadableBuffer &) = delete;
+  ReadableBuffer &operator=(const ReadableBuffer &) = delete;
+
+  explicit operator bool() const noexcept { return buffer_ != nullptr; }
+  std::span<const std::uint8_t> bytes() const noexcept { return {map_.data, map_.size}; }
+
+private:
+  GstMapInfo map_ = GST_MAP_INFO_INIT;
+  GstBuffer *buffer_;
+};
+
 /// Holds a GstObject's lock for a scope. Never call into another element while it is held.
 class ObjectLock {
 public:
@@ -50,5 +72,12 @@ public:
 private:
   GstObject *object_;
 };
+
+/// Returns what is read under the lock of the object.
+template <typename Value>
+Value locked_copy(gpointer object, const Value &value) {
+  const ObjectLock lock(object);
+  return value;
+}
 
 } // namespace haptic

@@ -5,12 +5,10 @@
 //   autoaudiosink
 //
 // It is an aggregator with one pad, because only that class makes live output when input is late.
-#include "elements/gsthapticarray.h"
-
 #include "array/array-drive.hpp"
 #include "array/array-voices.hpp"
 #include "force/safety-chain.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -18,9 +16,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <gst/base/gstaggregator.h>
 #include <memory>
 #include <optional>
 #include <string>
+
+G_DECLARE_FINAL_TYPE(GstHapticArray, gst_haptic_array, GST, HAPTIC_ARRAY, GstAggregator)
 
 GST_DEBUG_CATEGORY_STATIC(hapticarray_debug);
 #define GST_CAT_DEFAULT hapticarray_debug
@@ -38,17 +39,17 @@ namespace {
 
 using haptic::ArrayVoices;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 
 // State
 
-constexpr char kDefaultLayout[] = "back-3x4";
 constexpr int kFrames = 2 * ArrayVoices::kStep; // of a buffer
 constexpr int kUsualRate = 48000;
 constexpr GstClockTime kFade = GST_SECOND / static_cast<int>(ArrayVoices::kSlew); // from 1 to 0
 
 struct Settings : haptic::DriveSettings {
-  std::string layout = kDefaultLayout;
+  std::string layout = "back-3x4";
   haptic::VoiceLimits limits = {.level = 1, .continuous_level = 0.5};
 };
 
@@ -109,71 +110,52 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHapticArray, gst_haptic_array, GST_TYPE_AGGREGATOR,
                         GST_DEBUG_CATEGORY_INIT(hapticarray_debug, "hapticarray", 0,
                                                 "motion on an array of actuators"))
-GST_ELEMENT_REGISTER_DEFINE(hapticarray, "hapticarray", GST_RANK_NONE, GST_TYPE_HAPTIC_ARRAY)
+GST_ELEMENT_REGISTER_DEFINE(hapticarray, "hapticarray", GST_RANK_NONE, gst_haptic_array_get_type())
 
 namespace {
 
 // Properties
 
-GType map_type() {
-  using haptic::MapChoice;
-  static const GEnumValue values[] = {
-      {static_cast<int>(MapChoice::stroke),
-       "The motion at the pointer runs across the array in its direction", "stroke"},
-      {static_cast<int>(MapChoice::field),
-       "Each actuator vibrates with the motion at its place of the frame", "field"},
-      {static_cast<int>(MapChoice::point),
-       "The motion at the pointer is felt at the pointer's place on the array", "point"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstHapticArrayMap", values);
-  return type;
-}
-
-template <auto kPath>
-haptic::Property<Settings> number_row(const char *name, const char *nick, const char *blurb,
-                                      double most) {
-  const Settings usual;
-  return {g_param_spec_double(name, nick, blurb, 0, most, *kPath(usual), haptic::kReadWrite),
-          [](Settings &s, const GValue *value) { haptic::read_value(value, *kPath(s)); },
-          [](const Settings &s, GValue *value) { g_value_set_double(value, *kPath(s)); }};
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using haptic::MapChoice;
+  using haptic::PointerPosition;
+  using haptic::VoiceLimits;
+  using Rows = haptic::Rows<Settings>;
   constexpr double kSteepest = 10; // s/px
   static const haptic::Property<Settings> table[] = {
-      {g_param_spec_string("layout", "Layout",
-                           "Where the actuators are: back-3x4, ring-8, shakers-2, coils-2, or the "
-                           "path of a layout file. Takes effect at the next start",
-                           kDefaultLayout,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                    GST_PARAM_MUTABLE_READY)),
-       [](Settings &s, const GValue *value) {
-         const gchar *text = g_value_get_string(value);
-         s.layout = text ? text : kDefaultLayout;
-       },
-       [](const Settings &s, GValue *value) { g_value_set_string(value, s.layout.c_str()); }},
-      haptic::member_row<&Settings::map, Settings>(
-          g_param_spec_enum("map", "Map", "How a motion is spread over the array", map_type(),
-                            static_cast<gint>(haptic::MapChoice::stroke), haptic::kReadWrite)),
-      number_row<[](auto &s) { return &s.pointer.x; }>(
-          "pointer-x", "Pointer X", "Pointer in a field, fraction of the frame's width", 1),
-      number_row<[](auto &s) { return &s.pointer.y; }>(
-          "pointer-y", "Pointer Y", "Pointer in a field, fraction of the frame's height", 1),
-      number_row<[](auto &s) { return &s.alpha; }>(
+      Rows::text<&Settings::layout>(
+          "layout", "Layout",
+          "Where the actuators are: back-3x4, ring-8, shakers-2, coils-2, or the path of a layout "
+          "file. Takes effect at the next start"),
+      Rows::choice<&Settings::map>(
+          "map", "Map", "How a motion is spread over the array",
+          haptic::register_enum<MapChoice>(
+              "GstHapticArrayMap",
+              {{MapChoice::stroke,
+                "The motion at the pointer runs across the array in its direction", "stroke"},
+               {MapChoice::field,
+                "Each actuator vibrates with the motion at its place of the frame", "field"},
+               {MapChoice::point,
+                "The motion at the pointer is felt at the pointer's place on the array",
+                "point"}})),
+      Rows::number<&Settings::pointer, &PointerPosition::x>(
+          "pointer-x", "Pointer X", "Pointer in a field, fraction of the frame's width", 0, 1),
+      Rows::number<&Settings::pointer, &PointerPosition::y>(
+          "pointer-y", "Pointer Y", "Pointer in a field, fraction of the frame's height", 0, 1),
+      Rows::number<&Settings::alpha>(
           "alpha", "Alpha", "Steepness, s/px in a frame 352 wide: 1/alpha px/s give half of level",
-          kSteepest),
-      number_row<[](auto &s) { return &s.limits.level; }>(
-          "level", "Level", "Highest amplitude of an actuator, of full scale", 1),
-      number_row<[](auto &s) { return &s.limits.continuous_level; }>(
+          0, kSteepest),
+      Rows::number<&Settings::limits, &VoiceLimits::level>(
+          "level", "Level", "Highest amplitude of an actuator, of full scale", 0, 1),
+      Rows::number<&Settings::limits, &VoiceLimits::continuous_level>(
           "continuous-level", "Continuous Level",
-          "Amplitude that an actuator may keep up: rms over a minute, of full scale; 0: any", 1),
+          "Amplitude that an actuator may keep up: rms over a minute, of full scale; 0: any", 0, 1),
   };
   return table;
 }
 
 Settings settings_of(GstHapticArray *self) {
-  const ObjectLock lock(self);
-  return self->state->settings;
+  return haptic::locked_copy(self, self->state->settings);
 }
 
 // Motion in
@@ -186,24 +168,22 @@ bool is_gap(GstBuffer *buffer) {
 // Takes over what a buffer says, from `time` (running time) on.
 void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Settings &settings) {
   State &state = *self->state;
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+  const haptic::ReadableBuffer readable(buffer);
+  if (!readable)
     return;
-  const std::span<const std::uint8_t> bytes{map.data, map.size};
   guint64 interval = 0;
   bool is_read = false;
   if (state.is_field) {
-    is_read = haptic::unpack_motion_field(bytes, state.field);
+    is_read = haptic::unpack_motion_field(readable.bytes(), state.field);
     if (is_read) {
       interval = state.field.interval;
       state.drive->follow(state.field, settings);
     }
-  } else if (const auto sample = haptic::unpack_motion_sample(bytes)) {
+  } else if (const auto sample = haptic::unpack_motion_sample(readable.bytes())) {
     is_read = true;
     interval = sample->interval;
     state.drive->follow(*sample, settings);
   }
-  gst_buffer_unmap(buffer, &map);
   if (!is_read) {
     if (!is_gap(buffer))
       GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
@@ -323,7 +303,7 @@ void begin(GstHapticArray *self) {
   self->state->begins = false;
 }
 
-GstFlowReturn aggregate(GstHapticArray *self, bool timeout) {
+GstFlowReturn aggregate(GstHapticArray *self, gboolean timeout) {
   State &state = *self->state;
   if (!state.voices)
     return GST_FLOW_NOT_NEGOTIATED;
@@ -360,7 +340,7 @@ GstFlowReturn update_src_caps(GstHapticArray *self, GstCaps *wanted, GstCaps **c
   return GST_FLOW_NOT_NEGOTIATED;
 }
 
-GstCaps *fixate(GstCaps *caps) {
+GstCaps *fixate(GstHapticArray *, GstCaps *caps) {
   haptic::CapsPtr made(gst_caps_make_writable(caps));
   gst_structure_fixate_field_nearest_int(gst_caps_get_structure(made.get(), 0), "rate", kUsualRate);
   return gst_caps_fixate(made.release());
@@ -402,11 +382,12 @@ gboolean start(GstHapticArray *self) {
   return TRUE;
 }
 
-void flush(GstHapticArray *self) {
+GstFlowReturn flush(GstHapticArray *self) {
   self->state->begin_anew();
   GstAggregatorPad *pad = GST_AGGREGATOR_PAD(GST_AGGREGATOR(self)->srcpad);
   const ObjectLock lock(pad);
   pad->segment.position = GST_CLOCK_TIME_NONE;
+  return GST_FLOW_OK;
 }
 
 // After a seek that does not flush, the class would change the segment of the sound at once, before
@@ -433,72 +414,44 @@ void on_sink_event(GstHapticArray *self, GstEvent *event) {
 
 } // namespace
 
-static void gst_haptic_array_finalize(GObject *object) {
-  delete GST_HAPTIC_ARRAY(object)->state;
-  G_OBJECT_CLASS(gst_haptic_array_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_haptic_array_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
+static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  haptic::describe(element_class, "hapticarray", "Haptic array", "Filter/Converter/Haptics",
+                   "Makes motion felt on an array of actuators");
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstHapticArray, gst_haptic_array_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_HAPTIC_ARRAY(object)->state->settings;
   });
-}
 
-static void install_aggregator_vfuncs(GstAggregatorClass *klass) {
-  klass->start = [](GstAggregator *aggregator) {
-    return guarded(aggregator, FALSE, [&] { return start(GST_HAPTIC_ARRAY(aggregator)); });
-  };
-  klass->flush = [](GstAggregator *aggregator) {
-    return guarded(aggregator, GST_FLOW_ERROR, [&] {
-      flush(GST_HAPTIC_ARRAY(aggregator));
-      return GST_FLOW_OK;
-    });
-  };
-  klass->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event) {
+  auto *aggregator_class = GST_AGGREGATOR_CLASS(klass);
+  aggregator_class->start = kGuarded<start>;
+  aggregator_class->flush = kGuarded<flush>;
+  aggregator_class->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad,
+                                    GstEvent *event) {
     guarded(aggregator, [&] { on_sink_event(GST_HAPTIC_ARRAY(aggregator), event); });
     return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->sink_event(aggregator, pad, event);
   };
-  klass->src_event = [](GstAggregator *aggregator, GstEvent *event) -> gboolean {
+  aggregator_class->src_event = [](GstAggregator *aggregator, GstEvent *event) -> gboolean {
     if (guarded(aggregator, FALSE, [&] { return is_for_motion_alone(event); }))
       return gst_pad_push_event(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), event);
     return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_event(aggregator, event);
   };
   // The class says of every aggregator that it cannot be sought in.
-  klass->src_query = [](GstAggregator *aggregator, GstQuery *query) -> gboolean {
+  aggregator_class->src_query = [](GstAggregator *aggregator, GstQuery *query) -> gboolean {
     if (GST_QUERY_TYPE(query) == GST_QUERY_SEEKING)
       return gst_pad_peer_query(GST_PAD(GST_HAPTIC_ARRAY(aggregator)->sink), query);
     return GST_AGGREGATOR_CLASS(gst_haptic_array_parent_class)->src_query(aggregator, query);
   };
-  klass->update_src_caps = [](GstAggregator *aggregator, GstCaps *wanted, GstCaps **caps) {
-    return guarded(aggregator, GST_FLOW_ERROR,
-                   [&] { return update_src_caps(GST_HAPTIC_ARRAY(aggregator), wanted, caps); });
-  };
-  klass->fixate_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
-    return guarded(aggregator, static_cast<GstCaps *>(nullptr), [&] { return fixate(caps); });
-  };
-  klass->negotiated_src_caps = [](GstAggregator *aggregator, GstCaps *caps) {
-    return guarded(aggregator, FALSE, [&] { return on_caps(GST_HAPTIC_ARRAY(aggregator), caps); });
-  };
-  klass->get_next_time = gst_aggregator_simple_get_next_time;
-  klass->aggregate = [](GstAggregator *aggregator, gboolean timeout) {
-    return guarded(aggregator, GST_FLOW_ERROR,
-                   [&] { return aggregate(GST_HAPTIC_ARRAY(aggregator), timeout != FALSE); });
-  };
-}
-
-static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
-  auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Haptic array", "Filter/Converter/Haptics",
-                                        "Makes motion felt on an array of actuators",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticarray");
-  gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
-                                                       GST_TYPE_AGGREGATOR_PAD);
-  gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
-                                                       GST_TYPE_AGGREGATOR_PAD);
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
-  install_aggregator_vfuncs(GST_AGGREGATOR_CLASS(klass));
+  aggregator_class->update_src_caps = kGuarded<update_src_caps>;
+  aggregator_class->fixate_src_caps = kGuarded<fixate>;
+  aggregator_class->negotiated_src_caps = kGuarded<on_caps>;
+  aggregator_class->get_next_time = gst_aggregator_simple_get_next_time;
+  aggregator_class->aggregate = kGuarded<aggregate>;
 }
 
 static void gst_haptic_array_init(GstHapticArray *self) {

@@ -8,14 +8,16 @@
  * gst-device-monitor-1.0 Sink/Haptics
  * ]|
  */
-#include "elements/gsthapticdeviceprovider.h"
-
 #include "drivers/device-list.hpp"
 #include "glue/gst-raii.hpp"
 #include "samples/motion-field.hpp"
 
 #include <exception>
+#include <gst/gst.h>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstHapticDeviceProvider, gst_haptic_device_provider, GST,
+                     HAPTIC_DEVICE_PROVIDER, GstDeviceProvider)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_device_provider_debug);
 #define GST_CAT_DEFAULT haptic_device_provider_debug
@@ -41,7 +43,6 @@ Result guarded(gpointer object, Result fallback, Body &&body) noexcept {
 // ---- a device -----------------------------------------------------------------------------------
 
 // Its properties hold what hapticsink needs to open it.
-#define GST_TYPE_HAPTIC_DEVICE (gst_haptic_device_get_type())
 G_DECLARE_FINAL_TYPE(GstHapticDevice, gst_haptic_device, GST, HAPTIC_DEVICE, GstDevice)
 
 struct _GstHapticDevice {
@@ -82,7 +83,7 @@ G_DEFINE_TYPE_WITH_CODE(GstHapticDeviceProvider, gst_haptic_device_provider,
                         GST_DEBUG_CATEGORY_INIT(haptic_device_provider_debug,
                                                 "hapticdeviceprovider", 0, "haptic devices"))
 GST_DEVICE_PROVIDER_REGISTER_DEFINE(hapticdeviceprovider, "hapticdeviceprovider",
-                                    GST_RANK_SECONDARY, GST_TYPE_HAPTIC_DEVICE_PROVIDER)
+                                    GST_RANK_SECONDARY, gst_haptic_device_provider_get_type())
 
 namespace {
 
@@ -94,7 +95,7 @@ GstDevice *make_device(const haptic::FoundDevice &found) {
       gst_structure_new("haptic-device", "device", G_TYPE_STRING, found.device.c_str(), nullptr));
   if (!found.problem.empty())
     gst_structure_set(properties.get(), "problem", G_TYPE_STRING, found.problem.c_str(), nullptr);
-  return GST_DEVICE(g_object_new(GST_TYPE_HAPTIC_DEVICE, "display-name", found.name.c_str(),
+  return GST_DEVICE(g_object_new(gst_haptic_device_get_type(), "display-name", found.name.c_str(),
                                  "device-class", kDeviceClass, "caps", caps.get(), "properties",
                                  properties.get(), nullptr));
 }

@@ -18,10 +18,11 @@
 #include "elements/sink-messages.hpp"
 #include "elements/sink-properties.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
+#include "glue/relief-pad.hpp"
 #include "samples/motion-field.hpp"
 #include "session/haptic-session.hpp"
 #include "share/callback-thread.hpp"
@@ -41,6 +42,7 @@ GST_DEBUG_CATEGORY(haptic_sink_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 using haptic::SinkSettings;
 
@@ -120,8 +122,7 @@ State &state_of(gpointer object) {
 
 template <typename Value>
 Value setting_of(gpointer object, Value SinkSettings::*member) {
-  const ObjectLock lock(object);
-  return state_of(object).settings.*member;
+  return haptic::locked_copy(object, state_of(object).settings.*member);
 }
 
 GstBaseSinkClass *parent_class() {
@@ -311,18 +312,14 @@ GstFlowReturn render(GstBaseSink *sink, GstBuffer *buffer) {
   haptic::sync_controllers(self, sink->segment, buffer);
   const std::int64_t time = state.presentation_time.of(sink->segment, GST_BUFFER_PTS(buffer));
   const bool gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
-  GstMapInfo map{};
-  const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
+  const haptic::ReadableBuffer readable(buffer);
   if (state.reliefs_by == ReliefsBy::sink)
-    state.session.accept_relief_alone(bytes, gap, time);
+    state.session.accept_relief_alone(readable.bytes(), gap, time);
   else
-    state.session.accept(bytes, gap,
+    state.session.accept(readable.bytes(), gap,
                          {.time = time,
                           .playback = playback_of(sink->segment),
                           .rate_law = setting_of(self, &SinkSettings::rate_law)});
-  if (mapped)
-    gst_buffer_unmap(buffer, &map);
   return GST_FLOW_OK;
 }
 
@@ -455,18 +452,14 @@ GstFlowReturn wait_event(GstBaseSink *sink, GstEvent *event) {
 
 // ---- properties and signals ---------------------------------------------------------------------
 
-void set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-  if (id > haptic::kSinkProperties) {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    return;
-  }
+void set_property(GObject *object, guint id, const GValue *value) {
   State &state = state_of(object);
   const ObjectLock lock(object);
-  haptic::set_sink_property(id, value, state.settings);
+  haptic::sink_properties()[id - 1].set(state.settings, value);
   state.session.set_settings(state.settings.loop);
 }
 
-void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
+void get_property(GObject *object, guint id, GValue *value) {
   State &state = state_of(object);
   if (id == kPropStats) {
     g_value_take_boxed(value, haptic::make_stats(state.session).release());
@@ -474,38 +467,36 @@ void get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec) {
     g_value_set_boolean(value, state.session.is_armed());
   } else if (id == kPropSessionState) {
     g_value_set_enum(value, static_cast<gint>(state.session.state()));
-  } else if (id <= haptic::kSinkProperties) {
-    const ObjectLock lock(object);
-    haptic::get_sink_property(id, value, state.settings);
   } else {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    const ObjectLock lock(object);
+    haptic::sink_properties()[id - 1].get(state.settings, value);
   }
 }
 
 void install_properties(GObjectClass *klass) {
-  haptic::install_sink_properties(klass);
-  constexpr auto kReadOnly = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
-  armed_property = g_param_spec_boolean(
-      "armed", "Armed", "Whether the device is open and allowed to exert force", FALSE, kReadOnly);
+  klass->set_property = kGuarded<set_property>;
+  klass->get_property = kGuarded<get_property>;
+  guint id = 0;
+  for (const auto &row : haptic::sink_properties())
+    g_object_class_install_property(klass, ++id, row.spec);
+  armed_property = g_param_spec_boolean("armed", "Armed",
+                                        "Whether the device is open and allowed to exert force",
+                                        FALSE, haptic::kReadOnly);
   g_object_class_install_property(klass, kPropArmed, armed_property);
   g_object_class_install_property(klass, kPropStats,
                                   g_param_spec_boxed("stats", "Statistics",
                                                      "Counters and timing since the last start",
-                                                     GST_TYPE_STRUCTURE, kReadOnly));
-  session_state_property = g_param_spec_enum(
-      "session-state", "Session State", "Whether and why a force is possible",
-      haptic::session_state_type(), static_cast<gint>(haptic::SessionState::closed), kReadOnly);
+                                                     GST_TYPE_STRUCTURE, haptic::kReadOnly));
+  session_state_property =
+      g_param_spec_enum("session-state", "Session State", "Whether and why a force is possible",
+                        haptic::session_state_type(),
+                        static_cast<gint>(haptic::SessionState::closed), haptic::kReadOnly);
   g_object_class_install_property(klass, kPropSessionState, session_state_property);
 }
 
-void arm(GstHapticSink *self) {
-  self->state->session.arm();
-  if (armed_has_changed(*self->state))
-    notify_armed(self);
-}
-
-void release(GstHapticSink *self) {
-  self->state->session.release();
+template <void (haptic::HapticSession::*kAction)()>
+void change_armed(GstHapticSink *self) {
+  (self->state->session.*kAction)();
   if (armed_has_changed(*self->state))
     notify_armed(self);
 }
@@ -522,59 +513,38 @@ void install_actions(GObjectClass *klass) {
    *
    * Makes the present position of the grip the centre of the workspace.
    */
-  install_action(klass, "calibrate", [](GstHapticSink *self) {
-    guarded(self, [&] { self->state->session.calibrate(); });
-  });
+  install_action(klass, "calibrate",
+                 kGuarded<[](GstHapticSink *self) { self->state->session.calibrate(); }>);
   /**
    * GstHapticSink::arm:
    *
    * Allows force again after `release` or a fault; it comes back within half a second.
    */
-  install_action(klass, "arm", [](GstHapticSink *self) { guarded(self, [&] { arm(self); }); });
+  install_action(klass, "arm", kGuarded<change_armed<&haptic::HapticSession::arm>>);
   /**
    * GstHapticSink::release:
    *
    * The force fades in 50 ms and stays off until `arm`.
    */
-  install_action(klass, "release",
-                 [](GstHapticSink *self) { guarded(self, [&] { release(self); }); });
+  install_action(klass, "release", kGuarded<change_armed<&haptic::HapticSession::release>>);
 }
 
 // ---- virtual functions --------------------------------------------------------------------------
 
-void install_object_functions(GObjectClass *klass) {
-  klass->finalize = [](GObject *object) {
-    guarded(object, [&] { delete GST_HAPTIC_SINK(object)->state; });
-    G_OBJECT_CLASS(gst_haptic_sink_parent_class)->finalize(object);
-  };
-  klass->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { set_property(object, id, value, pspec); });
-  };
-  klass->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *pspec) {
-    guarded(object, [&] { get_property(object, id, value, pspec); });
-  };
-}
-
 void install_sink_functions(GstBaseSinkClass *klass) {
-  klass->start = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] {
-      State &state = state_of(sink);
-      const bool opened = state.session.open(setting_of(sink, &SinkSettings::choice));
-      state.client.on_armed_changed();
-      return gboolean{opened};
-    });
-  };
-  klass->stop = [](GstBaseSink *sink) -> gboolean {
-    return guarded(sink, FALSE, [&] {
-      State &state = state_of(sink);
-      state.session.close();
-      state.client.on_armed_changed();
-      return TRUE;
-    });
-  };
-  klass->set_caps = [](GstBaseSink *sink, GstCaps *caps) -> gboolean {
-    return guarded(sink, FALSE, [&] { return set_caps(sink, caps); });
-  };
+  klass->start = kGuarded<[](GstBaseSink *sink) {
+    State &state = state_of(sink);
+    const bool opened = state.session.open(setting_of(sink, &SinkSettings::choice));
+    state.client.on_armed_changed();
+    return gboolean{opened};
+  }>;
+  klass->stop = kGuarded<[](GstBaseSink *sink) {
+    State &state = state_of(sink);
+    state.session.close();
+    state.client.on_armed_changed();
+    return TRUE;
+  }>;
+  klass->set_caps = kGuarded<set_caps>;
   klass->get_times = [](GstBaseSink *sink, GstBuffer *buffer, GstClockTime *start,
                         GstClockTime *end) {
     guarded(sink, [&] {
@@ -586,15 +556,9 @@ void install_sink_functions(GstBaseSinkClass *klass) {
       time.look_ahead(*start, *end);
     });
   };
-  klass->event = [](GstBaseSink *sink, GstEvent *e) -> gboolean {
-    return guarded(sink, FALSE, [&] { return event(sink, e); });
-  };
-  klass->wait_event = [](GstBaseSink *sink, GstEvent *e) {
-    return guarded(sink, GST_FLOW_ERROR, [&] { return wait_event(sink, e); });
-  };
-  klass->render = [](GstBaseSink *sink, GstBuffer *buffer) {
-    return guarded(sink, GST_FLOW_ERROR, [&] { return render(sink, buffer); });
-  };
+  klass->event = kGuarded<event>;
+  klass->wait_event = kGuarded<wait_event>;
+  klass->render = kGuarded<render>;
 }
 
 } // namespace
@@ -605,31 +569,16 @@ void haptic::set_clock(GstHapticSink *sink, LoopClock &clock) {
 
 static void gst_haptic_sink_class_init(GstHapticSinkClass *klass) {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
-  static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-      "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-      GST_STATIC_CAPS(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS));
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
-  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
-                                      const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr),
-                   [&] { return request_pad(element, of); });
-  };
-  element_class->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] { release_pad(element, pad); });
-  };
-  element_class->send_event = [](GstElement *element, GstEvent *event) -> gboolean {
-    return guarded(element, FALSE, [&] { return send_event(element, event); });
-  };
-  gst_element_class_set_static_metadata(element_class, "Haptic sink", "Sink/Haptics",
-                                        "Motion in frames as force on the hand",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticsink");
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
-  install_object_functions(G_OBJECT_CLASS(klass));
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
+  element_class->send_event = kGuarded<send_event>;
+  haptic::describe(element_class, "hapticsink", "Haptic sink", "Sink/Haptics",
+                   "Motion in frames as force on the hand",
+                   HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS);
+  element_class->change_state = kGuarded<change_state>;
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstHapticSink, gst_haptic_sink_parent_class>;
   install_properties(G_OBJECT_CLASS(klass));
   install_actions(G_OBJECT_CLASS(klass));
   install_sink_functions(GST_BASE_SINK_CLASS(klass));

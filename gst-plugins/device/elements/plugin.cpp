@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "elements/gsthapticarray.h"
-#include "elements/gsthapticdeviceprovider.h"
 #include "elements/gsthapticsink.h"
+
+#include <gst/gst.h>
+
+GST_ELEMENT_REGISTER_DECLARE(hapticarray)
+GST_DEVICE_PROVIDER_REGISTER_DECLARE(hapticdeviceprovider)
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;

@@ -29,11 +29,8 @@ bool PresentationTime::is_live() {
 }
 
 bool PresentationTime::is_immediate() {
-  const LatencyMode mode = [this] {
-    const ObjectLock lock(sink_);
-    return settings_.latency_mode;
-  }();
-  return haptic::is_immediate(mode, gst_base_sink_get_sync(sink_), [this] { return is_live(); });
+  return haptic::is_immediate(locked_copy(sink_, settings_.latency_mode),
+                              gst_base_sink_get_sync(sink_), [this] { return is_live(); });
 }
 
 std::int64_t PresentationTime::of(const GstSegment &segment, GstClockTime pts) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elements/relief-pad.hpp"
 
-#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/relief-pad.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -24,16 +25,12 @@ public:
     flush_.request_stop(); // until activated
   }
 
-  GstFlowReturn chain(GstBuffer *buffer) {
+  GstFlowReturn chain(GstObject *, GstBuffer *buffer) {
     const auto due = wait_for(GST_BUFFER_PTS(buffer));
     if (!due)
       return GST_FLOW_FLUSHING;
-    GstMapInfo map{};
-    const bool mapped = gst_buffer_map(buffer, &map, GST_MAP_READ);
-    session_.accept_relief(std::span<const std::uint8_t>(map.data, map.size),
+    session_.accept_relief(ReadableBuffer(buffer).bytes(),
                            GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP), *due);
-    if (mapped)
-      gst_buffer_unmap(buffer, &map);
     return GST_FLOW_OK;
   }
 
@@ -59,6 +56,9 @@ public:
     }
   }
 
+  void set_active(bool active) { set_flushing(!active); }
+
+private:
   void set_flushing(bool flushing) {
     const std::lock_guard lock(mutex_);
     if (flushing)
@@ -67,7 +67,6 @@ public:
       flush_ = {};
   }
 
-private:
   void accept_gap(GstEvent *event) {
     GstClockTime pts = GST_CLOCK_TIME_NONE;
     gst_event_parse_gap(event, &pts, nullptr);
@@ -109,48 +108,11 @@ private:
   std::stop_source flush_; // mutex_; the pad is flushing if its stop is requested
 };
 
-ReliefPad &relief_of(GstPad *pad) {
-  return *static_cast<ReliefPad *>(gst_pad_get_element_private(pad));
-}
-
-void install_functions(GstPad *pad) {
-  gst_pad_set_chain_function(pad, [](GstPad *self, GstObject *parent, GstBuffer *buffer) {
-    const GstFlowReturn result =
-        guarded(parent, GST_FLOW_ERROR, [&] { return relief_of(self).chain(buffer); });
-    gst_buffer_unref(buffer);
-    return result;
-  });
-  gst_pad_set_event_function(pad, [](GstPad *self, GstObject *parent, GstEvent *event) -> gboolean {
-    guarded(parent, [&] { relief_of(self).handle(event); });
-    gst_event_unref(event); // the end of the stream is that of the pad `sink`
-    return TRUE;
-  });
-  gst_pad_set_activatemode_function(
-      pad, [](GstPad *self, GstObject *parent, GstPadMode mode, gboolean active) -> gboolean {
-        guarded(parent, [&] { relief_of(self).set_flushing(!active); });
-        return mode == GST_PAD_MODE_PUSH;
-      });
-}
-
 } // namespace
-
-GstPadTemplate *relief_pad_template() {
-  static GstStaticPadTemplate relief = GST_STATIC_PAD_TEMPLATE(
-      "relief", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(HAPTIC_RELIEF_CAPS));
-  return gst_static_pad_template_get(&relief);
-}
 
 GstPad *add_relief_pad(GstElement *element, GstPadTemplate *of, HapticSession &session,
                        PresentationTime &time) {
-  auto relief = std::make_unique<ReliefPad>(session, time);
-  GstPad *pad = gst_pad_new_from_template(of, "relief");
-  gst_pad_set_element_private(pad, relief.get());
-  g_object_set_data_full(G_OBJECT(pad), "relief-pad", relief.release(),
-                         [](gpointer data) { delete static_cast<ReliefPad *>(data); });
-  install_functions(pad);
-  gst_pad_set_active(pad, GST_STATE(element) > GST_STATE_READY);
-  gst_element_add_pad(element, pad);
-  return pad;
+  return add_stream_pad(element, of, std::make_unique<ReliefPad>(session, time));
 }
 
 void remove_relief_pad(GstElement *element, GstPad *pad, HapticSession &session) {

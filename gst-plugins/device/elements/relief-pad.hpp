@@ -9,8 +9,6 @@
 
 namespace haptic {
 
-GstPadTemplate *relief_pad_template();
-
 /// Adds the pad, which hands reliefs to the session, each at most 1.5 intervals before it is due.
 /// It waits while the session is paused, and no longer once the pad is flushing or inactive. A GAP
 /// event is a relief without a surface. `session` and `time` outlive the pad; there is one pad at

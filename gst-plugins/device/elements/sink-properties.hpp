@@ -2,9 +2,11 @@
 // The properties of hapticsink: one table with their names, ranges, texts and places.
 #pragma once
 
+#include "glue/property-table.hpp"
 #include "session/haptic-session.hpp"
 
 #include <gst/gst.h>
+#include <span>
 #include <string>
 
 namespace haptic {
@@ -20,16 +22,9 @@ struct SinkSettings {
 
 /// Number of the properties in the table; their ids are 1 to kSinkProperties.
 inline constexpr guint kSinkProperties = 23;
+std::span<const Property<SinkSettings>> sink_properties();
 
-/// The type of the property `session-state`.
+/// The type of the property `session-state`; to be called once.
 GType session_state_type();
-
-/// Installs the properties of the table.
-void install_sink_properties(GObjectClass *klass);
-
-/// Copies the value of the property `id` into or out of the settings. `id` must be one of the
-/// table.
-void set_sink_property(guint id, const GValue *value, SinkSettings &settings);
-void get_sink_property(guint id, GValue *value, SinkSettings &settings);
 
 } // namespace haptic

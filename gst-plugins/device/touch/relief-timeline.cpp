@@ -2,6 +2,7 @@
 #include "touch/relief-timeline.hpp"
 
 #include "samples/motion-sample.hpp"
+#include "seconds.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -16,10 +17,6 @@ std::int64_t interval_of(const ReliefField &relief) noexcept {
   const auto interval = static_cast<std::int64_t>(
       std::min<std::uint64_t>(relief.interval, static_cast<std::uint64_t>(kLongestLine)));
   return interval > 0 ? interval : kUsualInterval;
-}
-
-double seconds(std::int64_t nanoseconds) noexcept {
-  return static_cast<double>(nanoseconds) * 1e-9;
 }
 
 } // namespace

@@ -11,8 +11,6 @@
  *
  * Standards: SMPTE ST 336 for KLV, ISO/IEC 23090-31:2025 for MPEG haptics.
  */
-#include "elements/gsthapticconvert.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "core/track-clock.hpp"
@@ -20,7 +18,7 @@
 #include "forms/convert-caps.hpp"
 #include "forms/problem-counters.hpp"
 #include "forms/track-form.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -32,10 +30,13 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
+#include <gst/base/gstbasetransform.h>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstHapticConvert, gst_haptic_convert, GST, HAPTIC_CONVERT, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_convert_debug);
 #define GST_CAT_DEFAULT haptic_convert_debug
@@ -46,6 +47,7 @@ using haptic::BufferPtr;
 using haptic::CapsPtr;
 using Form = haptic::TrackFormKind;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::layout_of;
 using haptic::ObjectLock;
 using haptic::TrackForm;
@@ -98,7 +100,8 @@ static GstStaticPadTemplate src_template =
 G_DEFINE_TYPE_WITH_CODE(GstHapticConvert, gst_haptic_convert, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(haptic_convert_debug, "hapticconvert", 0,
                                                 "forms of a haptic track"))
-GST_ELEMENT_REGISTER_DEFINE(hapticconvert, "hapticconvert", GST_RANK_NONE, GST_TYPE_HAPTIC_CONVERT)
+GST_ELEMENT_REGISTER_DEFINE(hapticconvert, "hapticconvert", GST_RANK_NONE,
+                            gst_haptic_convert_get_type())
 
 namespace {
 
@@ -112,7 +115,8 @@ GstBaseTransformClass *parent_class() {
 
 // ---- caps ---------------------------------------------------------------------------------------
 
-GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filter) {
+GstCaps *transform_caps(GstHapticConvert *, GstPadDirection direction, GstCaps *caps,
+                        GstCaps *filter) {
   CapsPtr result = haptic::convertible_caps(
       caps, direction == GST_PAD_SINK ? &src_template : &sink_template, direction);
   if (filter)
@@ -122,7 +126,8 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
 
 // The caps of KLV and text do not show whether points, fields or reliefs come. The layout that came
 // last is expected.
-GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *othercaps) {
+GstCaps *fixate_caps(GstHapticConvert *self, GstPadDirection direction, GstCaps *,
+                     GstCaps *othercaps) {
   if (direction != GST_PAD_SINK)
     return gst_caps_fixate(othercaps);
   return haptic::fixated_caps(CapsPtr(othercaps), self->state->layout).release();
@@ -143,11 +148,6 @@ void report(GstHapticConvert *self, const TrackProblem &problem) {
 
 // ---- time ---------------------------------------------------------------------------------------
 
-bool starts_untied(GstHapticConvert *self) {
-  const ObjectLock lock(self);
-  return self->state->start_untied;
-}
-
 // Completes the two times of a sample or field: `pts` of its buffer and the sender's `time`.
 // Returns false if nothing ties the sample to the streams beside it: its place among them is
 // unknown.
@@ -159,7 +159,8 @@ bool complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &tim
     time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
   } else if (!GST_CLOCK_TIME_IS_VALID(pts) && GST_CLOCK_TIME_IS_VALID(time)) {
     const bool has_times = segment.format == GST_FORMAT_TIME;
-    if (has_times && !state.clock.is_tied() && !starts_untied(self)) {
+    if (has_times && !state.clock.is_tied() &&
+        !haptic::locked_copy(self, self->state->start_untied)) {
       state.problems.count(TrackProblemKind::untied);
       if (state.clock.wait_for_tie(time))
         warn_once(self, {TrackProblemKind::untied, "no PTS so far"});
@@ -457,17 +458,15 @@ gboolean start(GstBaseTransform *trans) {
 // ---- properties ---------------------------------------------------------------------------------
 
 std::span<const haptic::Property<State>> properties() {
+  using Rows = haptic::Rows<State>;
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::unit_duration>(g_param_spec_uint(
+      Rows::number<&State::unit_duration>(
           "unit-duration", "Unit Duration",
           "Length of the units of haptics/hmpg, ms; a unit is sent when it is over", 1,
-          kLongestUnitDuration, kDefaultUnitDuration,
-          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                   GST_PARAM_MUTABLE_READY))),
-      haptic::member_row<&State::start_untied>(g_param_spec_boolean(
+          kLongestUnitDuration, haptic::kReady),
+      Rows::flag<&State::start_untied>(
           "start-untied", "Start Untied",
-          "A track that has lost its time stamps begins where the other streams begin", FALSE,
-          haptic::kReadWrite)),
+          "A track that has lost its time stamps begins where the other streams begin"),
       {g_param_spec_boxed("stats", "Statistics", "Counters since the last start",
                           GST_TYPE_STRUCTURE, haptic::kReadOnly),
        nullptr,
@@ -479,11 +478,6 @@ std::span<const haptic::Property<State>> properties() {
        }},
   };
   return table;
-}
-
-void finalize(GObject *object) {
-  delete GST_HAPTIC_CONVERT(object)->state;
-  G_OBJECT_CLASS(gst_haptic_convert_parent_class)->finalize(object);
 }
 
 } // namespace
@@ -499,48 +493,25 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
 
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstHapticConvert, gst_haptic_convert_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return state_of(object); });
 
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic track converter", "Codec/Converter/Haptics",
-      "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticconvert");
+  haptic::describe(
+      element_class, "hapticconvert", "Haptic track converter", "Codec/Converter/Haptics",
+      "Converts a haptic track between samples, fields, reliefs, KLV, text and MPEG haptics");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 
   transform_class->passthrough_on_same_caps = TRUE;
-  transform_class->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction,
-                                       GstCaps *caps, GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return transform_caps(direction, caps, filter); });
-  };
-  transform_class->fixate_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *,
-                                    GstCaps *other) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return fixate_caps(GST_HAPTIC_CONVERT(trans), direction, other); });
-  };
-  transform_class->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *out) -> gboolean {
-    return guarded(trans, FALSE, [&] { return set_caps(GST_HAPTIC_CONVERT(trans), in, out); });
-  };
-  transform_class->start = [](GstBaseTransform *trans) -> gboolean {
-    return guarded(trans, FALSE, [&] { return start(trans); });
-  };
-  transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
-    return guarded(trans, FALSE, [&] { return sink_event(trans, event); });
-  };
-  transform_class->src_event = [](GstBaseTransform *trans, GstEvent *event) -> gboolean {
-    return guarded(trans, FALSE, [&] { return src_event(trans, event); });
-  };
-  transform_class->query = [](GstBaseTransform *trans, GstPadDirection direction,
-                              GstQuery *q) -> gboolean {
-    return guarded(trans, FALSE, [&] { return query(trans, direction, q); });
-  };
-  transform_class->generate_output = [](GstBaseTransform *trans, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return generate_output(trans, out); });
-  };
+  transform_class->transform_caps = kGuarded<transform_caps>;
+  transform_class->fixate_caps = kGuarded<fixate_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->start = kGuarded<start>;
+  transform_class->sink_event = kGuarded<sink_event>;
+  transform_class->src_event = kGuarded<src_event>;
+  transform_class->query = kGuarded<query>;
+  transform_class->generate_output = kGuarded<generate_output>;
   // Without this function the base class takes the element for one that changes nothing.
   transform_class->transform = [](GstBaseTransform *, GstBuffer *, GstBuffer *) {
     return GST_FLOW_NOT_SUPPORTED;

@@ -10,14 +10,15 @@
  *
  * Standards: ISO/IEC 13818-1 (2.4.3.7, stream_id), RFC 9559 (5.1.4.1.5, FlagDefault).
  */
-#include "elements/gsthapticmark.h"
-
 #include "forms/container-mark.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 
+#include <gst/base/gstbasetransform.h>
 #include <span>
+
+G_DECLARE_FINAL_TYPE(GstHapticMark, gst_haptic_mark, GST, HAPTIC_MARK, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_mark_debug);
 #define GST_CAT_DEFAULT haptic_mark_debug
@@ -30,19 +31,15 @@ struct _GstHapticMark {
 #define CONTAINERS                                                                                 \
   "video/mpegts, systemstream=(boolean)true; video/x-matroska; audio/x-matroska; "                 \
   "application/x-matroska"
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(CONTAINERS));
 
 G_DEFINE_TYPE_WITH_CODE(GstHapticMark, gst_haptic_mark, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(haptic_mark_debug, "hapticmark", 0,
                                                 "marks of a haptic track in a container"))
-GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, GST_TYPE_HAPTIC_MARK)
+GST_ELEMENT_REGISTER_DEFINE(hapticmark, "hapticmark", GST_RANK_NONE, gst_haptic_mark_get_type())
 
 namespace {
 
-using haptic::guarded;
+using haptic::kGuarded;
 
 GstFlowReturn mark(GstHapticMark *self, GstBuffer *buffer) {
   const haptic::CapsPtr caps(
@@ -69,18 +66,13 @@ static void gst_haptic_mark_init(GstHapticMark *) {}
 
 static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic track marker", "Codec/Formatter/Haptics",
-      "Marks the haptic track in MPEG-TS and Matroska for other programs", "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticmark");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+  haptic::describe(element_class, "hapticmark", "Haptic track marker", "Codec/Formatter/Haptics",
+                   "Marks the haptic track in MPEG-TS and Matroska for other programs", CONTAINERS,
+                   CONTAINERS);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   transform_class->start = [](GstBaseTransform *trans) -> gboolean {
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;
     return TRUE;
   };
-  transform_class->transform_ip = [](GstBaseTransform *trans, GstBuffer *buffer) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return mark(GST_HAPTIC_MARK(trans), buffer); });
-  };
+  transform_class->transform_ip = kGuarded<mark>;
 }

@@ -10,21 +10,22 @@
  *
  * Standard: ISO/IEC 23090-31:2025, the MIHS stream of units (summed up in RFC 9993, section 4.2).
  */
-#include "elements/gsthmpgparse.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "messages.hpp"
 #include "mpeg-haptics/hmpg.hpp"
 
 #include <algorithm>
+#include <gst/base/gstbaseparse.h>
 #include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
+
+G_DECLARE_FINAL_TYPE(GstHmpgParse, gst_hmpg_parse, GST, HMPG_PARSE, GstBaseParse)
 
 GST_DEBUG_CATEGORY_STATIC(hmpg_parse_debug);
 #define GST_CAT_DEFAULT hmpg_parse_debug
@@ -32,6 +33,7 @@ GST_DEBUG_CATEGORY_STATIC(hmpg_parse_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::UnitHeader;
 using haptic::UnitType;
 
@@ -68,15 +70,10 @@ struct _GstHmpgParse {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_TYPE));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstHmpgParse, gst_hmpg_parse, GST_TYPE_BASE_PARSE,
                         GST_DEBUG_CATEGORY_INIT(hmpg_parse_debug, "hmpgparse", 0,
                                                 "units of MPEG haptics"))
-GST_ELEMENT_REGISTER_DEFINE(hmpgparse, "hmpgparse", GST_RANK_PRIMARY, GST_TYPE_HMPG_PARSE)
+GST_ELEMENT_REGISTER_DEFINE(hmpgparse, "hmpgparse", GST_RANK_PRIMARY, gst_hmpg_parse_get_type())
 
 namespace {
 
@@ -390,11 +387,6 @@ gboolean start(GstBaseParse *parse) {
   return TRUE;
 }
 
-void finalize(GObject *object) {
-  delete GST_HMPG_PARSE(object)->state;
-  G_OBJECT_CLASS(gst_hmpg_parse_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_hmpg_parse_init(GstHmpgParse *self) {
@@ -404,27 +396,12 @@ static void gst_hmpg_parse_init(GstHmpgParse *self) {
 static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *parse_class = GST_BASE_PARSE_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
-    guarded(object, [&] { finalize(object); });
-  };
-  gst_element_class_set_static_metadata(
-      element_class, "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
-      "Cuts a stream of MPEG haptics (.hmpg) into units", "Feeling Wind project");
-  haptic::add_documentation(element_class, "hmpgparse");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  parse_class->start = [](GstBaseParse *parse) -> gboolean {
-    return guarded(parse, FALSE, [&] { return start(parse); });
-  };
-  parse_class->convert = [](GstBaseParse *parse, GstFormat from, gint64 value, GstFormat to,
-                            gint64 *result) -> gboolean {
-    return guarded(parse, FALSE, [&] { return convert(parse, from, value, to, result); });
-  };
-  parse_class->pre_push_frame = [](GstBaseParse *parse, GstBaseParseFrame *frame) {
-    return guarded(parse, GST_FLOW_ERROR,
-                   [&] { return push_initialization(GST_HMPG_PARSE(parse), frame); });
-  };
-  parse_class->handle_frame = [](GstBaseParse *parse, GstBaseParseFrame *frame, gint *skip) {
-    return guarded(parse, GST_FLOW_ERROR, [&] { return handle_frame(parse, frame, skip); });
-  };
+  G_OBJECT_CLASS(klass)->finalize = haptic::delete_state<GstHmpgParse, gst_hmpg_parse_parent_class>;
+  haptic::describe(
+      element_class, "hmpgparse", "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
+      "Cuts a stream of MPEG haptics (.hmpg) into units", HAPTIC_HMPG_TYPE, HAPTIC_HMPG_CAPS);
+  parse_class->start = kGuarded<start>;
+  parse_class->convert = kGuarded<convert>;
+  parse_class->pre_push_frame = kGuarded<push_initialization>;
+  parse_class->handle_frame = kGuarded<handle_frame>;
 }

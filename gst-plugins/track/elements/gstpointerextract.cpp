@@ -9,21 +9,22 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "elements/gstpointerextract.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
 #include "forms/klv.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
 
 #include <condition_variable>
+#include <gst/gst.h>
 #include <mutex>
 #include <optional>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstPointerExtract, gst_pointer_extract, GST, POINTER_EXTRACT, GstElement)
 
 GST_DEBUG_CATEGORY_STATIC(pointer_extract_debug);
 #define GST_CAT_DEFAULT pointer_extract_debug
@@ -32,6 +33,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::PointerPosition;
 
 struct State {
@@ -65,7 +67,7 @@ G_DEFINE_TYPE_WITH_CODE(GstPointerExtract, gst_pointer_extract, GST_TYPE_ELEMENT
                         GST_DEBUG_CATEGORY_INIT(pointer_extract_debug, "pointerextract", 0,
                                                 "pointer events as a stream"))
 GST_ELEMENT_REGISTER_DEFINE(pointerextract, "pointerextract", GST_RANK_NONE,
-                            GST_TYPE_POINTER_EXTRACT)
+                            gst_pointer_extract_get_type())
 
 namespace {
 
@@ -193,11 +195,6 @@ gboolean pointer_query(GstPad *pad, GstObject *parent, GstQuery *query) {
   return gst_pad_query_default(pad, parent, query);
 }
 
-void finalize(GObject *object) {
-  delete GST_POINTER_EXTRACT(object)->state;
-  G_OBJECT_CLASS(gst_pointer_extract_parent_class)->finalize(object);
-}
-
 // Events from downstream end here: nobody upstream makes this stream.
 gboolean drop_event(GstPad *, GstObject *, GstEvent *event) {
   gst_event_unref(event);
@@ -209,18 +206,10 @@ void add_pads(GstPointerExtract *self) {
   State &state = *self->state;
   const haptic::PadPair pads = haptic::add_pad_pair(GST_ELEMENT(self));
   state.pointer = haptic::add_lone_pad(GST_ELEMENT(self), &pointer_template);
-  gst_pad_set_event_function(pads.sink, [](GstPad *pad, GstObject *parent, GstEvent *event) {
-    return guarded(parent, FALSE, [&] { return sink_event(pad, parent, event); });
-  });
-  gst_pad_set_event_function(pads.src, [](GstPad *pad, GstObject *parent, GstEvent *event) {
-    return guarded(parent, FALSE, [&] { return src_event(pad, parent, event); });
-  });
-  gst_pad_set_query_function(state.pointer, [](GstPad *pad, GstObject *parent, GstQuery *query) {
-    return guarded(parent, FALSE, [&] { return pointer_query(pad, parent, query); });
-  });
-  gst_pad_set_event_function(state.pointer, [](GstPad *pad, GstObject *parent, GstEvent *event) {
-    return guarded(parent, FALSE, [&] { return drop_event(pad, parent, event); });
-  });
+  gst_pad_set_event_function(pads.sink, kGuarded<sink_event>);
+  gst_pad_set_event_function(pads.src, kGuarded<src_event>);
+  gst_pad_set_query_function(state.pointer, kGuarded<pointer_query>);
+  gst_pad_set_event_function(state.pointer, kGuarded<drop_event>);
   gst_pad_set_activatemode_function(
       state.pointer,
       [](GstPad *pad, GstObject *parent, GstPadMode mode, gboolean active) -> gboolean {
@@ -237,12 +226,9 @@ static void gst_pointer_extract_init(GstPointerExtract *self) {
 
 static void gst_pointer_extract_class_init(GstPointerExtractClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
-    guarded(object, [&] { finalize(object); });
-  };
-  gst_element_class_set_static_metadata(element_class, "Pointer extractor", "Generic/Haptics",
-                                        "Makes a stream of the pointer events that come upstream",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "pointerextract");
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstPointerExtract, gst_pointer_extract_parent_class>;
+  haptic::describe(element_class, "pointerextract", "Pointer extractor", "Generic/Haptics",
+                   "Makes a stream of the pointer events that come upstream");
   haptic::add_pad_templates(element_class, &pointer_template);
 }

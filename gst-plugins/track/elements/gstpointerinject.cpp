@@ -9,13 +9,10 @@
  *
  * Standard: SMPTE ST 336 (the local set of docs/formats/klv.md).
  */
-#include "elements/gstpointerinject.h"
-
-#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "elements/pad-pair.hpp"
 #include "forms/klv.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
@@ -23,7 +20,10 @@
 #include "network/pointer-order.hpp"
 
 #include <chrono>
+#include <gst/gst.h>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstPointerInject, gst_pointer_inject, GST, POINTER_INJECT, GstElement)
 
 GST_DEBUG_CATEGORY_STATIC(pointer_inject_debug);
 #define GST_CAT_DEFAULT pointer_inject_debug
@@ -32,6 +32,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 
 struct State {
   // Set once.
@@ -55,7 +56,8 @@ static GstStaticPadTemplate pointer_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstPointerInject, gst_pointer_inject, GST_TYPE_ELEMENT,
                         GST_DEBUG_CATEGORY_INIT(pointer_inject_debug, "pointerinject", 0,
                                                 "pointers from a stream"))
-GST_ELEMENT_REGISTER_DEFINE(pointerinject, "pointerinject", GST_RANK_NONE, GST_TYPE_POINTER_INJECT)
+GST_ELEMENT_REGISTER_DEFINE(pointerinject, "pointerinject", GST_RANK_NONE,
+                            gst_pointer_inject_get_type())
 
 namespace {
 
@@ -87,10 +89,10 @@ void send_pointer(GstPointerInject *self, std::span<const std::uint8_t> bytes) {
                  handled ? "" : ", which nobody wanted");
 }
 
-GstFlowReturn chain_pointer(GstPointerInject *self, GstBuffer *raw) {
+GstFlowReturn chain_pointer(GstPad *, GstObject *parent, GstBuffer *raw) {
   const BufferPtr buffer(raw);
   if (const haptic::ReadableBuffer readable(buffer.get()); readable)
-    send_pointer(self, readable.bytes());
+    send_pointer(GST_POINTER_INJECT(parent), readable.bytes());
   return GST_FLOW_OK;
 }
 
@@ -109,22 +111,12 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   return GST_ELEMENT_CLASS(gst_pointer_inject_parent_class)->change_state(element, transition);
 }
 
-void finalize(GObject *object) {
-  delete GST_POINTER_INJECT(object)->state;
-  G_OBJECT_CLASS(gst_pointer_inject_parent_class)->finalize(object);
-}
-
 void add_pads(GstPointerInject *self) {
   self->state = new State;
   self->state->sink = haptic::add_pad_pair(GST_ELEMENT(self)).sink;
   GstPad *pointer = haptic::add_lone_pad(GST_ELEMENT(self), &pointer_template);
-  gst_pad_set_chain_function(pointer, [](GstPad *, GstObject *parent, GstBuffer *buffer) {
-    return guarded(parent, GST_FLOW_ERROR,
-                   [&] { return chain_pointer(GST_POINTER_INJECT(parent), buffer); });
-  });
-  gst_pad_set_event_function(pointer, [](GstPad *pad, GstObject *parent, GstEvent *event) {
-    return guarded(parent, FALSE, [&] { return drop_event(pad, parent, event); });
-  });
+  gst_pad_set_chain_function(pointer, kGuarded<chain_pointer>);
+  gst_pad_set_event_function(pointer, kGuarded<drop_event>);
 }
 
 } // namespace
@@ -135,16 +127,10 @@ static void gst_pointer_inject_init(GstPointerInject *self) {
 
 static void gst_pointer_inject_class_init(GstPointerInjectClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
-    guarded(object, [&] { finalize(object); });
-  };
-  gst_element_class_set_static_metadata(element_class, "Pointer injector", "Generic/Haptics",
-                                        "Sends pointers that come as a stream upstream as events",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "pointerinject");
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstPointerInject, gst_pointer_inject_parent_class>;
+  haptic::describe(element_class, "pointerinject", "Pointer injector", "Generic/Haptics",
+                   "Sends pointers that come as a stream upstream as events");
   haptic::add_pad_templates(element_class, &pointer_template);
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
+  element_class->change_state = kGuarded<change_state>;
 }

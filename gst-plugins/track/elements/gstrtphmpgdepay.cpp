@@ -10,19 +10,20 @@
  *
  * Standard: RFC 9993, sections 5.2 (payload header) and 5.3 (payload structures).
  */
-#include "elements/gstrtphmpgdepay.h"
-
 #include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "mpeg-haptics/hmpg-rtp.hpp"
 #include "network/key-requests.hpp"
 
+#include <gst/rtp/gstrtpbasedepayload.h>
 #include <gst/rtp/gstrtpbuffer.h>
 #include <utility>
 #include <vector>
+
+G_DECLARE_FINAL_TYPE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST, RTP_HMPG_DEPAY, GstRTPBaseDepayload)
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_depay_debug);
 #define GST_CAT_DEFAULT rtp_hmpg_depay_debug
@@ -30,6 +31,7 @@ GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_depay_debug);
 namespace {
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 
 struct State {
   // Streaming thread, or while it is stopped.
@@ -43,16 +45,11 @@ struct _GstRtpHmpgDepay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgDepay, gst_rtp_hmpg_depay, GST_TYPE_RTP_BASE_DEPAYLOAD,
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_depay_debug, "rtphmpgdepay", 0,
                                                 "MPEG haptics over RTP"))
 GST_ELEMENT_REGISTER_DEFINE(rtphmpgdepay, "rtphmpgdepay", GST_RANK_SECONDARY,
-                            GST_TYPE_RTP_HMPG_DEPAY)
+                            gst_rtp_hmpg_depay_get_type())
 
 namespace {
 
@@ -105,11 +102,6 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   return GST_ELEMENT_CLASS(gst_rtp_hmpg_depay_parent_class)->change_state(element, transition);
 }
 
-void finalize(GObject *object) {
-  delete GST_RTP_HMPG_DEPAY(object)->state;
-  G_OBJECT_CLASS(gst_rtp_hmpg_depay_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_rtp_hmpg_depay_init(GstRtpHmpgDepay *self) {
@@ -119,27 +111,13 @@ static void gst_rtp_hmpg_depay_init(GstRtpHmpgDepay *self) {
 static void gst_rtp_hmpg_depay_class_init(GstRtpHmpgDepayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *depayload_class = GST_RTP_BASE_DEPAYLOAD_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
-    guarded(object, [&] { finalize(object); });
-  };
-  gst_element_class_set_static_metadata(
-      element_class, "RTP MPEG haptics depayloader", "Codec/Depayloader/Network/RTP",
-      "Receives MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
-  haptic::add_documentation(element_class, "rtphmpgdepay");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
-  depayload_class->set_caps = [](GstRTPBaseDepayload *depayload, GstCaps *caps) -> gboolean {
-    return guarded(depayload, FALSE, [&] { return set_caps(depayload, caps); });
-  };
-  depayload_class->handle_event = [](GstRTPBaseDepayload *depayload, GstEvent *event) -> gboolean {
-    return guarded(depayload, FALSE, [&] { return handle_event(depayload, event); });
-  };
-  depayload_class->process_rtp_packet = [](GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
-    return guarded(depayload, static_cast<GstBuffer *>(nullptr),
-                   [&] { return process(depayload, rtp); });
-  };
+  G_OBJECT_CLASS(klass)->finalize =
+      haptic::delete_state<GstRtpHmpgDepay, gst_rtp_hmpg_depay_parent_class>;
+  haptic::describe(element_class, "rtphmpgdepay", "RTP MPEG haptics depayloader",
+                   "Codec/Depayloader/Network/RTP", "Receives MPEG haptics over RTP (RFC 9993)",
+                   HAPTIC_HMPG_RTP_CAPS, HAPTIC_HMPG_CAPS);
+  element_class->change_state = kGuarded<change_state>;
+  depayload_class->set_caps = kGuarded<set_caps>;
+  depayload_class->handle_event = kGuarded<handle_event>;
+  depayload_class->process_rtp_packet = kGuarded<process>;
 }

@@ -10,11 +10,8 @@
  * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
  * (full intra requests).
  */
-#include "elements/gstrtphmpgpay.h"
-
-#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -24,9 +21,12 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <gst/rtp/gstrtpbasepayload.h>
 #include <gst/rtp/gstrtpbuffer.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST, RTP_HMPG_PAY, GstRTPBasePayload)
 
 GST_DEBUG_CATEGORY_STATIC(rtp_hmpg_pay_debug);
 #define GST_CAT_DEFAULT rtp_hmpg_pay_debug
@@ -35,6 +35,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ObjectLock;
 using haptic::UnitType;
 
@@ -63,15 +64,11 @@ struct _GstRtpHmpgPay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_CAPS));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_HMPG_RTP_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST_TYPE_RTP_BASE_PAYLOAD,
                         GST_DEBUG_CATEGORY_INIT(rtp_hmpg_pay_debug, "rtphmpgpay", 0,
                                                 "MPEG haptics over RTP"))
-GST_ELEMENT_REGISTER_DEFINE(rtphmpgpay, "rtphmpgpay", GST_RANK_SECONDARY, GST_TYPE_RTP_HMPG_PAY)
+GST_ELEMENT_REGISTER_DEFINE(rtphmpgpay, "rtphmpgpay", GST_RANK_SECONDARY,
+                            gst_rtp_hmpg_pay_get_type())
 
 namespace {
 
@@ -210,23 +207,17 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 // ---- properties ---------------------------------------------------------------------------------
 
 std::span<const haptic::Property<State>> properties() {
+  using Rows = haptic::Rows<State>;
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::config_interval>(
-          g_param_spec_uint("config-interval", "Config Interval",
-                            "Seconds after which the initialization unit is sent again, for late "
-                            "receivers; 0: never",
-                            0, kLongestConfigInterval, kDefaultConfigInterval, haptic::kReadWrite)),
-      haptic::member_row<&State::aggregate>(g_param_spec_boolean(
+      Rows::number<&State::config_interval>(
+          "config-interval", "Config Interval",
+          "Seconds after which the initialization unit is sent again, for late receivers; 0: never",
+          0, kLongestConfigInterval),
+      Rows::flag<&State::aggregate>(
           "aggregate", "Aggregate",
-          "Send the initialization unit in one packet with the unit that follows", FALSE,
-          haptic::kReadWrite)),
+          "Send the initialization unit in one packet with the unit that follows"),
   };
   return table;
-}
-
-void finalize(GObject *object) {
-  delete GST_RTP_HMPG_PAY(object)->state;
-  G_OBJECT_CLASS(gst_rtp_hmpg_pay_parent_class)->finalize(object);
 }
 
 } // namespace
@@ -239,26 +230,14 @@ static void gst_rtp_hmpg_pay_class_init(GstRtpHmpgPayClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *payload_class = GST_RTP_BASE_PAYLOAD_CLASS(klass);
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstRtpHmpgPay, gst_rtp_hmpg_pay_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return *GST_RTP_HMPG_PAY(object)->state; });
-  gst_element_class_set_static_metadata(
-      element_class, "RTP MPEG haptics payloader", "Codec/Payloader/Network/RTP",
-      "Sends MPEG haptics over RTP (RFC 9993)", "Feeling Wind project");
-  haptic::add_documentation(element_class, "rtphmpgpay");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
-  payload_class->set_caps = [](GstRTPBasePayload *payload, GstCaps *caps) -> gboolean {
-    return guarded(payload, FALSE, [&] { return set_caps(payload, caps); });
-  };
-  payload_class->src_event = [](GstRTPBasePayload *payload, GstEvent *event) -> gboolean {
-    return guarded(payload, FALSE, [&] { return src_event(payload, event); });
-  };
-  payload_class->handle_buffer = [](GstRTPBasePayload *payload, GstBuffer *buffer) {
-    return guarded(payload, GST_FLOW_ERROR, [&] { return handle_buffer(payload, buffer); });
-  };
+  haptic::describe(element_class, "rtphmpgpay", "RTP MPEG haptics payloader",
+                   "Codec/Payloader/Network/RTP", "Sends MPEG haptics over RTP (RFC 9993)",
+                   HAPTIC_HMPG_CAPS, HAPTIC_HMPG_RTP_CAPS);
+  element_class->change_state = kGuarded<change_state>;
+  payload_class->set_caps = kGuarded<set_caps>;
+  payload_class->src_event = kGuarded<src_event>;
+  payload_class->handle_buffer = kGuarded<handle_buffer>;
 }

@@ -12,9 +12,7 @@
  *
  * Standard: RFC 3550, sections 6.4.1 (sender reports) and 8 (SSRC); RFC 4585 (early feedback).
  */
-#include "elements/gstrtponesender.h"
-
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -23,6 +21,7 @@
 #include "network/stream-sync.hpp"
 
 #include <cstdio>
+#include <gst/gst.h>
 #include <gst/net/gstnetaddressmeta.h>
 #include <gst/rtp/gstrtcpbuffer.h>
 #include <gst/rtp/gstrtpbuffer.h>
@@ -33,6 +32,8 @@
 #include <span>
 #include <string>
 
+G_DECLARE_FINAL_TYPE(GstRtpOneSender, gst_rtp_one_sender, GST, RTP_ONE_SENDER, GstBin)
+
 GST_DEBUG_CATEGORY_STATIC(rtp_one_sender_debug);
 #define GST_CAT_DEFAULT rtp_one_sender_debug
 
@@ -40,6 +41,7 @@ namespace {
 
 using haptic::ElementPtr;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::OneSender;
 using haptic::PadPtr;
 
@@ -79,7 +81,8 @@ static GstStaticPadTemplate rtp_src_template = GST_STATIC_PAD_TEMPLATE(
 G_DEFINE_TYPE_WITH_CODE(GstRtpOneSender, gst_rtp_one_sender, GST_TYPE_BIN,
                         GST_DEBUG_CATEGORY_INIT(rtp_one_sender_debug, "rtponesender", 0,
                                                 "RTP of one sender"))
-GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE, GST_TYPE_RTP_ONE_SENDER)
+GST_ELEMENT_REGISTER_DEFINE(rtponesender, "rtponesender", GST_RANK_NONE,
+                            gst_rtp_one_sender_get_type())
 
 namespace {
 
@@ -129,11 +132,6 @@ void choose(GstRtpOneSender *self, GstPad *pad, GstPad *out) {
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
-guint latency_of(GstRtpOneSender *self) {
-  const haptic::ObjectLock lock(self);
-  return self->state->latency;
-}
-
 // Gives the packet the time that those of the other sessions have at the same instant.
 void bring_into_step(GstRtpOneSender *self, GstPad *pad, const Sender &sender,
                      GstPadProbeInfo *info) {
@@ -152,9 +150,11 @@ void bring_into_step(GstRtpOneSender *self, GstPad *pad, const Sender &sender,
   packet.time = static_cast<std::int64_t>(GST_BUFFER_PTS(buffer));
   gst_rtp_buffer_unmap(&rtp);
   const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(self));
-  packet.earliest = GST_CLOCK_TIME_IS_VALID(now) ? static_cast<std::int64_t>(now) -
-                                                       std::int64_t{latency_of(self)} * GST_MSECOND
-                                                 : packet.time;
+  packet.earliest =
+      GST_CLOCK_TIME_IS_VALID(now)
+          ? static_cast<std::int64_t>(now) -
+                std::int64_t{haptic::locked_copy(self, self->state->latency)} * GST_MSECOND
+          : packet.time;
   const auto time = [&] {
     const std::lock_guard lock(state.mutex);
     return static_cast<GstClockTime>(state.sync.time_of(sender.session, packet));
@@ -360,12 +360,10 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
 
 std::span<const haptic::Property<State>> properties() {
   static const haptic::Property<State> table[] = {
-      haptic::member_row<&State::latency>(
-          g_param_spec_uint("latency", "Latency",
-                            "How long packets that come late or out of order are waited for, ms", 0,
-                            10000, kDefaultLatency,
-                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                     GST_PARAM_MUTABLE_READY))),
+      haptic::Rows<State>::number<&State::latency>(
+          "latency", "Latency",
+          "How long packets that come late or out of order are waited for, ms", 0, 10000,
+          haptic::kReady),
   };
   return table;
 }
@@ -396,11 +394,6 @@ void add_rtpbin(GstRtpOneSender *self) {
         self, static_cast<GConnectFlags>(0));
 }
 
-void finalize(GObject *object) {
-  delete GST_RTP_ONE_SENDER(object)->state;
-  G_OBJECT_CLASS(gst_rtp_one_sender_parent_class)->finalize(object);
-}
-
 } // namespace
 
 static void gst_rtp_one_sender_init(GstRtpOneSender *self) {
@@ -413,25 +406,14 @@ static void gst_rtp_one_sender_init(GstRtpOneSender *self) {
 static void gst_rtp_one_sender_class_init(GstRtpOneSenderClass *klass) {
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  object_class->finalize = [](GObject *object) { guarded(object, [&] { finalize(object); }); };
+  object_class->finalize = haptic::delete_state<GstRtpOneSender, gst_rtp_one_sender_parent_class>;
   haptic::install_properties<properties>(
       object_class, [](GObject *object) -> State & { return *GST_RTP_ONE_SENDER(object)->state; });
-  gst_element_class_set_static_metadata(
-      element_class, "RTP of one sender", "Generic/Bin/Network/RTP",
-      "Receives RTP of one sender a session, in step by RTCP", "Feeling Wind project");
-  haptic::add_documentation(element_class, "rtponesender");
+  haptic::describe(element_class, "rtponesender", "RTP of one sender", "Generic/Bin/Network/RTP",
+                   "Receives RTP of one sender a session, in step by RTCP");
   for (auto *pad : {&rtp_sink_template, &rtcp_sink_template, &rtp_src_template, &rtcp_src_template})
     gst_element_class_add_static_pad_template(element_class, pad);
-  element_class->request_new_pad = [](GstElement *element, GstPadTemplate *pad_template,
-                                      const gchar *name, const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr),
-                   [&] { return request_pad(GST_RTP_ONE_SENDER(element), pad_template, name); });
-  };
-  element_class->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] { release_pad(GST_RTP_ONE_SENDER(element), pad); });
-  };
-  element_class->change_state = [](GstElement *element, GstStateChange transition) {
-    return guarded(element, GST_STATE_CHANGE_FAILURE,
-                   [&] { return change_state(element, transition); });
-  };
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
+  element_class->change_state = kGuarded<change_state>;
 }

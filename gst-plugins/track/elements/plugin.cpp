@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "elements/gsthapticconvert.h"
-#include "elements/gsthapticmark.h"
-#include "elements/gsthmpgparse.h"
-#include "elements/gstpointerextract.h"
-#include "elements/gstpointerinject.h"
-#include "elements/gstrtphmpgdepay.h"
-#include "elements/gstrtphmpgpay.h"
-#include "elements/gstrtponesender.h"
 #include "elements/track-typefind.hpp"
+
+#include <gst/gst.h>
+
+GST_ELEMENT_REGISTER_DECLARE(hapticconvert)
+GST_ELEMENT_REGISTER_DECLARE(hapticmark)
+GST_ELEMENT_REGISTER_DECLARE(hmpgparse)
+GST_ELEMENT_REGISTER_DECLARE(pointerextract)
+GST_ELEMENT_REGISTER_DECLARE(pointerinject)
+GST_ELEMENT_REGISTER_DECLARE(rtphmpgdepay)
+GST_ELEMENT_REGISTER_DECLARE(rtphmpgpay)
+GST_ELEMENT_REGISTER_DECLARE(rtponesender)
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean any = FALSE;

@@ -24,12 +24,8 @@ struct Motion {
   static constexpr FieldKind kKind = FieldKind::motion;
   static constexpr char kUnreadable[] = "a motion field that does not say what it is";
   static constexpr char kContradiction[] = "a motion field that contradicts itself";
-  static bool unpack(std::span<const std::uint8_t> bytes, MotionField &field) {
-    return unpack_motion_field(bytes, field);
-  }
-  static void pack(const MotionField &field, std::span<std::uint8_t> bytes) {
-    pack_motion_field(field, bytes);
-  }
+  static constexpr auto unpack = unpack_motion_field;
+  static constexpr auto pack = pack_motion_field;
   static bool is_known(const FieldCell &cell) { return cell.confidence > 0; }
 };
 
@@ -37,12 +33,8 @@ struct Relief {
   static constexpr FieldKind kKind = FieldKind::relief;
   static constexpr char kUnreadable[] = "a relief that does not say what it is";
   static constexpr char kContradiction[] = "a relief that contradicts itself";
-  static bool unpack(std::span<const std::uint8_t> bytes, ReliefField &field) {
-    return unpack_relief_field(bytes, field);
-  }
-  static void pack(const ReliefField &field, std::span<std::uint8_t> bytes) {
-    pack_relief_field(field, bytes);
-  }
+  static constexpr auto unpack = unpack_relief_field;
+  static constexpr auto pack = pack_relief_field;
   static bool is_known(const ReliefCell &cell) { return cell.validity > 0; }
 };
 

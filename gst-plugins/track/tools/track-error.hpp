@@ -3,6 +3,7 @@
 #pragma once
 
 #include "../messages.hpp"
+#include "format-text.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -13,9 +14,6 @@ namespace haptic {
 class TrackFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-
-/// Returns the text that printf() would write.
-[[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
 
 /// Throws a TrackFileError with the text that printf() would write.
 [[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);

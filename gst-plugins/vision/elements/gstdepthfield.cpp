@@ -4,9 +4,8 @@
 //   gst-launch-1.0 filesrc location=depth.mkv ! matroskademux ! avdec_ffv1 ! depthfield ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "elements/gstdepthfield.h"
-
-#include "glue/documentation.hpp"
+#include "elements/gstreliefmaker.h"
+#include "glue/element-class.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "messages.hpp"
@@ -14,6 +13,8 @@
 
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstDepthField, gst_depth_field, GST, DEPTH_FIELD, GstReliefMaker)
 
 namespace {
 
@@ -33,12 +34,8 @@ struct _GstDepthField {
   GstReliefMaker parent;
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }")));
-
 G_DEFINE_TYPE(GstDepthField, gst_depth_field, GST_TYPE_RELIEF_MAKER)
-GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, GST_TYPE_DEPTH_FIELD)
+GST_ELEMENT_REGISTER_DEFINE(depthfield, "depthfield", GST_RANK_NONE, gst_depth_field_get_type())
 
 namespace {
 
@@ -84,61 +81,44 @@ State &state_of(gpointer element) {
 
 // Properties
 
-GType kind_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(DepthKind::depth), "Distance from the camera", "depth"},
-      {static_cast<int>(DepthKind::disparity), "Proportional to 1 / distance", "disparity"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstDepthFieldKind", values);
-  return type;
-}
-
-GType cell_height_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(CellHeight::median), "The median of the pixels", "median"},
-      {static_cast<int>(CellHeight::nearest), "The nearest tenth of the pixels", "nearest"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstDepthFieldCellHeight", values);
-  return type;
-}
-
-// The members of a base need the class that they are settings of.
-template <auto kMember>
-haptic::Property<Settings> row(GParamSpec *spec) {
-  return haptic::member_row<kMember, Settings>(spec);
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr double kLargest = 1e9;
   constexpr double kLeast = 1e-9;
   constexpr double kFarthest = 1e4; // m
-  const Settings usual;
   static const haptic::Property<Settings> table[] = {
-      haptic::relief_columns_row<&Settings::columns>(),
-      row<&Settings::kind>(g_param_spec_enum("kind", "Kind", "What the pixels hold", kind_type(),
-                                             static_cast<gint>(usual.kind), haptic::kReadWrite)),
-      row<&Settings::scale>(g_param_spec_double(
+      haptic::relief_columns_row<Settings>(),
+      Rows::choice<&Settings::kind>(
+          "kind", "Kind", "What the pixels hold",
+          haptic::register_enum<DepthKind>(
+              "GstDepthFieldKind",
+              {{DepthKind::depth, "Distance from the camera", "depth"},
+               {DepthKind::disparity, "Proportional to 1 / distance", "disparity"}})),
+      Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Metres that are one unit of depth; of disparity, metres times the value of a pixel",
-          kLeast, kLargest, usual.scale, haptic::kReadWrite)),
-      row<&Settings::near>(g_param_spec_double(
+          kLeast, kLargest),
+      Rows::number<&Settings::near>(
           "near", "Near", "Metres from the camera that are the highest place of the relief", kLeast,
-          kFarthest, usual.near, haptic::kReadWrite)),
-      row<&Settings::far>(g_param_spec_double(
-          "far", "Far", "Metres from the camera that are the lowest place of the relief", kLeast,
-          kFarthest, usual.far, haptic::kReadWrite)),
-      row<&Settings::range>(g_param_spec_double(
+          kFarthest),
+      Rows::number<&Settings::far>("far", "Far",
+                                   "Metres from the camera that are the lowest place of the relief",
+                                   kLeast, kFarthest),
+      Rows::number<&Settings::range>(
           "range", "Range", "Metres between the lowest and the highest place of the relief", 0,
-          2 * haptic::kMostReliefHeight, usual.range, haptic::kReadWrite)),
-      row<&Settings::cell_height>(g_param_spec_enum(
+          2 * haptic::kMostReliefHeight),
+      Rows::choice<&Settings::cell_height>(
           "cell-height", "Cell Height", "Which pixels give the height of a cell",
-          cell_height_type(), static_cast<gint>(usual.cell_height), haptic::kReadWrite)),
-      row<&Settings::stiffness>(
-          g_param_spec_double("stiffness", "Stiffness", "Stiffness of the surface in N/m", 0,
-                              haptic::kMostReliefStiffness, usual.stiffness, haptic::kReadWrite)),
-      row<&Settings::friction>(
-          g_param_spec_double("friction", "Friction", "Coulomb coefficient of the surface", 0,
-                              haptic::kMostReliefFriction, usual.friction, haptic::kReadWrite)),
+          haptic::register_enum<CellHeight>(
+              "GstDepthFieldCellHeight",
+              {{CellHeight::median, "The median of the pixels", "median"},
+               {CellHeight::nearest, "The nearest tenth of the pixels", "nearest"}})),
+      Rows::number<&Settings::stiffness>("stiffness", "Stiffness",
+                                         "Stiffness of the surface in N/m", 0,
+                                         haptic::kMostReliefStiffness),
+      Rows::number<&Settings::friction>("friction", "Friction",
+                                        "Coulomb coefficient of the surface", 0,
+                                        haptic::kMostReliefFriction),
   };
   return table;
 }
@@ -147,12 +127,9 @@ std::span<const haptic::Property<Settings>> properties() {
 
 static void gst_depth_field_class_init(GstDepthFieldClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Depth field", "Filter/Analyzer/Video",
-                                        "Makes a relief of frames of depth or disparity",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "depthfield");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_relief_maker_class_add_source(element_class);
+  haptic::describe(element_class, "depthfield", "Depth field", "Filter/Analyzer/Video",
+                   "Makes a relief of frames of depth or disparity",
+                   GST_VIDEO_CAPS_MAKE("{ GRAY16_LE, GRAY8 }"), HAPTIC_RELIEF_CAPS);
   haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
     return state_of(object).settings;
   });

@@ -6,17 +6,17 @@
 //
 // It draws on a writable frame in place, lets downstream draw where downstream can, and copies a
 // frame only where neither is possible.
-#include "elements/gsthapticoverlay.h"
-
 #include "elements/average-types.hpp"
 #include "elements/motion-reader.hpp"
+#include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/relief-pad.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 #include "overlay/frame-blending.hpp"
@@ -27,18 +27,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <gst/video/gstvideofilter.h>
 #include <optional>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstHapticOverlay, gst_haptic_overlay, GST, HAPTIC_OVERLAY, GstVideoFilter)
 
 GST_DEBUG_CATEGORY_STATIC(haptic_overlay_debug);
 #define GST_CAT_DEFAULT haptic_overlay_debug
 
 namespace {
 
-using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MappedFrame;
-using haptic::ObjectLock;
 using haptic::OverlayLook;
 using haptic::OverlayPixels;
 using haptic::OverlayStyle;
@@ -83,69 +85,51 @@ struct _GstHapticOverlay {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS,
-    GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
-        GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
-        ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
-        HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS)));
-
 G_DEFINE_TYPE_WITH_CODE(GstHapticOverlay, gst_haptic_overlay, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(haptic_overlay_debug, "hapticoverlay", 0,
                                                 "what is felt, drawn over the frame"))
-GST_ELEMENT_REGISTER_DEFINE(hapticoverlay, "hapticoverlay", GST_RANK_NONE, GST_TYPE_HAPTIC_OVERLAY)
+GST_ELEMENT_REGISTER_DEFINE(hapticoverlay, "hapticoverlay", GST_RANK_NONE,
+                            gst_haptic_overlay_get_type())
 
 namespace {
 
 // Properties
 
-GType style_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(OverlayStyle::none), "Nothing", "none"},
-      {static_cast<int>(OverlayStyle::arrows), "Region, velocity and force", "arrows"},
-      {static_cast<int>(OverlayStyle::full),
-       "These, the displacement of each patch, the motion model and the confidence", "full"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstHapticOverlayStyle", values);
-  return type;
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr double kLongestScale = 10; // s
   constexpr double kMostDeform = 100;  // px/mm
-  const OverlayLook look;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&OverlayLook::style, Settings>(
-          g_param_spec_enum("style", "Style", "What is drawn", style_type(),
-                            static_cast<gint>(look.style), haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::velocity_color, Settings>(
-          g_param_spec_uint("velocity-color", "Velocity Color", "Of velocity and patches, ARGB", 0,
-                            G_MAXUINT32, look.velocity_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::force_color, Settings>(
-          g_param_spec_uint("force-color", "Force Color", "Of the force, ARGB", 0, G_MAXUINT32,
-                            look.force_color, haptic::kReadWrite)),
-      haptic::member_row<&OverlayLook::scale, Settings>(g_param_spec_double(
+      Rows::choice<&Settings::style>(
+          "style", "Style", "What is drawn",
+          haptic::register_enum<OverlayStyle>(
+              "GstHapticOverlayStyle",
+              {{OverlayStyle::none, "Nothing", "none"},
+               {OverlayStyle::arrows, "Region, velocity and force", "arrows"},
+               {OverlayStyle::full,
+                "These, the displacement of each patch, the motion model and the confidence",
+                "full"}})),
+      Rows::number<&Settings::velocity_color>("velocity-color", "Velocity Color",
+                                              "Of velocity and patches, ARGB", 0, G_MAXUINT32),
+      Rows::number<&Settings::force_color>("force-color", "Force Color", "Of the force, ARGB", 0,
+                                           G_MAXUINT32),
+      Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",
-          0, kLongestScale, look.scale, haptic::kControllable)),
-      haptic::member_row<&Settings::average>(g_param_spec_enum(
-          "average", "Average", "That of the velocityavg whose output is felt",
-          haptic::average_type(), static_cast<gint>(haptic::Average::model), haptic::kReadWrite)),
-      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
-          "motion-model", "Motion Model", "That of the velocityavg whose output is felt",
-          haptic::motion_model_type(), static_cast<gint>(haptic::ModelChoice::automatic),
-          haptic::kReadWrite)),
-      haptic::member_row<&Settings::deform>(
-          g_param_spec_double("deform", "Deform",
-                              "Pixels that the picture is pulled towards a touching hand per mm of "
-                              "depth; 0: not at all",
-                              0, kMostDeform, Settings{}.deform, haptic::kControllable)),
-      haptic::member_row<&Settings::shading>(g_param_spec_double(
+          0, kLongestScale, haptic::kControllable),
+      Rows::choice<&Settings::average>("average", "Average",
+                                       "That of the velocityavg whose output is felt",
+                                       haptic::average_type()),
+      Rows::choice<&Settings::motion_model>("motion-model", "Motion Model",
+                                            "That of the velocityavg whose output is felt",
+                                            haptic::motion_model_type()),
+      Rows::number<&Settings::deform>("deform", "Deform",
+                                      "Pixels that the picture is pulled towards a touching hand "
+                                      "per mm of depth; 0: not at all",
+                                      0, kMostDeform, haptic::kControllable),
+      Rows::number<&Settings::shading>(
           "shading", "Shading", "Strength of the light on the relief of the pad relief; 0: none", 0,
-          1, Settings{}.shading, haptic::kControllable)),
+          1, haptic::kControllable),
   };
   return table;
 }
@@ -203,11 +187,7 @@ std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, const GstHapticM
 Changes changes_of(GstHapticOverlay *self, GstBuffer *frame) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  Settings settings;
-  {
-    const ObjectLock lock(self);
-    settings = state.settings;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
   Changes changes;
   if (settings.shading > 0)
     changes.shaded = state.relief.read_at(
@@ -301,7 +281,8 @@ haptic::CapsPtr without_composition(const GstCaps *caps) {
 }
 
 // The caps with which downstream draws come first: they avoid a copy.
-GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filter) {
+GstCaps *transform_caps(GstHapticOverlay *, GstPadDirection direction, GstCaps *caps,
+                        GstCaps *filter) {
   haptic::CapsPtr result = without_composition(caps);
   if (direction == GST_PAD_SINK) {
     haptic::CapsPtr preferred = with_composition(result.get());
@@ -310,6 +291,23 @@ GstCaps *transform_caps(GstPadDirection direction, GstCaps *caps, GstCaps *filte
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();
+}
+
+gboolean set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
+  const gboolean result =
+      GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->set_caps(trans, in, out);
+  // The parent says that frames are changed in place; but copies then come from no pool.
+  gst_base_transform_set_in_place(trans, FALSE);
+  return result;
+}
+
+GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
+  return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
+}
+
+void release_pad(GstElement *element, GstPad *pad) {
+  gst_pad_set_active(pad, FALSE);
+  gst_element_remove_pad(element, pad);
 }
 
 gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
@@ -325,94 +323,44 @@ gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 } // namespace
 
-static void gst_haptic_overlay_finalize(GObject *object) {
-  delete GST_HAPTIC_OVERLAY(object)->state;
-  G_OBJECT_CLASS(gst_haptic_overlay_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_haptic_overlay_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_HAPTIC_OVERLAY(object)->state->settings;
-  });
-}
-
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return transform_caps(direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
-    return guarded(trans, FALSE, [&] {
-      const gboolean result =
-          GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->set_caps(trans, in, out);
-      // The parent says that frames are changed in place; but copies then come from no pool.
-      gst_base_transform_set_in_place(trans, FALSE);
-      return result;
-    });
-  };
-  klass->decide_allocation = [](GstBaseTransform *trans, GstQuery *query) {
-    return guarded(trans, FALSE, [&] { return decide_allocation(trans, query); });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(GST_HAPTIC_OVERLAY(trans), in, out); });
-  };
-  // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_HAPTIC_OVERLAY(trans), in, out); });
-  };
-  // The geometry stays as it is, so all metadata stay true.
-  klass->transform_meta = [](GstBaseTransform *trans, GstBuffer *, GstMeta *, GstBuffer *) {
-    return guarded(trans, FALSE, [] { return TRUE; });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_HAPTIC_OVERLAY(trans)->state->reader = {};
-      return TRUE;
-    });
-  };
-}
-
-static void install_relief_pad(GstElementClass *klass) {
-  gst_element_class_add_pad_template(klass, haptic::shown_relief_template());
-  klass->request_new_pad = [](GstElement *element, GstPadTemplate *of, const gchar *,
-                              const GstCaps *) {
-    return guarded(element, static_cast<GstPad *>(nullptr), [&] {
-      return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
-    });
-  };
-  klass->release_pad = [](GstElement *element, GstPad *pad) {
-    guarded(element, [&] {
-      gst_pad_set_active(pad, FALSE);
-      gst_element_remove_pad(element, pad);
-    });
-  };
-}
-
 static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Haptic overlay", "Filter/Effect/Video",
+  haptic::describe(
+      element_class, "hapticoverlay", "Haptic overlay", "Filter/Effect/Video",
       "Draws over a frame the motion that was measured in it, its force, and what is touched",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "hapticoverlay");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-  install_relief_pad(element_class);
+      GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS),
+      GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
+          GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
+          ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
+          HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS));
+  gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
+  element_class->request_new_pad = kGuarded<request_pad>;
+  element_class->release_pad = kGuarded<release_pad>;
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstHapticOverlay, gst_haptic_overlay_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_HAPTIC_OVERLAY(object)->state->settings;
+  });
 
-  gst_type_mark_as_plugin_api(style_type(), static_cast<GstPluginAPIFlags>(0));
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<transform_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->decide_allocation = kGuarded<decide_allocation>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
+  transform_class->transform = kGuarded<transform>;
+  // The geometry stays as it is, so all metadata stay true.
+  transform_class->transform_meta = [](GstBaseTransform *, GstBuffer *, GstMeta *,
+                                       GstBuffer *) -> gboolean { return TRUE; };
+  transform_class->start = kGuarded<[](GstHapticOverlay *self) {
+    self->state->reader = {};
+    return TRUE;
+  }>;
 }
 
 static void gst_haptic_overlay_init(GstHapticOverlay *self) {
   self->state = new State;
-  auto *trans = GST_BASE_TRANSFORM(self);
   // A frame skipped here would be missing from the history that a duplicate repeats.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

@@ -5,15 +5,13 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! motionfield ! hapticsink
 //
 // It reads the luma of each frame once.
-#include "elements/gstmotionfield.h"
-
 #include "field/camera-motion.hpp"
 #include "field/field-tracker.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
@@ -22,8 +20,11 @@
 #include "tracking/repetition.hpp"
 
 #include <algorithm>
+#include <gst/base/gstbasetransform.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstMotionField, gst_motion_field, GST, MOTION_FIELD, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
 #define GST_CAT_DEFAULT motionfield_debug
@@ -31,8 +32,8 @@ GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MotionField;
-using haptic::ObjectLock;
 
 // State
 
@@ -76,41 +77,30 @@ struct _GstMotionField {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_FIELD_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstMotionField, gst_motion_field, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(motionfield_debug, "motionfield", 0,
                                                 "motion of the whole frame"))
-GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, GST_TYPE_MOTION_FIELD)
+GST_ELEMENT_REGISTER_DEFINE(motionfield, "motionfield", GST_RANK_NONE, gst_motion_field_get_type())
 
 namespace {
 
 // Properties
 
-GType camera_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(Camera::keep), "The motion in the frame, as it is", "keep"},
-      {static_cast<int>(Camera::remove), "The motion relative to the background", "remove"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstMotionFieldCamera", values);
-  return type;
-}
-
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   constexpr guint kFewestColumns = 4;
   constexpr guint kMostColumns = 96;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&Settings::columns>(g_param_spec_uint(
+      Rows::number<&Settings::columns>(
           "field-columns", "Field Columns",
           "Cells side by side; rows follow from the frame's shape. None is narrower than 8 pixels",
-          kFewestColumns, kMostColumns, Settings{}.columns, haptic::kReadWrite)),
-      haptic::member_row<&Settings::camera>(g_param_spec_enum(
+          kFewestColumns, kMostColumns),
+      Rows::choice<&Settings::camera>(
           "camera", "Camera", "Whether the camera's motion stays in the field or is subtracted",
-          camera_type(), static_cast<gint>(Camera::keep), haptic::kReadWrite)),
+          haptic::register_enum<Camera>(
+              "GstMotionFieldCamera",
+              {{Camera::keep, "The motion in the frame, as it is", "keep"},
+               {Camera::remove, "The motion relative to the background", "remove"}})),
   };
   return table;
 }
@@ -121,17 +111,13 @@ std::span<const haptic::Property<Settings>> properties() {
 void set_shape(GstMotionField *self) {
   State &state = *self->state;
   const GstVideoInfo &info = state.frame;
-  guint columns = 0;
-  {
-    const ObjectLock lock(self);
-    columns = state.settings.columns;
-    state.camera_choice = state.settings.camera;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
+  state.camera_choice = settings.camera;
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   const haptic::FieldShape shape = haptic::field_shape(
       width, height, static_cast<double>(GST_VIDEO_INFO_PAR_N(&info)) / GST_VIDEO_INFO_PAR_D(&info),
-      static_cast<int>(columns));
+      static_cast<int>(settings.columns));
   MotionField &field = state.field;
   if (shape == state.shape && field.frame_width == static_cast<std::uint32_t>(width) &&
       field.frame_height == static_cast<std::uint32_t>(height))
@@ -300,81 +286,42 @@ void on_sink_event(GstMotionField *self, GstEvent *event) {
 
 } // namespace
 
-static void gst_motion_field_finalize(GObject *object) {
-  delete GST_MOTION_FIELD(object)->state;
-  G_OBJECT_CLASS(gst_motion_field_parent_class)->finalize(object);
-}
+static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  haptic::describe(element_class, "motionfield", "Motion field", "Filter/Analyzer/Video",
+                   "Measures the motion of the whole frame on a grid of cells",
+                   GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS), HAPTIC_FIELD_CAPS);
+  static const gchar *no_tags[] = {nullptr};
+  gst_meta_register_custom(kCameraMotion, no_tags, nullptr, nullptr, nullptr);
 
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_motion_field_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstMotionField, gst_motion_field_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
     return GST_MOTION_FIELD(object)->state->settings;
   });
-}
 
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] { return set_caps(GST_MOTION_FIELD(trans), in); });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(GST_MOTION_FIELD(trans), in, out); });
-  };
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_MOTION_FIELD(trans), in, out); });
-  };
-  klass->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
+  transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
     guarded(trans, [&] { on_sink_event(GST_MOTION_FIELD(trans), event); });
     return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
   };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // Rows are read one by one, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_MOTION_FIELD(trans)->state->timeline.report_faults_again();
-      return TRUE;
-    });
-  };
-  klass->stop = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      GST_MOTION_FIELD(trans)->state->forget_frames();
-      return TRUE;
-    });
-  };
-}
-
-static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
-  auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Motion field", "Filter/Analyzer/Video",
-                                        "Measures the motion of the whole frame on a grid of cells",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "motionfield");
-  static const gchar *no_tags[] = {nullptr};
-  gst_meta_register_custom(kCameraMotion, no_tags, nullptr, nullptr, nullptr);
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
-
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<[](GstMotionField *self) {
+    self->state->timeline.report_faults_again();
+    return TRUE;
+  }>;
+  transform_class->stop = kGuarded<[](GstMotionField *self) {
+    self->state->forget_frames();
+    return TRUE;
+  }>;
 }
 
 static void gst_motion_field_init(GstMotionField *self) {
   self->state = new State;
   gst_video_info_init(&self->state->frame);
-  auto *trans = GST_BASE_TRANSFORM(self);
-  // A late sink must not make the tracker skip frames.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

@@ -13,9 +13,6 @@
 GST_DEBUG_CATEGORY_STATIC(reliefmaker_debug);
 #define GST_CAT_DEFAULT reliefmaker_debug
 
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_RELIEF_CAPS));
-
 struct GstReliefMakerPrivate {
   haptic::ReliefMaker *state;
 };
@@ -33,13 +30,10 @@ void gst_relief_maker_set_state(GstReliefMaker *self, haptic::ReliefMaker *state
   static_cast<GstReliefMakerPrivate *>(gst_relief_maker_get_instance_private(self))->state = state;
 }
 
-void gst_relief_maker_class_add_source(GstElementClass *klass) {
-  gst_element_class_add_static_pad_template(klass, &src_template);
-}
-
 namespace {
 
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ReliefField;
 using haptic::ReliefMaker;
 
@@ -47,7 +41,8 @@ ReliefMaker &state_of(GstBaseTransform *trans) {
   return *gst_relief_maker_state(GST_RELIEF_MAKER(trans));
 }
 
-GstFlowReturn prepare_output_buffer(ReliefMaker &state, GstBuffer *in, GstBuffer **out) {
+GstFlowReturn prepare_output_buffer(GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
+  ReliefMaker &state = state_of(trans);
   const GstVideoInfo &info = state.frame;
   const haptic::FieldShape shape = haptic::field_shape(
       GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info),
@@ -86,7 +81,8 @@ GstFlowReturn transform(GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-gboolean set_caps(ReliefMaker &state, const GstCaps *in) {
+gboolean set_caps(GstBaseTransform *trans, GstCaps *in) {
+  ReliefMaker &state = state_of(trans);
   state.timeline.forget();
   if (!gst_video_info_from_caps(&state.frame, in))
     return FALSE;
@@ -97,6 +93,13 @@ gboolean set_caps(ReliefMaker &state, const GstCaps *in) {
   relief.pixel_aspect_n = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_N(&info));
   relief.pixel_aspect_d = static_cast<std::uint32_t>(GST_VIDEO_INFO_PAR_D(&info));
   return TRUE;
+}
+
+gboolean start(GstBaseTransform *trans) {
+  ReliefMaker &state = state_of(trans);
+  state.timeline.forget();
+  state.timeline.report_faults_again();
+  return state.start() ? TRUE : FALSE;
 }
 
 void on_sink_event(ReliefMaker &state, const GstEvent *event) {
@@ -114,46 +117,18 @@ static void gst_relief_maker_finalize(GObject *object) {
 static void gst_relief_maker_class_init(GstReliefMakerClass *klass) {
   G_OBJECT_CLASS(klass)->finalize = gst_relief_maker_finalize;
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-  transform_class->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction,
-                                       GstCaps *caps, GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  transform_class->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] { return set_caps(state_of(trans), in); });
-  };
-  transform_class->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in,
-                                              GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return prepare_output_buffer(state_of(trans), in, out); });
-  };
-  transform_class->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return transform(trans, in, out); });
-  };
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
   transform_class->sink_event = [](GstBaseTransform *trans, GstEvent *event) {
     guarded(trans, [&] { on_sink_event(state_of(trans), event); });
     return GST_BASE_TRANSFORM_CLASS(gst_relief_maker_parent_class)->sink_event(trans, event);
   };
-  transform_class->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // Rows are read one by one, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  transform_class->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] {
-      state_of(trans).timeline.forget();
-      state_of(trans).timeline.report_faults_again();
-      return state_of(trans).start() ? TRUE : FALSE;
-    });
-  };
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<start>;
 }
 
 static void gst_relief_maker_init(GstReliefMaker *self) {
-  auto *trans = GST_BASE_TRANSFORM(self);
-  // A late sink must not make it leave out frames.
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

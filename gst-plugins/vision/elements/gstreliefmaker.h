@@ -14,15 +14,15 @@ namespace haptic {
 /// Columns of a relief unless a user wants others.
 inline constexpr guint kReliefColumns = 64;
 
-/// The property of the member that holds the columns.
-template <auto kColumns>
+/// The property of the member `columns`.
+template <typename Settings>
 auto relief_columns_row() {
   constexpr guint kFewest = 4;
   constexpr guint kMost = 96;
-  return member_row<kColumns>(g_param_spec_uint(
+  return Rows<Settings>::template number<&Settings::columns>(
       "field-columns", "Field Columns",
       "Cells side by side; rows follow from the frame's shape. None is narrower than 8 pixels",
-      kFewest, kMost, kReliefColumns, kReadWrite));
+      kFewest, kMost);
 }
 
 /// The state of such an element. Streaming thread only, or while it is stopped.
@@ -59,6 +59,3 @@ haptic::ReliefMaker *gst_relief_maker_state(GstReliefMaker *self);
 
 /// To be called once, by the init function of a class.
 void gst_relief_maker_set_state(GstReliefMaker *self, haptic::ReliefMaker *state);
-
-/// Adds the pad `src`.
-void gst_relief_maker_class_add_source(GstElementClass *klass);

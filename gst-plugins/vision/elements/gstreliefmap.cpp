@@ -4,9 +4,8 @@
 //   gst-launch-1.0 videotestsrc ! videoconvert ! reliefmap table=foliage ! fakesink
 //
 // It reads 25 pixels of each cell.
-#include "elements/gstreliefmap.h"
-
-#include "glue/documentation.hpp"
+#include "elements/gstreliefmaker.h"
+#include "glue/element-class.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "relief/colour-relief.hpp"
@@ -16,17 +15,15 @@
 #include <stdexcept>
 #include <string>
 
-namespace {
+G_DECLARE_FINAL_TYPE(GstReliefMap, gst_relief_map, GST, RELIEF_MAP, GstReliefMaker)
 
-using haptic::ObjectLock;
+namespace {
 
 // State
 
-constexpr char kDefaultTable[] = "generic";
-
 struct Settings {
   guint columns = haptic::kReliefColumns;
-  std::string table = kDefaultTable;
+  std::string table = "generic";
 };
 
 } // namespace
@@ -35,13 +32,8 @@ struct _GstReliefMap {
   GstReliefMaker parent;
 };
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-    GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE("{ RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, "
-                                        "ABGR }")));
-
 G_DEFINE_TYPE(GstReliefMap, gst_relief_map, GST_TYPE_RELIEF_MAKER)
-GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, GST_TYPE_RELIEF_MAP)
+GST_ELEMENT_REGISTER_DEFINE(reliefmap, "reliefmap", GST_RANK_NONE, gst_relief_map_get_type())
 
 namespace {
 
@@ -50,13 +42,8 @@ public:
   explicit State(GstElement *element) : element_(element) {}
 
   bool start() override {
-    std::string name;
-    {
-      const ObjectLock lock(element_);
-      name = settings.table;
-    }
     try {
-      table_ = haptic::load_touch_table(name);
+      table_ = haptic::load_touch_table(haptic::locked_copy(element_, settings.table));
     } catch (const std::runtime_error &error) {
       GST_ELEMENT_ERROR(element_, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
       return false;
@@ -64,10 +51,7 @@ public:
     return true;
   }
 
-  guint follow_settings() override {
-    const ObjectLock lock(element_);
-    return settings.columns;
-  }
+  guint follow_settings() override { return haptic::locked_copy(element_, settings.columns); }
 
   void make(const GstVideoFrame &mapped) override {
     haptic::ColourView view;
@@ -95,18 +79,11 @@ State &state_of(gpointer element) {
 
 std::span<const haptic::Property<Settings>> properties() {
   static const haptic::Property<Settings> table[] = {
-      haptic::relief_columns_row<&Settings::columns>(),
-      {g_param_spec_string("table", "Table",
-                           "What colours feel like: generic, fabric, foliage, or the path of a "
-                           "table file. Takes effect at the next start",
-                           kDefaultTable,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                    GST_PARAM_MUTABLE_READY)),
-       [](Settings &s, const GValue *value) {
-         const gchar *text = g_value_get_string(value);
-         s.table = text ? text : kDefaultTable;
-       },
-       [](const Settings &s, GValue *value) { g_value_set_string(value, s.table.c_str()); }},
+      haptic::relief_columns_row<Settings>(),
+      haptic::Rows<Settings>::text<&Settings::table>(
+          "table", "Table",
+          "What colours feel like: generic, fabric, foliage, or the path of a "
+          "table file. Takes effect at the next start"),
   };
   return table;
 }
@@ -115,12 +92,11 @@ std::span<const haptic::Property<Settings>> properties() {
 
 static void gst_relief_map_class_init(GstReliefMapClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(element_class, "Relief map", "Filter/Analyzer/Video",
-                                        "Makes a relief of the colours of frames by a table",
-                                        "Feeling Wind project");
-  haptic::add_documentation(element_class, "reliefmap");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_relief_maker_class_add_source(element_class);
+  haptic::describe(element_class, "reliefmap", "Relief map", "Filter/Analyzer/Video",
+                   "Makes a relief of the colours of frames by a table",
+                   GST_VIDEO_CAPS_MAKE("{ RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, "
+                                       "ABGR }"),
+                   HAPTIC_RELIEF_CAPS);
   haptic::install_properties<properties>(G_OBJECT_CLASS(klass), [](GObject *object) -> Settings & {
     return state_of(object).settings;
   });

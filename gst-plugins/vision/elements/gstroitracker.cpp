@@ -6,14 +6,13 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
-#include "elements/gstroitracker.h"
-
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
+#include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
 #include "frames/mapped-frame.hpp"
 #include "glue/controllers.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
@@ -27,8 +26,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <gst/video/gstvideofilter.h>
 #include <gst/video/navigation.h>
 #include <optional>
+
+G_DECLARE_FINAL_TYPE(GstRoiTracker, gst_roi_tracker, GST, ROI_TRACKER, GstVideoFilter)
 
 GST_DEBUG_CATEGORY_STATIC(roitracker_debug);
 #define GST_CAT_DEFAULT roitracker_debug
@@ -37,6 +39,7 @@ namespace {
 
 using haptic::Finding;
 using haptic::guarded;
+using haptic::kGuarded;
 using haptic::MappedFrame;
 using haptic::ObjectLock;
 using haptic::Pointer;
@@ -98,46 +101,14 @@ struct _GstRoiTracker {
 
 #define ROITRACKER_CAPS GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(ROITRACKER_CAPS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(ROITRACKER_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstRoiTracker, gst_roi_tracker, GST_TYPE_VIDEO_FILTER,
                         GST_DEBUG_CATEGORY_INIT(roitracker_debug, "roitracker", 0,
                                                 "motion in a region of interest"))
-GST_ELEMENT_REGISTER_DEFINE(roitracker, "roitracker", GST_RANK_NONE, GST_TYPE_ROI_TRACKER)
+GST_ELEMENT_REGISTER_DEFINE(roitracker, "roitracker", GST_RANK_NONE, gst_roi_tracker_get_type())
 
 namespace {
 
 // Properties
-
-GType pointer_source_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(PointerSource::automatic),
-       "The haptic device if it spoke within the last second, else mouse or touch, else properties",
-       "auto"},
-      {static_cast<int>(PointerSource::haptic), "The haptic device", "haptic"},
-      {static_cast<int>(PointerSource::navigation), "Mouse or touch screen", "navigation"},
-      {static_cast<int>(PointerSource::property), "The properties pointer-x and pointer-y",
-       "property"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstRoiTrackerPointerSource", values);
-  return type;
-}
-
-GType method_type() {
-  static const GEnumValue values[] = {
-      {static_cast<int>(TrackerMethod::fast),
-       "Still, one translation or a grid of patches, whatever is the least that explains the "
-       "frame",
-       "fast"},
-      {static_cast<int>(TrackerMethod::opencv),
-       "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
-      {0, nullptr, nullptr}};
-  static const GType type = g_enum_register_static("GstRoiTrackerMethod", values);
-  return type;
-}
 
 GstStructure *to_structure(const haptic::TrackingStatistics &s) {
   return gst_structure_new("roitracker-stats", "frames", G_TYPE_UINT64, s.frames, "measured",
@@ -166,13 +137,14 @@ haptic::Property<Shared> pointer_row(const char *name, const char *nick, const c
 }
 
 std::span<const haptic::Property<Shared>> properties() {
+  using Rows = haptic::Rows<Shared>;
   constexpr guint kLargestRoi = 8192; // px
   static const haptic::Property<Shared> table[] = {
-      haptic::member_row<&Shared::roi_size>(g_param_spec_uint(
+      Rows::number<&Shared::roi_size>(
           "roi-size", "Region Size",
           "Side of the square region of interest about the pointer in pixels; 0: 30 pixels in a "
           "frame 352 pixels wide, and in proportion",
-          0, kLargestRoi, 0, haptic::kControllable)),
+          0, kLargestRoi, haptic::kControllable),
       pointer_row<&Pointer::x>(
           "pointer-x", "Pointer X",
           "Pointer as a fraction of the frame's width, from the left. Setting it takes effect "
@@ -181,17 +153,31 @@ std::span<const haptic::Property<Shared>> properties() {
           "pointer-y", "Pointer Y",
           "Pointer as a fraction of the frame's height, from the top. Setting it takes effect "
           "while neither a haptic device nor a mouse points; reading it gives the pointer in use"),
-      {g_param_spec_enum("pointer-source", "Pointer Source", "Who moves the pointer",
-                         pointer_source_type(), static_cast<gint>(PointerSource::automatic),
-                         haptic::kReadWrite),
-       [](Shared &s, const GValue *value) { haptic::read_value(value, s.pointers.source); },
-       [](const Shared &s, GValue *value) { haptic::write_value(value, s.pointers.source); }},
-      haptic::member_row<&Shared::method>(
-          g_param_spec_enum("method", "Method", "How motion is measured", method_type(),
-                            static_cast<gint>(TrackerMethod::fast), haptic::kReadWrite)),
-      haptic::member_row<&Shared::max_points>(g_param_spec_uint(
-          "max-points", "Maximum Points", "Most points that are tracked in the region", 1,
-          haptic::kMaxPatches, haptic::kUsualPatches, haptic::kReadWrite)),
+      Rows::choice<&Shared::pointers, &haptic::PointerArbiter::source>(
+          "pointer-source", "Pointer Source", "Who moves the pointer",
+          haptic::register_enum<PointerSource>(
+              "GstRoiTrackerPointerSource",
+              {{PointerSource::automatic,
+                "The haptic device if it spoke within the last second, else mouse or touch, else "
+                "properties",
+                "auto"},
+               {PointerSource::haptic, "The haptic device", "haptic"},
+               {PointerSource::navigation, "Mouse or touch screen", "navigation"},
+               {PointerSource::property, "The properties pointer-x and pointer-y", "property"}})),
+      Rows::choice<&Shared::method>(
+          "method", "Method", "How motion is measured",
+          haptic::register_enum<TrackerMethod>(
+              "GstRoiTrackerMethod",
+              {{TrackerMethod::fast,
+                "Still, one translation or a grid of patches, whatever is the least that explains "
+                "the frame",
+                "fast"},
+               {TrackerMethod::opencv,
+                "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference",
+                "opencv"}})),
+      Rows::number<&Shared::max_points>("max-points", "Maximum Points",
+                                        "Most points that are tracked in the region", 1,
+                                        haptic::kMaxPatches),
       {g_param_spec_boxed(
            "stats", "Statistics",
            "Frames so far, how many of them were measured, still or duplicates, mean number of "
@@ -408,23 +394,19 @@ gboolean stop(GstRoiTracker *self) {
   return TRUE;
 }
 
-gboolean set_info(GstRoiTracker *self, const GstVideoInfo &info) {
+gboolean set_info(GstRoiTracker *self, GstCaps *, GstVideoInfo *info) {
   State &state = *self->state;
   state.forget_frames();
   const ObjectLock lock(self);
-  state.shared.frame_width = GST_VIDEO_INFO_WIDTH(&info);
-  state.shared.frame_height = GST_VIDEO_INFO_HEIGHT(&info);
+  state.shared.frame_width = GST_VIDEO_INFO_WIDTH(info);
+  state.shared.frame_height = GST_VIDEO_INFO_HEIGHT(info);
   return TRUE;
 }
 
 // Events and queries
 
 void post_statistics(GstRoiTracker *self) {
-  haptic::TrackingStatistics statistics;
-  {
-    const ObjectLock lock(self);
-    statistics = self->state->shared.statistics;
-  }
+  const auto statistics = haptic::locked_copy(self, self->state->shared.statistics);
   gst_element_post_message(GST_ELEMENT(self),
                            gst_message_new_element(GST_OBJECT(self), to_structure(statistics)));
 }
@@ -473,7 +455,7 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
 }
 
 // Frames pass through, so the query goes downstream. The reference holds one buffer more.
-gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
+gboolean propose_allocation(GstBaseTransform *trans, GstQuery *, GstQuery *query) {
   constexpr guint kHeld = 1;
   GstCaps *caps = nullptr;
   gst_query_parse_allocation(query, &caps, nullptr);
@@ -503,25 +485,11 @@ gboolean propose_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 } // namespace
 
-static void gst_roi_tracker_finalize(GObject *object) {
-  delete GST_ROI_TRACKER(object)->state;
-  G_OBJECT_CLASS(gst_roi_tracker_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_roi_tracker_finalize;
-  haptic::install_properties<properties>(
-      klass, [](GObject *object) -> Shared & { return GST_ROI_TRACKER(object)->state->shared; });
-}
-
 static void install_transform_vfuncs(GstBaseTransformClass *klass) {
   // Without it the base class works in place only; GstVideoFilter's own transform_ip would map the
   // pixels for writing, and copy them.
   klass->transform = nullptr;
-  klass->transform_ip = [](GstBaseTransform *trans, GstBuffer *buffer) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform_ip(GST_ROI_TRACKER(trans), buffer); });
-  };
+  klass->transform_ip = kGuarded<transform_ip>;
   klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
     return guarded(trans, GST_FLOW_ERROR, [&] {
       *out = haptic::with_own_metadata(in);
@@ -544,41 +512,28 @@ static void install_transform_vfuncs(GstBaseTransformClass *klass) {
       guarded(trans, [&] { GST_ROI_TRACKER(trans)->state->forget_frames(); });
     return GST_BASE_TRANSFORM_CLASS(gst_roi_tracker_parent_class)->query(trans, direction, query);
   };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    return guarded(trans, FALSE, [&] { return propose_allocation(trans, query); });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return start(GST_ROI_TRACKER(trans)); });
-  };
-  klass->stop = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return stop(GST_ROI_TRACKER(trans)); });
-  };
+  klass->propose_allocation = kGuarded<propose_allocation>;
+  klass->start = kGuarded<start>;
+  klass->stop = kGuarded<stop>;
 }
 
 static void gst_roi_tracker_class_init(GstRoiTrackerClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Region of interest tracker", "Filter/Analyzer/Video",
-      "Measures the motion under a pointer and attaches it to the untouched frame",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "roitracker");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+  haptic::describe(element_class, "roitracker", "Region of interest tracker",
+                   "Filter/Analyzer/Video",
+                   "Measures the motion under a pointer and attaches it to the untouched frame",
+                   ROITRACKER_CAPS, ROITRACKER_CAPS);
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstRoiTracker, gst_roi_tracker_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Shared & {
+    return GST_ROI_TRACKER(object)->state->shared;
+  });
   install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
-  GST_VIDEO_FILTER_CLASS(klass)->set_info = [](GstVideoFilter *filter, GstCaps *,
-                                               GstVideoInfo *in_info, GstCaps *, GstVideoInfo *) {
-    return guarded(filter, FALSE, [&] { return set_info(GST_ROI_TRACKER(filter), *in_info); });
-  };
-
-  gst_type_mark_as_plugin_api(pointer_source_type(), static_cast<GstPluginAPIFlags>(0));
-  gst_type_mark_as_plugin_api(method_type(), static_cast<GstPluginAPIFlags>(0));
+  GST_VIDEO_FILTER_CLASS(klass)->set_info = kGuarded<set_info>;
 }
 
 static void gst_roi_tracker_init(GstRoiTracker *self) {
   self->state = new State;
-  // A late video sink must not make the tracker skip frames.
-  gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(self), FALSE);
-  gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(self), TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

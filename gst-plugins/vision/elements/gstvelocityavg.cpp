@@ -5,22 +5,23 @@
 //   gst-launch-1.0 videotestsrc pattern=ball ! roitracker ! velocityavg ! hapticsink
 //
 // A frame without a measurement gives a sample with the GAP flag, so that the branch never starves.
-#include "elements/gstvelocityavg.h"
-
 #include "elements/average-types.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/frame-caps.hpp"
 #include "frames/luma-crop.hpp"
-#include "glue/documentation.hpp"
+#include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 
+#include <gst/base/gstbasetransform.h>
 #include <gst/video/gstvideometa.h>
 #include <span>
 #include <utility>
+
+G_DECLARE_FINAL_TYPE(GstVelocityAvg, gst_velocity_avg, GST, VELOCITY_AVG, GstBaseTransform)
 
 GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
 #define GST_CAT_DEFAULT velocityavg_debug
@@ -28,10 +29,9 @@ GST_DEBUG_CATEGORY_STATIC(velocityavg_debug);
 namespace {
 
 using haptic::Average;
-using haptic::guarded;
+using haptic::kGuarded;
 using haptic::ModelChoice;
 using haptic::MotionSample;
-using haptic::ObjectLock;
 
 // State
 
@@ -58,33 +58,26 @@ struct _GstVelocityAvg {
   State *state; // made in _init, deleted in _finalize
 };
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS)));
-static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
-    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(HAPTIC_MOTION_CAPS));
-
 G_DEFINE_TYPE_WITH_CODE(GstVelocityAvg, gst_velocity_avg, GST_TYPE_BASE_TRANSFORM,
                         GST_DEBUG_CATEGORY_INIT(velocityavg_debug, "velocityavg", 0,
                                                 "one velocity per frame"))
-GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, GST_TYPE_VELOCITY_AVG)
+GST_ELEMENT_REGISTER_DEFINE(velocityavg, "velocityavg", GST_RANK_NONE, gst_velocity_avg_get_type())
 
 namespace {
 
 // Properties
 
 std::span<const haptic::Property<Settings>> properties() {
+  using Rows = haptic::Rows<Settings>;
   static const haptic::Property<Settings> table[] = {
-      haptic::member_row<&Settings::average>(g_param_spec_enum(
-          "average", "Average", "How the velocities of the points become one",
-          haptic::average_type(), static_cast<gint>(Average::model), haptic::kReadWrite)),
-      haptic::member_row<&Settings::motion_model>(g_param_spec_enum(
-          "motion-model", "Motion Model", "Motion model that is fitted with average=model",
-          haptic::motion_model_type(), static_cast<gint>(ModelChoice::automatic),
-          haptic::kReadWrite)),
-      haptic::member_row<&Settings::post_messages>(g_param_spec_boolean(
-          "post-messages", "Post Messages", "Post an element message haptic-motion for each frame",
-          FALSE, haptic::kReadWrite)),
+      Rows::choice<&Settings::average>("average", "Average",
+                                       "How the velocities of the points become one",
+                                       haptic::average_type()),
+      Rows::choice<&Settings::motion_model>("motion-model", "Motion Model",
+                                            "Motion model that is fitted with average=model",
+                                            haptic::motion_model_type()),
+      Rows::flag<&Settings::post_messages>("post-messages", "Post Messages",
+                                           "Post an element message haptic-motion for each frame"),
   };
   return table;
 }
@@ -107,11 +100,7 @@ void post(GstVelocityAvg *self, GstClockTime pts, const MotionSample &sample) {
 
 GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) {
   State &state = *self->state;
-  Settings settings;
-  {
-    const ObjectLock lock(self);
-    settings = state.settings;
-  }
+  const Settings settings = haptic::locked_copy(self, state.settings);
   MotionSample sample;
   if (const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame)) {
     sample = state.reader.read(*meta, state.frame, settings.average, settings.motion_model);
@@ -131,7 +120,11 @@ GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) 
   return GST_FLOW_OK;
 }
 
-GstFlowReturn prepare_output_buffer(GstBuffer *in, GstBuffer **out) {
+gboolean set_caps(GstVelocityAvg *self, GstCaps *in) {
+  return gst_video_info_from_caps(&self->state->frame, in);
+}
+
+GstFlowReturn prepare_output_buffer(GstVelocityAvg *, GstBuffer *in, GstBuffer **out) {
   *out = gst_buffer_new_allocate(nullptr, haptic::kMotionSampleSize, nullptr);
   haptic::copy_timing(in, *out);
   return GST_FLOW_OK;
@@ -145,70 +138,30 @@ gboolean start(GstVelocityAvg *self) {
 
 } // namespace
 
-static void gst_velocity_avg_finalize(GObject *object) {
-  delete GST_VELOCITY_AVG(object)->state;
-  G_OBJECT_CLASS(gst_velocity_avg_parent_class)->finalize(object);
-}
-
-static void install_object_vfuncs(GObjectClass *klass) {
-  klass->finalize = gst_velocity_avg_finalize;
-  haptic::install_properties<properties>(klass, [](GObject *object) -> Settings & {
-    return GST_VELOCITY_AVG(object)->state->settings;
-  });
-}
-
-static void install_transform_vfuncs(GstBaseTransformClass *klass) {
-  klass->transform_caps = [](GstBaseTransform *trans, GstPadDirection direction, GstCaps *caps,
-                             GstCaps *filter) {
-    return guarded(trans, static_cast<GstCaps *>(nullptr),
-                   [&] { return haptic::transform_frame_caps(trans, direction, caps, filter); });
-  };
-  klass->set_caps = [](GstBaseTransform *trans, GstCaps *in, GstCaps *) {
-    return guarded(trans, FALSE, [&] {
-      return gst_video_info_from_caps(&GST_VELOCITY_AVG(trans)->state->frame, in);
-    });
-  };
-  klass->prepare_output_buffer = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer **out) {
-    return guarded(trans, GST_FLOW_ERROR, [&] { return prepare_output_buffer(in, out); });
-  };
-  klass->transform = [](GstBaseTransform *trans, GstBuffer *in, GstBuffer *out) {
-    return guarded(trans, GST_FLOW_ERROR,
-                   [&] { return transform(GST_VELOCITY_AVG(trans), in, out); });
-  };
-  klass->propose_allocation = [](GstBaseTransform *trans, GstQuery *, GstQuery *query) {
-    // The pixels are not read, so any strides will do.
-    return guarded(trans, FALSE, [&] {
-      gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
-      return TRUE;
-    });
-  };
-  klass->start = [](GstBaseTransform *trans) {
-    return guarded(trans, FALSE, [&] { return start(GST_VELOCITY_AVG(trans)); });
-  };
-}
-
 static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  gst_element_class_set_static_metadata(
-      element_class, "Velocity averager", "Filter/Analyzer/Video",
+  haptic::describe(
+      element_class, "velocityavg", "Velocity averager", "Filter/Analyzer/Video",
       "Turns the motion that roitracker found in a frame into one haptic motion sample",
-      "Feeling Wind project");
-  haptic::add_documentation(element_class, "velocityavg");
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_add_static_pad_template(element_class, &src_template);
+      GST_VIDEO_CAPS_MAKE(HAPTIC_VIDEO_FORMATS), HAPTIC_MOTION_CAPS);
 
-  install_object_vfuncs(G_OBJECT_CLASS(klass));
-  install_transform_vfuncs(GST_BASE_TRANSFORM_CLASS(klass));
+  auto *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = haptic::delete_state<GstVelocityAvg, gst_velocity_avg_parent_class>;
+  haptic::install_properties<properties>(object_class, [](GObject *object) -> Settings & {
+    return GST_VELOCITY_AVG(object)->state->settings;
+  });
 
-  gst_type_mark_as_plugin_api(haptic::average_type(), static_cast<GstPluginAPIFlags>(0));
-  gst_type_mark_as_plugin_api(haptic::motion_model_type(), static_cast<GstPluginAPIFlags>(0));
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->transform_caps = kGuarded<haptic::transform_frame_caps>;
+  transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
+  transform_class->transform = kGuarded<transform>;
+  transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
+  transform_class->start = kGuarded<start>;
 }
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {
   self->state = new State;
   gst_video_info_init(&self->state->frame);
-  auto *trans = GST_BASE_TRANSFORM(self);
-  gst_base_transform_set_qos_enabled(trans, FALSE);
-  // Otherwise the base class clears the GAP flag.
-  gst_base_transform_set_gap_aware(trans, TRUE);
+  haptic::keep_every_frame(GST_BASE_TRANSFORM(self));
 }

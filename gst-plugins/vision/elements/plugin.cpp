@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "elements/gstdepthfield.h"
-#include "elements/gsthapticoverlay.h"
-#include "elements/gstmotionfield.h"
-#include "elements/gstreliefmap.h"
-#include "elements/gstroitracker.h"
-#include "elements/gstvelocityavg.h"
+#include <gst/gst.h>
+
+GST_ELEMENT_REGISTER_DECLARE(depthfield)
+GST_ELEMENT_REGISTER_DECLARE(hapticoverlay)
+GST_ELEMENT_REGISTER_DECLARE(motionfield)
+GST_ELEMENT_REGISTER_DECLARE(reliefmap)
+GST_ELEMENT_REGISTER_DECLARE(roitracker)
+GST_ELEMENT_REGISTER_DECLARE(velocityavg)
 
 static gboolean plugin_init(GstPlugin *plugin) {
   gboolean registered = FALSE;

@@ -5,6 +5,7 @@
 #include "glue/gst-raii.hpp"
 
 #include <gst/base/gstbasetransform.h>
+#include <gst/video/gstvideometa.h>
 
 namespace haptic {
 
@@ -24,6 +25,12 @@ inline CapsPtr with_frame_fields(GstPad *pad, const GstCaps *caps) {
   return result;
 }
 
+/// A late sink must not make an element leave out frames, nor the base class clear the GAP flag.
+inline void keep_every_frame(GstBaseTransform *trans) {
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+  gst_base_transform_set_gap_aware(trans, TRUE);
+}
+
 /// For GstBaseTransform::transform_caps.
 inline GstCaps *transform_frame_caps(GstBaseTransform *trans, GstPadDirection from,
                                      const GstCaps *caps, GstCaps *filter) {
@@ -31,6 +38,13 @@ inline GstCaps *transform_frame_caps(GstBaseTransform *trans, GstPadDirection fr
   if (filter)
     result.reset(gst_caps_intersect_full(filter, result.get(), GST_CAPS_INTERSECT_FIRST));
   return result.release();
+}
+
+/// For GstBaseTransform::propose_allocation where rows are read one by one, or none: any strides
+/// do.
+inline gboolean accept_any_strides(GstBaseTransform *, GstQuery *, GstQuery *query) {
+  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  return TRUE;
 }
 
 /// Copies the time stamp, the duration and the DISCONT flag of a frame.

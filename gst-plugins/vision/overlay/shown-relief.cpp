@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "overlay/shown-relief.hpp"
 
-#include "glue/exception-barrier.hpp"
+#include "glue/gst-raii.hpp"
+#include "glue/relief-pad.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -54,16 +55,15 @@ struct ReliefStream {
     gst_segment_init(&segment, GST_FORMAT_TIME);
   }
 
-  void chain(GstObject *parent, GstBuffer *buffer) {
-    GstMapInfo map;
-    if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-      return;
+  GstFlowReturn chain(GstObject *parent, GstBuffer *buffer) {
+    const ReadableBuffer readable(buffer);
+    if (!readable)
+      return GST_FLOW_OK;
     const std::uint64_t time =
         gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-    const bool known = relief.add({map.data, map.size}, time);
-    gst_buffer_unmap(buffer, &map);
-    if (!known)
+    if (!relief.add(readable.bytes(), time))
       GST_WARNING_OBJECT(parent, "%" GST_PTR_FORMAT " is no relief", static_cast<void *>(buffer));
+    return GST_FLOW_OK;
   }
 
   void handle(GstEvent *event) {
@@ -75,52 +75,21 @@ struct ReliefStream {
     }
   }
 
+  void set_active(bool active) {
+    if (!active)
+      relief.clear();
+  }
+
   ShownRelief &relief;
   GstSegment segment{};
 };
 
-ReliefStream &stream_of(GstPad *pad) {
-  return *static_cast<ReliefStream *>(gst_pad_get_element_private(pad));
-}
-
 } // namespace
-
-GstPadTemplate *shown_relief_template() {
-  static GstStaticPadTemplate relief = GST_STATIC_PAD_TEMPLATE(
-      "relief", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(HAPTIC_RELIEF_CAPS));
-  return gst_static_pad_template_get(&relief);
-}
 
 GstPad *add_shown_relief_pad(GstElement *element, GstPadTemplate *of, ShownRelief &relief) {
   if (GST_ELEMENT_CAST(element)->numsinkpads > 1)
     return nullptr;
-  auto stream = std::make_unique<ReliefStream>(relief);
-  GstPad *pad = gst_pad_new_from_template(of, "relief");
-  gst_pad_set_element_private(pad, stream.get());
-  g_object_set_data_full(G_OBJECT(pad), "shown-relief", stream.release(),
-                         [](gpointer data) { delete static_cast<ReliefStream *>(data); });
-  gst_pad_set_chain_function(pad, [](GstPad *self, GstObject *parent, GstBuffer *buffer) {
-    const GstFlowReturn result = guarded(parent, GST_FLOW_ERROR, [&] {
-      stream_of(self).chain(parent, buffer);
-      return GST_FLOW_OK;
-    });
-    gst_buffer_unref(buffer);
-    return result;
-  });
-  gst_pad_set_event_function(pad, [](GstPad *self, GstObject *parent, GstEvent *event) -> gboolean {
-    guarded(parent, [&] { stream_of(self).handle(event); });
-    gst_event_unref(event); // the end of the stream is that of the pad `sink`
-    return TRUE;
-  });
-  gst_pad_set_activatemode_function(
-      pad, [](GstPad *self, GstObject *parent, GstPadMode mode, gboolean active) -> gboolean {
-        if (!active)
-          guarded(parent, [&] { stream_of(self).relief.clear(); });
-        return mode == GST_PAD_MODE_PUSH;
-      });
-  gst_pad_set_active(pad, GST_STATE(element) > GST_STATE_READY);
-  gst_element_add_pad(element, pad);
-  return pad;
+  return add_stream_pad(element, of, std::make_unique<ReliefStream>(relief));
 }
 
 } // namespace haptic

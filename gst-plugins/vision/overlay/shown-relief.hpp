@@ -44,8 +44,6 @@ private:
   std::size_t count_ = 0; // ever added
 };
 
-GstPadTemplate *shown_relief_template();
-
 /// Adds the pad, or returns null if there is one. `relief` outlives it.
 GstPad *add_shown_relief_pad(GstElement *element, GstPadTemplate *of, ShownRelief &relief);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What each action of the window does.
+#include "format-text.hpp"
 #include "samples/region-size.hpp"
 #include "window/appearance.hpp"
 #include "window/widgets.hpp"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <glib/gstdio.h>
 #include <utility>
 
@@ -28,12 +28,6 @@ constexpr double kStep = 5;       // s
 std::string next_of(std::initializer_list<const char *> values, const std::string &value) {
   const auto *found = std::find(values.begin(), values.end(), value);
   return found == values.end() || found + 1 == values.end() ? *values.begin() : *(found + 1);
-}
-
-std::string formatted(const char *format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 // Also by way of a link.
@@ -58,55 +52,52 @@ void add_filter(GtkFileChooser *chooser, const char *name, const char *type) {
 void Window::add_actions() {
   struct Action {
     const char *name;
-    void (Window::*run)();
+    void (*run)(Window &);
   };
   static constexpr std::array kActions = {
-      Action{"open", &Window::choose_film},
-      Action{"open-url", &Window::choose_url},
-      Action{"show-cameras", &Window::show_cameras},
-      Action{"play", &Window::toggle_pause},
-      Action{"back", &Window::back},
-      Action{"forward", &Window::forward},
-      Action{"begin", &Window::begin},
-      Action{"slower", &Window::slower},
-      Action{"faster", &Window::faster},
-      Action{"reverse", &Window::reverse},
-      Action{"rotate", &Window::rotate},
-      Action{"deinterlace", &Window::next_deinterlacing},
-      Action{"mute", &Window::toggle_mute},
-      Action{"quieter", &Window::quieter},
-      Action{"louder", &Window::louder},
-      Action{"record", &Window::toggle_recording},
-      Action{"arm", &Window::toggle_force},
-      Action{"release", &Window::force_off},
-      Action{"weaker", &Window::weaker},
-      Action{"stronger", &Window::stronger},
-      Action{"smaller-region", &Window::smaller_region},
-      Action{"larger-region", &Window::larger_region},
-      Action{"default-region", &Window::default_region},
-      Action{"next-law", &Window::next_law},
-      Action{"show-devices", &Window::show_devices},
-      Action{"calibrate", &Window::calibrate},
-      Action{"fullscreen", &Window::toggle_fullscreen},
-      Action{"drawing", &Window::toggle_drawing},
-      Action{"curves", &Window::toggle_curves},
-      Action{"menu", &Window::show_menu},
-      Action{"keys", &Window::show_keys},
-      Action{"quit", &Window::quit},
-      Action{"appearance", &Window::next_appearance},
-      Action{"about", &Window::show_about},
-      Action{"demonstration", &Window::play_demonstration},
+      Action{"open", [](Window &w) { w.choose_film(); }},
+      Action{"open-url", [](Window &w) { w.choose_url(); }},
+      Action{"show-cameras", [](Window &w) { gtk_button_clicked(GTK_BUTTON(w.camera_button_)); }},
+      Action{"play", [](Window &w) { w.toggle_pause(); }},
+      Action{"back", [](Window &w) { w.seek_by(-kStep); }},
+      Action{"forward", [](Window &w) { w.seek_by(kStep); }},
+      Action{"begin", [](Window &w) { w.seek_to(0); }},
+      Action{"slower", [](Window &w) { w.change_rate(&Playback::slower); }},
+      Action{"faster", [](Window &w) { w.change_rate(&Playback::faster); }},
+      Action{"reverse", [](Window &w) { w.change_rate(&Playback::reverse); }},
+      Action{"rotate", [](Window &w) { w.rotate(); }},
+      Action{"deinterlace", [](Window &w) { w.next_deinterlacing(); }},
+      Action{"mute", [](Window &w) { w.toggle_mute(); }},
+      Action{"quieter", [](Window &w) { w.change_volume(-0.1); }},
+      Action{"louder", [](Window &w) { w.change_volume(0.1); }},
+      Action{"record", [](Window &w) { w.toggle_recording(); }},
+      Action{"arm", [](Window &w) { w.toggle_force(); }},
+      Action{"release", [](Window &w) { w.force_off(); }},
+      Action{"weaker", [](Window &w) { w.scale_strength(1 / kStrengthStep); }},
+      Action{"stronger", [](Window &w) { w.scale_strength(kStrengthStep); }},
+      Action{"smaller-region", [](Window &w) { w.scale_region(1 / kRegionStep); }},
+      Action{"larger-region", [](Window &w) { w.scale_region(kRegionStep); }},
+      Action{"default-region", [](Window &w) { w.default_region(); }},
+      Action{"next-law", [](Window &w) { w.next_law(); }},
+      Action{"show-devices", [](Window &w) { gtk_button_clicked(GTK_BUTTON(w.device_button_)); }},
+      Action{"calibrate", [](Window &w) { w.calibrate(); }},
+      Action{"fullscreen", [](Window &w) { w.toggle_fullscreen(); }},
+      Action{"drawing", [](Window &w) { w.toggle_drawing(); }},
+      Action{"curves", [](Window &w) { w.toggle_curves(); }},
+      Action{"menu", [](Window &w) { gtk_button_clicked(GTK_BUTTON(w.menu_button_)); }},
+      Action{"keys", [](Window &w) { w.show_keys(); }},
+      Action{"quit", [](Window &w) { w.quit(); }},
+      Action{"appearance", [](Window &w) { w.next_appearance(); }},
+      Action{"about", [](Window &w) { w.show_about(); }},
+      Action{"demonstration", [](Window &w) { w.play_demonstration(); }},
   };
   for (const Action &action : kActions) {
     GSimpleAction *made = g_simple_action_new(action.name, nullptr);
     g_object_set_data(G_OBJECT(made), "action", const_cast<Action *>(&action));
-    g_signal_connect(
-        made, "activate", G_CALLBACK(+[](GSimpleAction *which, GVariant *, gpointer self) noexcept {
-          const auto *found =
-              static_cast<const Action *>(g_object_get_data(G_OBJECT(which), "action"));
-          (static_cast<Window *>(self)->*found->run)();
-        }),
-        this);
+    connect(made, "activate", [](GSimpleAction *which, GVariant *, Window *self) noexcept {
+      const auto *found = static_cast<const Action *>(g_object_get_data(G_OBJECT(which), "action"));
+      found->run(*self);
+    });
     g_action_map_add_action(G_ACTION_MAP(window_), G_ACTION(made));
     g_object_unref(made);
   }
@@ -121,11 +112,9 @@ void Window::add_choice(const char *name, const std::string *state) {
   GSimpleAction *action = state ? g_simple_action_new_stateful(name, G_VARIANT_TYPE_STRING,
                                                                g_variant_new_string(state->c_str()))
                                 : g_simple_action_new(name, G_VARIANT_TYPE_STRING);
-  g_signal_connect(action, "activate",
-                   G_CALLBACK(+[](GSimpleAction *, GVariant *chosen, gpointer self) noexcept {
-                     (static_cast<Window *>(self)->*kChoose)(g_variant_get_string(chosen, nullptr));
-                   }),
-                   this);
+  connect(action, "activate", [](GSimpleAction *, GVariant *chosen, Window *self) noexcept {
+    (self->*kChoose)(g_variant_get_string(chosen, nullptr));
+  });
   g_action_map_add_action(G_ACTION_MAP(window_), G_ACTION(action));
   g_object_unref(action);
 }
@@ -159,15 +148,12 @@ void Window::show_chooser(GtkFileChooserNative *dialog,
   chooser_.reset(dialog);
   chosen_ = std::move(chosen);
   gtk_native_dialog_set_modal(GTK_NATIVE_DIALOG(dialog), TRUE);
-  g_signal_connect(dialog, "response",
-                   G_CALLBACK(+[](GtkNativeDialog *native, int response, gpointer data) noexcept {
-                     auto *self = static_cast<Window *>(data);
-                     const GCharPtr path(gtk_file_chooser_get_filename(GTK_FILE_CHOOSER(native)));
-                     self->chooser_.reset();
-                     if (response == GTK_RESPONSE_ACCEPT && path)
-                       self->chosen_(path.get());
-                   }),
-                   this);
+  connect(dialog, "response", [](GtkNativeDialog *native, int response, Window *self) noexcept {
+    const GCharPtr path(gtk_file_chooser_get_filename(GTK_FILE_CHOOSER(native)));
+    self->chooser_.reset();
+    if (response == GTK_RESPONSE_ACCEPT && path)
+      self->chosen_(path.get());
+  });
   gtk_native_dialog_show(GTK_NATIVE_DIALOG(dialog));
 }
 
@@ -188,15 +174,13 @@ void Window::choose_url() {
   gtk_container_set_border_width(GTK_CONTAINER(content), 12);
   gtk_box_pack_start(GTK_BOX(content), entry, FALSE, FALSE, 0);
   g_object_set_data(G_OBJECT(dialog), "entry", entry);
-  g_signal_connect(dialog, "response",
-                   G_CALLBACK(+[](GtkDialog *shown, int response, gpointer self) noexcept {
-                     const std::string url =
-                         gtk_entry_get_text(GTK_ENTRY(g_object_get_data(G_OBJECT(shown), "entry")));
-                     gtk_widget_destroy(GTK_WIDGET(shown));
-                     if (response == GTK_RESPONSE_ACCEPT && !url.empty())
-                       static_cast<Window *>(self)->open_file(url);
-                   }),
-                   this);
+  connect(dialog, "response", [](GtkDialog *shown, int response, Window *self) noexcept {
+    const std::string url =
+        gtk_entry_get_text(GTK_ENTRY(g_object_get_data(G_OBJECT(shown), "entry")));
+    gtk_widget_destroy(GTK_WIDGET(shown));
+    if (response == GTK_RESPONSE_ACCEPT && !url.empty())
+      self->open_file(url);
+  });
   gtk_widget_show_all(dialog);
 }
 
@@ -273,18 +257,6 @@ void Window::seek_by(double seconds) {
     seek_to(std::max(0.0, static_cast<double>(playback->position()) / kSecond + seconds));
 }
 
-void Window::back() {
-  seek_by(-kStep);
-}
-
-void Window::forward() {
-  seek_by(kStep);
-}
-
-void Window::begin() {
-  seek_to(0);
-}
-
 void Window::change_rate(bool (Playback::*change)()) {
   Playback *playback = player_.playback();
   if (!playback)
@@ -292,20 +264,8 @@ void Window::change_rate(bool (Playback::*change)()) {
   end_recording_before("another speed");
   const bool done = player_.can_seek() && (playback->*change)();
   player_.apply_setup();
-  show_note(done ? formatted("playing at %g times normal speed", playback->rate())
+  show_note(done ? haptic::format_text("playing at %g times normal speed", playback->rate())
                  : "this video cannot be played at that speed or backwards");
-}
-
-void Window::slower() {
-  change_rate(&Playback::slower);
-}
-
-void Window::faster() {
-  change_rate(&Playback::faster);
-}
-
-void Window::reverse() {
-  change_rate(&Playback::reverse);
 }
 
 void Window::rotate() {
@@ -334,7 +294,7 @@ void Window::toggle_mute() {
 void Window::change_volume(double step) {
   player_.setup.volume = std::clamp(player_.setup.volume + step, 0.0, 1.0);
   player_.apply_setup();
-  show_note(formatted("sound at %.0f %%", 100 * player_.setup.volume));
+  show_note(haptic::format_text("sound at %.0f %%", 100 * player_.setup.volume));
 }
 
 void Window::toggle_recording() {
@@ -392,28 +352,12 @@ void Window::force_off() {
   show_note("force off; s brings it back");
 }
 
-void Window::weaker() {
-  scale_strength(1 / kStrengthStep);
-}
-
-void Window::stronger() {
-  scale_strength(kStrengthStep);
-}
-
 // alpha: how much force a slow motion gives; the greatest force stays.
 void Window::scale_strength(double factor) {
   remembers_strength_ = true;
   player_.setup.alpha = std::clamp(player_.setup.alpha * factor, kWeakest, kStrongest);
   player_.apply_setup();
-  show_note(formatted("strength (alpha) %.3g s/px", player_.setup.alpha));
-}
-
-void Window::smaller_region() {
-  scale_region(1 / kRegionStep);
-}
-
-void Window::larger_region() {
-  scale_region(kRegionStep);
+  show_note(haptic::format_text("strength (alpha) %.3g s/px", player_.setup.alpha));
 }
 
 void Window::scale_region(double factor) {

@@ -129,15 +129,12 @@ GtkWidget *Window::make_info_bar() {
   wait_button_ = gtk_info_bar_add_button(GTK_INFO_BAR(info_), "Go on _waiting", GTK_RESPONSE_APPLY);
   other_button_ = gtk_info_bar_add_button(GTK_INFO_BAR(info_), "_Open another …", GTK_RESPONSE_YES);
   gtk_info_bar_add_button(GTK_INFO_BAR(info_), "_Close", GTK_RESPONSE_CLOSE);
-  g_signal_connect(info_, "response",
-                   G_CALLBACK(+[](GtkInfoBar *, int response, gpointer data) noexcept {
-                     auto *self = static_cast<Window *>(data);
-                     self->hide_info();
-                     self->last_sign_ = std::chrono::steady_clock::now();
-                     if (response == GTK_RESPONSE_YES)
-                       self->choose_film();
-                   }),
-                   this);
+  connect(info_, "response", [](GtkInfoBar *, int response, Window *self) noexcept {
+    self->hide_info();
+    self->last_sign_ = std::chrono::steady_clock::now();
+    if (response == GTK_RESPONSE_YES)
+      self->choose_film();
+  });
   return info_;
 }
 
@@ -173,17 +170,15 @@ GtkWidget *Window::make_strip() {
   strip_ = gtk_drawing_area_new();
   gtk_widget_set_size_request(strip_, -1, kStripHeight);
   set_accessible_name(strip_, "Curves of velocity and force");
-  g_signal_connect(
-      strip_, "draw", G_CALLBACK(+[](GtkWidget *widget, cairo_t *cairo, gpointer data) noexcept {
-        GtkStyleContext *style = gtk_widget_get_style_context(widget);
-        ChartColors colors;
-        gtk_style_context_lookup_color(style, "theme_base_color", &colors.background);
-        gtk_style_context_lookup_color(style, "theme_text_color", &colors.text);
-        static_cast<Window *>(data)->chart_.draw(cairo, gtk_widget_get_allocated_width(widget),
-                                                 gtk_widget_get_allocated_height(widget), colors);
-        return gboolean{TRUE};
-      }),
-      this);
+  connect(strip_, "draw", [](GtkWidget *widget, cairo_t *cairo, Window *self) noexcept {
+    GtkStyleContext *style = gtk_widget_get_style_context(widget);
+    ChartColors colors;
+    gtk_style_context_lookup_color(style, "theme_base_color", &colors.background);
+    gtk_style_context_lookup_color(style, "theme_text_color", &colors.text);
+    self->chart_.draw(cairo, gtk_widget_get_allocated_width(widget),
+                      gtk_widget_get_allocated_height(widget), colors);
+    return gboolean{TRUE};
+  });
   return strip_;
 }
 
@@ -198,11 +193,10 @@ GtkWidget *Window::make_film_controls() {
   gtk_widget_set_size_request(position_, 120, -1);
   gtk_widget_set_focus_on_click(position_, FALSE);
   set_accessible_name(position_, "Position in the film, seconds");
-  g_signal_connect(position_, "change-value",
-                   G_CALLBACK(+[](GtkRange *, GtkScrollType, double value, gpointer self) noexcept {
-                     return static_cast<Window *>(self)->handle_scroll_to(value);
-                   }),
-                   this);
+  connect(position_, "change-value",
+          [](GtkRange *, GtkScrollType, double value, Window *self) noexcept {
+            return self->handle_scroll_to(value);
+          });
   rate_ = gtk_label_new("1×");
   gtk_label_set_width_chars(GTK_LABEL(rate_), 6);
   mute_button_ = make_button("audio-volume-high-symbolic", "Sound off and on", "mute");
@@ -223,13 +217,10 @@ GtkWidget *Window::make_force_controls() {
   light_ = gtk_drawing_area_new();
   gtk_widget_set_size_request(light_, kLightSize, kLightSize);
   gtk_widget_set_valign(light_, GTK_ALIGN_CENTER);
-  g_signal_connect(
-      light_, "draw", G_CALLBACK(+[](GtkWidget *, cairo_t *cairo, gpointer self) noexcept {
-        const auto *window = static_cast<Window *>(self);
-        draw_light(cairo, kLightSize, light_of(window->session_, window->player_.is_armed()));
-        return gboolean{TRUE};
-      }),
-      this);
+  connect(light_, "draw", [](GtkWidget *, cairo_t *cairo, Window *self) noexcept {
+    draw_light(cairo, kLightSize, light_of(self->session_, self->player_.is_armed()));
+    return gboolean{TRUE};
+  });
   force_text_ = make_label("");
   gtk_widget_set_size_request(force_text_, kTextWidth, -1);
   gtk_label_set_line_wrap(GTK_LABEL(force_text_), TRUE);
@@ -299,48 +290,35 @@ void Window::add_array_menu() {
 }
 
 void Window::connect_events() {
-  g_signal_connect(window_, "key-press-event",
-                   G_CALLBACK(+[](GtkWidget *, GdkEventKey *event, gpointer self) noexcept {
-                     return static_cast<Window *>(self)->handle_key(event);
-                   }),
-                   this);
+  connect(window_, "key-press-event", [](GtkWidget *, GdkEventKey *event, Window *self) noexcept {
+    return self->handle_key(event);
+  });
   gdk_event_handler_set(
       [](GdkEvent *event, gpointer self) noexcept {
         static_cast<Window *>(self)->filter_event(event);
       },
       this, nullptr);
-  g_signal_connect(window_, "window-state-event",
-                   G_CALLBACK(+[](GtkWidget *, GdkEventWindowState *event, gpointer self) noexcept {
-                     auto *window = static_cast<Window *>(self);
-                     window->fullscreen_ = event->new_window_state & GDK_WINDOW_STATE_FULLSCREEN;
-                     window->arrange();
-                     return gboolean{FALSE};
-                   }),
-                   this);
-  g_signal_connect(device_button_, "toggled",
-                   G_CALLBACK(+[](GtkToggleButton *, gpointer self) noexcept {
-                     static_cast<Window *>(self)->list_devices();
-                   }),
-                   this);
-  g_signal_connect(menu_button_, "toggled",
-                   G_CALLBACK(+[](GtkToggleButton *button, gpointer self) noexcept {
-                     if (gtk_toggle_button_get_active(button))
-                       static_cast<Window *>(self)->list_sound_devices();
-                   }),
-                   this);
-  g_signal_connect(window_, "delete-event",
-                   G_CALLBACK(+[](GtkWidget *, GdkEvent *, gpointer self) noexcept {
-                     static_cast<Window *>(self)->quit();
-                     return gboolean{TRUE};
-                   }),
-                   this);
+  connect(window_, "window-state-event",
+          [](GtkWidget *, GdkEventWindowState *event, Window *self) noexcept {
+            self->fullscreen_ = event->new_window_state & GDK_WINDOW_STATE_FULLSCREEN;
+            self->arrange();
+            return gboolean{FALSE};
+          });
+  connect(device_button_, "toggled",
+          [](GtkToggleButton *, Window *self) noexcept { self->list_devices(); });
+  connect(menu_button_, "toggled", [](GtkToggleButton *button, Window *self) noexcept {
+    if (gtk_toggle_button_get_active(button))
+      self->list_sound_devices();
+  });
+  connect(window_, "delete-event", [](GtkWidget *, GdkEvent *, Window *self) noexcept {
+    self->quit();
+    return gboolean{TRUE};
+  });
   gtk_drag_dest_set(window_, GTK_DEST_DEFAULT_ALL, nullptr, 0, GDK_ACTION_COPY);
   gtk_drag_dest_add_uri_targets(window_);
-  g_signal_connect(
-      window_, "drag-data-received",
-      G_CALLBACK(+[](GtkWidget *, GdkDragContext *, int, int, GtkSelectionData *data, guint, guint,
-                     gpointer self) noexcept { static_cast<Window *>(self)->handle_drop(data); }),
-      this);
+  connect(window_, "drag-data-received",
+          [](GtkWidget *, GdkDragContext *, int, int, GtkSelectionData *data, guint, guint,
+             Window *self) noexcept { self->handle_drop(data); });
 }
 
 // Escape closes an open menu or dialog and reaches no action then: the force goes off before.

@@ -53,6 +53,12 @@ private:
   void on_end() override;
   void on_buffering(int percent) override;
 
+  // `handler`: a function whose last argument is the window.
+  template <typename Handler>
+  void connect(gpointer object, const char *signal, Handler handler) {
+    g_signal_connect(object, signal, G_CALLBACK(+handler), this);
+  }
+
   // window-layout.cpp
   void make_window(GtkApplication *application);
   GtkWidget *make_overlay();
@@ -84,31 +90,16 @@ private:
   void open_file(const std::string &path);
   void record_into(const std::string &chosen);
   void choose_url();
-  void show_cameras() { gtk_button_clicked(GTK_BUTTON(camera_button_)); }
-  void show_devices() { gtk_button_clicked(GTK_BUTTON(device_button_)); }
-  void show_menu() { gtk_button_clicked(GTK_BUTTON(menu_button_)); }
   void toggle_pause();
   void seek_by(double seconds);
-  void back();
-  void forward();
-  void begin();
-  void slower();
-  void faster();
-  void reverse();
   void rotate();
   void next_deinterlacing();
   void toggle_mute();
-  void quieter() { change_volume(-0.1); }
-  void louder() { change_volume(0.1); }
   void change_volume(double step);
   void toggle_recording();
   void toggle_force();
   void force_off();
-  void weaker();
-  void stronger();
   void scale_strength(double factor);
-  void smaller_region();
-  void larger_region();
   void scale_region(double factor);
   void default_region();
   void next_law();

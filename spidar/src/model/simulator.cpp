@@ -30,7 +30,7 @@ constexpr double kHandTurning = 1.5;    // N·m/rad
 constexpr double kStringDamping = 0.5; // N·s/m
 
 constexpr double kLongestTimeStep = 0.00025; // s
-constexpr double kLongestSilence = 1;        // s; more would take the next exchange too long
+constexpr double kLongestGap = 1;            // s; more would take the next exchange too long
 constexpr double kLargestTurn = 80 * std::numbers::pi / 180;
 
 // Counters do not start at zero when the power comes on.
@@ -141,7 +141,7 @@ Simulator::~Simulator() = default;
 void Simulator::set_time(std::int64_t now) noexcept {
   if (state_->clock)
     state_->step_left =
-        std::clamp(static_cast<double>(now - *state_->clock) * 1e-9, 0.0, kLongestSilence);
+        std::clamp(static_cast<double>(now - *state_->clock) * 1e-9, 0.0, kLongestGap);
   state_->clock = now;
 }
 

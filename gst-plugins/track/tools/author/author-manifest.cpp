@@ -45,9 +45,9 @@ std::string table_of(const std::vector<ManifestRow> &rows) {
   for (const ManifestRow &row : rows) {
     for (const std::string *text : {&row.video, &row.video_hash, &row.copy, &row.copy_hash})
       table += csv_quoted(*text) + ',';
-    table += formatted("%llu,%.3f,%llu,%.1f,%.3f,", static_cast<unsigned long long>(row.size),
-                       row.duration, static_cast<unsigned long long>(row.frames), row.kilobits,
-                       row.confidence);
+    table += format_text("%llu,%.3f,%llu,%.1f,%.3f,", static_cast<unsigned long long>(row.size),
+                         row.duration, static_cast<unsigned long long>(row.frames), row.kilobits,
+                         row.confidence);
     std::string warnings;
     for (const std::string &warning : row.warnings)
       warnings += (warnings.empty() ? "" : "; ") + warning;

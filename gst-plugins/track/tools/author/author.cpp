@@ -3,6 +3,7 @@
 
 #include "author/author-file.hpp"
 #include "author/author-manifest.hpp"
+#include "seconds.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
 
@@ -171,7 +172,7 @@ bool copies_differ(std::vector<std::string> &files, const AuthorOptions &options
     const auto [other, is_new] = videos.emplace(copy.string(), path);
     const bool is_same = path == other->second || fs::equivalent(path, other->second, error);
     if (!is_new && !is_same) {
-      print_error(formatted(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
+      print_error(format_text(messages::kCopyNamesCollide, path.c_str(), other->second.c_str()));
       differ = false;
     }
     return !is_new && is_same;
@@ -226,8 +227,8 @@ private:
       return;
     }
     if (!WIFEXITED(status))
-      print_error(
-          formatted(messages::kProcessCrashed, running_[pid].c_str(), strsignal(WTERMSIG(status))));
+      print_error(format_text(messages::kProcessCrashed, running_[pid].c_str(),
+                              strsignal(WTERMSIG(status))));
     ++counts_[WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE];
     running_.erase(pid);
   }
@@ -291,7 +292,7 @@ ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
   row.copy = copy;
   row.copy_hash = hash_of_file(copy);
   row.size = fs::file_size(copy);
-  row.duration = static_cast<double>(film.index.duration) * 1e-9;
+  row.duration = seconds(film.index.duration);
   row.warnings = film.index.warnings;
   std::uint64_t confidence = 0; // millionths
   double bytes = 0;

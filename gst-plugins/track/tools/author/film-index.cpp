@@ -4,6 +4,7 @@
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
+#include "seconds.hpp"
 #include "tracks/track-file.hpp"
 
 #include <algorithm>
@@ -143,8 +144,7 @@ void warn_of_sparse_keys(const IndexScan &scan, FilmIndex &index) {
     longest = std::max(longest, next - std::min(next, scan.keys[i].time));
   }
   if (longest > kSparse)
-    index.warnings.push_back(
-        formatted(messages::kKeysAreSparse, static_cast<double>(longest) * 1e-9));
+    index.warnings.push_back(format_text(messages::kKeysAreSparse, seconds(longest)));
 }
 
 // The copy holds the rotation in the coded video. A film that is a copy has it there already.
@@ -162,8 +162,7 @@ void check_whole(const IndexScan &scan, GstClockTime duration) {
   const std::uint64_t position = scan.end;
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
       static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
-    throw_error(messages::kFileEndsEarly, static_cast<double>(position) * 1e-9,
-                static_cast<double>(duration) * 1e-9);
+    throw_error(messages::kFileEndsEarly, seconds(position), seconds(duration));
 }
 
 // The film ends when each of its sinks has an end.
@@ -186,7 +185,7 @@ GstPadProbeReturn watch_size(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   if ((GST_PAD_PROBE_INFO_TYPE(info) & GST_PAD_PROBE_TYPE_BUFFER) != 0) {
     if (const auto time = running_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
         GST_CLOCK_TIME_IS_VALID(time))
-      watch.position = static_cast<double>(time) * 1e-9;
+      watch.position = seconds(time);
     return GST_PAD_PROBE_OK;
   }
   GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);

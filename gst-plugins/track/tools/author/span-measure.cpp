@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/span-measure.hpp"
 
-#include "core/track-buffer.hpp"
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "forms/track-form.hpp"
 #include "glue/display-orientation.hpp"
+#include "glue/gst-raii.hpp"
 #include "network/key-requests.hpp"
 #include "samples/motion-field.hpp"
 

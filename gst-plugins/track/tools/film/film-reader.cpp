@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/film-reader.hpp"
 
-#include "core/track-buffer.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
@@ -184,13 +183,13 @@ void FilmReader::State::link(GstPad *pad) {
   if (name.starts_with("video/") && !has_video.exchange(true)) {
     if (name == "video/x-h264")
       return link_to(pipeline.get(), pad, "h264parse", video_sink);
-    refuse(formatted(messages::kBrowserLacksVideo, path.c_str(), what));
+    refuse(format_text(messages::kBrowserLacksVideo, path.c_str(), what));
   } else if (name.starts_with("audio/") && !has_sound) {
     if (gst_caps_can_intersect(caps.get(), aac.get())) {
       has_sound = true;
       return link_to(pipeline.get(), pad, "aacparse", sound_sink);
     }
-    refuse(formatted(messages::kBrowserLacksSound, path.c_str(), what));
+    refuse(format_text(messages::kBrowserLacksSound, path.c_str(), what));
   } else if (!name.starts_with("meta/")) {
     const std::lock_guard lock(mutex);
     left_out.push_back(name);
@@ -368,7 +367,7 @@ std::optional<FilmFrame> FilmReader::next() {
   if (state.frames.empty()) {
     if (!state.has_video)
       throw_error("\"%s\": %s", state.path.c_str(),
-                  formatted(messages::kVideoIsMissing, "").c_str());
+                  format_text(messages::kVideoIsMissing, "").c_str());
     const std::lock_guard lock(state.mutex);
     state.format.left_out = state.left_out;
     return std::nullopt;
@@ -385,8 +384,8 @@ const FilmFormat &FilmReader::format() const noexcept {
 std::string codecs_of(const FilmFormat &format) {
   const auto &set = format.sequence_sets.at(0); // its header, profile, constraints, level
   const unsigned object = format.sound.empty() ? 0U : format.sound[0] >> 3;
-  const std::string video = formatted("avc1.%02X%02X%02X", set[1], set[2], set[3]);
-  return format.sound.empty() ? video : video + formatted(",mp4a.40.%u", object);
+  const std::string video = format_text("avc1.%02X%02X%02X", set[1], set[2], set[3]);
+  return format.sound.empty() ? video : video + format_text(",mp4a.40.%u", object);
 }
 
 } // namespace haptic

@@ -104,7 +104,7 @@ MessagePtr FilmStreams::wait_for(GstMessageType wanted, const Poll &poll) {
       return MessagePtr(gst_message_ref(message.get()));
     if (gst_is_missing_plugin_message(message.get())) {
       const GCharPtr what(gst_missing_plugin_message_get_description(message.get()));
-      missing = formatted(messages::kDecoderIsMissing, what.get());
+      missing = format_text(messages::kDecoderIsMissing, what.get());
     }
   }
 }

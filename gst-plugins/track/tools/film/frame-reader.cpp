@@ -16,14 +16,13 @@ constexpr GstClockTime kPatience = 5 * GST_SECOND;
 
 Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
   Frame frame;
-  GstBuffer *buffer = gst_sample_get_buffer(sample);
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return frame;
-  const std::size_t stride = map.size / rows; // rows are padded to four bytes
-  for (std::size_t row = 0; stride >= row_size && row < rows; ++row)
-    frame.rgb.insert(frame.rgb.end(), map.data + row * stride, map.data + row * stride + row_size);
-  gst_buffer_unmap(buffer, &map);
+  const ReadableBuffer readable(gst_sample_get_buffer(sample));
+  const auto bytes = readable.bytes();
+  const std::size_t stride = bytes.size() / rows; // rows are padded to four bytes
+  for (std::size_t row = 0; stride >= row_size && row < rows; ++row) {
+    const auto line = bytes.subspan(row * stride, row_size);
+    frame.rgb.insert(frame.rgb.end(), line.begin(), line.end());
+  }
   return frame;
 }
 

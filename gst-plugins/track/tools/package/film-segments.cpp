@@ -2,6 +2,7 @@
 #include "package/film-segments.hpp"
 
 #include "forms/klv.hpp"
+#include "seconds.hpp"
 #include "track-error.hpp"
 #include "tracks/field-track.hpp"
 
@@ -38,8 +39,7 @@ void sort_groups(const std::string &path, std::vector<PlannedFrame> &frames, Fil
       plan.reordering =
           std::max(plan.reordering, times[i] - group[static_cast<std::ptrdiff_t>(i)].time);
       if (!plan.times.empty() && ticks_of(times[i]) <= ticks_of(plan.times.back()))
-        throw_error(messages::kFilmRunsBackwards, path.c_str(),
-                    static_cast<double>(times[i] - plan.origin) * 1e-9);
+        throw_error(messages::kFilmRunsBackwards, path.c_str(), seconds(times[i] - plan.origin));
       plan.times.push_back(times[i]);
     }
     group = next;
@@ -194,7 +194,7 @@ FilmPlan plan_film(const std::string &path) {
   plan.end = plan.times.back() + (count > 1 ? plan.times.back() - plan.times[count - 2] : kFrame);
   choose_starts(frames, plan);
   if (plan.longest > kMost)
-    throw_error(messages::kFilmIsNotCut, path.c_str(), static_cast<double>(plan.longest) * 1e-9);
+    throw_error(messages::kFilmIsNotCut, path.c_str(), seconds(plan.longest));
   return plan;
 }
 

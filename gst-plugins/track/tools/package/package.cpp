@@ -6,6 +6,7 @@
 #include "package/package-folder.hpp"
 #include "package/poster.hpp"
 #include "package/transport-stream.hpp"
+#include "seconds.hpp"
 #include "tracks/source-mark.hpp"
 #include "tracks/track-file.hpp"
 
@@ -42,10 +43,6 @@ struct Rate {
   std::string name; // of its folder
 };
 
-double seconds(std::int64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
-}
-
 void print_remark(const std::string &path, const std::string &remark) {
   std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
 }
@@ -61,7 +58,7 @@ Rate plan_rate(const std::string &path) {
     print_remark(path, std::to_string(rate.plan.skipped) +
                            " frames before the first IDR frame were left out");
   if (rate.plan.longest > kLongSegment)
-    print_remark(path, formatted(messages::kSegmentsAreLong, seconds(rate.plan.longest)));
+    print_remark(path, format_text(messages::kSegmentsAreLong, seconds(rate.plan.longest)));
   return rate;
 }
 
@@ -80,11 +77,12 @@ void compare_rates(const Rate &first, const Rate &other) {
   };
   if (std::abs(first.plan.end - other.plan.end) > std::max(frame(first), frame(other)))
     differ(
-        formatted("they last %.3f and %.3f s", seconds(first.plan.end), seconds(other.plan.end)));
+        format_text("they last %.3f and %.3f s", seconds(first.plan.end), seconds(other.plan.end)));
   const double aspect = aspect_of(first.plan.format);
   if (std::abs(aspect_of(other.plan.format) - aspect) > kSameAspect * aspect)
-    differ(formatted("their frames are %d x %d and %d x %d px", first.plan.format.width,
-                     first.plan.format.height, other.plan.format.width, other.plan.format.height));
+    differ(format_text("their frames are %d x %d and %d x %d px", first.plan.format.width,
+                       first.plan.format.height, other.plan.format.width,
+                       other.plan.format.height));
   if (first.plan.format.sound.empty() != other.plan.format.sound.empty())
     differ("one has sound");
   if (first.name == other.name)
@@ -188,20 +186,20 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
 // ---- the files ----------------------------------------------------------------------------------
 
 std::string segment_name(std::size_t number, Carriage carriage) {
-  return formatted("%05zu.%s", number + 1, carriage == Carriage::fragments ? "mp4" : "ts");
+  return format_text("%05zu.%s", number + 1, carriage == Carriage::fragments ? "mp4" : "ts");
 }
 
 std::string playlist_of(const FilmPlan &plan, Carriage carriage) {
   const bool is_mp4 = carriage == Carriage::fragments;
-  std::string text = formatted("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-TARGETDURATION:%ld\n"
-                               "#EXT-X-MEDIA-SEQUENCE:0\n#EXT-X-PLAYLIST-TYPE:VOD\n"
-                               "#EXT-X-INDEPENDENT-SEGMENTS\n",
-                               is_mp4 ? 7 : 6, std::max(1L, std::lround(seconds(plan.longest))));
+  std::string text = format_text("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-TARGETDURATION:%ld\n"
+                                 "#EXT-X-MEDIA-SEQUENCE:0\n#EXT-X-PLAYLIST-TYPE:VOD\n"
+                                 "#EXT-X-INDEPENDENT-SEGMENTS\n",
+                                 is_mp4 ? 7 : 6, std::max(1L, std::lround(seconds(plan.longest))));
   if (is_mp4)
-    text += formatted("#EXT-X-MAP:URI=\"%s\"\n", kHead);
+    text += format_text("#EXT-X-MAP:URI=\"%s\"\n", kHead);
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
-    text += formatted("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
-                      segment_name(i, carriage).c_str());
+    text += format_text("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
+                        segment_name(i, carriage).c_str());
   return text + "#EXT-X-ENDLIST\n";
 }
 
@@ -231,7 +229,7 @@ void write_segments(const Rate &rate, const PackageOptions &options,
   const auto kilobits = [&](std::size_t bytes) {
     return 8e-3 * static_cast<double>(bytes) / length;
   };
-  const std::string more = reliefs > 0 ? formatted(", %zu reliefs", reliefs) : "";
+  const std::string more = reliefs > 0 ? format_text(", %zu reliefs", reliefs) : "";
   std::printf("written: %s (%zu segments, at most %.1f s; video %.0f kbit/s; track %.0f kbit/s, "
               "%.1f %% of it, %zu fields%s)\n",
               rate.name.c_str(), rate.plan.starts.size(), seconds(rate.plan.longest),
@@ -272,12 +270,12 @@ std::string entry_of(const Rate &rate, const PackageOptions &options, const std:
   }
   const double length = seconds(rate.plan.end);
   const FilmFormat &format = rate.plan.format;
-  return formatted("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
-                   "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
-                   std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
-                   aspect_of(format) * format.height, format.height,
-                   static_cast<double>(rate.plan.times.size()) / length, rate.name.c_str(),
-                   kPlaylist);
+  return format_text("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
+                     "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
+                     std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
+                     aspect_of(format) * format.height, format.height,
+                     static_cast<double>(rate.plan.times.size()) / length, rate.name.c_str(),
+                     kPlaylist);
 }
 
 std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
@@ -311,8 +309,8 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
   std::vector<CodedField> track;
   if (!std::ranges::all_of(rates, is_there))
     track = track_of(rates, options, folder.work());
-  std::string playlist = formatted("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-INDEPENDENT-SEGMENTS\n",
-                                   options.carriage == Carriage::fragments ? 7 : 6);
+  std::string playlist = format_text("#EXTM3U\n#EXT-X-VERSION:%d\n#EXT-X-INDEPENDENT-SEGMENTS\n",
+                                     options.carriage == Carriage::fragments ? 7 : 6);
   std::vector<std::string> names;
   for (const Rate &rate : rates) {
     if (is_there(rate))

@@ -5,6 +5,7 @@
 #include "film/frame-reader.hpp"
 #include "plot/gnuplot.hpp"
 #include "samples/motion-force.hpp"
+#include "seconds.hpp"
 #include "tracks/field-track.hpp"
 
 #include <algorithm>
@@ -25,10 +26,6 @@ constexpr double kLongestArrow = 1.4;               // cells, at the speed of ne
 constexpr double kNearlyAll = 0.98;
 constexpr float kLeastConfidence = 0.25F; // of an arrow
 constexpr double kLeastLength = 0.2;      // cells
-
-double seconds(std::uint64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
-}
 
 // ---- points -------------------------------------------------------------------------------------
 
@@ -86,7 +83,7 @@ void plot_reliefs(const std::string &path, const TrackFile &track, const PlotOpt
   if (std::ranges::none_of(surfaces, &FeltSurface::exists))
     throw_error(messages::kNoSurfaceHere, path.c_str());
   const std::string where = options.hand.empty()
-                                ? formatted("at (%.2f, %.2f)", options.x, options.y)
+                                ? format_text("at (%.2f, %.2f)", options.x, options.y)
                                 : std::string("under the hand");
   out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 800);
   out.line("set multiplot layout 2,1 margins 0.1, 0.98, 0.11, 0.93 spacing 0, 0.13");

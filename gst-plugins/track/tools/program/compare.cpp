@@ -73,18 +73,18 @@ std::string shift_text(const Comparison &result) {
   const double ms = 1e3 * result.shift;
   if (ms == 0)
     return "none";
-  return formatted("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",
-                   result.is_late() ? ", which is felt" : "");
+  return format_text("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",
+                     result.is_late() ? ", which is felt" : "");
 }
 
 // Returns what stands above the picture.
 std::string caption_of(const Hands &hands, const Comparison &result) {
-  std::string all = formatted("told apart: %.1f %% of the time; shift: %s",
-                              100 * result.all.distinguishable, shift_text(result).c_str());
+  std::string all = format_text("told apart: %.1f %% of the time; shift: %s",
+                                100 * result.all.distinguishable, shift_text(result).c_str());
   if (result.places.size() < 2)
     return all;
   const PointerPosition &worst = hands.resting[worst_place(result)];
-  return all + formatted("; drawn: (%.2f, %.2f)", worst.x, worst.y);
+  return all + format_text("; drawn: (%.2f, %.2f)", worst.x, worst.y);
 }
 
 void print_text(const FeltFile &a, const FeltFile &b, const Hands &hands,

@@ -7,6 +7,7 @@
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
 #include "samples/motion-force.hpp"
+#include "seconds.hpp"
 #include "tracks/field-track.hpp"
 #include "tracks/film-cut.hpp"
 #include "tracks/track-file.hpp"
@@ -30,6 +31,7 @@ namespace {
 
 using haptic::CodedField;
 namespace messages = haptic::messages;
+using haptic::seconds;
 using haptic::throw_error;
 using haptic::TrackFile;
 using haptic::TrackFileError;
@@ -37,62 +39,54 @@ using haptic::TrackSample;
 
 constexpr unsigned kMostSpans = 1'000'000; // of a plan
 
-constexpr char kUsage[] =
-    "Usage: haptic-track info FILE...\n"
-    "       haptic-track convert [--force] [--hand LOG] FILE OUTPUT\n"
-    "       haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT\n"
-    "       haptic-track plot [--force] [--place X,Y | --hand LOG] FILE OUTPUT.png|OUTPUT.gif\n"
-    "       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B\n"
-    "       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...\n"
-    "       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...\n"
-    "       haptic-track author --chunk K PLAN\n"
-    "       haptic-track author --merge PLAN\n"
-    "       haptic-track package [--carriage cmaf|ts] [--columns N] --output FOLDER VIDEO...\n"
-    "Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, "
-    ".mkv),\n"
-    "a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is\n"
-    "written: one of these, or what hapticarray makes of it, as sound with a channel for each\n"
-    "actuator (.wav) or for telephones (.ahap). A video beside the track stays where it is.\n"
-    "  --hand        of motion fields: a log of hapticsink; the motion under its hand is written\n"
-    "  --layout      of .wav: the layout of hapticarray; otherwise back-3x4\n"
-    "  --map         of .wav: stroke, field or point; otherwise stroke\n"
-    "  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01\n"
-    "  --from, --to  seconds of the file's own time; what is left begins at 0\n"
-    "  --with-video  cut the video and the sound too (.ts, .mkv), at the key frames around\n"
-    "  --stream      the track with this name, where info shows several; for compare, of both "
-    "files\n"
-    "  --place       plot: where the height of reliefs is drawn, 0 to 1 from the top left; "
-    "otherwise "
-    "0.5,0.5\n"
-    "  --force       write over an output that exists\n"
-    "compare prints how much of the time a hand could tell two files apart; each may be a track or "
-    "a "
-    "log\n"
-    "of hapticsink (.csv).\n"
-    "  --at-most     the exit status is 1 above this percentage\n"
-    "  --json        as JSON\n"
-    "  --plot        draws both forces\n"
-    "  --from, --to  seconds of A's time\n"
-    "  --offset      seconds that are added to B's times\n"
-    "  --places      of fields and reliefs: columns and rows of the places compared; otherwise "
-    "5x3\n"
-    "  --hand        of fields and reliefs: a log of hapticsink whose hand feels them\n"
-    "  --alpha       of tracks: steepness of the force law, in s/px; otherwise 0.01\n"
-    "  --max-force   of tracks: force of the fastest motion, in N; otherwise 1\n"
-    "author writes for each video a copy with the motion of its whole frame beside it:\n"
-    "NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it "
-    "goes\n"
-    "on where it was stopped. The exit status is 0 if all copies are there.\n"
-    "  --output      folder of the copies; otherwise that of each video\n"
-    "  --columns     columns of the motion field\n"
-    "  --jobs        videos at a time; otherwise one for each processor core\n"
-    "  --plan        prints a plan (JSON) of chunks that processes measure in any order\n"
-    "  --chunks      about so many; otherwise one for each minute\n"
-    "  --chunk       measures one, counted from 0\n"
-    "  --merge       makes the copies and a manifest from all\n"
-    "package makes a folder of files for any web server: a page where the film is seen and\n"
-    "felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.\n"
-    "  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)\n";
+constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
+       haptic-track convert [--force] [--hand LOG] FILE OUTPUT
+       haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT
+       haptic-track plot [--force] [--place X,Y | --hand LOG] FILE OUTPUT.png|OUTPUT.gif
+       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B
+       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...
+       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...
+       haptic-track author --chunk K PLAN
+       haptic-track author --merge PLAN
+       haptic-track package [--carriage cmaf|ts] [--columns N] --output FOLDER VIDEO...
+Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
+a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
+written: one of these, or what hapticarray makes of it, as sound with a channel for each
+actuator (.wav) or for telephones (.ahap). A video beside the track stays where it is.
+  --hand        of motion fields: a log of hapticsink; the motion under its hand is written
+  --layout      of .wav: the layout of hapticarray; otherwise back-3x4
+  --map         of .wav: stroke, field or point; otherwise stroke
+  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01
+  --from, --to  seconds of the file's own time; what is left begins at 0
+  --with-video  cut the video and the sound too (.ts, .mkv), at the key frames around
+  --stream      the track with this name, where info shows several; for compare, of both files
+  --place       plot: where the height of reliefs is drawn, 0 to 1 from the top left; otherwise 0.5,0.5
+  --force       write over an output that exists
+compare prints how much of the time a hand could tell two files apart; each may be a track or a log
+of hapticsink (.csv).
+  --at-most     the exit status is 1 above this percentage
+  --json        as JSON
+  --plot        draws both forces
+  --from, --to  seconds of A's time
+  --offset      seconds that are added to B's times
+  --places      of fields and reliefs: columns and rows of the places compared; otherwise 5x3
+  --hand        of fields and reliefs: a log of hapticsink whose hand feels them
+  --alpha       of tracks: steepness of the force law, in s/px; otherwise 0.01
+  --max-force   of tracks: force of the fastest motion, in N; otherwise 1
+author writes for each video a copy with the motion of its whole frame beside it:
+NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it goes
+on where it was stopped. The exit status is 0 if all copies are there.
+  --output      folder of the copies; otherwise that of each video
+  --columns     columns of the motion field
+  --jobs        videos at a time; otherwise one for each processor core
+  --plan        prints a plan (JSON) of chunks that processes measure in any order
+  --chunks      about so many; otherwise one for each minute
+  --chunk       measures one, counted from 0
+  --merge       makes the copies and a manifest from all
+package makes a folder of files for any web server: a page where the film is seen and
+felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.
+  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)
+)";
 
 // The options of each command. Another one would be ignored: it is refused.
 constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
@@ -129,15 +123,17 @@ struct Arguments {
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
-double seconds(std::uint64_t ns) {
-  return static_cast<double>(ns) * 1e-9;
+// Reads a number from `least` to `most`. Returns false if the text is none.
+template <typename Number>
+bool read(const std::string &text, Number least, Number most, Number &value) {
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  return end.ec == std::errc() && end.ptr == text.data() + text.size() && value >= least &&
+         value <= most;
 }
 
 double parse_seconds(const std::string &option, const std::string &text) {
   double value = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !(value >= 0) ||
-      !(value <= 1e9))
+  if (!read(text, 0.0, 1e9, value))
     throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
   return value;
 }
@@ -145,74 +141,36 @@ double parse_seconds(const std::string &option, const std::string &text) {
 unsigned parse_count(const std::string &option, const std::string &text, unsigned least,
                      unsigned most) {
   unsigned value = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || value < least ||
-      value > most)
+  if (!read(text, least, most, value))
     throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
   return value;
 }
 
 double parse_number(const std::string &option, const std::string &text, double least, double most) {
   double value = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size() ||
-      !(value >= least && value <= most))
+  if (!read(text, least, most, value))
     throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
   return value;
 }
 
-void parse_places(const std::string &option, const std::string &text,
-                  haptic::CompareOptions &options) {
-  const char *const end = text.data() + text.size();
-  const auto columns = std::from_chars(text.data(), end, options.columns);
-  const bool has_rows = columns.ptr != end && *columns.ptr == 'x';
-  const auto rows = std::from_chars(columns.ptr + has_rows, end, options.rows);
-  const auto is_count = [](unsigned count) { return count >= 1 && count <= 32; };
-  if (!has_rows || rows.ptr != end || !is_count(options.columns) || !is_count(options.rows))
-    throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
-}
-
-haptic::PlotOptions parse_place(const std::string &option, const std::string &text) {
-  haptic::PlotOptions place;
-  const char *const end = text.data() + text.size();
-  const auto x = std::from_chars(text.data(), end, place.x);
-  const bool has_y = x.ptr != end && *x.ptr == ',';
-  const auto y = std::from_chars(x.ptr + has_y, end, place.y);
-  const auto is_share = [](double share) { return share >= 0 && share <= 1; };
-  if (x.ec != std::errc() || !has_y || y.ec != std::errc() || y.ptr != end || !is_share(place.x) ||
-      !is_share(place.y))
-    throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
-  return place;
-}
-
-bool is_compare_option(const std::string &word) {
-  constexpr std::string_view kOptions[] = {"--plot", "--offset", "--at-most",  "--places",
-                                           "--hand", "--alpha",  "--max-force"};
-  return std::ranges::find(kOptions, word) != std::end(kOptions);
-}
-
-void parse_compare_option(const std::string &option, const std::string &text,
-                          haptic::CompareOptions &options) {
-  if (option == "--plot")
-    options.plot = text;
-  else if (option == "--at-most")
-    options.at_most = parse_number(option, text, 0, 100);
-  else if (option == "--places")
-    parse_places(option, text, options);
-  else if (option == "--offset")
-    options.offset = parse_number(option, text, -1e6, 1e6);
-  else if (option == "--hand")
-    options.hand = text;
-  else if (option == "--alpha")
-    options.law.alpha = parse_number(option, text, 0.0001, 10);
-  else
-    options.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
+// Reads two numbers with this character between them. Returns false if the text is none.
+template <typename Number>
+bool read_pair(const std::string &text, char between, Number least, Number most, Number &first,
+               Number &second) {
+  const std::size_t middle = std::min(text.find(between), text.size());
+  return middle < text.size() && read(text.substr(0, middle), least, most, first) &&
+         read(text.substr(middle + 1), least, most, second);
 }
 
 haptic::Carriage parse_carriage(const std::string &text) {
   if (text != "ts" && text != "cmaf")
     throw_error(messages::kCarriageIsUnknown, text.c_str());
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
+}
+
+bool is_among(std::string_view options, const std::string &option) {
+  return option.find(' ') == std::string::npos &&
+         (' ' + std::string(options) + ' ').find(' ' + option + ' ') != std::string::npos;
 }
 
 void check_options(const Arguments &arguments) {
@@ -226,10 +184,64 @@ void check_options(const Arguments &arguments) {
       kCommandOptions, command, &std::pair<std::string_view, std::string_view>::first);
   if (entry == std::end(kCommandOptions))
     return;
-  const std::string known = ' ' + std::string(entry->second) + ' ';
   for (const std::string &option : arguments.options)
-    if (known.find(' ' + option + ' ') == std::string::npos)
+    if (!is_among(entry->second, option))
       throw_error(messages::kOptionIsForeign, option.c_str(), command.c_str());
+}
+
+// Returns what an option without a value sets, or null.
+bool *flag_of(const std::string &option, Arguments &arguments) {
+  return option == "--plan"         ? &arguments.plan
+         : option == "--merge"      ? &arguments.merge
+         : option == "--force"      ? &arguments.force
+         : option == "--json"       ? &arguments.compare.json
+         : option == "--with-video" ? &arguments.with_video
+                                    : nullptr;
+}
+
+// One with a value.
+void read_option(const std::string &option, const std::string &text, Arguments &arguments) {
+  haptic::CompareOptions &compare = arguments.compare;
+  if (option == "--chunk")
+    arguments.chunk = parse_count(option, text, 0, kMostSpans);
+  else if (option == "--chunks")
+    arguments.chunks = parse_count(option, text, 1, kMostSpans);
+  else if (option == "--jobs")
+    arguments.jobs = parse_count(option, text, 1, 1024);
+  else if (option == "--columns")
+    arguments.author.columns =
+        parse_count(option, text, haptic::kFewestColumns, haptic::kMostColumns);
+  else if (option == "--output")
+    arguments.author.folder = text;
+  else if (option == "--carriage")
+    arguments.carriage = parse_carriage(text);
+  else if (option == "--stream")
+    arguments.stream = text;
+  else if (option == "--layout")
+    arguments.vibration.layout = text;
+  else if (option == "--map")
+    arguments.vibration.map = text;
+  else if (option == "--from")
+    arguments.from = parse_seconds(option, text);
+  else if (option == "--to")
+    arguments.to = parse_seconds(option, text);
+  else if (option == "--hand")
+    compare.hand = text;
+  else if (option == "--plot")
+    compare.plot = text;
+  else if (option == "--at-most")
+    compare.at_most = parse_number(option, text, 0, 100);
+  else if (option == "--offset")
+    compare.offset = parse_number(option, text, -1e6, 1e6);
+  else if (option == "--alpha")
+    compare.law.alpha = parse_number(option, text, 0.0001, 10);
+  else if (option == "--max-force")
+    compare.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
+  else if (option == "--place" &&
+           !read_pair(text, ',', 0.0, 1.0, arguments.plot.x, arguments.plot.y))
+    throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
+  else if (option == "--places" && !read_pair(text, 'x', 1U, 32U, compare.columns, compare.rows))
+    throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
 }
 
 Arguments parse_arguments(const std::vector<std::string> &words) {
@@ -237,61 +249,25 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string &word = words[i];
-    const bool is_option = !options_end && word.starts_with("-");
-    if (is_option && word != "--")
-      arguments.options.push_back(word);
-    if (options_end || (!is_option && !arguments.command.empty())) {
-      arguments.files.push_back(word);
-    } else if (word == "--") {
+    if (!options_end && word == "--") {
       options_end = true;
-    } else if (word == "--plan" || word == "--merge") {
-      (word == "--plan" ? arguments.plan : arguments.merge) = true;
-    } else if (word == "--chunk" || word == "--chunks") {
-      if (++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      if (word == "--chunk")
-        arguments.chunk = parse_count(word, words[i], 0, kMostSpans);
+    } else if (options_end || !word.starts_with("-")) {
+      if (arguments.command.empty() && !options_end)
+        arguments.command = word;
       else
-        arguments.chunks = parse_count(word, words[i], 1, kMostSpans);
-    } else if (word == "--force") {
-      arguments.force = true;
-    } else if (word == "--json") {
-      arguments.compare.json = true;
-    } else if (is_compare_option(word)) {
-      if (++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      parse_compare_option(word, words[i], arguments.compare);
-    } else if (word == "--layout" || word == "--map") {
-      if (++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      (word == "--layout" ? arguments.vibration.layout : arguments.vibration.map) = words[i];
-    } else if (word == "--with-video") {
-      arguments.with_video = true;
-    } else if (word == "--from" || word == "--to") {
-      if (++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      (word == "--from" ? arguments.from : arguments.to) = parse_seconds(word, words[i]);
-    } else if (word == "--output" || word == "--columns" || word == "--jobs" ||
-               word == "--carriage" || word == "--stream" || word == "--place") {
-      if (++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      if (word == "--output")
-        arguments.author.folder = words[i];
-      else if (word == "--stream")
-        arguments.stream = words[i];
-      else if (word == "--place")
-        arguments.plot = parse_place(word, words[i]);
-      else if (word == "--columns")
-        arguments.author.columns =
-            parse_count(word, words[i], haptic::kFewestColumns, haptic::kMostColumns);
-      else if (word == "--carriage")
-        arguments.carriage = parse_carriage(words[i]);
-      else
-        arguments.jobs = parse_count(word, words[i], 1, 1024);
-    } else if (is_option) {
-      throw_error(messages::kOptionIsUnknown, word.c_str());
+        arguments.files.push_back(word);
     } else {
-      arguments.command = word;
+      arguments.options.push_back(word);
+      if (bool *const flag = flag_of(word, arguments)) {
+        *flag = true;
+        continue;
+      }
+      if (std::ranges::none_of(kCommandOptions,
+                               [&](const auto &entry) { return is_among(entry.second, word); }))
+        throw_error(messages::kOptionIsUnknown, word.c_str());
+      if (++i == words.size())
+        throw_error(messages::kOptionNeedsValue, word.c_str());
+      read_option(word, words[i], arguments);
     }
   }
   return arguments;

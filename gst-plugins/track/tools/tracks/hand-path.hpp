@@ -4,6 +4,7 @@
 
 #include "samples/pointer-position.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace haptic {
@@ -14,13 +15,22 @@ struct TimedPlace {
   float y = 0.5F;
   float z = 0; ///< -1..1
 
-  PointerPosition position() const;
+  PointerPosition position() const {
+    PointerPosition position;
+    position.x = x;
+    position.y = y;
+    position.z = z;
+    return position;
+  }
 };
 
 /// s, between what is felt along a path: 100 a second.
 inline constexpr double kPathStep = 0.01;
 
 /// Returns the place at a time; before the path begins, its first one. The path is not empty.
-PointerPosition place_at(const std::vector<TimedPlace> &path, double time);
+inline PointerPosition place_at(const std::vector<TimedPlace> &path, double time) {
+  const auto after = std::ranges::upper_bound(path, time, {}, &TimedPlace::time);
+  return (after == path.begin() ? after : after - 1)->position();
+}
 
 } // namespace haptic

@@ -9,6 +9,7 @@
 #include "glue/gst-raii.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
+#include "seconds.hpp"
 #include "tracks/field-track.hpp"
 
 #include <algorithm>
@@ -84,18 +85,13 @@ bool append_line(TextLine &&line, TrackFile &track) {
 
 // The same for a buffer that holds one set or one line.
 bool append_bytes(GstBuffer *buffer, TrackFile &track) {
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return false;
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
-  bool is_item = false;
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
   if (begins_with(bytes, kTextName))
-    is_item =
-        append_line(read_text_line({reinterpret_cast<const char *>(map.data), map.size}), track);
-  else if (const auto item = KlvReader(bytes).next())
-    is_item = append_item(*item, track);
-  gst_buffer_unmap(buffer, &map);
-  return is_item;
+    return append_line(read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()}),
+                       track);
+  const auto item = KlvReader(bytes).next();
+  return item && append_item(*item, track);
 }
 
 // A unit of some bytes may last for hours, and containers have any size.
@@ -218,15 +214,11 @@ struct Container {
 } // namespace
 
 bool is_own_track(GstBuffer *buffer) {
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return false;
-  const std::span<const std::uint8_t> bytes(map.data, map.size);
-  const bool own = begins_with(bytes, kTextName) ||
-                   (bytes.size() >= kMotionKey.size() &&
-                    std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
-  gst_buffer_unmap(buffer, &map);
-  return own;
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
+  return begins_with(bytes, kTextName) ||
+         (bytes.size() >= kMotionKey.size() &&
+          std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
 }
 
 namespace {
@@ -340,15 +332,15 @@ void compare_with_film(const Container &container, TrackFile &track) {
       track.fields.empty() ? track.samples.back().time : track.fields.back().time;
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
-        formatted(messages::kTrackIsLonger, static_cast<double>(end - container.film_end) * 1e-9));
+        format_text(messages::kTrackIsLonger, seconds(end - container.film_end)));
   const auto [width, height] = frame_size_of(track);
   if (width <= 0 || container.film_width <= 0)
     return;
   // Of a film that lies on its side, author measures the upright frame.
   const bool is_turned = width == container.film_height && height == container.film_width;
   if (!is_turned && (width != container.film_width || height != container.film_height))
-    track.remarks.push_back(formatted(messages::kTrackHasOtherFrame, width, height,
-                                      container.film_width, container.film_height));
+    track.remarks.push_back(format_text(messages::kTrackHasOtherFrame, width, height,
+                                        container.film_width, container.film_height));
 }
 
 // Appends one set or one line. Its time is that of its buffer.

@@ -55,7 +55,7 @@ protected:
     return error_of([&] { read(text); });
   }
   std::string sentence_of_wrong() const {
-    return haptic::formatted(haptic::messages::kPlanIsWrong, folder.path_of("plan").c_str());
+    return haptic::format_text(haptic::messages::kPlanIsWrong, folder.path_of("plan").c_str());
   }
 
   const TemporaryFolder folder;
@@ -124,7 +124,7 @@ TEST_F(AuthorPlan, OneOfAnotherVersionIsRefusedByItsNumber) {
   other.replace(at, other.find('"', at) - at, "0.0.1");
   EXPECT_NE(refusal(other).find("version 0.0.1 made this plan"), std::string::npos);
   EXPECT_EQ(error_of([&] { haptic::read_plan(folder.path_of("none")); }),
-            haptic::formatted(haptic::messages::kFileIsMissing, folder.path_of("none").c_str()));
+            haptic::format_text(haptic::messages::kFileIsMissing, folder.path_of("none").c_str()));
 }
 
 TEST_F(AuthorPlan, ChunksHoldEachSpanOnceAndAreAboutAsLong) {
@@ -153,7 +153,7 @@ TEST_F(AuthorPlan, AFilmMayBeCopiedButNotChanged) {
   const std::string path = folder.write("film.mp4", "frames");
   const PlannedFilm film = haptic::identify(path);
   const auto check = [&](bool wholly) { return error_of([&] { check_unchanged(film, wholly); }); };
-  const std::string changed = haptic::formatted(haptic::messages::kFilmHasChanged, path.c_str());
+  const std::string changed = haptic::format_text(haptic::messages::kFilmHasChanged, path.c_str());
   const auto time = fs::last_write_time(path);
   fs::last_write_time(path, time + std::chrono::hours(1));
   EXPECT_EQ(check(false), "") << "another time, and the same content";

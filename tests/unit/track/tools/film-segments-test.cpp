@@ -141,9 +141,9 @@ TEST_F(FilmSegments, AFilmWithoutAKeyFrameForAMinuteIsRefused) {
     } catch (const haptic::TrackFileError &error) {
       refusal = error.what();
     }
-    EXPECT_EQ(
-        refusal,
-        count <= 600 ? "" : haptic::formatted(haptic::messages::kFilmIsNotCut, path.c_str(), 65.0));
+    EXPECT_EQ(refusal, count <= 600 ? ""
+                                    : haptic::format_text(haptic::messages::kFilmIsNotCut,
+                                                          path.c_str(), 65.0));
   }
 }
 

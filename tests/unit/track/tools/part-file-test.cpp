@@ -55,7 +55,7 @@ TEST(PartFile, OnlyOneWritesAFileAtATime) {
   {
     const PartFile first(name);
     EXPECT_EQ(refusal(name),
-              haptic::formatted(haptic::messages::kFileIsBeingWritten, name.c_str()));
+              haptic::format_text(haptic::messages::kFileIsBeingWritten, name.c_str()));
     EXPECT_TRUE(fs::exists(name)) << "who was refused removes nothing";
   }
   EXPECT_EQ(refusal(name), "") << "after the first one ended";
