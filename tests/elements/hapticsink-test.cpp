@@ -694,11 +694,12 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples", "gaps",
                            "faults", "log-rows-lost", "samples-lost", "reliefs", "bad-reliefs"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
-  for (const char *name : {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99",
-                           "loop-max", "sample-age", "sample-age-max", "force-max", "force-rms"})
+  for (const char *name :
+       {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99", "loop-max", "sample-age",
+        "sample-age-max", "force-max", "force-rms", "given-up-force", "given-up-torque"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
   EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
-  EXPECT_EQ(gst_structure_n_fields(s), 22);
+  EXPECT_EQ(gst_structure_n_fields(s), 24);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 500U);
   EXPECT_EQ(count("late-ticks"), 0U);

@@ -110,6 +110,8 @@ StructurePtr make_stats(const HapticSession &session) {
                         "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
                         "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
                         "force-rms", G_TYPE_DOUBLE, loop.force_rms.load(),               //
+                        "given-up-force", G_TYPE_DOUBLE, loop.given_up_force.load(),     //
+                        "given-up-torque", G_TYPE_DOUBLE, loop.given_up_torque.load(),   //
                         "faults", G_TYPE_UINT64, loop.faults(),                          //
                         "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(),       //
                         "samples-lost", G_TYPE_UINT64, loop.samples_lost.load(),         //

@@ -12,6 +12,8 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;                                              // ns
 constexpr std::int64_t kTooLate = std::chrono::nanoseconds(spidar::kLongestSilence).count(); // ns
 constexpr std::int64_t kRetryFaultedDevice = kSecond / 10;                                   // ns
+// A free grip under no force is turned by no more than minimum tension does in the workspace.
+constexpr double kSideTorqueAtRest = 0.012; // N·m
 constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
@@ -137,8 +139,15 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   update_motion(now);
   update_touch(dt);
   const spidar::Wrench wrench = next_wrench(dt, lateness > kTooLate);
-  if (run_.environment.device)
-    run_.environment.device->command(wrench);
+  if (spidar::HapticDevice *device = run_.environment.device) {
+    device->let_rest(run_.chain.silent() && (run_.chain.holds() & ~kHoldSpent));
+    device->limit_side_torque(
+        std::min(settings_.value().law_settings.max_torque,
+                 kSideTorqueAtRest + SafetyChain::kTorqueArm * wrench.force.norm()));
+    device->command(wrench);
+    run_.statistics.given_up_force = device->state().given_up.force.norm();
+    run_.statistics.given_up_torque = device->state().given_up.torque.norm();
+  }
   if (run_.environment.log)
     log_tick(now, wrench);
   run_.impulse.impulse += wrench.force * dt;
@@ -332,7 +341,6 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   PlanarVelocity hand;
   bool knows_newtons = false;
   if (spidar::HapticDevice *device = run_.environment.device) {
-    device->limit_side_torque(law.max_torque);
     knows_newtons = device->knows_newtons();
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;

@@ -85,6 +85,8 @@ struct LoopStatistics {
   SharedValue<std::int64_t> sample_age_sum; ///< ns from submit() to the first tick with it
   SharedValue<std::int64_t> sample_age_max; ///< ns
   SharedValue<double> force_max;            ///< N
+  SharedValue<double> given_up_force;       ///< N, DeviceState::given_up of the last tick
+  SharedValue<double> given_up_torque;      ///< N·m
   SharedValue<double> force_rms;            ///< N, over the last minute
   DurationHistogram lateness;
   DurationHistogram body;

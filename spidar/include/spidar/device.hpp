@@ -25,9 +25,9 @@ public:
 
   bool exchange(std::int64_t now) noexcept override;
   bool connected() const noexcept override;
-  /// Computes the tensions for `wrench` at the present pose, in the order of TensionSolver. While
-  /// it is nothing that could be felt, the strings go to minimum tension within 0.1 s.
+  /// Computes the tensions for `wrench` at the present pose, in the order of TensionSolver.
   void command(const Wrench &wrench) noexcept override;
+  void let_rest(bool rests) noexcept override;
   void limit_side_torque(double limit) noexcept override;
   void rest() noexcept override;
   void calibrate() noexcept override;

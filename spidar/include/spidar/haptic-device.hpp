@@ -73,8 +73,8 @@ public:
   virtual void command(const Wrench &wrench) noexcept = 0;
 
   /// The next exchange leaves the device as it is left behind: a SPIDAR-G with minimum tension in
-  /// each string, at once; command({}) takes 0.1 s. Call it before the exchanges stop: only after
-  /// this may they stay away. Real-time safe.
+  /// each string. Off the centre that is not what command({}) sends, which balances the strings.
+  /// Call it before the exchanges stop: only after this may they stay away. Real-time safe.
   virtual void rest() noexcept { command({}); }
 
   /// Takes the present grip position as workspace centre and identity orientation. Real-time safe.
@@ -92,6 +92,11 @@ public:
   /// Whether a commanded force is one in newtons. A stick's strength is unknown to software, so
   /// that no stiffness and no damping is safe on it.
   virtual bool knows_newtons() const noexcept { return true; }
+
+  /// Whether nothing is to be felt for now. Exactly no force needs unequal tensions off the centre,
+  /// and these turn a grip that nobody holds. So a SPIDAR-G then goes to minimum tension within
+  /// 0.1 s, and a command comes on top of what that has. Real-time safe.
+  virtual void let_rest(bool /*rests*/) noexcept {}
 
   /// Limits the torque that comes with a force without being wanted, N·m: the force is reduced
   /// until it keeps within. Real-time safe.

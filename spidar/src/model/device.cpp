@@ -27,12 +27,8 @@ constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
 constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
 
-// Exactly no force needs unequal tensions off the centre, and these turn a grip that nobody holds
-// (up to 42 rad/s; minimum tension: up to 13). While there is nothing to exert, the strings go to
-// minimum tension instead. The way there and back changes no tension by more than 0.05 N a
-// millisecond.
-constexpr double kBalancing = 0.1;      // s
-constexpr double kNothingToFeel = 0.01; // N, a torque counts at the grip radius
+// To minimum tension and back. It changes no tension by more than 0.05 N a millisecond.
+constexpr double kBalancing = 0.1; // s
 
 constexpr double kSettleWindow = 0.05; // s without movement: the strings are taut
 constexpr double kLongestSettling = 1; // s
@@ -77,6 +73,8 @@ struct Device::Implementation {
   Tensions acting;                          ///< N, between the last two exchanges
   Tensions impulse = Tensions::Zero();      ///< N·s, since the last valid pose
   double balanced = 0;                      ///< 0..1 of the pull that minimum tension has here
+  bool rests = false;
+  bool tracked = false; ///< a pose was accepted since start()
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -97,9 +95,8 @@ struct Device::Implementation {
   }
 
   void command(const Wrench &wrench) noexcept {
-    const double size = wrench.force.norm() + wrench.torque.norm() / geometry.grip_radius;
     const double step = since_exchange / kBalancing;
-    balanced += std::clamp(std::min(size / kNothingToFeel, 1.0) - balanced, -step, step);
+    balanced += std::clamp((rests ? 0 : 1) - balanced, -step, step);
     const Tensions minimum = Tensions::Constant(geometry.tension_min);
     const Wrench pull =
         realised_wrench(string_kinematics(geometry, state.pose).pull, (1 - balanced) * minimum);
@@ -184,10 +181,12 @@ struct Device::Implementation {
     if (!continues && !confirmed)
       return reject();
     if (!continues) {
+      if (tracked) // the hand may do anything between start() and the first exchange
+        slip.jump();
       velocity_known = false;
-      slip.jump();
     }
     accept(solved.pose);
+    tracked = true;
   }
 
   bool exchange(std::int64_t now) noexcept {
@@ -292,6 +291,10 @@ bool Device::exchange(std::int64_t now) noexcept {
 void Device::command(const Wrench &wrench) noexcept {
   const bool finite = wrench.force.allFinite() && wrench.torque.allFinite();
   implementation_->command(finite ? wrench : Wrench{});
+}
+
+void Device::let_rest(bool rests) noexcept {
+  implementation_->rests = rests;
 }
 
 void Device::limit_side_torque(double limit) noexcept {

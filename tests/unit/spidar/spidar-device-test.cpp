@@ -191,7 +191,7 @@ TEST(Device, ReportsTheTensionsThatItSends) {
     EXPECT_DOUBLE_EQ(tension(device.geometry(), i, wire.sent.back()[i]), reported[i]);
 }
 
-TEST_P(DeviceOf, WithoutAForceTheStringsGoToMinimumTensionAndWithOneTheyAreBalanced) {
+TEST_P(DeviceOf, AtRestTheStringsGoToMinimumTensionAndElseTheyAreBalanced) {
   Wire wire;
   Device device = device_with("hold:0.8,-0.7,0.6", wire, GetParam());
   const Tensions minimum = Tensions::Constant(device.geometry().tension_min);
@@ -202,19 +202,36 @@ TEST_P(DeviceOf, WithoutAForceTheStringsGoToMinimumTensionAndWithOneTheyAreBalan
       ASSERT_LE((device.state().tensions - before).cwiseAbs().maxCoeff(), 0.1);
     }
   };
+  device.let_rest(true);
   let(200, {});
   const Wrench pull = at_minimum_tension(device);
   EXPECT_GT(pull.force.norm(), 0.1);
   EXPECT_LE((device.state().tensions - minimum).norm(), 0.01); // half a digit each
   EXPECT_FALSE(device.state().feasible);
   EXPECT_LE((device.state().given_up.force + pull.force).norm(), 0.005);
+  device.let_rest(false);
   let(1, push(0.02, 0, 0)); // on top of the pull
   EXPECT_LE((device.state().given_up.force + pull.force).norm(), 0.02);
-  let(150, push(0.02, 0, 0));
+  let(150, {});
   EXPECT_TRUE(device.state().feasible);
   EXPECT_LE(device.state().given_up.force.norm(), 0.005);
+  device.let_rest(true);
   let(150, {});
   EXPECT_LE((device.state().tensions - minimum).norm(), 0.01);
+}
+
+TEST(Device, AHandThatMovesBeforeTheFirstExchangeIsNoSlip) {
+  Wire wire;
+  Device device = device_with("hold:0,0,0", wire);
+  const Geometry &geometry = device.geometry();
+  const StringLengths way =
+      string_lengths(geometry, {.position = {0.02, 0, 0}}) - string_lengths(geometry, {});
+  for (std::size_t i = 0; i < kStrings; ++i)
+    wire.disturbance[i] = static_cast<std::int32_t>(
+        std::lround(way[static_cast<Eigen::Index>(i)] / geometry.metres_per_count[i]));
+  run(device, 3);
+  EXPECT_NEAR(device.state().pose.position.x(), 0.02, 1e-4);
+  EXPECT_FALSE(device.state().slipping);
 }
 
 TEST(Device, TellsWhatTheLimitOfTheSideTorqueTakesFromTheForce) {
