@@ -21,7 +21,8 @@ namespace spidar {
 namespace {
 
 // No hand moves faster; a turn counts at the grip radius.
-constexpr double kFastest = 5; // m/s
+constexpr double kFastest = 5;      // m/s
+constexpr double kSamePlace = 1e-5; // m; to which a pose is solved
 // Eight lengths fit a pose to the precision of the geometry; worse means slack or a slipped string.
 constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
@@ -44,9 +45,10 @@ double low_pass_share(double cutoff, double elapsed) noexcept {
   return 1 - std::exp(-2 * std::numbers::pi * cutoff * elapsed);
 }
 
-double jump(const Pose &from, const Pose &to, double grip_radius) noexcept {
+bool can_reach(const Pose &from, const Pose &to, double grip_radius, double time) noexcept {
   const Vector3 turn = rotation_vector(from.rotation.transpose() * to.rotation);
-  return std::max((to.position - from.position).norm(), grip_radius * turn.norm());
+  return std::max((to.position - from.position).norm(), grip_radius * turn.norm()) <=
+         kSamePlace + kFastest * time;
 }
 
 } // namespace
@@ -172,11 +174,10 @@ struct Device::Implementation {
     slip.step(solved.misfit, solved.pose, since_exchange);
     if (solved.residual > kLargestResidual)
       return reject();
-    const bool continues =
-        jump(state.pose, solved.pose, geometry.grip_radius) <= kFastest * since_valid;
+    const bool continues = can_reach(state.pose, solved.pose, geometry.grip_radius, since_valid);
     // The same new place twice is no error: the grip has moved while no pose was valid.
-    const bool confirmed = !state.valid && jump(last_solved, solved.pose, geometry.grip_radius) <=
-                                               kFastest * since_exchange;
+    const bool confirmed =
+        !state.valid && can_reach(last_solved, solved.pose, geometry.grip_radius, since_exchange);
     last_solved = solved.pose;
     if (!continues && !confirmed)
       return reject();

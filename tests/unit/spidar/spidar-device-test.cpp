@@ -540,6 +540,21 @@ TEST(Device, AMoveWhileNobodyLookedIsBelievedWhenItLasts) {
   EXPECT_EQ(device.state().moved, Vector3::Zero());
 }
 
+TEST(Device, TwoExchangesAtTheSameTimeAreNoJump) {
+  Wire wire;
+  Device device = device_with("hold:0.1,0,-0.3", wire);
+  run(device, 300);
+  for (int n = 0; n < 300; ++n) {
+    const std::int64_t now = next_tick();
+    for (int i = 0; i < 2; ++i) {
+      ASSERT_TRUE(device.exchange(now));
+      device.command({});
+      ASSERT_TRUE(device.state().valid) << n;
+      ASSERT_FALSE(device.state().slipping) << n;
+    }
+  }
+}
+
 TEST(Device, AControllerThatNeverAnswersIsAnError) {
   Wire wire;
   wire.knows_home = false;
