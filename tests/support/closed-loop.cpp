@@ -134,12 +134,14 @@ constexpr double kFadedIn = 0.3;  // s; the force begins within 50 ms, the slew 
 constexpr double kAtWork = 0.005; // N, as commanded: a fast hand hardly presses a surface
 constexpr double kLiesAt = 0.015; // m, of the surface that a hand lies on
 
-LoopInHand::Setup setup_of(const LoopPoint &point, const Vector3 &start) {
+LoopInHand::Setup setup_of(const LoopPoint &point, const Vector3 &start,
+                           bool pulls_at_rest = true) {
   LoopInHand::Setup setup{.geometry = point.geometry,
                           .hand = point.hand,
                           .start = start,
                           .pace = point.pace,
-                          .dead_man = point.event == "dead-man"};
+                          .dead_man = point.event == "dead-man",
+                          .pulls_at_rest = pulls_at_rest};
   haptic::LoopSettings &settings = setup.settings;
   while (haptic::force_laws()[settings.law].name != point.law)
     ++settings.law;
@@ -286,8 +288,9 @@ class Way {
 public:
   static constexpr double kAbove = 0.002; // m
 
-  Way(const LoopPoint &point, const Vector3 &place, bool has_surface = true)
-      : point_(point), place_(place), held(setup_of(point, at(0, 0))) {
+  Way(const LoopPoint &point, const Vector3 &place, bool has_surface = true,
+      bool pulls_at_rest = true)
+      : point_(point), place_(place), held(setup_of(point, at(0, 0), pulls_at_rest)) {
     held.hand().leads = true;
     held.hand().presses = true;
     held.hand().acceleration = point.acceleration;
@@ -456,8 +459,10 @@ void happen(LoopInHand &held, const LoopPoint &point, bool begins) {
   held.set();
 }
 
+// While the force is held the strings rest, and minimum tension pulls off the centre. What that
+// does is not the touch's.
 Outcome through(const LoopPoint &point) {
-  Way way(point, kPlace);
+  Way way(point, kPlace, true, false);
   way.go([&](int stage) {
     if (stage == point.stages.from)
       happen(way.held, point, true);

@@ -78,12 +78,15 @@ public:
     Pace pace = {};
     haptic::LoopSettings settings = {};
     bool dead_man = false;
+    bool pulls_at_rest = true; ///< the strings have minimum tension, which pulls off the centre
   };
 
   static constexpr std::int64_t kMs = 1'000'000; // ns
 
   explicit LoopInHand(const Setup &setup) : settings(setup.settings), ticks_(setup.pace) {
-    const spidar::Geometry &geometry = builtin_geometry(setup.geometry);
+    spidar::Geometry geometry = builtin_geometry(setup.geometry);
+    if (!setup.pulls_at_rest)
+      geometry.tension_min = 0.001; // N
     auto on_strings = std::make_unique<HandOnStrings>(geometry, setup.hand, setup.start);
     hand_ = on_strings.get();
     device_ =

@@ -31,7 +31,7 @@ constexpr std::array kRows = {
     Sample{"late-tick", "acceleration=100 out=0.3", 40},
     Sample{"paid-back", "acceleration=100 out=0.3", 30},
     Sample{"let-go", "", 40},
-    Sample{"through", "acceleration=100 pace=1000Hz", 60},
+    Sample{"through", "acceleration=100 out=0.05", 60},
     Sample{"through-calibrate", "acceleration=100 out=0.05 pace=4000Hz", 20},
     Sample{"calibrate", "", 40},
     Sample{"work", "", 40},
