@@ -183,7 +183,7 @@ struct Device::Implementation {
       return reject();
     if (!continues) {
       if (tracked) // the hand may do anything between start() and the first exchange
-        slip.jump();
+        slip.jump(solved.misfit);
       velocity_known = false;
     }
     accept(solved.pose);

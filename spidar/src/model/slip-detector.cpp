@@ -70,6 +70,10 @@ void SlipDetector::learn(const Place &here, double elapsed) noexcept {
   follow(places_[kMomentAgo], kMoment);
 }
 
+void SlipDetector::jump(const StringLengths &misfit) noexcept {
+  jumped_ = rms(misfit) > kNoise;
+}
+
 void SlipDetector::step(const StringLengths &misfit, const Pose &pose, double elapsed) noexcept {
   const Place here{misfit, pose};
   slipping_ = is_slipping(here);
