@@ -119,7 +119,12 @@ void put_probes(const std::vector<haptic::CodedField> &packets) {
   }
 }
 
-// Over the first relief, with a rest now and then.
+Vector3 shortened(const Vector3 &v, double most) {
+  return v.norm() > most ? Vector3(v * (most / v.norm())) : v;
+}
+
+// Over the first relief, with a rest now and then: the force of the spring, within the limits of
+// the safety chain. The page leaves the damper against the hand out.
 void put_finger(const std::vector<haptic::CodedField> &packets) {
   haptic::ReliefDecoder decoder;
   decoder.push(packets.front().bytes);
@@ -128,6 +133,7 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
   constexpr int kTicks = 6000;
   put(kTicks);
   double time = 0;
+  Vector3 force = Vector3::Zero();
   for (int tick = 0; tick < kTicks; ++tick) {
     time += tick % 1000 < 700 ? 1e-3 : 0;
     Vector3 finger = place_at(time, 0.55);
@@ -135,8 +141,16 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
     finger.z() =
         here.height - kDepth / std::max(surface.normal(finger.x(), finger.y()).z(), kSteepest);
     const haptic::Contact &contact = law.step(surface, finger, {}, 1e-3);
+    // With the damper against the surface's own speed, 5 ticks of the spring: its work is k d rise.
+    const double stiffness =
+        std::min(surface.at(contact.proxy.x(), contact.proxy.y()).stiffness, haptic::stiffest({}));
+    const Vector3 spring = contact.proxy - finger;
+    const double depth = std::max(spring.norm(), 1e-9);
+    const double damper =
+        5 * std::min(1 / 5e-4, 1 / depth) * contact.surface_work / (stiffness * depth);
+    force += shortened(shortened((1 + damper) * stiffness * spring, 1) - force, 0.02);
     for (const double number : {finger.x(), finger.y(), contact.proxy.x(), contact.proxy.y(),
-                                contact.force.x(), contact.force.y(), contact.force.z()})
+                                force.x(), force.y(), force.z()})
       put(number);
   }
 }

@@ -200,9 +200,15 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
   }
   // F . dx of a spring that grew meanwhile. One that the surface shortens has less energy left.
   contact_.surface_work = std::max(stiffness_ * (contact_.proxy - hand - rise / 2).dot(rise), 0.0);
+  const Vector3 stuck = contact_.proxy;
   slide(surface, hand, most);
   const Vector3 spring = contact_.proxy - hand;
-  follow_length(touched ? Vector3(spring - spring_) : Vector3(before - hand), dt);
+  Vector3 longer = touched ? Vector3(stuck - hand - spring_) : Vector3(before - hand);
+  if (contact_.proxy != stuck) { // it does not hold the hand back along the surface
+    const Vector3 normal = surface.normal(contact_.proxy.x(), contact_.proxy.y());
+    longer = longer.dot(normal) * normal;
+  }
+  follow_length(longer, dt);
   if (hangs(surface, hand)) {
     lag_ = hand.z() - here.height - sunk_;
     contact_.proxy = hand;
