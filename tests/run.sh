@@ -165,7 +165,7 @@ in_idle_time() {
 # Cases that repeat for statistics or for hours what others check once, or that only measure time. A sanitizer
 # would find nothing more in them.
 repetitions=(
-  '*.F20_*' '*.F27_*' '*/ClosedLoop.*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
+  '*.F20_*' '*.F27_*' '*/ClosedLoop.*' '*/SlipOn.*' '*Ticks.AFullTickTakes*' 'OurPart.OfATickTakes*'
   'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
   '*TrackerLimits.AfterTheFirst*NothingIsAllocated' 'FastTracker.ChangesOfGainAndOffsetDoNotMoveAnything'
   'PoseSolver.TheOrientationStaysARotation*' 'TensionSolver.AgreesWithBruteForce*'
