@@ -42,7 +42,6 @@ constexpr double kStaleLongest = 2;    // s
 constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
 // A grip of 0.1 kg that is let go with it reaches 0.36 m/s at 1 N and 0.8 m/s at 5 N.
 constexpr double kMostForHand = 6.4e-3; // J per N of max_force
-constexpr double kStiffest = 200;       // N/m, of a touch: contact-law.cpp
 // A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
 constexpr double kCredit = 5e-5; // J per N of max_force
 // The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
@@ -210,7 +209,7 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
 void SafetyChain::account_for_energy(const Input &input) noexcept {
   const double of_law = accepted_.hand.isZero(0) ? 0 : kMostForLaw * input.max_force;
   // Of a touch that has ended the force still acts, with its energy.
-  const double fading = parts_.hand.squaredNorm() / (2 * kStiffest);
+  const double fading = parts_.hand.squaredNorm() / (2 * kStiffestTouch);
   account_.charge({.acted = input.acted,
                    .film = acting_.film,
                    .by_hand = !acting_.hand.isZero(0),
