@@ -6,6 +6,7 @@
 #include "spidar/error.hpp"
 #include "spidar/simulator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -232,6 +233,24 @@ TEST(Device, AHandThatMovesBeforeTheFirstExchangeIsNoSlip) {
   run(device, 3);
   EXPECT_NEAR(device.state().pose.position.x(), 0.02, 1e-4);
   EXPECT_FALSE(device.state().slipping);
+}
+
+// docs/spidar.md has these figures.
+TEST_P(DeviceOf, AtRestTheStringsPullGentlyTowardsTheCentre) {
+  const Geometry geometry = load_geometry(GetParam());
+  Random random(3);
+  const auto strongest = [&](double reach, double turned) {
+    double most = 0; // N
+    for (int i = 0; i < 20'000; ++i) {
+      const Pose pose = random.pose(reach, turned);
+      const Wrench pull = realised_wrench(string_kinematics(geometry, pose).pull,
+                                          Tensions::Constant(geometry.tension_min));
+      most = std::max(most, pull.force.norm());
+    }
+    return most;
+  };
+  EXPECT_LE(strongest(0.015, 10 * kDegree), 0.43);
+  EXPECT_LE(strongest(0.025, 20 * kDegree), 0.71);
 }
 
 TEST(Device, TellsWhatTheLimitOfTheSideTorqueTakesFromTheForce) {
