@@ -100,6 +100,7 @@ std::span<const Property<SinkSettings>> sink_properties() {
 
 GType session_state_type() {
   static std::vector<GEnumValue> values;
+  values.reserve(std::size(kSessionStates) + 1); // and what ends the list
   for (const auto &state : kSessionStates)
     values.push_back({static_cast<gint>(state.state), state.description, state.name});
   return register_enum("GstHapticSinkSessionState", values);
