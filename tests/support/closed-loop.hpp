@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The table of the closed loop: what the force may do at most, whatever the hand does. Each row is a
-// grid of points; a point is one run of the loop with a hand on its strings, in virtual time.
+// The table of the closed loop: what the force may do at most, whatever the hand does. Each row is
+// a grid of points; a point is one run of the loop with a hand on its strings, in virtual time.
 #pragma once
 
 #include "loop-in-hand.hpp"

@@ -21,7 +21,8 @@ public:
   void calibrate() noexcept { *this = SlipDetector(grip_radius_); }
   /// `misfit`: measured minus modelled lengths at this pose, m; `elapsed`: s since the one before.
   void step(const StringLengths &misfit, const Pose &pose, double elapsed) noexcept;
-  /// The grip is seen where no hand can have taken it. Strings that agree about it have not slipped.
+  /// The grip is seen where no hand can have taken it. Strings that agree about it have not
+  /// slipped.
   void jump(const StringLengths &misfit) noexcept;
 
   /// A string has slipped, and has not come back.
