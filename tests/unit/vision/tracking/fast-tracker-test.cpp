@@ -258,7 +258,8 @@ TEST_F(FastTracker, AReducedRegionShowsFainterMotion) {
   EXPECT_LT(error(found, {1, -0.6}), 0.1);
 }
 
-// Of a noisy small region the tracker learned a noise and a motion that the large one does not have.
+// Of a noisy small region the tracker learned a noise and a motion that the large one does not
+// have.
 TEST_F(FastTracker, ALargerRegionBeginsAnew) {
   constexpr int kLargeFrame = 400;
   constexpr int kLarge = 200;
