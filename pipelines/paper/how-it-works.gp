@@ -2,8 +2,6 @@
 # Draws two pictures of docs/how-it-works.md; how-it-works.sh sets pipelines, work and folder. Velocity is orange, force blue.
 load pipelines . "/shared/palette.gp"
 set terminal svg size 640,360 dynamic font "DejaVu Sans,15" background "white"
-set style line 1 linecolor rgb "#E69F00" linewidth 2 pointtype 7 pointsize 0.6
-set style line 2 linecolor rgb "#0072B2" linewidth 2.5
 
 alpha = 0.01 # s/px
 f_max = 1.0  # N
@@ -17,7 +15,7 @@ set arrow 1 from 100,0 to 100,0.5 nohead linecolor rgb "#E69F00" linewidth 2
 set arrow 2 from 100,0.5 to 0,0.5 linecolor rgb "#0072B2" linewidth 2
 set label 1 "100 px/s give 0.5 N" at 115,0.48
 set label 2 "F = 2/π · 1 N · atan(0.01 s/px · v)" at 230,0.62
-plot 2 * f_max / pi * atan(alpha * x) with lines linestyle 2
+plot 2 * f_max / pi * atan(alpha * x) with lines linetype 13
 unset arrow
 unset label
 set datafile separator ","
@@ -34,5 +32,5 @@ set ytics nomirror
 set xzeroaxis linetype -1 linecolor rgb "#444444"
 set key outside top center horizontal
 # A velocity holds for the middle of its interval.
-plot work . "/velocities.csv" using (($1 - $2 / 2) / 1e9):3 with points linestyle 1 title "velocity, one for each frame", \
-     work . "/trace.csv" using "time":"fx" axes x1y2 with lines linestyle 2 title "force, one for each ms"
+plot work . "/velocities.csv" using (($1 - $2 / 2) / 1e9):3 with points linetype 11 pointtype 7 pointsize 0.6 title "velocity, one for each frame", \
+     work . "/trace.csv" using "time":"fx" axes x1y2 with lines linetype 13 title "force, one for each ms"

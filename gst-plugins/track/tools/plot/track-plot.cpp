@@ -36,8 +36,8 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
   out.line("set xrange [*:*] noextend");
   out.line("set key at screen 0.98, 0.98");
   out.line("set ylabel 'velocity (px/s)'");
-  out.line("plot '-' using 1:2 with lines linetype 1 title 'to the right', "
-           "'-' using 1:2 with lines linetype 2 title 'upwards'");
+  out.line("plot '-' using 1:2 with lines linetype 11 title 'to the right', "
+           "'-' using 1:2 with lines linetype 12 title 'upwards'");
   const auto send = [&](auto &&value) {
     for (const auto &sample : track.samples) {
       if (sample.motion.confidence > 0)
@@ -54,7 +54,7 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
   out.line("set ylabel 'share of the full force'");
   out.line("set yrange [0:1.05]");
   out.line("plot '-' using 1:2 with lines linetype 3 title 'confidence', "
-           "'-' using 1:2 with lines linetype 1 title 'force'");
+           "'-' using 1:2 with lines linetype 13 title 'force'");
   send([](const TrackSample &s) { return s.motion.confidence; });
   send([](const TrackSample &s) {
     const auto force = force_of_motion(s.motion);
