@@ -173,7 +173,7 @@ std::vector<MotionField> fields_at(const TrackFile &track,
 void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, const Overview &all) {
   out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
   out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
-  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#F0E442'";
+  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#E69F00'";
   if (frame.rgb.empty()) {
     out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
     out.line("plot %s", arrows);
