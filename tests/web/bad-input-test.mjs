@@ -9,7 +9,6 @@ import { serve } from './server.mjs';
 const [web, films] = process.argv.slice(2);
 const server = await serve([web, films]);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function open(query, web = server.origin) {
   const page = await openPage(browser, web);

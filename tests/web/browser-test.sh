@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The player of pipelines/web in Chromium, with a film that the build draws.
+# The player of pipelines/web in Chromium and, where it is there, in Firefox, with a film that the build draws.
 #
 # From the environment: FEELING_WIND_BUILD, WEB_PACKAGES (the folder of npm's packages). SCREENSHOTS=FOLDER keeps
 # pictures of the page.
@@ -82,6 +82,7 @@ without=$work/without-hls
 cp -r "$build/pipelines/web" "$without"
 rm "$without"/hls.*
 
+node "$here/rates-test.mjs" "$build/pipelines/web" "$films"
 node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
 node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')

@@ -10,7 +10,6 @@ import { serve } from './server.mjs';
 const [web, films, poorWeb] = process.argv.slice(2);
 const servers = [await serve([web, films]), await serve([poorWeb, films])];
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 // A page with a muted video and a player on it, which begin() has prepared.
 async function attachTo(server, playlist, begin = () => {}) {

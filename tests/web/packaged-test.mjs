@@ -8,7 +8,6 @@ import { promise } from './promise.mjs';
 const [origin, folder] = process.argv.slice(2);
 const TREE = [0.42, 0.42], SKY = [0.8, 0.08];
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function strengthAt([x, y]) {
   const page = await openPage(browser, origin);

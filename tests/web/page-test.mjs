@@ -10,7 +10,6 @@ import { serve } from './server.mjs';
 const [web, films, shots] = process.argv.slice(2);
 const server = await serve([web, films]);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function open(options, query = '') {
   const page = await openPage(browser, server.origin, options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The player without a page: attach() lets a hand feel the film in a video element (docs/web.md, "Embed it").
+import { FilmClock } from './film-clock.js';
 import { forgottenBefore, playFilm, playlistAddress } from './film.js';
 import { ForceChain } from './force-chain.js';
 import { MotionTrack } from './motion-track.js';
@@ -8,9 +9,7 @@ import { Rumble, magnitudes, rumblePads } from './rumble.js';
 export { Refusal } from './film.js';
 
 const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
-const STALLED = 40; // ms without progress of the film
-const WATCH = 20; // ms
-const LONGEST_FRAME = 0.1; // s; between frames time goes on for so long
+const BEGINS = ['playing', 'seeked', 'timeupdate'];
 const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
 const NO_FORCE = Object.freeze({ x: 0, y: 0 });
 const HIGHEST_ALPHA = 0.2; // s/px
@@ -27,8 +26,8 @@ class Player {
   #place = null;
   #pressed = false;
   #strength = 1;
-  #frame = null; // {mediaTime: s, shown: ms} of the last frame
-  #progress = { time: -1, at: 0 }; // of the film: s, ms
+  #clock;
+  #ticks = false;
   #said = new Set();
   #ended = new AbortController();
   #release = () => {};
@@ -36,6 +35,7 @@ class Player {
   constructor(video, options) {
     this.#video = video;
     this.#options = options;
+    this.#clock = new FilmClock(video);
     this.strength = options.strength ?? 1;
     this.alpha = options.alpha ?? 0.01;
     const { signal } = this.#ended;
@@ -44,10 +44,11 @@ class Player {
     for (const event of ['pagehide', 'freeze']) window.addEventListener(event, stop, { signal });
     document.addEventListener('visibilitychange', () => document.hidden && stop(), { signal });
     window.addEventListener('gamepaddisconnected', stop, { signal });
-    const watch = setInterval(() => this.#watch(), WATCH);
-    signal.addEventListener('abort', () => clearInterval(watch));
+    for (const event of ['seeking', 'seeked', 'emptied'])
+      video.addEventListener(event, () => this.#clock.begin(), { signal });
+    for (const event of BEGINS) video.addEventListener(event, () => this.#begin(), { signal });
     this.#followFrames();
-    requestAnimationFrame(now => this.#tick(now));
+    this.#begin();
   }
 
   async load(playlist) {
@@ -83,8 +84,8 @@ class Player {
   get alpha() { return this.#chain.alpha; }
   set alpha(alpha) { this.#chain.alpha = within(alpha, 0, HIGHEST_ALPHA, this.#chain.alpha); }
   get force() { return this.#chain.force; }
-  get field() { return this.#track.fieldAt(this.#mediaTime(performance.now())); }
-  get relief() { return this.#touch?.track.shownAt(this.#mediaTime(performance.now()))?.motion ?? null; }
+  get field() { return this.#track.fieldAt(this.#clock.at(performance.now())); }
+  get relief() { return this.#touch?.track.shownAt(this.#clock.at(performance.now()))?.motion ?? null; }
   get contact() { return this.#touch?.contact ?? null; }
   get hasTrack() { return !this.#track.empty || this.#touch !== null; }
   get gamepads() { return rumblePads().map(pad => pad.id); }
@@ -117,45 +118,37 @@ class Player {
   // ---- what is felt now
 
   #followFrames() {
-    if (!this.#video.requestVideoFrameCallback) return; // then the element's time must do
     const next = (_, { mediaTime, expectedDisplayTime }) => {
       if (this.#ended.signal.aborted) return;
-      this.#frame = { mediaTime, shown: expectedDisplayTime };
+      this.#clock.frame(mediaTime, expectedDisplayTime);
       this.#video.requestVideoFrameCallback(next);
     };
-    this.#video.requestVideoFrameCallback(next);
-  }
-
-  #mediaTime(now) {
-    if (!this.#frame) return this.#video.currentTime;
-    const since = within((now - this.#frame.shown) / 1000, 0, LONGEST_FRAME, 0);
-    return this.#frame.mediaTime + (this.#video.paused ? 0 : since * this.#video.playbackRate);
+    this.#video.requestVideoFrameCallback?.(next);
   }
 
   get #plays() {
     const video = this.#video;
-    return !video.paused && !video.seeking && !video.ended && video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA &&
-      !document.hidden && video.playbackRate > 0 && video.playbackRate <= 2;
+    return !this.#ended.signal.aborted && !document.hidden && !video.paused && !video.seeking && !video.ended &&
+      video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA && video.playbackRate > 0 && video.playbackRate <= 2;
   }
 
-  // Whether the film stands still although it should play. Its time moves with each frame of the screen.
-  #stalls(now) {
-    if (this.#video.currentTime !== this.#progress.time) this.#progress = { time: this.#video.currentTime, at: now };
-    return now - this.#progress.at > STALLED;
-  }
-
-  #watch() {
-    if (!this.#plays || this.#stalls(performance.now())) this.#silence();
+  // While the film plays, each frame of the screen is a step; nothing runs while it rests.
+  #begin() {
+    if (this.#ticks || !this.#plays) return;
+    this.#ticks = true;
+    requestAnimationFrame(now => this.#tick(now));
   }
 
   #tick(now) {
-    if (this.#ended.signal.aborted) return;
-    requestAnimationFrame(next => this.#tick(next));
-    const { currentTime, playbackRate } = this.#video;
-    if (this.#plays && currentTime > UNTRACKED && !this.hasTrack) this.#say('This film has no haptic track: nothing is felt.');
-    if (!this.#plays || this.#stalls(now) || !this.#place) return this.#silence();
+    this.#ticks = false;
+    if (!this.#plays) return this.#silence();
+    this.#begin();
+    const { currentTime, playbackRate, videoWidth } = this.#video;
+    if (!videoWidth || !this.#video.requestVideoFrameCallback) this.#clock.look(now);
+    if (currentTime > UNTRACKED && !this.hasTrack) this.#say('This film has no haptic track: nothing is felt.');
+    if (this.#clock.stalls(now) || !this.#place) return this.#silence();
     const place = this.#place;
-    this.#chain.advance(this.#mediaTime(now), (time, since) => {
+    this.#chain.advance(this.#clock.at(now), (time, since) => {
       const motion = this.#track.at(time, place, since);
       return this.#touch?.felt(motion, time, since, place, this.#pressed) ?? motion;
     }, playbackRate);
