@@ -53,6 +53,10 @@ export async function openPage(browser, origin, { width = 1280, height = 900, sc
   page.on('request', request => {
     if (!request.url().startsWith(origin) && !/^(blob|data):/.test(request.url())) page.trouble.push(request.url());
   });
+  page.on('response', response => {
+    const url = response.url();
+    if (response.status() >= 400 && url.endsWith('.js')) page.trouble.push(`${response.status()} ${url}`);
+  });
   page.on('pageerror', error => page.trouble.push(String(error)));
   page.on('console', message => {
     if (/Content Security Policy/.test(message.text())) page.trouble.push(message.text());

@@ -18,13 +18,14 @@ async function attachTo(server, playlist, begin = () => {}) {
   await page.evaluate(`window.begin = ${begin}`);
   await page.evaluate(async playlist => {
     const { attach } = await import('./player/player.js');
+    const { default: hls } = await import('./player/hls.light.min.js');
     const film = document.querySelector('video');
     window.film = film;
     window.problems = [];
     film.muted = true;
     film.addEventListener('canplay', () => film.play());
     window.begin(film);
-    window.player = attach(film, { playlist, alpha: 0.04, onProblem: sentence => window.problems.push(sentence) });
+    window.player = attach(film, { playlist, hls, alpha: 0.04, onProblem: sentence => window.problems.push(sentence) });
     window.player.place = { x: 0.42, y: 0.42 };
   }, playlist);
   return page;
@@ -37,7 +38,7 @@ await until(early, isFelt);
 promise('a film that begins later has a track', await early.evaluate(() => window.problems.length === 0));
 promise('the player has what player.d.ts says', await early.evaluate(names =>
   names.length > 8 && names.every(name => name in window.player),
-Array.from(readFileSync(`${web}/player.d.ts`, 'utf8').match(/interface Player \{([^]*?)\n\}/)[1]
+Array.from(readFileSync(`${web}/player/player.d.ts`, 'utf8').match(/interface Player [^{]*\{([^]*?)\n\}/)[1]
   .matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm), ([, name]) => name)));
 await early.evaluate(() => window.player.load('no-track.m3u8'));
 promise('another film is not felt by the track of the first', await early.evaluate(() => !window.player.hasTrack));

@@ -39,7 +39,9 @@ function feel(page, rate) {
     const film = document.querySelector('video');
     film.muted = true;
     const forces = [];
-    const player = attach(film, { playlist: 'cmaf.m3u8', alpha, onForce: ({ time, newtons }) => forces.push([time, newtons]) });
+    const player = attach(film, {
+      playlist: 'cmaf.m3u8', alpha, onForce: ({ time, newtons }) => forces.push([time, newtons]),
+    });
     player.place = place;
     await new Promise(done => film.addEventListener('canplay', done, { once: true }));
     film.playbackRate = rate;
@@ -53,8 +55,8 @@ function feel(page, rate) {
 // The mean force from FROM to UNTIL.
 function meanOf(forces) {
   const felt = forces.filter(([time]) => time >= FROM && time <= UNTIL);
-  const area = felt.slice(1).reduce((sum, [time, newtons], i) => sum + (time - felt[i][0]) * (newtons + felt[i][1]) / 2, 0);
-  return area / (UNTIL - FROM);
+  const areas = felt.slice(1).map(([time, newtons], i) => (time - felt[i][0]) * (newtons + felt[i][1]) / 2);
+  return areas.reduce((sum, area) => sum + area, 0) / (UNTIL - FROM);
 }
 const isFelt = (forces, at) => forces.every(([time, newtons]) => Math.abs(time - at) > 0.1 || newtons > 0.01);
 
@@ -64,10 +66,11 @@ for (const name of browsers()) {
   for (const rate of RATES) {
     await page.goto(`${server.origin}/blank.html`);
     const forces = await feel(page, rate), expected = expectedAt(rate);
-    const drops = forces.filter(([time, newtons]) => time > FROM && time < UNTIL && newtons === 0 && isFelt(expected, time));
+    const drops = forces.filter(([time, newtons]) =>
+      time > FROM && time < UNTIL && newtons === 0 && isFelt(expected, time));
     const share = meanOf(forces) / meanOf(expected);
-    console.log(`${name} at ${rate}: ${meanOf(forces).toFixed(4)} N, ${(100 * share).toFixed(1)} % of what the track has, `
-      + `${drops.length} drops in ${UNTIL - FROM} s of the film`);
+    console.log(`${name} at ${rate}: ${meanOf(forces).toFixed(4)} N, ${(100 * share).toFixed(1)} % of what the track `
+      + `has, ${drops.length} drops in ${UNTIL - FROM} s of the film`);
     promise(`${name} at ${rate} times the speed never drops the force`, drops.length === 0);
     promise('and it is that of the track', Math.abs(share - 1) < WITHIN);
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The page around the player: film, hand, controls and keys.
+import { draw, pictureIn } from '../player/drawing.js';
+import Hls from '../player/hls.light.min.js'; // null where the build has none
 import { attach } from '../player/player.js';
-import { draw, pictureIn } from './drawing.js';
 import { StickHand } from './stick-hand.js';
 
 const element = id => document.getElementById(id);
@@ -14,6 +15,8 @@ const WORDS = 2; // times a second, for screen readers
 const asked = new URLSearchParams(location.search);
 const player = attach(film, {
   playlist: asked.get('playlist') ?? 'film.m3u8',
+  hls: Hls,
+  hlsConfig: { workerPath: new URL('../player/hls.worker.js', import.meta.url).href },
   onProblem: addProblem,
   onRelief: () => load('./relief-page.js', 'showReliefs'),
 });
@@ -150,6 +153,20 @@ element('sensitivity').addEventListener('input', ({ target }) => {
 
 // ---- keys
 
+// A browser may refuse a page its memory.
+function remembered(name) {
+  try {
+    return localStorage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+function remember(name, value) {
+  try {
+    localStorage.setItem(name, value);
+  } catch { /* then until the page is closed */ }
+}
+
 const KEYS = {
   ' ': togglePlay, k: togglePlay, j: () => seekBy(-SEEK), l: () => seekBy(SEEK), f: toggleFull,
   m: () => element('sound').click(), v: () => element('field').click(), '+': () => changeStrength(5),
@@ -158,9 +175,15 @@ const KEYS = {
 };
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
+// WCAG 2.1.4: who speaks to the browser, or whose hand trembles, can switch off keys that are one character.
+const letters = element('letters');
+letters.checked = remembered('letters') !== 'off';
+letters.addEventListener('change', () => remember('letters', letters.checked ? 'on' : 'off'));
+
 document.addEventListener('keydown', event => {
-  if (event.ctrlKey || event.altKey || event.metaKey || element('keys').open) return;
   const { target, key } = event;
+  if (event.ctrlKey || event.altKey || event.metaKey || element('keys').open) return;
+  if (key.length === 1 && key !== ' ' && !letters.checked) return event.stopImmediatePropagation();
   const isControl = target instanceof HTMLInputElement || (target instanceof HTMLButtonElement && key === ' ');
   const arrow = ARROWS[key];
   const action = KEYS[key.length === 1 ? key.toLowerCase() : key];
@@ -196,7 +219,8 @@ function describeDevice() {
   const phone = Boolean(navigator.vibrate) && matchMedia('(pointer: coarse)').matches;
   const text = pads.length ? `You feel it in your gamepad (${pads[0].replace(/ *\(.*/, '')}).`
     : phone ? 'Put a finger on the film: the phone vibrates as hard as the picture moves there.'
-    : 'No gamepad: the arrow shows what you would feel. Connect one and press a button of it.';
+    : isSecureContext ? 'No gamepad: the arrow shows what you would feel. Connect one and press a button of it.'
+    : 'The arrow shows what you would feel. Browsers give gamepads only to pages over https or from localhost.';
   const status = element('status');
   if (status.textContent !== text) status.textContent = text;
 }
@@ -220,3 +244,5 @@ setInterval(() => {
 }, 1000 / WORDS);
 describeDevice();
 requestAnimationFrame(frame);
+element('no-script').remove();
+element('begin').hidden = false;

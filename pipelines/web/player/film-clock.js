@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The time of the frame on the screen. The element's currentTime is too coarse for it: in Firefox it moves in steps of
 // 34 ms, of 83 ms at half the speed.
 

@@ -1,12 +1,13 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The player without a page: attach() lets a hand feel the film in a video element (docs/web.md, "Embed it").
 import { FilmClock } from './film-clock.js';
-import { forgottenBefore, playFilm, playlistAddress } from './film.js';
+import { addressOf, forgottenBefore, loadTrack, playFilm } from './film.js';
 import { ForceChain } from './force-chain.js';
 import { MotionTrack } from './motion-track.js';
+import { Problem, sentenceFor } from './problems.js';
 import { Rumble, magnitudes, rumblePads } from './rumble.js';
 
-export { Refusal } from './film.js';
+export { Problem, Refusal } from './problems.js';
 
 const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
 const BEGINS = ['playing', 'seeked', 'timeupdate'];
@@ -16,7 +17,7 @@ const HIGHEST_ALPHA = 0.2; // s/px
 
 const within = (value, low, high, otherwise) => Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
 
-class Player {
+class Player extends EventTarget {
   #video;
   #options;
   #track = new MotionTrack();
@@ -30,9 +31,10 @@ class Player {
   #ticks = false;
   #said = new Set();
   #ended = new AbortController();
-  #release = () => {};
+  #loading = new AbortController(); // for the film that is played
 
   constructor(video, options) {
+    super();
     this.#video = video;
     this.#options = options;
     this.#clock = new FilmClock(video);
@@ -49,23 +51,38 @@ class Player {
     for (const event of BEGINS) video.addEventListener(event, () => this.#begin(), { signal });
     this.#followFrames();
     this.#begin();
+    const { playlist, track } = options;
+    if (playlist !== undefined) this.load(playlist).catch(refusal => this.#say(refusal));
+    else if (track !== undefined) this.loadTrack(track).catch(refusal => this.#say(refusal));
+    options.signal?.addEventListener('abort', () => this.detach(), { signal });
+    if (options.signal?.aborted) this.detach();
   }
 
-  async load(playlist) {
-    const address = playlistAddress(playlist);
-    this.#silence();
-    this.#release();
-    this.#release = () => {};
-    this.#said.clear();
-    const track = this.#track = new MotionTrack(); // no later film is felt by this one's packets
-    this.#touch = null;
-    const isWanted = () => this.#track === track && !this.#ended.signal.aborted;
-    const release = await playFilm(this.#video, address, {
-      onPacket: (bytes, time) => isWanted() && this.addPacket(bytes, time),
-      onProblem: sentence => isWanted() && this.#say(sentence),
+  /** Plays a playlist with a track instead of the film before. */
+  load(playlist) {
+    return this.#load(playlist, (address, options) => playFilm(this.#video, address, options));
+  }
+
+  /** Feels the track in a file of KLV, which has the times of the film that the video plays by itself. */
+  loadTrack(track) {
+    return this.#load(track, async (address, { origins, signal }) => {
+      const bytes = await loadTrack(address, { origins, signal });
+      if (!signal.aborted) this.addPacket(bytes);
     });
-    if (isWanted()) this.#release = release;
-    else release();
+  }
+
+  async #load(name, load) {
+    const address = addressOf(name, this.#options.allowedOrigins);
+    this.#silence();
+    this.#loading.abort();
+    const { signal } = this.#loading = new AbortController();
+    this.#said.clear();
+    this.#track = new MotionTrack(); // no later film is felt by the packets of this one
+    this.#touch = null;
+    const { hls = standardHls, hlsConfig, allowedOrigins: origins = [] } = this.#options;
+    const onProblem = problem => signal.aborted || this.#say(problem);
+    const onPacket = (bytes, time) => signal.aborted || this.addPacket(bytes, time);
+    await load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket }).catch(onProblem);
   }
 
   addPacket(bytes, time) {
@@ -93,24 +110,24 @@ class Player {
   detach() {
     this.#silence();
     this.#ended.abort();
-    this.#release();
+    this.#loading.abort();
   }
 
   #keep(track, bytes, time) {
     const hasReliefs = track.add(bytes, time);
-    track.forgetBefore(forgottenBefore(this.#video.currentTime));
-    if (track.damaged) this.#say('Some packets of the haptic track are damaged; they are not felt.');
+    if (time !== undefined) track.forgetBefore(forgottenBefore(this.#video.currentTime));
+    if (track.damaged) this.#say(new Problem('track-damaged'));
     return hasReliefs;
   }
 
   // What reliefs need is loaded with the first one.
   async #addReliefs(bytes, time) {
     const track = this.#track;
-    const module = await import('./touch.js').catch(() => this.#say('What can be touched cannot be loaded. Check the server.'));
+    const module = await import('./touch.js').catch(() => this.#say(new Problem('touch-missing')));
     if (!module || track !== this.#track) return; // or of another film
     if (!this.#touch) {
       this.#touch = new module.Touch();
-      this.#options.onRelief?.();
+      this.#tell('relief');
     }
     this.#keep(this.#touch.track, bytes, time);
   }
@@ -145,7 +162,7 @@ class Player {
     this.#begin();
     const { currentTime, playbackRate, videoWidth } = this.#video;
     if (!videoWidth || !this.#video.requestVideoFrameCallback) this.#clock.look(now);
-    if (currentTime > UNTRACKED && !this.hasTrack) this.#say('This film has no haptic track: nothing is felt.');
+    if (currentTime > UNTRACKED && !this.hasTrack) this.#say(new Problem('no-track'));
     if (this.#clock.stalls(now) || !this.#place) return this.#silence();
     const place = this.#place;
     this.#chain.advance(this.#clock.at(now), (time, since) => {
@@ -160,7 +177,7 @@ class Player {
     const newtons = Math.hypot(force.x, force.y);
     const wanted = magnitudes(newtons, this.#chain.maxForce, this.#strength);
     if (this.#options.rumble !== false) this.#rumble.play(wanted, now);
-    this.#options.onForce?.({ ...force, newtons, ...wanted, time: this.#chain.time });
+    this.#tell('force', { ...force, newtons, ...wanted, time: this.#chain.time });
   }
 
   #silence() {
@@ -168,20 +185,28 @@ class Player {
     this.#touch?.release();
     if (this.#chain.silent) return;
     this.#chain.silence();
-    this.#options.onForce?.({ ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
+    this.#tell('force', { ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
   }
 
-  #say(sentence) {
+  #say(problem) {
+    const sentence = sentenceFor(problem, this.#options.texts);
     if (this.#said.has(sentence)) return;
     this.#said.add(sentence);
-    this.#options.onProblem?.(sentence);
+    this.#tell('problem', sentence, problem.code);
+  }
+
+  // Calls the option onForce, onRelief or onProblem, and the listeners of the event.
+  #tell(type, detail, code) {
+    this.#options[`on${type[0].toUpperCase()}${type.slice(1)}`]?.(detail, code);
+    this.dispatchEvent(Object.assign(new Event(type), { detail, code }));
   }
 }
 
+let standardHls;
+/** From now on, players without the option `hls` take this class of hls.js. */
+export function useHls(hls) { standardHls = hls; }
+
 /** See player.d.ts. */
 export function attach(video, options = {}) {
-  const player = new Player(video, options);
-  if (options.playlist !== undefined)
-    player.load(options.playlist).catch(error => options.onProblem?.(error.message));
-  return player;
+  return new Player(video, options);
 }

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // What is drawn over the film: the hand, the force on it, and on request the motion of the whole picture.
 
 const ARROW = 0.3, SHORTEST_ARROW = 160; // of the picture’s height, and px: for the full force; a finger hides less
