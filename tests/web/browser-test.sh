@@ -94,6 +94,7 @@ node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
 node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')
 promise "a hand could tell them apart for $share of the time, less than 0.05" awk "BEGIN { exit !($share < 0.05) }"
+node "$here/without-device-test.mjs" "$build/pipelines/web" "$films"
 node "$here/page-test.mjs" "$build/pipelines/web" "$films" "${SCREENSHOTS:-}"
 node "$here/relief-test.mjs" "$build/pipelines/web" "$films" "$without" "${SCREENSHOTS:-}"
 node "$here/bad-input-test.mjs" "$build/pipelines/web" "$films" "$without"

@@ -6,11 +6,11 @@ import { delimiter, join } from 'node:path';
 import { skip } from './promise.mjs';
 import { installGamepad } from './gamepad.mjs';
 
-function findPuppeteer() {
+function findPackage(name) {
   try {
-    return createRequire(`${process.env.WEB_PACKAGES}/`)('puppeteer-core');
+    return createRequire(`${process.env.WEB_PACKAGES}/`)(name);
   } catch {
-    return skip('puppeteer-core is not there (npm ci of pipelines/web/package.json)');
+    return skip(`${name} is not there (npm ci of pipelines/web/package.json)`);
   }
 }
 
@@ -34,7 +34,7 @@ function find(name) {
 export async function openBrowser(name = 'chromium') {
   const executablePath = find(name);
   if (!executablePath) skip(`${name} is not installed`);
-  const browser = await findPuppeteer().launch({ executablePath, protocolTimeout: 240_000, ...OPTIONS[name] });
+  const browser = await findPackage('puppeteer-core').launch({ executablePath, protocolTimeout: 240_000, ...OPTIONS[name] });
   process.on('exit', () => browser.process()?.kill('SIGKILL'));
   return browser;
 }
@@ -62,4 +62,10 @@ export async function openPage(browser, origin, { width = 1280, height = 900, sc
     if (/Content Security Policy/.test(message.text())) page.trouble.push(message.text());
   });
   return page;
+}
+
+/** The rules of accessibility (axe-core) that an open page breaks. Its policy has to be bypassed. */
+export function brokenRules(page) {
+  return page.evaluate(`${findPackage('axe-core').source}; axe.run().then(({ violations }) =>
+    violations.map(({ id, nodes }) => id + ': ' + nodes[0].html))`);
 }

@@ -12,13 +12,14 @@ const servers = [await serve([web, films]), await serve([poorWeb, films])];
 const browser = await openBrowser();
 
 // A page with a muted video and a player on it, which begin() has prepared.
-async function attachTo(server, playlist, begin = () => {}) {
+async function attachTo(server, playlist, begin = () => {}, isInstance = false) {
   const page = await openPage(browser, server.origin);
   await page.goto(`${server.origin}/blank.html`);
   await page.evaluate(`window.begin = ${begin}`);
-  await page.evaluate(async playlist => {
+  await page.evaluate(async (playlist, isInstance) => {
     const { attach } = await import('./player/player.js');
-    const { default: hls } = await import('./player/hls.light.min.js');
+    const { default: Hls } = await import('./player/hls.light.min.js');
+    const hls = isInstance ? window.hls = new Hls() : Hls;
     const film = document.querySelector('video');
     window.film = film;
     window.problems = [];
@@ -27,7 +28,7 @@ async function attachTo(server, playlist, begin = () => {}) {
     window.begin(film);
     window.player = attach(film, { playlist, hls, alpha: 0.04, onProblem: sentence => window.problems.push(sentence) });
     window.player.place = { x: 0.42, y: 0.42 };
-  }, playlist);
+  }, playlist, isInstance);
   return page;
 }
 const until = (page, condition) => page.waitForFunction(condition, { polling: 20, timeout: 60_000 });
@@ -47,6 +48,13 @@ await early.evaluate(() => window.player.load('film.m3u8'));
 await until(early, isFelt);
 promise('and the first is felt again', early.trouble.length === 0);
 await early.close();
+
+const own = await attachTo(servers[0], 'film.m3u8', () => {}, true);
+await until(own, isFelt);
+await own.evaluate(() => window.player.detach());
+promise('an instance of hls.js of the page is used, and given back', await own.evaluate(() =>
+  window.hls.url.endsWith('film.m3u8') && window.hls.media === null));
+await own.close();
 
 for (const [i, what] of ['with hls.js', 'without hls.js'].entries()) {
   const page = await attachTo(servers[i], 'packaged/film.m3u8',

@@ -52,7 +52,7 @@ const pack = spawnSync('npm', ['pack', '--dry-run', '--json', '--offline', playe
 if (pack.error) skip('npm is not installed');
 const files = JSON.parse(pack.stdout)[0].files.map(({ path }) => path);
 console.log(files.join(' '));
-const needed = Object.values(about.exports).flatMap(({ types, default: file }) => [types, file]).map(name => name.slice(2));
+const needed = Object.values(about.exports).flatMap(({ types, default: file }) => [types.slice(2), file.slice(2)]);
 promise('npm packs each file that the package exports', needed.every(name => files.includes(name)
   || name === 'feeling-wind.min.js')); // which a build without esbuild lacks
 promise('and the licence', files.includes('LICENSE'));

@@ -3,7 +3,7 @@
 //
 //   page-test.mjs WEB-FOLDER FILM-FOLDER [SCREENSHOTS]
 import { join } from 'node:path';
-import { openBrowser, openPage } from './browser.mjs';
+import { brokenRules, openBrowser, openPage } from './browser.mjs';
 import { promise } from './promise.mjs';
 import { serve } from './server.mjs';
 
@@ -93,6 +93,18 @@ for (const scheme of ['light', 'dark']) {
   promise(`a finger feels, and no longer when it is lifted (${scheme})`, true);
   promise('nothing is wider than the phone', await phone.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await phone.close();
+}
+
+for (const scheme of ['light', 'dark']) {
+  const checked = await openPage(browser, server.origin, { scheme });
+  await checked.setBypassCSP(true);
+  await checked.goto(`${server.origin}/`);
+  const broken = await brokenRules(checked);
+  await checked.evaluate(() => document.getElementById('keys').showModal());
+  broken.push(...await brokenRules(checked));
+  console.log(broken);
+  promise(`no rule of accessibility is broken (${scheme})`, broken.length === 0);
+  await checked.close();
 }
 
 const side = await open({ width: 844, height: 390, phone: true });

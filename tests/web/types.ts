@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What others write with the player's types (pipelines/web/player/player.d.ts). Compiled, not run.
 import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player/player.js';
+import type { FeelingWind } from '../../pipelines/web/player/element.js';
 
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {
   interface HTMLVideoElement { readonly currentTime: number }
   interface EventTarget { addEventListener(type: string, listener: (event: { detail: unknown }) => void): void }
+  class HTMLElement {}
   interface AbortSignal { readonly aborted: boolean }
 }
 declare const film: HTMLVideoElement;
@@ -38,6 +40,9 @@ console.log(relief && [relief.z, relief.stiffness, relief.friction, relief.valid
 console.log(player.contact && player.contact.x + player.contact.y + player.contact.newtons);
 console.log(player.hasTrack, player.gamepads.join());
 player.detach();
+declare const element: FeelingWind;
+element.allowedOrigins = ['https://films.example'];
+console.log(element.player?.force.x, element.video?.currentTime);
 
 // @ts-expect-error: it is read only
 player.force = { x: 1, y: 1 };

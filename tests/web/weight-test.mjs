@@ -14,7 +14,7 @@ const read = name => readFileSync(join(folder, name));
 const weight = names => names.reduce((sum, name) => sum + gzipSync(read(name)).length, 0);
 
 const isHls = name => basename(name).startsWith('hls.');
-const ON_REQUEST = ['page/array.js']; // the address asks for it
+const ON_REQUEST = ['page/array.js', 'page/force-sound.js']; // the address, or a key, asks for it
 const WITH_RELIEFS = ['player/touch.js', 'player/contact.js', 'player/relief-codec.js', 'page/relief-page.js']; // the first relief does
 const BUNDLE = 'player/feeling-wind.min.js';
 const ELSEWHERE = ['single.html', 'player/element.js', 'player/hls.js', BUNDLE]; // what other pages load

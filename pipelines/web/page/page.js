@@ -3,6 +3,7 @@
 import { draw, pictureIn } from '../player/drawing.js';
 import Hls from '../player/hls.light.min.js'; // null where the build has none
 import { attach } from '../player/player.js';
+import { blownBy, mayBeBlown } from './blown-hand.js';
 import { StickHand } from './stick-hand.js';
 
 const element = id => document.getElementById(id);
@@ -141,10 +142,18 @@ document.addEventListener('fullscreenchange', () =>
 element('full').addEventListener('click', toggleFull);
 element('sound').addEventListener('click', () => { film.muted = !film.muted; });
 element('field').addEventListener('click', event => toggle(event.currentTarget));
+element('hear').addEventListener('click', ({ currentTarget: button }) => {
+  toggle(button);
+  load('./force-sound.js', 'hearForce', button.getAttribute('aria-pressed') === 'true');
+});
 element('help').addEventListener('click', () => element('keys').showModal());
 element('strength').addEventListener('input', ({ target }) => {
   player.strength = Number(target.value) / 100;
   showSlider(target, `${target.value} %`);
+});
+element('blow').addEventListener('input', ({ target }) => {
+  showSlider(target, `${target.value} %`);
+  showBlown();
 });
 element('sensitivity').addEventListener('input', ({ target }) => {
   player.alpha = ALPHA * Number(target.value);
@@ -169,7 +178,8 @@ function remember(name, value) {
 
 const KEYS = {
   ' ': togglePlay, k: togglePlay, j: () => seekBy(-SEEK), l: () => seekBy(SEEK), f: toggleFull,
-  m: () => element('sound').click(), v: () => element('field').click(), '+': () => changeStrength(5),
+  m: () => element('sound').click(), s: () => element('hear').click(),
+  v: () => element('field').click(), '+': () => changeStrength(5),
   '-': () => changeStrength(-5), '?': () => element('help').click(), F1: () => element('help').click(),
   Escape: () => { player.place = null; },
 };
@@ -202,6 +212,15 @@ function showForce() {
   element('newtons').textContent = `${newtons.toFixed(2)} N`;
 }
 
+let blow = 0; // 0..1, how far the drawn hand is blown
+
+function showBlown() {
+  const slider = element('blow');
+  slider.disabled = !mayBeBlown(player);
+  blow = slider.disabled ? 0 : Number(slider.value) / 100;
+  stage.classList.toggle('blown', blow > 0); // the drawn hand in the place of the pointer of the system
+}
+
 function direction({ x, y }) {
   const names = ['right', 'up and right', 'up', 'up and left', 'left', 'down and left', 'down', 'down and right'];
   return names[(Math.round(Math.atan2(y, x) / (Math.PI / 4)) + 8) % 8];
@@ -230,17 +249,19 @@ function frame(now) {
   const step = stick.step(now);
   if (step) moveHand(step.x, step.y);
   showForce();
+  const blown = blownBy(player.force, blow);
   draw(canvas, stage, film, {
-    place: player.place, force: player.force,
+    place: player.place, force: player.force, blown,
     field: element('field').getAttribute('aria-pressed') === 'true' ? player.field : null,
   });
 }
 
 if (asked.has('array')) load('./array.js', 'showArray', asked.get('array'));
-for (const id of ['strength', 'sensitivity']) element(id).dispatchEvent(new Event('input'));
+for (const id of ['strength', 'sensitivity', 'blow']) element(id).dispatchEvent(new Event('input'));
 setInterval(() => {
   describeForce();
   describeDevice();
+  showBlown();
 }, 1000 / WORDS);
 describeDevice();
 requestAnimationFrame(frame);

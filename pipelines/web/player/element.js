@@ -131,4 +131,5 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
 
 const handOf = ({ place, force }) => ({ place, force });
 
-if (globalThis.customElements && !customElements.get('feeling-wind')) customElements.define('feeling-wind', FeelingWind);
+if (globalThis.customElements && !customElements.get('feeling-wind'))
+  customElements.define('feeling-wind', FeelingWind);

@@ -113,10 +113,11 @@ export function playFile(video, address, signal) {
 /** @returns the bytes of a file. Tries again where a network or a server may mend itself. */
 export async function load(url, { origins = [], signal, most = Infinity, missing = 'part-missing' } = {}) {
   requireOrigin(new URL(url), origins);
-  const mode = origins.length ? 'cors' : 'same-origin';
+  // Where other origins may be asked, a server could lead on to any.
+  const [mode, redirect] = origins.length ? ['cors', 'error'] : ['same-origin', 'follow'];
   let status = '';
   for (const pause of [500, 1000, 2000, 4000, 0]) { // ms
-    const answer = await fetch(url, { mode, signal }).catch(() => null);
+    const answer = await fetch(url, { mode, redirect, signal }).catch(() => null);
     if (signal?.aborted) break;
     const bytes = answer?.ok && await bytesOf(answer, most);
     if (bytes) return bytes;

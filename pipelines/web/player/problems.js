@@ -16,7 +16,7 @@ const TEXTS = {
   'codec': 'This browser cannot play the film’s codec. H.264 with AAC plays everywhere.',
   'cannot-play': 'The film cannot be played ({details}).',
   'no-media-source': 'This browser has no Media Source Extensions: the film plays, but it cannot be felt.',
-  'needs-hls': 'This film needs hls.js: build the page again after pipelines/web/fetch.sh.',
+  'needs-hls': 'This film needs hls.js, which this page does not have.',
   'track-damaged': 'Some packets of the haptic track are damaged; they are not felt.',
   'track-missing': 'The haptic track cannot be loaded{status}. Check its name and the server.',
   'track-large': 'The haptic track is larger than 8 MB. Package the film without --single.',
