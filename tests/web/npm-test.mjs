@@ -38,6 +38,9 @@ promise('attach() can be imported without hls.js and without a DOM', runs('plain
   "import { attach, Problem, Refusal } from 'feeling-wind'; if (!attach || !Problem || !Refusal) process.exit(1);"));
 promise('so can the element', runs('element',
   "import { FeelingWind, attach } from 'feeling-wind/element'; if (!FeelingWind || !attach) process.exit(1);"));
+// As a bundler of the embedder does.
+const bundled = spawnSync('esbuild', ['--bundle', '--format=esm', join(work, 'element.mjs')], { encoding: 'utf8' });
+if (!bundled.error) promise('a bundler needs no hls.js either', bundled.status === 0 || console.log(bundled.stderr));
 promise('./hls needs hls.js', !runs('poor', "import 'feeling-wind/hls';"));
 const hls = join(work, 'node_modules', 'hls.js');
 mkdirSync(hls);

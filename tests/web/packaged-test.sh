@@ -18,6 +18,8 @@ for carriage in cmaf ts; do
   promise "and packaged as $carriage" "$build/gst-plugins/track/tools/haptic-track" package --carriage "$carriage" \
     --output "$work/$carriage" "$work/film.ts"
 done
+promise "with the licences of what was copied" test -s "$work/cmaf/LICENSE" -a -s "$work/cmaf/player/LICENSE" \
+  -a -s "$work/cmaf/player/hls.LICENSE.txt"
 chmod -R a+rX "$work" # for the workers of a server that root starts
 # For its start, `serve` wants the playlist of the folder itself.
 cp "$work/cmaf/film.m3u8" "$work"

@@ -30,6 +30,9 @@ promise('beside a gamepad the hand stays at the pointer', await page.$eval('#blo
 await page.evaluate(() => window.unplug());
 await cursorIs('none');
 promise('without one it is blown, in the place of the pointer of the system', true);
+await page.evaluate(() => Object.defineProperty(window, 'isSecureContext', { value: false }));
+await page.waitForFunction(() => /https or from localhost/.test(document.getElementById('status').textContent));
+promise('a page that is not secure says why there is no gamepad', true);
 await page.emulateMediaFeatures([{ name: 'prefers-reduced-motion', value: 'reduce' }]);
 await cursorIs('crosshair');
 promise('not for who wants less motion', true);
