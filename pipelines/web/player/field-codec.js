@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/field-codec.cpp bit for bit.
 // Velocities are single precision there, so each step is rounded with Math.fround. relief-codec.js adds reliefs.
 
