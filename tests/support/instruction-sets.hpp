@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <gtest/gtest.h>
 #include <hwy/targets.h>
+#include <vector>
 
 namespace test {
 
@@ -22,10 +24,14 @@ public:
   InstructionSet &operator=(const InstructionSet &) = delete;
 };
 
-/// Calls body(name) on each instruction set, the best first.
+/// Calls body(name) on each instruction set, the best first. Skips the test where there is none:
+/// Highway 1.0 wants AES on arm64, which a Raspberry Pi 4 does not have.
 template <typename Body>
 void for_instruction_sets(Body &&body) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  if (targets.empty())
+    GTEST_SKIP() << "Highway has no code for this processor";
+  for (const std::int64_t target : targets) {
     const InstructionSet only(target);
     body(hwy::TargetName(target));
   }

@@ -58,7 +58,7 @@ public:
   bool is_at_end() const { return at_ == text_.size(); }
   /// A line break or another control byte stands within a text.
   bool is_text_broken() const {
-    return in_text_ && at_ < text_.size() && Peek() >= 0 && Peek() < 0x20;
+    return in_text_ && at_ < text_.size() && static_cast<unsigned char>(Peek()) < 0x20;
   }
 
 private:
