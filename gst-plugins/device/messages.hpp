@@ -12,7 +12,7 @@
   MESSAGE(kLogNotWritable, "The log \"%s\" cannot be written: %s.",                                \
           "Choose another log-location.")                                                          \
   MESSAGE(kLogStopped, "The log cannot be written any more: %s. The force goes on.",               \
-          "The log is incomplete; make room on the disk before the next start.")                   \
+          "The log is incomplete. Make room on the disk before the next start.")                   \
   MESSAGE(kDeviceIsBack, "The device is back: %s.",                                                \
           "Hold the grip in the centre, calibrate (signal calibrate), and re-arm (signal arm).")   \
   MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
@@ -24,19 +24,20 @@
   MESSAGE(kMachineSlept, "The machine slept. The force is off and the video goes on.",             \
           "Take the grip and re-arm (signal arm).")                                                \
   MESSAGE(kSampleDamaged,                                                                          \
-          "A motion sample is damaged and was felt as nothing. Further ones are only counted "     \
-          "(stats).",                                                                              \
+          "A motion sample is damaged, so it gave no force. Further damaged samples are only "     \
+          "counted (stats).",                                                                      \
           "Check the element before hapticsink: it makes wrong samples.")                          \
   MESSAGE(kReliefDamaged,                                                                          \
-          "A relief is damaged and was felt as nothing. Further ones are only counted (stats).",   \
+          "A relief is damaged, so it gave no force. Further damaged reliefs are only counted "    \
+          "(stats).",                                                                              \
           "Check the element before hapticsink: heights are metres, up to 1 m.")                   \
   MESSAGE(kAboutToSleep, "The machine is about to sleep. The force is off.",                       \
-          "Once it is awake, take the grip and re-arm (signal arm).")                              \
+          "When the machine is awake again, take the grip and re-arm (signal arm).")               \
   MESSAGE(kSamplesLost,                                                                            \
           "The loop stood still for seconds and lost motion samples. Further ones are only "       \
           "counted (stats).",                                                                      \
           "End programs that keep the processors busy.")                                           \
-  MESSAGE(kNoButton, "dead-man=button needs a button, and %s has none that is known.",             \
+  MESSAGE(kNoButton, "dead-man=button needs a button, but no button of %s is known.",              \
           "Set dead-man=none, or choose a joystick or the simulated device.")                      \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
@@ -46,41 +47,45 @@
   MESSAGE(kLayoutUnknown, "There is no layout \"%s\".",                                            \
           "Use back-3x4, ring-8, shakers-2, coils-2, or the path of a file that ends in .ini.")    \
   MESSAGE(kLayoutUnreadable, "The layout %s cannot be read: %s.",                                  \
-          "Its form is in docs/formats/array-layout.md.")                                          \
-  MESSAGE(kLayoutUnit, "%s: [array] has no unit of length.", "Add the line unit=cm, or m or mm.")  \
+          "The page docs/formats/array-layout.md explains the format.")                            \
+  MESSAGE(kLayoutUnit, "%s: [array] has no unit of length.",                                       \
+          "Add a line such as unit=cm (m, cm or mm).")                                             \
   MESSAGE(kLayoutKeyMissing, "%s: [%s] has no %s.",                                                \
-          "An actuator needs x and y, and a carrier of its own or of [array].")                    \
+          "Each actuator needs x and y. It also needs a carrier, unless [array] has one.")         \
   MESSAGE(kLayoutKeyUnknown, "%s: [%s] has an unknown key, %s.",                                   \
           "Correct the key, or number the actuators from 1 on without a gap.")                     \
-  MESSAGE(kLayoutNumber, "%s: [%s] %s=%s is no number from %g to %g.", "Correct it.")              \
-  MESSAGE(kLayoutCount, "%s has %zu actuators.", "An array has 2 to 64.")                          \
-  MESSAGE(kLayoutSamePlace, "%s: actuators %zu and %zu are at one place.",                         \
-          "Two actuators must be at least 1 mm apart.")                                            \
+  MESSAGE(kLayoutNumber, "%s: [%s] %s=%s is not a number from %g to %g.", "Correct the number.")   \
+  MESSAGE(kLayoutCount, "%s has %zu actuators.", "An array has 2 to 64 actuators.")                \
+  MESSAGE(kLayoutSamePlace, "%s: actuators %zu and %zu are at the same place.",                    \
+          "Place any two actuators at least 1 mm apart.")                                          \
   MESSAGE(kArrayChannels, "The output does not take the %d channels of the layout.",               \
-          "Choose a layout with no more actuators than the device has channels, and put "          \
-          "audioconvert before the device for the form of its samples.")                           \
-  MESSAGE(kArrayNeedsField, "map=field needs a field, and a motion sample says one motion.",       \
+          "Choose a layout with at most as many actuators as the device has channels. Put "        \
+          "audioconvert before the device for the sample format.")                                 \
+  MESSAGE(kArrayNeedsField,                                                                        \
+          "map=field needs a motion field, but this input has one motion for each frame.",         \
           "Put motionfield before hapticarray instead of velocityavg, or set map=stroke.")         \
-  MESSAGE(kArraySampleDamaged, "A motion is damaged and was felt as nothing.",                     \
+  MESSAGE(kArraySampleDamaged, "A motion is damaged, so no actuator vibrated for it.",             \
           "Check the element before hapticarray: it makes wrong samples.")                         \
   MESSAGE(kNoJoysticksBuilt, "This build cannot use joysticks.",                                   \
           "Install libevdev-dev and build it again.")                                              \
   MESSAGE(kNoJoystick, "No joystick or wheel with force feedback found.%s",                        \
           "Plug one in and switch it on.")                                                         \
-  MESSAGE(kJoystickForbidden, "The input device %s may not be opened by this user.",               \
-          "As root run 'usermod -aG input USER', and log in again; or put the line\n"              \
-          "KERNEL==\"event*\", SUBSYSTEM==\"input\", ENV{ID_INPUT_JOYSTICK}==\"1\", "              \
-          "TAG+=\"uaccess\"\ninto /etc/udev/rules.d/70-joystick.rules, and plug it in again.")     \
+  MESSAGE(                                                                                         \
+      kJoystickForbidden, "This user may not open the input device %s.",                           \
+      "Run 'usermod -aG input USER' as root and log in again. Or put the "                         \
+      "line\nKERNEL==\"event*\", SUBSYSTEM==\"input\", ENV{ID_INPUT_JOYSTICK}==\"1\", "            \
+      "TAG+=\"uaccess\"\ninto /etc/udev/rules.d/70-joystick.rules, and plug the device in again.") \
   MESSAGE(kNoInputDevice, "There is no input device %s.",                                          \
-          "Plug it in, or set device=evdev to use the first one found. Its link in "               \
-          "/dev/input/by-id stays the same when it is plugged in again.")                          \
+          "Plug it in, or set device=evdev to use the first device found. Its link in "            \
+          "/dev/input/by-id stays the same when you plug it in again.")                            \
   MESSAGE(kInputNotOpened, "The input device %s cannot be opened: %s.", "Plug it in again.")       \
-  MESSAGE(kNotAnInput, "%s is no input device.",                                                   \
-          "Those are /dev/input/event0 and so on, and the links in /dev/input/by-id.")             \
+  MESSAGE(kNotAnInput, "%s is not an input device.",                                               \
+          "Input devices are /dev/input/event0 and so on, and the links in /dev/input/by-id.")     \
   MESSAGE(kNoForceFeedback, "%s has no force feedback.",                                           \
-          "Choose another device; gst-device-monitor-1.0 Sink/Haptics lists those that have.")     \
+          "Choose another device. gst-device-monitor-1.0 Sink/Haptics lists the devices with "     \
+          "force feedback.")                                                                       \
   MESSAGE(kNoStick, "%s has no stick or wheel to point with.", "Choose another device.")           \
-  MESSAGE(kJoystickBusy, "%s is held by another program.", "End that program first.")              \
+  MESSAGE(kJoystickBusy, "Another program uses %s.", "End that program first.")                    \
   MESSAGE(kNoRoomForEffect,                                                                        \
           "%s has no room for another effect: another program plays effects on it.",               \
           "End that program first.")                                                               \

@@ -10,29 +10,35 @@
           "A part of the haptic track is damaged and was left out. Further parts are only counted (stats).", \
           "The rest is felt. On a network, give the receiver a larger latency.") \
   MESSAGE(kTrackHasForeignKlv, \
-          "There is KLV of other origin in this stream; it was passed over.", \
-          "If nothing is felt, this is not a haptic track: choose another stream of the file.") \
+          "The stream has KLV of other origin, which was left out.", \
+          "If nothing is felt, this is not a haptic track. Choose another stream of the file.") \
   MESSAGE(kTrackHasForeignText, \
-          "There is text in this stream that is not a haptic track; it was passed over.", \
+          "The stream has text that is not a haptic track and was left out.", \
           "If nothing is felt, choose another stream of the file.") \
   MESSAGE(kTrackIsOfLaterVersion, \
-          "The haptic track was written by a later version; what this one does not know is left out.", \
+          "A later version wrote the haptic track. The parts that this version does not know are " \
+          "left out.", \
           "Update this machine.") \
   MESSAGE(kTrackIsOfOtherKind, \
-          "The haptic track has samples of a kind that this version does not know; they were left out.", \
+          "The haptic track has samples of a kind that this version does not know. They were left " \
+          "out.", \
           "Update this machine.") \
   MESSAGE(kTrackHasNoTimes, \
-          "Some samples of the haptic track have no time stamp; the times inside of them are used.", \
+          "Some samples of the haptic track have no time stamp. The times inside the samples are " \
+          "used.", \
           "Nothing needs to be done.") \
   MESSAGE(kTrackIsUntied, \
-          "The haptic track has lost its time stamps, so that nothing ties it to the picture; what has none is not felt.", \
-          "Copy the original again: put hapticmark behind its muxer first, or use another program than ffmpeg.") \
+          "The haptic track has lost its time stamps, so nothing ties it to the picture. Samples " \
+          "without a time are not felt.", \
+          "Copy the original again. Put hapticmark behind its muxer first, or use another program " \
+          "than ffmpeg.") \
   MESSAGE(kTrackLostFields, \
-          "Motion fields were lost; those around them are felt.", \
+          "Motion fields were lost. The fields around them are felt.", \
           "On a network, give the receiver a larger latency.") \
   MESSAGE(kTrackLayoutIsRefused, \
-          "The haptic track holds motion %s, but what follows hapticconvert does not take them.", \
-          "Link what takes both, such as hapticsink.") \
+          "The haptic track holds motion %s, but the element behind hapticconvert does not accept " \
+          "them.", \
+          "Link an element that accepts both, such as hapticsink.") \
   MESSAGE(kTrackFieldsInHmpg, \
           "The haptic track holds motion fields of the whole frame, but MPEG haptics can hold the motion of one " \
           "point only.", \
@@ -41,20 +47,22 @@
           "A part of the MPEG haptics stream is damaged and was left out: %s.", \
           "The rest is felt. Get the file or the stream again.") \
   MESSAGE(kHmpgIsUnsupported, \
-          "The MPEG haptics stream has parts that give no force here, or not the one of their curve.", \
-          "The rest is felt. haptic-track info names them; write them as Force with linear, cubic or Akima curves.") \
+          "The MPEG haptics stream has parts that give no force here, or another force than their " \
+          "curve.", \
+          "The rest is felt. haptic-track info names these parts. Write them as Force with linear, " \
+          "cubic or Akima curves.") \
   MESSAGE(kHmpgIsNoUnit, \
-          "A buffer is not one unit of MPEG haptics.", \
+          "A buffer does not hold one unit of MPEG haptics.", \
           "Put hmpgparse before rtphmpgpay.") \
   MESSAGE(kRtpSecondSender, \
-          "A second sender, %s (SSRC %08x), sends to the same port; it is left out.", \
-          "End one of them, or give each its own port.") \
+          "A second sender, %s (SSRC %08x), sends to the same port. It is left out.", \
+          "End one of the two senders, or give each sender its own port.") \
   MESSAGE(kRtpbinIsMissing, \
           "GStreamer does not find the element rtpbin.", \
           "As root run: apt-get install gstreamer1.0-plugins-good.") \
   MESSAGE(kPointerIsDamaged, \
-          "A buffer at the pad pointer is not a pointer, or is damaged; it was passed over.", \
-          "Link what pointerextract makes to the pad, or its KLV from the network.")
+          "A buffer at the pad pointer is not a pointer, or is damaged. It was left out.", \
+          "Link the stream of pointerextract to the pad, or its KLV from the network.")
 // clang-format on
 
 // Those of haptic-track.
@@ -68,39 +76,41 @@
           "Cut the recording before, or take the original: this file may be damaged.") \
   MESSAGE(kFileIsMissing, \
           "\"%s\": there is no such file.", \
-          "Check the name; the path is relative to where you stand.") \
+          "Check the name. The path is relative to the present folder.") \
   MESSAGE(kFileIsNone, \
           "\"%s\": this is not a file.", \
           "Name a file, not a folder or a device.") \
   MESSAGE(kFileIsForbidden, \
-          "\"%s\": the file may not be read by this user.", \
-          "Change its rights with chmod, or copy it.") \
+          "\"%s\": this user may not read the file.", \
+          "Change its permissions with chmod, or copy it.") \
   MESSAGE(kTrackFileIsDamaged, \
-          "\"%s\": there is more damage than track in this file.", \
-          "Take the original; this file is of another kind, or was cut.") \
+          "\"%s\": most of this file is damaged.", \
+          "Take the original. This file is of another kind, or was cut.") \
   MESSAGE(kHjifIsWrong, \
           "\"%s\": byte %zu: %s.", \
-          "Take the original; this file is of another kind, or was cut.") \
+          "Take the original. This file is of another kind, or was cut.") \
   MESSAGE(kContainerIsEmpty, \
           "\"%s\": there is nothing in this file.", \
           "Record or copy it again.") \
   MESSAGE(kContainerHasNoTrack, \
           "\"%s\": there is no haptic track in this file, only %s.", \
-          "Take a file that record.sh or haptic-track author wrote; ffmpeg and mkvmerge leave KLV out of other containers.") \
+          "Take a file that record.sh or haptic-track author wrote. ffmpeg and mkvmerge drop KLV " \
+          "in other containers.") \
   MESSAGE(kStreamIsNoTrack, \
-          "\"%s\": the stream %s is no haptic track, but %s is.", \
-          "Choose one of those that haptic-track info names.") \
+          "\"%s\": the stream %s is not a haptic track, but %s is.", \
+          "Choose one of the streams that haptic-track info names.") \
   MESSAGE(kTrackIsLonger, \
           "the track goes on for %.1f s after the film beside it.", \
-          "See whether it was made of this film.") \
+          "Check whether it was made of this film.") \
   MESSAGE(kTrackHasOtherFrame, \
           "the track was measured in frames of %d x %d px, and the film beside it has %d x %d.", \
-          "See whether it was made of this film; if it was, its motion is felt at the right places.") \
+          "Check whether it was made of this film. If it was, its motion is felt at the right " \
+          "places.") \
   MESSAGE(kTrackFormIsUnknown, \
           "\"%s\": this is no haptic track.", \
-          "Known are .ts, .mkv, .mp4, .mov, .klv, .txt, .hmpg and .hjif.") \
+          "Known forms are .ts, .mkv, .mp4, .mov, .klv, .txt, .hmpg and .hjif.") \
   MESSAGE(kOutputFormIsUnknown, \
-          "\"%s\": which form?", \
+          "\"%s\": the form of the output is not known.", \
           "The name must end in .ts, .mkv, .klv, .txt, .hmpg, .hjif, .wav or .ahap.") \
   MESSAGE(kFilmFormIsUnknown, \
           "\"%s\": a film is cut into MPEG-TS or Matroska.", \
@@ -118,8 +128,9 @@
           "\"%s\": this form holds motion, and this track is a surface to touch.", \
           "Write .ts, .mkv, .klv or .txt.") \
   MESSAGE(kHandTouches, \
-          "\"%s\": a hand feels a force of this surface, and no motion that points could hold.", \
-          "Let hapticsink feel it (touch=surface, sim-hand=file:PATH) and log it (log-location=LOG.csv).") \
+          "\"%s\": a hand feels a force of this surface, and points cannot hold a force.", \
+          "Let hapticsink feel it (touch=surface, sim-hand=file:PATH) and log it " \
+          "(log-location=LOG.csv).") \
   MESSAGE(kMapIsUnknown, \
           "--map knows %s, not '%s'.", \
           "Give one of these words.") \
@@ -131,31 +142,31 @@
           "Wait until it has ended, or name another folder with --output.") \
   MESSAGE(kStreamDoesNotFit, \
           "the stream does not fit from %s to %s.", \
-          "Encode the video anew, as H.264.") \
+          "Re-encode the video as H.264.") \
   MESSAGE(kMuxerHasNoPlace, \
-          "the muxer has no place for %s.", \
-          "Encode the video anew, as H.264.") \
+          "the muxer cannot hold %s.", \
+          "Re-encode the video as H.264.") \
   MESSAGE(kNoContainer, \
-          "neither MPEG-TS nor Matroska has a place for %s.", \
-          "Encode the video anew, as H.264.") \
+          "neither MPEG-TS nor Matroska can hold %s.", \
+          "Re-encode the video as H.264.") \
   MESSAGE(kFrameSizeChanges, \
           "the frame's size changes from %d x %d to %d x %d after %.1f s.", \
           "Cut the video there, and author both parts.") \
   MESSAGE(kVideoIsMissing, \
           "there is no video in this file%s.", \
-          "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
+          "Check whether gst-play-1.0 plays it. gstreamer1.0-libav has most decoders.") \
   MESSAGE(kDecoderIsMissing, \
           "there is no %s.", \
           "Install gstreamer1.0-libav, which has most decoders.") \
   MESSAGE(kStreamsAreUnclear, \
           "its streams cannot be told apart.", \
-          "See whether gst-play-1.0 plays it.") \
+          "Check whether gst-play-1.0 plays it.") \
   MESSAGE(kNoFrameIsDecoded, \
           "not one frame of this video can be decoded.", \
-          "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
+          "Check whether gst-play-1.0 plays it. gstreamer1.0-libav has most decoders.") \
   MESSAGE(kFileEndsEarly, \
-          "the file ends after %.1f s of %.1f s; it was not copied or recorded to its end.", \
-          "Copy it again, or repair it by a remux and author that.") \
+          "the file ends after %.1f s of %.1f s. It was not copied or recorded to its end.", \
+          "Copy it again. Or repair it by a remux, and author the result.") \
   MESSAGE(kCopyHoldsNoFields, \
           "\"%s\": exists and holds no motion fields.", \
           "Move it away, or name another folder with --output.") \
@@ -167,7 +178,8 @@
           "Play it as it is, or author the video that it was made from.") \
   MESSAGE(kElementIsMissing, \
           "GStreamer has no element %s.", \
-          "Those of this project come with its plugins (GST_PLUGIN_PATH), all others with gstreamer1.0-plugins-base, -good and -bad.") \
+          "Elements of this project come with its plugins (GST_PLUGIN_PATH). Other elements come " \
+          "with gstreamer1.0-plugins-base, -good and -bad.") \
   MESSAGE(kGnuplotIsMissing, \
           "gnuplot is not installed.", \
           "Install the package gnuplot-nox.") \
@@ -176,7 +188,7 @@
           "Give another output, without quotes.") \
   MESSAGE(kGnuplotFails, \
           "gnuplot cannot be started.", \
-          "See whether the command gnuplot works.") \
+          "Check whether the command gnuplot works.") \
   MESSAGE(kPlotFails, \
           "\"%s\": gnuplot could not draw it.", \
           "Give another output, or make room on the disk.") \
@@ -187,31 +199,35 @@
           "\"%s\": only motion fields are shown as moving pictures.", \
           "Give an output that ends in .png.") \
   MESSAGE(kPictureIsUnknown, \
-          "\"%s\": which picture?", \
+          "\"%s\": the form of the picture is not known.", \
           "The name must end in .png or .gif.") \
   MESSAGE(kProcessFails, \
           "no further process can be started: %s.", \
           "Give fewer --jobs, or end other programs.") \
   MESSAGE(kCopyNamesCollide, \
-          "\"%s\": its copy would have the name of that of \"%s\"; nothing was begun.", \
+          "\"%s\": its copy would have the same name as the copy of \"%s\". Nothing was written.", \
           "Rename one of them, or author them one by one into two folders (--output).") \
   MESSAGE(kProcessCrashed, \
-          "\"%s\": its process was ended by the signal: %s.", \
-          "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
+          "\"%s\": its process ended by the signal: %s.", \
+          "Run it again with fewer --jobs. If it ends again, report it to the makers of the " \
+          "decoder.") \
   MESSAGE(kAuthoringIsInterrupted, \
-          "it was interrupted.", \
-          "Run it again to go on.") \
+          "the work was interrupted.", \
+          "Run the command again to go on.") \
   MESSAGE(kFilmHasChanged, \
           "\"%s\": the video has changed since the plan was made.", \
           "Make a new plan with haptic-track author --plan.") \
   MESSAGE(kKeysAreSparse, \
-          "there are up to %.0f s between two of its key frames, and a chunk begins with one: it has few chunks.", \
-          "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to share it.") \
+          "there are up to %.0f s between two of its key frames. A chunk begins with a key frame, " \
+          "so there are few chunks.", \
+          "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to " \
+          "share it.") \
   MESSAGE(kFilmStandsStill, \
-          "nothing of it moved on for %d s: too many pictures stand beside no sound.", \
-          "Let the sound begin and end with the pictures, or leave it out (ffmpeg -i IN -map 0:v -c copy OUT).") \
+          "the film did not go on for %d s, because too many pictures stand beside no sound.", \
+          "Let the sound begin and end with the pictures, or leave the sound out (ffmpeg -i IN " \
+          "-map 0:v -c copy OUT).") \
   MESSAGE(kPlanIsWrong, \
-          "\"%s\": this is no plan, or it was changed.", \
+          "\"%s\": this is not a plan, or it was changed.", \
           "Make one with haptic-track author --plan VIDEO... > plan.json.") \
   MESSAGE(kPlanIsOfOtherVersion, \
           "\"%s\": version %s made this plan, and this is version %s.", \
@@ -226,14 +242,15 @@
           "\"%s\": this chunk is damaged, number %zu of the plan.", \
           "Run haptic-track author --chunk with this number, then merge again.") \
   MESSAGE(kChunkIsForeign, \
-          "\"%s\": this chunk is of another video or version, or has other settings than number %zu of the plan.", \
+          "\"%s\": this chunk belongs to another video or version, or has other settings than " \
+          "number %zu of the plan.", \
           "Run haptic-track author --chunk with this number, then merge again.") \
   MESSAGE(kCommandNeedsPlan, \
           "%s needs one plan.", \
           "Make it with haptic-track author --plan VIDEO... > plan.json.") \
   MESSAGE(kFolderIsMissing, \
           "there is no folder \"%s\".", \
-          "Make it, or name another one with --output.") \
+          "Make it, or name another folder with --output.") \
   MESSAGE(kOptionNeedsSeconds, \
           "%s needs seconds, not '%s'.", \
           "Give a number from 0 on, such as 1.5.") \
@@ -244,8 +261,8 @@
           "%s needs a value.", \
           "See --help.") \
   MESSAGE(kOptionIsForeign, \
-          "%s is no option of '%s'.", \
-          "Leave it out; --help says what each command takes.") \
+          "%s is not an option of '%s'.", \
+          "Leave it out. --help lists the options of each command.") \
   MESSAGE(kOptionIsUnknown, \
           "unknown option '%s'.", \
           "See --help.") \
@@ -254,13 +271,13 @@
           "See --help.") \
   MESSAGE(kOutputExists, \
           "\"%s\" exists.", \
-          "Use --force, which writes over it, or give another name.") \
+          "Use --force to overwrite it, or give another name.") \
   MESSAGE(kTrackIsEmpty, \
-          "\"%s\": there is not one sample in this track.", \
+          "\"%s\": there is no sample in this track.", \
           "Take another file.") \
   MESSAGE(kCutIsEmpty, \
           "\"%s\": there is no sample between these times.", \
-          "Take other times; haptic-track info shows those of the file.") \
+          "Choose other times. haptic-track info shows the times of the file.") \
   MESSAGE(kCompareNeedsFiles, \
           "compare needs two files.", \
           "See --help.") \
@@ -277,20 +294,21 @@
           "\"%s\" lasts from %.3f to %.3f s, \"%s\" from %.3f to %.3f s: they have no time in common.", \
           "Cut one of them with haptic-track cut, which lets its times begin at 0.") \
   MESSAGE(kPlacesNeedFields, \
-          "neither file has fields or reliefs, so the hand is where it was.", \
+          "neither file has fields or reliefs, so the place of the hand is known.", \
           "Leave out --places and --hand.") \
   MESSAGE(kPlacesAreGiven, \
           "the place of the hand is given twice.", \
           "Use --places only with two tracks of fields or reliefs, and without --hand.") \
   MESSAGE(kKindsDiffer, \
-          "\"%s\" is a surface to touch, and \"%s\" is motion: nothing is the same in them.", \
-          "Compare two of one kind; --stream chooses where a file holds both.") \
+          "\"%s\" is a surface to touch, and \"%s\" is motion, so they cannot be compared.", \
+          "Compare two files of one kind. If a file holds both, choose with --stream.") \
   MESSAGE(kNoSurface, \
           "\"%s\": no relief of this track has a surface.", \
-          "See haptic-track info, then the depth or the colours that it was made from.") \
+          "See haptic-track info. Then check the depth or the colours that the track was made from.") \
   MESSAGE(kNoSurfaceHere, \
           "\"%s\": there is never a surface at this place.", \
-          "Name another one with --place X,Y; haptic-track info shows how much of the frame has a surface.") \
+          "Name another place with --place X,Y. haptic-track info shows how much of the frame has " \
+          "a surface.") \
   MESSAGE(kOptionNeedsPlace, \
           "%s needs a place in the frame, not '%s'.", \
           "Give x and y from 0 to 1, from the top left, such as 0.5,0.25.") \
@@ -304,48 +322,54 @@
           "%s needs a number from %g to %g, not '%s'.", \
           "See --help.") \
   MESSAGE(kShareIsAbove, \
-          "a hand could tell the files apart in %.1f %% of the time; %.1f %% were allowed.", \
-          "See with --plot when, and --help for the options.") \
+          "a hand could tell the files apart in %.1f %% of the time. %.1f %% were allowed.", \
+          "Use --plot to see when. --help lists the options.") \
   MESSAGE(kCommandNeedsVideo, \
           "%s needs a video.", \
           "See --help.") \
   MESSAGE(kBrowserLacksVideo, \
           "\"%s\": a browser does not play %s.", \
-          "Encode it anew: ffmpeg -i VIDEO -vf yadif=deint=interlaced -c:v libx264 -pix_fmt yuv420p " \
-          "-force_key_frames 'expr:gte(t,n_forced*4)' -c:a aac NEW.mp4, and package that.") \
+          "Re-encode it: ffmpeg -i VIDEO -vf yadif=deint=interlaced -c:v libx264 -pix_fmt yuv420p " \
+          "-force_key_frames 'expr:gte(t,n_forced*4)' -c:a aac NEW.mp4, and package the result.") \
   MESSAGE(kBrowserLacksSound, \
           "\"%s\": a browser does not play its sound, %s.", \
-          "Encode it anew: ffmpeg -i VIDEO -c:v copy -c:a aac NEW.mp4, and package that.") \
+          "Re-encode the sound: ffmpeg -i VIDEO -c:v copy -c:a aac NEW.mp4, and package the result.") \
   MESSAGE(kFilmChanges, \
-          "\"%s\": the frames change their size or form on the way.", \
-          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and package that.") \
+          "\"%s\": the frames change their size or format on the way.", \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and " \
+          "package the result.") \
   MESSAGE(kFilmHasNoTimes, \
           "\"%s\": a frame has no time.", \
-          "Give it times: ffmpeg -fflags +genpts -i VIDEO -c copy NEW.mp4, and package that.") \
+          "Give it times: ffmpeg -fflags +genpts -i VIDEO -c copy NEW.mp4, and package the result.") \
   MESSAGE(kFilmRunsBackwards, \
           "\"%s\": the frames' times do not increase after %.3f s.", \
-          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and package that.") \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and " \
+          "package the result.") \
   MESSAGE(kFilmHasNoStart, \
           "\"%s\": it has no IDR frame, where a browser can begin.", \
-          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a copy NEW.mp4, and package that.") \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a copy NEW.mp4, and " \
+          "package the result.") \
   MESSAGE(kFilmIsNotCut, \
           "\"%s\": it has no IDR frame for %.0f s, and segments begin with one.", \
-          "Encode it anew: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package that.") \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' " \
+          "-c:a copy NEW.mp4, and package the result.") \
   MESSAGE(kSegmentsAreLong, \
           "segments of up to %.1f s, from one IDR frame to the next, make seeking slow.", \
-          "Shorter ones: ffmpeg -i VIDEO -c:v libx264 -force_key_frames 'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package that.") \
+          "Make shorter segments: ffmpeg -i VIDEO -c:v libx264 -force_key_frames " \
+          "'expr:gte(t,n_forced*4)' -c:a copy NEW.mp4, and package the result.") \
   MESSAGE(kFilmHasPoints, \
-          "\"%s\": its haptic track is the motion of one point, but each viewer points elsewhere.", \
+          "\"%s\": its haptic track has the motion of one point, but each viewer points elsewhere.", \
           "Package the video that it was made from.") \
   MESSAGE(kRatesDiffer, \
           "\"%s\" and \"%s\" are not one film: %s.", \
           "Name bit rates of one film that were encoded from the same frames.") \
   MESSAGE(kRatesAreNotAligned, \
-          "its IDR frames are at other times than those of the first bit rate, so that a change between them takes longer.", \
+          "its IDR frames are at other times than those of the first bit rate, so changing the bit " \
+          "rate takes longer.", \
           "Encode all with -force_key_frames 'expr:gte(t,n_forced*4)'.") \
   MESSAGE(kAuthoringFailed, \
           "\"%s\": its motion could not be measured.", \
-          "The lines above say why; haptic-track author measures it alone.") \
+          "The lines above say why. haptic-track author measures this video alone.") \
   MESSAGE(kFolderHoldsOther, \
           "\"%s\": this folder has another site's index.html.", \
           "Name a new folder with --output.") \
@@ -354,7 +378,7 @@
           "Install it with meson install, or name its folder in FEELING_WIND_WEB.") \
   MESSAGE(kPosterFails, \
           "no poster can be made: %s.", \
-          "See whether gst-play-1.0 plays the video; gstreamer1.0-libav has the decoder.") \
+          "Check whether gst-play-1.0 plays the video. gstreamer1.0-libav has the decoder.") \
   MESSAGE(kSingleNeedsMp4, \
           "--single takes one MP4.", \
           "Make one of another video: ffmpeg -i VIDEO -c copy -movflags +faststart NEW.mp4.") \
@@ -374,7 +398,7 @@
           "info needs a file.", \
           "See --help.") \
   MESSAGE(kCommandIsMissing, \
-          "what is to be done?", \
+          "no command was given.", \
           "See --help.") \
   MESSAGE(kCommandIsUnknown, \
           "unknown command '%s'.", \

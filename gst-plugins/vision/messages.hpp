@@ -5,35 +5,36 @@
 
 // MESSAGE(name, text, cure): printf formats; the cure takes no arguments.
 #define VISION_MESSAGES(MESSAGE)                                                                   \
-  MESSAGE(kNoMetadata, "The frames carry no motion.",                                              \
+  MESSAGE(kNoMetadata, "The frames have no motion metadata.",                                      \
           "Put roitracker directly before velocityavg.")                                           \
   MESSAGE(kNotMeasured,                                                                            \
-          "The motion of a frame could not be measured; such frames are felt as nothing.",         \
+          "The motion of a frame could not be measured, so the frame gives no force.",             \
           "With method=opencv, try method=fast.")                                                  \
   MESSAGE(kNoDepth,                                                                                \
-          "No pixel of the depth is between near=%g m and far=%g m; there is no surface.",         \
-          "Correct kind and scale; near must be less than far.")                                   \
+          "No pixel of the depth is between near=%g m and far=%g m, so there is no surface.",      \
+          "Correct kind and scale. near must be less than far.")                                   \
   MESSAGE(kTableUnknown, "There is no table \"%s\".",                                              \
           "Use generic, fabric, foliage, or the path of a file that ends in .ini.")                \
   MESSAGE(kTableUnreadable, "The table %s cannot be read: %s.",                                    \
-          "Its form is in docs/formats/touch-table.md.")                                           \
-  MESSAGE(kTableUnit, "%s: [table] has no unit of length.", "Add the line unit=mm, or m or cm.")   \
+          "The page docs/formats/touch-table.md explains the format.")                             \
+  MESSAGE(kTableUnit, "%s: [table] has no unit of length.",                                        \
+          "Add a line such as unit=mm (m, cm or mm).")                                             \
   MESSAGE(kTableBy, "%s: [table] by=%s is neither colour nor lightness.",                          \
-          "Correct it, or leave it out for colour.")                                               \
-  MESSAGE(kTableColour, "%s: the colour %s is none.",                                              \
-          "Write it as #rrggbb, two hexadecimal digits each for red, green and blue.")             \
+          "Correct the value, or remove the key to compare colours.")                              \
+  MESSAGE(kTableColour, "%s: '%s' is not a colour.",                                               \
+          "Write a colour as #rrggbb, with two hexadecimal digits each for red, green and blue.")  \
   MESSAGE(kTableKeyMissing, "%s: [%s] has no %s.",                                                 \
           "An entry needs colour, height, stiffness and friction.")                                \
   MESSAGE(kTableKeyUnknown, "%s: [%s] has an unknown key, %s.",                                    \
           "Correct the key, or number the entries from 1 on without a gap.")                       \
-  MESSAGE(kTableNumber, "%s: [%s] %s=%s is no number from %g to %g.", "Correct the number.")       \
-  MESSAGE(kTableCount, "%s has %zu entries.", "A table has 1 to 64.")                              \
+  MESSAGE(kTableNumber, "%s: [%s] %s=%s is not a number from %g to %g.", "Correct the number.")    \
+  MESSAGE(kTableCount, "%s has %zu entries.", "A table has 1 to 64 entries.")                      \
   MESSAGE(kUnreadableFrame,                                                                        \
-          "A frame cannot be read: its memory does not hold what its format says.",                \
+          "A frame cannot be read, because its memory does not match its format.",                 \
           "Put videoconvert before this element, and report it to the maker of the element that "  \
           "made the frame.")                                                                       \
   MESSAGE(kUndrawableFrame,                                                                        \
-          "A frame cannot be drawn on: its memory does not hold what its format says.",            \
+          "A frame cannot be drawn on, because its memory does not match its format.",             \
           "Put videoconvert before hapticoverlay, and report it to the maker of the element that " \
           "made the frame.")
 

@@ -563,7 +563,7 @@ TEST_F(HapticArray, WhatCannotBeIsSaidWithItsCure) {
   build("map=field");
   play();
   push(moving(0, 0), 2);
-  EXPECT_NE(message(GST_MESSAGE_WARNING).find("needs a field"), std::string::npos);
+  EXPECT_NE(message(GST_MESSAGE_WARNING).find("needs a motion field"), std::string::npos);
   push_bytes(std::string("not a sample"));
   EXPECT_NE(message(GST_MESSAGE_WARNING).find("damaged"), std::string::npos);
 }

@@ -723,7 +723,7 @@ TEST(Guardian, LeavesNoChildToTheProgram) {
 }
 
 TEST(Guardian, ThatIsMissingOrEndsOrIsOfAnotherVersionIsRefusedWithACure) {
-  EXPECT_NE(refusal_by("/nowhere").find("Install it"), std::string::npos);
+  EXPECT_NE(refusal_by("/nowhere").find("Install the guardian"), std::string::npos);
   EXPECT_NE(refusal_by("/bin/true").find("Start the program again"), std::string::npos);
   const std::string killed = Helper::script("kill -9 $$");
   EXPECT_NE(refusal_by(killed).find("ended while it started"), std::string::npos);

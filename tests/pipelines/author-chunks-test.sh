@@ -79,20 +79,20 @@ promise "there is no chunk behind the last" says 1 'there is no chunk 2 in this 
 mv out/film.haptic.chunk-0-4 kept
 promise "a lost chunk is named" says 1 'this chunk is missing, number 0' author --merge plan.json
 cp out/film.haptic.chunk-4-8 out/film.haptic.chunk-0-4
-promise "so is one with another's content" says 1 'is of another video or version' author --merge plan.json
+promise "so is one with another's content" says 1 'belongs to another video or version' author --merge plan.json
 head -c 2000 kept >out/film.haptic.chunk-0-4
 promise "and one that is cut off" says 1 'this chunk is damaged, number 0' author --merge plan.json
 promise "no copy was begun" test ! -e out/film.haptic.ts
 promise "a damaged chunk is made again" author --chunk 0 plan.json
 promise "to what it was" cmp kept out/film.haptic.chunk-0-4
 sed 's/"version": "/&9/' plan.json >later.json
-promise "what a merge would ignore is refused" says 1 "--columns is no option of 'author --merge'" author --columns 8 --merge plan.json
-promise "and what a plan would" says 1 "--jobs is no option of 'author --plan'" author --jobs 2 --plan in/film.mp4
-promise "and what info would" says 1 "--force is no option of 'info'" "$haptic_track" info --force out/film.haptic.ts
+promise "what a merge would ignore is refused" says 1 "--columns is not an option of 'author --merge'" author --columns 8 --merge plan.json
+promise "and what a plan would" says 1 "--jobs is not an option of 'author --plan'" author --jobs 2 --plan in/film.mp4
+promise "and what info would" says 1 "--force is not an option of 'info'" "$haptic_track" info --force out/film.haptic.ts
 promise "a plan of another version is refused" says 1 'version 9' author --merge later.json
 sed 's/"end-span": 4/"end-span": 5/' plan.json >wrong.json
-promise "so is a plan with a hole" says 1 'this is no plan, or it was changed' author --merge wrong.json
-promise "and what is none" says 1 'this is no plan' author --chunk 0 before.json
+promise "so is a plan with a hole" says 1 'this is not a plan, or it was changed' author --merge wrong.json
+promise "and what is none" says 1 'this is not a plan' author --chunk 0 before.json
 cp in/film.mp4 same.mp4
 touch in/film.mp4
 promise "a film with another time and the same content is taken" author --chunk 0 plan.json
@@ -116,7 +116,7 @@ promise "one process authors it too" author --output one in/sparse.mp4
 promise "to the same bytes" cmp one/sparse.haptic.ts out/sparse.haptic.ts
 
 sed 's/"columns": 0/"columns": 4294967297/' plan.json >wrong.json
-promise "a plan with other columns than there are is refused" says 1 'this is no plan' author --chunk 0 wrong.json
+promise "a plan with other columns than there are is refused" says 1 'this is not a plan' author --chunk 0 wrong.json
 touch -d 1969-01-01 in/sparse.mp4
 author --plan --output out in/sparse.mp4 >old.json
 promise "a plan of a film that is older than 1970 is read" says 1 'there is no chunk 9 in this plan' author --chunk 9 old.json

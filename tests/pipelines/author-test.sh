@@ -131,8 +131,8 @@ promise "and its own stays" test "$(ls "$work/same")" = "$(printf 'film.haptic.t
 mkdir "$work/elsewhere"
 cp "$work/in/sea.mkv" "$work/elsewhere/wind.mkv"
 both=("$work/in/wind.mp4" "$work/elsewhere/wind.mkv")
-promise "two videos of one name are refused" says 1 "nothing was begun" author --output "$work/same" "${both[@]}"
-promise "in a plan too" says 1 "nothing was begun" author --plan --output "$work/same" "${both[@]}"
+promise "two videos of one name are refused" says 1 "Nothing was written" author --output "$work/same" "${both[@]}"
+promise "in a plan too" says 1 "Nothing was written" author --plan --output "$work/same" "${both[@]}"
 promise "and no copy was made" test "$(ls "$work/same")" = "$(printf 'film.haptic.ts\nfilm.mp4')"
 promise "into their own folders they go" says 0 "1 written, 0 there already, 0 failed" author "$work/elsewhere/wind.mkv" "$work/elsewhere/wind.mkv"
 
@@ -265,7 +265,7 @@ echo 'my notes' >"$work/foreign/wind.haptic.ts"
 
 ffmpeg -v error -i "$work/in/wind.mp4" -f lavfi -i sine=duration=12 -map 0:v -map 1 -c:v copy -c:a aac "$work/song.mp4"
 promise "sound that goes on after the picture" says 0 "1 written" author "$work/song.mp4"
-promise "a file that ends in the middle" says 1 "it was not copied or recorded to its end" author "$work/half.mkv"
+promise "a file that ends in the middle" says 1 "It was not copied or recorded to its end" author "$work/half.mkv"
 promise "a file that ends before its first picture" says 1 "1 failed" author "$work/short.mp4"
 promise "a file without a video" says 1 "there is no video in this file" author "$work/sound.wav"
 promise "a file that is none" says 1 '1 failed' author "$work/none.mp4"

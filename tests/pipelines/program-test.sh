@@ -286,7 +286,7 @@ if [ $# = 4 ]; then
     xdotool key q
     ended
     start --device evdev:/dev/null "$video"
-    until_true grep -q 'is no input device.*goes on with a simulated device' said
+    until_true grep -q 'is not an input device.*goes on with a simulated device' said
     until_true grep -q 'first frame' said
     xdotool key q
     ended

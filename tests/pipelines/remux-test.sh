@@ -48,7 +48,7 @@ no_track() {
 untied() {
   shift_in "$1" >"$work/shift" || return 1
   cat "$work/shift"
-  grep -q '^0 samples' "$work/shift" && grep -q 'has lost its time stamps, so that nothing ties it' "$work/shift"
+  grep -q '^0 samples' "$work/shift" && grep -q 'has lost its time stamps, so nothing ties it' "$work/shift"
 }
 
 clip "$work/clip.mkv" 160 120 30 8 uniform:37,11

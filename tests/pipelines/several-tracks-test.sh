@@ -35,7 +35,7 @@ for ending in ts mkv; do
   promise "and the other" moves "$work/two.$ending" "$second" 0 -100
 done
 refused() {
-  ! haptic_track info --stream audio_0 "$work/two.mkv" 2>"$work/stderr" && grep -q "is no haptic track, but $first is" "$work/stderr"
+  ! haptic_track info --stream audio_0 "$work/two.mkv" 2>"$work/stderr" && grep -q "is not a haptic track, but $first is" "$work/stderr"
 }
 promise "a stream that is none is refused" refused
 promise "the second is played" \

@@ -44,9 +44,9 @@ expect 1 'exists already' "$calibrate" --device sim --output "$work/measured.ini
 expect 1 'stands turned' dialogue '' up
 expect 1 'do not pull' dialogue '' none
 expect 1 'nothing has been written' dialogue '' right
-expect 1 'mind its direction' dialogue '' right up towards '' -20
-expect 1 'not the geometry of this device' dialogue '' right up towards '' 900
-expect 1 'is no number' dialogue '' right up towards '' twenty 2000
+expect 1 'in the right direction' dialogue '' right up towards '' -20
+expect 1 'does not belong to this device' dialogue '' right up towards '' 900
+expect 1 'is not a number' dialogue '' right up towards '' twenty 2000
 
 # The grip is let go while it pulls, and goes to and fro for 1 s, 40 mm in 10 ms: the answer then counts for nothing.
 awk 'BEGIN {

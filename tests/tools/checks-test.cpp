@@ -227,7 +227,7 @@ TEST(Checks, NoForceOfBeforeFollowsAnInterruption) {
 TEST(Checks, ADeviceThatPullsTheOtherWayFails) {
   Checked checked({.mirrored = true});
   check_force(checked.unit(), kForce, checked.report());
-  checked.expect_fail("the grip goes where the force points", "the other way");
+  checked.expect_fail("the grip goes where the force points", "the opposite direction");
 }
 
 TEST(Checks, StringsThatCannotGiveTheForceFail) {
@@ -484,7 +484,7 @@ TEST_F(Killed, ADeviceThatCannotBeOpenedAgainFails) {
 TEST_F(Killed, APersonWhoStillFeelsThePullMakesItFail) {
   const Finding found = finding([](const std::string &) { return false; });
   EXPECT_EQ(found.verdict, Verdict::fail);
-  EXPECT_NE(found.figure.find("has not let go"), std::string::npos) << found.figure;
+  EXPECT_NE(found.figure.find("has not taken the force off"), std::string::npos) << found.figure;
 }
 
 TEST_F(Killed, AProgramThatCannotDriveIsNotTestable) {

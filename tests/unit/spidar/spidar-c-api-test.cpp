@@ -134,7 +134,7 @@ TEST_F(CApi, NamesWhatIsWrongWithTheOptions) {
   expect_refused(SPIDAR_E_ARGUMENT, "0 to 15");
   options_.device = "sim";
   options_.sim_hand = "juggle";
-  expect_refused(SPIDAR_E_ARGUMENT, "Accepted are");
+  expect_refused(SPIDAR_E_ARGUMENT, "Use hold:");
   options_.sim_hand = nullptr;
   options_.geometry = "nothing";
   expect_refused(SPIDAR_E_NOT_FOUND, "No geometry 'nothing'");

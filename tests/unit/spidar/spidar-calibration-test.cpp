@@ -72,7 +72,7 @@ TEST(Calibration, RefusesAMoveThatDoesNotFit) {
     return refusal(Cause::argument,
                    [&] { with_measured_counts(builtin(), {}, there, axis, moved); });
   };
-  EXPECT_NE(measured(right, 0, -0.02).find("mind its direction"), std::string::npos);
+  EXPECT_NE(measured(right, 0, -0.02).find("in the right direction"), std::string::npos);
   EXPECT_NE(measured(right, 1, 0.02).find("along y"), std::string::npos);
   EXPECT_NE(measured({}, 0, 0.02).find("have not moved"), std::string::npos);
   EXPECT_NE(measured(right, 0, 0.001).find("at least 5 mm"), std::string::npos);

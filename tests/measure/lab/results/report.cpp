@@ -318,7 +318,8 @@ void write_shipped(const Report &report, std::ostream &out) {
 void write_confidence(const Report &report, std::ostream &out) {
   if (report.area.empty())
     return;
-  out << "Area under the ROC curve for errors above 0.3 px, every hard scene with each of "
+  out << "The table has the area under the ROC curve for errors above 0.3 px. Every hard scene was "
+         "rendered with "
       << report.area.begin()->second.size() << " seeds.\n\n";
   write_head(out, {"method", "worst seed", "mean"});
   for (const auto &[method, areas] : report.area)
@@ -411,10 +412,9 @@ void write_clips(const Report &report, std::ostream &out) {
 }
 
 void write_fields(const Report &report, std::ostream &out) {
-  out << "32 columns, one thread, from the luma of both frames to the cells. Dense flow is "
-         "averaged over the same cells. A cell is sure where the field's confidence is 0.5 or "
-         "more. A field "
-         "without an answer counts as no motion.\n\n";
+  out << "The field has 32 columns. One thread computes it, from the luma of both frames to "
+         "the cells. Dense flow is averaged over the same cells. A cell is sure if the field's "
+         "confidence is 0.5 or more. A field without an answer counts as no motion.\n\n";
   write_head(out, {"pair", "method", "error (px)", "sure", "error there (px)", "p95 there (px)",
                    "time (ms)"});
   for (const FieldRow &r : report.fields)
@@ -423,10 +423,11 @@ void write_fields(const Report &report, std::ostream &out) {
 }
 
 void write_vectors(const Report &report, std::ostream &out) {
-  out << "The mean of a decoder's motion vectors (libavcodec) over the region. Error against the "
-         "truth of a scene (352×288, one reference frame unless said otherwise), in a clip against "
-         "DIS medium with finest-scale=0. Decoding: what exporting the vectors costs per "
-         "frame.\n\n";
+  out << "*Vectors of the decoder* is the mean of its motion vectors (libavcodec) over the region. "
+         "In a "
+         "scene (352×288, one reference frame unless the row says otherwise) the error is measured "
+         "against the true motion. In a clip it is measured against DIS medium with "
+         "finest-scale=0. *Decoding* is the cost of exporting the vectors, per frame.\n\n";
   write_head(out, {"video", "method", "regions", "answered", "error (px)", "p95 (px)",
                    "decoding (µs)", "region (µs)"});
   for (const VectorRow &r : report.vectors)
@@ -457,10 +458,12 @@ bool pays(const AblationRow &row) {
 void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
   if (rows.empty())
     return;
-  out << "The mean error (px) without one part / its time in relation to that with all parts. "
-         "**Bold**: worse without it, *italic*: better, each by 1 % at least and with a 95 % "
-         "interval of the difference that leaves out zero. Area: under the ROC curve. Step: 99 % "
-         "of the changes from frame to frame are smaller (px).\n\n|without|";
+  out << "Each cell has two numbers: the mean error (px) without one part, and the time without "
+         "this "
+         "part divided by the time with all parts. **Bold** means that the error is larger without "
+         "the part, *italic* that it is smaller. The difference is then at least 1 %, and its 95 % "
+         "interval does not contain zero. *Area* is the area under the ROC curve. *Step*: 99 % of "
+         "the changes from frame to frame are smaller (px).\n\n|without|";
   std::string rule = "|---|";
   for (const AblationCell &c : rows.front().cells) {
     out << c.stratum << "|";
@@ -479,7 +482,7 @@ void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
     }
     out << rounded(row.area_off) << "|" << rounded(row.step_off) << "|\n";
   }
-  out << "\nParts that save neither error, time or step (5 %), nor area (0.005) on any stratum: ";
+  out << "\nThese parts save no error, time or step (5 %) and no area (0.005) on any stratum: ";
   std::vector<AblationRow> idle;
   std::ranges::copy_if(rows, std::back_inserter(idle), [](const auto &row) { return !pays(row); });
   out << (idle.empty() ? "none" : joined(idle, ", ", [](const auto &row) { return row.part; }))
@@ -490,27 +493,25 @@ void write_page(const Report &report, const fs::path &path) {
   File file(path);
   std::ostream &out = file.text();
   out << "# Results of the lab\n\n"
-         "Written by `tests/measure/lab/run.sh`; [the lab](lab.md) explains the terms. All rows "
-         "are in the "
-         "CSV files that the command writes to `build-lab/results/`.\n\n";
-  out << joined(report.circumstances, "; ", [](const auto &row) {
-    return row.first + ": " + row.second;
-  }) << ".\n";
+         "`tests/measure/lab/run.sh` writes this page. [The lab](lab.md) explains the terms. All "
+         "rows are in the CSV files that the command writes to `build-lab/results/`.\n\n";
+  for (const auto &[name, value] : report.circumstances)
+    out << "* " << name << ": " << value << "\n";
   out << "\n## Speed and accuracy\n\n";
   write_strata(report, out);
   out << "\n## Where a peer is ahead\n\n";
   write_ahead(report, out);
   out << "\n## Everything as shipped\n\n";
   write_shipped(report, out);
-  out << "\n## Scenes where a peer is ahead\n\nMean error in px, each method as shipped, where it "
-         "is 0.01 px below the default's. The bound is that of Cramér and Rao for one translation. "
-         "All scenes are in `scenes.csv`.\n\n";
+  out << "\n## Scenes where a peer is ahead\n\nThe table has the scenes in which a method as "
+         "shipped has a mean error (px) at least 0.01 px below the default. The bound of Cramér "
+         "and Rao is for one translation. All scenes are in `scenes.csv`.\n\n";
   write_scenes(report, out);
-  out << "\n## Time of the default by scene, in a stream\n\nMedian and 99th percentile in µs: ";
-  out << joined(report.streams, ", ", [](const StreamRow &r) {
-    return r.scene + " " + rounded(r.time) + " and " + rounded(r.time_99);
-  });
-  out << ".\n\n## Confidence\n\n";
+  out << "\n## Time of the default by scene, in a stream\n\n";
+  write_head(out, {"scene", "median (µs)", "99th percentile (µs)"});
+  for (const StreamRow &r : report.streams)
+    write_line(out, r.scene, r.time, r.time_99);
+  out << "\n## Confidence\n\n";
   write_confidence(report, out);
   const auto section = [&](const char *title, const auto &rows, const auto &body) {
     if (rows.empty())

@@ -96,14 +96,16 @@ TEST_F(LayoutFile, WhatIsWrongIsNamedWithItsCure) {
   for (int i = 1; i <= 65; ++i)
     many += "[actuator-" + std::to_string(i) + "]\nx=" + std::to_string(10 * i) + "\ny=0\n";
   EXPECT_TRUE(has(refusal(many), "has 65 actuators"));
-  EXPECT_TRUE(has(refusal(head + two + "[actuator-3]\nx=5.5\ny=0\n"), "2 and 3 are at one place"));
+  EXPECT_TRUE(
+      has(refusal(head + two + "[actuator-3]\nx=5.5\ny=0\n"), "2 and 3 are at the same place"));
   EXPECT_TRUE(has(refusal("[array]\ncarrier=100\n" + two), "no unit"));
   EXPECT_TRUE(has(refusal("[array]\nunit=mm\n" + two), "[actuator-1] has no carrier"));
   EXPECT_TRUE(has(refusal(head + "[actuator-1]\nx=0\n"), "[actuator-1] has no y"));
   EXPECT_TRUE(has(refusal(head + two + "[actuator-4]\nx=9\ny=0\n"), "[actuator-4] has an unknown"));
   EXPECT_TRUE(has(refusal(head + two + "pitch=1\n"), "unknown key, pitch"));
-  EXPECT_TRUE(has(refusal(head + "[actuator-1]\nx=nan\ny=0\n"), "x=nan is no number"));
-  EXPECT_TRUE(has(refusal("[array]\nunit=mm\ncarrier=9000\n" + two), "carrier=9000 is no number"));
+  EXPECT_TRUE(has(refusal(head + "[actuator-1]\nx=nan\ny=0\n"), "x=nan is not a number"));
+  EXPECT_TRUE(
+      has(refusal("[array]\nunit=mm\ncarrier=9000\n" + two), "carrier=9000 is not a number"));
   EXPECT_TRUE(has(refusal("not a layout"), "cannot be read"));
   EXPECT_THROW(haptic::load_array_layout("jacket"), std::runtime_error);
   EXPECT_THROW(haptic::load_array_layout("/nowhere/jacket.ini"), std::runtime_error);

@@ -240,7 +240,7 @@ TEST_F(Evdev, WhatCannotBeUsedIsRefusedInWords) {
   expect_words(refusal(none.path()), Cause::argument, "no force feedback");
   VirtualJoystick stick;
   const auto device = open_evdev(stick.path());
-  expect_words(refusal(stick.path()), Cause::busy, "another program");
+  expect_words(refusal(stick.path()), Cause::busy, "Another program");
 }
 
 TEST_F(Evdev, WhatMayNotBeOpenedSaysHowToAllowIt) {

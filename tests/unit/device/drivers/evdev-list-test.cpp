@@ -83,7 +83,7 @@ TEST(EvdevPath, WhatIsNoInputDeviceSaysSo) {
   };
   EXPECT_EQ(cause_and_text("/dev/input/event9999").first, Cause::not_found);
   EXPECT_EQ(cause_and_text("/dev/null").first, Cause::argument);
-  EXPECT_NE(cause_and_text("/dev/null").second.find("no input device"), std::string::npos);
+  EXPECT_NE(cause_and_text("/dev/null").second.find("not an input device"), std::string::npos);
 }
 
 } // namespace

@@ -86,7 +86,7 @@ SafetyChain::Input held(SafetyChain::Input input, std::uint32_t holds) {
   return input;
 }
 
-// A time on the page of hapticsink, ms: the first number of a cell, or 0 for "at once". Nothing if
+// A time on the page of hapticsink, ms: the first number of a cell, or 0 for "At once". Nothing if
 // there is neither.
 std::optional<int> time_on_page(const std::string &row, int column) {
   std::ifstream page(SOURCE_ROOT "/docs/elements/hapticsink.md");
@@ -100,7 +100,7 @@ std::optional<int> time_on_page(const std::string &row, int column) {
     const std::size_t digit = cell.find_first_of("0123456789");
     if (digit != std::string::npos)
       return std::atoi(cell.c_str() + digit);
-    return cell.find("at once") != std::string::npos ? std::optional(0) : std::nullopt;
+    return cell.find("At once") != std::string::npos ? std::optional(0) : std::nullopt;
   }
   ADD_FAILURE() << "docs/elements/hapticsink.md has no row " << row;
   return std::nullopt;
@@ -109,16 +109,16 @@ std::optional<int> time_on_page(const std::string &row, int column) {
 TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
   const std::pair<const char *, std::uint32_t> rows[] = {
       {"PLAYING→PAUSED", haptic::kHoldPaused},
-      {"no new sample", haptic::kHoldStale},
-      {"nothing measured", haptic::kHoldGap},
-      {"another scene", haptic::kHoldCut},
-      {"end of stream", haptic::kHoldEnded},
-      {"a seek", haptic::kHoldFlushing},
-      {"a tick more than 10 ms late", haptic::kHoldLate},
-      {"a string", haptic::kHoldSlipped},
+      {"No new sample", haptic::kHoldStale},
+      {"Nothing measured", haptic::kHoldGap},
+      {"Another scene", haptic::kHoldCut},
+      {"End of stream", haptic::kHoldEnded},
+      {"A seek", haptic::kHoldFlushing},
+      {"A tick more than 10 ms late", haptic::kHoldLate},
+      {"A string", haptic::kHoldSlipped},
       {"`release`", haptic::kHoldReleased},
       {"`dead-man=button`", haptic::kHoldDeadMan},
-      {"three failed exchanges", haptic::kHoldFaulted},
+      {"Three failed exchanges", haptic::kHoldFaulted},
   };
   auto input = push(1);
   input.slew_rate = 1000; // N/s: it is not what takes the time

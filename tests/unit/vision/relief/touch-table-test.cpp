@@ -118,7 +118,7 @@ TEST_F(TableFile, WhatIsWrongIsNamedWithItsCure) {
   EXPECT_TRUE(has(refusal(head + "[entry-1]\ncolour=#123456\nheight=1\nfriction=1\n"),
                   "[entry-1] has no stiffness"));
   EXPECT_TRUE(has(refusal(head + "[entry-1]\ncolour=#123456\nheight=1001\n"), "-1000 to 1000"));
-  EXPECT_TRUE(has(refusal(head + "[entry-1]\ncolour=#123456\nheight=nan\n"), "no number"));
+  EXPECT_TRUE(has(refusal(head + "[entry-1]\ncolour=#123456\nheight=nan\n"), "not a number"));
   EXPECT_TRUE(has(refusal(head + entry + "[entry-3]\ncolour=#123456\n"), "without a gap"));
   EXPECT_TRUE(has(refusal(head + entry + "hight=3\n"), "unknown key, hight"));
   EXPECT_TRUE(has(refusal("not a table"), "cannot be read"));
