@@ -35,6 +35,7 @@ build_packages=(
   libglib2.0-dev # D-Bus: real-time priority, a moment before the machine sleeps
   libevdev-dev # joysticks with force feedback
   rapidjson-dev # MPEG haptics as JSON
+  esbuild # the web player in one file
 )
 
 # The program feeling-wind.
