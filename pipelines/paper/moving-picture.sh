@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Makes the animation of the README (WebP, 480 px wide, two seconds): a video with velocity and force drawn over it, and
+# Makes the animation of the README (WebP, 480 px wide, 1.7 s): a video with velocity and force drawn over it, and
 # a legend. Each frame shows both arrows, the first one too: some readers see only that.
 #
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! clocksync ! roitracker ! tee name=t \
@@ -18,7 +18,7 @@ source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"
 
 # The first second is left out: the force of the device begins with a fade.
-seconds=3 before=1
+seconds=2.7 before=1
 # Velocity and force: on a dark picture the blue is lighter.
 orange=E69F00 blue=56B4E9
 case ${1:-} in
@@ -40,7 +40,7 @@ if [ -n "$video" ]; then
   sink=("sim-hand=hold:0,0,0") cut=() filter=fps=30 tracker=() overlay=()
 else
   video=$(wind_film)
-  # Here and then the leaves of a low branch never stop for two seconds.
+  # Here and then the leaves of a low branch never stop for as long.
   sink=("sim-hand=hold:-0.35,-0.1,0" "alpha=$wind_alpha") cut=(-ss 8.15)
   filter=crop=480:320:10:110,fps=30 tracker=(roi-size=60) overlay=(scale=1)
 fi
