@@ -59,6 +59,23 @@ first.detach();
 pass(0.1, stuck);
 promise('nothing is waited for after detach()', waiting() === 0);
 
+// A busy browser, which shows frames for 0.1 s and then none for 0.25 s, again and again.
+const busy = new FakeVideo(16);
+const { player: late, forces: slow } = feel(busy);
+busy.play();
+const hiccup = () => {
+  pass(0.1, busy);
+  busy.hides = true;
+  pass(0.25, busy);
+  busy.hides = false;
+};
+hiccup();
+hiccup();
+slow.length = 0;
+for (let i = 0; i < 10; ++i) hiccup();
+promise('a browser that leaves out frames does not drop the force', drops(slow) === 0 && mean(slow) > 0.45);
+late.detach();
+
 // A film of 3 s that moves to the right in its first half, and then to the left.
 const loop = new FakeVideo(34);
 loop.duration = 3;

@@ -35,6 +35,7 @@ export class FakeVideo extends EventTarget {
   videoWidth = 640;
   playbackRate = 1;
   stuck = false; // nothing moves, and nobody says so
+  hides = false; // time goes on, but no frame is shown
   #step;
   #time = 0; // s, that was played, over all loops
   #told = 0; // ms
@@ -69,7 +70,7 @@ export class FakeVideo extends EventTarget {
       if (this.currentTime < before) this.#tell('seeking', 'seeked');
     }
     const frame = Math.floor(this.#time * 30 + 1e-6);
-    if (frame === this.#shown) return;
+    if (frame === this.#shown || this.hides) return;
     this.#shown = frame;
     // As in Firefox, the time of a frame goes on when a film begins again.
     for (const callback of this.#wanted.splice(0)) callback(now, { mediaTime: frame / 30, expectedDisplayTime: now });

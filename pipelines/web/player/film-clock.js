@@ -5,11 +5,12 @@
 const SHORTEST_STALL = 120; // ms
 const STALLED_FRAMES = 3; // intervals without a frame
 const LONGEST_INTERVAL = 1; // s
+const KEPT = 0.9; // of a long interval, each frame: a busy browser leaves out frames, now few and now many
 
 export class FilmClock {
   #video;
   #frame = null; // {time: s of the film, shown: ms} of the last frame
-  #interval = 0; // s of the film, between the last two frames
+  #interval = 0; // s of the film, between the last frames
 
   constructor(video) { this.#video = video; }
 
@@ -23,7 +24,7 @@ export class FilmClock {
     const rounds = duration > 0 ? Math.round((mediaTime - currentTime) / duration) : 0;
     const time = rounds ? mediaTime - rounds * duration : mediaTime;
     const interval = time - this.#frame?.time;
-    if (interval > 0) this.#interval = Math.min(interval, LONGEST_INTERVAL);
+    if (interval > 0) this.#interval = Math.min(Math.max(interval, KEPT * this.#interval), LONGEST_INTERVAL);
     this.#frame = { time, shown };
   }
 
