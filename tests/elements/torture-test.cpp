@@ -155,8 +155,7 @@ protected:
     gst_segment_init(&segment, below(random, 4) == 0 ? GST_FORMAT_BYTES : GST_FORMAT_TIME);
     if (below(random, 4) == 0)
       segment.rate = below(random, 2) == 0 ? -0.5 : 2;
-    if (segment.format == GST_FORMAT_TIME)
-      segment.stop = 4 * GST_SECOND;
+    segment.stop = 4 * GST_SECOND; // backwards there must be one
     gst_pad_push_event(from, gst_event_new_segment(&segment));
     for (guint i = 0; i < 5; ++i) {
       const auto bytes = content(caps.get(), random);
@@ -218,9 +217,9 @@ protected:
 
   void query(Random &random) const {
     const haptic::CapsPtr caps(gst_caps_from_string(GetParam().input.front()));
+    // Not the position: GstBaseTransform 1.22 reads its segment for it without a lock.
     const std::function<GstQuery *()> makers[] = {
         [] { return gst_query_new_latency(); },
-        [] { return gst_query_new_position(GST_FORMAT_TIME); },
         [] { return gst_query_new_seeking(GST_FORMAT_TIME); },
         [] { return gst_query_new_caps(nullptr); },
         [&] { return gst_query_new_accept_caps(caps.get()); },

@@ -22,15 +22,17 @@ namespace {
 
 using Ticks = std::span<const FlightRecorder::Tick>;
 
+// At 1 kHz a file has up to 1 MB, and a loose plug has a fault every few seconds.
+constexpr unsigned kMostFiles = 20; // of a process
+
 // Of the process too: two may have a fault in the same second.
-std::string file_name() {
-  static std::atomic<unsigned> number = 0;
+std::string file_name(unsigned number) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   std::tm local{};
   localtime_r(&now, &local);
   char text[32];
   std::strftime(text, sizeof text, "force-%Y%m%d-%H%M%S-", &local);
-  return text + std::to_string(getpid()) + "-" + std::to_string(++number) + ".csv";
+  return text + std::to_string(getpid()) + "-" + std::to_string(number) + ".csv";
 }
 
 // Returns the errno of what failed, or 0.
@@ -61,9 +63,13 @@ int late_in_last_second(Ticks ticks) {
 } // namespace
 
 std::string write_fault_record(FlightRecorder &recorder, const std::string &folder) {
+  static std::atomic<unsigned> files = 0;
   std::string told;
   recorder.take([&](std::uint32_t rules, Ticks ticks) {
-    const std::filesystem::path path = std::filesystem::path(folder) / file_name();
+    const unsigned number = ++files;
+    if (number > kMostFiles)
+      return;
+    const std::filesystem::path path = std::filesystem::path(folder) / file_name(number);
     if (const int error = write(ticks, path))
       told = format_text(messages::kFaultNotRecorded, path.c_str(),
                          std::generic_category().message(error).c_str());
