@@ -245,7 +245,8 @@ protected:
       g_object_get_property(G_OBJECT(element()), spec->name, &value);
       g_value_unset(&value);
     }
-    if (!(spec->flags & G_PARAM_WRITABLE) || G_IS_PARAM_SPEC_STRING(spec))
+    if (!(spec->flags & G_PARAM_WRITABLE) || G_IS_PARAM_SPEC_STRING(spec) ||
+        g_str_equal(spec->name, "dead-man")) // device=none has no button, and would not open
       return;
     g_value_init(&value, spec->value_type);
     g_param_value_set_default(spec, &value);
