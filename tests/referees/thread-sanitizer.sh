@@ -41,8 +41,8 @@ targets=(tests/elements/element-torture gst-plugins/vision/libgsthapticvision.so
 folder=$root/build-threads-elements
 build_sanitized "$folder" -Db_sanitize=thread -Dvision=enabled -Dtrack=enabled
 cd "$folder"
-# A task of GStreamer frees in its own thread what the pool made, under a lock that the sanitizer does not see, in functions
-# without a name that a suppression could give.
+# A task of GStreamer frees in its own thread what the pool made, under a lock that the sanitizer does not see. Its
+# functions have no name that a suppression could give.
 export GTEST_FILTER='-*pointerextract:*hapticarray'
 export GST_PLUGIN_PATH_1_0=$folder/gst-plugins GST_REGISTRY=$folder/registry.bin GST_REGISTRY_FORK=no
 export G_DEBUG=fatal-criticals G_SLICE=always-malloc FEELING_WIND_SEEDS=20
