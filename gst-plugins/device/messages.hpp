@@ -13,6 +13,13 @@
           "Choose another log-location.")                                                          \
   MESSAGE(kLogStopped, "The log cannot be written any more: %s. The force goes on.",               \
           "The log is incomplete. Make room on the disk before the next start.")                   \
+  MESSAGE(kFaultRecorded,                                                                          \
+          "The force stopped (%s). Its last ticks are in %s; %d of the last second were late.",    \
+          "Read docs/formats/csv-log.md for its columns, and add the file to a report.")           \
+  MESSAGE(kFaultNotRecorded,                                                                       \
+          "The last ticks before the force stopped cannot be written to %s: %s.",                  \
+          "Set fault-location to a folder that you may write to, or to none.")                     \
+  MESSAGE(kDeviceIsAway, "The device that was lost is not there yet: %s.", "Plug it in again.")    \
   MESSAGE(kDeviceIsBack, "The device is back: %s.",                                                \
           "Hold the grip in the centre, calibrate (signal calibrate), and re-arm (signal arm).")   \
   MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
@@ -40,7 +47,8 @@
   MESSAGE(kNoButton, "dead-man=button needs a button, but no button of %s is known.",              \
           "Set dead-man=none, or choose a joystick or the simulated device.")                      \
   MESSAGE(kNoRealTime,                                                                             \
-          "A busy machine may delay the force: real-time priority %s, locked memory %s.",          \
+          "A busy machine may delay the force: real-time priority %s, loop object and stack "      \
+          "locked: %s.",                                                                           \
           "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - " \
           "memlock 8192\" in "                                                                     \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \

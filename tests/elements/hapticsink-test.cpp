@@ -691,15 +691,18 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   const auto posted = posted_until_end("hapticsink-stats");
   ASSERT_EQ(posted.size(), 1U);
   const GstStructure *s = posted.front().get();
-  for (const char *name : {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples", "gaps",
-                           "faults", "log-rows-lost", "samples-lost", "reliefs", "bad-reliefs"})
+  for (const char *name :
+       {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples", "gaps", "faults",
+        "log-rows-lost", "samples-lost", "reliefs", "bad-reliefs", "limited-by-fade",
+        "limited-by-confidence", "limited-by-force", "limited-by-torque", "limited-by-budget",
+        "limited-by-slew", "limited-by-work", "limited-by-energy"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
   for (const char *name :
        {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99", "loop-max", "sample-age",
         "sample-age-max", "force-max", "force-rms", "given-up-force", "given-up-torque"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
   EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
-  EXPECT_EQ(gst_structure_n_fields(s), 24);
+  EXPECT_EQ(gst_structure_n_fields(s), 32);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 500U);
   EXPECT_EQ(count("late-ticks"), 0U);

@@ -229,7 +229,7 @@ protected:
 
   void build(const std::string &properties, const std::string &source = "") {
     const std::string line = "appsrc name=source format=time caps=\"" + std::string(kCaps) + "\" " +
-                             source + " ! hapticsink name=sink " + properties;
+                             source + " ! hapticsink name=sink fault-location=none " + properties;
     GError *error = nullptr;
     pipeline_.reset(gst_parse_launch(line.c_str(), &error));
     ASSERT_EQ(error, nullptr) << error->message;

@@ -6,6 +6,7 @@
 
 #if HAVE_EVDEV
 #include "drivers/evdev-device.hpp"
+#include "drivers/evdev-list.hpp"
 #endif
 
 #include <optional>
@@ -35,6 +36,14 @@ std::unique_ptr<spidar::HapticDevice> open_joystick([[maybe_unused]] const std::
   return open_evdev(path, choice.dead_man == DeadMan::button);
 #else
   throw spidar::Error(spidar::Cause::argument, messages::kNoJoysticksBuilt);
+#endif
+}
+
+std::string path_of_evdev([[maybe_unused]] const std::string &identity) {
+#if HAVE_EVDEV
+  return find_evdev(identity);
+#else
+  return {};
 #endif
 }
 
@@ -79,10 +88,30 @@ OpenedDevice open_device(const DeviceChoice &choice) {
   return opened;
 }
 
-std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice) {
-  if (choice.device == "auto")
-    choice.device = "usb";
-  return open_device(choice).device;
+std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice,
+                                                    const std::string &identity) {
+  const bool any_evdev = choice.device == "evdev";
+  const bool any_usb = choice.device == "auto" || choice.device == "usb";
+  if (!any_evdev && !any_usb)
+    return open_device(choice).device;
+  const auto away = [&] {
+    return spidar::Error(spidar::Cause::not_found,
+                         format_text(messages::kDeviceIsAway, identity.c_str()));
+  };
+  if (any_evdev) {
+    const std::string path = path_of_evdev(identity);
+    if (path.empty())
+      throw away();
+    choice.device = "evdev:" + path;
+  } else if (const std::size_t colon = identity.rfind(':'); colon != std::string::npos) {
+    choice.device = "usb" + identity.substr(colon); // its rotary switch
+  } else {
+    choice.device = "usb"; // a run before this one never had it
+  }
+  auto device = open_device(choice).device;
+  if (!identity.empty() && device->identity() != identity)
+    throw away();
+  return device;
 }
 
 } // namespace haptic

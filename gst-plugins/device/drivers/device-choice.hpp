@@ -34,8 +34,10 @@ struct OpenedDevice {
 /// with Cause::argument for an unknown `device`.
 OpenedDevice open_device(const DeviceChoice &choice);
 
-/// Opens a device again that open_device() has opened and that has gone since. `auto` means `usb`
-/// here: a simulated device does not replace a real one. Throws spidar::Error.
-std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice);
+/// Opens a device again that open_device() has opened and that has gone since. Where the choice
+/// names none (auto, usb, evdev), only that with this HapticDevice::identity() will do; a simulated
+/// device does not replace a real one. Throws spidar::Error; not_found while it is away.
+std::unique_ptr<spidar::HapticDevice> reopen_device(DeviceChoice choice,
+                                                    const std::string &identity);
 
 } // namespace haptic

@@ -105,6 +105,15 @@ private:
   bool exists_ = false;
 };
 
+EvdevUnit unit_of(const std::string &path, const libevdev *device) {
+  const char *serial = libevdev_get_uniq(device);
+  const std::string name = libevdev_get_name(device);
+  return {path, name,
+          format_text("%04x %04x %04x %04x %s %s", libevdev_get_id_bustype(device),
+                      libevdev_get_id_vendor(device), libevdev_get_id_product(device),
+                      libevdev_get_id_version(device), serial ? serial : "", name.c_str())};
+}
+
 bool has_button(const libevdev *device) {
   for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
     if (libevdev_has_event_code(device, EV_KEY, button))
@@ -124,7 +133,7 @@ public:
     if (libevdev_new_from_fd(file_.file, &device) != 0)
       throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
     evdev_.reset(device);
-    unit_ = {path, libevdev_get_name(device)};
+    unit_ = unit_of(path, device);
     x_ = Axis(device, libevdev_has_event_code(device, EV_ABS, ABS_X) ? ABS_X : ABS_WHEEL);
     y_ = Axis(device, ABS_Y);
     if (libevdev_has_event_code(device, EV_FF, FF_CONSTANT))
@@ -194,6 +203,7 @@ public:
   bool grip_is_free() const noexcept override { return false; }
   bool knows_newtons() const noexcept override { return false; }
   std::string description() const override { return description_of(unit_); }
+  std::string identity() const override { return unit_.identity; }
 
 private:
   // ---- the driver's thread ----------------------------------------------------------------------

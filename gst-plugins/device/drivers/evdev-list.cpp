@@ -44,6 +44,13 @@ int number_of(const std::string &path) {
   return number;
 }
 
+std::string identity_of(const fs::path &device) {
+  std::string identity;
+  for (const char *file : {"id/bustype", "id/vendor", "id/product", "id/version", "uniq", "name"})
+    identity += (identity.empty() ? "" : " ") + first_line(device / file);
+  return identity;
+}
+
 } // namespace
 
 EvdevUnits list_evdev(const fs::path &input_class) {
@@ -61,7 +68,7 @@ EvdevUnits list_evdev(const fs::path &input_class) {
         has_bit(keys, BTN_JOYSTICK) || has_bit(keys, BTN_GAMEPAD) || has_bit(keys, BTN_WHEEL);
     const std::string forces = first_line(device / "capabilities/ff");
     const bool force = has_bit(forces, FF_CONSTANT) || has_bit(forces, FF_RUMBLE);
-    const EvdevUnit unit{"/dev/input/" + node, first_line(device / "name")};
+    const EvdevUnit unit{"/dev/input/" + node, first_line(device / "name"), identity_of(device)};
     if (stick && force)
       units.with_force.push_back(unit);
     else if (stick && buttons)
@@ -70,6 +77,12 @@ EvdevUnits list_evdev(const fs::path &input_class) {
   for (auto *list : {&units.with_force, &units.without})
     std::ranges::sort(*list, {}, [](const EvdevUnit &unit) { return number_of(unit.path); });
   return units;
+}
+
+std::string find_evdev(const std::string &identity, const fs::path &input_class) {
+  const std::vector<EvdevUnit> units = list_evdev(input_class).with_force;
+  const auto found = std::ranges::find(units, identity, &EvdevUnit::identity);
+  return found == units.end() ? "" : found->path;
 }
 
 } // namespace haptic

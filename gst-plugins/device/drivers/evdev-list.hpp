@@ -13,6 +13,9 @@ namespace haptic {
 struct EvdevUnit {
   std::string path; ///< "/dev/input/event5"
   std::string name; ///< what it calls itself
+  /// HapticDevice::identity(): bus, vendor, product, version, serial number if it has one, name.
+  /// The path is another one each time it is plugged in.
+  std::string identity;
 };
 
 struct EvdevUnits {
@@ -22,5 +25,10 @@ struct EvdevUnits {
 
 /// In the order of their numbers. Looks only at what everybody may read, opens nothing.
 EvdevUnits list_evdev(const std::filesystem::path &input_class = "/sys/class/input");
+
+/// Returns the path of the unit with force feedback that has this identity, the first of several
+/// that are alike; empty if there is none.
+std::string find_evdev(const std::string &identity,
+                       const std::filesystem::path &input_class = "/sys/class/input");
 
 } // namespace haptic

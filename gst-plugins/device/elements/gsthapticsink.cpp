@@ -229,9 +229,11 @@ bool start_threads(GstHapticSink *self) {
     return std::shared_ptr<void>(gst_object_ref(self), gst_object_unref);
   };
   const auto entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); };
-  if (!state.session.prepare({.choice = setting_of(self, &SinkSettings::choice),
-                              .log_location = setting_of(self, &SinkSettings::log_location),
-                              .callbacks = {.entered = entered, .keeper = keeper}}))
+  if (!state.session.prepare(
+          {.choice = setting_of(self, &SinkSettings::choice),
+           .log_location = setting_of(self, &SinkSettings::log_location),
+           .fault_location = haptic::fault_folder(setting_of(self, &SinkSettings::fault_location)),
+           .callbacks = {.entered = entered, .keeper = keeper}}))
     return false;
   state.presentation_time.begin_run();
   try {

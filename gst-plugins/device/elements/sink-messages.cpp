@@ -2,6 +2,7 @@
 #include "elements/sink-messages.hpp"
 
 #include <cstdint>
+#include <string>
 
 namespace haptic {
 namespace {
@@ -90,7 +91,7 @@ StructurePtr make_stats(const HapticSession &session) {
   const auto ms = [](auto nanoseconds) { return static_cast<double>(nanoseconds) * 1e-6; };
   const std::uint64_t used = loop.samples_used;
   const double mean_age = used ? ms(loop.sample_age_sum.load()) / static_cast<double>(used) : 0;
-  return StructurePtr(
+  StructurePtr stats(
       gst_structure_new("hapticsink-stats",                                              //
                         "ticks", G_TYPE_UINT64, loop.ticks.load(),                       //
                         "late-ticks", G_TYPE_UINT64, loop.late_ticks.load(),             //
@@ -116,6 +117,10 @@ StructurePtr make_stats(const HapticSession &session) {
                         "log-rows-lost", G_TYPE_UINT64, loop.log_rows_lost.load(),       //
                         "samples-lost", G_TYPE_UINT64, loop.samples_lost.load(),         //
                         "state", G_TYPE_STRING, name_of(session.state()), nullptr));
+  for (std::size_t i = 0; i < kLimitNames.size(); ++i)
+    gst_structure_set(stats.get(), (std::string("limited-by-") + kLimitNames[i].name).c_str(),
+                      G_TYPE_UINT64, loop.limited[i].load(), nullptr);
+  return stats;
 }
 
 // Of a few readings the least disturbed one: the thread may be preempted between the two clocks.

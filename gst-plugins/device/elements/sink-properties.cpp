@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elements/sink-properties.hpp"
 
+#include "glue/gst-raii.hpp"
+
 #include <iterator>
 #include <vector>
 
@@ -84,6 +86,9 @@ std::span<const Property<SinkSettings>> sink_properties() {
           "Name or file of the device's geometry"),
       Rows::text<&S::log_location>("log-location", "Log Location",
           "CSV file that gets one row per force update"),
+      Rows::text<&S::fault_location>("fault-location", "Fault Location",
+          "Folder that gets the last two seconds before a fault as a CSV log; auto: "
+          "~/.local/state/feeling-wind; none: nothing is written"),
       Rows::text<&S::choice, &C::sim_hand>("sim-hand", "Simulated Hand",
           "What holds the simulated grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free; X, Y, Z and "
           "RADIUS in -1..1 of the half workspace, PERIOD in s"),
@@ -96,6 +101,15 @@ std::span<const Property<SinkSettings>> sink_properties() {
   // clang-format on
   static_assert(std::size(table) == kSinkProperties);
   return table;
+}
+
+std::string fault_folder(const std::string &fault_location) {
+  if (fault_location == "none")
+    return {};
+  if (fault_location != "auto")
+    return fault_location;
+  const GCharPtr path(g_build_filename(g_get_user_state_dir(), "feeling-wind", nullptr));
+  return path.get();
 }
 
 GType session_state_type() {

@@ -31,6 +31,7 @@ constexpr std::array kFadeTimes = {
 // These may last for one tick only; the fade must still reach zero.
 constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate | kHoldCut;
 
+constexpr double kRounding = 1e-9;    // a share of a force that no limit has taken
 constexpr double kGateRelease = 0.1;  // s, time constant
 constexpr double kGateNothing = 1e-3; // an exponential never ends by itself
 constexpr double kStaleIntervals = 3;
@@ -95,12 +96,21 @@ Vector3 braked_torque(const Wrench &wrench, const SafetyChain::Input &input) {
 
 } // namespace
 
+std::string names_of_holds(std::uint32_t holds) {
+  std::string text;
+  for (const auto &hold : kHoldNames)
+    if (holds & hold.bit)
+      text += (text.empty() ? "" : ",") + std::string(hold.name);
+  return text;
+}
+
 double stale_after(double interval) noexcept {
   return std::clamp(kStaleIntervals * interval, kStaleShortest, kStaleLongest);
 }
 
 Wrench SafetyChain::step(const Input &input) noexcept {
   follows_sample_ = false;
+  limits_ = 0;
   non_finite_ = !is_finite(input);
   if (non_finite_) {
     silence();
@@ -135,11 +145,13 @@ Wrench SafetyChain::step(const Input &input) noexcept {
   else
     follow(input);
   credit_ = kCredit * input.max_force;
+  const double of_hand = parts_.hand.norm();
   parts_.hand = account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
                                                   .moved = input.moved,
                                                   .time = dt,
                                                   .longest_time = std::max(input.longest_dt, dt),
                                                   .credit = credit_});
+  note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
   braked_ = {.force = output_.force, .torque = braked_torque(output_, input)};
   return braked_;
@@ -191,6 +203,7 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
     fade_in_ = std::max(fade_in_, times.in);
   }
   holds_ = holds;
+  note_limit(true, kLimitFade);
 
   // The tolerance keeps rounding from adding a step.
   if (fade_left_ <= dt * (1 + 1e-6)) {
@@ -257,11 +270,15 @@ void SafetyChain::follow(const Input &input) noexcept {
   const double share = gate_ * envelope_;
   Parts wanted = accepted_;
   wanted.hand += input.touch.force;
-  wanted.limit_force(input.max_force);
+  note_limit(wanted.limit_force(input.max_force), kLimitForce);
+  note_limit(accepted_.film.torque.norm() > input.max_torque, kLimitTorque);
+  note_limit(gate_ < 1, kLimitConfidence);
+  note_limit(envelope_ < 1, kLimitFade);
   wanted.film.force *= share;
   wanted.hand *= share;
   wanted.film.torque = clamp_norm(accepted_.film.torque, input.max_torque) * share;
   limited_ = wanted.limit_force(force_limit_);
+  note_limit(limited_, kLimitBudget);
   (wanted.hand.isZero(0) ? wanted.film.force : wanted.hand) += damping_of(wanted.force(), input);
 
   const double step = input.slew_rate * dt;
@@ -271,7 +288,8 @@ void SafetyChain::follow(const Input &input) noexcept {
   const double most = std::min(std::max(input.max_force, before - fall),
                                std::max(force_limit_, before - budget_fall));
   approach(wanted, step, input.touch.released);
-  parts_.limit_force(most);
+  note_limit((wanted.force() - parts_.force()).norm() > kRounding * input.max_force, kLimitSlew);
+  note_limit(parts_.limit_force(most), kLimitForce);
   Vector3 &torque = parts_.film.torque;
   const double torque_limit = std::max(input.max_torque, torque.norm() - fall * kTorqueArm);
   torque += clamp_norm(wanted.film.torque - torque, step * kTorqueArm);
@@ -279,7 +297,8 @@ void SafetyChain::follow(const Input &input) noexcept {
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
   const double left = account_.share_of_film();
-  parts_.limit_force(std::max(input.max_force, parts_.force().norm()) * left);
+  note_limit(parts_.limit_force(std::max(input.max_force, parts_.force().norm()) * left),
+             kLimitWork);
   torque = clamp_norm(torque, std::max(input.max_torque, torque.norm()) * left);
 }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <spidar/types.hpp>
+#include <string>
 
 namespace haptic {
 
@@ -52,11 +53,37 @@ inline constexpr std::array kHoldNames = {
     HoldName{kHoldSlipped, "slipped"},
 };
 
+/// The names of these holds, with commas between them.
+std::string names_of_holds(std::uint32_t holds);
+
 /// The holds that only `arm` ends.
 inline constexpr std::uint32_t kLatches =
     kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
+
+/// What made the force of a step less than what the law and the touch wanted, as bits.
+enum Limit : std::uint32_t {
+  kLimitFade = 1 << 0,       ///< a hold, or the way back from one
+  kLimitConfidence = 1 << 1, ///< the confidence of the sample
+  kLimitForce = 1 << 2,      ///< max_force
+  kLimitTorque = 1 << 3,     ///< max_torque
+  kLimitBudget = 1 << 4,     ///< continuous_force
+  kLimitSlew = 1 << 5,       ///< slew_rate
+  kLimitWork = 1 << 6,       ///< the work of the film on the hand
+  kLimitEnergy = 1 << 7,     ///< the energy account: what the hand gets back
+};
+struct LimitName {
+  std::uint32_t bit;
+  const char *name;
+};
+/// The names of the limits for users, in the order of the bits.
+inline constexpr std::array kLimitNames = {
+    LimitName{kLimitFade, "fade"},     LimitName{kLimitConfidence, "confidence"},
+    LimitName{kLimitForce, "force"},   LimitName{kLimitTorque, "torque"},
+    LimitName{kLimitBudget, "budget"}, LimitName{kLimitSlew, "slew"},
+    LimitName{kLimitWork, "work"},     LimitName{kLimitEnergy, "energy"},
+};
 
 /// The force of touching a surface: the hand has to put in what it gets back.
 struct TouchForce {
@@ -133,6 +160,8 @@ public:
   std::uint32_t holds() const noexcept {
     return holds_ | (non_finite_ ? kHoldNonFinite : 0U) | (limited_ ? kHoldSpent : 0U);
   }
+  /// Returns the limits (Limit) that acted in the last step.
+  std::uint32_t limits() const noexcept { return limits_; }
   const ContinuousForce &continuous_force() const noexcept { return continuous_force_; }
   /// The input of the last step held a number that is not finite.
   bool found_non_finite() const noexcept { return non_finite_; }
@@ -152,6 +181,7 @@ private:
   void follow(const Input &input) noexcept;
   void approach(const Parts &wanted, double step, double released) noexcept;
   void account_for_energy(const Input &input) noexcept;
+  void note_limit(bool acted, Limit limit) noexcept { limits_ |= acted ? limit : 0U; }
 
   Parts parts_;                    // of the last step
   Parts acting_;                   // of the step before it: what the device exerts until the next
@@ -166,8 +196,9 @@ private:
   EnergyAccount account_;
   double credit_ = 0; // J, of the last step
   ContinuousForce continuous_force_;
-  double force_limit_ = 0; // N, that it leaves
-  bool limited_ = false;   // the last step
+  double force_limit_ = 0;   // N, that it leaves
+  bool limited_ = false;     // the last step
+  std::uint32_t limits_ = 0; // of the last step
   bool follows_sample_ = false;
   bool non_finite_ = false;
 };

@@ -49,6 +49,8 @@ HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_re
       relief_epoch(at_relief_epoch) {
   for (const auto &law : force_laws())
     laws.push_back(law.make());
+  if (environment.records)
+    recorder = FlightRecorder(environment.rate);
 }
 
 HapticLoop::HapticLoop() = default;
@@ -128,6 +130,8 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   if (!run_.last_tick && run_.rests_since)
     run_.chain.rest(seconds(now - run_.rests_since));
   const double dt = seconds(run_.last_tick ? now - run_.last_tick : run_.period);
+  if (!run_.last_tick)
+    run_.began_at = now;
   run_.last_tick = now;
   expect_late_ticks(dt);
 
@@ -148,11 +152,19 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
     run_.statistics.given_up_force = device->state().given_up.force.norm();
     run_.statistics.given_up_torque = device->state().given_up.torque.norm();
   }
-  if (run_.environment.log)
-    log_tick(now, wrench);
+  if (run_.environment.log || run_.environment.records) {
+    const TickRow row = make_row(now, wrench);
+    if (run_.environment.records)
+      record_tick(row, lateness > run_.period);
+    if (run_.environment.log)
+      log_tick(now, row);
+  }
   run_.impulse.impulse += wrench.force * dt;
   run_.impulse.time += dt;
   run_.impulse_slot.write(run_.impulse);
+  for (std::size_t i = 0; i < kLimitNames.size(); ++i)
+    if (run_.chain.limits() & kLimitNames[i].bit)
+      add<std::uint64_t>(run_.statistics.limited[i]);
   run_.silent.store(run_.chain.silent());
   run_.tick_holds.store(run_.chain.holds() & kTickHolds);
   raise(run_.statistics.force_max, wrench.force.norm());
@@ -381,9 +393,20 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   return wrench;
 }
 
+// A release is no riddle: the user asked for it.
+void HapticLoop::record_tick(const TickRow &row, bool late) noexcept {
+  constexpr std::uint32_t kRules = kFaults | kHoldNonFinite | kHoldSlipped;
+  run_.recorder.record(row, late);
+  const bool interrupted = run_.environment.device && run_.environment.device->state().interrupted;
+  const std::uint32_t holds = holds_.load() | run_.chain.holds();
+  const std::uint32_t begun = holds & ~std::exchange(run_.recorded_holds, holds) & kRules;
+  if (begun || interrupted)
+    run_.recorder.keep(begun);
+}
+
 // The log begins with the running time. While the pipeline does not play, it continues only until
 // it has shown the force reach zero.
-void HapticLoop::log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept {
+void HapticLoop::log_tick(std::int64_t now, TickRow row) noexcept {
   const std::uint32_t holds = holds_.load();
   const bool playing = !(holds & kHoldPaused);
   if (!run_.log_start && playing && run_.running_time.at(now) >= 0)
@@ -392,7 +415,8 @@ void HapticLoop::log_tick(std::int64_t now, const spidar::Wrench &wrench) noexce
   const bool wanted =
       run_.log_start && ((playing && !(holds & kHoldEnded)) || has_force || run_.row_had_force);
   run_.row_had_force = has_force;
-  if (wanted && !run_.environment.log->write(make_row(now, wrench)))
+  row.mono = seconds(now - run_.log_start.value_or(now));
+  if (wanted && !run_.environment.log->write(row))
     add<std::uint64_t>(run_.statistics.log_rows_lost);
 }
 
@@ -409,7 +433,7 @@ TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noe
   }
   row.commanded = wrench;
   row.confidence = sample.confidence;
-  row.mono = seconds(now - run_.log_start.value_or(now));
+  row.mono = seconds(now - run_.began_at);
   row.hold = run_.chain.holds();
   row.energy = run_.chain.continuous_force().used();
   const Contact &contact = run_.touch.contact();

@@ -5,6 +5,7 @@
 
 #include "force/force-law.hpp"
 #include "force/safety-chain.hpp"
+#include "loop/flight-recorder.hpp"
 #include "loop/grip-watch.hpp"
 #include "loop/real-time-thread.hpp"
 #include "loop/suspend-detector.hpp"
@@ -22,6 +23,7 @@
 #include "share/shared-value.hpp"
 #include "touch/touch.hpp"
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -88,6 +90,8 @@ struct LoopStatistics {
   SharedValue<double> given_up_force;       ///< N, DeviceState::given_up of the last tick
   SharedValue<double> given_up_torque;      ///< N·m
   SharedValue<double> force_rms;            ///< N, over the last minute
+  /// Ticks in which each of kLimitNames acted
+  std::array<SharedValue<std::uint64_t>, kLimitNames.size()> limited;
   DurationHistogram lateness;
   DurationHistogram body;
 
@@ -110,6 +114,7 @@ public:
     LoopClock *clock = &machine_clock();    ///< outlives the thread
     double rate = 1000;                     ///< Hz
     bool dead_man = false;                  ///< force only while a button of the grip is pressed
+    bool records = false;                   ///< keep the last ticks for recorder()
     RealTimeThread::Callbacks callbacks;
   };
 
@@ -202,6 +207,8 @@ public:
     return run_.impulse_slot.value();
   }
   const RealTimeThread &thread() const noexcept { return thread_; }
+  /// What the loop did before a rule stopped the force.
+  FlightRecorder &recorder() noexcept { return run_.recorder; }
   /// The device has gone for good, the loop no longer uses it, and it may be destroyed.
   bool device_lost() const noexcept { return run_.device_lost.load(); }
   /// Only when device_lost(): the loop continues with this one, silent until armed.
@@ -266,6 +273,9 @@ private:
     GripWatch grip;
     std::optional<std::int64_t> log_start; // ns, monotonic; of the first row
     bool row_had_force = false;
+    FlightRecorder recorder;          // the pointer thread's, once it has kept something
+    std::uint32_t recorded_holds = 0; // of the tick before
+    std::int64_t began_at = 0;        // ns, of the first tick
   };
 
   void run(const std::stop_token &stop) noexcept;
@@ -280,7 +290,8 @@ private:
   void update_touch(double dt) noexcept;
   std::uint32_t holds_of_tick(double dt, bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
-  void log_tick(std::int64_t now, const spidar::Wrench &wrench) noexcept;
+  void record_tick(const TickRow &row, bool late) noexcept;
+  void log_tick(std::int64_t now, TickRow row) noexcept;
   TickRow make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
   // Outlive a run.

@@ -5,6 +5,7 @@
 #include "messages.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -53,6 +54,7 @@ bool HapticSession::open(const DeviceChoice &choice) {
     client_.on_notice({Severity::warning, NoticeCause::not_found, messages::kSimulatedInstead, {}});
   device_ = std::move(opened.device);
   opened_as_ = choice;
+  identity_ = device_ ? device_->identity() : "";
   loop_.set_homed(!device_);
   loop_.unhold(kHoldClosed | kFaults);
   state_.set_device(device_ ? device_->description() : "");
@@ -89,14 +91,19 @@ void HapticSession::update_state() {
 bool HapticSession::open_log(const std::string &path) {
   if (path.empty())
     return true;
+  const auto refuse = [&](const std::string &reason) {
+    client_.on_notice({Severity::error, NoticeCause::open_log,
+                       format_text(messages::kLogNotWritable, path.c_str(), reason.c_str()),
+                       "log-location"});
+    return false;
+  };
+  std::error_code unknown;
+  if (std::filesystem::is_fifo(path, unknown)) // opening it would wait for a reader
+    return refuse("it is a FIFO");
   try {
     log_ = std::make_unique<TickLog>(path, *clock_);
   } catch (const std::system_error &error) {
-    client_.on_notice(
-        {Severity::error, NoticeCause::open_log,
-         format_text(messages::kLogNotWritable, path.c_str(), error.code().message().c_str()),
-         "log-location"});
-    return false;
+    return refuse(error.code().message());
   }
   return true;
 }
@@ -111,6 +118,7 @@ bool HapticSession::prepare(const RunSettings &settings) {
     return false;
   run_ = Run(fields_, relief_pool_);
   run_.armed = is_armed();
+  run_.reports = SessionReports(settings.fault_location);
   read_description();
 
   loop_.prepare({.device = device_.get(),
@@ -119,6 +127,7 @@ bool HapticSession::prepare(const RunSettings &settings) {
                  .clock = clock_,
                  .rate = static_cast<double>(opened_as_.rate),
                  .dead_man = opened_as_.dead_man == DeadMan::button,
+                 .records = !settings.fault_location.empty(),
                  .callbacks = settings.callbacks});
   loop_.set_running_time(clock_->now(), 0); // until the client has a clock
   return true;
@@ -269,7 +278,7 @@ void HapticSession::reopen_lost_device(std::int64_t now) {
     return run_.reopening.rest();
   device_.reset();
   device_ = run_.reopening.attempt(
-      now, [this] { return opener_.reopen(opened_as_); }, client_);
+      now, [this] { return opener_.reopen(opened_as_, identity_); }, client_);
   if (!device_)
     return;
   loop_.replace_device(device_.get());

@@ -29,7 +29,9 @@ namespace haptic {
 /// How devices are opened; tests replace it.
 struct DeviceOpener {
   std::function<OpenedDevice(const DeviceChoice &)> open = open_device;
-  std::function<std::unique_ptr<spidar::HapticDevice>(const DeviceChoice &)> reopen = reopen_device;
+  std::function<std::unique_ptr<spidar::HapticDevice>(const DeviceChoice &,
+                                                      const std::string &identity)>
+      reopen = reopen_device;
 };
 
 class HapticSession {
@@ -49,6 +51,7 @@ public:
   struct RunSettings {
     DeviceChoice choice;                 ///< another one than before: the device is opened anew
     std::string log_location;            ///< empty: no log
+    std::string fault_location;          ///< folder for write_fault_record(); empty: none
     RealTimeThread::Callbacks callbacks; ///< of the loop's thread
   };
   /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.
@@ -162,6 +165,7 @@ private:
   // The thread that changes the state; the pointer thread while it runs and the loop has lost the
   // device.
   DeviceChoice opened_as_;
+  std::string identity_; // of the device opened last
   std::unique_ptr<spidar::HapticDevice> device_;
   std::unique_ptr<TickLog> log_;
   SessionStateMachine state_; // any thread

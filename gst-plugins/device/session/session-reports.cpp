@@ -3,6 +3,7 @@
 
 #include "format-text.hpp"
 #include "messages.hpp"
+#include "session/fault-record.hpp"
 
 #include <system_error>
 #include <utility>
@@ -39,11 +40,12 @@ std::string error_text(int error) {
 
 } // namespace
 
-void SessionReports::report(SessionClient &client, const HapticLoop &loop, SystemServices *services,
+void SessionReports::report(SessionClient &client, HapticLoop &loop, SystemServices *services,
                             const TickLog *log, std::int64_t now) {
   began_at_ = began_at_.value_or(now);
   report_priority(client, loop.thread(), services);
   report_faults(client, loop.statistics());
+  report_record(client, loop.recorder());
   report_log(client, log);
 }
 
@@ -66,17 +68,21 @@ void SessionReports::report_priority(SessionClient &client, const RealTimeThread
     const RealTimeAnswer answer = services->real_time_answer();
     if (answer == RealTimeAnswer::pending)
       return;
-    if (answer == RealTimeAnswer::granted)
+    if (answer == RealTimeAnswer::granted) {
       error = 0;
+      client.note(Severity::info, "real-time priority comes from rtkit or the portal, which demand "
+                                  "RLIMIT_RTTIME for the whole process, until it ends");
+    }
   }
   priority_reported_ = true;
   const int memory_error = thread.memory_error();
   if (error == 0 && memory_error == 0)
-    client.note(Severity::debug, "the loop has real-time priority, and its memory is locked");
+    client.note(Severity::debug,
+                "the loop has real-time priority; its object and its stack are locked");
   else
     client.note(Severity::info,
                 format_text(messages::kNoRealTime, error ? error_text(error).c_str() : "granted",
-                            memory_error ? error_text(memory_error).c_str() : "granted"));
+                            memory_error ? error_text(memory_error).c_str() : "yes"));
 }
 
 void SessionReports::report_faults(SessionClient &client, const LoopStatistics &statistics) {
@@ -88,6 +94,12 @@ void SessionReports::report_faults(SessionClient &client, const LoopStatistics &
     if (count != before && !(fault.once && before))
       client.on_notice({Severity::warning, fault.cause, fault.text, fault.detail});
   }
+}
+
+// Not a warning: the fault itself is one.
+void SessionReports::report_record(SessionClient &client, FlightRecorder &recorder) {
+  if (const std::string told = write_fault_record(recorder, fault_location_); !told.empty())
+    client.on_notice({Severity::info, NoticeCause::failed, told, {}});
 }
 
 void SessionReports::report_log(SessionClient &client, const TickLog *log) {

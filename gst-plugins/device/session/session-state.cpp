@@ -46,11 +46,7 @@ std::string session_reason(std::uint32_t holds, SessionState state) {
     shown = holds;
   else if (state == SessionState::homed || state == SessionState::faulted)
     shown = holds & kLatches;
-  std::string text;
-  for (const auto &hold : kHoldNames)
-    if (shown & hold.bit)
-      text += (text.empty() ? "" : ",") + std::string(hold.name);
-  return text;
+  return names_of_holds(shown);
 }
 
 void SessionStateMachine::update(const std::function<SessionCause()> &read,

@@ -59,6 +59,17 @@ TEST_F(EvdevList, FindsSticksWithForceFeedbackInTheOrderOfTheirNumbers) {
   EXPECT_EQ(units.without[0].name, "Plain stick");
 }
 
+TEST_F(EvdevList, AStickThatIsPluggedInAgainIsFoundAmongOthersUnderItsNewNumber) {
+  add("event4", "Stick", "3f", kSticksButtons, "107030000 0");
+  const std::string stick = haptic::list_evdev(folder_).with_force[0].identity;
+  EXPECT_EQ(haptic::find_evdev(stick, folder_), "/dev/input/event4");
+  fs::remove_all(folder_ / "event4");
+  add("event2", "Wheel", "3f", kSticksButtons, "107030000 0");
+  EXPECT_EQ(haptic::find_evdev(stick, folder_), "") << "the wheel is another one";
+  add("event7", "Stick", "3f", kSticksButtons, "107030000 0");
+  EXPECT_EQ(haptic::find_evdev(stick, folder_), "/dev/input/event7");
+}
+
 TEST_F(EvdevList, OtherForcesThanThoseThatLastAreNone) {
   add("event1", "Spring only", "3f", kSticksButtons,
       "200000 0"); // FF_DAMPER

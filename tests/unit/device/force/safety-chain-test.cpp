@@ -170,6 +170,28 @@ TEST(SafetyChain, NeverExceedsTheMaximumForce) {
   EXPECT_NEAR(chain.step(push(4, 3)).force.x(), 0.8, 1e-12); // the direction is kept
 }
 
+TEST(SafetyChain, TellsWhichLimitActed) {
+  using namespace haptic;
+  EXPECT_EQ(settled(push(0.5)).limits(), 0U) << "none";
+  EXPECT_EQ(settled(push(2)).limits(), kLimitForce);
+  SafetyChain::Input input = push(0.5);
+  input.confidence = 0.4;
+  EXPECT_EQ(settled(input).limits(), kLimitConfidence);
+  input = push(0.5);
+  input.wanted.torque = {0, 0, 0.05};
+  EXPECT_EQ(settled(input).limits(), kLimitTorque);
+  input = push(0.5);
+  input.continuous_force = 0.1;
+  SafetyChain spent;
+  steps(spent, input, 120'000);
+  EXPECT_EQ(spent.limits(), kLimitBudget);
+  SafetyChain chain = settled(push(0.5));
+  chain.step(push(-0.5));
+  EXPECT_EQ(chain.limits(), kLimitSlew);
+  chain.step({.holds = kHoldReleased, .dt = kTick});
+  EXPECT_EQ(chain.limits(), kLimitFade);
+}
+
 TEST(SafetyChain, ALoweredMaximumTakesTheForceOffIn50MillisecondsWithoutAStep) {
   for (const double slew_rate : {0.1, 20.0}) {
     SCOPED_TRACE(slew_rate);

@@ -5,16 +5,20 @@
 #include "loop-fixture.hpp"
 #include "messages.hpp"
 #include "other-threads.hpp"
+#include "temporary-folder.hpp"
 #include "virtual-clock.hpp"
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
 #include <memory>
 #include <optional>
 #include <spidar/error.hpp>
+#include <sstream>
 #include <string>
+#include <sys/stat.h>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -60,6 +64,7 @@ public:
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
   bool grip_is_free() const noexcept override { return true; }
   std::string description() const override { return "a fake"; }
+  std::string identity() const override { return "the fake"; }
   std::string remark() const override { return bench_.remark; }
 
 private:
@@ -93,7 +98,10 @@ protected:
   void SetUp() override {
     haptic::DeviceOpener opener;
     opener.open = [this](const haptic::DeviceChoice &) { return haptic::OpenedDevice{make()}; };
-    opener.reopen = [this](const haptic::DeviceChoice &) { return make(); };
+    opener.reopen = [this](const haptic::DeviceChoice &, const std::string &identity) {
+      EXPECT_EQ(identity, "the fake");
+      return make();
+    };
     session_ = std::make_unique<HapticSession>(*this, opener);
   }
   std::unique_ptr<spidar::HapticDevice> make() {
@@ -248,6 +256,51 @@ TEST_F(Session, ADeviceThatFailsAndAnswersAgainIsReportedOnceAndKept) {
   EXPECT_NEAR(force(), 0.5, 1e-6);
 }
 
+TEST_F(Session, AFaultLeavesTheTwoSecondsBeforeItInAFileThatAMessageNames) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(session_->open(choice_));
+  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
+  session_->play();
+  run(3000);
+  EXPECT_TRUE(folder.is_empty()) << "nothing has happened";
+  bench_.answers = false;
+  run(100);
+  ASSERT_EQ(notices_.size(), 2U);
+  EXPECT_EQ(notices_[0].text, haptic::messages::kDeviceSilent);
+  const auto file = *std::filesystem::directory_iterator(folder.path_of("faults"));
+  EXPECT_NE(notices_[1].text.find(file.path().string()), std::string::npos) << notices_[1].text;
+  EXPECT_NE(notices_[1].text.find("(faulted)"), std::string::npos) << notices_[1].text;
+  std::ifstream lines(file.path());
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, haptic::kTickLogHeader);
+  std::vector<double> times;   // s, column mono
+  std::uint32_t held_last = 0; // column hold
+  while (std::getline(lines, line)) {
+    std::istringstream columns(line);
+    std::string value;
+    for (int column = 0; column <= 23 && std::getline(columns, value, ','); ++column)
+      if (column == 22)
+        times.push_back(std::stod(value));
+    held_last = static_cast<std::uint32_t>(std::stoul(value));
+  }
+  ASSERT_EQ(times.size(), 2000U);
+  EXPECT_TRUE(held_last & haptic::kHoldFaulted);
+  EXPECT_NEAR(times.back(), 3.002, 1e-9) << "three exchanges failed";
+  EXPECT_NEAR(times.front(), times.back() - 1.999, 1e-9);
+}
+
+TEST_F(Session, WhatTheUserReleasesLeavesNoFile) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(session_->open(choice_));
+  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
+  session_->play();
+  run(500);
+  session_->release();
+  run(500);
+  EXPECT_TRUE(folder.is_empty());
+}
+
 TEST_F(Session, ASleepOfTheMachineDisarms) {
   begin();
   session_->loop().hold(haptic::kHoldSuspended);
@@ -289,6 +342,15 @@ TEST_F(Session, ALogThatCannotBeWrittenIsAnErrorThatNamesIt) {
   EXPECT_FALSE(session_->prepare({.choice = choice_, .log_location = "/no/such/log.csv"}));
   EXPECT_EQ(notices_.back().cause, NoticeCause::open_log);
   EXPECT_NE(notices_.back().text.find("/no/such/log.csv"), std::string::npos);
+}
+
+TEST_F(Session, ALogThatIsAFifoIsAnErrorAndNotAWait) {
+  const test::TemporaryFolder folder;
+  const std::string fifo = folder.path_of("fifo");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  ASSERT_TRUE(session_->open(choice_));
+  EXPECT_FALSE(session_->prepare({.choice = choice_, .log_location = fifo}));
+  EXPECT_EQ(notices_.back().cause, NoticeCause::open_log);
 }
 
 // ---- the dead-man switch ------------------------------------------------------------------------

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Shows ThreadSanitizer the order that GLib makes: GMutex and GCond wait by futex in a library that
+// the sanitizer does not see into, and so do counted references. To be linked into a program, whose
+// functions come before those of the libraries; each calls the one behind it.
+#if defined(__SANITIZE_THREAD__)
+#include <dlfcn.h>
+#include <glib-object.h>
+#include <gst/gst.h>
+#include <sanitizer/tsan_interface.h>
+
+namespace {
+
+template <typename Function>
+Function *behind(Function *, const char *name) {
+  return reinterpret_cast<Function *>(dlsym(RTLD_NEXT, name));
+}
+
+} // namespace
+
+#define BEHIND(function)                                                                           \
+  static auto *const next = behind(function, #function);                                           \
+  next
+
+extern "C" {
+
+void g_mutex_lock(GMutex *mutex) {
+  BEHIND(g_mutex_lock)(mutex);
+  __tsan_acquire(mutex);
+}
+gboolean g_mutex_trylock(GMutex *mutex) {
+  BEHIND(g_mutex_trylock);
+  const gboolean locked = next(mutex);
+  if (locked)
+    __tsan_acquire(mutex);
+  return locked;
+}
+void g_mutex_unlock(GMutex *mutex) {
+  __tsan_release(mutex);
+  BEHIND(g_mutex_unlock)(mutex);
+}
+void g_cond_wait(GCond *cond, GMutex *mutex) {
+  __tsan_release(mutex);
+  BEHIND(g_cond_wait)(cond, mutex);
+  __tsan_acquire(mutex);
+}
+gboolean g_cond_wait_until(GCond *cond, GMutex *mutex, gint64 end) {
+  __tsan_release(mutex);
+  BEHIND(g_cond_wait_until);
+  const gboolean woken = next(cond, mutex, end);
+  __tsan_acquire(mutex);
+  return woken;
+}
+
+void g_object_unref(gpointer object) {
+  __tsan_release(object);
+  __tsan_acquire(object); // it may be the last one
+  BEHIND(g_object_unref)(object);
+}
+void gst_object_unref(gpointer object) {
+  __tsan_release(object);
+  __tsan_acquire(object); // it may be the last one
+  BEHIND(gst_object_unref)(object);
+}
+void gst_mini_object_unref(GstMiniObject *object) {
+  __tsan_release(object);
+  __tsan_acquire(object);
+  BEHIND(gst_mini_object_unref)(object);
+}
+
+} // extern "C"
+#endif
