@@ -153,6 +153,21 @@
   MESSAGE(kNoFrameIsDecoded, \
           "not one frame of this video can be decoded.", \
           "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
+  MESSAGE(kFileNamesOthers, \
+          "this is a list of other files or addresses (%s), and what a file says is not opened.", \
+          "Name the video itself.") \
+  MESSAGE(kOutputIsTooLong, \
+          "\"%s\": the track goes on for %.1f h, and at most %.0f h are written.", \
+          "Cut it before (haptic-track cut --from --to); a time in it may be wrong.") \
+  MESSAGE(kSoundIsTooLarge, \
+          "\"%s\": %u channels of sound have room for %.0f minutes in a .wav, and the track lasts %.0f.", \
+          "Cut it before (haptic-track cut --from --to).") \
+  MESSAGE(kHiddenFrames, \
+          "%llu frames before the cut are shown in the copy, because the first frame after it depends on them.", \
+          "Nothing needs to be done. To lose them, re-encode the video before.") \
+  MESSAGE(kFilmIsEdited, \
+          "the file joins several parts of its video, or plays it at another speed (edit list).", \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and take that.") \
   MESSAGE(kFileEndsEarly, \
           "the file ends after %.1f s of %.1f s; it was not copied or recorded to its end.", \
           "Copy it again, or repair it by a remux and author that.") \

@@ -262,11 +262,14 @@ void FilmReader::State::append(GstSample *sample, bool is_sound) {
     read_video_format(caps);
   else if (format.sound.empty())
     read_sound_format(caps);
+  const GstSegment *segment = gst_sample_get_segment(sample);
+  if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
+      GST_BUFFER_PTS(buffer) >= segment->stop)
+    return;
   guint64 time = 0;
   const gint sign =
       GST_BUFFER_PTS_IS_VALID(buffer)
-          ? gst_segment_to_stream_time_full(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                            GST_BUFFER_PTS(buffer), &time)
+          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer), &time)
           : 0;
   if (sign == 0)
     throw_error(messages::kFilmHasNoTimes, path.c_str());
@@ -331,6 +334,8 @@ FilmReader::FilmReader(const std::string &path) : state_(std::make_unique<State>
   state.pipeline = make_pipeline();
   state.bus.reset(gst_element_get_bus(state.pipeline.get()));
   state.video_sink = make_sink("video/x-h264,stream-format=avc,alignment=au");
+  // What an edit list hides before the first shown frame, this frame depends on.
+  gst_base_sink_set_drop_out_of_segment(GST_BASE_SINK(state.video_sink), FALSE);
   state.sound_sink = make_sink("audio/mpeg,stream-format=raw");
   GstElement *source = add_element(state.pipeline.get(), "filesrc");
   GstElement *parse = add_element(state.pipeline.get(), "parsebin");

@@ -197,6 +197,9 @@ std::string playlist_of(const FilmPlan &plan, Carriage carriage) {
                                  is_mp4 ? 7 : 6, std::max(1L, std::lround(seconds(plan.longest))));
   if (is_mp4)
     text += format_text("#EXT-X-MAP:URI=\"%s\"\n", kHead);
+  // Frames before 0 are those that an edit list hides.
+  if (plan.origin < 0)
+    text += format_text("#EXT-X-START:TIME-OFFSET=%.6f,PRECISE=YES\n", -seconds(plan.origin));
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
     text += format_text("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
                         segment_name(i, carriage).c_str());
