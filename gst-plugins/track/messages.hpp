@@ -105,9 +105,6 @@
   MESSAGE(kFilmFormIsUnknown, \
           "\"%s\": a film is cut into MPEG-TS or Matroska.", \
           "The name must end in .ts or .mkv.") \
-  MESSAGE(kFilmHasNoVideo, \
-          "\"%s\": there is no video in this file.", \
-          "Cut the track without --with-video.") \
   MESSAGE(kOutputFails, \
           "\"%s\": the file cannot be written: %s.", \
           "Choose another place, or make room on the disk.") \
@@ -154,7 +151,7 @@
           "not one frame of this video can be decoded.", \
           "See whether gst-play-1.0 plays it; gstreamer1.0-libav has most decoders.") \
   MESSAGE(kFileNamesOthers, \
-          "this is a list of other files or addresses (%s), and what a file says is not opened.", \
+          "this is a list of other files or addresses, and what a file says is not opened.", \
           "Name the video itself.") \
   MESSAGE(kOutputIsTooLong, \
           "\"%s\": the track goes on for %.1f h, and at most %.0f h are written.", \
@@ -213,7 +210,7 @@
   MESSAGE(kProcessCrashed, \
           "\"%s\": its process was ended by the signal: %s.", \
           "Run it again with fewer --jobs; if it ends again, report it to the makers of the decoder.") \
-  MESSAGE(kAuthoringIsInterrupted, \
+  MESSAGE(kWorkIsInterrupted, \
           "it was interrupted.", \
           "Run it again to go on.") \
   MESSAGE(kFilmHasChanged, \
@@ -246,9 +243,6 @@
   MESSAGE(kCommandNeedsPlan, \
           "%s needs one plan.", \
           "Make it with haptic-track author --plan VIDEO... > plan.json.") \
-  MESSAGE(kFolderIsMissing, \
-          "there is no folder \"%s\".", \
-          "Make it, or name another one with --output.") \
   MESSAGE(kOptionNeedsSeconds, \
           "%s needs seconds, not '%s'.", \
           "Give a number from 0 on, such as 1.5.") \
@@ -257,6 +251,9 @@
           "See --help.") \
   MESSAGE(kOptionNeedsValue, \
           "%s needs a value.", \
+          "See --help.") \
+  MESSAGE(kOptionTakesNoValue, \
+          "%s takes no value.", \
           "See --help.") \
   MESSAGE(kOptionIsForeign, \
           "%s is no option of '%s'.", \

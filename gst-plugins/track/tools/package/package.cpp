@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/package.hpp"
 
+#include "interruption.hpp"
 #include "package/film-segments.hpp"
 #include "package/fragment-writer.hpp"
 #include "package/package-folder.hpp"
@@ -142,8 +143,10 @@ std::string author_copy(const std::string &video, const std::string &folder, uns
     _exit(EXIT_FAILURE);
   }
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+    if (is_interrupted())
+      kill(pid, SIGTERM);
+  throw_if_interrupted();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS)
     throw_error(messages::kAuthoringFailed, video.c_str());
   AuthorOptions options;
@@ -304,7 +307,7 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
 } // namespace
 
 int package(const std::vector<std::string> &videos, const PackageOptions &options) {
-  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
+  stop_when_interrupted();
   const std::string player = player_folder();
   const std::vector<Rate> rates = plan_rates(videos, options);
   PackageFolder folder(options.author.folder, player);

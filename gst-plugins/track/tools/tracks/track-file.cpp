@@ -7,8 +7,10 @@
 #include "forms/klv.hpp"
 #include "forms/text-line.hpp"
 #include "glue/gst-raii.hpp"
+#include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
 
@@ -28,7 +30,8 @@ namespace {
 
 constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size of the first box
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
+constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
+constexpr std::size_t kMostSamples = 3'000'000; // 27 hours of 30 a second, 300 MB
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -481,12 +484,6 @@ const char *caps_of_track(bool is_coded) {
   return is_coded ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
 }
 
-[[noreturn]] void discard_part(const std::string &path) {
-  const int reason = errno;
-  std::remove(part_of(path).c_str());
-  throw_error(messages::kOutputFails, path.c_str(), std::strerror(reason));
-}
-
 } // namespace
 
 TrackFile read_track_file(const std::string &path, const std::string &stream) {
@@ -546,7 +543,9 @@ void leave_reliefs_out(const std::string &path, TrackFile &track) {
 
 void begin_at_zero(TrackFile &track) {
   const auto shift = [](auto &all) {
-    const std::uint64_t first = all.empty() ? 0 : all.front().time;
+    std::uint64_t first = kNoTime;
+    for (const auto &one : all)
+      first = std::min(first, one.time);
     for (auto &one : all)
       one.time -= first;
   };
@@ -554,58 +553,51 @@ void begin_at_zero(TrackFile &track) {
   shift(track.fields);
 }
 
-void write_container(const std::string &path, const TrackFile &track, const std::string &line,
-                     const std::function<void(GstElement *pipeline)> &prepare) {
-  GError *error = nullptr;
+void play_track(const std::string &path, const TrackFile &track, const std::string &line,
+                const std::function<void(GstElement *pipeline)> &prepare) {
+  GError *wrong = nullptr;
   const std::string whole = "appsrc name=in format=time caps=\"" +
                             std::string(caps_of_track(!track.coded().empty())) +
-                            "\" ! hapticconvert ! " + line + " ! filesink name=out";
-  GstElement *made = gst_parse_launch(whole.c_str(), &error);
-  if (!made || error) {
-    const std::string what = error ? error->message : "unknown";
-    g_clear_error(&error);
-    if (made)
-      gst_object_unref(made);
-    throw_error("\"%s\": %s", path.c_str(), what.c_str());
-  }
+                            "\" ! hapticconvert ! " + line;
+  GstElement *made = gst_parse_launch(whole.c_str(), &wrong);
+  const ErrorPtr error(wrong);
   const ElementPtr pipeline(made);
+  if (!made || error)
+    throw_error("\"%s\": %s", path.c_str(), error ? error->message : "unknown");
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  g_object_set(out.get(), "location", path.c_str(), nullptr);
   if (prepare)
     prepare(made);
   gst_element_set_state(made, GST_STATE_PLAYING);
   push_track(in.get(), track);
   const BusPtr bus(gst_element_get_bus(made));
-  GstMessage *message =
-      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
-                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  std::string failure;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-    failure = error_of(message);
-  gst_message_unref(message);
+  MessagePtr message;
+  while (!message && !is_interrupted())
+    message.reset(gst_bus_timed_pop_filtered(
+        bus.get(), kPollTime, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
   gst_element_set_state(made, GST_STATE_NULL);
-  if (failure.empty())
-    return;
-  std::remove(path.c_str());
-  throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+  throw_if_interrupted();
+  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
+    throw TrackFileError(about(path, error_of(message.get())));
 }
 
-std::string part_of(const std::string &path) {
-  return path + ".part";
-}
-
-void keep_part(const std::string &path) {
-  if (std::rename(part_of(path).c_str(), path.c_str()) != 0)
-    discard_part(path);
+void write_container(const std::string &path, const TrackFile &track, const std::string &line,
+                     const std::function<void(GstElement *pipeline)> &prepare) {
+  PartFile part(path + ".part");
+  play_track(path, track, line + " ! filesink name=out", [&](GstElement *pipeline) {
+    const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+    g_object_set(out.get(), "location", part.path().c_str(), nullptr);
+    if (prepare)
+      prepare(pipeline);
+  });
+  part.keep_as(path);
 }
 
 void write_bytes(const std::string &path, std::string_view bytes) {
-  std::ofstream file(part_of(path), std::ios::binary);
-  file << bytes << std::flush;
-  if (!file)
-    discard_part(path);
-  keep_part(path);
+  PartFile part(path + ".part");
+  std::ofstream file(part.path(), std::ios::binary | std::ios::trunc);
+  if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())) || !file.flush())
+    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
+  part.keep_as(path);
 }
 
 void write_track_file(const std::string &path, const TrackFile &track) {
@@ -616,11 +608,9 @@ void write_track_file(const std::string &path, const TrackFile &track) {
   if (!track.fields.empty() && holds_points)
     throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
-    write_container(part_of(path), track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
-    keep_part(path);
+    write_container(path, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
   } else if (ending == ".mkv") {
-    write_container(part_of(path), track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
-    keep_part(path);
+    write_container(path, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
   } else if (ending == ".klv" || ending == ".txt" || holds_points) {
     write_bytes(path, bytes_of(track, ending));
   } else {
