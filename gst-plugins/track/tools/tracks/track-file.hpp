@@ -18,15 +18,16 @@ namespace haptic {
 inline constexpr std::string_view kMatroskaMagic = "\x1a\x45\xdf\xa3";
 
 struct TrackFile {
-  std::string form;                  ///< for people to read
-  std::string stream;                ///< name of its pad at the demuxer; of a bare track empty
-  std::vector<std::string> others;   ///< names of further haptic tracks
-  std::vector<std::string> surfaces; ///< those of `others` that hold reliefs
-  std::vector<std::string> beside;   ///< caps of the other streams in the file
-  std::vector<std::string> remarks;  ///< what was left out, and why
-  std::vector<TrackSample> samples;  ///< with times; or else
-  std::vector<CodedField> fields;    ///< of motion, with times
-  std::vector<CodedField> reliefs;   ///< with times
+  std::string form;                   ///< for people to read
+  std::string stream;                 ///< name of its pad at the demuxer; of a bare track empty
+  std::vector<std::string> others;    ///< names of further haptic tracks
+  std::vector<std::string> surfaces;  ///< those of `others` that hold reliefs
+  std::vector<std::string> beside;    ///< caps of the other streams in the file
+  std::uint64_t film_begin = kNoTime; ///< ns, of the first frame of the video beside it
+  std::vector<std::string> remarks;   ///< what was left out, and why
+  std::vector<TrackSample> samples;   ///< with times; or else
+  std::vector<CodedField> fields;     ///< of motion, with times
+  std::vector<CodedField> reliefs;    ///< with times
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
