@@ -371,7 +371,7 @@
           "package needs a folder.", \
           "Name it with --output.") \
   MESSAGE(kCarriageIsUnknown, \
-          "--carriage is cmaf or ts, not '%s'.", \
+          "--carriage is mp4 or ts, not '%s'.", \
           "See --help.") \
   MESSAGE(kCommandNeedsFile, \
           "info needs a file.", \

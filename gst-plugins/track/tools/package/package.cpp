@@ -35,7 +35,7 @@ constexpr char kPlaylist[] = "film.m3u8";            // of a bit rate
 constexpr char kPoster[] = "poster.jpg";
 constexpr char kHead[] = "head.mp4";
 // Of the names of folders: a change of what is written into them changes it.
-constexpr char kForm[] = "package 2";
+constexpr char kForm[] = "package 3";
 
 // A bit rate of the film.
 struct Rate {
@@ -53,7 +53,7 @@ void print_remark(const std::string &path, const std::string &remark) {
 Rate plan_rate(const std::string &path) {
   Rate rate{path, plan_film(path), {}};
   for (const std::string &caps : rate.plan.format.left_out)
-    if (!caps.starts_with("text/") || !mark_in(path)) // which may be the haptic track
+    if (!caps.starts_with("text/") || !holds_track(path)) // which may be the haptic track
       print_remark(path, "a further stream was left out: " + caps);
   if (rate.plan.skipped > 0)
     print_remark(path, std::to_string(rate.plan.skipped) +
@@ -102,7 +102,7 @@ void compare_rates(const Rate &first, const Rate &other) {
 
 // Returns the fields and reliefs of a recording or a copy, or nothing if it has no haptic track.
 std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
-  if (!mark_in(path))
+  if (!holds_track(path))
     return std::nullopt;
   TrackFile track = read_track_file(path);
   for (const std::string &remark : track.remarks)
@@ -264,6 +264,13 @@ void write_rate(const Rate &rate, const PackageOptions &options, std::span<const
   }
 }
 
+// Between the first and the last frame. The last one lasts as long as nobody knows.
+double frame_rate_of(const FilmPlan &plan) {
+  return plan.times.size() < 2 ? 1 / seconds(plan.end)
+                               : static_cast<double>(plan.times.size() - 1) /
+                                     seconds(plan.times.back() - plan.times.front());
+}
+
 // Returns the lines of a rate in the main playlist (RFC 8216, 4.3.4.2).
 std::string entry_of(const Rate &rate, const PackageOptions &options, const std::string &folder) {
   double most = 0;
@@ -279,9 +286,8 @@ std::string entry_of(const Rate &rate, const PackageOptions &options, const std:
   return format_text("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
                      "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
                      std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
-                     aspect_of(format) * format.height, format.height,
-                     static_cast<double>(rate.plan.times.size()) / length, rate.name.c_str(),
-                     kPlaylist);
+                     aspect_of(format) * format.height, format.height, frame_rate_of(rate.plan),
+                     rate.name.c_str(), kPlaylist);
 }
 
 std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
@@ -296,7 +302,7 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
   for (const std::string &video : videos)
     settings += hash_of_file(video);
   for (Rate &rate : rates) {
-    rate.name = (options.carriage == Carriage::fragments ? "cmaf-" : "ts-") +
+    rate.name = (options.carriage == Carriage::fragments ? "mp4-" : "ts-") +
                 mark_of(hash_of_file(rate.path), settings);
     if (&rate != rates.data())
       compare_rates(rates[0], rate);

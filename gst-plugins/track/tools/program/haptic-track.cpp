@@ -49,7 +49,7 @@ constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
        haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...
        haptic-track author --chunk K PLAN
        haptic-track author --merge PLAN
-       haptic-track package [--carriage cmaf|ts] [--columns N] --output FOLDER VIDEO...
+       haptic-track package [--carriage mp4|ts] [--columns N] --output FOLDER VIDEO...
 Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
 a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
 written: one of these, or what hapticarray makes of it, as sound with a channel for each
@@ -86,7 +86,7 @@ on where it was stopped. The exit status is 0 if all copies are there.
   --merge       makes the copies and a manifest from all
 package makes a folder of files for any web server: a page where the film is seen and
 felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.
-  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)
+  --carriage    segments of MP4 (mp4, as it is otherwise) or MPEG-TS (ts)
 )";
 
 // The options of each command. Another one would be ignored: it is refused.
@@ -164,7 +164,7 @@ bool read_pair(const std::string &text, char between, Number least, Number most,
 }
 
 haptic::Carriage parse_carriage(const std::string &text) {
-  if (text != "ts" && text != "cmaf")
+  if (text != "ts" && text != "mp4" && text != "cmaf") // the name of mp4 before
     throw_error(messages::kCarriageIsUnknown, text.c_str());
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
