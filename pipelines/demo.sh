@@ -34,9 +34,9 @@ check_options() {
   make_output "$output"
 }
 
-# Installs packages and builds, unless FEELING_WIND_BUILD names a finished build.
+# Installs packages and builds, unless FEELING_WIND_BUILD names a finished build or the script is installed.
 set_up() {
-  if [ -z "${FEELING_WIND_BUILD:-}" ]; then
+  if [ -z "${FEELING_WIND_BUILD:-}" ] && in_checkout; then
     install_packages "${run_packages[@]}" "${build_packages[@]}"
     build_plugins
   fi

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # What a user has of the Debian packages that are installed here: tests/other-debian.sh and tests/container.sh install
-# them and run this. Needs gstreamer1.0-tools and gstreamer1.0-plugins-good.
+# them and run this. Needs gstreamer1.0-tools and gstreamer1.0-plugins-good; with gstreamer1.0-plugins-base-apps it
+# checks more.
 set -euo pipefail
 source "$(dirname "$0")/support/promise.sh"
 
@@ -46,6 +47,9 @@ motion_becomes_a_force() {
     ! hapticsink device=sim sim-hand=hold:0.5,0,0 "log-location=$work/force.csv" &&
     awk -F, 'NR == 1 { while ($++x != "fx"); } $x < -0.1 { found = 1 } END { exit !found }' "$work/force.csv"
 }
+haptic_film_plays() {
+  (cd "$work" && haptic-film play film.webm -- device=sim log-location=played.csv) && [ -s "$work/played.csv" ]
+}
 # shellcheck disable=SC2046 # several options
 c_programs_use_the_library() {
   cc -o "$work/hold" /usr/share/doc/libspidar-dev/examples/hold.c $(pkg-config --cflags --libs spidar)
@@ -54,5 +58,6 @@ c_programs_use_the_library() {
 promise "GStreamer finds the elements" elements_are_found
 promise "every program says how to use it" programs_explain_themselves
 promise "a film is authored" films_are_authored
+! command -v gst-discoverer-1.0 >/dev/null || promise "haptic-film plays a film" haptic_film_plays
 promise "motion becomes a force on a simulated device" motion_becomes_a_force
 ! is_installed libspidar-dev || promise "a program in C uses the library" c_programs_use_the_library

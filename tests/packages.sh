@@ -45,6 +45,7 @@ test_packages=(
 # The tests of the player in a browser. npm fetches hls.js and puppeteer-core, which are no Debian packages.
 browser_packages=(
   chromium
+  firefox-esr
 )
 
 # A server of a packaged film. Debian starts it on port 80, and cannot configure it without IPv6: only for --all, which

@@ -256,7 +256,7 @@ check_style() {
 }
 
 check_scripts() {
-  find changes pipelines tests .ci \( -name '*.sh' -o -path .ci/run \) -print0 |
+  find changes env pipelines tests .ci \( -name '*.sh' -o -path env -o -path .ci/run -o -name haptic-film \) -print0 |
     xargs -0 -n 8 -P "$(nproc)" shellcheck -x -P SCRIPTDIR:.
 }
 

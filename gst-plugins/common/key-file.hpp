@@ -5,6 +5,7 @@
 #include "format-text.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <glib.h>
 #include <memory>
 #include <optional>
@@ -36,6 +37,9 @@ public:
           const KeyFileMessages &messages)
       : messages_(messages), where_(name), file_(g_key_file_new()) {
     if (name.find('/') != std::string::npos || name.ends_with(".ini")) {
+      std::error_code unknown;
+      if (std::filesystem::is_fifo(name, unknown)) // opening it would wait for a writer
+        refuse(messages_.unreadable, "it is a FIFO");
       GError *raw = nullptr;
       if (!g_key_file_load_from_file(file_.get(), name.c_str(), G_KEY_FILE_NONE, &raw)) {
         const std::unique_ptr<GError, Release> error(raw);

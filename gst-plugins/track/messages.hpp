@@ -367,6 +367,15 @@
   MESSAGE(kPosterFails, \
           "no poster can be made: %s.", \
           "See whether gst-play-1.0 plays the video; gstreamer1.0-libav has the decoder.") \
+  MESSAGE(kSingleNeedsMp4, \
+          "--single takes one MP4.", \
+          "Make one of another video: ffmpeg -i VIDEO -c copy -movflags +faststart NEW.mp4.") \
+  MESSAGE(kBundleIsMissing, \
+          "\"%s\" is not there, and --single needs it.", \
+          "Install esbuild and build again: apt-get install esbuild; meson setup --reconfigure build; meson compile -C build.") \
+  MESSAGE(kTrackIsLarge, \
+          "\"%s\": its track has %.1f MB, and a page takes 8 MB at once.", \
+          "Package it without --single.") \
   MESSAGE(kPackageNeedsFolder, \
           "package needs a folder.", \
           "Name it with --output.") \

@@ -232,22 +232,10 @@ void Canvas::field_of(std::uint64_t interval, haptic::MotionField &field) const 
   field.cells.resize(static_cast<std::size_t>(columns) * rows);
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
-      const int left = c * width_ / columns;
-      const int right = (c + 1) * width_ / columns;
-      const int top = r * height_ / rows;
-      const int bottom = (r + 1) * height_ / rows;
-      std::int64_t x = 0;
-      std::int64_t y = 0;
-      for (int j = top; j < bottom; ++j)
-        for (int i = left; i < right; ++i) {
-          x += motion(i, j).x;
-          y += motion(i, j).y;
-        }
-      const double scale = 1e9 / static_cast<double>(interval) /
-                           (static_cast<double>(kMotionUnits) * (right - left) * (bottom - top));
-      field.cells[static_cast<std::size_t>(r) * columns + c] = {
-          static_cast<float>(static_cast<double>(x) * scale),
-          static_cast<float>(static_cast<double>(y) * scale), 1};
+      const Point moved = mean_motion(c * width_ / columns, r * height_ / rows,
+                                      (c + 1) * width_ / columns, (r + 1) * height_ / rows) *
+                          static_cast<float>(1e9 / static_cast<double>(interval));
+      field.cells[static_cast<std::size_t>(r) * columns + c] = {moved.x, moved.y, 1};
     }
 }
 

@@ -113,6 +113,28 @@ public:
   /// A band from x to x + width of one row, in one colour.
   void draw_span(int y, float x, float width, Pixel colour, Motion motion);
 
+  /// Mean displacement of the pixels of this box since the frame before, in px. `kept(motion)`
+  /// says which pixels count; at least one does.
+  template <typename Kept>
+  Point mean_motion(int left, int top, int right, int bottom, Kept &&kept) const {
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+    std::int64_t count = 0;
+    for (int j = top; j < bottom; ++j)
+      for (int i = left; i < right; ++i)
+        if (const Motion &here = motion(i, j); kept(here)) {
+          x += here.x;
+          y += here.y;
+          ++count;
+        }
+    const double scale = 1 / (static_cast<double>(kMotionUnits) * static_cast<double>(count));
+    return {static_cast<float>(static_cast<double>(x) * scale),
+            static_cast<float>(static_cast<double>(y) * scale)};
+  }
+  Point mean_motion(int left, int top, int right, int bottom) const {
+    return mean_motion(left, top, right, bottom, [](const Motion &) { return true; });
+  }
+
   /// Mean motion of each cell's pixels, in px/s; `interval` in ns.
   void field_of(std::uint64_t interval, haptic::MotionField &field) const;
 

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Draws a moving scene with its exact depth to the right of it, white is near:
-//
-//   depth-film SECONDS      raw frames to the standard output: I420, 1280×360 px, 30 a second,
-//   BT.601 depth-film SECONDS X Y  instead, of each frame, its time (s) and the height (m) of its
-//   relief at
-//                           this pixel of the picture
+// depth-film --help says how it is used. The colours are BT.601.
 //
 // A luma of 240 is 20 mm above the middle of the workspace, 17 as much below.
 #include "depth-scene.hpp"
@@ -14,6 +10,7 @@
 #include <cstdlib>
 #include <future>
 #include <span>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -106,9 +103,17 @@ void print_heights(int count, double x, double y) {
 } // namespace
 
 int main(int argc, char **argv) {
+  constexpr char kUsage[] =
+      "Usage: depth-film SECONDS\n"
+      "       depth-film SECONDS X Y\n\n"
+      "Draws balls that bounce, circle and roll, with their depth to the right of them.\n"
+      "Writes raw frames to the standard output: I420, 1280x360 px, 30 a second, 3600 s at most.\n"
+      "With X and Y it prints time (s) and height (m) at this pixel for each frame instead.\n";
+  if (argc == 2 && std::string_view(argv[1]) == "--help")
+    return std::fputs(kUsage, stdout) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
   const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 0;
   if ((argc != 2 && argc != 4) || !(seconds > 0 && seconds <= kLongest)) {
-    std::fputs("usage: depth-film SECONDS [X Y], with up to 3600 s\n", stderr);
+    std::fputs(kUsage, stderr);
     return EXIT_FAILURE;
   }
   const int count = static_cast<int>(std::ceil(seconds * DepthScene::kRate));

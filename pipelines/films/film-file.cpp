@@ -33,7 +33,7 @@ void end_source(GstElement *source) {
 
 } // namespace
 
-FilmFile::FilmFile(const std::string &path, int width, int height, int rate)
+FilmFile::FilmFile(const std::string &path, int width, int height, int rate, int quality)
     : path_(path), part_(path + ".part"), rate_(rate) {
   need_element("x264enc", "as root run: apt-get install gstreamer1.0-plugins-ugly");
   need_element("h264parse", "as root run: apt-get install gstreamer1.0-plugins-bad");
@@ -53,7 +53,9 @@ FilmFile::FilmFile(const std::string &path, int width, int height, int rate)
   const haptic::ElementPtr encoder(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "encoder"));
   gst_util_set_object_arg(G_OBJECT(encoder.get()), "speed-preset", "superfast");
   gst_util_set_object_arg(G_OBJECT(encoder.get()), "pass", "qual");
-  g_object_set(encoder.get(), "quantizer", 23, "key-int-max", rate, nullptr);
+  // Without a buffer that is checked: its usual 2 Mbit/s would limit every quality.
+  g_object_set(encoder.get(), "quantizer", static_cast<guint>(quality), "vbv-buf-capacity", 0U,
+               "key-int-max", rate, nullptr);
   const haptic::ElementPtr file(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "file"));
   g_object_set(file.get(), "location", part_.c_str(), nullptr);
   const std::string size = ", width=" + std::to_string(width) +

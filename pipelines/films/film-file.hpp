@@ -18,11 +18,14 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/// x264's constant rate factor: the leaves of the film keep their edges.
+inline constexpr int kUsualQuality = 23;
+
 class FilmFile {
 public:
-  /// The ending of the path chooses the container: .ts (the track is KLV) or .mkv (text). Throws
-  /// FilmError.
-  FilmFile(const std::string &path, int width, int height, int rate);
+  /// The ending of the path chooses the container: .ts (the track is KLV) or .mkv (text).
+  /// `quality`: 0 (without loss) to 51. Throws FilmError.
+  FilmFile(const std::string &path, int width, int height, int rate, int quality);
   ~FilmFile();
   FilmFile(const FilmFile &) = delete;
   FilmFile &operator=(const FilmFile &) = delete;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "leaf-textures.hpp"
+#include "tree.hpp"
 
 #include <algorithm>
 #include <cmath>

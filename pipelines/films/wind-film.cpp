@@ -6,6 +6,7 @@
 // Returns 0 when the file is complete, 1 after an error, which it prints with its cure.
 #include "film-file.hpp"
 #include "scene.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace {
@@ -27,18 +29,34 @@ struct Options {
   double duration = 20;
   double at = 4; // s, of a still
   gint64 seed = 1;
+  int quality = film::kUsualQuality;
+  std::string truth;  // folder
+  std::string places; // of the truth
+  film::TruthOf truth_of = film::TruthOf::square;
   std::string output;
 };
 
 Options read_options(int argc, char **argv) {
   Options read;
   gchar **rest = nullptr;
+  gchar *truth = nullptr;
+  gchar *places = nullptr;
+  gchar *truth_of = nullptr;
   const GOptionEntry entries[] = {
       {"width", 0, 0, G_OPTION_ARG_INT, &read.width, "Width of the frames (960)", "PX"},
       {"height", 0, 0, G_OPTION_ARG_INT, &read.height, "Height of the frames (540)", "PX"},
       {"rate", 0, 0, G_OPTION_ARG_INT, &read.rate, "Frames a second (60)", "HZ"},
       {"duration", 0, 0, G_OPTION_ARG_DOUBLE, &read.duration, "Length of the film (20)", "S"},
       {"seed", 0, 0, G_OPTION_ARG_INT64, &read.seed, "Another tree and other gusts (1)", "N"},
+      {"quality", 0, 0, G_OPTION_ARG_INT, &read.quality,
+       "Quantizer of the encoder: 0 without loss, 51 the coarsest (23)", "N"},
+      {"truth", 0, 0, G_OPTION_ARG_FILENAME, &truth,
+       "Folder for the exact motion at each place, X-Y.txt", "FOLDER"},
+      {"places", 0, 0, G_OPTION_ARG_STRING, &places, "Places of --truth, 0 to 1 from the top left",
+       "X,Y X,Y …"},
+      {"truth-of", 0, 0, G_OPTION_ARG_STRING, &truth_of,
+       "Whose mean --truth is: of roitracker's usual region, or of what moves with its middle",
+       "square|pointed"},
       {"at", 0, 0, G_OPTION_ARG_DOUBLE, &read.at, "Time of a still (4)", "S"},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, "OUTPUT"},
       {}};
@@ -57,10 +75,21 @@ Options read_options(int argc, char **argv) {
   if (count == 1)
     read.output = rest[0];
   g_strfreev(rest);
+  const auto take = [](gchar *text) {
+    const haptic::GCharPtr taken(text);
+    return std::string(text ? text : "");
+  };
+  read.truth = take(truth);
+  read.places = take(places);
+  const std::string of = take(truth_of);
+  if (of == "pointed")
+    read.truth_of = film::TruthOf::pointed;
   if (error)
     throw FilmError(std::string(error->message) + "; see --help");
   if (count != 1)
     throw FilmError("give one output file; see --help");
+  if (!of.empty() && of != "square" && of != "pointed")
+    throw FilmError("--truth-of is square or pointed");
   return read;
 }
 
@@ -74,6 +103,8 @@ void check(const Options &options) {
     throw FilmError("width and height are even numbers from 64 to 4096");
   if (options.rate < 1 || options.rate > 240)
     throw FilmError("the rate is 1 to 240 frames a second");
+  if (options.quality < 0 || options.quality > 51)
+    throw FilmError("the quality is 0 (without loss) to 51 (the coarsest)");
   if (!(options.duration > 0 && options.duration <= 3600) ||
       !(options.at >= 0 && options.at <= 3600))
     throw FilmError("times are in s, up to 3600");
@@ -93,7 +124,10 @@ public:
   explicit Studio(const Options &options)
       : options_(options), frames_(std::max(1L, std::lround(options.duration * options.rate))),
         scene_(options.width, options.height, static_cast<std::uint64_t>(options.seed)),
-        file_(options.output, options.width, options.height, options.rate) {}
+        file_(options.output, options.width, options.height, options.rate, options.quality) {
+    if (!options.truth.empty())
+      truth_.emplace(options.places, options.truth_of, options.width, options.height, options.rate);
+  }
 
   void run() {
     // One more than processors: one waits for its turn.
@@ -106,6 +140,8 @@ public:
     }
     if (error_)
       std::rethrow_exception(error_);
+    if (truth_)
+      truth_->write(options_.truth);
     file_.finish();
   }
 
@@ -126,11 +162,15 @@ private:
         canvas.write_i420(frame);
         canvas.field_of(static_cast<std::uint64_t>(std::llround(1e9 * interval)), field);
         field.flags = 0;
+        const std::vector<film::Point> motions =
+            truth_ ? truth_->measure(canvas) : std::vector<film::Point>();
         std::unique_lock lock(mutex_);
         turn_.wait(lock, [&] { return next_ == i || error_; });
         if (error_)
           return;
         file_.write(frame, field);
+        if (truth_)
+          truth_->add(motions);
         ++next_;
         turn_.notify_all();
       }
@@ -146,9 +186,10 @@ private:
   const film::Scene scene_;
   std::mutex mutex_;
   std::condition_variable turn_;
-  film::FilmFile file_;      // mutex_
-  long next_ = 0;            // mutex_
-  std::exception_ptr error_; // mutex_
+  film::FilmFile file_;              // mutex_
+  std::optional<film::Truth> truth_; // add(): mutex_
+  long next_ = 0;                    // mutex_
+  std::exception_ptr error_;         // mutex_
 };
 
 } // namespace

@@ -11,6 +11,17 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 # The build folder. FEELING_WIND_BUILD names a finished build to use unchanged.
 build=${FEELING_WIND_BUILD:-$root/build}
 
+# Where films stay that the scripts draw or fetch, and how to get what is missing. An installed copy of the scripts has no
+# sources: it builds nothing, and its folder belongs to the system.
+kept=$root/build-data get_it="run ./pipelines/demo.sh, which installs and builds everything"
+in_checkout() {
+  [ -f "$root/meson.build" ]
+}
+if ! in_checkout; then
+  kept=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind
+  get_it="as root run: apt-get install --reinstall --install-recommends feeling-wind"
+fi
+
 # `fail MESSAGE` prints what is wrong and its cure, and ends the script with status 1.
 fail() {
   echo "${0##*/}: $*" >&2
@@ -248,7 +259,7 @@ find_plugins() {
   local tool
   for tool in gst-inspect-1.0 gst-discoverer-1.0; do
     command -v $tool >/dev/null ||
-      fail "GStreamer's tool $tool is not installed; run ./pipelines/demo.sh, which installs and builds everything"
+      fail "GStreamer's tool $tool is not installed; $get_it"
   done
 }
 
@@ -260,7 +271,7 @@ use_elements() {
   for element in "${needed[@]}"; do
     # By default gst-inspect requires GStreamer's own version number.
     gst-inspect-1.0 --exists --atleast-version=0.1 "$element" ||
-      fail "GStreamer does not find the element $element; run ./pipelines/demo.sh, which installs and builds everything"
+      fail "GStreamer does not find the element $element; $get_it"
   done
 }
 
@@ -306,7 +317,7 @@ launch() {
     /usr/bin/python3 -c 'import gi; gi.require_version("Gst", "1.0")' 2>/dev/null ||
       fail "a key, or RIST, needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
     [ -z "${secret:-}" ] || export LAUNCH_SECRET=$secret
-    exec "$root/pipelines/shared/launch.py" "$@"
+    exec /usr/bin/python3 "$root/pipelines/shared/launch.py" "$@"
   fi
   exec gst-launch-1.0 -e "$@"
 }

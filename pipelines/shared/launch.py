@@ -1,9 +1,8 @@
-#!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """gst-launch-1.0 -e for a pipeline with a secret: other users can read the words of a command, but not its environment.
 And for RIST, which otherwise never ends.
 
-Usage: [LAUNCH_SECRET=SECRET] pipelines/shared/launch.py PIPELINE...
+Usage: [LAUNCH_SECRET=SECRET] /usr/bin/python3 pipelines/shared/launch.py PIPELINE...
   @secret@ in PIPELINE stands for SECRET. Packages: python3-gi, gir1.2-gstreamer-1.0.
 """
 

@@ -35,6 +35,7 @@ build_packages=(
   libglib2.0-dev # D-Bus: real-time priority, a moment before the machine sleeps
   libevdev-dev # joysticks with force feedback
   rapidjson-dev # MPEG haptics as JSON
+  esbuild # the web player in one file
 )
 
 # The program feeling-wind.
@@ -110,22 +111,22 @@ depth_film() {
 # `drawn_film NAME PROGRAM TEXT` prints the path of a film, which the program draws in less time than it plays. It is
 # kept until there is a newer program. For $(...) only: its trap is that of the subshell.
 drawn_film() {
-  local kept=$root/build-data/$1 program=$build/pipelines/films/$2
+  local drawn=$kept/$1 program=$build/pipelines/films/$2
   [ -x "$program" ] || program=$(command -v "$2") ||
-    fail "$2 is not built; run ./pipelines/demo.sh, which installs and builds everything"
-  if [ ! -f "$kept" ] || [ "$program" -nt "$kept" ]; then
-    mkdir -p "${kept%/*}" || fail "the folder '${kept%/*}' cannot be made; check the permissions of its parent"
+    fail "$2 is not built; $get_it"
+  if [ ! -f "$drawn" ] || [ "$program" -nt "$drawn" ]; then
+    mkdir -p "${drawn%/*}" || fail "the folder '${drawn%/*}' cannot be made; check the permissions of its parent"
     find_plugins
     echo "Drawing the film of $3 ..." >&2
-    new=$(mktemp "${kept%.*}.XXXXXX.${kept##*.}")
+    new=$(mktemp "${drawn%.*}.XXXXXX.${drawn##*.}")
     trap 'rm -f "$new" "$new.part"' EXIT
     case $2 in
     wind-film) "$program" "$new" || return ;;
-    depth-film) write_depth_film "$program" "$new" 15 || fail "'$kept' could not be written; make room on the disk" ;;
+    depth-film) write_depth_film "$program" "$new" 15 || fail "'$drawn' could not be written; make room on the disk" ;;
     esac
-    mv "$new" "$kept"
+    mv "$new" "$drawn"
   fi
-  echo "$kept"
+  echo "$drawn"
 }
 
 # `write_depth_film PROGRAM FILE SECONDS`: of its depth, coding changes a brightness by one step at most.
@@ -159,14 +160,14 @@ opencv_file() {
 
 found_opencv_file() {
   local file
-  for file in "/usr/share/doc/opencv-doc/examples/data/$1" "$root/build-data/$1"; do
+  for file in "/usr/share/doc/opencv-doc/examples/data/$1" "$kept/$1"; do
     [ ! -f "$file" ] || { echo "$file"; return; }
   done
   return 1
 }
 
 fetch_opencv_files() {
-  local kept=$root/build-data folder name data=./usr/share/doc/opencv-doc/examples/data
+  local folder data=./usr/share/doc/opencv-doc/examples/data
   mkdir -p "$kept" || fail "the folder '$kept' cannot be made; check the permissions of its parent"
   folder=$(mktemp -d "$kept/fetch.XXXXXX")
   echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to extract its tree and its aloe ..."

@@ -8,5 +8,10 @@ set grid linecolor rgb "#DDDDDD" linewidth 1
 set linetype 1 linecolor rgb "#0072B2" linewidth 2.5 pointtype 7
 set linetype 2 linecolor rgb "#D55E00" linewidth 1.5 pointtype 6
 set linetype 3 linecolor rgb "#999999" linewidth 1.5 pointtype 7
+# Velocity is orange and force blue in every picture; to the right is solid, upwards dashed.
+set linetype 11 linecolor rgb "#E69F00" linewidth 2
+set linetype 12 linecolor rgb "#E69F00" linewidth 1.5 dashtype 2
+set linetype 13 linecolor rgb "#0072B2" linewidth 2
+set linetype 14 linecolor rgb "#0072B2" linewidth 1.5 dashtype 2
 set style fill solid noborder
 set key outside top right horizontal samplen 3

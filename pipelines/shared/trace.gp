@@ -23,13 +23,13 @@ set multiplot layout 2,1 title ARG3 noenhanced margins 0.10, 0.98, 0.11, 0.87 sp
 set format x ""
 set ylabel "velocity (px/s)"
 plot @unmeasured title "not measured", \
-     ARG1 using (column("time")):(column("vx")) with lines linetype 1 title "to the right", \
-     ARG1 using (column("time")):(-column("vy")) with lines linetype 2 title "upwards"
+     ARG1 using (column("time")):(column("vx")) with lines linetype 11 title "to the right", \
+     ARG1 using (column("time")):(-column("vy")) with lines linetype 12 title "upwards"
 unset key
 set format x "%g"
 set ylabel "force (N)"
 set xlabel "time (s)"
 plot @unmeasured, \
-     ARG1 using (column("time")):(column("fx")) with lines linetype 1, \
-     ARG1 using (column("time")):(column("fy")) with lines linetype 2
+     ARG1 using (column("time")):(column("fx")) with lines linetype 13, \
+     ARG1 using (column("time")):(column("fy")) with lines linetype 14
 unset multiplot

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Leaves comments out of a module for viewers: blocks of /** and lines of //, but the first, which has the licence.
+# Leaves comments and indentation out of a module for viewers: blocks of /** and lines of //, but the first, which has
+# the licence.
 /^ *\/\*\*.*\*\/$/d
 /^ *\/\*\*/,/\*\/$/d
 2,${
   /^ *\/\//d
 }
+s/^ *//

@@ -113,6 +113,7 @@ protected:
     return true;
   }
 
+  /// No function of the connection is called by the main loop after this.
   void end();
 
 private:
@@ -187,6 +188,7 @@ public:
         g_unix_fd_add(STDIN_FILENO, static_cast<GIOCondition>(G_IO_IN | G_IO_HUP), typed, this));
     g_main_loop_run(loop_.get());
     connections_.clear();
+    ended_.clear();
   }
 
   /// Executes a command and returns the answer.
@@ -211,14 +213,32 @@ public:
     }
   }
 
+  /// Deletes the connection later: one of its functions may have called this, in a command of its
+  /// own.
   void end(Connection *connection) {
-    connections_.remove_if([&](const auto &one) { return one.get() == connection; });
+    const auto found =
+        std::ranges::find(connections_, connection, &std::unique_ptr<Connection>::get);
+    if (found == connections_.end())
+      return;
+    ended_.splice(ended_.end(), connections_, found);
+    const auto bury = [](gpointer self) -> gboolean {
+      static_cast<Server *>(self)->ended_.clear();
+      return G_SOURCE_REMOVE;
+    };
+    burial_.reset(g_idle_source_new());
+    g_source_set_priority(burial_.get(), G_PRIORITY_HIGH);
+    g_source_set_callback(burial_.get(), bury, this, nullptr);
+    g_source_attach(burial_.get(), nullptr);
   }
 
-  /// Calls pump_all() at `time`, for a late reply.
+  /// Calls pump_all() at `time` or before, for a late reply.
   void wake_at(Time time) {
+    if (wakes_at_ && *wakes_at_ <= time)
+      return;
+    wakes_at_ = time;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(time - Clock::now());
     const auto wake = [](gpointer self) -> gboolean {
+      static_cast<Server *>(self)->wakes_at_.reset();
       static_cast<Server *>(self)->pump_all();
       return G_SOURCE_REMOVE;
     };
@@ -252,12 +272,17 @@ private:
   Owned<GSocketService> control_service_;
   std::string control_path_;
   std::list<std::unique_ptr<Connection>> connections_;
+  std::list<std::unique_ptr<Connection>> ended_; ///< until the main loop comes round
+  Source burial_;                                ///< of ended_
   std::vector<unsigned> ids_; ///< of sources of the main loop, standard input first
   Source timer_;
+  std::optional<Time> wakes_at_; ///< of timer_
   std::string input_;
 };
 
 void Connection::end() {
+  readable_.reset();
+  writable_.reset();
   server_.end(this);
 }
 

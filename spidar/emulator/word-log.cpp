@@ -4,11 +4,17 @@
 #include "fail.hpp"
 
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 
 namespace emulator {
 
-WordLog::WordLog(const std::string &path) : file_(std::fopen(path.c_str(), "we")) {
+WordLog::WordLog(const std::string &path) {
+  std::error_code unknown;
+  if (std::filesystem::is_fifo(path, unknown)) // opening it would wait for a reader
+    spidar::fail(spidar::Cause::argument, spidar::messages::kEmulatorLog, path.c_str(),
+                 "it is a FIFO");
+  file_.reset(std::fopen(path.c_str(), "we"));
   if (!file_)
     spidar::fail(spidar::Cause::argument, spidar::messages::kEmulatorLog, path.c_str(),
                  std::generic_category().message(errno).c_str());

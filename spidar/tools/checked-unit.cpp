@@ -54,6 +54,8 @@ public:
   bool pressed() const noexcept override { return inner_->pressed(); }
   std::string description() const override { return inner_->description(); }
   std::string remark() const override { return inner_->remark(); }
+  std::string identity() const override { return inner_->identity(); }
+  std::uint16_t inputs() const noexcept override { return inner_->inputs(); }
 
 private:
   std::unique_ptr<spidar::Controller> inner_;

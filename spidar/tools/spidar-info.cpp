@@ -65,7 +65,7 @@ void show(double time, const spidar::Device &device) {
   std::printf("  counts  ");
   for (const std::int32_t count : state.counts)
     std::printf(" %9d", count);
-  std::printf("\n");
+  std::printf("\n  inputs   0x%04x\n", device.inputs());
   show("lengths", "mm", state.lengths, 1e3);
   show("tensions", "N", state.tensions, 1);
   std::fflush(stdout);

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs the ```python blocks of docs/python.md, each as a program beside an in.mp4 of known motion, without a window.
-# Each must succeed and find the motion: it prints it for most frames, or saves a plot.
+# Runs the ```python blocks of docs/python.md and docs/tutorial.md, each as a program beside an in.mp4 of known motion,
+# without a window. Each must succeed and find the motion, of in.mp4 or of the tutorial's test picture: it prints it for
+# most frames, or saves a plot.
 #
 # Usage: python-blocks.sh playing | other
 #   playing  the blocks that play the video in real time
@@ -16,12 +17,13 @@ done
 
 cd "$work"
 clip in.mp4 352 288 30 2 uniform:40,-20
-awk '/^```python/ { n++; inside = 1; next } /^```/ { inside = 0 } inside { print >"block-" n ".py" }' "$root/docs/python.md"
+awk '/^```python/ { n++; inside = 1; next } /^```/ { inside = 0 } inside { print >"block-" n ".py" }' \
+  "$root"/docs/{python,tutorial}.md
 
 # At least so many lines have the motion of the clip.
 true_motion() {
   local right
-  right=$(grep -cE '(^|[ :])(39|40|41) -(19|20|21) px/s' output) || true
+  right=$(grep -cE '(^|[ :])((39|40|41) -(19|20|21)|-60 0) px/s' output) || true
   [ "$right" -ge "$1" ] || { echo "$right lines have it, of:"; tail -n 20 output; return 1; }
 }
 
@@ -32,7 +34,7 @@ run_block() {
 count=0
 for block in block-*.py; do
   kind=other
-  ! grep -qE 'clocksync|drop=true' "$block" || kind=playing
+  ! grep -qE 'clocksync|drop=true|hapticsink' "$block" || kind=playing
   [ $kind = "${1:-playing}" ] || continue
   count=$((count + 1))
   promise "$block runs" run_block "$block"

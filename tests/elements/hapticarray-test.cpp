@@ -402,6 +402,46 @@ TEST_F(HapticArray, ASeeksRateIsThatOfTheMotion) {
   }
 }
 
+// A sink tells its position from the segment of the sound.
+TEST_F(HapticArray, APositionAtHalfSpeedBackwardsIsThatOfTheMotion) {
+  build("map=point");
+  make_seekable();
+  gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+  push(moving(200, 0), 3);
+  const auto wait_for_preroll = [this] {
+    gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE);
+  };
+  wait_for_preroll();
+  g_object_set(out.get(), "sync", TRUE, nullptr);
+  ASSERT_TRUE(gst_element_seek(pipeline.get(), -0.5, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
+                               GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_SET, 4 * GST_SECOND));
+  for (int i = 0; i < 30; ++i) {
+    next = 4 * GST_SECOND - static_cast<GstClockTime>(i + 1) * kFrame;
+    push(moving(200, 0), 1);
+  }
+  wait_for_preroll();
+  gint64 position = 0;
+  ASSERT_TRUE(gst_element_query_position(out.get(), GST_FORMAT_TIME, &position));
+  EXPECT_NEAR(static_cast<double>(position) / GST_SECOND, 4, 0.06);
+  g_object_set(out.get(), "sync", FALSE, nullptr);
+  play();
+  expected = 0;
+  for (int i = 0; i < 100; ++i) { // a second
+    ASSERT_TRUE(pull());
+    ASSERT_NEAR(static_cast<double>(stream()) / GST_SECOND,
+                4 - static_cast<double>(running()) / GST_SECOND / 2, 0.001);
+  }
+}
+
+TEST_F(HapticArray, MotionInASegmentThatDoesNotCountInTimeIsFeltAtOnce) {
+  build("map=point");
+  g_object_set(in.get(), "format", GST_FORMAT_BYTES, nullptr);
+  play();
+  push(moving(200, 0), 15);
+  pull_all();
+  EXPECT_GT(energy(0.02, 0.03), 0.01);
+}
+
 TEST_F(HapticArray, ASeekWhileItPlaysLeavesNoVibration) {
   build("map=point");
   make_seekable();

@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <gst/base/gstbasetransform.h>
 #include <gst/base/gsttypefindhelper.h>
+#include <gst/check/gstharness.h>
+#include <memory>
 
 namespace {
 
@@ -458,6 +461,38 @@ TEST_F(HapticConvert, RtpCarriesMpegHapticsInPiecesAndWithLoss) {
     EXPECT_EQ(haptic::force_of_motion(sample_of(whole[at])).x,
               haptic::force_of_motion(sample_of(packet)).x);
   }
+}
+
+// Calls the functions of the class as they come at a restart while upstream pushes on: the pad
+// takes caps and samples before start(), and samples after stop() meet the caps of before.
+TEST_F(HapticConvert, ARestartMeetsAStreamThatHasBegun) {
+  const std::unique_ptr<GstHarness, decltype(&gst_harness_teardown)> harness(
+      gst_harness_new("hapticconvert"), gst_harness_teardown);
+  gst_harness_set_src_caps_str(harness.get(), HAPTIC_MOTION_CAPS);
+  gst_harness_set_sink_caps_str(harness.get(), "meta/x-klv");
+  const auto push = [&](std::size_t i) {
+    GstBuffer *buffer = gst_buffer_new_memdup(track[i].bytes.data(), track[i].bytes.size());
+    GST_BUFFER_PTS(buffer) = track[i].pts;
+    return gst_harness_push(harness.get(), buffer);
+  };
+  EXPECT_EQ(push(0), GST_FLOW_OK);
+  auto *convert = GST_BASE_TRANSFORM(harness->element);
+  GstBaseTransformClass *of_convert = GST_BASE_TRANSFORM_GET_CLASS(convert);
+  of_convert->start(convert);
+  EXPECT_EQ(push(1), GST_FLOW_OK);
+  EXPECT_EQ(gst_harness_buffers_received(harness.get()), 2U);
+  if (of_convert->stop)
+    of_convert->stop(convert);
+  EXPECT_EQ(push(2), GST_FLOW_NOT_NEGOTIATED);
+}
+
+TEST_F(HapticConvert, ASegmentNeedNotCountInTime) {
+  const std::string bytes =
+      "appsrc name=in format=bytes caps=haptics/x-raw,modality=velocity,layout=point";
+  const auto outcome =
+      run(bytes + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track);
+  EXPECT_EQ(outcome.error, "");
+  EXPECT_EQ(outcome.packets.size(), track.size());
 }
 
 TEST_F(HapticConvert, HapticmarkRefusesBytesWithoutCaps) {

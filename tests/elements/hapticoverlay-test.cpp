@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace {
 
@@ -467,8 +468,9 @@ protected:
     gst_pad_send_event(pad, gst_event_new_segment(&segment));
   }
   void TearDown() override {
-    gst_element_release_request_pad(overlay.get(), pad);
-    gst_object_unref(pad);
+    if (pad)
+      gst_element_release_request_pad(overlay.get(), pad);
+    g_clear_pointer(&pad, gst_object_unref);
   }
   GstPad *pad = nullptr;
 };
@@ -511,6 +513,36 @@ TEST_F(ShownReliefs, OldOrDamagedReliefsAndThoseBeforeASeekAreNotShown) {
   gst_pad_send_event(pad, gst_event_new_flush_start());
   gst_pad_send_event(pad, gst_event_new_flush_stop(TRUE));
   EXPECT_EQ(bytes_of(pass(33, {})), untouched());
+}
+
+// As by another thread: while the first pad is made, and not yet the element's.
+TEST_F(ShownReliefs, OneOfTwoRequestsAtOnceGetsThePad) {
+  gst_element_release_request_pad(overlay.get(), pad);
+  g_clear_pointer(&pad, gst_object_unref);
+  GstPadTemplate *of = gst_element_get_pad_template(overlay.get(), "relief");
+  struct Second {
+    GstElement *overlay;
+    GstPad *pad = nullptr;
+    bool asked = false;
+  } second{overlay.get()};
+  const auto ask = +[](GstPadTemplate *from, GstPad *, Second *self) {
+    if (!std::exchange(self->asked, true))
+      self->pad = gst_element_request_pad(self->overlay, from, nullptr, nullptr);
+  };
+  const gulong handler = g_signal_connect(of, "pad-created", G_CALLBACK(ask), &second);
+  pad = gst_element_request_pad(overlay.get(), of, nullptr, nullptr);
+  g_signal_handler_disconnect(of, handler);
+  EXPECT_TRUE(second.asked);
+  EXPECT_NE(pad, nullptr);
+  EXPECT_EQ(second.pad, nullptr);
+}
+
+TEST_F(HapticOverlay, ASegmentNeedNotCountInTime) {
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_BYTES);
+  EXPECT_NE(pass(0, {}), nullptr);
+  EXPECT_TRUE(gst_harness_push_event(harness.get(), gst_event_new_segment(&segment)));
+  EXPECT_NE(pass(1, {}), nullptr);
 }
 
 TEST_F(HapticOverlay, EveryPropertyMayBeSetWhileRunning) {

@@ -392,6 +392,22 @@ TEST_F(HapticSinkTouch, ASeekReachesBothSources) {
   EXPECT_EQ(seeks, 2);
 }
 
+TEST_F(HapticSinkTouch, APadForReliefsIsActiveFromThePrerollToTheStop) {
+  build("device=none");
+  EXPECT_EQ(gst_element_set_state(sink_.get(), GST_STATE_PAUSED), GST_STATE_CHANGE_ASYNC)
+      << "nothing has come yet";
+  const haptic::PadPtr relief(gst_element_request_pad_simple(sink_.get(), "relief"));
+  ASSERT_TRUE(relief);
+  EXPECT_TRUE(GST_PAD_IS_ACTIVE(relief.get()));
+  EXPECT_EQ(gst_element_request_pad(
+                sink_.get(), gst_element_get_pad_template(sink_.get(), "relief"), nullptr, nullptr),
+            nullptr)
+      << "there is one";
+  change(sink_.get(), GST_STATE_READY);
+  EXPECT_FALSE(GST_PAD_IS_ACTIVE(relief.get()));
+  gst_element_release_request_pad(sink_.get(), relief.get());
+}
+
 TEST_F(HapticSinkTouch, AForceThatIsNoNumberIsRefused) {
   build("device=none max-force=0.5");
   // Newer versions of GLib refuse it themselves, with a critical warning.

@@ -27,8 +27,8 @@ clip "$work/clip.mkv" 352 288 30 3 uniform:-30,-100
 mv "$work/clip.mkv" "$folder/a \"clip\"!.mkv"
 promise "demo.sh plays a file" run_demo "$folder/out" --video "$folder/a \"clip\"!.mkv"
 results "$folder/out" 2
-promise "the picture of the trace shows both components" has_colour "$folder/out/trace.png" '00 72 b2' 500
-promise "in two colours" has_colour "$folder/out/trace.png" 'd5 5e 00' 500
+promise "the picture of the trace shows the velocity in orange" has_colour "$folder/out/trace.png" 'e6 9f 00' 500
+promise "and the force in blue" has_colour "$folder/out/trace.png" '00 72 b2' 500
 read -r fx fy < <(force_of -30 -100)
 promise "the force is that of the motion" felt "$folder/out/trace.csv" "$fx" "$fy"
 

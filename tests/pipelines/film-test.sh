@@ -22,6 +22,14 @@ done
 promise "the same twice" "$program" "${small[@]}" "$work/again.ts"
 promise "to the byte" cmp "$work/film.ts" "$work/again.ts"
 
+promise "it writes the true motion at places" "$program" "${small[@]}" --quality 0 --truth "$work/truth" --places "0.5,0.5 0.7,0.5" "$work/fine.mkv"
+promise "which the track of the film agrees with" haptic_track compare --at-most 5 "$work/truth/0.5-0.5.txt" "$work/fine.mkv"
+promise "that moves" test "$(grep -cE 'vx=-?[1-9]' "$work/truth/0.5-0.5.txt")" -gt 20
+promise "a finer film has more bytes" test "$(stat -c %s "$work/fine.mkv")" -gt "$(stat -c %s "$work/film.mkv")"
+promise "the true motion of the thing in the middle too" "$program" "${small[@]}" --truth "$work/pointed" --truth-of pointed --places "0.7,0.5" "$work/again.mkv"
+are_different() { ! cmp -s "$@"; }
+promise "is another" are_different "$work/truth/0.7-0.5.txt" "$work/pointed/0.7-0.5.txt"
+
 promise "it draws a still" "$program" --width 320 --height 180 --at 3 "$work/still.png"
 promise "of many greens" has_colour "$work/still.png" '[2-6]. [4-9]. [0-3].' 2000
 
@@ -43,4 +51,8 @@ disk_is_full() (
 )
 promise "a disk that is full" disk_is_full
 promise "an unknown option" fails_with "see --help" --wide "$work/other.ts"
+promise "a place outside" fails_with "write X,Y, each from 0 to 1" "${small[@]}" --truth "$work/none" --places "0.5,1.5" "$work/other.ts"
+promise "a truth without places" fails_with "needs places" "${small[@]}" --truth "$work/none" "$work/other.ts"
+promise "a truth of nothing" fails_with "square or pointed" --truth-of all "$work/other.ts"
+promise "a quality that x264 does not have" fails_with "0 (without loss) to 51" --quality 52 "$work/other.ts"
 promise "no file is left" test ! -e "$work/other.ts" -a ! -e "$work/other.ts.part"

@@ -108,6 +108,32 @@ promise "another carriage replaces it" says 0 "written: ts-" package --carriage 
 promise "with the same bytes" diff -r "$work/ts" "$work/both"
 promise "a copy that was authored gives its track" says 0 "225 fields" package --output "$work/copy" "$work/wind.haptic.ts"
 
+# The MP4 as it is, and its track as one file, for the element of the player.
+mkdir "$FEELING_WIND_WEB/player"
+promise "a single film needs the player in one file" says 1 "feeling-wind.min.js" package --single --output "$work/single" "$work/wind.mp4"
+echo '/*! one file */' >"$FEELING_WIND_WEB/player/feeling-wind.min.js"
+echo 'MIT' >"$FEELING_WIND_WEB/player/LICENSE"
+echo '<feeling-wind src="film.mp4" track="film.klv">' >"$FEELING_WIND_WEB/single.html"
+promise "a single film has one track beside it" says 0 "written: film.mp4 and film.klv" \
+  package --single --output "$work/single" "$work/wind.mp4"
+promise "the film stays as it is" cmp "$work/wind.mp4" "$work/single/film.mp4"
+promise "what is needed is there, with its licence" test "$(ls -A "$work/single")" = "LICENSE
+feeling-wind.min.js
+film.klv
+film.mp4
+index.html"
+promise "the page is the one for a single film" cmp "$FEELING_WIND_WEB/single.html" "$work/single/index.html"
+times_of() { "$haptic_track" info "$1" | grep -E 'fields|time'; }
+promise "its fields begin with the film" says 0 "0.000 to " times_of "$work/single/film.klv"
+promise "a converted copy has the same track" "$haptic_track" convert --force "$work/wind.haptic.ts" "$work/single.klv"
+promise "at the same times" test "$(times_of "$work/single.klv")" = "$(times_of "$work/single/film.klv")"
+promise "it is not made again" says 0 "there already: film.klv" package --single --output "$work/single" "$work/wind.mp4"
+promise "only one MP4 is taken" says 1 "--single takes one MP4" package --single --output "$work/no" "$work/wind.haptic.ts"
+promise "a site of segments is not written over" says 1 "another site's index.html" \
+  package --single --output "$work/film" "$work/wind.mp4"
+rm -r "$FEELING_WIND_WEB"/{player,single.html}
+promise "--single and --carriage do not go together" says 1 "" package --single --carriage ts --output "$work/no" "$work/wind.mp4"
+
 # A film with a surface, as a stream of its own, and alone.
 # `with_surface FILE [BRANCH...]`: the authored copy without its track, and reliefs of its colours.
 with_surface() {

@@ -9,7 +9,6 @@ import { serve } from './server.mjs';
 const [web, films] = process.argv.slice(2);
 const server = await serve([web, films]);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function open(query, web = server.origin) {
   const page = await openPage(browser, web);
@@ -27,6 +26,7 @@ async function open(query, web = server.origin) {
 const saysSoon = (page, words) => page.waitForFunction(words =>
   document.getElementById('problems').textContent.includes(words), { polling: 50, timeout: 60_000 }, words);
 const vibrated = page => page.evaluate(() => window.motor.some(effect => effect.weak > 0));
+const vibrates = page => page.waitForFunction(() => window.motor.some(effect => effect.weak > 0), { polling: 50 });
 const plays = page => page.waitForFunction(() => document.querySelector('video').currentTime > 3, { timeout: 60_000 });
 
 for (const [query, words] of [
@@ -63,7 +63,7 @@ await alone.close();
 
 const damaged = await open('?playlist=damaged.m3u8');
 await plays(damaged);
-promise('a damaged film plays on, and its track is felt where it is whole', await vibrated(damaged));
+promise('a damaged film plays on, and its track is felt where it is whole', await vibrates(damaged));
 promise('no error reaches the page', damaged.trouble.length === 0 || console.log(damaged.trouble));
 await damaged.close();
 
@@ -75,7 +75,7 @@ promise('without hls.js the page says what is missing', true);
 await without.close();
 const plain = await open('?playlist=cmaf.m3u8', poor.origin);
 await plays(plain);
-promise('but it plays and feels CMAF', await vibrated(plain) && plain.trouble.length === 0);
+promise('but it plays and feels CMAF', await vibrates(plain) && plain.trouble.length === 0);
 await plain.evaluate(() => { document.querySelector('video').currentTime = 15; });
 await plain.waitForFunction(() => document.querySelector('video').currentTime > 16);
 promise('after a seek, too', await plain.$eval('#problems', problems => problems.textContent === ''));
@@ -87,7 +87,7 @@ poor.close();
 
 const cmaf = await open('?playlist=cmaf.m3u8');
 await plays(cmaf);
-promise('CMAF is felt with hls.js', await vibrated(cmaf) && cmaf.trouble.length === 0);
+promise('CMAF is felt with hls.js', await vibrates(cmaf) && cmaf.trouble.length === 0);
 await cmaf.close();
 
 await browser.close();

@@ -13,7 +13,6 @@ const ZERO_WITHIN = 100; // ms
 const silent = new Set(['never.ts']);
 const server = await serve([web, films], silent);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 const delay = ms => new Promise(done => setTimeout(done, ms));
 

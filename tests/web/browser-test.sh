@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The player of pipelines/web in Chromium, with a film that the build draws.
+# The player of pipelines/web in Chromium and, where it is there, in Firefox, with a film that the build draws.
 #
 # From the environment: FEELING_WIND_BUILD, WEB_PACKAGES (the folder of npm's packages). SCREENSHOTS=FOLDER keeps
 # pictures of the page.
@@ -11,7 +11,7 @@ here=$root/tests/web
 command -v node >/dev/null || skip "node is not installed"
 command -v chromium >/dev/null || skip "chromium is not installed"
 [ -d "$WEB_PACKAGES/node_modules/puppeteer-core" ] || skip "npm has not fetched puppeteer-core (no network, or no npm)"
-[ -f "$build/pipelines/web/player/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
+[ -f "$build/pipelines/web/player/hls.worker.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
 wind_film=$build/pipelines/films/wind-film
 haptic_track=$build/gst-plugins/track/tools/haptic-track
 [ -x "$wind_film" ] || skip "wind-film is not built"
@@ -71,6 +71,11 @@ promise "packaged as a transport stream" env FEELING_WIND_WEB="$build/pipelines/
   "$haptic_track" package --carriage ts --output "$films/ball" "$work/ball.ts"
 promise "a film to be touched" node "$here/make-cmaf.mjs" "$work/ball.mp4" 30 "$films" ball "$work/reliefs.klv"
 promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/track.klv" "$work/reliefs.klv"
+if [ -f "$build/pipelines/web/player/feeling-wind.min.js" ]; then
+  ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy -movflags +faststart "$work/single.mp4" </dev/null
+  promise "a film with its track as one file beside it" env FEELING_WIND_WEB="$build/pipelines/web" \
+    "$haptic_track" package --single --output "$work/single" "$work/single.mp4"
+fi
 promise "a film in five segments" env FEELING_WIND_WEB="$build/pipelines/web" \
   "$haptic_track" package --output "$films/packaged" "$films/film.ts"
 sed 's|cmaf-header.mp4|https://elsewhere.invalid/header.mp4|' "$films/cmaf.m3u8" >"$films/map-elsewhere.m3u8"
@@ -80,12 +85,16 @@ head -c 5000 /dev/urandom >"$films/noise.m3u8"
 
 without=$work/without-hls
 cp -r "$build/pipelines/web" "$without"
-rm "$without"/hls.*
+rm "$without"/player/hls.*
+cp "$root/pipelines/web/player/hls.light.min.js" "$without/player"
 
+node "$here/rates-test.mjs" "$build/pipelines/web" "$films"
+[ ! -d "$work/single" ] || node "$here/element-test.mjs" "$work/single"
 node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
 node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')
 promise "a hand could tell them apart for $share of the time, less than 0.05" awk "BEGIN { exit !($share < 0.05) }"
+node "$here/without-device-test.mjs" "$build/pipelines/web" "$films"
 node "$here/page-test.mjs" "$build/pipelines/web" "$films" "${SCREENSHOTS:-}"
 node "$here/relief-test.mjs" "$build/pipelines/web" "$films" "$without" "${SCREENSHOTS:-}"
 node "$here/bad-input-test.mjs" "$build/pipelines/web" "$films" "$without"

@@ -10,24 +10,25 @@ import { serve } from './server.mjs';
 const [web, films, poorWeb] = process.argv.slice(2);
 const servers = [await serve([web, films]), await serve([poorWeb, films])];
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 // A page with a muted video and a player on it, which begin() has prepared.
-async function attachTo(server, playlist, begin = () => {}) {
+async function attachTo(server, playlist, begin = () => {}, isInstance = false) {
   const page = await openPage(browser, server.origin);
   await page.goto(`${server.origin}/blank.html`);
   await page.evaluate(`window.begin = ${begin}`);
-  await page.evaluate(async playlist => {
+  await page.evaluate(async (playlist, isInstance) => {
     const { attach } = await import('./player/player.js');
+    const { default: Hls } = await import('./player/hls.light.min.js');
+    const hls = isInstance ? window.hls = new Hls() : Hls;
     const film = document.querySelector('video');
     window.film = film;
     window.problems = [];
     film.muted = true;
     film.addEventListener('canplay', () => film.play());
     window.begin(film);
-    window.player = attach(film, { playlist, alpha: 0.04, onProblem: sentence => window.problems.push(sentence) });
+    window.player = attach(film, { playlist, hls, alpha: 0.04, onProblem: sentence => window.problems.push(sentence) });
     window.player.place = { x: 0.42, y: 0.42 };
-  }, playlist);
+  }, playlist, isInstance);
   return page;
 }
 const until = (page, condition) => page.waitForFunction(condition, { polling: 20, timeout: 60_000 });
@@ -38,7 +39,7 @@ await until(early, isFelt);
 promise('a film that begins later has a track', await early.evaluate(() => window.problems.length === 0));
 promise('the player has what player.d.ts says', await early.evaluate(names =>
   names.length > 8 && names.every(name => name in window.player),
-Array.from(readFileSync(`${web}/player.d.ts`, 'utf8').match(/interface Player \{([^]*?)\n\}/)[1]
+Array.from(readFileSync(`${web}/player/player.d.ts`, 'utf8').match(/interface Player [^{]*\{([^]*?)\n\}/)[1]
   .matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm), ([, name]) => name)));
 await early.evaluate(() => window.player.load('no-track.m3u8'));
 promise('another film is not felt by the track of the first', await early.evaluate(() => !window.player.hasTrack));
@@ -47,6 +48,13 @@ await early.evaluate(() => window.player.load('film.m3u8'));
 await until(early, isFelt);
 promise('and the first is felt again', early.trouble.length === 0);
 await early.close();
+
+const own = await attachTo(servers[0], 'film.m3u8', () => {}, true);
+await until(own, isFelt);
+await own.evaluate(() => window.player.detach());
+promise('an instance of hls.js of the page is used, and given back', await own.evaluate(() =>
+  window.hls.url.endsWith('film.m3u8') && window.hls.media === null));
+await own.close();
 
 for (const [i, what] of ['with hls.js', 'without hls.js'].entries()) {
   const page = await attachTo(servers[i], 'packaged/film.m3u8',

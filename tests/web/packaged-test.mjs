@@ -8,7 +8,6 @@ import { promise } from './promise.mjs';
 const [origin, folder] = process.argv.slice(2);
 const TREE = [0.42, 0.42], SKY = [0.8, 0.08];
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function strengthAt([x, y]) {
   const page = await openPage(browser, origin);
@@ -35,9 +34,10 @@ const page = await openPage(browser, origin);
 await page.goto(`${origin}/${folder}/index.html`);
 const times = await page.evaluate(async () => {
   const { playFilm } = await import('./player/film.js');
+  const { default: hls } = await import('./player/hls.light.min.js');
   const times = new Set();
   await playFilm(document.createElement('video'), new URL('film.m3u8', location).href, {
-    onPacket: (_, time) => times.add(Math.round(time * 1000)), onProblem() {},
+    hls, signal: new AbortController().signal, onPacket: (_, time) => times.add(Math.round(time * 1000)), onProblem() {},
   });
   while (Math.max(...times) < 7000) await new Promise(done => setTimeout(done, 50));
   return [...times].sort((a, b) => a - b);

@@ -10,7 +10,7 @@ for command in node chromium nginx curl; do
   command -v "$command" >/dev/null || skip "$command is not installed"
 done
 [ -d "$WEB_PACKAGES/node_modules/puppeteer-core" ] || skip "npm has not fetched puppeteer-core (no network, or no npm)"
-[ -f "$build/pipelines/web/player/hls.light.min.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
+[ -f "$build/pipelines/web/player/hls.worker.js" ] || skip "the build has no hls.js; run meson setup --reconfigure after npm"
 export FEELING_WIND_WEB=$build/pipelines/web
 
 promise "a film is drawn" "$build/pipelines/films/wind-film" --width 640 --height 360 --rate 30 --duration 10 "$work/film.ts"
@@ -18,6 +18,8 @@ for carriage in cmaf ts; do
   promise "and packaged as $carriage" "$build/gst-plugins/track/tools/haptic-track" package --carriage "$carriage" \
     --output "$work/$carriage" "$work/film.ts"
 done
+promise "with the licences of what was copied" test -s "$work/cmaf/LICENSE" -a -s "$work/cmaf/player/LICENSE" \
+  -a -s "$work/cmaf/player/hls.LICENSE.txt"
 chmod -R a+rX "$work" # for the workers of a server that root starts
 # For its start, `serve` wants the playlist of the folder itself.
 cp "$work/cmaf/film.m3u8" "$work"

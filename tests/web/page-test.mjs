@@ -3,19 +3,19 @@
 //
 //   page-test.mjs WEB-FOLDER FILM-FOLDER [SCREENSHOTS]
 import { join } from 'node:path';
-import { openBrowser, openPage } from './browser.mjs';
+import { brokenRules, openBrowser, openPage } from './browser.mjs';
 import { promise } from './promise.mjs';
 import { serve } from './server.mjs';
 
 const [web, films, shots] = process.argv.slice(2);
 const server = await serve([web, films]);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 
 async function open(options, query = '') {
   const page = await openPage(browser, server.origin, options);
   await page.goto(`${server.origin}/${query}`);
   await page.waitForFunction(() => document.querySelector('video').readyState >= 3);
+  await page.$eval('video', film => { film.loop = true; }); // however slow the browser is
   return page;
 }
 const shoot = (page, name) => shots && page.screenshot({ path: join(shots, `${name}.png`) });
@@ -47,7 +47,7 @@ promise('and so does F1', await keys.$eval('#keys', dialog => dialog.open));
 await keys.keyboard.press('Escape');
 await keys.keyboard.press('m');
 promise('M turns the sound off', await keys.$eval('video', film => film.muted));
-await keys.evaluate(() => { window.stick[0] = 1; });
+await keys.evaluate(() => { window.stick[0] = -0.2; }); // slowly: the tree is near
 await felt(keys);
 promise('the stick moves the hand', true);
 await keys.evaluate(() => { window.stick[0] = 0; });
@@ -58,6 +58,15 @@ const tree = await keys.accessibility.snapshot({ interestingOnly: true });
 const names = JSON.stringify(tree);
 promise('each control has a name', ['Pause', 'Sound', 'Full screen', 'Keys and help', 'Position in the film', 'Strength',
   'Sensitivity'].every(name => names.includes(name)) && !/"role":"(button|slider)","name":""/.test(names));
+await keys.keyboard.press('?');
+await keys.click('#letters');
+await keys.keyboard.press('Escape');
+await keys.keyboard.press('m');
+promise('keys of one character can be switched off', await keys.$eval('video', film => film.muted));
+await keys.keyboard.press('F1');
+promise('F1 is left', await keys.$eval('#keys', dialog => dialog.open));
+await keys.click('#letters');
+await keys.keyboard.press('Escape');
 await keys.close();
 
 const dark = await open({ scheme: 'dark' });
@@ -85,6 +94,33 @@ for (const scheme of ['light', 'dark']) {
   promise('nothing is wider than the phone', await phone.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await phone.close();
 }
+
+for (const scheme of ['light', 'dark']) {
+  const checked = await openPage(browser, server.origin, { scheme });
+  await checked.setBypassCSP(true);
+  await checked.goto(`${server.origin}/`);
+  const broken = await brokenRules(checked);
+  await checked.evaluate(() => document.getElementById('keys').showModal());
+  broken.push(...await brokenRules(checked));
+  console.log(broken);
+  promise(`no rule of accessibility is broken (${scheme})`, broken.length === 0);
+  await checked.close();
+}
+
+const side = await open({ width: 844, height: 390, phone: true });
+const tall = await side.$eval('#stage', stage => stage.clientHeight);
+console.log(`${tall} of 390 px`);
+promise('a telephone on its side gives the film its height', tall >= 0.9 * 390);
+promise('problems are a list that is announced', await side.$eval('#problems', list => !list.hasAttribute('role')
+  && list.parentElement.getAttribute('role') === 'alert'));
+await side.close();
+
+const disk = await browser.newPage();
+await disk.goto(`file://${web}/index.html`);
+await disk.waitForFunction(() => getComputedStyle(document.getElementById('no-script')).visibility === 'visible');
+promise('from disk the page says how to serve it, and has no button that does nothing', await disk.evaluate(() =>
+  /localhost/.test(document.body.innerText) && document.getElementById('begin').hidden));
+await disk.close();
 
 const array = await open({}, '?array=back-3x4');
 await array.click('#begin');

@@ -10,7 +10,6 @@ import { serve } from './server.mjs';
 
 const [web, films, poorWeb, shots] = process.argv.slice(2);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 const server = await serve([web, films]), poor = await serve([poorWeb, films]);
 const shoot = (page, name) => shots && page.screenshot({ path: join(shots, `${name}.png`) });
 

@@ -32,7 +32,6 @@ const isCompared = ({ time }) => time > 0.5 && time < rows.at(-1).time - 0.5;
 
 const server = await serve([web, films]);
 const browser = await openBrowser();
-process.on('exit', () => browser.process()?.kill('SIGKILL'));
 const page = await openPage(browser, server.origin);
 await page.goto(`${server.origin}/follow.html`);
 await page.evaluate(hands => window.follow(hands), rows.filter((_, i) => i % 4 === 0).map(row => [row.time, row.hand]));

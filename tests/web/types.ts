@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What others write with the player's types (pipelines/web/player/player.d.ts). Compiled, not run.
 import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player/player.js';
+import type { FeelingWind } from '../../pipelines/web/player/element.js';
 
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {
   interface HTMLVideoElement { readonly currentTime: number }
+  interface EventTarget { addEventListener(type: string, listener: (event: { detail: unknown }) => void): void }
+  class HTMLElement {}
+  interface AbortSignal { readonly aborted: boolean }
 }
 declare const film: HTMLVideoElement;
 declare const console: { log(...values: unknown[]): void };
 
 const options: Options = {
-  playlist: 'film.m3u8', strength: 0.5, alpha: 0.04, rumble: false,
+  playlist: 'film.m3u8', hls: null, hlsConfig: {}, allowedOrigins: ['https://films.example'], strength: 0.5,
+  alpha: 0.04, rumble: false,
   onForce: ({ x, y, newtons, strongMagnitude, weakMagnitude, time }: Force) =>
     console.log(x + y + newtons + strongMagnitude + weakMagnitude + time),
   onRelief: () => console.log(player.hasTrack),
-  onProblem: sentence => console.log(sentence.toUpperCase()),
+  onProblem: (sentence, code) => console.log(sentence.toUpperCase(), code),
+  texts: { 'no-track': 'Nothing to feel.' },
 };
 const player: Player = attach(film, options);
 const place: Place = { x: 0.5, y: 0.5 };
@@ -22,7 +28,10 @@ player.place = place;
 player.place = null;
 [player.strength, player.alpha] = [1, 0.01];
 player.addPacket(new Uint8Array(3), player.force.x + player.force.y);
-player.load('film.m3u8').catch((error: unknown) => console.log(error instanceof Refusal && error.message));
+player.addEventListener('force', ({ detail }) => console.log(detail));
+player.addPacket(new Uint8Array(3));
+player.loadTrack('film.klv');
+player.load('film.m3u8').catch((error: unknown) => console.log(error instanceof Refusal && error.code));
 const field: Field | null = player.field;
 console.log(field?.x.length, field && field.columns * field.rows + field.width + field.height + field.confidence.length);
 player.pressed = true;
@@ -31,6 +40,9 @@ console.log(relief && [relief.z, relief.stiffness, relief.friction, relief.valid
 console.log(player.contact && player.contact.x + player.contact.y + player.contact.newtons);
 console.log(player.hasTrack, player.gamepads.join());
 player.detach();
+declare const element: FeelingWind;
+element.allowedOrigins = ['https://films.example'];
+console.log(element.player?.force.x, element.video?.currentTime);
 
 // @ts-expect-error: it is read only
 player.force = { x: 1, y: 1 };

@@ -6,7 +6,9 @@
 #include "glue/gst-raii.hpp"
 #include "samples/relief-field.hpp"
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 
 namespace haptic {
 
@@ -42,9 +44,40 @@ GstPad *add_stream_pad(GstElement *element, GstPadTemplate *of, std::unique_ptr<
         guarded(parent, [&] { kStreamOf(self).set_active(active != FALSE); });
         return mode == GST_PAD_MODE_PUSH;
       });
-  gst_pad_set_active(pad, GST_STATE(element) > GST_STATE_READY);
-  gst_element_add_pad(element, pad);
-  return pad;
+  gst_pad_set_active(pad, TRUE); // GStreamer complains of another one on an element that runs
+  return gst_element_add_pad(element, pad) ? pad : nullptr;
 }
+
+/// A pad of which an element has one at most, requested and released by any thread, also while the
+/// state changes. It is active while the element runs, whatever the state is called meanwhile.
+class RequestedPad {
+public:
+  /// Returns what `add` returns, or null while there is a pad.
+  template <typename Add>
+  GstPad *request(GstElement *element, const Add &add) {
+    if (there_.exchange(true))
+      return nullptr;
+    GstPad *pad = guarded(element, static_cast<GstPad *>(nullptr), add);
+    there_ = pad != nullptr;
+    if (!pad)
+      return nullptr;
+    const std::lock_guard lock(mutex_);
+    gst_pad_set_active(pad, running_);
+    return pad;
+  }
+  /// After the pad was removed.
+  void released() { there_ = false; }
+
+  /// Before the pads are activated, and before they are deactivated.
+  void set_running(bool running) {
+    const std::lock_guard lock(mutex_);
+    running_ = running;
+  }
+
+private:
+  std::atomic<bool> there_ = false;
+  std::mutex mutex_;
+  bool running_ = false; // mutex_
+};
 
 } // namespace haptic

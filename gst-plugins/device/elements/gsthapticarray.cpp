@@ -12,6 +12,7 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/segment-time.hpp"
 #include "messages.hpp"
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 G_DECLARE_FINAL_TYPE(GstHapticArray, gst_haptic_array, GST, HAPTIC_ARRAY, GstAggregator)
 
@@ -46,6 +48,7 @@ using haptic::ObjectLock;
 
 constexpr int kFrames = 2 * ArrayVoices::kStep; // of a buffer
 constexpr int kUsualRate = 48000;
+constexpr GstClockTime kPositionError = 50 * GST_MSECOND; // see begin_segment()
 constexpr GstClockTime kFade = GST_SECOND / static_cast<int>(ArrayVoices::kSlew); // from 1 to 0
 
 struct Settings : haptic::DriveSettings {
@@ -61,6 +64,9 @@ struct State {
   haptic::ArrayLayout layout;
   std::unique_ptr<haptic::ArrayDrive> drive;
 
+  // Lock of the pad `src`: a flush has come that the streaming thread has not followed.
+  bool flushed = false;
+
   // Streaming thread only, or while it is stopped.
   std::unique_ptr<ArrayVoices> voices; // once the rate is known
   std::vector<double> amplitudes;
@@ -73,7 +79,8 @@ struct State {
   guint64 frames_made = 0; // at this rate, from there on
   GstClockTime stale = 0;  // running time at which the newest motion is too old
   GstClockTime ends = 0;   // running time until which it lasts
-  GstClockTime fades = GST_CLOCK_TIME_NONE; // running time from which nothing is felt
+  GstClockTime fades = GST_CLOCK_TIME_NONE;  // running time from which nothing is felt
+  GstClockTime renews = GST_CLOCK_TIME_NONE; // running time from which another segment is due
 
   void begin_anew() {
     begins = true;
@@ -202,6 +209,24 @@ GstSegment segment_of(GstAggregatorPad *pad) {
   return pad->segment;
 }
 
+// GstBaseSink 1.22 tells a position that is wrong by (1 - speed) times the length of the segment:
+// it takes that length for stream time. So none is so long that it matters.
+void begin_backwards(State &state, GstSegment &own, GstClockTime now) {
+  const double speed = -own.applied_rate;
+  const GstClockTime buffer = state.time_of(kFrames);
+  const auto left = static_cast<GstClockTime>(static_cast<double>(own.time) / speed);
+  const double wrong = std::abs(1 - speed);
+  const GstClockTime longest =
+      std::max(static_cast<GstClockTime>(kPositionError / std::max(wrong, 1e-6)), 2 * buffer);
+  const GstClockTime end = now + left;
+  state.fades = end - std::min(end, buffer + kFade);
+  own.stop = now + std::min(left, longest);
+  own.time -=
+      std::min(own.time, static_cast<GstClockTime>(static_cast<double>(own.stop - now) * speed));
+  if (own.stop < end)
+    state.renews = own.stop - buffer;
+}
+
 // Gives the sound the stream time of the motion's segment from running time `now` on; its own time
 // stamps are running time. Sound has no other rate than 1 and does not run backwards: the rate of a
 // seek is that of the motion, which comes by running time.
@@ -215,12 +240,10 @@ void begin_segment(GstHapticArray *self, const GstSegment &motion, GstClockTime 
   const guint64 time = gst_segment_to_stream_time(&motion, GST_FORMAT_TIME, position);
   own.time = GST_CLOCK_TIME_IS_VALID(time) ? time : 0;
   state.fades = GST_CLOCK_TIME_NONE;
+  state.renews = GST_CLOCK_TIME_NONE;
   // Backwards, stream time is counted from the end, and sinks cut off what is behind it.
-  if (own.applied_rate < 0) {
-    own.stop = now + static_cast<guint64>(static_cast<double>(own.time) / -own.applied_rate);
-    own.time = 0;
-    state.fades = own.stop - std::min(own.stop, state.time_of(kFrames) + kFade);
-  }
+  if (own.applied_rate < 0)
+    begin_backwards(state, own, now);
   state.motion = motion;
   state.origin = now;
   state.frames_made = 0;
@@ -236,14 +259,14 @@ bool is_same(const GstSegment &a, const GstSegment &b) {
 bool follow_until(GstHapticArray *self, GstClockTime now, const Settings &settings) {
   while (auto buffer = haptic::BufferPtr(gst_aggregator_pad_peek_buffer(self->sink))) {
     const GstSegment segment = segment_of(self->sink);
-    const GstClockTime time =
-        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer.get()));
+    const bool dated = segment.format == GST_FORMAT_TIME && GST_BUFFER_PTS_IS_VALID(buffer.get());
+    const GstClockTime time = haptic::running_time_of(segment, GST_BUFFER_PTS(buffer.get()));
     if (GST_CLOCK_TIME_IS_VALID(time) && time > now)
       return true;
     gst_aggregator_pad_drop_buffer(self->sink);
     if (GST_CLOCK_TIME_IS_VALID(time) && !is_same(segment, self->state->motion))
       begin_segment(self, segment, now);
-    if (GST_CLOCK_TIME_IS_VALID(time) || !GST_BUFFER_PTS_IS_VALID(buffer.get()))
+    if (GST_CLOCK_TIME_IS_VALID(time) || !dated)
       follow(self, buffer.get(), GST_CLOCK_TIME_IS_VALID(time) ? time : now, settings);
   }
   return false;
@@ -281,7 +304,8 @@ GstFlowReturn push_buffer(GstHapticArray *self, const Settings &settings) {
     GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
   {
     const ObjectLock lock(aggregator->srcpad);
-    GST_AGGREGATOR_PAD(aggregator->srcpad)->segment.position = state.now();
+    if (!state.flushed)
+      GST_AGGREGATOR_PAD(aggregator->srcpad)->segment.position = state.now();
   }
   const GstFlowReturn flow = gst_aggregator_finish_buffer(aggregator, out);
   // audioconvert, for one, accepts any number of channels and does not convert it.
@@ -298,19 +322,29 @@ void begin(GstHapticArray *self) {
   GstSegment motion;
   gst_segment_init(&motion, GST_FORMAT_TIME);
   if (const haptic::BufferPtr buffer{gst_aggregator_pad_peek_buffer(self->sink)})
-    motion = segment_of(self->sink);
+    if (const GstSegment its = segment_of(self->sink); its.format == GST_FORMAT_TIME)
+      motion = its;
   begin_segment(self, motion, GST_CLOCK_TIME_IS_VALID(first) ? first : 0);
   self->state->begins = false;
+}
+
+bool take_flush(GstHapticArray *self) {
+  const ObjectLock lock(GST_AGGREGATOR(self)->srcpad);
+  return std::exchange(self->state->flushed, false);
 }
 
 GstFlowReturn aggregate(GstHapticArray *self, gboolean timeout) {
   State &state = *self->state;
   if (!state.voices)
     return GST_FLOW_NOT_NEGOTIATED;
+  if (take_flush(self))
+    state.begin_anew();
   if (state.begins)
     begin(self);
   const Settings settings = settings_of(self);
   const GstClockTime now = state.now();
+  if (now > state.renews)
+    begin_segment(self, GstSegment(state.motion), now);
   const bool more = follow_until(self, now, settings);
   const bool ended = gst_aggregator_pad_is_eos(self->sink);
   if (!more && !ended && !timeout)
@@ -378,14 +412,16 @@ gboolean start(GstHapticArray *self) {
   state.amplitudes.assign(state.layout.actuators.size(), 0);
   state.voices.reset();
   state.rate = 0;
+  state.flushed = false;
   state.begin_anew();
   return TRUE;
 }
 
+// The thread of the sink pad: the streaming thread may be at work.
 GstFlowReturn flush(GstHapticArray *self) {
-  self->state->begin_anew();
   GstAggregatorPad *pad = GST_AGGREGATOR_PAD(GST_AGGREGATOR(self)->srcpad);
   const ObjectLock lock(pad);
+  self->state->flushed = true;
   pad->segment.position = GST_CLOCK_TIME_NONE;
   return GST_FLOW_OK;
 }

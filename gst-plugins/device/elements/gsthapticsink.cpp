@@ -92,6 +92,8 @@ struct State {
   // By the pad `sink` from its caps to the end of the run; by `relief` while that pad exists.
   std::atomic<ReliefsBy> reliefs_by = ReliefsBy::none;
 
+  haptic::RequestedPad relief_pad; // has its own lock
+
   haptic::PresentationTime presentation_time; // streaming threads
 
   unsigned change = 0; // the element's state lock; number of the last state change
@@ -280,10 +282,18 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
     haptic::post_stream_status(element, GST_STREAM_STATUS_TYPE_LEAVE);
   }
 
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
+    state.relief_pad.set_running(true);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
+    state.relief_pad.set_running(false);
+
   const GstStateChangeReturn result = change_parent_state(element, transition);
   const bool failed = result == GST_STATE_CHANGE_FAILURE;
 
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && failed) {
+    state.relief_pad.set_running(false);
+    if (const haptic::PadPtr relief{gst_element_get_static_pad(element, "relief")})
+      gst_pad_set_active(relief.get(), FALSE);
     state.session.stop_loop();
     end_pointer_thread(self);
   }
@@ -357,7 +367,7 @@ GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
   ReliefsBy none = ReliefsBy::none;
   if (!self->state->reliefs_by.compare_exchange_strong(none, ReliefsBy::relief))
     return nullptr;
-  GstPad *pad = guarded(element, static_cast<GstPad *>(nullptr), [&] {
+  GstPad *pad = self->state->relief_pad.request(element, [&] {
     return haptic::add_relief_pad(element, of, self->state->session,
                                   self->state->presentation_time);
   });
@@ -369,6 +379,7 @@ GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
 void release_pad(GstElement *element, GstPad *pad) {
   State &state = state_of(element);
   haptic::remove_relief_pad(element, pad, state.session);
+  state.relief_pad.released();
   state.reliefs_by = ReliefsBy::none;
 }
 

@@ -22,6 +22,7 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/segment-time.hpp"
 #include "messages.hpp"
 #include "mpeg-haptics/hmpg-form.hpp"
 #include "network/key-requests.hpp"
@@ -157,7 +158,7 @@ bool complete_times(GstHapticConvert *self, GstClockTime &pts, GstClockTime &tim
   State &state = *self->state;
   const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
   if (!state.reader->carries_time()) {
-    time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
+    time = haptic::stream_time_of(segment, pts);
   } else if (!GST_CLOCK_TIME_IS_VALID(pts) && GST_CLOCK_TIME_IS_VALID(time)) {
     const bool has_times = segment.format == GST_FORMAT_TIME;
     if (has_times && !state.clock.is_tied() &&
@@ -305,9 +306,8 @@ void convert(GstHapticConvert *self, GstBuffer *buffer) {
   const haptic::ReadableBuffer readable(buffer);
   if (!readable)
     return report(self, {TrackProblemKind::damaged, "a buffer that cannot be read"});
-  if (state.in == Form::raw &&
-      state.key_requests.is_due(gst_segment_to_running_time(
-          &GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))))
+  if (state.in == Form::raw && state.key_requests.is_due(haptic::running_time_of(
+                                   GST_BASE_TRANSFORM(self)->segment, GST_BUFFER_PTS(buffer))))
     state.reader->restart();
   std::vector<haptic::TrackItem> items;
   state.reader->read({readable.bytes(), GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer),
@@ -335,6 +335,9 @@ GstFlowReturn generate_output(GstBaseTransform *trans, GstBuffer **out) {
   State &state = state_of(trans);
   if (trans->queued_buf) {
     const BufferPtr buffer(std::exchange(trans->queued_buf, nullptr));
+    // At a restart the pad takes buffers before the class forgets the caps of the run before.
+    if (!state.reader || !state.writer)
+      return GST_FLOW_NOT_NEGOTIATED;
     convert(GST_HAPTIC_CONVERT(trans), buffer.get());
   }
   if (state.failed)
@@ -455,16 +458,22 @@ gboolean set_caps(GstHapticConvert *self, GstCaps *in, GstCaps *out) {
   return TRUE;
 }
 
+// The stream may have begun: the pad takes events and buffers before this call.
 gboolean start(GstBaseTransform *trans) {
+  State &state = state_of(trans);
+  state.problems.reset();
+  state.samples = 0;
+  return TRUE;
+}
+
+gboolean stop(GstBaseTransform *trans) {
   State &state = state_of(trans);
   state.reader.reset();
   state.writer.reset();
   restart_stream(state);
-  state.problems.reset();
   state.key_requests.clear();
   state.key_asker = {};
   state.failed = false;
-  state.samples = 0;
   state.clock = {};
   state.has_language = false;
   return TRUE;
@@ -523,6 +532,7 @@ static void gst_haptic_convert_class_init(GstHapticConvertClass *klass) {
   transform_class->fixate_caps = kGuarded<fixate_caps>;
   transform_class->set_caps = kGuarded<set_caps>;
   transform_class->start = kGuarded<start>;
+  transform_class->stop = kGuarded<stop>;
   transform_class->sink_event = kGuarded<sink_event>;
   transform_class->src_event = kGuarded<src_event>;
   transform_class->query = kGuarded<query>;

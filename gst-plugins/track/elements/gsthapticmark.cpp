@@ -70,7 +70,7 @@ static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
                    "Marks the haptic track in MPEG-TS and Matroska for other programs", CONTAINERS,
                    CONTAINERS);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-  transform_class->start = [](GstBaseTransform *trans) -> gboolean {
+  transform_class->stop = [](GstBaseTransform *trans) -> gboolean {
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;
     return TRUE;
   };

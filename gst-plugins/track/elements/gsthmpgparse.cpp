@@ -378,12 +378,13 @@ GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *
 }
 
 gboolean start(GstBaseParse *parse) {
-  GstHmpgParse *self = GST_HMPG_PARSE(parse);
-  {
-    const haptic::ObjectLock lock(self);
-    *self->state = {};
-  }
   gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
+  return TRUE;
+}
+
+gboolean stop(GstHmpgParse *self) {
+  const haptic::ObjectLock lock(self);
+  *self->state = {};
   return TRUE;
 }
 
@@ -401,6 +402,7 @@ static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
       element_class, "hmpgparse", "MPEG haptics parser", "Codec/Parser/Converter/Haptics",
       "Cuts a stream of MPEG haptics (.hmpg) into units", HAPTIC_HMPG_TYPE, HAPTIC_HMPG_CAPS);
   parse_class->start = kGuarded<start>;
+  parse_class->stop = kGuarded<stop>;
   parse_class->convert = kGuarded<convert>;
   parse_class->pre_push_frame = kGuarded<push_initialization>;
   parse_class->handle_frame = kGuarded<handle_frame>;

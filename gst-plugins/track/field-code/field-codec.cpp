@@ -18,12 +18,14 @@ constexpr std::uint64_t kLongestInterval = std::uint64_t{1} << 53; // us
 
 // Bits of the first byte. The upper four are the flags of the field.
 constexpr std::uint8_t kKey = 1 << 0;
-constexpr std::uint8_t kRested = 1 << 1;   // fields were left out before this one: the frame rested
-constexpr std::uint8_t kInterval = 1 << 2; // the interval follows; else it is the reference's
-// Of a key field: the interval of the scale follows; it is the second of its pair, or the first and
-// its own interval is another. Of another field:
-// the number of fields since its key field follows. Tracks of version 0.1 do not have it there: the
-// reference is the field before.
+constexpr std::uint8_t kRested = 1 << 1; // fields were left out before this one: the frame rested
+// The interval follows; else it is the reference's. In a key field the interval always follows:
+// there it says that this is the interval of the scale, else that follows too.
+constexpr std::uint8_t kInterval = 1 << 2;
+// Of a key field: it is the second of its pair, and the interval of the scale follows. (Version 0.2
+// sets it in the first one, too, if its own interval is another.) Of another field: the number of
+// fields since its key field follows. Tracks of version 0.1 do not have it there: the reference is
+// the field before.
 constexpr std::uint8_t kOfPair = 1 << 3;
 constexpr unsigned kFlagShift = 4;
 constexpr std::uint16_t kFlags =
@@ -73,6 +75,10 @@ private:
   bool failed_ = false;
 };
 
+bool has_scale(std::uint8_t head) {
+  return (head & kKey) != 0 && ((head & kOfPair) != 0 || (head & kInterval) == 0);
+}
+
 // The numbers of a key field that describe its grid.
 template <typename Cells, typename State>
 auto grid_of(const State &state) {
@@ -94,7 +100,7 @@ std::uint16_t check_of(std::uint8_t head, const State &state) {
   add(head);
   add(state.sequence);
   add(static_cast<std::uint32_t>(state.field.interval / kMicrosecond));
-  if ((head & kKey) != 0 && (head & kOfPair) != 0)
+  if (has_scale(head))
     add(static_cast<std::uint32_t>(state.scale / kMicrosecond));
   if (Cells::kLargestStep > 0)
     for (const std::uint32_t number : grid_of<Cells>(state))
@@ -123,9 +129,9 @@ std::vector<std::uint8_t> head_of(std::uint8_t head, const State &state, const S
   const auto &field = state.field;
   if (!key)
     bytes.push_back(static_cast<std::uint8_t>(state.sequence - reference.sequence));
-  if ((head & kInterval) != 0)
+  if (key || (head & kInterval) != 0)
     put_number(bytes, field.interval / kMicrosecond);
-  if (key && (head & kOfPair) != 0)
+  if (has_scale(head))
     put_number(bytes, state.scale / kMicrosecond);
   if (key)
     for (const std::uint32_t number : grid_of<Cells>(state))
@@ -158,9 +164,10 @@ bool GridEncoder<Cells>::needs_pair(const Field &field) const noexcept {
     return true;
   if (since_key_ + field.interval / 2 >= key_interval_ || sent_ >= kMostBetweenKeys)
     return true;
-  // The steps of a velocity are meant at the interval of the key field.
-  const float unit = unit_of(field.interval);
-  return unit > 1.5F * state_.unit || state_.unit > 1.5F * unit;
+  // The scale is meant for the interval of the key field.
+  const float rate = unit_of(field.interval);
+  const float of_pair = unit_of(keys_[0].field.interval);
+  return rate > 1.5F * of_pair || of_pair > 1.5F * rate;
 }
 
 template <typename Cells>
@@ -172,7 +179,7 @@ std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &f
     return std::nullopt;
   }
   if (first)
-    begin_pair(field, field.interval, Cells::step_for(field, state_.step));
+    begin_pair(field, Cells::scale_for(field.interval), Cells::step_for(field, state_.step));
   const bool key = sent_ < keys_.size();
   const auto next = Cells::updated(state_, field, key);
   return code(field, next, rested_ && !Cells::is_rest(next));
@@ -208,11 +215,12 @@ std::vector<std::uint8_t> GridEncoder<Cells>::code(const Field &field,
   ++state_.sequence;
   state_.field.interval = rounded_interval(field.interval);
   const State &reference = keys_[sent_ % keys_.size()];
-  const bool has_interval = key || state_.field.interval != reference.field.interval;
-  const bool is_scale = sent_ == 0 && state_.field.interval == state_.scale;
+  const bool is_first = sent_ == 0;
+  const bool has_interval = is_first ? state_.field.interval == state_.scale
+                                     : key || state_.field.interval != reference.field.interval;
   std::vector<std::uint8_t> bytes = head_of<Cells>(
       static_cast<std::uint8_t>((key ? kKey : 0) | (ends_rest ? kRested : 0) |
-                                (has_interval ? kInterval : 0) | (is_scale ? 0 : kOfPair) |
+                                (has_interval ? kInterval : 0) | (is_first ? 0 : kOfPair) |
                                 (field.flags & kFlags) << kFlagShift),
       state_, reference);
   const std::size_t check_at = bytes.size();
@@ -258,8 +266,7 @@ namespace {
 template <typename Cells, typename State>
 bool read_grid(ByteReader &in, std::uint8_t head, State &state) {
   constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
-  const bool has_scale = (head & kOfPair) != 0;
-  state.scale = has_scale ? in.number(kLongestInterval) * kMicrosecond : state.field.interval;
+  state.scale = has_scale(head) ? in.number(kLongestInterval) * kMicrosecond : state.field.interval;
   auto &grid = state.field;
   grid.columns = static_cast<std::uint16_t>(in.number(kMostFieldCells));
   grid.rows = static_cast<std::uint16_t>(in.number(kMostFieldCells));
@@ -306,9 +313,9 @@ auto GridDecoder<Cells>::push(std::span<const std::uint8_t> bytes) -> Result {
   }
   next.sequence = sequence;
   next.field.flags = head >> kFlagShift;
-  if ((head & kInterval) != 0)
+  if (key || (head & kInterval) != 0)
     next.field.interval = in.number(kLongestInterval) * kMicrosecond;
-  if (key && ((head & kInterval) == 0 || !read_grid<Cells>(in, head, next)))
+  if (key && !read_grid<Cells>(in, head, next))
     return Result::damaged;
   const auto check = static_cast<std::uint16_t>(in.byte() | in.byte() << 8);
   if (in.failed())

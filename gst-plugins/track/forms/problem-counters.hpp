@@ -10,11 +10,10 @@
 #include <array>
 #include <atomic>
 #include <gst/gst.h>
-#include <utility>
 
 namespace haptic {
 
-/// Counted by the streaming thread, read by any.
+/// For any thread.
 class ProblemCounters {
 public:
   void count(TrackProblemKind kind) { ++counts_[row_of(kind).counter]; }
@@ -22,11 +21,12 @@ public:
   /// Returns the warning for the user, or null if its counter had one since reset().
   const char *first_warning(TrackProblemKind kind) {
     const Row &row = row_of(kind);
-    return std::exchange(warned_[row.counter], true) ? nullptr : row.message;
+    return warned_[row.counter].exchange(true) ? nullptr : row.message;
   }
 
   void reset() {
-    warned_ = {};
+    for (auto &warned : warned_)
+      warned = false;
     for (auto &count : counts_)
       count = 0;
   }
@@ -72,7 +72,7 @@ private:
   }
 
   std::array<std::atomic<guint64>, kCounters> counts_{};
-  std::array<bool, kCounters> warned_{}; // streaming thread
+  std::array<std::atomic<bool>, kCounters> warned_{};
 };
 
 } // namespace haptic

@@ -17,6 +17,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "glue/relief-pad.hpp"
+#include "glue/segment-time.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 #include "overlay/frame-blending.hpp"
@@ -75,7 +76,8 @@ struct State {
   haptic::DentPainter dents;
   haptic::ReliefShading shading;
 
-  haptic::ShownRelief relief; // has its own lock
+  haptic::ShownRelief relief;      // has its own lock
+  haptic::RequestedPad relief_pad; // the same
 };
 
 } // namespace
@@ -191,8 +193,7 @@ Changes changes_of(GstHapticOverlay *self, GstBuffer *frame) {
   Changes changes;
   if (settings.shading > 0)
     changes.shaded = state.relief.read_at(
-        gst_segment_to_running_time(&GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME,
-                                    GST_BUFFER_PTS(frame)),
+        haptic::running_time_of(GST_BASE_TRANSFORM(self)->segment, GST_BUFFER_PTS(frame)),
         [&](const haptic::ReliefField &relief) { state.shading.read(relief, settings.shading); });
   const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame);
   if (!meta) {
@@ -302,12 +303,15 @@ gboolean set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
 }
 
 GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
-  return haptic::add_shown_relief_pad(element, of, GST_HAPTIC_OVERLAY(element)->state->relief);
+  State &state = *GST_HAPTIC_OVERLAY(element)->state;
+  return state.relief_pad.request(
+      element, [&] { return haptic::add_shown_relief_pad(element, of, state.relief); });
 }
 
 void release_pad(GstElement *element, GstPad *pad) {
   gst_pad_set_active(pad, FALSE);
   gst_element_remove_pad(element, pad);
+  GST_HAPTIC_OVERLAY(element)->state->relief_pad.released();
 }
 
 gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
@@ -354,6 +358,11 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   transform_class->transform_meta = [](GstBaseTransform *, GstBuffer *, GstMeta *,
                                        GstBuffer *) -> gboolean { return TRUE; };
   transform_class->start = kGuarded<[](GstHapticOverlay *self) {
+    self->state->relief_pad.set_running(true);
+    return TRUE;
+  }>;
+  transform_class->stop = kGuarded<[](GstHapticOverlay *self) {
+    self->state->relief_pad.set_running(false);
     self->state->reader = {};
     return TRUE;
   }>;

@@ -310,12 +310,9 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
     return GST_BASE_TRANSFORM_CLASS(gst_motion_field_parent_class)->sink_event(trans, event);
   };
   transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
-  transform_class->start = kGuarded<[](GstMotionField *self) {
-    self->state->timeline.report_faults_again();
-    return TRUE;
-  }>;
   transform_class->stop = kGuarded<[](GstMotionField *self) {
     self->state->forget_frames();
+    self->state->timeline.report_faults_again();
     return TRUE;
   }>;
 }

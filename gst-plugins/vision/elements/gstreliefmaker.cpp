@@ -95,11 +95,16 @@ gboolean set_caps(GstBaseTransform *trans, GstCaps *in) {
   return TRUE;
 }
 
+// The stream may have begun: the pad takes events and buffers before this call.
 gboolean start(GstBaseTransform *trans) {
+  return state_of(trans).start() ? TRUE : FALSE;
+}
+
+gboolean stop(GstBaseTransform *trans) {
   ReliefMaker &state = state_of(trans);
   state.timeline.forget();
   state.timeline.report_faults_again();
-  return state.start() ? TRUE : FALSE;
+  return TRUE;
 }
 
 void on_sink_event(ReliefMaker &state, const GstEvent *event) {
@@ -127,6 +132,7 @@ static void gst_relief_maker_class_init(GstReliefMakerClass *klass) {
   };
   transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
   transform_class->start = kGuarded<start>;
+  transform_class->stop = kGuarded<stop>;
 }
 
 static void gst_relief_maker_init(GstReliefMaker *self) {

@@ -33,7 +33,8 @@ public:
   ReliefMaker(const ReliefMaker &) = delete;
   ReliefMaker &operator=(const ReliefMaker &) = delete;
 
-  /// Called before the first frame. Returns false after an error message.
+  /// Called at each start, by the thread that changes the state; the streaming thread may be at
+  /// work. Returns false after an error message.
   virtual bool start() { return true; }
   /// Called before each frame. Returns the columns that are wanted.
   virtual guint follow_settings() = 0;

@@ -10,7 +10,7 @@
 #include "glue/property-table.hpp"
 #include "relief/colour-relief.hpp"
 
-#include <optional>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -43,7 +43,9 @@ public:
 
   bool start() override {
     try {
-      table_ = haptic::load_touch_table(haptic::locked_copy(element_, settings.table));
+      Table loaded = load(haptic::locked_copy(element_, settings.table));
+      const haptic::ObjectLock lock(element_);
+      table_.swap(loaded);
     } catch (const std::runtime_error &error) {
       GST_ELEMENT_ERROR(element_, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
       return false;
@@ -51,7 +53,11 @@ public:
     return true;
   }
 
-  guint follow_settings() override { return haptic::locked_copy(element_, settings.columns); }
+  guint follow_settings() override {
+    const haptic::ObjectLock lock(element_);
+    in_use_ = table_;
+    return settings.columns;
+  }
 
   void make(const GstVideoFrame &mapped) override {
     haptic::ColourView view;
@@ -61,14 +67,20 @@ public:
     view.height = GST_VIDEO_INFO_HEIGHT(&frame);
     view.stride = GST_VIDEO_FRAME_PLANE_STRIDE(&mapped, 0);
     view.pixel_size = GST_VIDEO_FRAME_COMP_PSTRIDE(&mapped, 0);
-    haptic::make_colour_relief(view, *table_, relief);
+    haptic::make_colour_relief(view, *in_use_, relief);
   }
 
   Settings settings; // object lock
 
 private:
+  using Table = std::shared_ptr<const haptic::TouchTable>;
+  static Table load(const std::string &name) {
+    return std::make_shared<const haptic::TouchTable>(haptic::load_touch_table(name));
+  }
+
   GstElement *element_;
-  std::optional<haptic::TouchTable> table_; // after start()
+  Table table_ = load(settings.table); // object lock; as of the last start()
+  Table in_use_;                       // streaming thread
 };
 
 State &state_of(gpointer element) {

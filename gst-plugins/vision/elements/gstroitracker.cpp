@@ -373,13 +373,10 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   return GST_FLOW_OK;
 }
 
+// The stream may have begun: the pad takes events and buffers before this call.
 gboolean start(GstRoiTracker *self) {
-  State &state = *self->state;
-  state.timeline.report_faults_again();
-  state.reader = {};
-  state.warned_of_tracker = false;
   const ObjectLock lock(self);
-  state.shared.statistics = {};
+  self->state->shared.statistics = {};
   return TRUE;
 }
 
@@ -387,6 +384,9 @@ gboolean stop(GstRoiTracker *self) {
   State &state = *self->state;
   state.forget_frames();
   state.region_size = {};
+  state.timeline.report_faults_again();
+  state.reader = {};
+  state.warned_of_tracker = false;
   const ObjectLock lock(self);
   state.shared.pointers.forget();
   state.shared.frame_width = 0;

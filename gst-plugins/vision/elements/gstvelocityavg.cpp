@@ -130,7 +130,7 @@ GstFlowReturn prepare_output_buffer(GstVelocityAvg *, GstBuffer *in, GstBuffer *
   return GST_FLOW_OK;
 }
 
-gboolean start(GstVelocityAvg *self) {
+gboolean stop(GstVelocityAvg *self) {
   self->state->reader = {};
   self->state->warned_of_metadata = false;
   return TRUE;
@@ -157,7 +157,7 @@ static void gst_velocity_avg_class_init(GstVelocityAvgClass *klass) {
   transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
   transform_class->transform = kGuarded<transform>;
   transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
-  transform_class->start = kGuarded<start>;
+  transform_class->stop = kGuarded<stop>;
 }
 
 static void gst_velocity_avg_init(GstVelocityAvg *self) {

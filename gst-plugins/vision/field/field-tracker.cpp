@@ -79,11 +79,6 @@ void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
   forget();
 }
 
-// Averaging 2x2 pixels quarters the variance of the noise, but each result is rounded again.
-float FieldTracker::noise_floor() const {
-  return std::max(kRoundingVariance, kAssumedVariance / static_cast<float>(1 << (2 * reductions_)));
-}
-
 void FieldTracker::forget_displacements() {
   for (Cell &cell : cells_)
     cell.last = {};
@@ -94,7 +89,7 @@ void FieldTracker::forget() {
   previous_is_built_ = false;
   current_is_built_ = false;
   rows_read_ = 0;
-  noise_.reset(noise_floor(), noise_floor());
+  noise_.reset(assumed_variance(reductions_), assumed_variance(reductions_));
   forget_displacements();
 }
 

@@ -81,7 +81,6 @@ private:
   void measure_cell(int row, int column, double interval, FieldCell &result);
   void learn_noise();
   void forget_displacements();
-  float noise_floor() const;
 
   int width_ = 0;  // px, of the frame
   int height_ = 0; // px

@@ -3,6 +3,7 @@
 
 #include "glue/gst-raii.hpp"
 #include "glue/relief-pad.hpp"
+#include "glue/segment-time.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -59,8 +60,7 @@ struct ReliefStream {
     const ReadableBuffer readable(buffer);
     if (!readable)
       return GST_FLOW_OK;
-    const std::uint64_t time =
-        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    const std::uint64_t time = running_time_of(segment, GST_BUFFER_PTS(buffer));
     if (!relief.add(readable.bytes(), time))
       GST_WARNING_OBJECT(parent, "%" GST_PTR_FORMAT " is no relief", static_cast<void *>(buffer));
     return GST_FLOW_OK;
@@ -87,8 +87,6 @@ struct ReliefStream {
 } // namespace
 
 GstPad *add_shown_relief_pad(GstElement *element, GstPadTemplate *of, ShownRelief &relief) {
-  if (GST_ELEMENT_CAST(element)->numsinkpads > 1)
-    return nullptr;
   return add_stream_pad(element, of, std::make_unique<ReliefStream>(relief));
 }
 

@@ -44,7 +44,7 @@ private:
   std::size_t count_ = 0; // ever added
 };
 
-/// Adds the pad, or returns null if there is one. `relief` outlives it.
+/// Adds the pad, of which there is one at most. `relief` outlives it.
 GstPad *add_shown_relief_pad(GstElement *element, GstPadTemplate *of, ShownRelief &relief);
 
 } // namespace haptic

@@ -111,6 +111,7 @@ void ClippedPixels::mask(Template &patch) const {
     moment += patch.grey[i] * Displacement{patch.gradient_x[i], patch.gradient_y[i]};
   }
   const Displacement slope = 1 / (patch.energy + kEnergyRidge * patch.seen) * moment;
+  patch.bias = kEnergyRidge * patch.seen * slope;
   patch.structure = {};
   for (const std::uint16_t i : std::span(kept).first(count)) {
     const float x = patch.gradient_x[i] -= slope.x * patch.grey[i];

@@ -191,6 +191,7 @@ HWY_INLINE void ProjectOut(float mean, Displacement mean_gradient, Displacement 
 //   curvature  sum L^2
 //   b = sum t g,  a = b / (E + r)
 //   projected gradient   g' = g - mean(g) - a t, which a change of offset or gain leaves alone
+//   bias                 sum t g' = b - a E = r a, 0 but for the ridge
 //   structure tensor     J = sum g' g'^T
 //                          = sum g g^T - n mean(g) mean(g)^T - a b^T - b a^T + E a a^T
 // with r = kEnergyRidge n. Inverse compositional Lucas-Kanade (Baker and Matthews 2004); the
@@ -218,6 +219,7 @@ void PrepareTemplate(const float *first, std::ptrdiff_t stride, Template &patch)
       sums.gradient2.xy - kPixels * mean_x * mean_y - ax * by - ay * bx + ax * ay * patch.energy;
   patch.structure.yy =
       sums.gradient2.yy - kPixels * mean_y * mean_y - ay * (2 * by - ay * patch.energy);
+  patch.bias = kEnergyRidge * kPixels * Displacement{ax, ay};
   ProjectOut<kSide>(mean, {mean_x, mean_y}, {ax, ay}, patch);
 }
 
@@ -303,14 +305,15 @@ HWY_INLINE void for_strained_pixels(const Plane &plane, const Template &patch, D
 }
 
 // With the samples I(x + d) and E, t, g' of the template:
-//   gradient     b(d) = sum g' I(x + d), the right side of J step = b
+//   gradient     b(d) = sum g' I(x + d) - sum g' t, the right side of J step = b. The second sum is
+//                the bias, which would draw every displacement towards rest
 //   correlation  c(d) = sum t I / sqrt(E sum (I - mean(I))^2), zero-mean normalised (Lewis 1995)
 //   residual     what the best gain and offset leave: the least (over gain and offset) of
 //                sum (I - gain t - offset)^2 = sum (I - mean(I))^2 - (sum t I)^2 / E,
 //                as root of the mean; a negative gain explains nothing
 // One pass over the pixels suffices, because sum t = 0.
 struct FitSums {
-  Displacement gradient; // sum g' I
+  Displacement gradient; // sum g' (I - t)
   float cross = 0;       // sum t I
   float energy = 0;      // sum (I - mean(I))^2
 
@@ -349,7 +352,8 @@ HWY_INLINE FitSums SumPixels(const Template &patch, Sample &&sample) {
   four_totals(d, bx, by, s, st, totals);
   const float pixels = kSome ? patch.seen : kSide * kSide;
   const float mean = totals[2] / pixels;
-  return {{totals[0], totals[1]}, totals[3], total(d, ss) - pixels * mean * mean};
+  return {Displacement{totals[0], totals[1]} - patch.bias, totals[3],
+          total(d, ss) - pixels * mean * mean};
 }
 
 template <int kSide, bool kSome>

@@ -27,6 +27,7 @@ struct Template {
   int side = 8;        ///< px, 8 or 16
   float seen = 0;      ///< pixels, if some have no weight: their grey level and gradient are 0
   Tensor structure;    ///< structure tensor of the projected gradients
+  Displacement bias;   ///< sum of projected gradient * grey level: what a fit at rest would step by
   float energy = 0;    ///< sum of squared grey levels about their mean
   float slope = 0;     ///< sum of squared differences to the next pixel, along x and y
   float curvature = 0; ///< sum of the squared Laplacian
@@ -45,7 +46,7 @@ struct Strain {
 
 /// How well a template fits at a displacement.
 struct Fit {
-  Displacement gradient;  ///< sum of projected gradient * later frame
+  Displacement gradient;  ///< sum of projected gradient * later frame, less the template's bias
   float correlation = -1; ///< zero-mean normalised, -1..1
   /// Root mean square of the grey levels that the best gain and offset leave.
   float residual = std::numeric_limits<float>::infinity();

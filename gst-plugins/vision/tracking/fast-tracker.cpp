@@ -31,7 +31,7 @@ constexpr float kLearningRate = 0.3F;
 
 class FastTracker final : public PatchTracker {
 public:
-  explicit FastTracker(const FastTrackerOptions &options) : options_(options) {}
+  explicit FastTracker(const FastTrackerOptions &options) : options_(options) { forget(0); }
   int margin(int region_side) const override {
     const int reduced = reductions(region_side);
     return (reach(region_side >> reduced) + 2) << reduced;
@@ -40,13 +40,7 @@ public:
     max_points_ = std::clamp(max_points, 1, kMaxPatches);
   }
   void measure(const CropPair &pair, Measurement &measurement) override;
-  void reset() override {
-    have_previous_ = false;
-    last_ = {};
-    sudden_ = {};
-    noise_.reset(kAssumedVariance, kRoundingVariance);
-    fit_noise_.reset(kAssumedVariance, kAssumedVariance);
-  }
+  void reset() override { forget(reductions_); }
 
 private:
   const TrackerParts &parts() const { return options_.parts; }
@@ -60,6 +54,7 @@ private:
 
   static int reach(int side) { return kReach * std::max(side, kPaperSide) / kPaperSide; }
 
+  void forget(int reductions);
   CropPair reduced(const CropPair &pair, int count);
   void measure_reduced(const CropPair &pair, Measurement &measurement);
   void measure_grid(const Area &area, const Translation &whole, Measurement &measurement);
@@ -100,6 +95,7 @@ private:
 
   const FastTrackerOptions options_;
   int max_points_ = kUsualPatches;
+  int reductions_ = 0;         // of the frames
   bool have_previous_ = false; // current_ holds the earlier frame of the next pair
   Rectangle last_crop_;
   Pyramid previous_;
@@ -155,6 +151,16 @@ CropPair field_of(const CropPair &pair, int parity) {
   fields.region.y = pair.crop.y + (pair.region.y - pair.crop.y) / 2;
   fields.region.height = pair.region.height / 2;
   return fields;
+}
+
+// Begins anew, with frames that are reduced so many times.
+void FastTracker::forget(int reductions) {
+  reductions_ = reductions;
+  have_previous_ = false;
+  last_ = {};
+  sudden_ = {};
+  noise_.reset(assumed_variance(reductions), kRoundingVariance);
+  fit_noise_.reset(assumed_variance(reductions), assumed_variance(reductions));
 }
 
 ChangeFinding FastTracker::region_change(const CropPair &pair) const {
@@ -477,6 +483,11 @@ void FastTracker::measure_grid(const Area &area, const Translation &whole,
                                Measurement &measurement) {
   constexpr float kSameScene = 0.5F; // correlation of the whole region
   const float trust = add_grid(area, whole, measurement);
+  // No patch has texture: that none of them moved says nothing.
+  if (measurement.candidates == 0) {
+    measurement.clear();
+    return;
+  }
   if (parts().cut && !is_same_scene(trust, measurement.candidates)) {
     if (whole.correlation < kSameScene)
       measurement.flags |= kCut;
@@ -741,6 +752,8 @@ void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
   for (int i = 0; i < std::min(pair.repeats, 100); ++i)
     sudden_.add(0);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
+  if (count != reductions_)
+    forget(count);
   // A strip along a border of the frame may have become too narrow for patches.
   if (!is_wide_enough(pair, count)) {
     have_previous_ = false;

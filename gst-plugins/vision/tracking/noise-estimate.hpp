@@ -13,6 +13,12 @@ inline constexpr float kAssumedVariance = kAssumedNoise * kAssumedNoise;
 /// too.
 inline constexpr float kRoundingVariance = 0.25F;
 
+/// Variance of a pixel that a frame is assumed to have after so many reductions. Averaging 2x2
+/// pixels quarters the variance of the noise, but each result is rounded again.
+inline float assumed_variance(int reductions) {
+  return std::max(kRoundingVariance, kAssumedVariance / static_cast<float>(1 << (2 * reductions)));
+}
+
 /// Variance of the noise of a pixel, grey levels squared.
 class NoiseEstimate {
 public:

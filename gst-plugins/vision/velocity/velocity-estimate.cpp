@@ -30,12 +30,16 @@ float fade(float value, float good, float bad) {
 Precision precision_of(const GstHapticPatch &patch) {
   constexpr float kUnknown = 1 / (0.1F * 0.1F); // 1/px², also for an impossible precision
   constexpr float kFinest = 1e8F;
+  constexpr float kRounded = 1.001F; // of an edge, whose determinant is 0
   const float trace = patch.precision_xx + patch.precision_yy;
+  const float largest_xy = std::sqrt(patch.precision_xx) * std::sqrt(patch.precision_yy);
   if (!(patch.precision_xx >= 0 && patch.precision_yy >= 0 && trace > 0 && trace < kInfinity &&
-        2 * std::abs(patch.precision_xy) <= 1.001F * trace))
+        std::abs(patch.precision_xy) <= kRounded * largest_xy))
     return {kUnknown, 0, kUnknown};
   const float scale = std::min(1.0F, kFinest / trace);
-  return {scale * patch.precision_xx, scale * patch.precision_xy, scale * patch.precision_yy};
+  return {scale * patch.precision_xx,
+          scale * std::clamp(patch.precision_xy, -largest_xy, largest_xy),
+          scale * patch.precision_yy};
 }
 
 // False for a number that is not finite, too.

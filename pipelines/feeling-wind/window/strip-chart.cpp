@@ -19,12 +19,12 @@ constexpr double kText = 12;          // px, font size
 struct Color {
   double r, g, b;
 };
-// The colours of hapticoverlay, lighter or darker where the background asks for it.
+// The colours of hapticoverlay. Orange on white is too faint for text, so it is darker there.
 struct LaneColor {
   Color on_dark, on_light;
 };
 constexpr LaneColor kVelocity{{0.90, 0.62, 0}, {0.70, 0.37, 0}};
-constexpr LaneColor kForce{{0.34, 0.71, 0.91}, {0, 0.39, 0.65}};
+constexpr LaneColor kForce{{0.34, 0.71, 0.91}, {0, 0.45, 0.70}};
 
 struct Lane {
   const char *name;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The page around the player: film, hand, controls and keys.
+import { draw, pictureIn } from '../player/drawing.js';
+import Hls from '../player/hls.light.min.js'; // null where the build has none
 import { attach } from '../player/player.js';
-import { draw, pictureIn } from './drawing.js';
+import { blownBy, mayBeBlown } from './blown-hand.js';
 import { StickHand } from './stick-hand.js';
 
 const element = id => document.getElementById(id);
@@ -14,6 +16,8 @@ const WORDS = 2; // times a second, for screen readers
 const asked = new URLSearchParams(location.search);
 const player = attach(film, {
   playlist: asked.get('playlist') ?? 'film.m3u8',
+  hls: Hls,
+  hlsConfig: { workerPath: new URL('../player/hls.worker.js', import.meta.url).href },
   onProblem: addProblem,
   onRelief: () => load('./relief-page.js', 'showReliefs'),
 });
@@ -138,10 +142,18 @@ document.addEventListener('fullscreenchange', () =>
 element('full').addEventListener('click', toggleFull);
 element('sound').addEventListener('click', () => { film.muted = !film.muted; });
 element('field').addEventListener('click', event => toggle(event.currentTarget));
+element('hear').addEventListener('click', ({ currentTarget: button }) => {
+  toggle(button);
+  load('./force-sound.js', 'hearForce', button.getAttribute('aria-pressed') === 'true');
+});
 element('help').addEventListener('click', () => element('keys').showModal());
 element('strength').addEventListener('input', ({ target }) => {
   player.strength = Number(target.value) / 100;
   showSlider(target, `${target.value} %`);
+});
+element('blow').addEventListener('input', ({ target }) => {
+  showSlider(target, `${target.value} %`);
+  showBlown();
 });
 element('sensitivity').addEventListener('input', ({ target }) => {
   player.alpha = ALPHA * Number(target.value);
@@ -150,17 +162,38 @@ element('sensitivity').addEventListener('input', ({ target }) => {
 
 // ---- keys
 
+// A browser may refuse a page its memory.
+function remembered(name) {
+  try {
+    return localStorage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+function remember(name, value) {
+  try {
+    localStorage.setItem(name, value);
+  } catch { /* then until the page is closed */ }
+}
+
 const KEYS = {
   ' ': togglePlay, k: togglePlay, j: () => seekBy(-SEEK), l: () => seekBy(SEEK), f: toggleFull,
-  m: () => element('sound').click(), v: () => element('field').click(), '+': () => changeStrength(5),
+  m: () => element('sound').click(), s: () => element('hear').click(),
+  v: () => element('field').click(), '+': () => changeStrength(5),
   '-': () => changeStrength(-5), '?': () => element('help').click(), F1: () => element('help').click(),
   Escape: () => { player.place = null; },
 };
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
+// WCAG 2.1.4: who speaks to the browser, or whose hand trembles, can switch off keys that are one character.
+const letters = element('letters');
+letters.checked = remembered('letters') !== 'off';
+letters.addEventListener('change', () => remember('letters', letters.checked ? 'on' : 'off'));
+
 document.addEventListener('keydown', event => {
-  if (event.ctrlKey || event.altKey || event.metaKey || element('keys').open) return;
   const { target, key } = event;
+  if (event.ctrlKey || event.altKey || event.metaKey || element('keys').open) return;
+  if (key.length === 1 && key !== ' ' && !letters.checked) return event.stopImmediatePropagation();
   const isControl = target instanceof HTMLInputElement || (target instanceof HTMLButtonElement && key === ' ');
   const arrow = ARROWS[key];
   const action = KEYS[key.length === 1 ? key.toLowerCase() : key];
@@ -177,6 +210,15 @@ function showForce() {
   const newtons = Math.hypot(player.force.x, player.force.y);
   element('level').style.transform = `scaleX(${Math.min(newtons, 1)})`;
   element('newtons').textContent = `${newtons.toFixed(2)} N`;
+}
+
+let blow = 0; // 0..1, how far the drawn hand is blown
+
+function showBlown() {
+  const slider = element('blow');
+  slider.disabled = !mayBeBlown(player);
+  blow = slider.disabled ? 0 : Number(slider.value) / 100;
+  stage.classList.toggle('blown', blow > 0); // the drawn hand in the place of the pointer of the system
 }
 
 function direction({ x, y }) {
@@ -196,7 +238,8 @@ function describeDevice() {
   const phone = Boolean(navigator.vibrate) && matchMedia('(pointer: coarse)').matches;
   const text = pads.length ? `You feel it in your gamepad (${pads[0].replace(/ *\(.*/, '')}).`
     : phone ? 'Put a finger on the film: the phone vibrates as hard as the picture moves there.'
-    : 'No gamepad: the arrow shows what you would feel. Connect one and press a button of it.';
+    : isSecureContext ? 'No gamepad: the arrow shows what you would feel. Connect one and press a button of it.'
+    : 'The arrow shows what you would feel. Browsers give gamepads only to pages over https or from localhost.';
   const status = element('status');
   if (status.textContent !== text) status.textContent = text;
 }
@@ -206,17 +249,21 @@ function frame(now) {
   const step = stick.step(now);
   if (step) moveHand(step.x, step.y);
   showForce();
+  const blown = blownBy(player.force, blow);
   draw(canvas, stage, film, {
-    place: player.place, force: player.force,
+    place: player.place, force: player.force, blown,
     field: element('field').getAttribute('aria-pressed') === 'true' ? player.field : null,
   });
 }
 
 if (asked.has('array')) load('./array.js', 'showArray', asked.get('array'));
-for (const id of ['strength', 'sensitivity']) element(id).dispatchEvent(new Event('input'));
+for (const id of ['strength', 'sensitivity', 'blow']) element(id).dispatchEvent(new Event('input'));
 setInterval(() => {
   describeForce();
   describeDevice();
+  showBlown();
 }, 1000 / WORDS);
 describeDevice();
 requestAnimationFrame(frame);
+element('no-script').remove();
+element('begin').hidden = false;

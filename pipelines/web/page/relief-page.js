@@ -2,7 +2,7 @@
 // What the page shows of a film that can be touched: height as shading, and the touched place. It also reads what presses:
 // the button of the mouse, a finger, a key, a button of a gamepad. The page loads this file with the first relief.
 import { HALF } from '../player/contact.js';
-import { pictureIn } from './drawing.js';
+import { pictureIn } from '../player/drawing.js';
 
 const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up
 const DARKEST = 0.65, BRIGHTEST = 0.45; // opacity of the shading

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The surface of a relief and the force of touching it, as gst-plugins/device/touch/relief-surface.cpp and contact-law.cpp
 // (docs/force.md, "Touch"), for a finger that presses DEPTH deep. Without damper against the hand and rules of energy: they
 // are about a hand that the force moves.

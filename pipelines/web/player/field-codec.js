@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/field-codec.cpp bit for bit.
 // Velocities are single precision there, so each step is rounded with Math.fround. relief-codec.js adds reliefs.
 
@@ -240,6 +240,8 @@ class Reader {
 /** @returns whether a coded field and all after it can be decoded without those before it */
 export const beginsPair = code => (code[0] & (KEY | OF_PAIR)) === KEY;
 
+const hasScale = head => (head & KEY) !== 0 && ((head & OF_PAIR) !== 0 || !(head & INTERVAL));
+
 // FNV-1a of the first byte and of what both sides hold, folded to 16 bits.
 function checkOf(kind, head, state) {
   let hash = 2166136261;
@@ -247,7 +249,7 @@ function checkOf(kind, head, state) {
   add(head);
   add(state.sequence);
   add(state.interval % 2 ** 32 | 0);
-  if ((head & KEY) && (head & OF_PAIR)) add(state.scale % 2 ** 32 | 0);
+  if (hasScale(head)) add(state.scale % 2 ** 32 | 0);
   if (state.step) GRID.forEach(name => add(state[name]));
   const cells = kind.hashed(state.cells);
   for (let i = 0; i < cells[0].length; ++i)
@@ -258,7 +260,7 @@ function checkOf(kind, head, state) {
 const GRID = ['columns', 'rows', 'width', 'height', 'aspectN', 'aspectD', 'step'];
 
 function readGrid(kind, reader, head, state) {
-  state.scale = head & OF_PAIR ? reader.number(LONGEST_INTERVAL) : state.interval;
+  state.scale = hasScale(head) ? reader.number(LONGEST_INTERVAL) : state.interval;
   const names = kind.step ? GRID : GRID.slice(0, -1);
   names.forEach((name, i) => { state[name] = reader.number(i < 2 ? MOST_CELLS : i < 6 ? MOST_32 : kind.step); });
   const count = state.columns * state.rows;
@@ -318,8 +320,8 @@ export class FieldDecoder {
     }
     next.sequence = sequence;
     next.flags = head >> FLAG_SHIFT;
-    if (head & INTERVAL) next.interval = reader.number(LONGEST_INTERVAL);
-    if (key && (!(head & INTERVAL) || !readGrid(this.#kind, reader, head, next))) return 'damaged';
+    if (key || head & INTERVAL) next.interval = reader.number(LONGEST_INTERVAL);
+    if (key && !readGrid(this.#kind, reader, head, next)) return 'damaged';
     const check = reader.byte() | reader.byte() << 8;
     if (reader.failed) return 'damaged';
     this.cells += next.columns * next.rows;

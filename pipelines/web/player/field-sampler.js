@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The motion of a field under the hand, as gst-plugins/common/samples/field-sampler.cpp and region-size.cpp compute it.
 
 const REFERENCE_WIDTH = 352; // px, the paper's frame

@@ -1,119 +1,143 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
-// Plays a playlist with hls.js in a video element and hands the track's packets on. Nothing is fetched from another
-// origin, whatever a playlist names.
+// SPDX-License-Identifier: MIT
+// Plays a film in a video element and hands the packets of its track on. Nothing is fetched from another origin than
+// those that the page allows, whatever a playlist names.
 
 import { letGo, playPlainly } from './plain-hls.js';
+import { Problem, Refusal } from './problems.js';
 
 const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
 const BACK_BUFFER = 60; // s; hls.js fetches what is older again when it is needed
+const MOST_BYTES = 8 * 2 ** 20; // of a track beside the film
 
-export class Refusal extends Error {}
-
-/** @returns the address of a playlist of this origin; else throws a Refusal for people */
-export function playlistAddress(name, base = document.baseURI) {
+/** @returns the address of a file of this origin or one of `origins`; else throws a Refusal */
+export function addressOf(name, origins = [], base = document.baseURI) {
   let url;
   try {
     url = new URL(name, base);
   } catch {
-    throw new Refusal('The name of the playlist is no address. Give the name of an .m3u8 file beside this page.');
+    throw new Refusal('no-address');
   }
-  requireSameOrigin(url);
+  requireOrigin(url, origins);
   return url.href;
 }
 
-function requireSameOrigin(url) {
-  if (!/^https?:$/.test(url.protocol))
-    throw new Refusal(`An address that begins with ${url.protocol} was refused. `
-      + 'This page plays films over http and https only.');
-  if (url.origin !== location.origin)
-    throw new Refusal(`A film of another server, ${url.host}, was refused. `
-      + 'This page plays films of its own server only.');
+function requireOrigin(url, origins) {
+  if (url.protocol === 'file:') throw new Refusal('from-disk');
+  if (!/^https?:$/.test(url.protocol)) throw new Refusal('protocol-refused', { protocol: url.protocol });
+  if (url.origin !== location.origin && !origins.includes(url.origin))
+    throw new Refusal('origin-refused', { host: url.host });
 }
 
-// An error of hls.js as a sentence. Others mend themselves.
-function sentenceFor({ fatal, details, response, reason }) {
-  const code = response?.code ? ` (${response.code})` : '';
-  if (details === 'fragParsingError' && reason?.startsWith('Found no media'))
-    return 'A part of the film has neither picture nor sound. Is it a track alone? Play the film that it belongs to.';
-  if (details === 'fragParsingError') return 'A part of the film is damaged; it is left out.';
-  if (details === 'manifestLoadError') return `The playlist cannot be loaded${code}. Check its name and the server.`;
-  if (details === 'manifestParsingError') return 'The playlist is damaged: it is no HLS playlist.';
+const statusOf = code => code ? ` (${code})` : '';
+
+// An error of hls.js as a problem. Others mend themselves.
+function problemOf({ fatal, details, response, reason }) {
+  const status = statusOf(response?.code);
+  if (details === 'fragParsingError')
+    return new Problem(reason?.startsWith('Found no media') ? 'no-media' : 'part-damaged');
+  if (details === 'manifestLoadError') return new Problem('playlist-missing', { status });
+  if (details === 'manifestParsingError') return new Problem('playlist-damaged');
   if (/^(manifestIncompatibleCodecs|bufferAddCodec|bufferIncompatibleCodecs)Error$/.test(details))
-    return 'This browser cannot play the film’s codec. H.264 with AAC plays everywhere.';
+    return new Problem('codec');
   if (!fatal) return null;
-  return details?.startsWith('frag') ? `A part of the film cannot be loaded${code}. Check the server.`
-    : `The film cannot be played (${details}).`;
+  if (details?.startsWith('frag')) return new Problem('part-missing', { status });
+  return new Problem('cannot-play', { details });
 }
 
 /**
- * Loads `address` into `video`. Calls `onPacket(bytes, time)` for each packet of the track and `onProblem(sentence)`.
- * @returns a function that lets go of the video
+ * Plays the playlist `address` in `video` until `signal` is aborted. `hls` is the class of hls.js or an instance of it,
+ * `hlsConfig` is for the class; without `hls` plain playlists play. Calls `onPacket(bytes, time)` for each packet of
+ * the track, and `onProblem(problem)`.
  */
-export async function playFilm(video, address, { onPacket, onProblem }) {
-  let Hls;
-  try {
-    ({ default: Hls } = await import('./hls.light.min.js'));
-  } catch {
-    return playWithoutHls(video, address, { onPacket, onProblem });
-  }
+export async function playFilm(video, address, options) {
+  const { hls, origins, signal, onProblem } = options;
+  if (hls) return playWithHls(video, address, options);
+  if (await playPlainly(video, address, { ...options, load: url => load(url, { origins, signal }) })) return;
+  if (signal.aborted) return;
+  onProblem(new Problem('needs-hls'));
+  playNatively(video, address, signal);
+}
+
+function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket, onProblem }) {
+  const isClass = typeof hls === 'function';
+  const Hls = isClass ? hls : hls.constructor;
   if (!Hls.isSupported()) {
-    onProblem('This browser has no Media Source Extensions: the film plays, but it cannot be felt.');
-    return playNatively(video, address);
+    onProblem(new Problem('no-media-source'));
+    return playNatively(video, address, signal);
   }
-  const hls = new Hls({
-    enableEmsgKLVMetadata: true,
-    workerPath: new URL('hls.worker.js', import.meta.url).href,
-    backBufferLength: BACK_BUFFER,
-    xhrSetup(xhr, url) {
-      try {
-        requireSameOrigin(new URL(url, address));
-      } catch (refusal) {
-        onProblem(refusal.message);
-        throw refusal;
-      }
-    },
-  });
-  hls.on(Hls.Events.FRAG_PARSING_METADATA, (_, data) => {
+  const player = isClass ? new Hls({ backBufferLength: BACK_BUFFER, ...hlsConfig }) : hls;
+  const { xhrSetup } = player.config;
+  player.config.enableEmsgKLVMetadata = true;
+  player.config.xhrSetup = (xhr, url) => {
+    try {
+      requireOrigin(new URL(url, address), origins);
+    } catch (refusal) {
+      onProblem(refusal);
+      throw refusal;
+    }
+    return xhrSetup?.(xhr, url);
+  };
+  const onMetadata = (_, data) => {
     for (const sample of data.samples)
       if (String(sample.type ?? KLV_SCHEME).startsWith(KLV_SCHEME)) onPacket(sample.data, sample.pts);
-  });
+  };
   let recoveries = 0;
-  hls.on(Hls.Events.ERROR, (_, error) => {
-    const sentence = sentenceFor(error);
-    if (sentence) onProblem(sentence);
-    if (error.fatal && error.type === Hls.ErrorTypes.MEDIA_ERROR && recoveries++ < 3) hls.recoverMediaError();
+  const onError = (_, error) => {
+    const problem = problemOf(error);
+    if (problem) onProblem(problem);
+    if (error.fatal && error.type === Hls.ErrorTypes.MEDIA_ERROR && recoveries++ < 3) player.recoverMediaError();
+  };
+  player.on(Hls.Events.FRAG_PARSING_METADATA, onMetadata);
+  player.on(Hls.Events.ERROR, onError);
+  player.loadSource(address);
+  player.attachMedia(video);
+  signal.addEventListener('abort', () => {
+    if (isClass) return player.destroy();
+    player.off(Hls.Events.FRAG_PARSING_METADATA, onMetadata);
+    player.off(Hls.Events.ERROR, onError);
+    player.config.xhrSetup = xhrSetup;
+    player.detachMedia();
   });
-  hls.loadSource(address);
-  hls.attachMedia(video);
-  return () => hls.destroy();
+}
+
+function playNatively(video, address, signal) {
+  if (video.canPlayType('application/vnd.apple.mpegurl')) playFile(video, address, signal);
+}
+
+/** Plays a file that the browser plays by itself until `signal` is aborted. */
+export function playFile(video, address, signal) {
+  video.src = address;
+  signal.addEventListener('abort', () => letGo(video));
 }
 
 /** @returns the bytes of a file. Tries again where a network or a server may mend itself. */
-export async function load(url) {
-  requireSameOrigin(new URL(url));
-  let code = '';
+export async function load(url, { origins = [], signal, most = Infinity, missing = 'part-missing' } = {}) {
+  requireOrigin(new URL(url), origins);
+  // Where other origins may be asked, a server could lead on to any.
+  const [mode, redirect] = origins.length ? ['cors', 'error'] : ['same-origin', 'follow'];
+  let status = '';
   for (const pause of [500, 1000, 2000, 4000, 0]) { // ms
-    const answer = await fetch(url, { mode: 'same-origin' }).catch(() => null);
-    const bytes = answer?.ok && await answer.arrayBuffer().catch(() => null);
-    if (bytes) return new Uint8Array(bytes);
-    code = answer && !answer.ok ? ` (${answer.status})` : '';
-    if (code && answer.status < 500) break;
+    const answer = await fetch(url, { mode, redirect, signal }).catch(() => null);
+    if (signal?.aborted) break;
+    const bytes = answer?.ok && await bytesOf(answer, most);
+    if (bytes) return bytes;
+    status = statusOf(answer && !answer.ok && answer.status);
+    if (status && answer.status < 500) break;
     await new Promise(done => setTimeout(done, pause));
   }
-  throw new Error(`A part of the film cannot be loaded${code}. Check the server.`);
+  throw new Problem(missing, { status });
 }
 
-async function playWithoutHls(video, address, { onPacket, onProblem }) {
-  const film = await playPlainly(video, address, load, onPacket, onProblem);
-  if (film) return () => film.end();
-  onProblem('This film needs hls.js: build the page again after pipelines/web/fetch.sh.');
-  return playNatively(video, address);
+// Null if the connection ends early; a Problem if there are more than `most`.
+async function bytesOf(answer, most) {
+  if (Number(answer.headers?.get('content-length')) > most) throw new Problem('track-large');
+  const buffer = await answer.arrayBuffer().catch(() => null);
+  if (buffer?.byteLength > most) throw new Problem('track-large');
+  return buffer && new Uint8Array(buffer);
 }
 
-function playNatively(video, address) {
-  if (video.canPlayType('application/vnd.apple.mpegurl')) video.src = address;
-  return () => letGo(video);
-}
+/** @returns the bytes of a track that is a file beside the film */
+export const loadTrack = (url, options) => load(url, { ...options, most: MOST_BYTES, missing: 'track-missing' });
 
 /** Packets of the film before this time (s) may be forgotten. */
 export const forgottenBefore = time => time - 2 * BACK_BUFFER;

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // From a motion to the force of hapticsink with its defaults (force-law.cpp, motion-conditioning.cpp and
 // safety-chain.cpp in gst-plugins/device): deadband, equation 5 of the paper, confidence, fades, slew limit, norm clamp.
 // Without what needs a moving grip: damping, work and the brake of a turning grip.

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // Reader of motion sets (docs/formats/klv.md), equal to gst-plugins/track/forms/klv.cpp.
 
 const DESIGNATOR = [0x06, 0x0E, 0x2B, 0x34];
@@ -50,12 +50,14 @@ function readSet(bytes) {
   return { values, offsets };
 }
 
+const u64 = value => new DataView(value.buffer, value.byteOffset, value.length).getBigUint64(0);
+
 function pointOf(values) {
   const view = tag => new DataView(values[tag].buffer, values[tag].byteOffset, values[tag].length);
   const f32 = (tag, at = 0) => view(tag).getFloat32(at);
   const u32 = (tag, at = 0) => view(tag).getUint32(at);
   return {
-    flags: view(T.flags).getUint16(0), interval: Number(view(T.interval).getBigUint64(0)) / 1000, // µs
+    flags: view(T.flags).getUint16(0), interval: Number(u64(values[T.interval])) / 1000, // µs
     x: f32(T.velocity), y: f32(T.velocity, 4), spin: f32(T.spin), divergence: f32(T.divergence),
     pointerX: f32(T.pointer), pointerY: f32(T.pointer, 4), regionWidth: f32(T.region), regionHeight: f32(T.region, 4),
     confidence: f32(T.confidence), width: u32(T.frame), height: u32(T.frame, 4), aspectN: u32(T.pixelAspect),
@@ -85,13 +87,14 @@ function readMotion(bytes, offset) {
     if (values[tag] && values[tag].length !== size)
       return damaged('a value has the wrong size', offset + offsets[tag]);
   }
+  const time = values[T.time] && Number(u64(values[T.time])) / 1e9; // s
   if (kind !== POINT) {
     const code = values[kind === FIELD ? T.field : T.relief];
     if (!code?.length) return damaged('a value is missing', offset);
-    return { kind: kind === FIELD ? 'field' : 'relief', offset, code };
+    return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code };
   }
   const point = pointOf(values);
-  return isValid(point) ? { kind: 'point', offset, point } : damaged('a value is out of its range', offset);
+  return isValid(point) ? { kind: 'point', offset, time, point } : damaged('a value is out of its range', offset);
 }
 
 const startsWith = (bytes, at, start) => start.every((byte, i) => bytes[at + i] === byte);
@@ -101,8 +104,8 @@ function findKey(bytes, at) {
   return at;
 }
 
-// Yields {kind, offset} with `point`, `code` (of a field or relief) or `error`. Kinds: point, field, relief, foreign,
-// other version, other kind, damaged.
+// Yields {kind, offset} with `point`, `code` (of a field or relief) or `error`, and `time` (s) if the set has one.
+// Kinds: point, field, relief, foreign, other version, other kind, damaged.
 export function* readKlv(bytes) {
   for (let at = 0; at < bytes.length;) {
     const start = at;

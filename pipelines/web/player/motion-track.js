@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The packets of a film by their time, and the motion under the hand at any time of it: straight lines between the
 // middles of the intervals that velocities were measured over, as gst-plugins/device/motion/motion-interpolator.cpp.
 import { CUT, FieldDecoder, beginsPair } from './field-codec.js';
@@ -48,17 +48,19 @@ export class PacketTrack {
   get length() { return this.#packets.length; }
 
   /**
-   * Adds the KLV sets in `bytes`, which belong to the frame at `time` (s). A packet of the same time is replaced.
+   * Adds the KLV sets in `bytes`, which belong to the frame at `time` (s); without it each has its own time. A packet
+   * of the same time is replaced.
    * @returns whether there are reliefs among them
    */
   add(bytes, time) {
     let relief = false;
-    if (!Number.isFinite(time)) return relief;
     for (const item of readKlv(bytes)) {
+      const at = time ?? item.time;
       if (item.kind === 'damaged') ++this.damaged;
+      if (!Number.isFinite(at)) continue;
       relief ||= item.kind === 'relief';
       if (!this.#kinds.includes(item.kind)) continue;
-      const packet = { time, code: item.code?.slice(), point: item.point };
+      const packet = { time: at, code: item.code?.slice(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
       this.#insert(packet);
     }

@@ -1,6 +1,8 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // Plays a plain playlist of CMAF by Media Source Extensions alone, where hls.js is not beside the page: one rendition,
 // VOD, segments as whole files, not encrypted, as `haptic-track package` writes them.
+
+import { Problem } from './problems.js';
 
 const AHEAD = 20; // s to be buffered
 const BEHIND = 60; // s to be kept
@@ -68,48 +70,55 @@ export function mediaType(header) {
   return `video/mp4; codecs="avc1.${avc}${text.includes('mp4a') ? ', mp4a.40.2' : ''}"`;
 }
 
+// What is wanted next changes with the time of the film only.
+function changeOf(video) {
+  const changed = new AbortController();
+  return new Promise(done => {
+    const end = () => {
+      changed.abort();
+      done();
+    };
+    for (const event of ['timeupdate', 'seeking', 'emptied'])
+      video.addEventListener(event, end, { signal: changed.signal });
+  });
+}
+
 class PlainFilm {
   #video;
-  #load;
-  #onPacket;
-  #onProblem;
+  #options;
   #list;
   #buffer;
   #last = null; // segment that was appended; not fetched again and again if it fills no gap
-  #url = null; // of the MediaSource
-  #ended = new AbortController();
 
-  constructor(video, load, onPacket, onProblem, list) {
-    [this.#video, this.#load, this.#onPacket, this.#onProblem, this.#list] = [video, load, onPacket, onProblem, list];
-    video.addEventListener('seeking', () => { this.#last = null; }, { signal: this.#ended.signal });
+  constructor(video, list, options) {
+    [this.#video, this.#list, this.#options] = [video, list, options];
+    video.addEventListener('seeking', () => { this.#last = null; }, { signal: options.signal });
   }
 
   async begin() {
-    const header = await this.#load(this.#list.map);
+    const { load, signal, onProblem } = this.#options;
+    const header = await load(this.#list.map);
     const type = mediaType(header);
-    if (!type || !MediaSource.isTypeSupported(type)) throw new Error('This browser cannot play the film’s codec.');
-    if (this.#ended.signal.aborted) return;
+    if (!type || !MediaSource.isTypeSupported(type)) throw new Problem('codec');
+    if (signal.aborted) return;
     const source = new MediaSource();
     const opened = new Promise(done => source.addEventListener('sourceopen', done, { once: true }));
-    this.#url = this.#video.src = URL.createObjectURL(source);
+    const url = this.#video.src = URL.createObjectURL(source);
+    signal.addEventListener('abort', () => letGo(this.#video));
     await opened;
-    URL.revokeObjectURL(this.#url);
+    URL.revokeObjectURL(url);
+    if (signal.aborted) return;
     const last = this.#list.segments.at(-1);
     source.duration = last.start + last.duration;
     this.#buffer = source.addSourceBuffer(type);
     await this.#change(() => this.#buffer.appendBuffer(header));
-    while (!this.#ended.signal.aborted) {
+    while (!signal.aborted) {
       const segment = this.#wanted();
       if (segment && segment !== this.#last) // after a failure a seek goes on elsewhere
-        await this.#append(segment, source, segment === last).catch(error => this.#onProblem(error.message));
+        await this.#append(segment, source, segment === last).catch(onProblem);
       else if (segment === undefined && source.readyState === 'open') source.endOfStream(); // after a seek back, too
-      else await new Promise(done => setTimeout(done, 200));
+      else await changeOf(this.#video);
     }
-  }
-
-  end() {
-    this.#ended.abort();
-    if (this.#url && this.#video.src === this.#url) letGo(this.#video);
   }
 
   // The segment that follows what is buffered at the present time: null if there is enough, undefined at the end.
@@ -127,9 +136,10 @@ class PlainFilm {
 
   async #append(segment, source, isLast) {
     this.#last = segment;
-    const bytes = await this.#load(segment.url);
-    for (const { time, bytes: packet } of readPackets(bytes, segment.start)) this.#onPacket(packet, time);
-    if (this.#ended.signal.aborted) return;
+    const { load, signal, onPacket } = this.#options;
+    const bytes = await load(segment.url);
+    if (signal.aborted) return;
+    for (const { time, bytes: packet } of readPackets(bytes, segment.start)) onPacket(packet, time);
     const old = this.#video.currentTime - BEHIND;
     if (old > 0) await this.#change(() => this.#buffer.remove(0, old));
     await this.#change(() => this.#buffer.appendBuffer(bytes));
@@ -139,7 +149,7 @@ class PlainFilm {
   #change(begin) {
     return new Promise((done, fail) => {
       this.#buffer.onupdateend = done;
-      this.#buffer.onerror = () => fail(new Error('A part of the film is damaged.'));
+      this.#buffer.onerror = () => fail(new Problem('part-damaged'));
       begin();
     });
   }
@@ -150,13 +160,15 @@ export function letGo(video) {
   video.load();
 }
 
-/** `load(url)` gives the bytes of a file, or fails. @returns the film, or null if the playlist is not plain enough */
-export async function playPlainly(video, address, load, onPacket, onProblem) {
-  const read = async url => readPlaylist(new TextDecoder().decode(await load(url)), url);
+/**
+ * `load(url)` gives the bytes of a file, or fails; the other options are those of playFilm().
+ * @returns whether the playlist is plain enough
+ */
+export async function playPlainly(video, address, options) {
+  const read = async url => readPlaylist(new TextDecoder().decode(await options.load(url)), url);
   let list = await read(address);
   if (list?.variant) list = await read(list.variant);
-  if (!list?.map || !globalThis.MediaSource) return null;
-  const film = new PlainFilm(video, load, onPacket, onProblem, list);
-  film.begin().catch(error => onProblem(error.message));
-  return film;
+  if (!list?.map || !globalThis.MediaSource) return false;
+  if (!options.signal.aborted) new PlainFilm(video, list, options).begin().catch(options.onProblem);
+  return true;
 }

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 /** A place in the picture, from its top left corner; z is the size of the hand, 1 near and -1 far. */
 export interface Place { x: number; y: number; z?: number }
 
@@ -16,14 +16,26 @@ export interface Force {
 }
 
 export interface Options {
-  /** Address of an HLS playlist of this origin. Without it, call addPacket() yourself. */
+  /** Address of an HLS playlist with a track. The player plays it in the video. */
   playlist?: string;
+  /** Address of a track, a file of KLV beside a film that the video plays by itself. */
+  track?: string;
+  /** The class of hls.js, or an instance of yours. Without it, plain playlists of CMAF play. */
+  hls?: unknown;
+  /** For the class of hls.js. */
+  hlsConfig?: object;
+  /** Origins beside that of the page from which films and tracks may come. */
+  allowedOrigins?: string[];
+  /** Ends the player when it is aborted, as detach() does. */
+  signal?: AbortSignal;
+  /** Sentences of your own, by the code of the problem; {host}, {status} and so on are filled in. */
+  texts?: Record<string, string>;
   /** Called for each frame of the screen while the film plays under a hand, and once with zero when a force ends. */
   onForce?(force: Force): void;
   /** Called once for each film that can be touched, with its first relief. */
   onRelief?(): void;
-  /** Called once with each sentence for the viewer. */
-  onProblem?(sentence: string): void;
+  /** Called once with each sentence for the viewer, and its code. */
+  onProblem?(sentence: string, code: string): void;
   /** Share of the gamepad's strength, 0..1; default 1. */
   strength?: number;
   /** Steepness of the force law in s/px; default 0.01. */
@@ -50,7 +62,8 @@ export interface Relief {
   validity: Float32Array;
 }
 
-export interface Player {
+/** Sends the events force, relief and problem; `detail` is what the callback gets, `code` that of a problem. */
+export interface Player extends EventTarget {
   /** Where the hand is; null: nowhere, and nothing is felt. */
   place: Place | null;
   /** Whether the hand presses on the surface; without it only motion is felt. */
@@ -67,15 +80,25 @@ export interface Player {
   readonly hasTrack: boolean;
   /** Names of the gamepads that can rumble. */
   readonly gamepads: string[];
-  /** Plays a playlist instead of the one before. Fails with a Refusal if it is of another origin. */
+  /** Plays a playlist instead of the film before. Fails with a Refusal if its address is refused. */
   load(playlist: string): Promise<void>;
-  /** KLV sets of the frame at `time`, s. */
-  addPacket(bytes: Uint8Array, time: number): void;
+  /** Feels another track beside the film that the video plays by itself. */
+  loadTrack(track: string): Promise<void>;
+  /** KLV sets of the frame at `time`, s; without it, each has its own time. */
+  addPacket(bytes: Uint8Array, time?: number): void;
   /** Zero, and lets go of the video. */
   detach(): void;
 }
 
-export class Refusal extends Error {}
+export class Problem extends Error {
+  code: string;
+  values: Record<string, string>;
+}
+/** An address that the player does not ask. */
+export class Refusal extends Problem {}
+
+/** From now on, players without the option `hls` take this class of hls.js. */
+export function useHls(hls: unknown): void;
 
 /** Lets a hand feel the film in `video`. */
 export function attach(video: HTMLVideoElement, options?: Options): Player;

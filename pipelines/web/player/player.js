@@ -1,23 +1,23 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The player without a page: attach() lets a hand feel the film in a video element (docs/web.md, "Embed it").
-import { forgottenBefore, playFilm, playlistAddress } from './film.js';
+import { FilmClock } from './film-clock.js';
+import { addressOf, forgottenBefore, loadTrack, playFilm } from './film.js';
 import { ForceChain } from './force-chain.js';
 import { MotionTrack } from './motion-track.js';
+import { Problem, sentenceFor } from './problems.js';
 import { Rumble, magnitudes, rumblePads } from './rumble.js';
 
-export { Refusal } from './film.js';
+export { Problem, Refusal } from './problems.js';
 
 const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
-const STALLED = 40; // ms without progress of the film
-const WATCH = 20; // ms
-const LONGEST_FRAME = 0.1; // s; between frames time goes on for so long
+const BEGINS = ['playing', 'seeked', 'timeupdate'];
 const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
 const NO_FORCE = Object.freeze({ x: 0, y: 0 });
 const HIGHEST_ALPHA = 0.2; // s/px
 
 const within = (value, low, high, otherwise) => Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
 
-class Player {
+class Player extends EventTarget {
   #video;
   #options;
   #track = new MotionTrack();
@@ -27,15 +27,17 @@ class Player {
   #place = null;
   #pressed = false;
   #strength = 1;
-  #frame = null; // {mediaTime: s, shown: ms} of the last frame
-  #progress = { time: -1, at: 0 }; // of the film: s, ms
+  #clock;
+  #ticks = false;
   #said = new Set();
   #ended = new AbortController();
-  #release = () => {};
+  #loading = new AbortController(); // for the film that is played
 
   constructor(video, options) {
+    super();
     this.#video = video;
     this.#options = options;
+    this.#clock = new FilmClock(video);
     this.strength = options.strength ?? 1;
     this.alpha = options.alpha ?? 0.01;
     const { signal } = this.#ended;
@@ -44,27 +46,43 @@ class Player {
     for (const event of ['pagehide', 'freeze']) window.addEventListener(event, stop, { signal });
     document.addEventListener('visibilitychange', () => document.hidden && stop(), { signal });
     window.addEventListener('gamepaddisconnected', stop, { signal });
-    const watch = setInterval(() => this.#watch(), WATCH);
-    signal.addEventListener('abort', () => clearInterval(watch));
+    for (const event of ['seeking', 'seeked', 'emptied'])
+      video.addEventListener(event, () => this.#clock.begin(), { signal });
+    for (const event of BEGINS) video.addEventListener(event, () => this.#begin(), { signal });
     this.#followFrames();
-    requestAnimationFrame(now => this.#tick(now));
+    this.#begin();
+    const { playlist, track } = options;
+    if (playlist !== undefined) this.load(playlist).catch(refusal => this.#say(refusal));
+    else if (track !== undefined) this.loadTrack(track).catch(refusal => this.#say(refusal));
+    options.signal?.addEventListener('abort', () => this.detach(), { signal });
+    if (options.signal?.aborted) this.detach();
   }
 
-  async load(playlist) {
-    const address = playlistAddress(playlist);
-    this.#silence();
-    this.#release();
-    this.#release = () => {};
-    this.#said.clear();
-    const track = this.#track = new MotionTrack(); // no later film is felt by this one's packets
-    this.#touch = null;
-    const isWanted = () => this.#track === track && !this.#ended.signal.aborted;
-    const release = await playFilm(this.#video, address, {
-      onPacket: (bytes, time) => isWanted() && this.addPacket(bytes, time),
-      onProblem: sentence => isWanted() && this.#say(sentence),
+  /** Plays a playlist with a track instead of the film before. */
+  load(playlist) {
+    return this.#load(playlist, (address, options) => playFilm(this.#video, address, options));
+  }
+
+  /** Feels the track in a file of KLV, which has the times of the film that the video plays by itself. */
+  loadTrack(track) {
+    return this.#load(track, async (address, { origins, signal }) => {
+      const bytes = await loadTrack(address, { origins, signal });
+      if (!signal.aborted) this.addPacket(bytes);
     });
-    if (isWanted()) this.#release = release;
-    else release();
+  }
+
+  async #load(name, load) {
+    const address = addressOf(name, this.#options.allowedOrigins);
+    this.#silence();
+    this.#loading.abort();
+    const { signal } = this.#loading = new AbortController();
+    this.#said.clear();
+    this.#track = new MotionTrack(); // no later film is felt by the packets of this one
+    this.#touch = null;
+    const { hls = standardHls, hlsConfig, allowedOrigins: origins = [] } = this.#options;
+    const onProblem = problem => signal.aborted || this.#say(problem);
+    const onPacket = (bytes, time) => signal.aborted || this.addPacket(bytes, time);
+    await load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket }).catch(onProblem);
   }
 
   addPacket(bytes, time) {
@@ -83,8 +101,8 @@ class Player {
   get alpha() { return this.#chain.alpha; }
   set alpha(alpha) { this.#chain.alpha = within(alpha, 0, HIGHEST_ALPHA, this.#chain.alpha); }
   get force() { return this.#chain.force; }
-  get field() { return this.#track.fieldAt(this.#mediaTime(performance.now())); }
-  get relief() { return this.#touch?.track.shownAt(this.#mediaTime(performance.now()))?.motion ?? null; }
+  get field() { return this.#track.fieldAt(this.#clock.at(performance.now())); }
+  get relief() { return this.#touch?.track.shownAt(this.#clock.at(performance.now()))?.motion ?? null; }
   get contact() { return this.#touch?.contact ?? null; }
   get hasTrack() { return !this.#track.empty || this.#touch !== null; }
   get gamepads() { return rumblePads().map(pad => pad.id); }
@@ -92,24 +110,24 @@ class Player {
   detach() {
     this.#silence();
     this.#ended.abort();
-    this.#release();
+    this.#loading.abort();
   }
 
   #keep(track, bytes, time) {
     const hasReliefs = track.add(bytes, time);
-    track.forgetBefore(forgottenBefore(this.#video.currentTime));
-    if (track.damaged) this.#say('Some packets of the haptic track are damaged; they are not felt.');
+    if (time !== undefined) track.forgetBefore(forgottenBefore(this.#video.currentTime));
+    if (track.damaged) this.#say(new Problem('track-damaged'));
     return hasReliefs;
   }
 
   // What reliefs need is loaded with the first one.
   async #addReliefs(bytes, time) {
     const track = this.#track;
-    const module = await import('./touch.js').catch(() => this.#say('What can be touched cannot be loaded. Check the server.'));
+    const module = await import('./touch.js').catch(() => this.#say(new Problem('touch-missing')));
     if (!module || track !== this.#track) return; // or of another film
     if (!this.#touch) {
       this.#touch = new module.Touch();
-      this.#options.onRelief?.();
+      this.#tell('relief');
     }
     this.#keep(this.#touch.track, bytes, time);
   }
@@ -117,45 +135,37 @@ class Player {
   // ---- what is felt now
 
   #followFrames() {
-    if (!this.#video.requestVideoFrameCallback) return; // then the element's time must do
     const next = (_, { mediaTime, expectedDisplayTime }) => {
       if (this.#ended.signal.aborted) return;
-      this.#frame = { mediaTime, shown: expectedDisplayTime };
+      this.#clock.frame(mediaTime, expectedDisplayTime);
       this.#video.requestVideoFrameCallback(next);
     };
-    this.#video.requestVideoFrameCallback(next);
-  }
-
-  #mediaTime(now) {
-    if (!this.#frame) return this.#video.currentTime;
-    const since = within((now - this.#frame.shown) / 1000, 0, LONGEST_FRAME, 0);
-    return this.#frame.mediaTime + (this.#video.paused ? 0 : since * this.#video.playbackRate);
+    this.#video.requestVideoFrameCallback?.(next);
   }
 
   get #plays() {
     const video = this.#video;
-    return !video.paused && !video.seeking && !video.ended && video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA &&
-      !document.hidden && video.playbackRate > 0 && video.playbackRate <= 2;
+    return !this.#ended.signal.aborted && !document.hidden && !video.paused && !video.seeking && !video.ended &&
+      video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA && video.playbackRate > 0 && video.playbackRate <= 2;
   }
 
-  // Whether the film stands still although it should play. Its time moves with each frame of the screen.
-  #stalls(now) {
-    if (this.#video.currentTime !== this.#progress.time) this.#progress = { time: this.#video.currentTime, at: now };
-    return now - this.#progress.at > STALLED;
-  }
-
-  #watch() {
-    if (!this.#plays || this.#stalls(performance.now())) this.#silence();
+  // While the film plays, each frame of the screen is a step; nothing runs while it rests.
+  #begin() {
+    if (this.#ticks || !this.#plays) return;
+    this.#ticks = true;
+    requestAnimationFrame(now => this.#tick(now));
   }
 
   #tick(now) {
-    if (this.#ended.signal.aborted) return;
-    requestAnimationFrame(next => this.#tick(next));
-    const { currentTime, playbackRate } = this.#video;
-    if (this.#plays && currentTime > UNTRACKED && !this.hasTrack) this.#say('This film has no haptic track: nothing is felt.');
-    if (!this.#plays || this.#stalls(now) || !this.#place) return this.#silence();
+    this.#ticks = false;
+    if (!this.#plays) return this.#silence();
+    this.#begin();
+    const { currentTime, playbackRate, videoWidth } = this.#video;
+    if (!videoWidth || !this.#video.requestVideoFrameCallback) this.#clock.look(now);
+    if (currentTime > UNTRACKED && !this.hasTrack) this.#say(new Problem('no-track'));
+    if (this.#clock.stalls(now) || !this.#place) return this.#silence();
     const place = this.#place;
-    this.#chain.advance(this.#mediaTime(now), (time, since) => {
+    this.#chain.advance(this.#clock.at(now), (time, since) => {
       const motion = this.#track.at(time, place, since);
       return this.#touch?.felt(motion, time, since, place, this.#pressed) ?? motion;
     }, playbackRate);
@@ -167,7 +177,7 @@ class Player {
     const newtons = Math.hypot(force.x, force.y);
     const wanted = magnitudes(newtons, this.#chain.maxForce, this.#strength);
     if (this.#options.rumble !== false) this.#rumble.play(wanted, now);
-    this.#options.onForce?.({ ...force, newtons, ...wanted, time: this.#chain.time });
+    this.#tell('force', { ...force, newtons, ...wanted, time: this.#chain.time });
   }
 
   #silence() {
@@ -175,20 +185,28 @@ class Player {
     this.#touch?.release();
     if (this.#chain.silent) return;
     this.#chain.silence();
-    this.#options.onForce?.({ ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
+    this.#tell('force', { ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
   }
 
-  #say(sentence) {
+  #say(problem) {
+    const sentence = sentenceFor(problem, this.#options.texts);
     if (this.#said.has(sentence)) return;
     this.#said.add(sentence);
-    this.#options.onProblem?.(sentence);
+    this.#tell('problem', sentence, problem.code);
+  }
+
+  // Calls the option onForce, onRelief or onProblem, and the listeners of the event.
+  #tell(type, detail, code) {
+    this.#options[`on${type[0].toUpperCase()}${type.slice(1)}`]?.(detail, code);
+    this.dispatchEvent(Object.assign(new Event(type), { detail, code }));
   }
 }
 
+let standardHls;
+/** From now on, players without the option `hls` take this class of hls.js. */
+export function useHls(hls) { standardHls = hls; }
+
 /** See player.d.ts. */
 export function attach(video, options = {}) {
-  const player = new Player(video, options);
-  if (options.playlist !== undefined)
-    player.load(options.playlist).catch(error => options.onProblem?.(error.message));
-  return player;
+  return new Player(video, options);
 }

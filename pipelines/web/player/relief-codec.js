@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The cells of reliefs in the code of fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/relief-cells.cpp
 // bit for bit. `new FieldDecoder(RELIEF)` decodes reliefs.
 import { EVEN, bit, clamp, fround, number, sizeClass } from './field-codec.js';

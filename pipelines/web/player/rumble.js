@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // From a force to the motors of a gamepad or a phone (docs/web.md, "What a gamepad feels"). An effect ends by itself
 // 60 ms after it was asked for, also when the page dies; while a force lasts it is renewed.
 

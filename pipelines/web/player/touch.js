@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // The reliefs of a film, and what a finger feels that presses on them. The player loads this file, and all for reliefs
 // with it, with the first relief.
 import { Contact, HALF, Surface } from './contact.js';

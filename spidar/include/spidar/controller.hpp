@@ -47,6 +47,15 @@ public:
 
   /// Whether a button of the grip is pressed, as of the last exchange. Real-time safe.
   virtual bool pressed() const noexcept { return false; }
+
+  /// What finds this unit again among others after it was unplugged: a USB controller has no serial
+  /// number, but a model and a rotary switch. Empty if nothing does.
+  virtual std::string identity() const { return {}; }
+
+  /// The input pins as of the last exchange that succeeded, bit 0 first: 0 to 3 of both USB
+  /// controllers, 8 to 15 of "USB2.0 SH4" alone. What is wired to them is not known.
+  /// Real-time safe.
+  virtual std::uint16_t inputs() const noexcept { return 0; }
 };
 
 } // namespace spidar

@@ -9,6 +9,7 @@
 #include "spidar/haptic-device.hpp"
 #include "spidar/layout.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -36,6 +37,10 @@ public:
   bool grip_is_free() const noexcept override { return true; }
   std::string description() const override;
   std::string remark() const override;
+  std::string identity() const override;
+
+  /// Controller::inputs().
+  std::uint16_t inputs() const noexcept;
 
   const Geometry &geometry() const noexcept;
 

@@ -107,6 +107,9 @@ public:
 
   /// What its user should know before a hand holds it, with the cure. Empty if nothing.
   virtual std::string remark() const { return {}; }
+
+  /// What finds this unit again among others after it was unplugged. Empty if nothing does.
+  virtual std::string identity() const { return {}; }
 };
 
 } // namespace spidar

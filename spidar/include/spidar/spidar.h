@@ -100,8 +100,9 @@ SPIDAR_C_API int spidar_exchange(spidar_device *device, int64_t now);
 /* The state after the last exchange. Real-time safe. */
 SPIDAR_C_API int spidar_get_state(const spidar_device *device, spidar_state *state);
 
-/* Force (N) and torque (N m) that the next exchange sends, within the limits of the geometry. A
- * wrench that is not finite counts as zero. Real-time safe. */
+/* Force (N) and torque (N m) that the next exchange sends. The tensions of the strings keep within
+ * the limits of the geometry, and nothing else is limited: neither force, work, change nor speed of
+ * the grip, as hapticsink does. A wrench that is not finite counts as zero. Real-time safe. */
 SPIDAR_C_API int spidar_command(spidar_device *device, const double force[3],
                                 const double torque[3]);
 

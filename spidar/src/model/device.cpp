@@ -334,4 +334,12 @@ std::string Device::remark() const {
   return implementation_->controller->remark();
 }
 
+std::string Device::identity() const {
+  return implementation_->controller->identity();
+}
+
+std::uint16_t Device::inputs() const noexcept {
+  return implementation_->controller->inputs();
+}
+
 } // namespace spidar

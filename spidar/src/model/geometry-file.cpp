@@ -117,6 +117,9 @@ Geometry finish(KeyFile file, const std::string &where, const std::string &name)
 }
 
 Geometry load_file(const fs::path &path) {
+  std::error_code unknown;
+  if (fs::is_fifo(path, unknown)) // opening it would wait for a writer
+    fail(Cause::geometry, messages::kGeometryUnreadable, path.c_str(), "it is a FIFO");
   KeyFile file(g_key_file_new());
   GError *raw = nullptr;
   if (!g_key_file_load_from_file(file.get(), path.c_str(), G_KEY_FILE_NONE, &raw)) {

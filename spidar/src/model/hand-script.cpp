@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <vector>
@@ -110,8 +111,11 @@ private:
 };
 
 std::unique_ptr<HandScript> read_file(const std::string &path) {
-  std::ifstream file(path);
-  if (!file)
+  std::error_code unknown;
+  std::ifstream file;
+  if (!std::filesystem::is_fifo(path, unknown)) // opening it would wait for a writer
+    file.open(path);
+  if (!file.is_open())
     fail(Cause::not_found, messages::kHandScriptMissing, path.c_str());
   std::vector<Recorded::Point> points;
   std::size_t number = 0;

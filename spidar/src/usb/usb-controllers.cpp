@@ -132,6 +132,7 @@ public:
     for (std::size_t i = 0; i < kStrings; ++i)
       counts_[i] = extended(counts_[i], reply->counters[i], Protocol::kCounterBits);
     counts = counts_;
+    inputs_ = reply->inputs;
     return true;
   }
 
@@ -147,6 +148,12 @@ public:
   }
 
   std::string remark() const override { return guardian_ ? guardian_->remark() : ""; }
+
+  std::string identity() const override {
+    return std::string(name_of(Protocol::kModel)) + ":" + std::to_string(rotary_switch_);
+  }
+
+  std::uint16_t inputs() const noexcept override { return inputs_; }
 
 private:
   using Clock = Guardian::Clock;
@@ -186,6 +193,7 @@ private:
   DacWords rest_{};
   int rotary_switch_ = -1;
   Counts counts_{};
+  std::uint16_t inputs_ = 0;
   bool force_ = false; ///< the motors have, or may have, more than rest_
   bool guardian_wrote_ = false;
   bool prevents_ = false; ///< the guardian is silent or writes: no force is sent

@@ -29,6 +29,7 @@ Reply reply(std::span<const std::uint8_t> counters, std::size_t width,
   for (std::size_t i = 0; i < kStrings; ++i)
     result.counters[i] = number(counters.subspan(i * width, width));
   result.rotary_switch = switches >> 4;
+  result.inputs = switches & 0xf;
   return result;
 }
 
@@ -74,6 +75,7 @@ std::optional<Reply> parse(std::span<const std::uint8_t> bytes) noexcept {
   if (bytes.size() != kPacket)
     return std::nullopt;
   Reply result = reply(bytes.subspan(16, 2 * kStrings), 2, bytes[48]);
+  result.inputs = static_cast<std::uint16_t>(result.inputs | bytes[49] << 8);
   for (std::uint32_t &counter : result.counters)
     counter = (0x10000 - counter) & 0xffff;
   return result;

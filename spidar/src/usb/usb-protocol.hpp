@@ -20,10 +20,11 @@ inline constexpr std::uint16_t kSh4Product = 0x0205;
 inline constexpr unsigned char kEndpointOut = 0x02;
 inline constexpr unsigned char kEndpointIn = 0x86;
 
-/// Content of a reply: counters in their width on the wire, and the rotary switch.
+/// Content of a reply: counters in their width on the wire, the rotary switch and the input pins.
 struct Reply {
   std::array<std::uint32_t, kStrings> counters{};
-  int rotary_switch = 0; ///< 0..15
+  int rotary_switch = 0;    ///< 0..15
+  std::uint16_t inputs = 0; ///< Controller::inputs()
 };
 
 namespace simple {

@@ -38,16 +38,9 @@ public:
   }
   // Mean of a region, px per frame
   haptic::FieldCell motion(const haptic::Rectangle &region) const {
-    double x = 0;
-    double y = 0;
-    for (int j = region.y; j < region.y + region.height; ++j)
-      for (int i = region.x; i < region.x + region.width; ++i) {
-        x += canvas_.motion(i, j).x;
-        y += canvas_.motion(i, j).y;
-      }
-    const double scale =
-        1 / (static_cast<double>(film::kMotionUnits) * region.width * region.height);
-    return {static_cast<float>(x * scale), static_cast<float>(y * scale), 1};
+    const film::Point moved =
+        canvas_.mean_motion(region.x, region.y, region.x + region.width, region.y + region.height);
+    return {moved.x, moved.y, 1};
   }
 
   film::Scene scene;

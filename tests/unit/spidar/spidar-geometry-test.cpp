@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <sstream>
+#include <sys/stat.h>
 
 using namespace spidar;
 
@@ -240,6 +241,12 @@ TEST_F(GeometryFile, AMissingFileIsNotFound) {
     EXPECT_EQ(error.cause(), Cause::not_found);
     EXPECT_NE(std::string(error.what()).find(path), std::string::npos);
   }
+}
+
+TEST_F(GeometryFile, AFifoIsRefusedAndNotWaitedFor) {
+  const std::string fifo = (directory_ / "fifo.ini").string();
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THROW(load_geometry(fifo), Error);
 }
 
 TEST_F(GeometryFile, WhatIsNoKeyFileIsRefused) {

@@ -49,7 +49,7 @@ TEST(SimpleProtocol, WordsAreLittleEndianAfterTheCommand) {
   EXPECT_EQ(bytes(simple::set_dac(kWords)), padded(expected, 32));
 }
 
-TEST(SimpleProtocol, ReplyHas24BitCountersAndTheRotarySwitch) {
+TEST(SimpleProtocol, ReplyHas24BitCountersTheRotarySwitchAndTheInputs) {
   const std::vector<std::uint8_t> reply =
       padded({0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0xff, 0xff, 0xff, 0x5a, 0x18,
               0x00, 0x7a, 0xe8, 0xff, 0xff, 0xff, 0x7f, 0x00, 0x00, 0x80, 0x56,
@@ -58,6 +58,7 @@ TEST(SimpleProtocol, ReplyHas24BitCountersAndTheRotarySwitch) {
   const auto parsed = simple::parse(reply);
   ASSERT_TRUE(parsed);
   EXPECT_EQ(parsed->rotary_switch, 10);
+  EXPECT_EQ(parsed->inputs, 0x5);
   Counts counts{};
   for (std::size_t i = 0; i < kStrings; ++i)
     counts[i] = extended(0, parsed->counters[i], simple::kCounterBits);
@@ -70,15 +71,17 @@ TEST(Sh4Protocol, UpdateCarriesTheWordsAfterTwoOpcodes) {
   EXPECT_EQ(bytes(sh4::update(kWords)), padded(expected, 512));
 }
 
-TEST(Sh4Protocol, ReplyHas16BitCountersOfOppositeSignAndTheRotarySwitch) {
+TEST(Sh4Protocol, ReplyHas16BitCountersOfOppositeSignTheRotarySwitchAndTheInputs) {
   std::vector<std::uint8_t> reply(512, 0xcc); // what is not interpreted may be anything
   const std::vector<std::uint8_t> counters = {0x00, 0x00, 0x01, 0x00, 0xff, 0xff, 0x5a, 0x18,
                                               0x7a, 0xe8, 0xff, 0x7f, 0x01, 0x80, 0x34, 0x12};
   std::copy(counters.begin(), counters.end(), reply.begin() + 16);
-  reply[48] = 0x3f;
+  reply[48] = 0x3e;
+  reply[49] = 0x81;
   const auto parsed = sh4::parse(reply);
   ASSERT_TRUE(parsed);
   EXPECT_EQ(parsed->rotary_switch, 3);
+  EXPECT_EQ(parsed->inputs, 0x810e);
   Counts counts{};
   for (std::size_t i = 0; i < kStrings; ++i)
     counts[i] = extended(0, parsed->counters[i], sh4::kCounterBits);

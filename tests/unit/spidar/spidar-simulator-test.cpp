@@ -2,6 +2,7 @@
 #include "spidar/error.hpp"
 #include "spidar/pose-solver.hpp"
 #include "spidar/simulator.hpp"
+#include "temporary-folder.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <sys/stat.h>
 
 using namespace spidar;
 
@@ -121,6 +123,13 @@ TEST(HandScript, FileErrorsNameTheLine) {
   EXPECT_NE(refusal(HandFile("").script()).find("no readable line"), std::string::npos);
   EXPECT_NE(refusal("file:/nowhere/hand.csv").find("/nowhere/hand.csv"), std::string::npos);
   EXPECT_NE(refusal("file:/").find("no readable line"), std::string::npos);
+}
+
+TEST(HandScript, AFifoIsRefusedAndNotWaitedFor) {
+  const test::TemporaryFolder folder;
+  const std::string fifo = folder.path_of("fifo");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_NE(refusal("file:" + fifo).find(fifo), std::string::npos);
 }
 
 TEST(Simulator, ASteadyHandStaysWhereItsScriptSays) {

@@ -76,12 +76,13 @@ void write_whole(const std::string &path, const std::string &text) {
   write_whole(path, bytes_of(text));
 }
 
-PackageFolder::PackageFolder(std::string path, std::string player)
+PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
+                             const std::string &mark)
     : path_(std::move(path)), player_(std::move(player)),
       work_((fs::path(path_) / kWork).string()) {
   std::error_code error;
-  if (has(kPage) && !has(kMainPlaylist) &&
-      read_whole(fs::path(path_) / kPage) != read_whole(fs::path(player_) / kPage))
+  if (has(kPage) && !has(mark) &&
+      read_whole(fs::path(path_) / kPage) != read_whole(fs::path(player_) / page))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
   fs::create_directories(work_, error);
   if (error)
@@ -133,6 +134,15 @@ void PackageFolder::copy(const std::string &from, const std::string &to) {
   write(to, bytes_of(read_whole(fs::path(path_) / from)));
 }
 
+void PackageFolder::copy_in(const std::string &path, const std::string &name) {
+  PartFile part((fs::path(work_) / "file").string());
+  std::error_code error;
+  fs::copy_file(path, part.path(), fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw_error(messages::kOutputFails, name.c_str(), error.message().c_str());
+  part.keep_as((fs::path(path_) / name).string());
+}
+
 void PackageFolder::copy_player() {
   std::error_code error;
   for (auto entry = fs::recursive_directory_iterator(player_, error);
@@ -144,7 +154,7 @@ void PackageFolder::copy_player() {
         entry.disable_recursion_pending();
       else
         fs::create_directories(fs::path(path_) / name, error);
-    } else if (entry->is_regular_file(error) &&
+    } else if (entry->is_regular_file(error) && name != kSinglePage &&
                !entry->path().filename().string().starts_with(".")) {
       write(name, bytes_of(read_whole(entry->path())));
     }
@@ -163,6 +173,11 @@ void PackageFolder::finish(const std::string &playlist, const std::vector<std::s
       old.push_back(entry.path());
   for (const fs::path &path : old)
     fs::remove_all(path, error);
+  finish();
+}
+
+void PackageFolder::finish() {
+  std::error_code error;
   fs::remove_all(work_, error);
 }
 

@@ -11,6 +11,8 @@ namespace haptic {
 
 /// The main playlist, which the player plays.
 inline constexpr char kMainPlaylist[] = "film.m3u8";
+/// The page of a single film, among the player's files.
+inline constexpr char kSinglePage[] = "single.html";
 
 /// Writes a file to the disk. Throws TrackFileError.
 void write_whole(const std::string &path, std::span<const std::uint8_t> bytes);
@@ -19,8 +21,10 @@ void write_whole(const std::string &path, const std::string &text);
 class PackageFolder {
 public:
   /// Makes the folder and locks it against other processes. Throws TrackFileError, also where it
-  /// holds another site.
-  explicit PackageFolder(std::string path, std::string player);
+  /// holds another site: an index.html that is not `page` of the player, without a file `mark`.
+  explicit PackageFolder(std::string path, std::string player,
+                         const std::string &page = "index.html",
+                         const std::string &mark = kMainPlaylist);
   ~PackageFolder();
   PackageFolder(const PackageFolder &) = delete;
   PackageFolder &operator=(const PackageFolder &) = delete;
@@ -38,9 +42,13 @@ public:
   /// Copies a file of the folder.
   void copy(const std::string &from, const std::string &to);
   void copy_player();
+  /// Copies a file into the folder, however large it is.
+  void copy_in(const std::string &path, const std::string &name);
 
   /// Writes the main playlist and removes the bit rates that are not among the given names.
   void finish(const std::string &playlist, const std::vector<std::string> &names);
+  /// Removes work().
+  void finish();
 
 private:
   std::string path_;

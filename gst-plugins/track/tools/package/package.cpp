@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/package.hpp"
 
+#include "forms/klv.hpp"
 #include "interruption.hpp"
 #include "package/film-segments.hpp"
 #include "package/fragment-writer.hpp"
@@ -34,6 +35,12 @@ constexpr double kSameAspect = 0.02;                 // sizes are rounded to eve
 constexpr char kPlaylist[] = "film.m3u8";            // of a bit rate
 constexpr char kPoster[] = "poster.jpg";
 constexpr char kHead[] = "head.mp4";
+// Of a single film.
+constexpr char kSingleFilm[] = "film.mp4";
+constexpr char kSingleTrack[] = "film.klv";
+constexpr char kBundle[] = "feeling-wind.min.js";
+constexpr char kBundleLicence[] = "LICENSE";
+constexpr std::size_t kMostTrack = 8 << 20; // bytes: MOST_BYTES of film.js in pipelines/web/player
 // Of the names of folders: a change of what is written into them changes it.
 constexpr char kForm[] = "package 3";
 
@@ -310,7 +317,53 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
   return rates;
 }
 
+// Returns the track as sets of KLV with the times of the video itself: a browser counts from the
+// begin of the file, not from the first frame.
+std::vector<std::uint8_t> single_track(const Rate &rate, const AuthorOptions &author,
+                                       const std::string &work) {
+  std::vector<std::uint8_t> track;
+  for (CodedField &field : track_of({rate}, {Carriage::fragments, author}, work)) {
+    const std::int64_t time = static_cast<std::int64_t>(field.time) + rate.plan.origin;
+    if (time < 0) // of a frame that an edit list hides
+      continue;
+    field.time = static_cast<std::uint64_t>(time);
+    std::ranges::copy(write_klv(field), std::back_inserter(track));
+  }
+  if (track.size() > kMostTrack)
+    throw_error(messages::kTrackIsLarge, rate.path.c_str(),
+                1e-6 * static_cast<double>(track.size()));
+  return track;
+}
+
 } // namespace
+
+int package_single(const std::vector<std::string> &videos, const AuthorOptions &options) {
+  stop_when_interrupted();
+  if (videos.size() != 1 || !videos[0].ends_with(".mp4"))
+    throw_error(messages::kSingleNeedsMp4);
+  const std::string player = player_folder();
+  const fs::path bundle = fs::path(player) / "player" / kBundle;
+  if (std::error_code error; !fs::exists(bundle, error))
+    throw_error(messages::kBundleIsMissing, bundle.c_str());
+  const Rate rate{videos[0], plan_film(videos[0]), {}};
+  PackageFolder folder(options.folder, player, kSinglePage, kSingleTrack);
+  const fs::path path = folder.path();
+  if (folder.has(kSingleTrack) && folder.has(kSingleFilm) &&
+      hash_of_file((path / kSingleFilm).string()) == hash_of_file(videos[0])) {
+    std::printf("there already: %s\n", kSingleTrack);
+  } else {
+    const std::vector<std::uint8_t> track = single_track(rate, options, folder.work());
+    folder.copy_in(videos[0], kSingleFilm);
+    folder.write(kSingleTrack, track);
+    std::printf("written: %s and %s (%zu kB)\n", kSingleFilm, kSingleTrack, track.size() / 1000);
+  }
+  folder.copy_in(bundle.string(), kBundle);
+  folder.copy_in((bundle.parent_path() / kBundleLicence).string(), kBundleLicence);
+  folder.copy_in((fs::path(player) / kSinglePage).string(), "index.html");
+  folder.finish();
+  std::printf("Open %s from a web server; docs/web.md says how.\n", (path / "index.html").c_str());
+  return EXIT_SUCCESS;
+}
 
 int package(const std::vector<std::string> &videos, const PackageOptions &options) {
   stop_when_interrupted();

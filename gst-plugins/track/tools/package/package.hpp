@@ -16,6 +16,10 @@ struct PackageOptions {
   AuthorOptions author; ///< `folder` is that of the package
 };
 
+/// Writes a page for one MP4, which stays as it is, and its track as one file beside it. Throws
+/// TrackFileError. Returns the exit status.
+int package_single(const std::vector<std::string> &videos, const AuthorOptions &options);
+
 /// Writes the videos, bit rates of one film, with one field track, the playlists, a poster and the
 /// player. What is there stays; the main playlist appears last. Throws TrackFileError. Returns the
 /// exit status.

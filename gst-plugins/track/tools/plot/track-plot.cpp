@@ -36,8 +36,8 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
   out.line("set xrange [*:*] noextend");
   out.line("set key at screen 0.98, 0.98");
   out.line("set ylabel 'velocity (px/s)'");
-  out.line("plot '-' using 1:2 with lines linetype 1 title 'to the right', "
-           "'-' using 1:2 with lines linetype 2 title 'upwards'");
+  out.line("plot '-' using 1:2 with lines linetype 11 title 'to the right', "
+           "'-' using 1:2 with lines linetype 12 title 'upwards'");
   const auto send = [&](auto &&value) {
     for (const auto &sample : track.samples) {
       if (sample.motion.confidence > 0)
@@ -54,7 +54,7 @@ void plot_points(const TrackFile &track, Gnuplot &out) {
   out.line("set ylabel 'share of the full force'");
   out.line("set yrange [0:1.05]");
   out.line("plot '-' using 1:2 with lines linetype 3 title 'confidence', "
-           "'-' using 1:2 with lines linetype 1 title 'force'");
+           "'-' using 1:2 with lines linetype 13 title 'force'");
   send([](const TrackSample &s) { return s.motion.confidence; });
   send([](const TrackSample &s) {
     const auto force = force_of_motion(s.motion);
@@ -173,7 +173,7 @@ std::vector<MotionField> fields_at(const TrackFile &track,
 void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, const Overview &all) {
   out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
   out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
-  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#F0E442'";
+  const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#E69F00'";
   if (frame.rgb.empty()) {
     out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
     out.line("plot %s", arrows);

@@ -50,6 +50,7 @@ constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
        haptic-track author --chunk K PLAN
        haptic-track author --merge PLAN
        haptic-track package [--carriage mp4|ts] [--columns N] --output FOLDER VIDEO...
+       haptic-track package --single [--columns N] --output FOLDER VIDEO.mp4
 Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
 a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
 written: one of these, or what hapticarray makes of it, as sound with a channel for each
@@ -87,6 +88,7 @@ on where it was stopped. The exit status is 0 if all copies are there.
 package makes a folder of files for any web server: a page where the film is seen and
 felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.
   --carriage    segments of MP4 (mp4, as it is otherwise) or MPEG-TS (ts)
+  --single      of a short video: the MP4 as it is, its track as one file, and a page
 )";
 
 // The options of each command. Another one would be ignored: it is refused.
@@ -101,7 +103,8 @@ constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
     {"author --plan", "--plan --chunks --output --columns"},
     {"author --chunk", "--chunk"},
     {"author --merge", "--merge"},
-    {"package", "--carriage --columns --output"}};
+    {"package", "--carriage --columns --output"},
+    {"package --single", "--single --columns --output"}};
 
 struct Arguments {
   std::string command;
@@ -117,6 +120,7 @@ struct Arguments {
   haptic::PlotOptions plot;
   haptic::VibrationOptions vibration;
   haptic::Carriage carriage = haptic::Carriage::fragments;
+  bool single = false;
   bool plan = false;
   bool merge = false;
   std::optional<unsigned> chunk;
@@ -181,6 +185,8 @@ void check_options(const Arguments &arguments) {
                : arguments.chunk ? " --chunk"
                : arguments.merge ? " --merge"
                                  : "";
+  if (command == "package" && arguments.single)
+    command += " --single";
   const auto *const entry = std::ranges::find(
       kCommandOptions, command, &std::pair<std::string_view, std::string_view>::first);
   if (entry == std::end(kCommandOptions))
@@ -194,6 +200,7 @@ void check_options(const Arguments &arguments) {
 bool *flag_of(const std::string &option, Arguments &arguments) {
   return option == "--plan"         ? &arguments.plan
          : option == "--merge"      ? &arguments.merge
+         : option == "--single"     ? &arguments.single
          : option == "--force"      ? &arguments.force
          : option == "--json"       ? &arguments.compare.json
          : option == "--with-video" ? &arguments.with_video
@@ -480,8 +487,11 @@ void convert(const Arguments &arguments) {
     track.samples = haptic::samples_at_hand(track.fields, read_hand(arguments.compare.hand));
     track.fields.clear();
   }
+  // A track beside its video begins with the video, whose copy in a recording begins later.
   const std::string &output = arguments.files[1];
-  if (haptic::is_vibration_file(output))
+  const bool is_of_video = std::ranges::any_of(
+      track.beside, [](const std::string &caps) { return caps.starts_with("video/"); });
+  if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
     haptic::begin_at_zero(track);
   write(output, track, vibration);
 }
@@ -552,6 +562,8 @@ int run(const Arguments &arguments) {
       throw_error(messages::kCommandNeedsVideo, "package");
     if (arguments.author.folder.empty())
       throw_error(messages::kPackageNeedsFolder);
+    if (arguments.single)
+      return haptic::package_single(arguments.files, arguments.author);
     return haptic::package(arguments.files, {arguments.carriage, arguments.author});
   }
   if (arguments.command == "info") {

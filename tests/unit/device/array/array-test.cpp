@@ -2,6 +2,7 @@
 #include "array/array-layout.hpp"
 #include "array/array-mapping.hpp"
 #include "array/array-voices.hpp"
+#include "temporary-folder.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <sys/stat.h>
 
 namespace {
 
@@ -105,6 +107,13 @@ TEST_F(LayoutFile, WhatIsWrongIsNamedWithItsCure) {
   EXPECT_TRUE(has(refusal("not a layout"), "cannot be read"));
   EXPECT_THROW(haptic::load_array_layout("jacket"), std::runtime_error);
   EXPECT_THROW(haptic::load_array_layout("/nowhere/jacket.ini"), std::runtime_error);
+}
+
+TEST_F(LayoutFile, AFifoIsRefusedAndNotWaitedFor) {
+  const test::TemporaryFolder folder;
+  const std::string fifo = folder.path_of("fifo.ini");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THROW(haptic::load_array_layout(fifo), std::runtime_error);
 }
 
 // Places

@@ -113,6 +113,36 @@ TEST(FieldCodec, FastMotionIsKeptToSevenPercent) {
   }
 }
 
+// At 60 fields a second as at 30, though each has half of the displacement.
+TEST(FieldCodec, SlowMotionIsKeptHoweverManyTheFields) {
+  constexpr float kTolerance = 6.1F; // px/s
+  for (const std::uint64_t interval : {33'333'333U, 16'666'667U, 8'333'333U})
+    for (float speed = 1; speed < 40; speed *= 1.1F) {
+      FieldEncoder encoder;
+      FieldDecoder decoder;
+      const Bytes bytes = encoder.push(pan(speed, interval)).value();
+      EXPECT_TRUE(haptic::begins_pair(bytes));
+      ASSERT_EQ(decoder.push(bytes), Result::field);
+      const haptic::FieldCell &got = decoder.field().cells[0];
+      EXPECT_LE(std::hypot(got.velocity_x - speed, got.velocity_y + speed / 2), kTolerance)
+          << interval << " ns, " << speed << " px/s";
+    }
+}
+
+// Its scale is that of the interval, whatever the rate.
+TEST(FieldCodec, ATrackOfVersion02WithManyFieldsIsDecoded) {
+  constexpr std::uint64_t kInterval = 16'667'000;
+  FieldEncoder encoder;
+  FieldDecoder now;
+  ASSERT_EQ(now.push(encoder.push(pan(120, kInterval)).value()), Result::field);
+  FieldDecoder::State before = now.state();
+  before.scale = kInterval;
+  FieldDecoder decoder;
+  FieldEncoder again;
+  ASSERT_EQ(decoder.push(again.push_held(before, false)), Result::field);
+  EXPECT_NEAR(decoder.field().cells[0].velocity_x, 2 * now.field().cells[0].velocity_x, 0.01F);
+}
+
 TEST(FieldCodec, WhatWasNotMeasuredIsSilent) {
   MotionField field = pan(100);
   field.cells[5] = {};

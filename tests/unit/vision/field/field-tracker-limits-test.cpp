@@ -20,36 +20,46 @@ constexpr int kWidth = 640;
 constexpr int kHeight = 360;
 
 // Two objects, one of them turning: cells at rest, with one translation, and with a grid.
-Frame scene(double time) {
-  Frame frame = Texture(1).frame(kWidth, kHeight, {2.3 * time, -1.1 * time});
-  const Frame other = Texture(2).turned(kWidth, kHeight, 0.02 * time);
+Frame scene(double time, unsigned seed = 1) {
+  Frame frame = Texture(seed).frame(kWidth, kHeight, {2.3 * time, -1.1 * time});
+  const Frame other = Texture(seed + 1).turned(kWidth, kHeight, 0.02 * time);
   for (int y = 0; y < kHeight; ++y)
     for (int x = kWidth / 2; x < kWidth; ++x)
       frame.at(x, y) = other.pixels[static_cast<std::size_t>(y * kWidth + x)];
   return frame;
 }
 
+// Without fused multiplication a patch may stop a step earlier or later. It stops at steps below
+// 0.01 px, so less than that is chance. At the border of the objects a patch may also end in
+// another minimum of its error: about one cell in 8000 does, in whichever scene that is.
 TEST(FieldTrackerLimits, EveryInstructionSetGivesTheSameField) {
-  const Frame before = scene(0);
-  const Frame after = scene(1);
-  std::vector<haptic::FieldCell> reference;
-  test::for_instruction_sets([&](const char *name) {
-    Field field(kWidth, kHeight);
-    field.measure(before, after);
-    if (reference.empty())
-      reference = field.cells;
-    // Without fused multiplication a patch may stop a step earlier or later, which is a few
-    // hundredths of a pixel. It stops at steps below 0.01 px, so less than that is chance.
-    constexpr float kStops = 0.01F;
-    int different = 0;
-    for (std::size_t i = 0; i < reference.size(); ++i) {
-      const float difference = std::hypot(field.cells[i].velocity_x - reference[i].velocity_x,
-                                          field.cells[i].velocity_y - reference[i].velocity_y);
-      EXPECT_LT(difference, 0.05F) << name << ", cell " << i;
-      different += difference > kStops;
-    }
-    EXPECT_LE(different, field.shape.cells() / 20) << name;
-  });
+  constexpr float kStops = 0.01F; // px
+  constexpr float kAnother = 0.05F;
+  constexpr float kFarthest = 0.25F;
+  int all = 0;
+  int stopped = 0;
+  int another = 0;
+  for (unsigned seed = 1; seed < 40; seed += 2) {
+    const Frame before = scene(0, seed);
+    const Frame after = scene(1, seed);
+    std::vector<haptic::FieldCell> reference;
+    test::for_instruction_sets([&](const char *name) {
+      Field field(kWidth, kHeight);
+      field.measure(before, after);
+      if (reference.empty())
+        reference = field.cells;
+      for (std::size_t i = 0; i < reference.size(); ++i) {
+        const float difference = std::hypot(field.cells[i].velocity_x - reference[i].velocity_x,
+                                            field.cells[i].velocity_y - reference[i].velocity_y);
+        EXPECT_LT(difference, kFarthest) << name << ", scene " << seed << ", cell " << i;
+        ++all;
+        stopped += difference > kStops;
+        another += difference > kAnother;
+      }
+    });
+  }
+  EXPECT_LE(stopped, all / 100);
+  EXPECT_LE(another, all / 2000);
 }
 
 TEST(FieldTrackerLimits, NothingOutsideTheFrameIsRead) {

@@ -109,8 +109,8 @@ struct Reference {
       const auto column = static_cast<int>(i) % side;
       const auto row = static_cast<int>(i) / side;
       grey.push_back(sample(later, x + column, y + row));
-      fitted.gradient.x += g[i].x * grey.back();
-      fitted.gradient.y += g[i].y * grey.back();
+      fitted.gradient.x += g[i].x * (grey.back() - t[i]);
+      fitted.gradient.y += g[i].y * (grey.back() - t[i]);
       cross += t[i] * grey.back();
       mean += grey.back() / n;
     }
@@ -186,6 +186,26 @@ TEST_F(LkKernels, FitsAreGradientCorrelationAndResidual) {
       EXPECT_NEAR(fit.correlation, expected.correlation, 1e-4);
       EXPECT_NEAR(fit.residual * fit.residual, expected.residual * expected.residual, 0.02);
     }
+  });
+}
+
+// The ridge of the energy leaves a part of the grey levels in the gradients.
+TEST_F(LkKernels, ATemplateOfLittleContrastIsNotDrawnTowardsRest) {
+  constexpr float kContrast = 0.02F;
+  const test::Shift truth{0.4, -0.3};
+  Plane earlier = plane_of(5, {});
+  Plane later = plane_of(5, truth);
+  for (Plane *plane : {&earlier, &later})
+    for (int y = 0; y < plane->height(); ++y)
+      for (int x = 0; x < plane->width(); ++x)
+        plane->row(y)[x] *= kContrast;
+  for_all([&](int side) {
+    const Template patch = prepared(earlier, 24.25F, 22.25F, side);
+    Fit fit;
+    haptic::fit_templates(earlier, {&patch, 1}, {}, {&fit, 1});
+    const float scale = std::sqrt(patch.energy * (patch.structure.xx + patch.structure.yy));
+    EXPECT_NEAR(fit.gradient.x, 0, 1e-4F * scale);
+    EXPECT_NEAR(fit.gradient.y, 0, 1e-4F * scale);
   });
 }
 

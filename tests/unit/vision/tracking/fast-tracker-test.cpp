@@ -246,6 +246,43 @@ TEST_F(FastTracker, ALargeRegionReachesFurther) {
   }
 }
 
+// Half the pixels have a quarter of the noise: a fainter motion is seen.
+TEST_F(FastTracker, AReducedRegionShowsFainterMotion) {
+  constexpr int kLargeFrame = 400;
+  constexpr int kLarge = 200;
+  const Texture texture(2, 16, 3);
+  Frame before = texture.frame(kLargeFrame, kLargeFrame, {});
+  Frame after = texture.frame(kLargeFrame, kLargeFrame, {1, -0.6});
+  const Measurement &found = track(before, after, {100, 100, kLarge, kLarge});
+  ASSERT_GT(found.count, 0);
+  EXPECT_LT(error(found, {1, -0.6}), 0.1);
+}
+
+// Of a noisy small region the tracker learned a noise and a motion that the large one does not
+// have.
+TEST_F(FastTracker, ALargerRegionBeginsAnew) {
+  constexpr int kLargeFrame = 400;
+  constexpr int kLarge = 200;
+  const Rectangle large{100, 100, kLarge, kLarge};
+  const Texture texture(3, 16, 6);
+  Frame before = texture.frame(kLargeFrame, kLargeFrame, {});
+  Frame after = texture.frame(kLargeFrame, kLargeFrame, {1, -0.6});
+  const Measurement fresh = track(before, after, large);
+  std::mt19937 random(5);
+  for (int i = 0; i < 20; ++i) {
+    Frame noisy = before;
+    Frame noisy_again = before;
+    add_noise(noisy, 8, random);
+    add_noise(noisy_again, 8, random);
+    track(noisy, noisy_again);
+  }
+  const Measurement &found = track(before, after, large);
+  EXPECT_EQ(found.flags, fresh.flags);
+  ASSERT_EQ(found.count, fresh.count);
+  EXPECT_EQ(mean(found).x, mean(fresh).x);
+  EXPECT_EQ(mean(found).y, mean(fresh).y);
+}
+
 // A bad fit of the whole region does not show that it stands still.
 TEST_F(FastTracker, ASmallThingThatMovesOverAStillGroundIsNotStill) {
   constexpr int kThing = kSide / 2;
@@ -374,6 +411,22 @@ TEST_F(FastTracker, ABlankWallGivesNoPatches) {
     EXPECT_EQ(found.count, 0);
     EXPECT_EQ(found.flags, 0U);
   }
+}
+
+// A ramp that moves looks like one at rest in another light.
+TEST_F(FastTracker, OfASmoothRampNothingIsKnown) {
+  const auto ramp = [](int offset) {
+    Frame frame(kFrame, kFrame);
+    for (int y = 0; y < kFrame; ++y)
+      for (int x = 0; x < kFrame; ++x)
+        frame.at(x, y) = static_cast<std::uint8_t>(x + offset);
+    return frame;
+  };
+  Frame before = ramp(40);
+  Frame after = ramp(37);
+  const Measurement &found = track(before, after);
+  EXPECT_EQ(found.count, 0);
+  EXPECT_EQ(found.flags, 0U);
 }
 
 TEST_F(FastTracker, AnotherSceneIsNoMotion) {

@@ -831,6 +831,31 @@ TEST(MotionMixture, AStationaryMixtureDoesNotFlipFlop) {
       }
 }
 
+// The metadata is public: another program writes what it likes.
+TEST(MotionModel, APrecisionWithoutAnErrorEllipseCountsAsUnknown) {
+  auto patches = patches_of({2, -1}, 20, 3);
+  const VelocityEstimate unknown = estimate(patches, Average::model);
+  for (GstHapticPatch &patch : patches) {
+    patch.precision_xy = 0.5F;
+    patch.precision_yy = 1; // one eigenvalue is negative
+  }
+  const VelocityEstimate found = estimate(patches, Average::model);
+  EXPECT_EQ(found.velocity_x, unknown.velocity_x);
+  EXPECT_EQ(found.velocity_y, unknown.velocity_y);
+  EXPECT_EQ(found.confidence, unknown.confidence);
+}
+
+// An edge with rounded numbers: xy^2 is a little more than xx yy.
+TEST(MotionModel, ARoundedPrecisionOfAnEdgeIsThatOfTheEdge) {
+  auto patches = patches_of({2, 0}, 20);
+  for (GstHapticPatch &patch : patches) {
+    patch.precision_xx = 100;
+    patch.precision_xy = 10.001F;
+    patch.precision_yy = 1;
+  }
+  EXPECT_TRUE(estimate(patches, Average::model).aperture);
+}
+
 TEST(MotionModel, APatchThatIsNotANumberIsLeftOut) {
   auto patches = patches_of({2, -1}, 20);
   patches[3].dx = std::numeric_limits<float>::quiet_NaN();

@@ -1,8 +1,9 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-License-Identifier: MIT
 // What is drawn over the film: the hand, the force on it, and on request the motion of the whole picture.
 
 const ARROW = 0.3, SHORTEST_ARROW = 160; // of the picture’s height, and px: for the full force; a finger hides less
 const SLOWEST = 3; // px/s of a picture 352 px wide; slower cells are not drawn
+const NOWHERE = Object.freeze({ x: 0, y: 0 });
 const COLOURS = { hand: '#ffffff', force: '#f0e442', edge: '#000000', field: '#56b4e9' };
 
 /** The picture in the stage, px of CSS: letterboxed as object-fit: contain. */
@@ -47,8 +48,9 @@ function drawField(context, picture, field) {
   context.globalAlpha = 1;
 }
 
-function drawHand(context, picture, place, force) {
-  const x = picture.x + place.x * picture.width, y = picture.y + place.y * picture.height;
+function drawHand(context, picture, place, force, blown) {
+  const x = picture.x + place.x * picture.width + blown.x * picture.height;
+  const y = picture.y + (place.y + blown.y) * picture.height;
   const radius = Math.max(10, 0.03 * picture.height);
   for (const [colour, thickness] of [[COLOURS.edge, 5], [COLOURS.hand, 2.5]]) {
     context.strokeStyle = colour;
@@ -65,8 +67,11 @@ function drawHand(context, picture, place, force) {
   }
 }
 
-/** `field` may be null, and so may `place`. The force in N, y up. */
-export function draw(canvas, stage, video, { place, force, field }) {
+/**
+ * `field` may be null, and so may `place`. The force in N, y up. `blown` is how far the hand is drawn from its place,
+ * in heights of the picture.
+ */
+export function draw(canvas, stage, video, { place, force, field, blown = NOWHERE }) {
   const dots = devicePixelRatio;
   const width = Math.round(stage.clientWidth * dots), height = Math.round(stage.clientHeight * dots);
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -76,5 +81,5 @@ export function draw(canvas, stage, video, { place, force, field }) {
   context.lineCap = context.lineJoin = 'round';
   const picture = pictureIn(stage, video);
   if (field) drawField(context, picture, field);
-  if (place) drawHand(context, picture, place, force);
+  if (place) drawHand(context, picture, place, force, blown);
 }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The true motion at chosen places of a film, as tracks of text lines (docs/formats/text-line.md).
+#pragma once
+
+#include "canvas.hpp"
+
+#include <string>
+#include <vector>
+
+namespace film {
+
+/// What the hand at a place should feel.
+enum class TruthOf {
+  square,  ///< the mean over roitracker's default region
+  pointed, ///< the mean over the pixels of this region that move with the one in its middle
+};
+
+class Truth {
+public:
+  /// `places`: "X,Y X,Y …", each 0..1 of the frame from the top left. Throws FilmError.
+  Truth(const std::string &places, TruthOf of, int width, int height, int rate);
+
+  /// The motion at each place, px/s. Threads may call it at the same time.
+  std::vector<Point> measure(const Canvas &canvas) const;
+
+  /// Adds what was measured of the next frame.
+  void add(const std::vector<Point> &motions);
+
+  /// Writes FOLDER/X-Y.txt for each place. Makes the folder. Throws FilmError.
+  void write(const std::string &folder) const;
+
+private:
+  struct Place {
+    std::string name;
+    double x, y;
+    int left, top, right, bottom; // px, the region
+    std::string lines;
+  };
+
+  std::vector<Place> places_;
+  TruthOf of_;
+  int width_;
+  int height_;
+  int rate_;
+  long count_ = 0;
+};
+
+} // namespace film

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# `./env COMMAND` runs a command of the build in the user's folder.
+
+source "$(dirname "$0")/support.sh"
+unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0
+
+cd "$work"
+mkdir "a folder"
+cd "a folder"
+in_env() { "$root/env" "$@"; }
+finds_the_elements() { in_env gst-inspect-1.0 --exists --atleast-version=0.1 roitracker; }
+stays() { [ "$(in_env pwd)" = "$PWD" ]; }
+# shellcheck disable=SC2016 # the command gets the dollars
+hands_on_words() { [ "$(in_env printf '%s|' 'two words' '' '$HOME')" = "two words||\$HOME|" ]; }
+hands_on_status() { in_env sh -c 'exit 7' || [ $? = 7 ]; }
+# shellcheck disable=SC2016
+hands_on_locale() { [ "$(unset LC_ALL && in_env sh -c 'echo "${LC_ALL-none}"')" = none ]; }
+# shellcheck disable=SC2016
+adds_no_current_folder() { [[ :$(in_env sh -c 'echo "$LD_LIBRARY_PATH:$GST_PLUGIN_PATH"'): != *::* ]]; }
+# A process group of its own, which Ctrl-C would reach.
+ends_by_its_own_interrupt() {
+  local process status=0
+  set -m
+  in_env sh -c 'trap "exit 3" INT; touch ready; while :; do sleep 0.1; done' >"$work/said" 2>&1 &
+  process=$!
+  set +m
+  until [ -e ready ]; do sleep 0.1; done
+  kill -INT -- "-$process"
+  wait "$process" || status=$?
+  cat "$work/said"
+  [ "$status" = 3 ] && [ ! -s "$work/said" ]
+}
+is_a_shell() { [ "$(echo 'pwd; exit' | SHELL=/bin/sh in_env 2>&1 | grep -cxF "$PWD")" = 1 ]; }
+says_what_to_do() {
+  ! FEELING_WIND_BUILD=$work/none in_env true 2>"$work/said" && grep -q 'run ./pipelines/demo.sh' "$work/said"
+}
+promise "it finds the elements of the build" finds_the_elements
+promise "it finds the tools of the build" in_env spidar-info --help
+promise "it stays in the user's folder" stays
+promise "the command gets the words that the user wrote" hands_on_words
+promise "the status is that of the command" hands_on_status
+promise "the command has the locale of the user" hands_on_locale
+promise "nothing is looked for in the current folder" adds_no_current_folder
+promise "Ctrl-C reaches the command alone" ends_by_its_own_interrupt
+promise "alone, it is a shell in the user's folder" is_a_shell
+promise "without a build, it says what to do" says_what_to_do
