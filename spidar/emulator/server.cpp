@@ -143,9 +143,9 @@ public:
   Server(const ServerOptions &options, Units &units, WordLog *log)
       : units_(units), log_(log), loop_(g_main_loop_new(nullptr, FALSE)),
         service_(g_socket_service_new()) {
-    listen_tcp(options);
     if (!options.control.empty())
       listen_control(options.control);
+    listen_tcp(options); // says that it listens, to both
   }
 
   ~Server() {
