@@ -71,21 +71,20 @@ std::size_t worst_place(const Comparison &result) {
 
 // Returns the s by which the times of the second file are later because of its container: a copy of
 // film and track may begin at any time, so both count from the first frame of the video. A log has
-// running time. Nothing if a track without a video does not say when it starts.
+// running time, and two tracks without a video the times of their senders. Nothing if one track has
+// a video and the other does not say when it starts.
 std::optional<double> later_start(const FeltFile &a, const FeltFile &b) {
   if (a.is_log() || b.is_log())
     return 0;
-  if (!a.film_begin() || !b.film_begin())
+  if (a.film_begin().has_value() != b.film_begin().has_value())
     return std::nullopt;
-  return *b.film_begin() - *a.film_begin();
+  return b.film_begin().value_or(0) - a.film_begin().value_or(0);
 }
 
 std::string shift_text(const Comparison &result) {
   const double ms = 1e3 * result.shift;
   if (!result.is_start_known)
-    return "unknown, since a track without a video does not say when it starts: compared where "
-           "they "
-           "fit best";
+    return "unknown, since only one of them has a video: compared where they fit best";
   if (ms == 0)
     return "none";
   return format_text("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",
