@@ -115,9 +115,6 @@
   MESSAGE(kFilmFormIsUnknown, \
           "\"%s\": a film is cut into MPEG-TS or Matroska.", \
           "The name must end in .ts or .mkv.") \
-  MESSAGE(kFilmHasNoVideo, \
-          "\"%s\": there is no video in this file.", \
-          "Cut the track without --with-video.") \
   MESSAGE(kOutputFails, \
           "\"%s\": the file cannot be written: %s.", \
           "Choose another place, or make room on the disk.") \
@@ -164,6 +161,21 @@
   MESSAGE(kNoFrameIsDecoded, \
           "not one frame of this video can be decoded.", \
           "Check whether gst-play-1.0 plays it. gstreamer1.0-libav has most decoders.") \
+  MESSAGE(kFileNamesOthers, \
+          "this is a list of other files or addresses, and what a file says is not opened.", \
+          "Name the video itself.") \
+  MESSAGE(kOutputIsTooLong, \
+          "\"%s\": the track goes on for %.1f h, and at most %.0f h are written.", \
+          "Cut it before (haptic-track cut --from --to); a time in it may be wrong.") \
+  MESSAGE(kSoundIsTooLarge, \
+          "\"%s\": %u channels of sound have room for %.0f minutes in a .wav, and the track lasts %.0f.", \
+          "Cut it before (haptic-track cut --from --to).") \
+  MESSAGE(kHiddenFrames, \
+          "%llu frames before the cut are shown in the copy, because the first frame after it depends on them.", \
+          "Nothing needs to be done. To lose them, re-encode the video before.") \
+  MESSAGE(kFilmIsEdited, \
+          "the file joins several parts of its video, or plays it at another speed (edit list).", \
+          "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and take that.") \
   MESSAGE(kFileEndsEarly, \
           "the file ends after %.1f s of %.1f s. It was not copied or recorded to its end.", \
           "Copy it again. Or repair it by a remux, and author the result.") \
@@ -211,7 +223,7 @@
           "\"%s\": its process ended by the signal: %s.", \
           "Run it again with fewer --jobs. If it ends again, report it to the makers of the " \
           "decoder.") \
-  MESSAGE(kAuthoringIsInterrupted, \
+  MESSAGE(kWorkIsInterrupted, \
           "the work was interrupted.", \
           "Run the command again to go on.") \
   MESSAGE(kFilmHasChanged, \
@@ -248,9 +260,6 @@
   MESSAGE(kCommandNeedsPlan, \
           "%s needs one plan.", \
           "Make it with haptic-track author --plan VIDEO... > plan.json.") \
-  MESSAGE(kFolderIsMissing, \
-          "there is no folder \"%s\".", \
-          "Make it, or name another folder with --output.") \
   MESSAGE(kOptionNeedsSeconds, \
           "%s needs seconds, not '%s'.", \
           "Give a number from 0 on, such as 1.5.") \
@@ -259,6 +268,9 @@
           "See --help.") \
   MESSAGE(kOptionNeedsValue, \
           "%s needs a value.", \
+          "See --help.") \
+  MESSAGE(kOptionTakesNoValue, \
+          "%s takes no value.", \
           "See --help.") \
   MESSAGE(kOptionIsForeign, \
           "%s is not an option of '%s'.", \
@@ -392,7 +404,7 @@
           "package needs a folder.", \
           "Name it with --output.") \
   MESSAGE(kCarriageIsUnknown, \
-          "--carriage is cmaf or ts, not '%s'.", \
+          "--carriage is mp4 or ts, not '%s'.", \
           "See --help.") \
   MESSAGE(kCommandNeedsFile, \
           "info needs a file.", \

@@ -121,6 +121,17 @@ upright_direction() {
   echo auto
 }
 
+# `open_content_only INPUT`: what a file says opens nothing. No element of GStreamer that follows a list of files or
+# addresses is chosen, unless the user typed the URL of a playlist.
+open_content_only() {
+  local element path=${1%%[?#]*}
+  ! { is_url "$1" && [[ $path != file://* && $path =~ \.(m3u8|mpd)$ ]]; } || return 0
+  for element in hlsdemux{,2} dashdemux{,2} mssdemux{,2} sdpdemux; do
+    GST_PLUGIN_FEATURE_RANK+=${GST_PLUGIN_FEATURE_RANK:+,}$element:NONE
+  done
+  export GST_PLUGIN_FEATURE_RANK
+}
+
 is_url() {
   [[ $1 =~ ^[a-z][a-z0-9+.-]*:// ]]
 }
@@ -128,6 +139,7 @@ is_url() {
 # `need_input INPUT` fails if it is neither a URL nor a file with something in it.
 need_input() {
   is_url "$1" || need_file "$1"
+  open_content_only "$1"
 }
 
 # `need_video INPUT [sound]` fails if the file or URL shows no moving frames. Sets $film (see decoding), $has_sound
@@ -151,6 +163,8 @@ need_video() {
     fail "'$1' is a still picture, and nothing moves in it; give a video"
   elif grep -qE '^ *container #0: image/gif' <<<"$facts"; then
     fail "GStreamer reads no times of frames from a GIF; make a video of it: ffmpeg -i '$1' video.mp4"
+  elif grep -qE '^ \(gstreamer\|.*\|decoder-application/(x-hls|dash\+xml|vnd\.ms-sstr\+xml|sdp)' <<<"$facts"; then
+    fail "'$1' lists other files or addresses, and what a file says is not opened; give the video itself"
   elif [ -n "$missing" ]; then
     fail "'$1' needs a part of GStreamer that is not installed ($missing); as root run: apt-get install $element_packages"
   elif [ $has_sound = yes ] && ! grep -qE '^ *video #' <<<"$facts"; then

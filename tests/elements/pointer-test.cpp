@@ -129,6 +129,30 @@ TEST_F(PointerTravel, TheEndOfTheTrackEndsThePointer) {
   }
 }
 
+// After a seek, or when another stream follows.
+TEST_F(PointerTravel, PointersComeAgainAfterTheEnd) {
+  const auto sent = position(0.25, 0.5);
+  const auto ends = [&] {
+    gst_harness_push_event(extract.get(), gst_event_new_eos());
+    while (const haptic::EventPtr event{gst_harness_pull_event(extracted.get())})
+      if (GST_EVENT_TYPE(event.get()) == GST_EVENT_EOS)
+        return true;
+    return false;
+  };
+  const auto arrives = [&] {
+    gst_harness_push_upstream_event(extract.get(), make_pointer_event(sent).release());
+    const BufferPtr buffer(gst_harness_pull(extracted.get())); // none after a minute
+    return buffer != nullptr;
+  };
+  ASSERT_TRUE(ends());
+  gst_harness_push_event(extract.get(), gst_event_new_flush_start());
+  gst_harness_push_event(extract.get(), gst_event_new_flush_stop(TRUE));
+  EXPECT_TRUE(arrives()) << "after a flushing seek";
+  ASSERT_TRUE(ends());
+  gst_harness_push_event(extract.get(), gst_event_new_stream_start("another"));
+  EXPECT_TRUE(arrives()) << "of another stream";
+}
+
 TEST(PointerElements, StartAndStopAtOnceManyTimes) {
   gst_init(nullptr, nullptr);
   for (int i = 0; i < 200; ++i) {

@@ -47,6 +47,8 @@ no_player_shows_it() {
   ffprobe -v error -select_streams s -show_entries stream_disposition=default,forced -of csv=p=0 "$1" | grep -x 0,0
 }
 promise "no player shows the track as subtitles" no_player_shows_it "$work/out/sea.haptic.mkv"
+language_of() { ffprobe -v error -select_streams s -show_entries stream_tags=language -of csv=p=0 "$1"; }
+promise "whatever the user's language" test "$(language_of "$work/out/sea.haptic.mkv")" = zxx
 promise "nor one that was converted" haptic_track convert "$work/out/wind.haptic.ts" "$work/alone.mkv"
 promise "without being asked" no_player_shows_it "$work/alone.mkv"
 promise "the sound is there" says 0 "audio/mpeg" "$haptic_track" info "$work/out/wind.haptic.ts"

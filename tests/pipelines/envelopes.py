@@ -40,7 +40,7 @@ def pattern(path):
             return 0
         for (t0, v0), (t1, v1) in zip(points, points[1:]):
             if t0 <= time <= t1:
-                return v0 + (v1 - v0) * (time - t0) / (t1 - t0) if t1 > t0 else v1
+                return (v0 + (v1 - v0) * (time - t0) / (t1 - t0) if t1 > t0 else v1) ** 2  # as amplitude
         return 0
     return at
 

@@ -78,7 +78,7 @@ class TransportStream:
             assert unit[7] == 0x80 or time_of(unit[14:19]) < time
             frames.append((time - ORIGIN, re.search(rb"\x00\x00\x01[\x05\x25\x45\x65]", unit) is not None))
         for unit in units.get(0x102, []):
-            assert unit[:4] == b"\0\0\1\xbd" and unit[6:9] == b"\x81\x80\x05", unit[:9].hex()
+            assert unit[:4] == b"\0\0\1\xfc" and unit[6:9] == b"\x81\x80\x05", unit[:9].hex()
             size = struct.unpack(">H", unit[4:6])[0]
             assert len(unit) == size + 6
             fields.append((time_of(unit[9:14]) - ORIGIN, unit[14:]))

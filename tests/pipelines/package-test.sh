@@ -38,7 +38,7 @@ promise "a film is packaged" says 0 "225 fields" package --output "$work/film" "
 promise "its files are what they should be" check "$work/film"
 complete() {
   local file
-  for file in "$1"/{index.html,player.js,poster.jpg,film.m3u8} "$1"/cmaf-*/{head.mp4,00001.mp4,film.m3u8}; do
+  for file in "$1"/{index.html,player.js,poster.jpg,film.m3u8} "$1"/mp4-*/{head.mp4,00001.mp4,film.m3u8}; do
     [ -s "$file" ] || { echo "$file"; return 1; }
   done
   [ ! -e "$1/.package" ]
@@ -60,7 +60,7 @@ every_segment_decodes() {
     [ ! -s "$work/errors" ] || { cat "$work/errors"; return 1; }
     count=$((count + $(frames "$segment" | sed -n 's/^h264,//p')))
   done
-  for segment in "$work"/film/cmaf-*/0*.mp4; do
+  for segment in "$work"/film/mp4-*/0*.mp4; do
     cat "${segment%/*}/head.mp4" "$segment" >"$work/alone.mp4"
     ffmpeg -v error -i "$work/alone.mp4" -f null - 2>"$work/errors" </dev/null
     [ ! -s "$work/errors" ] || { cat "$work/errors"; return 1; }
@@ -146,7 +146,7 @@ with_surface() {
 }
 promise "a film with motion and surface is made" with_surface "$work/touched.ts" demux. ! meta/x-klv ! queue ! mux.sink_67
 promise "and one with a surface alone" with_surface "$work/surface.ts"
-for carriage in cmaf ts; do
+for carriage in mp4 ts; do
   promise "both are packaged as $carriage" says 0 "225 fields, 225 reliefs" \
     package --carriage "$carriage" --output "$work/touched-$carriage" "$work/touched.ts"
   promise "as they should be" check "$work/touched-$carriage"

@@ -24,7 +24,7 @@ points = [(c["ParameterCurve"]["Time"] + p["Time"], p["ParameterValue"])
 before = max(p for p in points if p[0] <= 1.1)
 after = min(p for p in points if p[0] > 1.1)
 share = (1.1 - before[0]) / (after[0] - before[0])
-intensity = before[1] + share * (after[1] - before[1])
+intensity = (before[1] + share * (after[1] - before[1])) ** 2  # as amplitude
 print(f"sound {amplitude:.3f}, pattern {intensity:.3f}")
 wanted = 2 / math.pi * math.atan(0.01 * 90)  # equation 5 at 90 px/s
 sys.exit(not (abs(intensity - amplitude) <= 0.05 * amplitude and abs(amplitude - wanted) <= 0.05 * wanted))

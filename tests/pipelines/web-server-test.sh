@@ -38,7 +38,7 @@ head_has() {
   done
 }
 options=()
-segment=$(cd "$work" && echo cmaf/cmaf-*/00001.mp4)
+segment=$(cd "$work" && echo cmaf/mp4-*/00001.mp4)
 stream=$(cd "$work" && echo ts/ts-*/00001.ts)
 kept='Cache-Control: public, max-age=31536000, immutable'
 promise "the page" head_has cmaf/index.html '200 OK' 'Content-Type: text/html' 'Cache-Control: no-cache' \

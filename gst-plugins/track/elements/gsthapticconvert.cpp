@@ -78,7 +78,8 @@ struct State {
   std::deque<BufferPtr> ready;
   bool failed = false; // an error was posted
   bool discont = true;
-  bool begun = false; // a sample has come since the start or the last flush
+  bool begun = false;        // a sample has come since the start or the last flush
+  bool has_language = false; // was said of the text that leaves
   haptic::TrackClock clock;
   haptic::KeyAsker key_asker;
 };
@@ -195,6 +196,16 @@ void queue_output(GstHapticConvert *self, const haptic::TrackOutput &output) {
   }
 }
 
+// Players choose text by its language, and in Matroska text without one is English (RFC 9559,
+// 5.1.4.1.19). This one has no linguistic content (ISO 639-2).
+void say_language(GstHapticConvert *self) {
+  State &state = *self->state;
+  if (state.out != Form::text || std::exchange(state.has_language, true))
+    return;
+  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self),
+                     gst_event_new_tag(gst_tag_list_new(GST_TAG_LANGUAGE_CODE, "zxx", nullptr)));
+}
+
 void push_remaining(GstHapticConvert *self) {
   State &state = *self->state;
   if (state.writer) {
@@ -203,6 +214,7 @@ void push_remaining(GstHapticConvert *self) {
     queue_output(self, output);
   }
   while (!state.ready.empty()) {
+    say_language(self);
     GstBuffer *buffer = state.ready.front().release();
     state.ready.pop_front();
     if (gst_pad_push(GST_BASE_TRANSFORM_SRC_PAD(self), buffer) != GST_FLOW_OK)
@@ -332,6 +344,7 @@ GstFlowReturn generate_output(GstBaseTransform *trans, GstBuffer **out) {
     return GST_FLOW_NOT_NEGOTIATED;
   *out = nullptr;
   if (!state.ready.empty()) {
+    say_language(GST_HAPTIC_CONVERT(trans));
     *out = state.ready.front().release();
     state.ready.pop_front();
   }
@@ -374,6 +387,7 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
     break;
   case GST_EVENT_STREAM_START:
     state.clock.forget();
+    state.has_language = false;
     break;
   case GST_EVENT_GAP:
     // Demuxers send them when other streams run ahead, tsdemux 1.22 also before its segment. A
@@ -461,6 +475,7 @@ gboolean stop(GstBaseTransform *trans) {
   state.key_asker = {};
   state.failed = false;
   state.clock = {};
+  state.has_language = false;
   return TRUE;
 }
 

@@ -120,11 +120,13 @@ void send_next(GstPointerExtract *self) {
       return;
     }
     position = std::exchange(state.newest, std::nullopt);
+    if (!position) // before another stream may start the task again
+      gst_pad_pause_task(state.pointer);
   }
   begin_stream(self);
   if (!position) {
     gst_pad_push_event(state.pointer, gst_event_new_eos());
-    gst_pad_pause_task(state.pointer);
+    state.begun = false; // another stream may follow
     return;
   }
   const GstFlowReturn result = push_pointer(self, *position);
@@ -134,6 +136,16 @@ void send_next(GstPointerExtract *self) {
   gst_pad_pause_task(state.pointer);
   if (result < GST_FLOW_EOS)
     GST_ELEMENT_FLOW_ERROR(self, result);
+}
+
+gboolean start_task(GstPad *pointer, GstObject *parent) {
+  return gst_pad_start_task(
+      pointer,
+      [](gpointer data) {
+        auto *self = GST_POINTER_EXTRACT(data);
+        guarded(self, [&] { send_next(self); });
+      },
+      parent, nullptr);
 }
 
 gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
@@ -151,13 +163,7 @@ gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
   state.changed.notify_all();
   if (!active)
     return gst_pad_stop_task(pad);
-  return gst_pad_start_task(
-      pad,
-      [](gpointer data) {
-        auto *self = GST_POINTER_EXTRACT(data);
-        guarded(self, [&] { send_next(self); });
-      },
-      parent, nullptr);
+  return start_task(pad, parent);
 }
 
 gboolean src_event(GstPad *pad, GstObject *parent, GstEvent *event) {
@@ -182,6 +188,15 @@ gboolean sink_event(GstPad *pad, GstObject *parent, GstEvent *event) {
       state.ended = true;
     }
     state.changed.notify_all();
+  }
+  // After its end, the track begins again.
+  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START ||
+      GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) {
+    std::unique_lock lock(state.mutex);
+    if (std::exchange(state.ended, false)) {
+      lock.unlock();
+      start_task(state.pointer, parent);
+    }
   }
   return gst_pad_event_default(pad, parent, event);
 }

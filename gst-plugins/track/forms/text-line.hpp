@@ -10,10 +10,12 @@
 
 namespace haptic {
 
-/// What the lines of every version begin with, those of this version, and its lines of fields.
+/// What the lines of every version begin with, those of this version, and its lines of each kind.
 inline constexpr std::string_view kTextName = "hv";
 inline constexpr std::string_view kTextMagic = "hv1";
 inline constexpr std::string_view kTextFieldStart = "hv1 field ";
+inline constexpr std::string_view kTextReliefStart = "hv1 relief ";
+inline constexpr std::string_view kTextPointStart = "hv1 point ";
 static_assert(kTextMagic.starts_with(kTextName) && kTextFieldStart.starts_with(kTextMagic));
 
 /// Returns a line without a newline and without characters that mark-up would escape. Reading its

@@ -41,6 +41,7 @@ struct ChannelCurve {
   CurveDrawing drawing;                 ///< what of the effect is not in the points yet
   double code_step = kCodeStep;         ///< difference of values that the coding may hide
   std::uint32_t id = 0;                 ///< of the band and the effect
+  std::int64_t begin = 0;               ///< tick at which the effect says that it begins
   bool is_closed = false;               ///< no more points come
 };
 

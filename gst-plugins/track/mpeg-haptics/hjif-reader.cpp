@@ -19,6 +19,9 @@ constexpr std::size_t kMostKeyframes = 1'000'000; // nine hours of 30 a second
 constexpr std::size_t kMostPoints = 4'000'000;
 constexpr double kLatest = 1e9;           // ticks
 constexpr double kLongestDirection = 127; // 6.2.7: MPEG_haptics.vector, signed bytes
+// At level 1.
+constexpr std::size_t kMostChannels = 127;
+constexpr std::size_t kMostBands = 7; // of a channel
 constexpr double kLargestExponent = 30;
 constexpr double kHighestTimescale = 48000; // ticks/s, Main profile
 constexpr std::ptrdiff_t kMostAtOnce = 16;  // effects of one band that may overlap
@@ -32,6 +35,7 @@ enum class Level { experience, perception, channel, direction, band, effect, key
 enum class Member {
   none,
   version, // 6.2.1 MPEG_haptics
+  level,
   timescale,
   perceptions,
   modality, // 6.2.3 MPEG_haptics.perception
@@ -64,6 +68,7 @@ struct Rule {
 
 constexpr Rule kRules[] = {
     {Level::experience, "version", Member::version, Kind::text},
+    {Level::experience, "level", Member::level, Kind::number},
     {Level::experience, "timescale", Member::timescale, Kind::number},
     {Level::experience, "perceptions", Member::perceptions, Kind::array},
     {Level::perception, "perception_modality", Member::modality, Kind::text},
@@ -120,27 +125,28 @@ Level level_within(Member member) {
 
 // ---- what is read -------------------------------------------------------------------------------
 
-enum class EffectType { other, basis, reference };
+enum class EffectType { unknown, basis, reference, composite };
 
 struct Effect {
   std::vector<CurvePoint> keys;
   double position = 0;
   double id = -1;
-  EffectType type = EffectType::other;
+  EffectType type = EffectType::unknown;
 };
 
 struct Band {
   std::vector<Effect> effects;
   CurveType curve = CurveType::unknown;
+  bool is_known = false;
   bool is_curve = false;
 };
 
 struct Channel {
   std::vector<Band> bands;
   double gain = 1;
-  std::optional<std::array<double, 2>> direction;
+  std::optional<std::array<double, 3>> direction; // right, up, towards the user
 
-  bool is_felt() const { return direction && *direction != std::array<double, 2>{}; }
+  bool is_felt() const { return direction && ((*direction)[0] != 0 || (*direction)[1] != 0); }
 };
 
 struct Perception {
@@ -258,6 +264,8 @@ public:
       return "there is no version: this is not MPEG haptics";
     if (!(timescale_ > 0 && timescale_ <= kHighestTimescale))
       return "the timescale is missing or impossible";
+    if (level_ == 1 && (channels_ > kMostChannels || bands_ > kMostBands))
+      return "more channels, or bands of one, than level 1 has";
     return has_force_ ? nullptr : "there is no perception of force";
   }
   double timescale() const { return timescale_; }
@@ -325,14 +333,17 @@ private:
     case Level::perception:
       return end_perception();
     case Level::channel:
+      ++channels_;
+      bands_ = std::max(bands_, channel_.bands.size());
       perception_.channels.push_back(std::move(channel_));
       break;
+    case Level::direction:
+      return end_direction();
     case Level::band:
       channel_.bands.push_back(std::move(band_));
       break;
     case Level::effect:
-      end_effect();
-      break;
+      return end_effect();
     case Level::keyframe:
       return end_keyframe();
     default:
@@ -343,6 +354,9 @@ private:
 
   const char *store(double value) {
     switch (member_) {
+    case Member::level:
+      level_ = value;
+      break;
     case Member::timescale:
       timescale_ = value;
       break;
@@ -351,7 +365,7 @@ private:
       break;
     case Member::gain:
       channel_.gain = value;
-      break;
+      return value < 0 ? "a negative gain" : nullptr;
     case Member::part:
       return store_part(value);
     case Member::id:
@@ -376,13 +390,20 @@ private:
     else if (member_ == Member::modality)
       perception_.is_force = value == "Force";
     else if (member_ == Member::band_type)
-      band_.is_curve = value == "Curve";
+      store_band_type(value);
     else if (member_ == Member::curve_type)
       band_.curve = curve_type_of(value);
     else if (member_ == Member::effect_type)
       effect_.type = value == "Basis"       ? EffectType::basis
                      : value == "Reference" ? EffectType::reference
-                                            : EffectType::other;
+                     : value == "Composite" ? EffectType::composite
+                                            : EffectType::unknown;
+  }
+
+  void store_band_type(std::string_view value) {
+    band_.is_curve = value == "Curve";
+    band_.is_known = band_.is_curve || value == "Transient" || value == "VectorialWave" ||
+                     value == "WaveletWave";
   }
 
   const char *store_part(double value) {
@@ -392,7 +413,16 @@ private:
       (*channel_.direction)[0] = value / kLongestDirection;
     else if (axis_ == "Y")
       (*channel_.direction)[1] = value / kLongestDirection;
+    else if (axis_ == "Z")
+      (*channel_.direction)[2] = value / kLongestDirection;
     return nullptr;
+  }
+
+  // As the reference software checks it.
+  const char *end_direction() const {
+    const auto &[x, y, z] = *channel_.direction;
+    const double length = std::hypot(x, y, z);
+    return length >= 0.99 && length <= 1.01 ? nullptr : "a direction whose length is not 127";
   }
 
   static const char *store_tick(double value, double &tick) {
@@ -422,6 +452,8 @@ private:
 
   // Draws the effects of the band. Those of a library are known only at the end of its perception.
   const char *end_band(const Channel &channel, Band &band) {
+    if (!band.is_known)
+      return "a band of no known type";
     leave_out(!band.is_curve, kOtherBands);
     leave_out(band.is_curve && !is_drawn(band.curve), kOtherCurves);
     if (!band.is_curve)
@@ -430,17 +462,18 @@ private:
     std::vector<ChannelCurve> curves;
     for (Effect &effect : band.effects) {
       const auto named = perception_.library.find(effect.id);
-      if (effect.type == EffectType::reference && named != perception_.library.end())
+      if (effect.type == EffectType::reference) {
+        if (named == perception_.library.end())
+          return "a reference to no effect of the library";
         effect.keys = named->second;
-      else if (effect.type == EffectType::reference)
-        effect.keys.clear();
-      leave_out(effect.type == EffectType::other, kComposite);
-      if (effect.type == EffectType::other || effect.keys.empty())
+      }
+      leave_out(effect.type == EffectType::composite, kComposite);
+      if (effect.type == EffectType::composite || effect.keys.empty())
         continue;
       for (auto &key : effect.keys)
         key.tick += static_cast<std::int64_t>(effect.position);
       ChannelCurve curve;
-      curve.direction = *channel.direction;
+      curve.direction = {(*channel.direction)[0], (*channel.direction)[1]};
       curve.points = std::move(effect.keys);
       scale_values(curve, channel.gain);
       scale_values(curve, scale);
@@ -463,11 +496,15 @@ private:
       left_out_.push_back(what);
   }
 
-  void end_effect() {
+  const char *end_effect() {
+    if (effect_.type == EffectType::unknown)
+      return "an effect of no known type";
     if (levels_.back() == Level::band)
       band_.effects.push_back(std::move(effect_));
-    else if (effect_.type == EffectType::basis)
-      perception_.library[effect_.id] = std::move(effect_.keys);
+    else // of a composite one, no curve is known
+      perception_.library[effect_.id] =
+          effect_.type == EffectType::basis ? std::move(effect_.keys) : std::vector<CurvePoint>();
+    return nullptr;
   }
 
   const char *end_keyframe() {
@@ -500,6 +537,9 @@ private:
   CurvePoint keyframe_;
   double keyframe_tick_ = 0;
 
+  double level_ = 0;
+  std::size_t channels_ = 0;
+  std::size_t bands_ = 0; // the most of one channel
   bool has_version_ = false;
   bool has_force_ = false;
   double timescale_ = 0;
@@ -522,8 +562,24 @@ const char *make_samples(std::vector<ChannelCurve> &curves, double timescale,
                                      });
   const std::int64_t silence = last->points.back().tick + 1;
   const auto rest = static_cast<std::int64_t>(std::ceil(timescale * kFinalSilence));
-  return ForceSampler().append(curves, curves.front().points.front().tick, silence + rest,
-                               {.timescale = timescale}, samples);
+  // Piece by piece: only so many points are summed at once, and a track may last for hours.
+  constexpr std::size_t kPiece = kMostForcePoints / 4; // points; a curve adds some at its ends
+  std::vector<std::int64_t> ticks;
+  for (const auto &curve : curves)
+    for (const auto &point : curve.points)
+      ticks.push_back(point.tick);
+  std::sort(ticks.begin(), ticks.end());
+  ForceSampler sampler;
+  std::int64_t begin = ticks.front();
+  for (std::size_t at = kPiece; at <= ticks.size(); at += kPiece) {
+    const std::int64_t end = at < ticks.size() ? ticks[at] : begin;
+    if (end == begin)
+      continue;
+    if (const char *wrong = sampler.append(curves, begin, end, {.timescale = timescale}, samples))
+      return wrong;
+    begin = end;
+  }
+  return sampler.append(curves, begin, silence + rest, {.timescale = timescale}, samples);
 }
 
 } // namespace

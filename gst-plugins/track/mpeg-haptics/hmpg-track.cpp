@@ -344,6 +344,7 @@ std::optional<ChannelCurve> HmpgDecoder::force_of(const HmpgCurve &effect, std::
   ChannelCurve curve;
   curve.direction = {(*channel->direction)[0] / 127.0, (*channel->direction)[1] / 127.0};
   curve.id = std::uint32_t{effect.band} << 16 | effect.effect;
+  curve.begin = begin + effect.begin;
   if (keyframes.size() > room)
     return curve;
   curve.points.reserve(keyframes.size());
@@ -355,14 +356,16 @@ std::optional<ChannelCurve> HmpgDecoder::force_of(const HmpgCurve &effect, std::
   return curve;
 }
 
-// Every effect of an independent unit is new, though its id may be that of an older one. One of a
-// library is whole. Returns the number of points, 0 if there is no room.
+// An effect of an independent unit is new, though its id may be that of an older one, unless both
+// begin at one tick: the reference encoder marks a unit independent when one effect begins in it,
+// and others may go on. One of a library is whole. Returns the number of points, 0 if there is no
+// room.
 std::size_t HmpgDecoder::add_effect(ChannelCurve curve, bool is_whole, const UnitHeader &header,
                                     std::int64_t begin) {
   const std::vector<CurvePoint> keys = std::exchange(curve.points, {});
   const std::int64_t first = keys.front().tick;
   const auto same = std::ranges::find_if(curves_, [&](const ChannelCurve &known) {
-    return header.dependent && !is_whole && known.id == curve.id &&
+    return (header.dependent || known.begin == curve.begin) && !is_whole && known.id == curve.id &&
            known.drawing.last(known.points.back().tick) <= first;
   });
   if (same != curves_.end()) {
@@ -391,6 +394,7 @@ std::size_t HmpgDecoder::add_effect(ChannelCurve curve, bool is_whole, const Uni
     join(known, curve.points);
     known.drawing = std::move(curve.drawing);
     known.id = curve.id;
+    known.begin = curve.begin;
     known.is_closed = curve.is_closed;
     return points;
   }

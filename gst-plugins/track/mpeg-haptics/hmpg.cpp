@@ -311,6 +311,7 @@ private:
       exact_ = false;
       return false;
     }
+    curve.begin = begin;
     if (in_.get(1))
       in_.get(12);
     const auto count = in_.get(16);

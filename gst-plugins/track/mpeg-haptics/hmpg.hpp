@@ -125,6 +125,7 @@ struct HmpgCurve {
   std::uint16_t effect = 0;              ///< id, or that of an effect in the library
   std::vector<HmpgKeyframe> keyframes;   ///< 65535 at most, from the first on in 65535 ticks
   std::optional<std::int32_t> reference; ///< ticks: where the effect of the library begins
+  std::int32_t begin = 0;                ///< ticks from the unit's beginning; before it: continued
 
   bool operator==(const HmpgCurve &) const = default;
 };

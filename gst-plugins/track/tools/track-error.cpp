@@ -3,6 +3,10 @@
 
 namespace haptic {
 
+std::string about(const std::string &path, const std::string &text) {
+  return text.starts_with('"') ? text : '"' + path + "\": " + text;
+}
+
 void throw_error(const char *format, ...) {
   std::va_list arguments;
   va_start(arguments, format);

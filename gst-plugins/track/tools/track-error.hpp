@@ -15,6 +15,9 @@ class TrackFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Returns the text with the name of the file before it, unless it begins with a name.
+std::string about(const std::string &path, const std::string &text);
+
 /// Throws a TrackFileError with the text that printf() would write.
 [[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player/source.hpp"
 
+#include "glue/content-only.hpp"
 #include "glue/gst-raii.hpp"
 
 #include <gio/gio.h>
@@ -14,6 +15,9 @@ namespace {
 
 using haptic::CapsPtr;
 using haptic::GCharPtr;
+
+constexpr const char *kNamesOthers =
+    "it lists other files or addresses, and what a file says is not opened";
 
 // Cameras offer their largest frames at a few frames a second; the tracker needs at least 15.
 constexpr const char *kCameraCaps =
@@ -60,6 +64,20 @@ std::string problem_of_camera(const std::string &path) {
     return "The camera " + path + " may not be used by you. As root run “usermod -aG video " +
            g_get_user_name() + "”, and log in again.";
   return "";
+}
+
+// Whether the user typed the address of a playlist.
+bool is_playlist(const Source &source) {
+  const std::string path = source.name.substr(0, source.name.find_first_of("?#"));
+  return source.kind == SourceKind::url &&
+         (g_str_has_suffix(path.c_str(), ".m3u8") || g_str_has_suffix(path.c_str(), ".mpd"));
+}
+
+// Of the segments that a playlist of a server lists, none may be a file of this machine.
+void close_files(GstBin *, GstBin *, GstElement *element, gpointer) {
+  const GstElementFactory *factory = gst_element_get_factory(element);
+  if (factory && g_str_equal(GST_OBJECT_NAME(factory), "filesrc"))
+    g_object_set(element, "location", nullptr, nullptr);
 }
 
 GstElement *add(GstBin *pipeline, const char *factory) {
@@ -146,6 +164,10 @@ GstElement *add_source(GstBin *pipeline, const Source &source, bool with_sound) 
   g_object_set(decoder, "uri", uri.get(), "caps", caps.get(), "expose-all-streams", FALSE,
                "use-buffering", static_cast<gboolean>(g_str_has_prefix(uri.get(), "http")),
                nullptr);
+  if (is_playlist(source))
+    g_signal_connect(decoder, "deep-element-added", G_CALLBACK(close_files), nullptr);
+  else
+    haptic::open_content_only(decoder, kNamesOthers);
   return decoder;
 }
 

@@ -38,6 +38,7 @@ constexpr std::uint64_t kFieldsInMemory = 1000; // of a chunk, before they are f
 // The fields of all chunks, one after another. The thread of the appsrc.
 struct Track {
   const std::vector<ChunkReader> &chunks;
+  std::uint64_t lead;       // ns
   std::size_t next = 0;     // chunk
   std::uint64_t pushed = 0; // fields
   KlvReader reader{{}};
@@ -56,12 +57,12 @@ void push_next(GstAppSrc *in, guint, gpointer data) {
     gst_app_src_end_of_stream(in);
     return;
   }
-  const CodedField field = coded_field_of(*item);
+  CodedField field = coded_field_of(*item);
   if (++track.pushed % kFieldsInMemory == 0)
     track.chunks[track.next - 1].forget();
   track.decoder.push(field.bytes);
   const bool is_usual = field.duration == kNoTime && track.decoder.field().interval > 0;
-  BufferPtr buffer = make_buffer(write_klv(field), field.time,
+  BufferPtr buffer = make_buffer(write_klv(field), field.time + track.lead,
                                  is_usual ? track.decoder.field().interval : field.duration);
   if (!is_key_field(field.bytes))
     GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
@@ -171,13 +172,37 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
   g_date_time_unref(date);
 }
 
+// Frames that an edit list hides before the first shown one are decoded, but a muxer would leave
+// them out. Their stream begins with them, and all others by as much later.
+GstPadProbeReturn begin_earlier(GstPad *, GstPadProbeInfo *info, gpointer data) {
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
+    return GST_PAD_PROBE_OK;
+  GstSegment segment;
+  gst_event_copy_segment(event, &segment);
+  segment.start -= std::min(segment.start, *static_cast<const std::uint64_t *>(data));
+  GstEvent *earlier = gst_event_new_segment(&segment);
+  gst_event_set_seqnum(earlier, gst_event_get_seqnum(event));
+  gst_event_unref(event);
+  GST_PAD_PROBE_INFO_DATA(info) = earlier;
+  return GST_PAD_PROBE_OK;
+}
+
 // Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
-PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska) {
+PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska,
+                   const std::uint64_t &lead) {
   if (!has_place(muxer_of(is_matroska ? kMatroska : kTransportStream), pad)) {
     discard_stream(pad);
     return nullptr;
   }
   GstElement *queue = add_queue(film.pipeline(), pad == film.video() ? kVideoBytes : kAudioBytes);
+  const PadPtr in(gst_element_get_static_pad(queue, "sink"));
+  const PadPtr out(gst_element_get_static_pad(queue, "src"));
+  if (pad == film.video())
+    gst_pad_add_probe(in.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, begin_earlier,
+                      const_cast<std::uint64_t *>(&lead), nullptr);
+  else
+    gst_pad_set_offset(out.get(), static_cast<gint64>(lead));
   PadPtr linked = link_untouched(queue, caps_of(pad).get(), mux, is_matroska);
   link_pad(pad, queue);
   return linked;
@@ -193,12 +218,12 @@ void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
   GstElement *container_mark = add_element(film.pipeline(), "hapticmark");
   link_elements(mux, container_mark);
   link_elements(container_mark, sink);
-  const PadPtr video = keep_stream(film, film.video(), mux, is_matroska);
+  const PadPtr video = keep_stream(film, film.video(), mux, is_matroska, planned.index.lead);
   if (!planned.index.rotation.empty() && orientation_in(planned.path).empty())
     gst_pad_add_probe(video.get(), GST_PAD_PROBE_TYPE_BUFFER, turn_picture,
                       const_cast<PlannedFilm *>(&planned), nullptr);
   for (GstPad *pad : film.audio())
-    keep_stream(film, pad, mux, is_matroska);
+    keep_stream(film, pad, mux, is_matroska, planned.index.lead);
   // Before other streams: who takes the first text of the file takes the track.
   const TrackSource source = add_track_source(film.pipeline(), true, mux, is_matroska);
   const PadPtr coded(gst_element_get_static_pad(source.coded, "src"));
@@ -207,7 +232,7 @@ void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
   callbacks.need_data = push_next;
   gst_app_src_set_callbacks(GST_APP_SRC(source.in), &callbacks, &track, nullptr);
   for (GstPad *pad : film.others())
-    keep_stream(film, pad, mux, is_matroska);
+    keep_stream(film, pad, mux, is_matroska, planned.index.lead);
 }
 
 // ---- copies that are there ---------------------------------------------------------------------
@@ -258,7 +283,7 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
   const std::string stem = author_stem(film.path, options);
   PartFile part(stem + ".part");
   std::string mark = copy_mark(film, options);
-  Track track{.chunks = chunks};
+  Track track{.chunks = chunks, .lead = film.index.lead};
   {
     FilmStreams streams(film.path, FilmUse::copy, poll);
     build(film, streams, track, part.path(), mark);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/author-manifest.hpp"
 
-#include "part-file.hpp"
 #include "track-error.hpp"
+#include "tracks/track-file.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -19,14 +19,6 @@ namespace {
 constexpr const char *kTexts[] = {"video", "video-sha256", "copy", "copy-sha256"};
 constexpr const char *kNumbers[] = {"bytes", "seconds", "frames", "kbit/s", "confidence"};
 constexpr char kWarnings[] = "warnings";
-
-void write_file(const std::string &path, const std::string &text) {
-  PartFile part(path + ".part");
-  std::ofstream file(part.path(), std::ios::binary | std::ios::trunc);
-  if (!file.write(text.data(), static_cast<std::streamsize>(text.size())) || !file.flush())
-    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
-  part.keep_as(path);
-}
 
 std::string csv_quoted(const std::string &text) {
   std::string field = "\"";
@@ -138,8 +130,8 @@ std::vector<ManifestRow> read_manifest(const std::string &path) {
 }
 
 void write_manifest(const std::string &stem, const std::vector<ManifestRow> &rows) {
-  write_file(stem + ".json", json_of(rows));
-  write_file(stem + ".csv", table_of(rows));
+  write_bytes(stem + ".json", json_of(rows));
+  write_bytes(stem + ".csv", table_of(rows));
 }
 
 } // namespace haptic

@@ -120,6 +120,8 @@ void write_film(Writer &json, const PlannedFilm &film) {
   write_text(json, "rotation", film.index.rotation);
   json.Key("duration");
   json.Uint64(film.index.duration);
+  json.Key("lead");
+  json.Uint64(film.index.lead);
   json.Key("warnings");
   json.StartArray();
   for (const std::string &warning : film.index.warnings)
@@ -203,6 +205,7 @@ PlannedFilm read_film(const Json &json, const std::string &path) {
   film.index.ending = members.text("ending");
   film.index.rotation = members.text("rotation");
   film.index.duration = members.number("duration");
+  film.index.lead = members.number("lead");
   for (const Json &warning : members.list("warnings").GetArray()) {
     members.require(warning.IsString());
     film.index.warnings.emplace_back(warning.GetString());

@@ -3,6 +3,7 @@
 
 #include "author/author-file.hpp"
 #include "author/author-manifest.hpp"
+#include "interruption.hpp"
 #include "seconds.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
@@ -29,27 +30,10 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLineEvery = std::chrono::seconds(10); // of progress
-constexpr int kInterrupted = 130;                     // exit statuses of a process
-constexpr int kExists = 3;
-
-volatile std::sig_atomic_t interrupted = 0;
-
-// What is half-written is removed before the process ends.
-void stop_when_interrupted() {
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
-}
-
-void throw_if_interrupted() {
-  if (interrupted != 0)
-    throw_error(messages::kAuthoringIsInterrupted);
-}
+constexpr int kExists = 3;                            // exit status of a process
 
 int status_of_failure() {
-  return interrupted != 0 ? kInterrupted : EXIT_FAILURE;
+  return is_interrupted() ? kInterrupted : EXIT_FAILURE;
 }
 
 void print_error(const std::string &text) {
@@ -68,9 +52,7 @@ bool succeeds(const std::string &path, Work &&work) {
     work();
     return true;
   } catch (const std::exception &error) {
-    const std::string text = error.what();
-    const bool has_name = text.starts_with("\"");
-    print_error(has_name ? text : "\"" + path + "\": " + text);
+    print_error(about(path, error.what()));
     return false;
   }
 }
@@ -162,8 +144,10 @@ int author_one(const std::string &path, const AuthorOptions &options) {
 // Two videos of one name would replace each other's copies. That is found before the work of hours
 // begins. A video that is named twice counts once. Returns false after an error.
 bool copies_differ(std::vector<std::string> &files, const AuthorOptions &options) {
-  if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw_error(messages::kFolderIsMissing, options.folder.c_str());
+  std::error_code problem;
+  if (!options.folder.empty() && !fs::is_directory(options.folder) &&
+      !fs::create_directories(options.folder, problem))
+    throw_error(messages::kOutputFails, options.folder.c_str(), problem.message().c_str());
   std::map<std::string, std::string> videos; // of the copies
   bool differ = true;
   std::erase_if(files, [&](const std::string &path) {
@@ -191,7 +175,7 @@ public:
   int run(unsigned jobs) {
     std::size_t next = 0;
     while (next < files_.size() || !running_.empty()) {
-      if (interrupted == 0 && next < files_.size() && running_.size() < jobs)
+      if (!is_interrupted() && next < files_.size() && running_.size() < jobs)
         start(files_[next++]);
       else if (running_.empty())
         break;
@@ -240,11 +224,11 @@ private:
     const std::size_t done = counts_[EXIT_SUCCESS] + counts_[kExists] + failed;
     std::printf("%zu written, %zu there already, %zu failed", counts_[EXIT_SUCCESS],
                 counts_[kExists], failed);
-    if (interrupted != 0)
+    if (is_interrupted())
       std::printf(", %zu not done: run it again to go on", files_.size() - done);
     std::printf("; %.0f s, at most %ld MB a process\n", seconds_since(begun_),
                 usage.ru_maxrss / 1024);
-    if (interrupted != 0)
+    if (is_interrupted())
       return kInterrupted;
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
   }
@@ -362,7 +346,7 @@ int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &o
       minutes += static_cast<double>(film.index.duration) / 60e9;
       plan.films.push_back(std::move(film));
     });
-  if (interrupted != 0)
+  if (is_interrupted())
     return kInterrupted;
   const auto usual = static_cast<unsigned>(std::clamp(minutes, 1.0, 1.0 * kMostChunks));
   plan.chunks = divide_films(plan.films, chunks > 0 ? chunks : usual);
@@ -396,10 +380,10 @@ int merge_chunks(const std::string &path) {
   const std::vector<ManifestRow> before = read_manifest(stem + ".json");
   std::vector<ManifestRow> rows;
   std::vector<std::size_t> merged;
-  for (std::size_t i = 0; i < plan.films.size() && interrupted == 0; ++i)
+  for (std::size_t i = 0; i < plan.films.size() && !is_interrupted(); ++i)
     if (succeeds(plan.films[i].path, [&] { rows.push_back(merge_film(plan, i, before)); }))
       merged.push_back(i);
-  if (interrupted != 0)
+  if (is_interrupted())
     return kInterrupted;
   write_manifest(stem, rows);
   std::error_code error;

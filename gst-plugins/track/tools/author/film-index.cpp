@@ -11,6 +11,7 @@
 #include <atomic>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 namespace haptic {
 namespace {
@@ -36,6 +37,10 @@ struct IndexScan {
   std::uint64_t frames = 0;
   std::string rotation;       // as the tag has it
   std::uint64_t position = 0; // ns, the end of the video that was read
+  std::uint64_t lead = 0;     // ns, of frames that an edit list hides before the first shown one
+  std::uint64_t begin = 0;    // ns, time stamp at running time 0
+  std::uint64_t hidden = 0;   // their number
+  std::optional<gint64> edit; // ns, running time at 0 of the media
   // ns, the end of all streams that were read: sound may be longer. Any streaming thread.
   std::atomic<std::uint64_t> end = 0;
 };
@@ -68,7 +73,43 @@ GstPadProbeReturn note_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
     scan.keys.push_back({time, scan.frames});
   ++scan.frames;
+  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
+  const GstSegment *segment = nullptr;
+  if (!event || !GST_BUFFER_PTS_IS_VALID(buffer))
+    return GST_PAD_PROBE_OK;
+  gst_event_parse_segment(event.get(), &segment);
+  scan.begin = segment->start;
+  if (GST_BUFFER_PTS(buffer) < segment->start) {
+    scan.lead = std::max(scan.lead, segment->start - GST_BUFFER_PTS(buffer));
+    ++scan.hidden;
+  }
   return GST_PAD_PROBE_OK;
+}
+
+// The edit list of an MP4 may show parts of the video in any order and at any speed. Neither
+// MPEG-TS nor Matroska can.
+GstPadProbeReturn refuse_edits(GstPad *, GstPadProbeInfo *info, gpointer data) {
+  auto &scan = *static_cast<IndexScan *>(data);
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
+    return GST_PAD_PROBE_OK;
+  const GstSegment *segment = nullptr;
+  gst_event_parse_segment(event, &segment);
+  const gint64 edit = static_cast<gint64>(segment->base) - static_cast<gint64>(segment->start);
+  if (segment->rate * segment->applied_rate != 1 || scan.edit.value_or(edit) != edit)
+    GST_ELEMENT_ERROR(scan.pipeline, STREAM, FORMAT, ("%s", messages::kFilmIsEdited), (nullptr));
+  scan.edit = edit;
+  return GST_PAD_PROBE_OK;
+}
+
+bool has_edit_list(GstElement *pipeline) {
+  const std::unique_ptr<GstIterator, decltype(&gst_iterator_free)> all(
+      gst_bin_iterate_all_by_element_factory_name(GST_BIN(pipeline), "qtdemux"), gst_iterator_free);
+  GValue found = G_VALUE_INIT;
+  const bool has = gst_iterator_next(all.get(), &found) == GST_ITERATOR_OK;
+  if (has)
+    g_value_unset(&found);
+  return has;
 }
 
 GstPadProbeReturn note_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
@@ -158,8 +199,9 @@ void find_rotation(const std::string &path, bool has_message, const std::string 
     index.warnings.push_back("the rotation was left out: " + tag);
 }
 
-void check_whole(const IndexScan &scan, GstClockTime duration) {
-  const std::uint64_t position = scan.end;
+// The length that Matroska states counts from time stamp 0.
+void check_whole(const IndexScan &scan, GstClockTime duration, bool counts_from_zero) {
+  const std::uint64_t position = scan.end + (counts_from_zero ? scan.begin : 0);
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
       static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
     throw_error(messages::kFileEndsEarly, seconds(position), seconds(duration));
@@ -241,6 +283,9 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
   gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, note_frame, &scan, nullptr);
   gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, note_rotation, &scan,
                     nullptr);
+  if (has_edit_list(film.pipeline()))
+    gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_edits, &scan,
+                      nullptr);
   refuse_other_size(film.pipeline(), film.video());
   gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
   for (GstPad *pad : film.audio()) {
@@ -256,8 +301,13 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
   film.play(poll);
   if (scan.frames == 0)
     throw_error(messages::kNoFrameIsDecoded);
-  check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE);
+  check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE,
+              is_matroska(path));
   index.duration = scan.position;
+  index.lead = scan.lead;
+  if (scan.hidden > 0)
+    index.warnings.push_back(
+        format_text(messages::kHiddenFrames, static_cast<unsigned long long>(scan.hidden)));
   index.spans = divide(scan.keys);
   warn_of_sparse_keys(scan, index);
   find_rotation(path, has_message, scan.rotation, index);

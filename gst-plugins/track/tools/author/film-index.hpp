@@ -26,6 +26,7 @@ struct FilmIndex {
   std::string ending;                ///< of the copy: kTransportStream or kMatroska
   std::string rotation;              ///< rotate-90, -180 or -270; "": the frames are upright
   std::uint64_t duration = 0;        ///< ns
+  std::uint64_t lead = 0;            ///< ns before the first shown frame that it depends on
   std::vector<std::string> warnings; ///< what of the film is not in the copy
 };
 

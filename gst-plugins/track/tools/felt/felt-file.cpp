@@ -3,6 +3,7 @@
 
 #include "samples/field-sampler.hpp"
 #include "samples/region-size.hpp"
+#include "seconds.hpp"
 #include "tracks/field-track.hpp"
 
 #include <algorithm>
@@ -62,6 +63,19 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
   for (const auto &remark : track_.remarks)
     std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
   leave_reliefs_out(path, track_);
+}
+
+std::optional<double> FeltFile::film_begin() const {
+  return track_.film_begin == kNoTime ? std::nullopt : std::optional(seconds(track_.film_begin));
+}
+
+double FeltFile::track_begin() const {
+  std::uint64_t first = kNoTime;
+  for (const auto &sample : track_.samples)
+    first = std::min(first, sample.time);
+  for (const auto &coded : track_.coded())
+    first = std::min(first, coded.time);
+  return first == kNoTime ? 0 : seconds(first);
 }
 
 std::vector<TimedPlace> FeltFile::hand() const {

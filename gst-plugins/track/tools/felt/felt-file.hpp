@@ -8,6 +8,7 @@
 #include "tracks/track-file.hpp"
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +37,11 @@ public:
   const std::string &path() const noexcept { return path_; }
   /// Sets s that are added to all times; before hand() and feel().
   void delay(double offset) noexcept { offset_ = offset; }
+  bool is_log() const noexcept { return !log_.forces.empty(); }
+  /// s, when the video beside the track begins; nothing without a video.
+  std::optional<double> film_begin() const;
+  /// s, the first time of a track.
+  double track_begin() const;
   bool has_motion() const noexcept { return !track_.empty(); }
   bool has_reliefs() const noexcept { return !track_.reliefs.empty(); }
   /// Whether it holds something for each place of the frame: fields or reliefs.

@@ -141,7 +141,7 @@ bool is_any_felt(const Force &a, const Force &b) noexcept {
 }
 
 bool Comparison::is_late() const noexcept {
-  return std::abs(shift) > kLeastShift;
+  return is_start_known && std::abs(shift) > kLeastShift;
 }
 
 bool Comparison::is_distinguishable(const SignalPair &pair, std::int64_t step) const noexcept {
@@ -180,8 +180,10 @@ Comparison compare_signals(std::size_t places, const SignalsAt &signals_at) {
   return compare_at(best_shift(places, signals_at), places, signals_at);
 }
 
-Comparison compare_at(double shift_time, std::size_t places, const SignalsAt &signals_at) {
+Comparison compare_at(double shift_time, std::size_t places, const SignalsAt &signals_at,
+                      bool is_start_known) {
   Comparison result;
+  result.is_start_known = is_start_known;
   const std::int64_t shift = std::llround(shift_time / kForceStep);
   result.shift = static_cast<double>(shift) * kForceStep;
   Sums all;

@@ -38,8 +38,9 @@ struct PlaceComparison {
 };
 
 struct Comparison {
-  PlaceComparison all; ///< at all places together
-  double shift = 0;    ///< s, by which the second signal is later; the same at all places
+  PlaceComparison all;        ///< at all places together
+  double shift = 0;           ///< s, by which the second signal is later; the same at all places
+  bool is_start_known = true; ///< otherwise the shift says nothing
   std::vector<PlaceComparison> places;
   std::int64_t first = 0; ///< steps of kForceStep: the time that was compared
   std::int64_t end = 0;
@@ -55,9 +56,10 @@ struct Comparison {
 /// fit better by 5 %.
 double best_shift(std::size_t places, const SignalsAt &signals_at);
 
-/// Compares at a shift. If it is above kLeastShift, all that is felt can be told apart. A signal
-/// that has ended is zero.
-Comparison compare_at(double shift, std::size_t places, const SignalsAt &signals_at);
+/// Compares at a shift. If it is above kLeastShift, all that is felt can be told apart, unless
+/// nobody knows when the signals start. A signal that has ended is zero.
+Comparison compare_at(double shift, std::size_t places, const SignalsAt &signals_at,
+                      bool is_start_known = true);
 
 /// Compares at the shift at which the signals fit best.
 Comparison compare_signals(std::size_t places, const SignalsAt &signals_at);

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/film-reader.hpp"
 
+#include "film/copied-stream.hpp"
+#include "film/film-streams.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
+#include "interruption.hpp"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <deque>
+#include <exception>
 #include <filesystem>
 #include <gst/app/gstappsink.h>
 #include <gst/pbutils/pbutils.h>
@@ -22,7 +24,6 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr char kSideways[] = "frames that lie on their side";
-constexpr guint kQueued = 256; // frames of a stream that wait to be read
 
 // Sampling rates of AAC by their index, Hz (ISO/IEC 14496-3, table 1.18).
 constexpr std::array<int, 13> kRates = {96000, 88200, 64000, 48000, 44100, 32000, 24000,
@@ -109,137 +110,168 @@ std::string unplayable(const GstStructure *caps) {
   return {};
 }
 
-} // namespace
+class Reading {
+public:
+  Reading(const std::string &path, const std::function<void(FilmFrame &&)> &call)
+      : path_(path), film_(path, FilmUse::copy, throw_if_interrupted), call_(call) {}
 
-struct FilmReader::State {
-  std::string path;
-  ElementPtr pipeline;
-  BusPtr bus;
-  GstElement *video_sink = nullptr; // of the pipeline
-  GstElement *sound_sink = nullptr;
-  std::atomic<bool> has_video = false; // their sinks are linked
-  std::atomic<bool> has_sound = false;
-  std::mutex mutex;
-  std::string problem;               // guarded by mutex: the whole error
-  std::vector<std::string> left_out; // guarded by mutex
-  FilmFormat format;
-  std::size_t length_size = 4; // bytes
-  std::vector<std::uint8_t> configuration;
-  std::deque<FilmFrame> frames;
-  bool over = false;
-
-  void refuse(const std::string &why) {
-    const std::lock_guard lock(mutex);
-    if (problem.empty())
-      problem = why;
+  FilmFormat run() {
+    link_video();
+    link_sound();
+    for (GstPad *pad : film_.others())
+      leave_out(pad);
+    try {
+      film_.play(throw_if_interrupted);
+    } catch (const TrackFileError &) {
+      if (!failure_)
+        throw;
+    }
+    if (failure_)
+      std::rethrow_exception(failure_);
+    return format_;
   }
-  void link(GstPad *pad);
+
+private:
+  static GstPadProbeReturn refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data);
+  void link_video();
+  void link_sound();
+  void leave_out(GstPad *pad);
+  GstElement *link_sink(GstPad *pad, const char *parser, const char *form);
   void read_video_format(const GstStructure *caps);
   void read_sound_format(const GstStructure *caps);
-  void append_video(GstBuffer *buffer, std::int64_t time);
-  void append(GstSample *sample, bool is_sound);
-  bool pull(GstElement *sink, bool is_sound);
-  void read_bus();
-  bool ended() const;
+  void push_video(GstBuffer *buffer, std::int64_t time);
+  void push(GstSample *sample, bool is_sound);
+  GstFlowReturn pull(GstAppSink *sink);
+
+  const std::string path_;
+  FilmStreams film_;
+  const std::function<void(FilmFrame &&)> &call_;
+  GstElement *sound_sink_ = nullptr;
+  // Of the streaming threads, one at a time.
+  std::mutex mutex_;
+  FilmFormat format_;
+  std::size_t length_size_ = 4; // bytes
+  std::vector<std::uint8_t> configuration_;
+  std::exception_ptr failure_;
 };
 
-namespace {
-
-// Links the pad to parser and sink, or to a fakesink.
-void link_to(GstElement *pipeline, GstPad *pad, const char *parser, GstElement *sink) {
-  GstElement *first = parser ? add_element(pipeline, parser) : sink;
-  if (parser) {
-    gst_bin_add(GST_BIN(pipeline), sink);
-    gst_element_link(first, sink);
-  }
-  const PadPtr to(gst_element_get_static_pad(first, "sink"));
-  gst_pad_link(pad, to.get());
-  gst_element_sync_state_with_parent(sink);
-  gst_element_sync_state_with_parent(first);
-}
-
-GstElement *make_sink(const char *form) {
-  GstElement *sink = gst_element_factory_make("appsink", nullptr);
-  const CapsPtr caps(gst_caps_from_string(form));
-  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, "max-buffers", kQueued,
-               nullptr);
-  return GST_ELEMENT(gst_object_ref_sink(sink));
-}
-
-} // namespace
-
-// The first video and the first sound are read. A browser shows no rotation of these containers.
-void FilmReader::State::link(GstPad *pad) {
-  CapsPtr caps(gst_pad_get_current_caps(pad));
-  if (!caps)
-    caps.reset(gst_pad_query_caps(pad, nullptr));
-  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
-  const std::string name = gst_structure_get_name(structure);
-  const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
+// What a person calls the stream.
+std::string description_of(const GstCaps *caps) {
   // Of caps that a parser has yet to complete there is no description.
-  const GCharPtr codec(
-      gst_caps_is_fixed(caps.get()) ? gst_pb_utils_get_codec_description(caps.get()) : nullptr);
-  const char *what = codec ? codec.get() : name.c_str();
-  if (name.starts_with("video/") && !has_video.exchange(true)) {
-    if (name == "video/x-h264")
-      return link_to(pipeline.get(), pad, "h264parse", video_sink);
-    refuse(format_text(messages::kBrowserLacksVideo, path.c_str(), what));
-  } else if (name.starts_with("audio/") && !has_sound) {
-    if (gst_caps_can_intersect(caps.get(), aac.get())) {
-      has_sound = true;
-      return link_to(pipeline.get(), pad, "aacparse", sound_sink);
-    }
-    refuse(format_text(messages::kBrowserLacksSound, path.c_str(), what));
-  } else if (!name.starts_with("meta/")) {
-    const std::lock_guard lock(mutex);
-    left_out.push_back(name);
-  }
-  GstElement *rest = add_element(pipeline.get(), "fakesink");
-  g_object_set(rest, "sync", FALSE, "async", FALSE, nullptr);
-  link_to(pipeline.get(), pad, nullptr, rest);
+  const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
+                                               : nullptr);
+  return codec ? codec.get() : name_of(caps);
 }
 
-void FilmReader::State::read_video_format(const GstStructure *caps) {
+GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form) {
+  GstElement *parse = add_element(film_.pipeline(), parser);
+  GstElement *sink = add_element(film_.pipeline(), "appsink");
+  const CapsPtr caps(gst_caps_from_string(form));
+  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+  GstAppSinkCallbacks callbacks = {};
+  callbacks.new_sample = [](GstAppSink *from, gpointer data) {
+    return static_cast<Reading *>(data)->pull(from);
+  };
+  gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
+  link_elements(parse, sink);
+  link_pad(pad, parse);
+  return sink;
+}
+
+// A browser shows no rotation of these containers.
+GstPadProbeReturn Reading::refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
+  auto &reading = *static_cast<Reading *>(data);
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
+    return GST_PAD_PROBE_OK;
+  GstTagList *tags = nullptr;
+  gst_event_parse_tag(event, &tags);
+  gchar *text = nullptr;
+  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
+  const GCharPtr rotation(text);
+  if (rotation && !g_str_equal(text, "rotate-0"))
+    GST_ELEMENT_ERROR(reading.film_.pipeline(), STREAM, FORMAT,
+                      (messages::kBrowserLacksVideo, reading.path_.c_str(), kSideways), (nullptr));
+  return GST_PAD_PROBE_OK;
+}
+
+void Reading::link_video() {
+  const CapsPtr caps = caps_of(film_.video());
+  if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
+    throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
+  gst_pad_add_probe(film_.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_rotation, this,
+                    nullptr);
+  // What an edit list hides before the first shown frame, this frame depends on.
+  gst_base_sink_set_drop_out_of_segment(
+      GST_BASE_SINK(
+          link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
+      FALSE);
+}
+
+// The first sound is read.
+void Reading::link_sound() {
+  const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
+  for (GstPad *pad : film_.audio()) {
+    const CapsPtr caps = caps_of(pad);
+    if (sound_sink_)
+      leave_out(pad);
+    else if (gst_caps_can_intersect(caps.get(), aac.get()))
+      sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
+    else
+      throw_error(messages::kBrowserLacksSound, path_.c_str(), description_of(caps.get()).c_str());
+  }
+}
+
+void Reading::leave_out(GstPad *pad) {
+  if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
+    format_.left_out.push_back(name);
+  GstElement *rest = add_element(film_.pipeline(), "fakesink");
+  g_object_set(rest, "sync", FALSE, "async", FALSE, nullptr);
+  link_pad(pad, rest);
+}
+
+void Reading::read_video_format(const GstStructure *caps) {
   const auto data = codec_data_of(caps);
-  if (data == configuration)
+  if (data == configuration_)
     return;
-  if (!configuration.empty())
-    throw_error(messages::kFilmChanges, path.c_str());
+  if (!configuration_.empty())
+    throw_error(messages::kFilmChanges, path_.c_str());
   if (const std::string what = unplayable(caps); !what.empty())
-    throw_error(messages::kBrowserLacksVideo, path.c_str(), what.c_str());
-  configuration = data;
-  length_size = read_configuration(configuration, format);
-  if (length_size == 0)
-    throw_error(messages::kBrowserLacksVideo, path.c_str(), "a damaged head of H.264");
-  gst_structure_get_int(caps, "width", &format.width);
-  gst_structure_get_int(caps, "height", &format.height);
-  gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format.pixel_aspect_n,
-                             &format.pixel_aspect_d);
+    throw_error(messages::kBrowserLacksVideo, path_.c_str(), what.c_str());
+  configuration_ = data;
+  length_size_ = read_configuration(configuration_, format_);
+  if (length_size_ == 0)
+    throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
+  gst_structure_get_int(caps, "width", &format_.width);
+  gst_structure_get_int(caps, "height", &format_.height);
+  gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
+                             &format_.pixel_aspect_d);
   gint n = 0;
   gint d = 1;
   if (gst_structure_get_fraction(caps, "framerate", &n, &d) && d > 0)
-    format.frame_rate = static_cast<double>(n) / d;
+    format_.frame_rate = static_cast<double>(n) / d;
 }
 
-void FilmReader::State::read_sound_format(const GstStructure *caps) {
-  format.sound = codec_data_of(caps);
-  gst_structure_get_int(caps, "channels", &format.sound_channels);
+void Reading::read_sound_format(const GstStructure *caps) {
+  format_.sound = codec_data_of(caps);
+  gst_structure_get_int(caps, "channels", &format_.sound_channels);
   // A frame in a transport stream has room for a known rate and number of channels only.
-  const std::size_t rate =
-      format.sound.size() < 2 ? kRates.size() : (format.sound[0] & 7U) << 1 | format.sound[1] >> 7;
-  if (rate >= kRates.size() || (format.sound[1] >> 3 & 0xFU) == 0)
-    throw_error(messages::kBrowserLacksSound, path.c_str(), "AAC of an uncommon form");
-  format.sound_rate = kRates.at(rate);
+  const std::size_t rate = format_.sound.size() < 2
+                               ? kRates.size()
+                               : (format_.sound[0] & 7U) << 1 | format_.sound[1] >> 7;
+  if (rate >= kRates.size() || (format_.sound[1] >> 3 & 0xFU) == 0)
+    throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
+  format_.sound_rate = kRates.at(rate);
 }
 
-void FilmReader::State::append_video(GstBuffer *buffer, std::int64_t time) {
+void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
   const ReadableBuffer readable(buffer);
   if (!readable)
     return;
   FilmFrame frame;
   frame.time = time;
   for (std::size_t at = 0; at < readable.bytes().size();) {
-    const Bytes unit = read_unit(readable.bytes(), at, length_size);
+    const Bytes unit = read_unit(readable.bytes(), at, length_size_);
     const unsigned type = type_of_unit(unit);
     if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
         type == kFiller)
@@ -252,75 +284,51 @@ void FilmReader::State::append_video(GstBuffer *buffer, std::int64_t time) {
     std::ranges::copy(unit, &frame.bytes[out]);
   }
   if (!frame.bytes.empty())
-    frames.push_back(std::move(frame));
+    call_(std::move(frame));
 }
 
-void FilmReader::State::append(GstSample *sample, bool is_sound) {
+void Reading::push(GstSample *sample, bool is_sound) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   const GstStructure *caps = gst_caps_get_structure(gst_sample_get_caps(sample), 0);
   if (!is_sound)
     read_video_format(caps);
-  else if (format.sound.empty())
+  else if (format_.sound.empty())
     read_sound_format(caps);
+  const GstSegment *segment = gst_sample_get_segment(sample);
+  if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
+      GST_BUFFER_PTS(buffer) >= segment->stop)
+    return;
   guint64 time = 0;
   const gint sign =
       GST_BUFFER_PTS_IS_VALID(buffer)
-          ? gst_segment_to_stream_time_full(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                            GST_BUFFER_PTS(buffer), &time)
+          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer), &time)
           : 0;
   if (sign == 0)
-    throw_error(messages::kFilmHasNoTimes, path.c_str());
+    throw_error(messages::kFilmHasNoTimes, path_.c_str());
   const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
   if (!is_sound)
-    return append_video(buffer, signed_time);
+    return push_video(buffer, signed_time);
   if (const ReadableBuffer readable(buffer); readable)
-    frames.push_back(
-        {true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
+    call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
 }
 
-bool FilmReader::State::pull(GstElement *sink, bool is_sound) {
-  const SamplePtr sample(gst_app_sink_try_pull_sample(GST_APP_SINK(sink), 0));
-  if (sample)
-    append(sample.get(), is_sound);
-  return sample != nullptr;
-}
-
-bool FilmReader::State::ended() const {
-  return (!has_video || gst_app_sink_is_eos(GST_APP_SINK(video_sink))) &&
-         (!has_sound || gst_app_sink_is_eos(GST_APP_SINK(sound_sink)));
-}
-
-// Waits a moment for a message.
-void FilmReader::State::read_bus() {
-  {
-    const std::lock_guard lock(mutex);
-    if (!problem.empty())
-      throw TrackFileError(problem);
+GstFlowReturn Reading::pull(GstAppSink *sink) {
+  const SamplePtr sample(gst_app_sink_pull_sample(sink));
+  const std::lock_guard lock(mutex_);
+  if (!sample || failure_)
+    return GST_FLOW_EOS;
+  try {
+    push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
+  } catch (...) {
+    failure_ = std::current_exception();
+    return GST_FLOW_ERROR; // the element before posts an error, which ends the work
   }
-  const MessagePtr message(gst_bus_timed_pop_filtered(
-      bus.get(), GST_MSECOND,
-      static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_TAG)));
-  if (!message)
-    return;
-  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
-    throw_error("\"%s\": %s", path.c_str(), error_of(message.get()).c_str());
-  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_EOS) {
-    over = true;
-    return;
-  }
-  GstTagList *tags = nullptr;
-  gst_message_parse_tag(message.get(), &tags);
-  gchar *text = nullptr;
-  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
-  const GCharPtr rotation(text);
-  gst_tag_list_unref(tags);
-  if (rotation && !g_str_equal(text, "rotate-0"))
-    throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
+  return GST_FLOW_OK;
 }
 
-FilmReader::FilmReader(const std::string &path) : state_(std::make_unique<State>()) {
-  State &state = *state_;
-  state.path = path;
+} // namespace
+
+FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw_error(messages::kFileIsMissing, path.c_str());
@@ -328,57 +336,11 @@ FilmReader::FilmReader(const std::string &path) : state_(std::make_unique<State>
     throw_error(messages::kFileIsNone, path.c_str());
   if (!orientation_in(path).empty())
     throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
-  state.pipeline = make_pipeline();
-  state.bus.reset(gst_element_get_bus(state.pipeline.get()));
-  state.video_sink = make_sink("video/x-h264,stream-format=avc,alignment=au");
-  state.sound_sink = make_sink("audio/mpeg,stream-format=raw");
-  GstElement *source = add_element(state.pipeline.get(), "filesrc");
-  GstElement *parse = add_element(state.pipeline.get(), "parsebin");
-  g_object_set(source, "location", path.c_str(), nullptr);
-  gst_element_link(source, parse);
-  g_signal_connect(parse, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
-                     auto &all = *static_cast<State *>(data);
-                     try {
-                       all.link(pad);
-                     } catch (const std::exception &failure) {
-                       all.refuse(failure.what());
-                     }
-                   }),
-                   &state);
-  gst_element_set_state(state.pipeline.get(), GST_STATE_PLAYING);
-}
-
-FilmReader::~FilmReader() {
-  gst_element_set_state(state_->pipeline.get(), GST_STATE_NULL);
-  gst_object_unref(state_->video_sink);
-  gst_object_unref(state_->sound_sink);
-}
-
-std::optional<FilmFrame> FilmReader::next() {
-  State &state = *state_;
-  while (state.frames.empty() && !(state.over && state.ended())) {
-    bool pulled = state.has_video && state.pull(state.video_sink, false);
-    pulled = (state.has_sound && state.pull(state.sound_sink, true)) || pulled;
-    if (!pulled)
-      state.read_bus();
-    if (!pulled && state.over)
-      break;
+  try {
+    return Reading(path, call).run();
+  } catch (const TrackFileError &failure) {
+    throw TrackFileError(about(path, failure.what()));
   }
-  if (state.frames.empty()) {
-    if (!state.has_video)
-      throw_error("\"%s\": %s", state.path.c_str(),
-                  format_text(messages::kVideoIsMissing, "").c_str());
-    const std::lock_guard lock(state.mutex);
-    state.format.left_out = state.left_out;
-    return std::nullopt;
-  }
-  FilmFrame frame = std::move(state.frames.front());
-  state.frames.pop_front();
-  return frame;
-}
-
-const FilmFormat &FilmReader::format() const noexcept {
-  return state_->format;
 }
 
 std::string codecs_of(const FilmFormat &format) {

@@ -3,8 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,23 +32,10 @@ struct FilmFrame {
   std::vector<std::uint8_t> bytes;
 };
 
-class FilmReader {
-public:
-  /// Throws TrackFileError, as next() does.
-  explicit FilmReader(const std::string &path);
-  ~FilmReader();
-
-  /// Returns the frames of each stream in the order of decoding, or nothing at the end. Throws if
-  /// a browser cannot play the film.
-  std::optional<FilmFrame> next();
-
-  /// Complete after the first frame of each stream.
-  const FilmFormat &format() const noexcept;
-
-private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+/// Calls `call` for the frames of each stream in the order of decoding, one at a time, in any
+/// thread. Returns the format. Throws TrackFileError if a browser cannot play the film or the
+/// process was interrupted, and what `call` throws.
+FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call);
 
 /// Returns the name of the codecs of a film for a playlist or a browser (RFC 6381).
 std::string codecs_of(const FilmFormat &format);

@@ -3,6 +3,7 @@
 
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
+#include "glue/content-only.hpp"
 
 #include <gst/pbutils/pbutils.h>
 #include <string_view>
@@ -36,6 +37,7 @@ FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll)
   GstElement *source = add_element(pipeline_.get(), "filesrc");
   GstElement *parse = add_element(pipeline_.get(), "parsebin");
   g_object_set(source, "location", path.c_str(), nullptr);
+  open_content_only(parse, messages::kFileNamesOthers);
   link_elements(source, parse);
   g_signal_connect(parse, "pad-added", G_CALLBACK(block), this);
   g_signal_connect(parse, "autoplug-continue", G_CALLBACK(is_parsed_further), nullptr);
@@ -67,6 +69,13 @@ void FilmStreams::block(GstElement *, GstPad *pad, gpointer data) {
   auto &film = *static_cast<FilmStreams *>(data);
   film.streams_.emplace_back(PadPtr(GST_PAD(gst_object_ref(pad))), probe);
   ++film.shown_;
+}
+
+std::vector<GstPad *> FilmStreams::all() const {
+  std::vector<GstPad *> pads;
+  for (const auto &[pad, probe] : streams_)
+    pads.push_back(pad.get());
+  return pads;
 }
 
 void FilmStreams::sort() {

@@ -31,6 +31,8 @@ public:
 
   GstElement *pipeline() const noexcept { return pipeline_.get(); }
   GstPad *video() const noexcept { return video_; } ///< the first one
+  /// In the order of the file.
+  std::vector<GstPad *> all() const;
   const std::vector<GstPad *> &audio() const noexcept { return audio_; }
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 

@@ -2,6 +2,7 @@
 #include "film/frame-reader.hpp"
 
 #include "film/pipeline.hpp"
+#include "glue/content-only.hpp"
 #include "glue/display-orientation.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -34,7 +35,7 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
   const std::string line =
       // With these properties decodebin leaves the sound out: unlinked, it could keep it from
       // starting.
-      "filesrc name=in ! decodebin caps=\"video/x-raw(ANY)\" expose-all-streams=false "
+      "filesrc name=in ! decodebin name=decoder caps=\"video/x-raw(ANY)\" expose-all-streams=false "
       "! videoconvert ! videoflip video-direction=" +
       std::string(direction_of(orientation_in(path))) +
       " ! videoscale add-borders=false ! video/x-raw,format=RGB,"
@@ -47,6 +48,8 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
   const ElementPtr pipeline(made);
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
+  const ElementPtr decoder(gst_bin_get_by_name(GST_BIN(made), "decoder"));
+  open_content_only(decoder.get(), messages::kFileNamesOthers);
   g_object_set(in.get(), "location", path.c_str(), nullptr);
   gst_element_set_state(made, GST_STATE_PAUSED);
   if (gst_element_get_state(made, nullptr, nullptr, kPatience) == GST_STATE_CHANGE_SUCCESS) {

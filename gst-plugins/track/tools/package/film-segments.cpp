@@ -174,17 +174,16 @@ private:
 
 FilmPlan plan_film(const std::string &path) {
   FilmPlan plan;
-  FilmReader reader(path);
   std::vector<PlannedFrame> frames;
   std::optional<std::int64_t> last_sound;
-  while (const auto frame = reader.next())
-    if (frame->is_sound)
-      last_sound = std::max(frame->time, last_sound.value_or(frame->time));
-    else if (frames.empty() && !frame->is_idr)
+  plan.format = read_film(path, [&](const FilmFrame &frame) {
+    if (frame.is_sound)
+      last_sound = std::max(frame.time, last_sound.value_or(frame.time));
+    else if (frames.empty() && !frame.is_idr)
       ++plan.skipped;
     else
-      frames.push_back({frame->time, frame->is_idr});
-  plan.format = reader.format();
+      frames.push_back({frame.time, frame.is_idr});
+  });
   if (frames.empty())
     throw_error(messages::kFilmHasNoStart, path.c_str());
   plan.origin = frames.front().time;
@@ -201,15 +200,14 @@ FilmPlan plan_film(const std::string &path) {
 void for_each_segment(const std::string &path, const FilmPlan &plan,
                       std::span<const CodedField> track,
                       const std::function<void(const FilmSegment &)> &call) {
-  FilmReader reader(path);
   Collector collector(plan, track, call);
-  while (auto frame = reader.next()) {
-    if (frame->is_sound)
-      collector.push_sound(std::move(*frame));
+  read_film(path, [&](FilmFrame &&frame) {
+    if (frame.is_sound)
+      collector.push_sound(std::move(frame));
     else
-      collector.push_video(std::move(*frame));
+      collector.push_video(std::move(frame));
     collector.finish(false);
-  }
+  });
   collector.finish(true);
 }
 

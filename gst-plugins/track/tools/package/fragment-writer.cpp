@@ -108,7 +108,9 @@ void put_sound_entry(Boxes &out, const FilmFormat &format) {
     out.number(1, 2);
     out.zeros(8);
     out.numbers(2, {static_cast<std::uint64_t>(format.sound_channels), 16, 0, 0});
-    out.number(static_cast<std::uint64_t>(format.sound_rate) << 16, 4);
+    // Of 16 bits, and 0 if the rate does not fit: the AudioSpecificConfig says it.
+    out.number(format.sound_rate > 0xFFFF ? 0 : static_cast<std::uint64_t>(format.sound_rate) << 16,
+               4);
     out.full_box("esds", 0, 0, [&] {
       out.numbers(1, {3, 3 + 2 + 13 + 2 + size + 3, 0, 0, 0}); // elementary stream
       out.numbers(1, {4, 13 + 2 + size, 0x40, 0x15});          // AAC

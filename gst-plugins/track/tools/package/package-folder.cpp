@@ -48,7 +48,8 @@ std::span<const std::uint8_t> bytes_of(const std::string &text) {
 // Returns whether package() makes folders of such names: ts-0123456789abcdef.
 bool is_name_of_rate(const std::string &name) {
   const std::size_t digits = name.find('-') + 1;
-  return (name.starts_with("ts-") || name.starts_with("cmaf-")) && name.size() == digits + 16 &&
+  return (name.starts_with("ts-") || name.starts_with("mp4-") || name.starts_with("cmaf-")) &&
+         name.size() == digits + 16 &&
          name.find_first_not_of("0123456789abcdef", digits) == std::string::npos;
 }
 

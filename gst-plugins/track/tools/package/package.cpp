@@ -2,6 +2,7 @@
 #include "package/package.hpp"
 
 #include "forms/klv.hpp"
+#include "interruption.hpp"
 #include "package/film-segments.hpp"
 #include "package/fragment-writer.hpp"
 #include "package/package-folder.hpp"
@@ -41,7 +42,7 @@ constexpr char kBundle[] = "feeling-wind.min.js";
 constexpr char kBundleLicence[] = "LICENSE";
 constexpr std::size_t kMostTrack = 8 << 20; // bytes: MOST_BYTES of film.js in pipelines/web/player
 // Of the names of folders: a change of what is written into them changes it.
-constexpr char kForm[] = "package 2";
+constexpr char kForm[] = "package 3";
 
 // A bit rate of the film.
 struct Rate {
@@ -59,7 +60,7 @@ void print_remark(const std::string &path, const std::string &remark) {
 Rate plan_rate(const std::string &path) {
   Rate rate{path, plan_film(path), {}};
   for (const std::string &caps : rate.plan.format.left_out)
-    if (!caps.starts_with("text/") || !mark_in(path)) // which may be the haptic track
+    if (!caps.starts_with("text/") || !holds_track(path)) // which may be the haptic track
       print_remark(path, "a further stream was left out: " + caps);
   if (rate.plan.skipped > 0)
     print_remark(path, std::to_string(rate.plan.skipped) +
@@ -108,7 +109,7 @@ void compare_rates(const Rate &first, const Rate &other) {
 
 // Returns the fields and reliefs of a recording or a copy, or nothing if it has no haptic track.
 std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
-  if (!mark_in(path))
+  if (!holds_track(path))
     return std::nullopt;
   TrackFile track = read_track_file(path);
   for (const std::string &remark : track.remarks)
@@ -149,8 +150,10 @@ std::string author_copy(const std::string &video, const std::string &folder, uns
     _exit(EXIT_FAILURE);
   }
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+    if (is_interrupted())
+      kill(pid, SIGTERM);
+  throw_if_interrupted();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS)
     throw_error(messages::kAuthoringFailed, video.c_str());
   AuthorOptions options;
@@ -204,6 +207,9 @@ std::string playlist_of(const FilmPlan &plan, Carriage carriage) {
                                  is_mp4 ? 7 : 6, std::max(1L, std::lround(seconds(plan.longest))));
   if (is_mp4)
     text += format_text("#EXT-X-MAP:URI=\"%s\"\n", kHead);
+  // Frames before 0 are those that an edit list hides.
+  if (plan.origin < 0)
+    text += format_text("#EXT-X-START:TIME-OFFSET=%.6f,PRECISE=YES\n", -seconds(plan.origin));
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
     text += format_text("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
                         segment_name(i, carriage).c_str());
@@ -265,6 +271,13 @@ void write_rate(const Rate &rate, const PackageOptions &options, std::span<const
   }
 }
 
+// Between the first and the last frame. The last one lasts as long as nobody knows.
+double frame_rate_of(const FilmPlan &plan) {
+  return plan.times.size() < 2 ? 1 / seconds(plan.end)
+                               : static_cast<double>(plan.times.size() - 1) /
+                                     seconds(plan.times.back() - plan.times.front());
+}
+
 // Returns the lines of a rate in the main playlist (RFC 8216, 4.3.4.2).
 std::string entry_of(const Rate &rate, const PackageOptions &options, const std::string &folder) {
   double most = 0;
@@ -280,9 +293,8 @@ std::string entry_of(const Rate &rate, const PackageOptions &options, const std:
   return format_text("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
                      "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
                      std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
-                     aspect_of(format) * format.height, format.height,
-                     static_cast<double>(rate.plan.times.size()) / length, rate.name.c_str(),
-                     kPlaylist);
+                     aspect_of(format) * format.height, format.height, frame_rate_of(rate.plan),
+                     rate.name.c_str(), kPlaylist);
 }
 
 std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
@@ -297,7 +309,7 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
   for (const std::string &video : videos)
     settings += hash_of_file(video);
   for (Rate &rate : rates) {
-    rate.name = (options.carriage == Carriage::fragments ? "cmaf-" : "ts-") +
+    rate.name = (options.carriage == Carriage::fragments ? "mp4-" : "ts-") +
                 mark_of(hash_of_file(rate.path), settings);
     if (&rate != rates.data())
       compare_rates(rates[0], rate);
@@ -311,7 +323,10 @@ std::vector<std::uint8_t> single_track(const Rate &rate, const AuthorOptions &au
                                        const std::string &work) {
   std::vector<std::uint8_t> track;
   for (CodedField &field : track_of({rate}, {Carriage::fragments, author}, work)) {
-    field.time += static_cast<std::uint64_t>(std::max<std::int64_t>(rate.plan.origin, 0));
+    const std::int64_t time = static_cast<std::int64_t>(field.time) + rate.plan.origin;
+    if (time < 0) // of a frame that an edit list hides
+      continue;
+    field.time = static_cast<std::uint64_t>(time);
     std::ranges::copy(write_klv(field), std::back_inserter(track));
   }
   if (track.size() > kMostTrack)
@@ -323,7 +338,7 @@ std::vector<std::uint8_t> single_track(const Rate &rate, const AuthorOptions &au
 } // namespace
 
 int package_single(const std::vector<std::string> &videos, const AuthorOptions &options) {
-  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
+  stop_when_interrupted();
   if (videos.size() != 1 || !videos[0].ends_with(".mp4"))
     throw_error(messages::kSingleNeedsMp4);
   const std::string player = player_folder();
@@ -351,7 +366,7 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
 }
 
 int package(const std::vector<std::string> &videos, const PackageOptions &options) {
-  signal(SIGXFSZ, SIG_IGN); // a limit of the file size is an error like a full disk
+  stop_when_interrupted();
   const std::string player = player_folder();
   const std::vector<Rate> rates = plan_rates(videos, options);
   PackageFolder folder(options.author.folder, player);

@@ -52,7 +52,7 @@ private:
   std::array<Stream, 2> tables_ = {{{0x0000, 0}, {0x1000, 0}}};
   Stream video_ = {0x100, 0xE0};
   Stream sound_ = {0x101, 0xC0};
-  Stream fields_ = {0x102, 0xBD};
+  Stream fields_ = {0x102, 0xFC}; // metadata: with the id BD, ffmpeg drops the times
   std::vector<std::uint8_t> out_;
 };
 

@@ -69,8 +69,22 @@ std::size_t worst_place(const Comparison &result) {
   return static_cast<std::size_t>(worst - result.places.begin());
 }
 
+// Returns the s by which the times of the second file are later because of its container: a copy of
+// film and track may begin at any time, so both count from the first frame of the video. A log has
+// running time, and two tracks without a video the times of their senders. Nothing if one track has
+// a video and the other does not say when it starts.
+std::optional<double> later_start(const FeltFile &a, const FeltFile &b) {
+  if (a.is_log() || b.is_log())
+    return 0;
+  if (a.film_begin().has_value() != b.film_begin().has_value())
+    return std::nullopt;
+  return b.film_begin().value_or(0) - a.film_begin().value_or(0);
+}
+
 std::string shift_text(const Comparison &result) {
   const double ms = 1e3 * result.shift;
+  if (!result.is_start_known)
+    return "unknown, since only one of them has a video: compared where they fit best";
   if (ms == 0)
     return "none";
   return format_text("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",
@@ -110,10 +124,12 @@ void print_numbers(const PlaceComparison &numbers) {
               numbers.distinguishable, numbers.felt, numbers.force_rms);
 }
 
-void print_json(const Hands &hands, const Comparison &result) {
+// `fitted`: s, by which the times of an unknown start are apart before the shift.
+void print_json(const Hands &hands, const Comparison &result, double fitted) {
   std::printf("{");
   print_numbers(result.all);
-  std::printf(R"(, "shift_ms": %.0f, "seconds": %.3f, "places": [)", 1e3 * result.shift,
+  std::printf(R"(, "start_known": %s, "shift_ms": %.0f, "seconds": %.3f, "places": [)",
+              result.is_start_known ? "true" : "false", 1e3 * (result.shift + fitted),
               static_cast<double>(result.end - result.first) * kForceStep);
   for (std::size_t i = 0; i < hands.resting.size() && result.places.size() > 1; ++i) {
     std::printf("%s\n  {\"x\": %.4f, \"y\": %.4f, ", i > 0 ? "," : "", hands.resting[i].x,
@@ -130,7 +146,11 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   FeltFile a(path_a, options.stream);
   FeltFile b(path_b, options.stream);
   check_kinds(a, b);
-  b.delay(options.offset);
+  std::optional<double> start = later_start(a, b);
+  if (!start && options.offset != 0)
+    start = 0; // the user knows it
+  const double fitted = start ? 0 : b.track_begin() - a.track_begin();
+  b.delay(options.offset - start.value_or(fitted));
   const Hands hands = hands_for(a, b, options);
   const TimeRange all;
   const TimeRange range{options.from.value_or(all.from), options.to.value_or(all.to)};
@@ -151,12 +171,12 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   } else {
     shift = best_shift(hands.count(), signals);
   }
-  const Comparison result = compare_at(shift, hands.count(), signals);
+  const Comparison result = compare_at(shift, hands.count(), signals, start.has_value());
   if (!options.plot.empty())
     plot_comparison(result, signals, worst_place(result), caption_of(hands, result), touched,
                     options.plot);
   if (options.json)
-    print_json(hands, result);
+    print_json(hands, result, fitted);
   else
     print_text(a, b, hands, result);
   const double percent = 100 * result.all.distinguishable;

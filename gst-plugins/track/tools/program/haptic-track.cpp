@@ -3,6 +3,7 @@
 #include "author/author.hpp"
 #include "felt/force-log.hpp"
 #include "forms/klv.hpp"
+#include "interruption.hpp"
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
@@ -48,7 +49,7 @@ constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
        haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...
        haptic-track author --chunk K PLAN
        haptic-track author --merge PLAN
-       haptic-track package [--carriage cmaf|ts] [--columns N] --output FOLDER VIDEO...
+       haptic-track package [--carriage mp4|ts] [--columns N] --output FOLDER VIDEO...
        haptic-track package --single [--columns N] --output FOLDER VIDEO.mp4
 Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
 a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
@@ -77,7 +78,7 @@ of hapticsink (.csv).
 author writes for each video a copy with the motion of its whole frame beside it:
 NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it goes
 on where it was stopped. The exit status is 0 if all copies are there.
-  --output      folder of the copies; otherwise that of each video
+  --output      folder of the copies, which is made; otherwise that of each video
   --columns     columns of the motion field
   --jobs        videos at a time; otherwise one for each processor core
   --plan        prints a plan (JSON) of chunks that processes measure in any order
@@ -86,7 +87,7 @@ on where it was stopped. The exit status is 0 if all copies are there.
   --merge       makes the copies and a manifest from all
 package makes a folder of files for any web server: a page where the film is seen and
 felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.
-  --carriage    segments of MP4 (cmaf, as it is otherwise) or MPEG-TS (ts)
+  --carriage    segments of MP4 (mp4, as it is otherwise) or MPEG-TS (ts)
   --single      of a short video: the MP4 as it is, its track as one file, and a page
 )";
 
@@ -167,7 +168,7 @@ bool read_pair(const std::string &text, char between, Number least, Number most,
 }
 
 haptic::Carriage parse_carriage(const std::string &text) {
-  if (text != "ts" && text != "cmaf")
+  if (text != "ts" && text != "mp4" && text != "cmaf") // the name of mp4 before
     throw_error(messages::kCarriageIsUnknown, text.c_str());
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
@@ -255,7 +256,10 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string &word = words[i];
+    // "--name=value" is "--name value".
+    const std::size_t equals = words[i].starts_with("--") ? words[i].find('=') : std::string::npos;
+    const bool has_value = !options_end && equals != std::string::npos;
+    const std::string word = has_value ? words[i].substr(0, equals) : words[i];
     if (!options_end && word == "--") {
       options_end = true;
     } else if (options_end || !word.starts_with("-")) {
@@ -265,16 +269,18 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         arguments.files.push_back(word);
     } else {
       arguments.options.push_back(word);
-      if (bool *const flag = flag_of(word, arguments)) {
+      if (bool *const flag = has_value ? nullptr : flag_of(word, arguments)) {
         *flag = true;
         continue;
       }
       if (std::ranges::none_of(kCommandOptions,
                                [&](const auto &entry) { return is_among(entry.second, word); }))
         throw_error(messages::kOptionIsUnknown, word.c_str());
-      if (++i == words.size())
+      if (flag_of(word, arguments))
+        throw_error(messages::kOptionTakesNoValue, word.c_str());
+      if (!has_value && ++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
-      read_option(word, words[i], arguments);
+      read_option(word, has_value ? words[i].substr(equals + 1) : words[i], arguments);
     }
   }
   return arguments;
@@ -463,6 +469,7 @@ std::vector<haptic::TimedPlace> read_hand(const std::string &log) {
 
 void write(const std::string &output, const TrackFile &track,
            const haptic::VibrationOptions &vibration = {}) {
+  haptic::stop_when_interrupted();
   if (haptic::is_vibration_file(output))
     haptic::write_vibration_file(output, track, vibration);
   else
@@ -495,10 +502,14 @@ void cut(const Arguments &arguments) {
   const auto from = static_cast<std::uint64_t>(std::llround(arguments.from.value_or(0) * 1e9));
   const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
   if (arguments.with_video) {
-    for (const auto &remark :
-         haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]))
-      std::fprintf(stderr, "haptic-track: \"%s\": %s\n", arguments.files[0].c_str(),
-                   remark.c_str());
+    haptic::stop_when_interrupted();
+    try {
+      track.remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
+                                       arguments.files[1], haptic::throw_if_interrupted);
+    } catch (const TrackFileError &error) {
+      throw TrackFileError(haptic::about(arguments.files[0], error.what()));
+    }
+    print_remarks(arguments.files[0], track);
     return;
   }
   haptic::cut_track(track, from, to);
@@ -587,14 +598,15 @@ int run(const Arguments &arguments) {
 
 int main(int argc, char **argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
-  if (std::find(words.begin(), words.end(), "--help") != words.end()) {
-    std::fputs(kUsage, stdout);
-    return EXIT_SUCCESS;
-  }
+  for (const std::string &word : words)
+    if (word == "--help" || word == "-h" || word == "--version") {
+      std::fputs(word == "--version" ? "haptic-track " VERSION "\n" : kUsage, stdout);
+      return EXIT_SUCCESS;
+    }
   try {
     return run(parse_arguments(words));
   } catch (const std::exception &error) {
     std::fprintf(stderr, "haptic-track: %s\n", error.what());
-    return EXIT_FAILURE;
+    return haptic::is_interrupted() ? haptic::kInterrupted : EXIT_FAILURE;
   }
 }

@@ -21,14 +21,12 @@ constexpr std::uint64_t kNoEnd = GST_CLOCK_TIME_NONE;
 // ---- where the key frames are -------------------------------------------------------------------
 
 struct CutScan {
-  GstElement *pipeline = nullptr;
+  GstPad *video = nullptr;
+  std::vector<std::uint64_t> keys; // stream times, ns; the video's streaming thread, as the rest
+  std::uint64_t delay = 0;         // ns by which a key frame is decoded before it is shown
+  std::int64_t start = 0;          // stream time at running time 0, ns
   std::mutex mutex;
-  std::vector<std::string> streams; // their ids
-  std::string video;                // the first one
-  std::vector<std::string> tracks;  // the haptic ones
-  std::vector<std::uint64_t> keys;  // stream times, ns
-  std::uint64_t delay = 0;          // ns by which a key frame is decoded before it is shown
-  std::int64_t start = 0;           // stream time at running time 0, ns
+  std::vector<std::string> tracks; // stream ids of the haptic ones; guarded by mutex
 
   bool is_track(const std::string &id) const {
     return std::ranges::find(tracks, id) != tracks.end();
@@ -38,11 +36,6 @@ struct CutScan {
 std::string id_of(GstPad *pad) {
   const GCharPtr id(gst_pad_get_stream_id(pad));
   return id ? id.get() : "";
-}
-
-bool is_video(GstPad *pad) {
-  const std::string_view name = name_of(caps_of(pad).get());
-  return name.starts_with("video/") || name.starts_with("image/");
 }
 
 std::uint64_t stream_time_of(GstPad *pad, const GstBuffer *buffer, std::int64_t *start = nullptr) {
@@ -63,58 +56,41 @@ std::uint64_t stream_time_of(GstPad *pad, const GstBuffer *buffer, std::int64_t 
 GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   auto &scan = *static_cast<CutScan *>(data);
   GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  const std::scoped_lock lock(scan.mutex);
-  const std::string id = id_of(pad);
-  // In GStreamer 1.26 a pad may be shown before its caps.
-  if (scan.video.empty() && is_video(pad))
-    scan.video = id;
-  if (id != scan.video && !scan.is_track(id) && is_own_track(buffer))
-    scan.tracks.push_back(id);
-  if (id == scan.video && !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT))
-    if (const auto time = stream_time_of(pad, buffer, &scan.start); time != kNoEnd) {
-      scan.keys.push_back(time);
-      if (GST_BUFFER_DTS_IS_VALID(buffer) && GST_BUFFER_PTS_IS_VALID(buffer) &&
-          GST_BUFFER_PTS(buffer) > GST_BUFFER_DTS(buffer))
-        scan.delay = std::max(scan.delay, GST_BUFFER_PTS(buffer) - GST_BUFFER_DTS(buffer));
-    }
+  if (pad != scan.video) {
+    const std::scoped_lock lock(scan.mutex);
+    const std::string id = id_of(pad);
+    if (!scan.is_track(id) && is_own_track(buffer))
+      scan.tracks.push_back(id);
+    return GST_PAD_PROBE_OK;
+  }
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT))
+    return GST_PAD_PROBE_OK;
+  if (const auto time = stream_time_of(pad, buffer, &scan.start); time != kNoEnd) {
+    scan.keys.push_back(time);
+    if (GST_BUFFER_DTS_IS_VALID(buffer) && GST_BUFFER_PTS_IS_VALID(buffer) &&
+        GST_BUFFER_PTS(buffer) > GST_BUFFER_DTS(buffer))
+      scan.delay = std::max(scan.delay, GST_BUFFER_PTS(buffer) - GST_BUFFER_DTS(buffer));
+  }
   return GST_PAD_PROBE_OK;
 }
 
-void scan_stream(GstElement *, GstPad *pad, gpointer data) {
-  auto &scan = *static_cast<CutScan *>(data);
-  GstElement *sink = add_element(scan.pipeline, "fakesink");
+void read_to_end(const FilmStreams &film, GstPad *pad) {
+  GstElement *sink = add_element(film.pipeline(), "fakesink");
   g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
-  gst_element_sync_state_with_parent(sink);
-  {
-    const std::scoped_lock lock(scan.mutex);
-    scan.streams.push_back(id_of(pad));
-    if (scan.video.empty() && is_video(pad))
-      scan.video = scan.streams.back();
-  }
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, note_buffer, &scan, nullptr);
   link_pad(pad, sink);
 }
 
-// Adds filesrc ! parsebin.
-GstElement *add_parser(GstElement *pipeline, const std::string &path) {
-  GstElement *source = add_element(pipeline, "filesrc");
-  GstElement *parse = add_element(pipeline, "parsebin");
-  g_object_set(source, "location", path.c_str(), nullptr);
-  g_signal_connect(parse, "autoplug-continue", G_CALLBACK(is_parsed_further), nullptr);
-  link_elements(source, parse);
-  return parse;
-}
-
-void play_to_end(GstElement *pipeline, const std::string &path) {
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  const BusPtr bus(gst_element_get_bus(pipeline));
-  const MessagePtr message(
-      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
-                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
-  const bool failed = GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR;
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  if (failed)
-    throw_error("\"%s\": %s", path.c_str(), error_of(message.get()).c_str());
+void scan_film(const std::string &path, const Poll &poll, CutScan &scan) {
+  FilmStreams film(path, FilmUse::copy, poll);
+  scan.video = film.video();
+  for (GstPad *pad : film.all()) {
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, note_buffer, &scan, nullptr);
+    read_to_end(film, pad);
+  }
+  film.play(poll);
+  if (scan.keys.empty())
+    throw_error(messages::kNoFrameIsDecoded);
+  std::ranges::sort(scan.keys);
 }
 
 // ---- the part -----------------------------------------------------------------------------------
@@ -123,9 +99,8 @@ struct Part {
   const CutScan &scan;
   std::uint64_t begin = 0; // stream times, ns
   std::uint64_t end = kNoEnd;
-  std::mutex mutex;
-  std::vector<std::pair<PadPtr, gulong>> streams; // each held by a probe
-  bool is_over = false;                           // of the first video; its streaming thread
+  GstPad *video = nullptr;
+  bool is_over = false; // of the first video; its streaming thread
 };
 
 GstPadProbeReturn drop_others(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
@@ -133,7 +108,7 @@ GstPadProbeReturn drop_others(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
   const std::uint64_t time = stream_time_of(pad, buffer);
   bool is_within = time != kNoEnd && time >= part.begin && time < part.end;
-  if (id_of(pad) == part.scan.video) {
+  if (pad == part.video) {
     // Frames behind the last key frame may be shown before it, and depend on it.
     part.is_over = part.is_over || (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) &&
                                     time != kNoEnd && time >= part.end);
@@ -142,28 +117,17 @@ GstPadProbeReturn drop_others(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   return is_within ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
 }
 
-void hold_stream(GstElement *, GstPad *pad, gpointer data) {
-  const auto hold = [](GstPad *, GstPadProbeInfo *, gpointer) { return GST_PAD_PROBE_OK; };
-  auto &part = *static_cast<Part *>(data);
-  const gulong probe =
-      gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BLOCK_DOWNSTREAM, hold, nullptr, nullptr);
-  const std::scoped_lock lock(part.mutex);
-  part.streams.emplace_back(PadPtr(GST_PAD(gst_object_ref(pad))), probe);
-}
-
 // Links the stream to the muxer, or leaves it out. Returns what was left out.
-std::optional<std::string> keep_stream(Part &part, GstElement *pipeline, GstPad *pad,
+std::optional<std::string> keep_stream(Part &part, const FilmStreams &film, GstPad *pad,
                                        GstElement *mux, bool is_matroska) {
   const CapsPtr caps = caps_of(pad);
   const bool is_track = part.scan.is_track(id_of(pad));
   if (is_track || !has_place(is_matroska ? "matroskamux" : "mpegtsmux", pad)) {
-    GstElement *sink = add_element(pipeline, "fakesink");
-    g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
-    link_pad(pad, sink);
+    read_to_end(film, pad);
     return is_track ? std::nullopt
                     : std::optional(std::string("a stream was left out: ") + name_of(caps.get()));
   }
-  GstElement *queue = add_queue(pipeline, kQueueBytes);
+  GstElement *queue = add_queue(film.pipeline(), kQueueBytes);
   const PadPtr out(gst_element_get_static_pad(queue, "src"));
   // A muxer drops what is decoded before 0.
   gst_pad_set_offset(out.get(), part.scan.start + static_cast<gint64>(part.scan.delay) -
@@ -177,19 +141,13 @@ std::optional<std::string> keep_stream(Part &part, GstElement *pipeline, GstPad 
 } // namespace
 
 std::vector<std::string> cut_film(const std::string &path, TrackFile track, std::uint64_t from,
-                                  std::uint64_t to, const std::string &output) {
+                                  std::uint64_t to, const std::string &output, const Poll &poll) {
   const std::string ending = std::filesystem::path(output).extension().string();
   const bool is_matroska = ending == ".mkv";
   if (!is_matroska && ending != ".ts")
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
   CutScan scan;
-  const ElementPtr first = make_pipeline();
-  scan.pipeline = first.get();
-  g_signal_connect(add_parser(first.get(), path), "pad-added", G_CALLBACK(scan_stream), &scan);
-  play_to_end(first.get(), path);
-  if (scan.keys.empty())
-    throw_error(messages::kFilmHasNoVideo, path.c_str());
-  std::ranges::sort(scan.keys);
+  scan_film(path, poll, scan);
   Part part{.scan = scan};
   const auto after = std::ranges::upper_bound(scan.keys, from);
   part.begin = after == scan.keys.begin() ? *after : *(after - 1);
@@ -205,37 +163,24 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
       field.time += scan.delay;
 
   PartFile file(output + ".part");
-  const ElementPtr pipeline = make_pipeline();
-  g_signal_connect(add_parser(pipeline.get(), path), "pad-added", G_CALLBACK(hold_stream), &part);
-  gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
-  const auto shown = [&] {
-    const std::scoped_lock lock(part.mutex);
-    return part.streams.size();
-  };
-  for (int waits = 0; shown() < scan.streams.size(); ++waits) {
-    if (waits > 10'000)
-      throw_error(messages::kStreamsAreUnclear);
-    g_usleep(1000);
-  }
-  GstElement *mux = add_element(pipeline.get(), is_matroska ? "matroskamux" : "mpegtsmux");
-  GstElement *sink = add_element(pipeline.get(), "filesink");
+  FilmStreams film(path, FilmUse::copy, poll);
+  part.video = film.video();
+  GstElement *mux = add_element(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux");
+  GstElement *sink = add_element(film.pipeline(), "filesink");
   g_object_set(sink, "location", file.path().c_str(), "async", FALSE, nullptr);
-  GstElement *mark = add_element(pipeline.get(), "hapticmark");
+  GstElement *mark = add_element(film.pipeline(), "hapticmark");
   link_elements(mux, mark);
   link_elements(mark, sink);
   // Before the other streams: who takes the first text of the file takes the track.
-  GstElement *in = add_track_source(pipeline.get(), !track.coded().empty(), mux, is_matroska).in;
+  GstElement *in = add_track_source(film.pipeline(), !track.coded().empty(), mux, is_matroska).in;
   std::vector<std::string> remarks;
   if (scan.tracks.size() > 1)
     remarks.emplace_back("further haptic tracks were left out");
-  for (const auto &[pad, probe] : part.streams)
-    if (auto remark = keep_stream(part, pipeline.get(), pad.get(), mux, is_matroska))
+  for (GstPad *pad : film.all())
+    if (auto remark = keep_stream(part, film, pad, mux, is_matroska))
       remarks.push_back(std::move(*remark));
-  gst_bin_sync_children_states(GST_BIN(pipeline.get()));
   push_track(in, track);
-  for (const auto &[pad, probe] : part.streams)
-    gst_pad_remove_probe(pad.get(), probe);
-  play_to_end(pipeline.get(), path);
+  film.play(poll);
   file.keep_as(output);
   return remarks;
 }

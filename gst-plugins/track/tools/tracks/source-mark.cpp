@@ -20,6 +20,16 @@ constexpr char kKlvTag[] = {64, kMarkSize};
 constexpr std::string_view kTextMark = "src=";
 constexpr std::size_t kHeadSize = 16 << 20; // bytes; a copy has fields from the first frame on
 
+std::string read_head(const std::string &path) {
+  std::string head(kHeadSize, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+const std::string_view kKey(reinterpret_cast<const char *>(kMotionKey.data()), kMotionKey.size());
+
 bool is_mark(std::string_view text) {
   return text.size() == kMarkSize && text.find_first_not_of("0123456789abcdef") == text.npos;
 }
@@ -66,13 +76,15 @@ void insert_mark(std::vector<std::uint8_t> &field, const std::string &mark) {
   field.insert(field.begin() + static_cast<std::ptrdiff_t>(at), text.begin(), text.end());
 }
 
+bool holds_track(const std::string &path) {
+  const std::string head = read_head(path);
+  const auto has = [&](std::string_view start) { return head.find(start) != head.npos; };
+  return has(kKey) || has(kTextFieldStart) || has(kTextReliefStart) || has(kTextPointStart);
+}
+
 std::optional<std::string> mark_in(const std::string &path) {
-  std::string head(kHeadSize, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string head = read_head(path);
   const std::string_view all(head);
-  const std::string_view key(reinterpret_cast<const char *>(kMotionKey.data()), kMotionKey.size());
   const auto mark_behind = [&](std::size_t at, std::string_view start) {
     const bool has = at <= all.size() && all.substr(at).starts_with(start);
     const std::string_view mark = has ? all.substr(at + start.size(), kMarkSize) : "";
@@ -80,7 +92,7 @@ std::optional<std::string> mark_in(const std::string &path) {
   };
   if (const auto text = all.find(kTextFieldStart); text != all.npos)
     return mark_behind(text + kTextFieldStart.size(), kTextMark);
-  if (const auto set = all.find(key); set != all.npos)
+  if (const auto set = all.find(kKey); set != all.npos)
     return mark_behind(set + kValuesAt, std::string_view(kKlvTag, sizeof kKlvTag));
   return std::nullopt;
 }

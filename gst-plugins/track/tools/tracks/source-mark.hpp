@@ -33,6 +33,9 @@ std::string mark_of(const std::string &hash, const std::string &settings);
 /// Puts the mark into the first field of a track, a KLV set or a line of text.
 void insert_mark(std::vector<std::uint8_t> &field, const std::string &mark);
 
+/// Returns whether a track of this project is in a file, be it of points, fields or reliefs.
+bool holds_track(const std::string &path);
+
 /// Returns the mark of a copy, empty if it has none; or nothing if the file holds no motion fields.
 std::optional<std::string> mark_in(const std::string &path);
 

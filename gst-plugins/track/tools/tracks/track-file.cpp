@@ -7,10 +7,13 @@
 #include "forms/klv.hpp"
 #include "forms/text-line.hpp"
 #include "glue/gst-raii.hpp"
+#include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
+#include "tracks/stream-track.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -28,7 +31,8 @@ namespace {
 
 constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size of the first box
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
+constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
+constexpr std::size_t kMostSamples = 3'000'000; // 27 hours of 30 a second, 300 MB
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -197,18 +201,18 @@ std::string text_of(GstPad *pad) {
   return text;
 }
 
-// The streams of a container. `convert` and `sink` get the track: the first stream that begins with
-// a sample of this project. Other streams, other KLV and subtitles too, go to fakesinks.
+// The streams of a container. `sink` gets the track: the first stream that begins with a sample of
+// this project. Other streams, other KLV and subtitles too, go to fakesinks.
 struct Container {
   GstElement *pipeline = nullptr;
-  ElementPtr convert;
   ElementPtr sink;
   std::atomic<bool> has_track = false;
   TrackFile *track = nullptr;
   std::string wanted;  // the only stream that is the track, or empty
   gint film_width = 0; // px, 0: not known
   gint film_height = 0;
-  std::atomic<GstClockTime> film_end = 0; // stream time
+  std::atomic<GstClockTime> film_begin = GST_CLOCK_TIME_NONE; // stream times
+  std::atomic<GstClockTime> film_end = 0;
 };
 
 } // namespace
@@ -229,7 +233,7 @@ bool has_reliefs(GstBuffer *buffer) {
   return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
 }
 
-// Once a stream turns out to be the track, its pad is linked to `convert` and its fakesink goes.
+// Once a stream turns out to be the track, its pad is linked to `sink` and its fakesink goes.
 GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   auto &container = *static_cast<Container *>(data);
   if (!is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
@@ -249,12 +253,9 @@ GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   gst_pad_unlink(pad, before.get());
   gst_element_set_state(fakesink.get(), GST_STATE_NULL);
   gst_bin_remove(GST_BIN(container.pipeline), fakesink.get());
-  for (const auto *element : {&container.sink, &container.convert})
-    gst_bin_add(GST_BIN(container.pipeline), element->get());
-  gst_element_link(container.convert.get(), container.sink.get());
-  for (const auto *element : {&container.sink, &container.convert})
-    gst_element_sync_state_with_parent(element->get());
-  const PadPtr sink(gst_element_get_static_pad(container.convert.get(), "sink"));
+  gst_bin_add(GST_BIN(container.pipeline), container.sink.get());
+  gst_element_sync_state_with_parent(container.sink.get());
+  const PadPtr sink(gst_element_get_static_pad(container.sink.get(), "sink"));
   gst_pad_link(pad, sink.get());
   container.track->stream = name.get();
   container.has_track = true;
@@ -269,9 +270,11 @@ GstPadProbeReturn watch_film(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   gst_event_parse_segment(event.get(), &segment);
   const GstClockTime time = gst_segment_to_stream_time(
       segment, GST_FORMAT_TIME, GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
-  auto &end = static_cast<Container *>(data)->film_end;
-  if (GST_CLOCK_TIME_IS_VALID(time))
-    end = std::max<GstClockTime>(end, time);
+  auto &container = *static_cast<Container *>(data);
+  if (GST_CLOCK_TIME_IS_VALID(time)) {
+    container.film_begin = std::min<GstClockTime>(container.film_begin, time);
+    container.film_end = std::max<GstClockTime>(container.film_end, time);
+  }
   return GST_PAD_PROBE_OK;
 }
 
@@ -343,73 +346,59 @@ void compare_with_film(const Container &container, TrackFile &track) {
                                         container.film_width, container.film_height));
 }
 
-// Appends one set or one line. Its time is that of its buffer.
-void append_buffer(GstSample *sample, TrackFile &track) {
+void push_sample(GstSample *sample, StreamTrack &track) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
-  const std::uint64_t time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
-                                                        GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-  const std::size_t fields = track.fields.size();
-  if (append_bytes(buffer, track))
-    (track.fields.size() > fields ? track.fields.back().time : track.samples.back().time) = time;
+  const ReadableBuffer readable(buffer);
+  if (!readable)
+    return;
+  track.push({readable.bytes(),
+              gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
+                                         GST_BUFFER_PTS(buffer)),
+              GST_BUFFER_DURATION(buffer)});
 }
 
-// Reads the bus: warnings become remarks, an error becomes `failure`. Returns true at the end.
-bool read_messages(GstBus *bus, TrackFile &track, std::string &failure) {
-  bool over = false;
-  while (GstMessage *message = gst_bus_timed_pop(bus, GST_MSECOND)) {
-    GError *error = nullptr;
-    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-      failure = error_of(message);
-    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
-      gst_message_parse_warning(message, &error, nullptr);
-      track.remarks.emplace_back(error->message);
-    }
-    over = over || GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
-    g_clear_error(&error);
-    gst_message_unref(message);
-  }
-  return over || !failure.empty();
+// Reads the bus: an error becomes `failure`. Returns true at the end.
+bool read_messages(GstBus *bus, std::string &failure) {
+  const MessagePtr message(gst_bus_timed_pop_filtered(
+      bus, GST_MSECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
+  if (message && GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
+    failure = error_of(message.get());
+  return message != nullptr;
 }
 
-// `form` is the one that the container does not hold: hapticconvert passes the same form on
-// untouched, and only a conversion recovers times and finds damage.
-// An `untied` track has lost its time stamps and begins at 0.
-void read_container(const std::string &path, const char *demuxer, const char *form,
-                    TrackFile &track, const std::string &wanted, bool untied = false) {
+void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
+                    TrackFile &track, const std::string &wanted) {
   const ElementPtr pipeline = make_pipeline();
   GstElement *source = add_element(pipeline.get(), "filesrc");
   GstElement *demux = add_element(pipeline.get(), demuxer);
-  const ElementPtr convert = make_element("hapticconvert");
   const ElementPtr sink = make_element("appsink");
   g_object_set(source, "location", path.c_str(), nullptr);
-  g_object_set(convert.get(), "start-untied", static_cast<gboolean>(untied), nullptr);
-  const CapsPtr caps(gst_caps_from_string(form));
-  g_object_set(sink.get(), "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+  g_object_set(sink.get(), "sync", FALSE, "async", FALSE, nullptr);
   gst_element_link(source, demux);
   Container container;
   container.pipeline = pipeline.get();
-  container.convert.reset(GST_ELEMENT(gst_object_ref(convert.get())));
   container.sink.reset(GST_ELEMENT(gst_object_ref(sink.get())));
   container.track = &track;
   container.wanted = wanted;
+  StreamTrack stream(std::move(form), track);
   g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
   const BusPtr bus(gst_element_get_bus(pipeline.get()));
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const auto pull = [&] {
+    while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)))
+      push_sample(sample.get(), stream);
+  };
   // Without a track nothing reaches the appsink: the end is on the bus.
   std::string failure;
   for (bool over = false; !over;) {
-    while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)) {
-      append_buffer(sample, track);
-      gst_sample_unref(sample);
-    }
-    over = read_messages(bus.get(), track, failure) || is_too_long(track) ||
+    pull();
+    over = read_messages(bus.get(), failure) || is_too_long(track) ||
            (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink.get())));
   }
-  while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)) {
-    append_buffer(sample, track);
-    gst_sample_unref(sample);
-  }
+  pull();
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  stream.finish();
+  track.film_begin = container.film_begin;
   check_length(path, track);
   if (!container.has_track && !track.others.empty())
     throw_error(messages::kStreamIsNoTrack, path.c_str(), wanted.c_str(),
@@ -418,12 +407,6 @@ void read_container(const std::string &path, const char *demuxer, const char *fo
     throw_error(messages::kContainerIsEmpty, path.c_str());
   if (!container.has_track)
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
-  if (track.empty() && !untied && std::ranges::count(track.remarks, messages::kTrackIsUntied)) {
-    TrackFile again{track.form};
-    read_container(path, demuxer, form, again, wanted, true);
-    again.remarks = track.remarks;
-    track = std::move(again);
-  }
   if (!failure.empty() && track.empty())
     throw_error("\"%s\": %s", path.c_str(), failure.c_str());
   if (!failure.empty())
@@ -481,12 +464,6 @@ const char *caps_of_track(bool is_coded) {
   return is_coded ? HAPTIC_KLV_CAPS : "haptics/x-raw,modality=velocity,layout=point";
 }
 
-[[noreturn]] void discard_part(const std::string &path) {
-  const int reason = errno;
-  std::remove(part_of(path).c_str());
-  throw_error(messages::kOutputFails, path.c_str(), std::strerror(reason));
-}
-
 } // namespace
 
 TrackFile read_track_file(const std::string &path, const std::string &stream) {
@@ -509,13 +486,13 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
     read_hjif_file(path, track);
   } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
     track.form = "KLV in MPEG-TS";
-    read_container(path, "tsdemux", HAPTIC_TEXT_TYPE, track, stream);
+    read_container(path, "tsdemux", make_klv_form(), track, stream);
   } else if (begins_with(head, kMatroskaMagic)) {
     track.form = "text lines in Matroska";
-    read_container(path, "matroskademux", HAPTIC_KLV_CAPS, track, stream);
+    read_container(path, "matroskademux", make_text_form(), track, stream);
   } else if (begins_with(std::span(head).subspan(std::min(head.size(), kMp4BrandAt)), "ftyp")) {
     track.form = "text lines in MP4";
-    read_container(path, "qtdemux", HAPTIC_KLV_CAPS, track, stream);
+    read_container(path, "qtdemux", make_text_form(), track, stream);
   } else {
     throw_error(messages::kTrackFormIsUnknown, path.c_str());
   }
@@ -546,7 +523,9 @@ void leave_reliefs_out(const std::string &path, TrackFile &track) {
 
 void begin_at_zero(TrackFile &track) {
   const auto shift = [](auto &all) {
-    const std::uint64_t first = all.empty() ? 0 : all.front().time;
+    std::uint64_t first = kNoTime;
+    for (const auto &one : all)
+      first = std::min(first, one.time);
     for (auto &one : all)
       one.time -= first;
   };
@@ -554,58 +533,51 @@ void begin_at_zero(TrackFile &track) {
   shift(track.fields);
 }
 
-void write_container(const std::string &path, const TrackFile &track, const std::string &line,
-                     const std::function<void(GstElement *pipeline)> &prepare) {
-  GError *error = nullptr;
+void play_track(const std::string &path, const TrackFile &track, const std::string &line,
+                const std::function<void(GstElement *pipeline)> &prepare) {
+  GError *wrong = nullptr;
   const std::string whole = "appsrc name=in format=time caps=\"" +
                             std::string(caps_of_track(!track.coded().empty())) +
-                            "\" ! hapticconvert ! " + line + " ! filesink name=out";
-  GstElement *made = gst_parse_launch(whole.c_str(), &error);
-  if (!made || error) {
-    const std::string what = error ? error->message : "unknown";
-    g_clear_error(&error);
-    if (made)
-      gst_object_unref(made);
-    throw_error("\"%s\": %s", path.c_str(), what.c_str());
-  }
+                            "\" ! hapticconvert ! " + line;
+  GstElement *made = gst_parse_launch(whole.c_str(), &wrong);
+  const ErrorPtr error(wrong);
   const ElementPtr pipeline(made);
+  if (!made || error)
+    throw_error("\"%s\": %s", path.c_str(), error ? error->message : "unknown");
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  g_object_set(out.get(), "location", path.c_str(), nullptr);
   if (prepare)
     prepare(made);
   gst_element_set_state(made, GST_STATE_PLAYING);
   push_track(in.get(), track);
   const BusPtr bus(gst_element_get_bus(made));
-  GstMessage *message =
-      gst_bus_timed_pop_filtered(bus.get(), GST_CLOCK_TIME_NONE,
-                                 static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  std::string failure;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
-    failure = error_of(message);
-  gst_message_unref(message);
+  MessagePtr message;
+  while (!message && !is_interrupted())
+    message.reset(gst_bus_timed_pop_filtered(
+        bus.get(), kPollTime, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
   gst_element_set_state(made, GST_STATE_NULL);
-  if (failure.empty())
-    return;
-  std::remove(path.c_str());
-  throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+  throw_if_interrupted();
+  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
+    throw TrackFileError(about(path, error_of(message.get())));
 }
 
-std::string part_of(const std::string &path) {
-  return path + ".part";
-}
-
-void keep_part(const std::string &path) {
-  if (std::rename(part_of(path).c_str(), path.c_str()) != 0)
-    discard_part(path);
+void write_container(const std::string &path, const TrackFile &track, const std::string &line,
+                     const std::function<void(GstElement *pipeline)> &prepare) {
+  PartFile part(path + ".part");
+  play_track(path, track, line + " ! filesink name=out", [&](GstElement *pipeline) {
+    const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+    g_object_set(out.get(), "location", part.path().c_str(), nullptr);
+    if (prepare)
+      prepare(pipeline);
+  });
+  part.keep_as(path);
 }
 
 void write_bytes(const std::string &path, std::string_view bytes) {
-  std::ofstream file(part_of(path), std::ios::binary);
-  file << bytes << std::flush;
-  if (!file)
-    discard_part(path);
-  keep_part(path);
+  PartFile part(path + ".part");
+  std::ofstream file(part.path(), std::ios::binary | std::ios::trunc);
+  if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())) || !file.flush())
+    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
+  part.keep_as(path);
 }
 
 void write_track_file(const std::string &path, const TrackFile &track) {
@@ -616,11 +588,9 @@ void write_track_file(const std::string &path, const TrackFile &track) {
   if (!track.fields.empty() && holds_points)
     throw_error(messages::kOutputHoldsPoints, path.c_str());
   if (ending == ".ts") {
-    write_container(part_of(path), track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
-    keep_part(path);
+    write_container(path, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
   } else if (ending == ".mkv") {
-    write_container(part_of(path), track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
-    keep_part(path);
+    write_container(path, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
   } else if (ending == ".klv" || ending == ".txt" || holds_points) {
     write_bytes(path, bytes_of(track, ending));
   } else {

@@ -18,15 +18,16 @@ namespace haptic {
 inline constexpr std::string_view kMatroskaMagic = "\x1a\x45\xdf\xa3";
 
 struct TrackFile {
-  std::string form;                  ///< for people to read
-  std::string stream;                ///< name of its pad at the demuxer; of a bare track empty
-  std::vector<std::string> others;   ///< names of further haptic tracks
-  std::vector<std::string> surfaces; ///< those of `others` that hold reliefs
-  std::vector<std::string> beside;   ///< caps of the other streams in the file
-  std::vector<std::string> remarks;  ///< what was left out, and why
-  std::vector<TrackSample> samples;  ///< with times; or else
-  std::vector<CodedField> fields;    ///< of motion, with times
-  std::vector<CodedField> reliefs;   ///< with times
+  std::string form;                   ///< for people to read
+  std::string stream;                 ///< name of its pad at the demuxer; of a bare track empty
+  std::vector<std::string> others;    ///< names of further haptic tracks
+  std::vector<std::string> surfaces;  ///< those of `others` that hold reliefs
+  std::vector<std::string> beside;    ///< caps of the other streams in the file
+  std::uint64_t film_begin = kNoTime; ///< ns, of the first frame of the video beside it
+  std::vector<std::string> remarks;   ///< what was left out, and why
+  std::vector<TrackSample> samples;   ///< with times; or else
+  std::vector<CodedField> fields;     ///< of motion, with times
+  std::vector<CodedField> reliefs;    ///< with times
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
@@ -43,27 +44,25 @@ TrackFile read_track_file(const std::string &path, const std::string &stream = {
 /// Removes the reliefs beside motion, and says so on the standard error.
 void leave_reliefs_out(const std::string &path, TrackFile &track);
 
-/// Subtracts the first time from all.
+/// Subtracts the least time from all.
 void begin_at_zero(TrackFile &track);
 
 /// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
 /// under its name when it is whole. Throws TrackFileError.
 void write_track_file(const std::string &path, const TrackFile &track);
 
-/// Writes what the elements of `line`, in the syntax of gst-launch-1.0, make of the track.
-/// `prepare` gets the pipeline before it starts. Throws TrackFileError; then there is no file.
+/// Lets the elements of `line`, in the syntax of gst-launch-1.0, take the track to its end.
+/// `prepare` gets the pipeline before it starts. `path` is of errors. Throws TrackFileError, also
+/// when the process was interrupted.
+void play_track(const std::string &path, const TrackFile &track, const std::string &line,
+                const std::function<void(GstElement *pipeline)> &prepare = {});
+
+/// Writes what such elements make of the track. The file appears under its name when it is whole.
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
                      const std::function<void(GstElement *pipeline)> &prepare = {});
 
 /// Writes a file that appears under its name when it is whole. Throws TrackFileError.
 void write_bytes(const std::string &path, std::string_view bytes);
-
-/// The name of a file that is not whole yet.
-std::string part_of(const std::string &path);
-
-/// Gives part_of(path), which is whole, the name `path`. Throws TrackFileError; then neither is
-/// there.
-void keep_part(const std::string &path);
 
 /// Removes what is not within [from, to) (ns). What is left begins at 0.
 void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);

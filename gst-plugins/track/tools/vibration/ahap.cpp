@@ -13,39 +13,24 @@ namespace {
 
 using Json = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
-struct Intensity {
-  double time = 0;  // s
-  double value = 0; // 0..1
-};
-
-// The amplitude of the carrier over windows of two of its periods, in their middles.
-std::vector<Intensity> intensities(const Vibration &vibration, double carrier) {
-  const auto window = static_cast<std::size_t>(std::lround(2 * vibration.rate / carrier));
-  const std::size_t step = window * static_cast<std::size_t>(vibration.channels);
-  std::vector<Intensity> result;
-  for (std::size_t at = 0; at + step <= vibration.samples.size(); at += step) {
-    double squares = 0;
-    for (const float sample : vibration.samples.subspan(at, step))
-      squares += static_cast<double>(sample) * sample;
-    const auto middle = static_cast<double>(at) + static_cast<double>(step) / 2; // samples
-    result.push_back({middle / (vibration.channels * vibration.rate),
-                      std::min(1.0, std::sqrt(2 * squares / static_cast<double>(window)))});
-  }
-  return result;
+double intensity_of(const Intensity &one) {
+  return std::sqrt(one.amplitude);
 }
 
-// The fewest points of which no value between is farther from the line than the tolerance, found
+// The fewest points between whose lines no amplitude is off by more than the tolerance, found
 // greedily.
 std::vector<Intensity> simplify(std::span<const Intensity> all) {
   constexpr double kTolerance = 0.02;
   std::vector<Intensity> kept = {all.front()};
   std::size_t from = 0;
   const auto fits = [&](std::size_t to) {
-    const double slope = (all[to].value - all[from].value) / (all[to].time - all[from].time);
-    for (std::size_t i = from + 1; i < to; ++i)
-      if (std::abs(all[from].value + slope * (all[i].time - all[from].time) - all[i].value) >
-          kTolerance)
+    const double begin = intensity_of(all[from]);
+    const double slope = (intensity_of(all[to]) - begin) / (all[to].time - all[from].time);
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double drawn = begin + slope * (all[i].time - all[from].time);
+      if (std::abs(drawn * drawn - all[i].amplitude) > kTolerance)
         return false;
+    }
     return true;
   };
   while (from + 1 < all.size()) {
@@ -105,7 +90,7 @@ void write_curve(Json &json, std::span<const Intensity> points) {
     json.Key("Time");
     json.Double(point.time - begin);
     json.Key("ParameterValue");
-    json.Double(point.value);
+    json.Double(intensity_of(point));
     json.EndObject();
   }
   json.EndArray();
@@ -121,7 +106,7 @@ void write_stretch(Json &json, std::span<const Intensity> felt) {
   const double duration = felt.back().time - begin;
   if (duration < kShortest) {
     write_event(json, "HapticTransient", begin, 0,
-                std::ranges::max_element(felt, {}, &Intensity::value)->value);
+                intensity_of(*std::ranges::max_element(felt, {}, &Intensity::amplitude)));
     return;
   }
   write_event(json, "HapticContinuous", begin, duration, 1);
@@ -133,10 +118,27 @@ void write_stretch(Json &json, std::span<const Intensity> felt) {
 
 } // namespace
 
-std::string write_ahap(const Vibration &vibration, double carrier) {
+IntensityMeter::IntensityMeter(int channels, int rate, double carrier)
+    : samples_(static_cast<std::size_t>(std::lround(2 * rate / carrier)) *
+               static_cast<std::size_t>(channels)),
+      window_(static_cast<double>(samples_) / channels / rate), channels_(channels) {}
+
+void IntensityMeter::push(std::span<const float> samples) {
+  for (const float sample : samples) {
+    squares_ += static_cast<double>(sample) * sample;
+    if (++count_ < samples_)
+      continue;
+    const auto number = static_cast<double>(intensities_.size());
+    const double mean = squares_ * channels_ / static_cast<double>(samples_);
+    intensities_.push_back({(number + 0.5) * window_, std::min(1.0, std::sqrt(2 * mean))});
+    count_ = 0;
+    squares_ = 0;
+  }
+}
+
+std::string write_ahap(std::span<const Intensity> all) {
   constexpr double kLongest = 30; // s, of an event
   constexpr double kSilent = 0.005;
-  const std::vector<Intensity> all = intensities(vibration, carrier);
   rapidjson::StringBuffer text;
   Json json(text);
   json.SetMaxDecimalPlaces(4);
@@ -146,17 +148,17 @@ std::string write_ahap(const Vibration &vibration, double carrier) {
   json.Key("Pattern");
   json.StartArray();
   for (std::size_t from = 0; from < all.size();) {
-    if (all[from].value < kSilent) {
+    if (all[from].amplitude < kSilent) {
       ++from;
       continue;
     }
     std::size_t to = from + 1;
-    while (to < all.size() && all[to - 1].value >= kSilent &&
+    while (to < all.size() && all[to - 1].amplitude >= kSilent &&
            all[to].time - all[from].time <= kLongest)
       ++to;
-    write_stretch(json, std::span(all).subspan(from, to - from));
+    write_stretch(json, all.subspan(from, to - from));
     // A longer one goes on in the next event without a gap.
-    const bool goes_on = to < all.size() && all[to - 1].value >= kSilent;
+    const bool goes_on = to < all.size() && all[to - 1].amplitude >= kSilent;
     from = goes_on ? to - 1 : to;
   }
   json.EndArray();

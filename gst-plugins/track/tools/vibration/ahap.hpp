@@ -4,20 +4,40 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace haptic {
 
-/// Frames of a vibration, interleaved.
-struct Vibration {
-  std::span<const float> samples; ///< full scale 1
-  int channels = 1;
-  int rate = 1; ///< frames a second
+struct Intensity {
+  double time = 0;      ///< s
+  double amplitude = 0; ///< 0..1, of the carrier
 };
 
-/// Returns the energy of all channels as intensity over time, of one actuator: continuous events of
-/// at most 30 s, whose intensity is a curve of lines that is never off by more than 0.02, and a
-/// transient event for what lasts less than 50 ms. The carrier and the places are lost: a telephone
-/// has its own. `carrier` in Hz.
-std::string write_ahap(const Vibration &vibration, double carrier);
+/// Measures the amplitude of a vibration as it comes: the energy of all its channels over windows
+/// of two periods of the carrier, in their middles.
+class IntensityMeter {
+public:
+  /// `rate`: frames a second; `carrier` in Hz.
+  IntensityMeter(int channels, int rate, double carrier);
+
+  /// Adds frames, interleaved; full scale 1.
+  void push(std::span<const float> samples);
+  const std::vector<Intensity> &intensities() const noexcept { return intensities_; }
+
+private:
+  std::size_t samples_; // of a window, of all channels
+  double window_;       // s
+  double channels_;
+  std::size_t count_ = 0; // samples of the window that comes
+  double squares_ = 0;    // their sum
+  std::vector<Intensity> intensities_;
+};
+
+/// Returns the intensity over time, of one actuator: continuous events of at most 30 s, whose
+/// intensity is a curve of lines, and a transient event for what lasts less than 50 ms. Intensity
+/// is the square root of the amplitude, as in Meta's converter of .haptic files to AHAP; Apple
+/// names no curve. The amplitude that a player makes of it is never off by more than 0.02. The
+/// carrier and the places are lost: a telephone has its own.
+std::string write_ahap(std::span<const Intensity> all);
 
 } // namespace haptic

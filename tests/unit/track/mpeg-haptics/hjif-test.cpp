@@ -48,6 +48,25 @@ TEST(Hjif, TheForceComesBack) {
   EXPECT_EQ(got.samples.back().motion.confidence, 0) << "it ends in silence";
 }
 
+// Felt without a pause for longer than the force is summed at once.
+TEST(Hjif, WhatIsWrittenOfAnHourCanBeRead) {
+  std::vector<TrackSample> sent = track(30 * 3600);
+  for (TrackSample &sample : sent)
+    sample.motion.confidence = 1;
+  const auto got = read_hjif(write_hjif(sent, "2026-01-01"));
+  ASSERT_EQ(got.error, "");
+  ASSERT_GE(got.samples.size(), sent.size());
+  auto at = got.samples.begin();
+  for (const TrackSample &sample : sent) {
+    while (at != got.samples.end() && at->time + 200'000 < sample.time)
+      ++at;
+    ASSERT_NE(at, got.samples.end());
+    ASSERT_NEAR(haptic::force_of_motion(sample.motion).y, haptic::force_of_motion(at->motion).y,
+                1e-3)
+        << sample.time;
+  }
+}
+
 // Positions of the effects and of their last keyframes, in the order of the text.
 TEST(Hjif, NoTickHasTwoEffects) {
   const auto sent = std::vector<TrackSample>(track(30));
@@ -97,6 +116,33 @@ TEST(Hjif, SaysWhatIsWrongAndWhere) {
   const std::string deep = std::string(100, '[');
   EXPECT_EQ(read_hjif("{\"x\":" + deep).error, "nested too deeply");
   EXPECT_EQ(read_hjif("{\"version\":7}").offset, 11U);
+}
+
+// What the reference software rejects. `change` replaces the first text by the second.
+TEST(Hjif, WhatIsMalformedIsRefused) {
+  const std::string text =
+      R"({"version":"2025","level":1,"timescale":1000,"perceptions":[{"perception_modality":"Force",)"
+      R"("channels":[{"gain":1,"direction":{"X":0,"Y":127,"Z":0},"bands":[{"band_type":"Curve",)"
+      R"("curve_type":"Linear","effects":[{"effect_type":"Reference","id":3,"position":5}]}]}],)"
+      R"("effect_library":[{"id":3,"effect_type":"Basis","position":0,"keyframes":[)"
+      R"({"relative_position":0,"amplitude_modulation":1}]}]}]})";
+  const auto error_of = [&](const std::string &from, const std::string &to) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    return read_hjif(changed).error;
+  };
+  EXPECT_EQ(read_hjif(text).error, "");
+  EXPECT_EQ(error_of(R"("effect_type":"Reference",)", ""), "an effect of no known type");
+  EXPECT_EQ(error_of(R"("Basis")", R"("Bass")"), "an effect of no known type");
+  EXPECT_EQ(error_of(R"("band_type":"Curve",)", ""), "a band of no known type");
+  EXPECT_EQ(error_of(R"("id":3)", R"("id":4)"), "a reference to no effect of the library");
+  EXPECT_EQ(error_of(R"("Y":127)", R"("Y":100)"), "a direction whose length is not 127");
+  EXPECT_EQ(error_of(R"("gain":1)", R"("gain":-1)"), "a negative gain");
+  std::string bands;
+  for (int i = 0; i < 7; ++i)
+    bands += R"({"band_type":"Transient","effects":[]},)";
+  const std::string start = R"("bands":[)";
+  EXPECT_EQ(error_of(start, start + bands), "more channels, or bands of one, than level 1 has");
 }
 
 TEST(Hjif, OtherModalitiesAndBandsArePassedOver) {

@@ -43,7 +43,8 @@ MotionSample motion(double x, double y, double confidence = 1) {
 }
 
 HmpgCurve curve(std::uint16_t id, std::vector<haptic::HmpgKeyframe> keyframes) {
-  return {0, id, static_cast<std::uint8_t>(id), id, std::move(keyframes)};
+  const std::int32_t begin = keyframes.empty() ? 0 : keyframes.front().position;
+  return {0, id, static_cast<std::uint8_t>(id), id, std::move(keyframes), {}, begin};
 }
 
 void append(std::vector<CodedUnit> &units, std::vector<CodedUnit> more) {

@@ -3,11 +3,13 @@
 // makes.
 #include "vibration/ahap.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <rapidjson/document.h>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,7 +33,11 @@ std::vector<float> vibration(double seconds, const std::function<double(double)>
 class Player {
 public:
   explicit Player(const std::vector<float> &samples, int channels = 1) {
-    document_.Parse(haptic::write_ahap({samples, channels, kRate}, kCarrier).c_str());
+    haptic::IntensityMeter meter(channels, kRate, kCarrier);
+    // In pieces, as they come.
+    for (std::size_t at = 0; at < samples.size(); at += 1000)
+      meter.push(std::span(samples).subspan(at, std::min<std::size_t>(1000, samples.size() - at)));
+    document_.Parse(haptic::write_ahap(meter.intensities()).c_str());
     EXPECT_FALSE(document_.HasParseError());
     EXPECT_EQ(document_["Version"].GetDouble(), 1);
     for (const auto &item : document_["Pattern"].GetArray()) {
@@ -45,8 +51,9 @@ public:
 
   int continuous = 0;
   int transient = 0;
+  double strongest = 0; // intensity of the transient events
 
-  // Intensity, without the transient events.
+  // The amplitude of an intensity is its square. Without the transient events.
   double at(double time) const {
     double event = 0;
     for (const auto &[begin, end] : events_)
@@ -59,7 +66,7 @@ public:
         const auto &[t1, v1] = points_[i];
         control = t1 > t0 ? v0 + (v1 - v0) * (time - t0) / (t1 - t0) : v1;
       }
-    return event * control;
+    return event * control * control;
   }
 
 private:
@@ -73,6 +80,9 @@ private:
     }
     if (type == "HapticTransient") {
       ++transient;
+      for (const auto &parameter : event["EventParameters"].GetArray())
+        if (parameter["ParameterID"] == "HapticIntensity")
+          strongest = std::max(strongest, parameter["ParameterValue"].GetDouble());
       EXPECT_FALSE(event.HasMember("EventDuration"));
       return;
     }
@@ -101,7 +111,7 @@ private:
   std::vector<std::pair<double, double>> points_; // of all curves
 };
 
-TEST(Ahap, TheIntensityIsTheAmplitude) {
+TEST(Ahap, TheIntensityIsTheRootOfTheAmplitude) {
   const auto amplitude = [](double time) { return 0.5 + 0.4 * std::sin(3 * time); };
   const Player player(vibration(10, amplitude));
   for (double time = 0.05; time < 9.9; time += 0.01)
@@ -131,6 +141,7 @@ TEST(Ahap, SilenceIsNoEventAndAKnockIsTransient) {
   const Player knock(vibration(1, [](double time) { return time > 0.5 && time < 0.53 ? 0.7 : 0; }));
   EXPECT_EQ(knock.continuous, 0);
   EXPECT_EQ(knock.transient, 1);
+  EXPECT_NEAR(knock.strongest * knock.strongest, 0.7, 0.02);
   EXPECT_EQ(Player({}).continuous, 0);
 }
 

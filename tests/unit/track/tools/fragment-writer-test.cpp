@@ -113,6 +113,17 @@ TEST(FragmentWriter, TheHeadNamesTheTracksAndHoldsTheParameterSets) {
   }
 }
 
+// The box has 16 bits for it (ISO/IEC 14496-12, 12.2.3).
+TEST(FragmentWriter, ARateOfSoundThatDoesNotFitIsZero) {
+  for (const auto &[rate, wanted] : {std::pair(44100, 44100), std::pair(96000, 0)}) {
+    FilmFormat format = test::film_format(true);
+    format.sound_rate = rate;
+    const auto head = FragmentWriter(format).head();
+    const auto at = std::ranges::search(head, std::string_view("mp4a")).begin() + 4 + 24;
+    EXPECT_EQ(at[0] << 8 | at[1], wanted);
+  }
+}
+
 TEST(FragmentWriter, BoxesAreAsLongAsTheySay) {
   const FilmFormat format = test::film_format(true);
   FilmSegment segment = segment_of(0);

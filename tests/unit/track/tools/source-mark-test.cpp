@@ -55,6 +55,16 @@ TEST_F(SourceMark, ACopyOfUnknownOriginHasAnEmptyOne) {
   EXPECT_EQ(mark_in(write_text_line(field)), "");
 }
 
+TEST_F(SourceMark, ATrackOfEachKindIsFound) {
+  CodedField relief = field;
+  relief.kind = haptic::FieldKind::relief;
+  for (const std::string &content :
+       {text_of(write_klv(field)), write_text_line(field), write_text_line(relief),
+        write_text_line(haptic::TrackSample{})})
+    EXPECT_TRUE(haptic::holds_track(folder.write("film", "what stands before" + content)));
+  EXPECT_FALSE(haptic::holds_track(folder.write("film", "hv1 and no line")));
+}
+
 TEST_F(SourceMark, AFileWithoutFieldsHasNone) {
   EXPECT_EQ(mark_in(""), std::nullopt);
   EXPECT_EQ(mark_in("src=" + mark), std::nullopt);

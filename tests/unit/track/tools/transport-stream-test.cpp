@@ -66,6 +66,7 @@ struct Unit {
   std::int64_t decoding = kNone;
   std::int64_t clock = kNone;
   bool is_random_access = false;
+  unsigned id = 0; // of the stream
   Bytes payload;
 };
 
@@ -90,6 +91,7 @@ std::vector<Unit> units_of(const std::vector<Packet> &packets, unsigned pid) {
                 unit.payload[2] == 1);
     const std::size_t size = unit.payload[4] * 256U + unit.payload[5];
     EXPECT_TRUE(size == 0 || size + 6 == unit.payload.size());
+    unit.id = unit.payload[3];
     unit.presentation = time_at(unit.payload, 9);
     unit.decoding = (unit.payload[7] & 0x40) != 0 ? time_at(unit.payload, 14) : unit.presentation;
     unit.payload.erase(unit.payload.begin(), unit.payload.begin() + 9 + unit.payload[8]);
@@ -113,6 +115,14 @@ FilmSegment segment_of(std::size_t number, bool has_sound) {
                                 Bytes(1000, static_cast<std::uint8_t>(i))});
   }
   return segment;
+}
+
+// ffmpeg drops the times of private streams (id BD), not those of metadata (docs/formats/klv.md).
+TEST(TransportStream, TheFieldsAreAStreamOfMetadata) {
+  const FilmFormat format = test::film_format(false);
+  const auto stream = TransportStreamWriter(format, 2 * kFrame).write(segment_of(0, false));
+  for (const Unit &unit : units_of(packets_of(stream), kFields))
+    EXPECT_EQ(unit.id, 0xFCU);
 }
 
 TEST(TransportStream, PacketsAreWholeAndCountedOnFromSegmentToSegment) {
