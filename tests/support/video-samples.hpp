@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <gst/video/video.h>
 
 namespace test {
@@ -46,19 +47,20 @@ inline void set_sample(GstVideoFrame &frame, guint component, int x, int y, std:
   if (GST_VIDEO_FORMAT_INFO_FORMAT(format) == GST_VIDEO_FORMAT_v210) {
     const WordSample sample = v210_luma(frame, x, y);
     const guint32 others = GST_READ_UINT32_LE(sample.word) & ~(1023U << sample.shift);
-    GST_WRITE_UINT32_LE(sample.word, others | ((4U * value + 3U) << sample.shift));
+    const guint32 word = GUINT32_TO_LE(others | ((4U * value + 3U) << sample.shift));
+    std::memcpy(sample.word, &word, sizeof word);
     return;
   }
   std::uint8_t *bytes = sample_of(frame, component, x, y);
   const guint more = GST_VIDEO_FORMAT_INFO_DEPTH(format, component) - 8;
   const guint shift = shift_of(format, component);
   const auto bits = static_cast<std::uint16_t>((((value + 1U) << more) - 1U) << shift);
-  if (more == 0)
+  if (more == 0) {
     *bytes = value;
-  else if (is_little_endian(format))
-    GST_WRITE_UINT16_LE(bytes, bits);
-  else
-    GST_WRITE_UINT16_BE(bytes, bits);
+    return;
+  }
+  const guint16 word = is_little_endian(format) ? GUINT16_TO_LE(bits) : GUINT16_TO_BE(bits);
+  std::memcpy(bytes, &word, sizeof word);
 }
 
 /// The upper eight bits of a sample.
