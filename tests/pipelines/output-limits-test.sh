@@ -54,7 +54,7 @@ ffmpeg -v error -f lavfi -i testsrc2=size=640x480:rate=30:duration=20 -f lavfi -
 track "$work/track.txt" $(seq 0 0.5 19)
 promise "a track is put beside the video" "$haptic_track" convert "$work/track.txt" "$work/track.ts"
 ffmpeg -v error -i "$work/film.ts" -i "$work/track.ts" -map 0 -map 1 -c copy "$work/recording.ts"
-promise "a cut that stands still ends with a sentence" says 1 "nothing of it moved on for 30 s" \
+promise "a cut that stands still ends with a sentence" says 1 "the film did not go on for 30 s" \
   "$haptic_track" cut --with-video --from 1 "$work/recording.ts" "$work/cut.mkv"
 promise "and leaves nothing" leaves_nothing
 
