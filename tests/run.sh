@@ -274,6 +274,7 @@ run_referees() {
   check "The loop never allocates, locks or waits" tests/referees/real-time-sanitizer.sh || true
   check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
   check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
+  check "It builds for arm64, and its tests pass in an emulator" tests/referees/arm64.sh || true
   check "It builds with each option on and off" tests/referees/options.sh || true
 }
 

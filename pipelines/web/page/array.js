@@ -77,7 +77,7 @@ function drawPanel(canvas, stage, actuators, levels) {
     context.strokeStyle = 'rgb(255 255 255 / 60%)';
     circle(largest);
     context.stroke();
-    context.fillStyle = '#56b4e9'; // of Okabe and Ito, the blue of the field
+    context.fillStyle = '#56b4e9'; // of Okabe and Ito, the blue of the force
     circle(largest * (REST + (1 - REST) * levels[i]));
     context.fill();
   }

@@ -8,7 +8,7 @@ const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, 
 const DARKEST = 0.65, BRIGHTEST = 0.45; // opacity of the shading
 const KEYS = { p: 'press on the surface', h: 'height as shading' };
 const HINT = 'This film can be touched: press the mouse button, a finger, P, or the first button of a gamepad.';
-const COLOURS = { edge: '#000000', touched: '#e69f00' }; // of Okabe and Ito
+const COLOURS = { edge: '#000000', touched: '#009e73' }; // of Okabe and Ito, green: orange and blue are motion and force
 
 // The heights, each the mean of the cell and those around it: the steps of the code are no slopes.
 function smoothed({ columns, rows, z, validity }) {

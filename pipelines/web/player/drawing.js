@@ -4,7 +4,7 @@
 const ARROW = 0.3, SHORTEST_ARROW = 160; // of the picture’s height, and px: for the full force; a finger hides less
 const SLOWEST = 3; // px/s of a picture 352 px wide; slower cells are not drawn
 const NOWHERE = Object.freeze({ x: 0, y: 0 });
-const COLOURS = { hand: '#ffffff', force: '#f0e442', edge: '#000000', field: '#56b4e9' };
+const COLOURS = { hand: '#ffffff', force: '#56b4e9', edge: '#000000', field: '#e69f00' };
 
 /** The picture in the stage, px of CSS: letterboxed as object-fit: contain. */
 export function pictureIn(stage, video) {
