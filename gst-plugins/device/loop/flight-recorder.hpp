@@ -64,8 +64,9 @@ public:
     Ring &ring = rings_[static_cast<std::size_t>(kept)];
     std::vector<Tick> &ticks = ring.ticks;
     if (ring.count > ticks.size())
-      std::ranges::rotate(ticks,
-                          ticks.begin() + static_cast<std::ptrdiff_t>(ring.count % ticks.size()));
+      std::rotate(ticks.begin(),
+                  ticks.begin() + static_cast<std::ptrdiff_t>(ring.count % ticks.size()),
+                  ticks.end());
     use(ring.rules, std::span<const Tick>(ticks.data(), std::min(ring.count, ticks.size())));
     kept_.store(kNone);
   }
