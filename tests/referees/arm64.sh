@@ -48,7 +48,8 @@ here=(g++-aarch64-linux-gnu pkg-config meson ninja-build qemu-user ccache gettex
   dbus-daemon)
 there=(libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev libopencv-video-dev
   libopencv-imgcodecs-dev libopencv-calib3d-dev libhwy-dev libusb-1.0-0-dev libgtest-dev libcairo2-dev libevdev-dev
-  libumockdev-dev libglib2.0-dev gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad)
+  libumockdev-dev libglib2.0-dev gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad
+  gstreamer1.0-plugins-ugly)
 
 install_in_chroot() {
   in_chroot dpkg --add-architecture arm64 && in_chroot apt-get update -qq &&
