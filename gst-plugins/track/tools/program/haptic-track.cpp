@@ -504,8 +504,10 @@ void cut(const Arguments &arguments) {
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
     try {
-      track.remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
-                                       arguments.files[1], haptic::throw_if_interrupted);
+      auto remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
+                                      arguments.files[1], haptic::throw_if_interrupted);
+      track = {};
+      track.remarks = std::move(remarks);
     } catch (const TrackFileError &error) {
       throw TrackFileError(haptic::about(arguments.files[0], error.what()));
     }

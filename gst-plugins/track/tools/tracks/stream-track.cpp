@@ -11,8 +11,8 @@ void StreamTrack::push(const InputPacket &packet) {
   for (TrackItem &item : items)
     if (const auto *problem = std::get_if<TrackProblem>(&item)) {
       report(*problem);
-    } else if (auto *sample = std::get_if<TimedSample>(&item)) {
-      track_.samples.push_back(std::move(sample->sample));
+    } else if (const auto *sample = std::get_if<TimedSample>(&item)) {
+      track_.samples.push_back(sample->sample);
       place(false, sample->time);
     } else if (auto *field = std::get_if<TimedField>(&item)) {
       track_.fields.push_back(std::move(field->field));
