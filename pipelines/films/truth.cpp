@@ -9,11 +9,13 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 namespace film {
 namespace {
 
-// Moves with the pixel in the middle: within this and a share of its own displacement.
+// Moves with the pixel at the place: within this and a share of its own displacement.
 constexpr float kAlike = 0.15F; // px
 constexpr float kOfDisplacement = 0.25F;
 
@@ -40,15 +42,13 @@ Truth::Truth(const std::string &places, TruthOf of, int width, int height, int r
     if (*end != '\0' || word.find(',') == std::string::npos ||
         !(place.x >= 0 && place.x <= 1 && place.y >= 0 && place.y <= 1))
       throw FilmError("'" + word + "' is no place; write X,Y, each from 0 to 1, like 0.5,0.25");
-    const auto from = [side](double at, int length) {
-      return static_cast<int>(std::lround(at * length - side / 2.0));
+    // As region_at() of roitracker.
+    const auto interval = [side](double at, int length) {
+      const int begin = static_cast<int>(std::lround(at * length - side / 2.0));
+      return std::pair(std::clamp(begin, 0, length - 1), std::clamp(begin + side, 1, length));
     };
-    const int left = from(place.x, width);
-    const int top = from(place.y, height);
-    place.left = std::clamp(left, 0, width - 1);
-    place.top = std::clamp(top, 0, height - 1);
-    place.right = std::clamp(place.left + side, 1, width);
-    place.bottom = std::clamp(place.top + side, 1, height);
+    std::tie(place.left, place.right) = interval(place.x, width);
+    std::tie(place.top, place.bottom) = interval(place.y, height);
     place.name[word.find(',')] = '-';
     places_.push_back(place);
   }
@@ -63,11 +63,14 @@ std::vector<Point> Truth::measure(const Canvas &canvas) const {
       return canvas.mean_motion(place.left, place.top, place.right, place.bottom, kept) *
              static_cast<float>(rate_);
     };
-    const Point middle =
-        displacement(canvas.motion((place.left + place.right) / 2, (place.top + place.bottom) / 2));
+    const auto pixel = [](double at, int length) {
+      return std::min(static_cast<int>(at * length), length - 1);
+    };
+    const Point pointed =
+        displacement(canvas.motion(pixel(place.x, width_), pixel(place.y, height_)));
     motions.push_back(mean([&](const Motion &motion) {
       return of_ == TruthOf::square ||
-             length(displacement(motion) - middle) <= kAlike + kOfDisplacement * length(middle);
+             length(displacement(motion) - pointed) <= kAlike + kOfDisplacement * length(pointed);
     }));
   }
   return motions;

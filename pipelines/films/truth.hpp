@@ -12,7 +12,7 @@ namespace film {
 /// What the hand at a place should feel.
 enum class TruthOf {
   square,  ///< the mean over roitracker's default region
-  pointed, ///< the mean over the pixels of this region that move with the one in its middle
+  pointed, ///< the mean over the pixels of this region that move with the one at the place
 };
 
 class Truth {

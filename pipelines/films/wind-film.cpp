@@ -55,7 +55,8 @@ Options read_options(int argc, char **argv) {
       {"places", 0, 0, G_OPTION_ARG_STRING, &places, "Places of --truth, 0 to 1 from the top left",
        "X,Y X,Y …"},
       {"truth-of", 0, 0, G_OPTION_ARG_STRING, &truth_of,
-       "Whose mean --truth is: of roitracker's usual region, or of what moves with its middle",
+       "Whose mean --truth is: of roitracker's usual region, or of what moves there with the pixel "
+       "at the place",
        "square|pointed"},
       {"at", 0, 0, G_OPTION_ARG_DOUBLE, &read.at, "Time of a still (4)", "S"},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, "OUTPUT"},

@@ -32,12 +32,12 @@ cut() {
   ffmpeg -v fatal -y -ss 9 -i "$video" -an -t "$7" -pix_fmt yuv420p \
     -vf "crop=$2:$3:$4:$5,fps=30,scale=$6*iw:-1:flags=bicubic" "$work/$1" </dev/null
 }
-# `frame FILE OUTPUT REGION OVERLAY-OPTION...` draws over the tenth frame, of which the tracker has seen the ones before.
+# `frame FILE OUTPUT REGION OVERLAY-OPTION...` draws over the fourteenth frame, of which the tracker has seen the ones before.
 frame() {
   gst-launch-1.0 -q filesrc "location=$work/$1" ! y4mdec ! videoconvert \
     ! roitracker pointer-source=property "pointer-x=$pointer_x" "pointer-y=$pointer_y" "roi-size=$3" \
     ! hapticoverlay "${@:4}" ! videoconvert ! video/x-raw,format=I420 ! y4menc ! filesink "location=$work/drawn.y4m"
-  ffmpeg -v error -y -i "$work/drawn.y4m" -vf "select=eq(n\,9)" -frames:v 1 -c:v libwebp -quality 60 "$folder/$2" </dev/null
+  ffmpeg -v error -y -i "$work/drawn.y4m" -vf "select=eq(n\,13)" -frames:v 1 -c:v libwebp -quality 60 "$folder/$2" </dev/null
 }
 cut near.y4m 480 320 10 110 1 0.5
 pointer_x=0.323 pointer_y=0.55 # the leaves at 165, 286 of the film

@@ -25,6 +25,9 @@ promise "to the byte" cmp "$work/film.ts" "$work/again.ts"
 promise "it writes the true motion at places" "$program" "${small[@]}" --quality 0 --truth "$work/truth" --places "0.5,0.5 0.7,0.5" "$work/fine.mkv"
 promise "which the track of the film agrees with" haptic_track compare --at-most 5 "$work/truth/0.5-0.5.txt" "$work/fine.mkv"
 promise "that moves" test "$(grep -cE 'vx=-?[1-9]' "$work/truth/0.5-0.5.txt")" -gt 20
+# roitracker clips its square of 27 px about the corner: 13 px of it are left.
+promise "at the corner of the square that roitracker has there" "$program" "${small[@]}" --truth "$work/truth" --places "0,0" "$work/again.mkv"
+promise "clipped as it is" grep -q 'w=0.040625 h=0.0722222222 ' "$work/truth/0-0.txt"
 promise "a finer film has more bytes" test "$(stat -c %s "$work/fine.mkv")" -gt "$(stat -c %s "$work/film.mkv")"
 promise "the true motion of the thing in the middle too" "$program" "${small[@]}" --truth "$work/pointed" --truth-of pointed --places "0.7,0.5" "$work/again.mkv"
 are_different() { ! cmp -s "$@"; }

@@ -36,21 +36,21 @@ enum Hold : std::uint32_t {
   kHoldSlipped = 1 << 16,   ///< a string slips, or has slipped: until it is calibrated
 };
 
-struct HoldName {
+struct NamedBit {
   std::uint32_t bit;
   const char *name;
 };
 /// The names of the reasons for users, in the order of the bits.
 inline constexpr std::array kHoldNames = {
-    HoldName{kHoldClosed, "closed"},       HoldName{kHoldPaused, "paused"},
-    HoldName{kHoldFlushing, "flushing"},   HoldName{kHoldEnded, "ended"},
-    HoldName{kHoldReleased, "released"},   HoldName{kHoldOverspeed, "overspeed"},
-    HoldName{kHoldFaulted, "faulted"},     HoldName{kHoldLate, "late"},
-    HoldName{kHoldNoPose, "no-pose"},      HoldName{kHoldGap, "gap"},
-    HoldName{kHoldStale, "stale"},         HoldName{kHoldCut, "cut"},
-    HoldName{kHoldSuspended, "suspended"}, HoldName{kHoldNonFinite, "non-finite"},
-    HoldName{kHoldDeadMan, "dead-man"},    HoldName{kHoldSpent, "spent"},
-    HoldName{kHoldSlipped, "slipped"},
+    NamedBit{kHoldClosed, "closed"},       NamedBit{kHoldPaused, "paused"},
+    NamedBit{kHoldFlushing, "flushing"},   NamedBit{kHoldEnded, "ended"},
+    NamedBit{kHoldReleased, "released"},   NamedBit{kHoldOverspeed, "overspeed"},
+    NamedBit{kHoldFaulted, "faulted"},     NamedBit{kHoldLate, "late"},
+    NamedBit{kHoldNoPose, "no-pose"},      NamedBit{kHoldGap, "gap"},
+    NamedBit{kHoldStale, "stale"},         NamedBit{kHoldCut, "cut"},
+    NamedBit{kHoldSuspended, "suspended"}, NamedBit{kHoldNonFinite, "non-finite"},
+    NamedBit{kHoldDeadMan, "dead-man"},    NamedBit{kHoldSpent, "spent"},
+    NamedBit{kHoldSlipped, "slipped"},
 };
 
 /// The names of these holds, with commas between them.
@@ -73,16 +73,12 @@ enum Limit : std::uint32_t {
   kLimitWork = 1 << 6,       ///< the work of the film on the hand
   kLimitEnergy = 1 << 7,     ///< the energy account: what the hand gets back
 };
-struct LimitName {
-  std::uint32_t bit;
-  const char *name;
-};
 /// The names of the limits for users, in the order of the bits.
 inline constexpr std::array kLimitNames = {
-    LimitName{kLimitFade, "fade"},     LimitName{kLimitConfidence, "confidence"},
-    LimitName{kLimitForce, "force"},   LimitName{kLimitTorque, "torque"},
-    LimitName{kLimitBudget, "budget"}, LimitName{kLimitSlew, "slew"},
-    LimitName{kLimitWork, "work"},     LimitName{kLimitEnergy, "energy"},
+    NamedBit{kLimitFade, "fade"},     NamedBit{kLimitConfidence, "confidence"},
+    NamedBit{kLimitForce, "force"},   NamedBit{kLimitTorque, "torque"},
+    NamedBit{kLimitBudget, "budget"}, NamedBit{kLimitSlew, "slew"},
+    NamedBit{kLimitWork, "work"},     NamedBit{kLimitEnergy, "energy"},
 };
 
 /// The force of touching a surface: the hand has to put in what it gets back.

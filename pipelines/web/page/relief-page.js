@@ -2,7 +2,7 @@
 // What the page shows of a film that can be touched: height as shading, and the touched place. It also reads what presses:
 // the button of the mouse, a finger, a key, a button of a gamepad. The page loads this file with the first relief.
 import { HALF } from '../player/contact.js';
-import { pictureIn } from '../player/drawing.js';
+import { clear, pictureIn } from '../player/drawing.js';
 
 const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up
 const DARKEST = 0.65, BRIGHTEST = 0.45; // opacity of the shading
@@ -72,12 +72,7 @@ function drawContact(context, picture, { x, y, newtons }, place) {
 }
 
 function draw(canvas, stage, film, player, isShaded, cells) {
-  const dots = devicePixelRatio;
-  const width = Math.round(stage.clientWidth * dots), height = Math.round(stage.clientHeight * dots);
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-  const context = canvas.getContext('2d');
-  context.setTransform(dots, 0, 0, dots, 0, 0);
-  context.clearRect(0, 0, width, height);
+  const context = clear(canvas, stage);
   const picture = pictureIn(stage, film);
   const relief = isShaded ? player.relief : null, { contact, place } = player;
   if (relief) drawShading(context, picture, relief, cells);

@@ -67,17 +67,23 @@ function drawHand(context, picture, place, force, blown) {
   }
 }
 
-/**
- * `field` may be null, and so may `place`. The force in N, y up. `blown` is how far the hand is drawn from its place,
- * in heights of the picture.
- */
-export function draw(canvas, stage, video, { place, force, field, blown = NOWHERE }) {
+/** @returns the context of a canvas, which is empty, as large as the stage, and drawn on in px of CSS */
+export function clear(canvas, stage) {
   const dots = devicePixelRatio;
   const width = Math.round(stage.clientWidth * dots), height = Math.round(stage.clientHeight * dots);
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
   const context = canvas.getContext('2d');
   context.setTransform(dots, 0, 0, dots, 0, 0);
   context.clearRect(0, 0, width, height);
+  return context;
+}
+
+/**
+ * `field` may be null, and so may `place`. The force in N, y up. `blown` is how far the hand is drawn from its place,
+ * in heights of the picture.
+ */
+export function draw(canvas, stage, video, { place, force, field, blown = NOWHERE }) {
+  const context = clear(canvas, stage);
   context.lineCap = context.lineJoin = 'round';
   const picture = pictureIn(stage, video);
   if (field) drawField(context, picture, field);

@@ -144,9 +144,9 @@ std::unique_ptr<Wandering> well_known(const Geometry &geometry, Random &random) 
 }
 
 /// The share of slips that are not noticed in time, under a hand of this speed (m/s).
-double missed(const std::string &name, double speed, double half, double tilt) {
+double missed(const std::string &name, double speed, double half, double tilt, unsigned seed = 7) {
   const Geometry geometry = load_geometry(name);
-  Random random(7);
+  Random random(seed);
   auto hand = well_known(geometry, random);
   int missed = 0;
   int count = 0;
@@ -190,10 +190,14 @@ TEST_P(SlipOn, IsAlwaysNoticedWithin15MillimetresAnd10Degrees) {
 }
 
 TEST_P(SlipOn, IsNearlyAlwaysNoticedInTheWholeWorkspace) {
-  double all = 0;
-  for (const double speed : {0.0, 0.3, 1.0})
-    all += missed(GetParam(), speed, 0.025, 20 * kDegree) / 3;
-  EXPECT_LE(all, 0.04);
+  // 96 slips alone would leave it to chance: 2 % are missed under the fastest hand.
+  constexpr int kHands = 4;
+  for (const double speed : {0.0, 0.3, 1.0}) {
+    double share = 0;
+    for (unsigned seed = 7; seed < 7 + kHands; ++seed)
+      share += missed(GetParam(), speed, 0.025, 20 * kDegree, seed) / kHands;
+    EXPECT_LE(share, 0.04) << speed << " m/s";
+  }
 }
 
 TEST_P(SlipOn, IsNoticedRightAfterACalibrationUnderAHandThatIsStill) {

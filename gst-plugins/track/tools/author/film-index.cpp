@@ -113,14 +113,8 @@ bool has_edit_list(GstElement *pipeline) {
 }
 
 GstPadProbeReturn note_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
-    return GST_PAD_PROBE_OK;
-  GstTagList *tags = nullptr;
-  gst_event_parse_tag(event, &tags);
-  gchar *text = nullptr;
-  if (gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text))
-    static_cast<IndexScan *>(data)->rotation = GCharPtr(text).get();
+  if (const std::string rotation = rotation_of(GST_PAD_PROBE_INFO_EVENT(info)); !rotation.empty())
+    static_cast<IndexScan *>(data)->rotation = rotation;
   return GST_PAD_PROBE_OK;
 }
 

@@ -181,15 +181,8 @@ GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form
 // A browser shows no rotation of these containers.
 GstPadProbeReturn Reading::refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
   auto &reading = *static_cast<Reading *>(data);
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
-    return GST_PAD_PROBE_OK;
-  GstTagList *tags = nullptr;
-  gst_event_parse_tag(event, &tags);
-  gchar *text = nullptr;
-  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
-  const GCharPtr rotation(text);
-  if (rotation && !g_str_equal(text, "rotate-0"))
+  const std::string rotation = rotation_of(GST_PAD_PROBE_INFO_EVENT(info));
+  if (!rotation.empty() && rotation != "rotate-0")
     GST_ELEMENT_ERROR(reading.film_.pipeline(), STREAM, FORMAT,
                       (messages::kBrowserLacksVideo, reading.path_.c_str(), kSideways), (nullptr));
   return GST_PAD_PROBE_OK;

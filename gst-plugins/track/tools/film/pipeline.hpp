@@ -31,6 +31,18 @@ inline GstElement *add_element(GstElement *pipeline, const char *factory) {
   return element;
 }
 
+/// The tag image-orientation of an event; empty if the event has none.
+inline std::string rotation_of(GstEvent *event) {
+  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
+    return "";
+  GstTagList *tags = nullptr;
+  gst_event_parse_tag(event, &tags);
+  gchar *text = nullptr;
+  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
+  const GCharPtr owned(text);
+  return text ? text : "";
+}
+
 inline std::string error_of(GstMessage *message) {
   GError *error = nullptr;
   gchar *details = nullptr;
