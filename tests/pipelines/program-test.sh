@@ -499,10 +499,20 @@ promise "it feels the right half, which moves down" \
 promise "an array vibrates and is drawn while the force is on" in_window_system "$0" array "$program" "$work/clip.mkv" "$work"
 promise "what its sound device lacks is said" grep -q 'does not take the 8 channels' "$work/said-of-array"
 promise "the colours of a film are touched" in_window_system "$0" touch_colours "$program" "$work/clip.mkv" "$work"
-# A late tick makes the surface softer for as long as it is touched; element-hapticsink-touch tests the exact stiffness.
+# A late tick makes the surface softer for as long as it is touched (docs/force.md): to 0.2 N·s/m over the longest tick T.
 # shellcheck disable=SC2016 # $4 and $10 are awk's: z and fz
-promise "never harder than the table says" awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "touch") touch = i; next }
-  $touch == 1 && $10 > 0.2 { rows++; harder += $10 > 1.05 * 150 * (0.004 - $4) }
-  END { print rows + 0 " rows, " harder + 0 " of them harder"; exit rows < 1000 || harder > 0 }' "$work/touch.csv"
+promise "as hard as the table says, or as a late tick lets it be" awk -F, '
+  NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "touch") touch = i; if ($i == "mono") mono = i }; next }
+  { if (NR > 2 && $mono - before > longest) longest = $mono - before; before = $mono }
+  $touch == 1 && $10 > 0.2 {
+    depth = 0.004 - $4
+    least = longest > 0 && 0.2 / longest < 150 ? 0.2 / longest : 150
+    rows += $10 > 0.95 * least * depth && $10 < 1.05 * 150 * depth
+    harder += $10 > 1.05 * 150 * depth
+  }
+  END {
+    printf "%d rows, %d harder, longest tick %.1f ms\n", rows, harder, 1000 * longest
+    exit rows < 1000 || harder > 0
+  }' "$work/touch.csv"
 promise "a table that is not there is told" grep -q 'nothing.ini' "$work/said-of-touch"
 promise "a real device begins without force" in_window_system "$0" devices "$program" "$work/clip.mkv" "$work"
