@@ -27,6 +27,24 @@ typedef enum {
 } GstHapticMotionFlags;
 
 /**
+ * GstHapticHold:
+ * @GST_HAPTIC_HOLD_NONE: nothing is pressed
+ * @GST_HAPTIC_HOLD_HELD: the thing itself is seen
+ * @GST_HAPTIC_HOLD_ABOUT: what moves about the place is followed; which thing it is cannot be told
+ * @GST_HAPTIC_HOLD_HIDDEN: something is before the thing; the place is a guess
+ * @GST_HAPTIC_HOLD_LOST: it was not found again
+ * @GST_HAPTIC_HOLD_REFUSED: there was nothing to hold
+ */
+typedef enum {
+  GST_HAPTIC_HOLD_NONE,
+  GST_HAPTIC_HOLD_HELD,
+  GST_HAPTIC_HOLD_ABOUT,
+  GST_HAPTIC_HOLD_HIDDEN,
+  GST_HAPTIC_HOLD_LOST,
+  GST_HAPTIC_HOLD_REFUSED,
+} GstHapticHold;
+
+/**
  * GstHapticMotionMeta:
  * @flags: #GstHapticMotionFlags
  * @frame_width, @frame_height: px, the frame that the coordinates refer to
@@ -41,6 +59,10 @@ typedef enum {
  * @proxy_x, @proxy_y: where the hand is held on the relief that it touches, px; NaN: no relief can
  * be touched
  * @depth: m, from the hand to there; 0: it touches nothing; NaN: no relief can be touched
+ * @hold: #GstHapticHold, what became of the thing that was taken by a press
+ * @held_x, @held_y: where the thing is, px; where it was last, if it is lost
+ * @held_radius: what is followed lies within it, px
+ * @held_time: ns since the frame in which the thing was taken
  */
 typedef struct _GstHapticMotionMeta {
   GstMeta meta;
@@ -55,6 +77,9 @@ typedef struct _GstHapticMotionMeta {
   GstHapticPatch patches[GST_HAPTIC_MOTION_META_MAX_PATCHES];
   gfloat force_x, force_y, force_z;
   gfloat proxy_x, proxy_y, depth;
+  guint hold;
+  gfloat held_x, held_y, held_radius;
+  GstClockTime held_time;
 } GstHapticMotionMeta;
 
 /* By name, so that readers do not link to the plugin. NULL if the buffer has none. */

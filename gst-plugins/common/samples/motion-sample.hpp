@@ -2,6 +2,7 @@
 // The motion sample: the motion of one frame, as velocityavg puts it into haptics/x-raw buffers.
 #pragma once
 
+#include "samples/held-place.hpp"
 #include "samples/planar-motion.hpp"
 
 #include <array>
@@ -55,6 +56,7 @@ struct MotionSample : PlanarMotion {
   std::uint16_t points = 0; ///< patches that agree with the velocity
   std::uint16_t flags = 0;  ///< MotionFlags
   MotionModel model = MotionModel::none;
+  HeldPlace held; ///< none: nothing is pressed
 
   PlanarMotion &motion() noexcept { return *this; }
   const PlanarMotion &motion() const noexcept { return *this; }

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Where the thing is that was taken by a press.
+#pragma once
+
+#include <cstdint>
+
+namespace haptic {
+
+/// What became of the thing since it was taken (docs/elements/roitracker.md#hold).
+enum class HoldState : std::uint8_t {
+  none,    ///< nothing is pressed
+  held,    ///< the thing itself is seen
+  about,   ///< what moves about the place is followed; which thing it is cannot be told
+  hidden,  ///< something is before the thing; the place is a guess
+  lost,    ///< it was not found again
+  refused, ///< there was nothing to hold
+};
+
+/// Positions and sizes are fractions of the frame, origin at its top left corner.
+struct HeldPlace {
+  HoldState state = HoldState::none;
+  float x = 0.5F;         ///< 0..1; where the thing was last, if it is lost
+  float y = 0.5F;         ///< 0..1
+  float radius = 0;       ///< fraction of the width, 0..1: what is followed lies within it
+  std::uint64_t time = 0; ///< ns since the frame in which it was taken
+  bool operator==(const HeldPlace &) const = default;
+};
+
+} // namespace haptic
