@@ -35,17 +35,22 @@ def read_points(path):
 
 @contextlib.contextmanager
 def frames_of(path):
-    """The frames of a film as a stream of YUV4MPEG2."""
-    command = ["gst-launch-1.0", "-q", "filesrc", f"location={path}", "!", "decodebin", "caps=video/x-raw(ANY)"]
-    command += ["expose-all-streams=false", "!", "videoconvert", "!", "video/x-raw,format=I420", "!", "y4menc"]
-    with subprocess.Popen([*command, "!", "fdsink"], stdout=subprocess.PIPE) as decoder:
+    """The frames of a film as a stream of YUV4MPEG2.
+
+    GStreamer's y4menc writes the padding of avdec_h264's frames with them.
+    """
+    command = ["ffmpeg", "-nostdin", "-v", "error", "-i", str(path), "-map", "0:v:0", "-fps_mode", "passthrough"]
+    command += ["-pix_fmt", "yuv420p", "-f", "yuv4mpegpipe", "-"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as decoder:
         yield decoder.stdout
         decoder.stdout.close()
 
 
 def header_of(stream):
     """Width, height, frames a second, and bytes of a frame, from the first line of YUV4MPEG2."""
-    words = {word[:1]: word[1:] for word in stream.readline().decode().split()[1:]}
+    words = {word[:1]: word[1:] for word in stream.readline().decode().split()[1:] if word[0] != "X"}
+    if "W" not in words:
+        raise Refused("a film cannot be read; ffmpeg must be able to play it")
     width, height = int(words["W"]), int(words["H"])
     numerator, denominator = map(int, words["F"].split(":"))
     chroma = 0 if words.get("C") == "mono" else 2 * ((width + 1) // 2) * ((height + 1) // 2)
@@ -157,7 +162,7 @@ def luma_of(film, most=600):
     frames = []
     with frames_of(film) as stream:
         width, height, rate, size = header_of(stream)
-        while len(frames) < most and stream.readline():
+        while len(frames) < most and stream.readline().startswith(b"FRAME"):
             frames.append(numpy.frombuffer(stream.read(size), numpy.uint8, width * height).reshape(height, width))
     return numpy.array(frames), rate
 

@@ -217,6 +217,8 @@ public:
     std::string line;
     if (!std::getline(stream_, line))
       return false;
+    if (!line.starts_with("FRAME"))
+      throw std::runtime_error("the input is damaged");
     luma.create(height_, width_, CV_8U);
     return stream_.read(reinterpret_cast<char *>(luma.data),
                         static_cast<std::streamsize>(luma.total())) &&

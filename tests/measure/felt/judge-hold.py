@@ -45,7 +45,10 @@ def judge_tap_vid(options):
         for tracks in films_with_points.follow_tap_vid(options.run, options.tracker, path):
             summaries.append((tracks[0].kind, hold_metric.summary(tracks)))
     # As TAP-Vid does: each video counts the same.
-    mean = {key: numpy.nanmean([of[key] for _, of in summaries]) for key in summaries[0][1]}
+    mean = {}
+    for key in summaries[0][1]:
+        known = [of[key] for _, of in summaries if not numpy.isnan(of[key])]
+        mean[key] = numpy.mean(known) if known else numpy.nan
     print("\n".join(hold_metric.table([*summaries, ("**mean of the videos**", mean)])))
 
 
