@@ -16,6 +16,11 @@ enum class HoldState : std::uint8_t {
   refused, ///< there was nothing to hold
 };
 
+/// Whether the place moves with what is seen.
+inline bool is_followed(HoldState state) noexcept {
+  return state == HoldState::held || state == HoldState::about;
+}
+
 /// Positions and sizes are fractions of the frame, origin at its top left corner.
 struct HeldPlace {
   HoldState state = HoldState::none;
