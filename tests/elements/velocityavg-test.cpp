@@ -257,8 +257,7 @@ TEST_F(VelocityAvg, NeverLooksAtThePixels) {
   VideoHarness alone("velocityavg");
   alone.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
   BufferPtr empty(gst_buffer_new());
-  auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
-      gst_buffer_add_meta(empty.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
+  auto *motion = &test::add_motion(empty);
   motion->interval = kFrame;
   motion->frame_width = kWidth;
   motion->frame_height = kHeight;
@@ -301,11 +300,10 @@ protected:
 
   static BufferPtr push(VideoHarness &harness, const GstHapticMotionMeta &motion) {
     BufferPtr frame = test::to_buffer(Frame(kWidth, kHeight), harness.info);
-    auto *meta = reinterpret_cast<GstHapticMotionMeta *>(
-        gst_buffer_add_meta(frame.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
-    const GstMeta header = meta->meta;
-    *meta = motion;
-    meta->meta = header;
+    GstHapticMotionMeta &meta = test::add_motion(frame);
+    const GstMeta header = meta.meta;
+    meta = motion;
+    meta.meta = header;
     EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
     return harness.pull();
   }
