@@ -699,7 +699,8 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_UINT64)) << name;
   for (const char *name :
        {"jitter-p50", "jitter-p99", "jitter-max", "loop-p50", "loop-p99", "loop-max", "sample-age",
-        "sample-age-max", "force-max", "force-rms", "given-up-force", "given-up-torque"})
+        "sample-age-max", "force-max", "force-rms", "given-up-force", "given-up-torque",
+        "carry-stiffness", "carry-distance"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
   EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
   EXPECT_EQ(gst_structure_n_fields(s), 32);
