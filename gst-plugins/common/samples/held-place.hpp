@@ -18,16 +18,14 @@ enum class HoldState : std::uint8_t {
   refused, ///< there was nothing to hold
 };
 
-<<<<<<< HEAD
 /// Whether the place moves with what is seen.
 inline bool is_followed(HoldState state) noexcept {
   return state == HoldState::held || state == HoldState::about;
 }
-=======
+
 /// By the numbers of HoldState.
 inline constexpr std::array<std::string_view, 6> kHoldStateNames = {"none",   "held", "about",
                                                                     "hidden", "lost", "refused"};
->>>>>>> hold-say
 
 /// Positions and sizes are fractions of the frame, origin at its top left corner.
 struct HeldPlace {
