@@ -114,11 +114,12 @@ MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoI
   } else if (meta.interval > 0) {
     const auto patches = std::span(meta.patches)
                              .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
+    const bool is_held = is_followed(sample.held.state);
     const PatchSet set{
         .patches = patches,
         .candidates = static_cast<int>(meta.n_candidates),
-        .pointer_x = meta.pointer_x,
-        .pointer_y = meta.pointer_y,
+        .pointer_x = is_held ? meta.held_x : meta.pointer_x,
+        .pointer_y = is_held ? meta.held_y : meta.pointer_y,
         .interval = static_cast<double>(meta.interval) / GST_SECOND,
         .region_x = meta.region_x,
         .region_y = meta.region_y,
