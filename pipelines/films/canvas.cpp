@@ -28,6 +28,21 @@ constexpr std::uint32_t kCovered = 250U << 24;
   return decides;
 }
 
+// Where the texel u is seen: x = u − offset + share·now[x], whose right side changes by less than x
+// does. Beside the frame blades lean as at its edge.
+float leaning_place(float u, const Lean &lean) {
+  const auto last = static_cast<float>(lean.now.size() - 1);
+  float x = u - lean.offset;
+  for (int i = 0; i < 60; ++i) {
+    const float inside = std::clamp(x, 0.0F, last);
+    const auto left = static_cast<std::size_t>(std::min(inside, last - 1));
+    const float now =
+        std::lerp(lean.now[left], lean.now[left + 1], inside - static_cast<float>(left));
+    x = u - lean.offset + lean.share * now;
+  }
+  return x;
+}
+
 // The px of a row for which start + step·x is in [0, limit].
 struct Limits {
   Limits(float step, float limit)
@@ -80,8 +95,28 @@ Affine Affine::rotation(const Point &centre, float radians) {
       c, -s, s, c, centre.x - c * centre.x + s * centre.y, centre.y - s * centre.x - c * centre.y};
 }
 
+void Canvas::follow(std::vector<MaterialPoint> points) {
+  materials_.resize(pixels_.size());
+  points_.resize(points.size());
+  followed_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    followed_.emplace(points[i].thing, std::pair(i, points[i].texel));
+}
+
 void Canvas::clear() {
+  constexpr Point kNowhere{-1e6F, -1e6F};
   std::ranges::fill(pixels_, 0);
+  std::ranges::fill(materials_, MaterialPoint());
+  std::ranges::fill(points_, kNowhere);
+}
+
+template <typename Place>
+void Canvas::place_points(const Thing &thing, Place &&place) {
+  if (thing.kind == Kind::other)
+    return;
+  const auto [first, last] = followed_.equal_range(thing);
+  for (auto it = first; it != last; ++it)
+    points_[it->second.first] = place(it->second.second);
 }
 
 Canvas::Canvas(int width, int height)
@@ -92,9 +127,10 @@ Canvas::Canvas(int width, int height)
 // was at before · now⁻¹ · p; the difference changes evenly along a row. `keep` narrows the px of a
 // row.
 template <typename Keep>
-void Canvas::paint(const Texture &texture, const Pose &pose, int top, int bottom, int gain,
-                   Keep &&keep) {
+void Canvas::paint(const Texture &texture, const Pose &pose, const Thing &thing, int top,
+                   int bottom, int gain, Keep &&keep) {
   constexpr float kFraction = 1 << 16;
+  place_points(thing, pose.now);
   const Affine to_texel = pose.now.inverse();
   const Affine to_before = pose.before * to_texel;
   const auto step_u = static_cast<std::int32_t>(to_texel.xx * kFraction);
@@ -135,6 +171,8 @@ void Canvas::paint(const Texture &texture, const Pose &pose, int top, int bottom
       if (gain != 256)
         under = brighten(under, static_cast<unsigned>(gain));
       if (add(pixel[i], under)) {
+        show(left + i, y, thing,
+             Point{static_cast<float>(u), static_cast<float>(v)} * (1 / kFraction));
         const auto along = static_cast<float>(i);
         motion_row(y)[left + i] =
             to_motion(moved_x + along * (1 - to_before.xx), moved_y - along * to_before.yx);
@@ -143,7 +181,7 @@ void Canvas::paint(const Texture &texture, const Pose &pose, int top, int bottom
   }
 }
 
-void Canvas::draw(const Texture &texture, const Pose &pose) {
+void Canvas::draw(const Texture &texture, const Pose &pose, const Thing &thing) {
   const auto w = static_cast<float>(texture.width - 1);
   const auto h = static_cast<float>(texture.height - 1);
   float top = 1e9F;
@@ -153,12 +191,12 @@ void Canvas::draw(const Texture &texture, const Pose &pose) {
     top = std::min(top, y);
     bottom = std::max(bottom, y);
   }
-  paint(texture, pose, static_cast<int>(std::ceil(top)), static_cast<int>(std::floor(bottom)), 256,
-        [](int, float &, float &) {});
+  paint(texture, pose, thing, static_cast<int>(std::ceil(top)),
+        static_cast<int>(std::floor(bottom)), 256, [](int, float &, float &) {});
 }
 
 void Canvas::draw_triangle(const Texture &texture, const Pose &pose, const Point &a, const Point &b,
-                           const Point &c, int gain) {
+                           const Point &c, int gain, const Thing &thing) {
   const Point corners[] = {pose.now(a), pose.now(b), pose.now(c)};
   const auto [upper, lower] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
   const auto keep = [&](int y, float &low, float &high) {
@@ -178,17 +216,20 @@ void Canvas::draw_triangle(const Texture &texture, const Pose &pose, const Point
     // A px on the edge of two triangles belongs to the right one.
     high = std::min(high, std::ceil(right) - 1);
   };
-  paint(texture, pose, static_cast<int>(std::ceil(upper)), static_cast<int>(std::floor(lower)),
-        gain, keep);
+  paint(texture, pose, thing, static_cast<int>(std::ceil(upper)),
+        static_cast<int>(std::floor(lower)), gain, keep);
 }
 
 // With B(x, t) the lean and k its share, what is at x now stands at m = x − k·B(x, t), and was at
 // x' with x' − k·B(x', t − dt) = m. One step of Newton's method from x: x − x' = k·(B(x, t) − B(x,
 // t − dt)) / (1 − k·dB/dx).
 void Canvas::draw_row(const Pixel *texels, int length, int y, const Lean &lean,
-                      std::span<const std::uint16_t> gain) {
+                      std::span<const std::uint16_t> gain, const Thing &thing) {
   if (y < 0 || y >= height_)
     return;
+  place_points(thing, [&](const Point &texel) {
+    return Point{leaning_place(texel.x, lean), static_cast<float>(y)};
+  });
   std::uint32_t *pixel = row(y);
   const float last = static_cast<float>(length) - 1.01F;
   for (int x = 0; x < width_; ++x) {
@@ -201,6 +242,7 @@ void Canvas::draw_row(const Pixel *texels, int length, int y, const Lean &lean,
     const Pixel *texel = texels + whole;
     const Pixel under = ((texel[0] * (256 - part) + texel[1] * part) >> 8) & kLanes;
     if (under >> 48 && add(pixel[x], brighten(under, gain[x]))) {
+      show(x, y, thing, {u, 0});
       const float slope = lean.now[std::min(x + 1, width_ - 1)] - lean.now[x];
       motion_row(y)[x] =
           to_motion(lean.share * (lean.now[x] - lean.before[x]) / (1 - lean.share * slope), 0);
@@ -208,9 +250,14 @@ void Canvas::draw_row(const Pixel *texels, int length, int y, const Lean &lean,
   }
 }
 
-void Canvas::draw_span(int y, float x, float width, Pixel colour, Motion motion) {
+void Canvas::draw_span(int y, float x, float width, Pixel colour, Motion motion,
+                       const Thing &thing) {
   if (y < 0 || y >= height_)
     return;
+  constexpr float kCentre = 0.5F; // of a pixel, from its left edge
+  place_points(thing, [&](const Point &texel) {
+    return Point{x + texel.x * width - kCentre, static_cast<float>(y)};
+  });
   const int left = std::max(static_cast<int>(std::floor(x)), 0);
   const int right = std::min(static_cast<int>(std::ceil(x + width)), width_);
   std::uint32_t *pixel = row(y);
@@ -218,8 +265,10 @@ void Canvas::draw_span(int y, float x, float width, Pixel colour, Motion motion)
     const float cover =
         std::min(x + width, static_cast<float>(i + 1)) - std::max(x, static_cast<float>(i));
     const auto weight = static_cast<Pixel>(std::clamp(cover, 0.0F, 1.0F) * 256);
-    if (add(pixel[i], ((colour * weight) >> 8) & kLanes))
+    if (add(pixel[i], ((colour * weight) >> 8) & kLanes)) {
+      show(i, y, thing, {(static_cast<float>(i) + kCentre - x) / width, 0});
       motion_row(y)[i] = motion;
+    }
   }
 }
 

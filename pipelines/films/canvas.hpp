@@ -4,9 +4,13 @@
 
 #include "samples/motion-field.hpp"
 
+#include <cmath>
+#include <compare>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace film {
@@ -19,6 +23,10 @@ struct Point {
   Point operator-(const Point &other) const { return {x - other.x, y - other.y}; }
   Point operator*(float factor) const { return {x * factor, y * factor}; }
 };
+
+inline float length(const Point &point) {
+  return std::hypot(point.x, point.y);
+}
 
 /// x' = xx·x + xy·y + x0, y' = yx·x + yy·y + y0.
 struct Affine {
@@ -76,6 +84,23 @@ constexpr float kMotionUnits = 512;
 /// Of px; far away motions are limited.
 Motion to_motion(float x, float y);
 
+/// What a thing is that points are chosen on; everything else is `other`.
+enum class Kind : std::uint8_t { other, crown_leaf, branch, grass, blade, flag };
+
+/// A thing that moves, and which part of it is drawn: each part has texels of its own.
+struct Thing {
+  Kind kind = Kind::other;
+  std::uint32_t number = 0; // of the things of this kind
+  std::uint32_t part = 0;
+  auto operator<=>(const Thing &) const = default;
+};
+
+/// A point of a thing: it stays where it is on the thing.
+struct MaterialPoint {
+  Thing thing;
+  Point texel; // of a span: x is the share of its width, y is 0; of a row: y is 0
+};
+
 /// How far the blades of one row lean: the thing at texel u is seen at u − offset + share · now[x].
 struct Lean {
   std::span<const float> now;    // px, for each x
@@ -91,27 +116,39 @@ class Canvas {
 public:
   Canvas(int width, int height);
 
+  /// From the next frame on, points() says where these are, and material() what is seen.
+  void follow(std::vector<MaterialPoint> points);
+
   /// Begins a new frame.
   void clear();
 
   int width() const { return width_; }
+  int height() const { return height_; }
   const Motion &motion(int x, int y) const {
     return motions_[static_cast<std::size_t>(y) * width_ + x];
   }
 
+  /// What the pixel shows; after follow().
+  const MaterialPoint &material(int x, int y) const {
+    return materials_[static_cast<std::size_t>(y) * width_ + x];
+  }
+  /// Where each point of follow() is, px from the centre of the top left pixel. Points that were
+  /// not drawn are far away.
+  const std::vector<Point> &points() const { return points_; }
+
   /// The pose maps texels to px.
-  void draw(const Texture &texture, const Pose &pose);
+  void draw(const Texture &texture, const Pose &pose, const Thing &thing = {});
 
   /// The same, only within the triangle of these corners (texels).
   void draw_triangle(const Texture &texture, const Pose &pose, const Point &a, const Point &b,
-                     const Point &c, int gain);
+                     const Point &c, int gain, const Thing &thing);
 
   /// One row of a thing that leans. `gain` (256: unchanged) multiplies the colours.
   void draw_row(const Pixel *texels, int length, int y, const Lean &lean,
-                std::span<const std::uint16_t> gain);
+                std::span<const std::uint16_t> gain, const Thing &thing = {});
 
   /// A band from x to x + width of one row, in one colour.
-  void draw_span(int y, float x, float width, Pixel colour, Motion motion);
+  void draw_span(int y, float x, float width, Pixel colour, Motion motion, const Thing &thing);
 
   /// Mean displacement of the pixels of this box since the frame before, in px. `kept(motion)`
   /// says which pixels count; at least one does.
@@ -148,12 +185,23 @@ private:
   std::uint32_t *row(int y) { return &pixels_[static_cast<std::size_t>(y) * width_]; }
   Motion *motion_row(int y) { return &motions_[static_cast<std::size_t>(y) * width_]; }
   template <typename Keep>
-  void paint(const Texture &texture, const Pose &pose, int top, int bottom, int gain, Keep &&keep);
+  void paint(const Texture &texture, const Pose &pose, const Thing &thing, int top, int bottom,
+             int gain, Keep &&keep);
+  // Says where the followed points of this thing are: at place(texel).
+  template <typename Place>
+  void place_points(const Thing &thing, Place &&place);
+  void show(int x, int y, const Thing &thing, const Point &texel) {
+    if (!materials_.empty())
+      materials_[static_cast<std::size_t>(y) * width_ + x] = {thing, texel};
+  }
 
   int width_;
   int height_;
   std::vector<std::uint32_t> pixels_; // ARGB32
   std::vector<Motion> motions_;
+  std::vector<MaterialPoint> materials_;                         // empty if nothing is followed
+  std::multimap<Thing, std::pair<std::size_t, Point>> followed_; // index and texel
+  std::vector<Point> points_;
 };
 
 /// What is seen of `under` below `over`, and `over`.

@@ -128,7 +128,8 @@ void Flag::draw(Canvas &canvas, const Winds &winds) const {
     canvas.draw_triangle(cloth_, {map(now), map(before)}, texel,
                          texel + Point{static_cast<float>(right) * u, 0},
                          texel + Point{0, static_cast<float>(below) * v},
-                         static_cast<int>(256 * std::clamp(light, 0.35F, 1.06F)));
+                         static_cast<int>(256 * std::clamp(light, 0.35F, 1.06F)),
+                         {Kind::flag, 0, static_cast<std::uint32_t>(2 * corner) + (right > 0)});
   };
   for (int j = 0; j < kLines; ++j)
     for (int i = 0; i < kColumns; ++i) {

@@ -173,7 +173,9 @@ void Meadow::draw_strip(Canvas &canvas, const Row &row, const Winds &winds) cons
     const float height =
         static_cast<float>(row.grass.height - y) / static_cast<float>(row.grass.height);
     canvas.draw_row(row.grass.row(y), row.grass.width, bottom - row.grass.height + y,
-                    {now, before, bend_at(height), static_cast<float>(margin_)}, gain);
+                    {now, before, bend_at(height), static_cast<float>(margin_)}, gain,
+                    {Kind::grass, static_cast<std::uint32_t>(&row - rows_.data()),
+                     static_cast<std::uint32_t>(y)});
   }
 }
 
@@ -189,7 +191,9 @@ void Meadow::draw_blade(Canvas &canvas, const Blade &blade, const Winds &winds) 
     const float width = blade.width * scale * (1 - 0.9F * share * share);
     const auto weight = static_cast<Pixel>(std::clamp(share, 0.0F, 1.0F) * 256);
     const Pixel colour = ((blade.colour * (256 - weight) + blade.tip * weight) >> 8) & kLanes;
-    canvas.draw_span(y, foot.x + bend * now - width / 2, width, colour, to_motion(bend * moved, 0));
+    canvas.draw_span(y, foot.x + bend * now - width / 2, width, colour, to_motion(bend * moved, 0),
+                     {Kind::blade, static_cast<std::uint32_t>(&blade - blades_.data()),
+                      static_cast<std::uint32_t>(y)});
   }
 }
 

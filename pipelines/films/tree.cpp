@@ -18,10 +18,6 @@ constexpr float kWoodDepth = -0.15F; // clumps behind it are behind trunk and li
 constexpr int kBarkWidth = 24;
 constexpr int kBarkHeight = 128;
 
-float length(const Point &p) {
-  return std::hypot(p.x, p.y);
-}
-
 Point between(const Point &a, const Point &b, float share) {
   return a + (b - a) * share;
 }
@@ -286,16 +282,18 @@ void Tree::draw_leaf(Canvas &canvas, const Leaf &leaf, const Pose &pose, const W
                   leaf.at.x - c * base.x + s * narrow * base.y,
                   leaf.at.y - s * base.x - c * narrow * base.y};
   };
-  canvas.draw(texture, pose * Pose{own(winds.now, roll), own(winds.before, roll_in(winds.before))});
+  canvas.draw(texture, pose * Pose{own(winds.now, roll), own(winds.before, roll_in(winds.before))},
+              {Kind::crown_leaf, static_cast<std::uint32_t>(&leaf - leaves_.data()), 0});
 }
 
 void Tree::draw_triangles(Canvas &canvas, const std::vector<Pose> &poses, int first,
                           int last) const {
   for (int i = first; i < last; ++i) {
     const Triangle &t = triangles_[static_cast<std::size_t>(i)];
-    canvas.draw_triangle(bark_,
-                         poses[static_cast<std::size_t>(t.node)] * Pose{t.to_rest, t.to_rest},
-                         t.corners[0], t.corners[1], t.corners[2], t.gain);
+    canvas.draw_triangle(
+        bark_, poses[static_cast<std::size_t>(t.node)] * Pose{t.to_rest, t.to_rest}, t.corners[0],
+        t.corners[1], t.corners[2], t.gain,
+        {Kind::branch, static_cast<std::uint32_t>(t.node), static_cast<std::uint32_t>(i)});
   }
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The true motion at chosen places of a film, as tracks of text lines (docs/formats/text-line.md).
+// The true motion at chosen places of a film, as tracks of text lines (docs/formats/text-line.md),
+// and the true way of chosen points of its things, as a table (docs/formats/film-points.md).
 #pragma once
 
-#include "canvas.hpp"
+#include "scene.hpp"
 
 #include <string>
 #include <vector>
@@ -42,6 +43,36 @@ private:
   int width_;
   int height_;
   int rate_;
+  long count_ = 0;
+};
+
+/// Points of leaves, branches, grass, blades and the flag, chosen among those that a person sees in
+/// the first frame.
+class MaterialPoints {
+public:
+  struct Seen {
+    Point place; // px from the top left corner of the frame
+    bool visible = false;
+  };
+
+  static constexpr int kOfEachKind = 40;
+
+  MaterialPoints(const Scene &scene, int width, int height, std::uint64_t seed);
+
+  const std::vector<MaterialPoint> &points() const { return points_; }
+
+  /// Where each point is in a canvas that follows them. Threads may call it at the same time.
+  std::vector<Seen> measure(const Canvas &canvas) const;
+
+  /// Adds what was measured of the next frame.
+  void add(const std::vector<Seen> &seen);
+
+  /// Throws FilmError.
+  void write(const std::string &path) const;
+
+private:
+  std::vector<MaterialPoint> points_;
+  std::string lines_;
   long count_ = 0;
 };
 

@@ -33,6 +33,7 @@ struct Options {
   std::string truth;  // folder
   std::string places; // of the truth
   film::TruthOf truth_of = film::TruthOf::square;
+  std::string points; // file
   std::string output;
 };
 
@@ -42,6 +43,7 @@ Options read_options(int argc, char **argv) {
   gchar *truth = nullptr;
   gchar *places = nullptr;
   gchar *truth_of = nullptr;
+  gchar *points = nullptr;
   const GOptionEntry entries[] = {
       {"width", 0, 0, G_OPTION_ARG_INT, &read.width, "Width of the frames (960)", "PX"},
       {"height", 0, 0, G_OPTION_ARG_INT, &read.height, "Height of the frames (540)", "PX"},
@@ -58,6 +60,8 @@ Options read_options(int argc, char **argv) {
        "Whose mean --truth is: of roitracker's usual region, or of what moves there with the pixel "
        "at the place",
        "square|pointed"},
+      {"points", 0, 0, G_OPTION_ARG_FILENAME, &points,
+       "Table (CSV) of where points of leaves, branches, grass and flag are in each frame", "FILE"},
       {"at", 0, 0, G_OPTION_ARG_DOUBLE, &read.at, "Time of a still (4)", "S"},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, "OUTPUT"},
       {}};
@@ -82,6 +86,7 @@ Options read_options(int argc, char **argv) {
   };
   read.truth = take(truth);
   read.places = take(places);
+  read.points = take(points);
   const std::string of = take(truth_of);
   if (of == "pointed")
     read.truth_of = film::TruthOf::pointed;
@@ -128,6 +133,9 @@ public:
         file_(options.output, options.width, options.height, options.rate, options.quality) {
     if (!options.truth.empty())
       truth_.emplace(options.places, options.truth_of, options.width, options.height, options.rate);
+    if (!options.points.empty())
+      points_.emplace(scene_, options.width, options.height,
+                      static_cast<std::uint64_t>(options.seed));
   }
 
   void run() {
@@ -143,6 +151,8 @@ public:
       std::rethrow_exception(error_);
     if (truth_)
       truth_->write(options_.truth);
+    if (points_)
+      points_->write(options_.points);
     file_.finish();
   }
 
@@ -150,6 +160,8 @@ private:
   void draw_some(long first, long step) noexcept {
     try {
       film::Canvas canvas(options_.width, options_.height);
+      if (points_)
+        canvas.follow(points_->points());
       std::vector<std::uint8_t> frame(static_cast<std::size_t>(options_.width) * options_.height *
                                       3 / 2);
       haptic::MotionField field;
@@ -165,6 +177,8 @@ private:
         field.flags = 0;
         const std::vector<film::Point> motions =
             truth_ ? truth_->measure(canvas) : std::vector<film::Point>();
+        const std::vector<film::MaterialPoints::Seen> seen =
+            points_ ? points_->measure(canvas) : std::vector<film::MaterialPoints::Seen>();
         std::unique_lock lock(mutex_);
         turn_.wait(lock, [&] { return next_ == i || error_; });
         if (error_)
@@ -172,6 +186,8 @@ private:
         file_.write(frame, field);
         if (truth_)
           truth_->add(motions);
+        if (points_)
+          points_->add(seen);
         ++next_;
         turn_.notify_all();
       }
@@ -187,10 +203,11 @@ private:
   const film::Scene scene_;
   std::mutex mutex_;
   std::condition_variable turn_;
-  film::FilmFile file_;              // mutex_
-  std::optional<film::Truth> truth_; // add(): mutex_
-  long next_ = 0;                    // mutex_
-  std::exception_ptr error_;         // mutex_
+  film::FilmFile file_;                        // mutex_
+  std::optional<film::Truth> truth_;           // add(): mutex_
+  std::optional<film::MaterialPoints> points_; // add(): mutex_
+  long next_ = 0;                              // mutex_
+  std::exception_ptr error_;                   // mutex_
 };
 
 } // namespace

@@ -42,6 +42,12 @@ bool is_orange(Color c) {
 bool is_blue(Color c) {
   return c.b > c.g + 30 && c.g > c.r + 30;
 }
+bool is_green(Color c) {
+  return c.g > c.r + 60 && c.g > c.b + 20;
+}
+bool is_dark(Color c) {
+  return c.r < 60 && c.g < 60 && c.b < 60;
+}
 bool is_white(Color c) {
   return c.r > 250 && c.g > 250 && c.b > 250;
 }
@@ -343,9 +349,10 @@ TEST_F(HapticOverlay, NumbersWithoutSenseDoNoHarm) {
   for (const float number : {std::numeric_limits<float>::quiet_NaN(),
                              std::numeric_limits<float>::infinity(), 1e30F, -1e30F}) {
     BufferPtr buffer = test::to_buffer(frame, alone.info);
-    auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
-        gst_buffer_add_meta(buffer.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
+    auto *motion = &test::add_motion(buffer);
     motion->flags = GST_HAPTIC_MOTION_STILL;
+    motion->hold = GST_HAPTIC_HOLD_ABOUT;
+    motion->held_x = motion->held_radius = number;
     motion->region_x = motion->region_width = motion->pointer_x = motion->force_x = number;
     motion->force_y = 1;
     motion->n_patches = 1000;
@@ -353,6 +360,138 @@ TEST_F(HapticOverlay, NumbersWithoutSenseDoNoHarm) {
     EXPECT_EQ(alone.push(std::move(buffer)), GST_FLOW_OK);
     EXPECT_NE(alone.pull(), nullptr);
   }
+}
+
+// Grey frames with metadata of the test's own: a thing was taken.
+class HeldThing : public ::testing::Test {
+protected:
+  static constexpr float kRadius = 30; // px
+
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+  void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight); }
+
+  // The thing is this far from the middle of the frame, px.
+  BufferPtr pass(GstHapticHold hold, Shift away = {}) {
+    BufferPtr frame = test::to_buffer(Frame(kWidth, kHeight, 128), harness.info);
+    auto *meta = &test::add_motion(frame);
+    meta->frame_width = kWidth;
+    meta->frame_height = kHeight;
+    meta->hold = hold;
+    meta->held_x = static_cast<gfloat>(kWidth / 2.0 + away.x);
+    meta->held_y = static_cast<gfloat>(kHeight / 2.0 + away.y);
+    meta->held_radius = kRadius;
+    meta->held_time = kFrame * static_cast<GstClockTime>(frames_++);
+    meta->interval = kFrame;
+    meta->n_candidates = meta->n_patches = moves_ > 0 ? 4 : 0;
+    for (guint i = 0; i < meta->n_patches; ++i)
+      meta->patches[i].dx = moves_;
+    EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
+    return harness.pull();
+  }
+
+  // After this path, the last frame shows no more of it than the ring about the thing.
+  void expect_no_trail(const BufferPtr &frame, Shift thing) {
+    const Spot left = spot(frame, is_green);
+    EXPECT_GT(left.centre.x, thing.x - 3);
+  }
+
+  VideoHarness harness{"hapticoverlay style=arrows"};
+  int frames_ = 0;
+  gfloat moves_ = 0; // px per frame; 0: nothing was measured
+};
+
+TEST_F(HeldThing, HasTheArrowOfItsMotion) {
+  moves_ = 2;
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
+    const Spot arrow = spot(pass(hold, {20, -10}), is_orange);
+    EXPECT_NEAR(arrow.centre.x, 20 + 15, 8) << "in half a second it moves by 30 px";
+    EXPECT_NEAR(arrow.centre.y, -10, 2);
+  }
+}
+
+TEST_F(HeldThing, ThatIsSeenHasASolidRing) {
+  const Spot ring = spot(pass(GST_HAPTIC_HOLD_HELD), is_green);
+  EXPECT_NEAR(ring.centre.x, 0, 0.5);
+  EXPECT_NEAR(ring.centre.y, 0, 0.5);
+  EXPECT_NEAR(ring.reach, kRadius, 2);
+  EXPECT_GT(ring.count, 2 * std::numbers::pi * 0.9 * static_cast<double>(kRadius));
+}
+
+TEST_F(HeldThing, WhosePlaceIsNotExactHasADashedRing) {
+  const int solid = spot(pass(GST_HAPTIC_HOLD_HELD), is_green).count;
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_ABOUT, GST_HAPTIC_HOLD_HIDDEN}) {
+    const Spot ring = spot(pass(hold), is_green);
+    EXPECT_LT(ring.count, 0.7 * solid);
+    EXPECT_NEAR(ring.reach, kRadius, 2);
+  }
+}
+
+TEST_F(HeldThing, WhosePlaceIsNotKnownHasNoRing) {
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_LOST, GST_HAPTIC_HOLD_REFUSED})
+    EXPECT_EQ(spot(pass(hold), is_green).count, 0);
+}
+
+TEST_F(HeldThing, HasAWordUnlessItIsSeen) {
+  const auto words = [&](GstHapticHold hold) { return spot(pass(hold), is_dark); };
+  EXPECT_EQ(words(GST_HAPTIC_HOLD_NONE).count, 0);
+  EXPECT_EQ(words(GST_HAPTIC_HOLD_HELD).count, 0);
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_ABOUT, GST_HAPTIC_HOLD_HIDDEN,
+                                   GST_HAPTIC_HOLD_LOST, GST_HAPTIC_HOLD_REFUSED}) {
+    EXPECT_GT(words(hold).count, 200) << hold;
+    EXPECT_LT(words(hold).centre.y, 0) << "above it";
+  }
+}
+
+TEST_F(HeldThing, AWordHasRoomAtTheTopOfTheFrame) {
+  const Spot word = spot(pass(GST_HAPTIC_HOLD_ABOUT, {0, -kHeight / 2.0}), is_dark);
+  EXPECT_GT(word.count, 200);
+  EXPECT_GT(word.centre.y, -kHeight / 2.0 + static_cast<double>(kRadius));
+}
+
+TEST_F(HeldThing, LeavesATrail) {
+  for (int i = 0; i < 20; ++i)
+    pass(GST_HAPTIC_HOLD_HELD, {-100 + 10.0 * i, 0});
+  const Spot drawn = spot(pass(GST_HAPTIC_HOLD_HELD, {100, 0}), is_green);
+  EXPECT_NEAR(drawn.reach, 100 + static_cast<double>(kRadius), 3);
+  EXPECT_LT(drawn.centre.x, 75) << "the ring is at 100 px, the trail to the left of it";
+}
+
+TEST_F(HeldThing, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
+  const auto walk = [&] {
+    for (int i = 0; i < 20; ++i)
+      pass(GST_HAPTIC_HOLD_HELD, {-100 + 10.0 * i, 0});
+  };
+  const Shift end{100, 0};
+  walk();
+  EXPECT_EQ(spot(pass(GST_HAPTIC_HOLD_NONE), is_green).count, 0);
+  expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
+  walk();
+  gst_harness_push_event(harness.get(), gst_event_new_flush_start());
+  gst_harness_push_event(harness.get(), gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
+  walk();
+  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
+  walk();
+  GST_VIDEO_INFO_PAR_N(&harness.info) = 2;
+  gst_harness_set_src_caps(harness.get(), gst_video_info_to_caps(&harness.info));
+  expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
+}
+
+TEST_F(HeldThing, HasTheColourThatWasSet) {
+  g_object_set(harness.element("hapticoverlay").get(), "hold-color", 0xff0072b2U, nullptr);
+  const BufferPtr frame = pass(GST_HAPTIC_HOLD_HELD);
+  EXPECT_EQ(spot(frame, is_green).count, 0);
+  EXPECT_GT(spot(frame, is_blue).count, 100);
+}
+
+TEST_F(HeldThing, IsNotDrawnWithStyleNone) {
+  gst_util_set_object_arg(G_OBJECT(harness.element("hapticoverlay").get()), "style", "none");
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_REFUSED})
+    EXPECT_EQ(spot(pass(hold), [](Color c) { return c.r != 128 || c.g != 128; }).count, 0);
 }
 
 TEST_F(HapticOverlay, WhereDownstreamDrawsNothingIsCopied) {

@@ -5,10 +5,14 @@
 #include <cmath>
 #include <gst/video/gstvideometa.h>
 #include <gtest/gtest.h>
+#include <limits>
+#include <utility>
 
 namespace {
 
 using haptic::BufferPtr;
+using haptic::HeldPlace;
+using haptic::HoldState;
 using haptic::MotionModel;
 using haptic::MotionSample;
 using test::ElementPtr;
@@ -253,8 +257,7 @@ TEST_F(VelocityAvg, NeverLooksAtThePixels) {
   VideoHarness alone("velocityavg");
   alone.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
   BufferPtr empty(gst_buffer_new());
-  auto *motion = reinterpret_cast<GstHapticMotionMeta *>(
-      gst_buffer_add_meta(empty.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
+  auto *motion = &test::add_motion(empty);
   motion->interval = kFrame;
   motion->frame_width = kWidth;
   motion->frame_height = kHeight;
@@ -268,6 +271,125 @@ TEST_F(VelocityAvg, NeverLooksAtThePixels) {
   const haptic::QueryPtr query(gst_query_new_allocation(caps.get(), FALSE));
   EXPECT_TRUE(gst_pad_peer_query(alone.get()->srcpad, query.get()));
   EXPECT_TRUE(gst_query_find_allocation_meta(query.get(), GST_VIDEO_META_API_TYPE, nullptr));
+}
+
+// Frames whose metadata the test writes: a thing was taken.
+class HeldThing : public ::testing::Test {
+protected:
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+
+  static GstHapticMotionMeta moving(guint hold) {
+    GstHapticMotionMeta motion{};
+    motion.interval = kFrame;
+    motion.frame_width = kWidth;
+    motion.frame_height = kHeight;
+    motion.n_candidates = motion.n_patches = 4;
+    for (guint i = 0; i < 4; ++i)
+      motion.patches[i].dx = 2;
+    motion.hold = hold;
+    motion.held_x = 60;
+    motion.held_y = 135;
+    motion.held_radius = 24;
+    motion.held_time = GST_SECOND;
+    return motion;
+  }
+
+  static constexpr HeldPlace place(HoldState state) {
+    return {state, 60.0F / kWidth, 135.0F / kHeight, 24.0F / kWidth, GST_SECOND};
+  }
+
+  static BufferPtr push(VideoHarness &harness, const GstHapticMotionMeta &motion) {
+    BufferPtr frame = test::to_buffer(Frame(kWidth, kHeight), harness.info);
+    GstHapticMotionMeta &meta = test::add_motion(frame);
+    const GstMeta header = meta.meta;
+    meta = motion;
+    meta.meta = header;
+    EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
+    return harness.pull();
+  }
+  BufferPtr pass(const GstHapticMotionMeta &motion) { return push(harness, motion); }
+
+  void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight); }
+
+  VideoHarness harness{"velocityavg"};
+};
+
+TEST_F(HeldThing, IsInTheSampleWithItsMotionWhileItIsSeen) {
+  for (const HoldState state : {HoldState::held, HoldState::about}) {
+    const BufferPtr buffer = pass(moving(static_cast<guint>(state)));
+    EXPECT_EQ(sample_of(buffer).held, place(state));
+    EXPECT_NEAR(sample_of(buffer).velocity_x, 60, 0.01);
+    EXPECT_FALSE(is_gap(buffer));
+  }
+}
+
+TEST_F(HeldThing, IsNotFeltWhileItIsNotSeen) {
+  for (const HoldState state : {HoldState::hidden, HoldState::lost, HoldState::refused})
+    for (const guint flags : {0U, static_cast<guint>(GST_HAPTIC_MOTION_STILL),
+                              static_cast<guint>(GST_HAPTIC_MOTION_DUPLICATE)}) {
+      pass(moving(GST_HAPTIC_HOLD_HELD));
+      GstHapticMotionMeta motion = moving(static_cast<guint>(state));
+      motion.flags = flags;
+      const BufferPtr buffer = pass(motion);
+      EXPECT_EQ(sample_of(buffer).held, place(state));
+      EXPECT_EQ(sample_of(buffer).confidence, 0);
+      EXPECT_TRUE(is_gap(buffer));
+    }
+}
+
+TEST_F(HeldThing, WithoutOneTheSampleIsAsBefore) {
+  const BufferPtr none = pass(moving(GST_HAPTIC_HOLD_NONE));
+  EXPECT_EQ(gst_buffer_get_size(none.get()), haptic::kMotionSampleSize);
+  EXPECT_EQ(sample_of(none).held, HeldPlace{});
+  EXPECT_EQ(sample_of(pass(moving(GST_HAPTIC_HOLD_REFUSED + 1))).held, HeldPlace{})
+      << "a state of a later version";
+}
+
+TEST_F(HeldThing, ADuplicateFrameRepeatsTheMotionAndSaysWhereTheThingIsNow) {
+  pass(moving(GST_HAPTIC_HOLD_HELD));
+  GstHapticMotionMeta again = moving(GST_HAPTIC_HOLD_ABOUT);
+  again.flags = GST_HAPTIC_MOTION_DUPLICATE;
+  again.n_patches = 0;
+  const MotionSample sample = sample_of(pass(again));
+  EXPECT_NEAR(sample.velocity_x, 60, 0.01);
+  EXPECT_EQ(sample.held, place(HoldState::about));
+}
+
+TEST_F(HeldThing, IsScaledWithTheFrame) {
+  VideoHarness scaled("videoscale ! capsfilter caps=video/x-raw,width=120,height=45 ! velocityavg");
+  scaled.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+  EXPECT_EQ(sample_of(push(scaled, moving(GST_HAPTIC_HOLD_HELD))).held, place(HoldState::held));
+}
+
+TEST_F(HeldThing, IsInsideTheFrameWhateverTheMetadataSay) {
+  GstHapticMotionMeta motion = moving(GST_HAPTIC_HOLD_HELD);
+  motion.held_x = -5;
+  motion.held_y = 1e9F;
+  motion.held_radius = std::numeric_limits<gfloat>::quiet_NaN();
+  const HeldPlace held = sample_of(pass(motion)).held;
+  EXPECT_EQ(held.x, 0);
+  EXPECT_EQ(held.y, 1);
+  EXPECT_EQ(held.radius, 0);
+}
+
+TEST_F(HeldThing, IsInTheMessage) {
+  gst_util_set_object_arg(G_OBJECT(harness.element("velocityavg").get()), "post-messages", "true");
+  pass(moving(GST_HAPTIC_HOLD_ABOUT));
+  const test::MessagePtr message = harness.message(GST_MESSAGE_ELEMENT);
+  ASSERT_NE(message, nullptr);
+  const GstStructure *fields = gst_message_get_structure(message.get());
+  gdouble x = 0;
+  gdouble y = 0;
+  gdouble radius = 0;
+  guint64 time = 0;
+  ASSERT_TRUE(gst_structure_get(fields, "hold-x", G_TYPE_DOUBLE, &x, "hold-y", G_TYPE_DOUBLE, &y,
+                                "hold-radius", G_TYPE_DOUBLE, &radius, "hold-time", G_TYPE_UINT64,
+                                &time, nullptr));
+  EXPECT_STREQ(gst_structure_get_string(fields, "held"), "about");
+  EXPECT_EQ(x, 0.25);
+  EXPECT_EQ(y, 0.75);
+  EXPECT_FLOAT_EQ(static_cast<float>(radius), 0.1F);
+  EXPECT_EQ(time, GST_SECOND);
 }
 
 TEST_F(VelocityAvg, WithoutATrackerItWarnsOnceAndTheBranchIsStillFed) {

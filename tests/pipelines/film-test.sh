@@ -33,6 +33,18 @@ promise "the true motion of the thing in the middle too" "$program" "${small[@]}
 are_different() { ! cmp -s "$@"; }
 promise "is another" are_different "$work/truth/0.7-0.5.txt" "$work/pointed/0.7-0.5.txt"
 
+promise "it writes where points of its things are" "$program" "${small[@]}" --points "$work/points.csv" "$work/again.ts"
+in_each_frame() {
+  awk -F , '
+    FNR == 1 { ok = $0 == "frame,point,kind,x,y,visible"; next }
+    { ++count[$3]; ok = ok && $1 == int((FNR - 2) / 200) && $2 == (FNR - 2) % 200 }
+    END { exit !(ok && FNR == 1 + 200 * 30 && length(count) == 5 && count["crown-leaf"] == 40 * 30) }' "$1"
+}
+promise "in each frame" in_each_frame "$work/points.csv"
+promise "the same twice" "$program" "${small[@]}" --points "$work/points-again.csv" "$work/again.ts"
+promise "to the byte" cmp "$work/points.csv" "$work/points-again.csv"
+promise "without another film" cmp "$work/film.ts" "$work/again.ts"
+
 promise "it draws a still" "$program" --width 320 --height 180 --at 3 "$work/still.png"
 promise "of many greens" has_colour "$work/still.png" '[2-6]. [4-9]. [0-3].' 2000
 
@@ -57,5 +69,6 @@ promise "an unknown option" fails_with "see --help" --wide "$work/other.ts"
 promise "a place outside" fails_with "write X,Y, each from 0 to 1" "${small[@]}" --truth "$work/none" --places "0.5,1.5" "$work/other.ts"
 promise "a truth without places" fails_with "needs places" "${small[@]}" --truth "$work/none" "$work/other.ts"
 promise "a truth of nothing" fails_with "square or pointed" --truth-of all "$work/other.ts"
+promise "a table in no folder" fails_with "another file to --points" "${small[@]}" --points "$work/none/p.csv" "$work/other.ts"
 promise "a quality that x264 does not have" fails_with "0 (without loss) to 51" --quality 52 "$work/other.ts"
 promise "no file is left" test ! -e "$work/other.ts" -a ! -e "$work/other.ts.part"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Motion samples with something in every field, the same ones for each seed.
+// Motion samples with something in every field, the same ones for each seed. Nothing is held in
+// about every sixth.
 #pragma once
 
 #include "core/track-sample.hpp"
@@ -35,6 +36,9 @@ public:
     s.model = static_cast<MotionModel>(random_() % 5);
     sample.time = std::uint64_t{random_()} << 16 | random_() % 65536;
     sample.duration = random_();
+    if (const auto state = static_cast<haptic::HoldState>(s.points % 6);
+        state != haptic::HoldState::none)
+      s.held = {state, s.pointer_y, s.pointer_x, s.region_height, sample.time / 2};
     return sample;
   }
 

@@ -115,6 +115,17 @@ private:
   haptic::BusPtr bus_;
 };
 
+/// Metadata of the test's own, as roitracker adds them.
+inline GstHapticMotionMeta &add_motion(const haptic::BufferPtr &buffer) {
+  if (!gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME)) { // registered with the first
+    VideoHarness tracker("roitracker");
+    tracker.set_format(GST_VIDEO_FORMAT_GRAY8, 64, 64);
+    tracker.pass(Frame(64, 64), 0);
+  }
+  return *reinterpret_cast<GstHapticMotionMeta *>(
+      gst_buffer_add_meta(buffer.get(), gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME), nullptr));
+}
+
 /// Mean displacement of the patches, px; nothing without patches.
 inline std::optional<Shift> displacement(GstBuffer *buffer) {
   const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);

@@ -91,12 +91,14 @@ void put_field(haptic::GridDecoder<Cells> &decoder, std::span<const std::uint8_t
 
 std::uint32_t hash_of(const haptic::MotionSample &s) {
   Hash hash;
-  for (const float value : {s.velocity_x, s.velocity_y, s.spin, s.divergence, s.pointer_x,
-                            s.pointer_y, s.region_width, s.region_height, s.confidence})
+  for (const float value :
+       {s.velocity_x, s.velocity_y, s.spin, s.divergence, s.pointer_x, s.pointer_y, s.region_width,
+        s.region_height, s.confidence, s.held.x, s.held.y, s.held.radius})
     hash.add(value);
   for (const auto number :
        {std::uint32_t{s.flags}, s.frame_width, s.frame_height, s.pixel_aspect_n, s.pixel_aspect_d,
-        std::uint32_t{s.points}, static_cast<std::uint32_t>(s.model)})
+        std::uint32_t{s.points}, static_cast<std::uint32_t>(s.model),
+        static_cast<std::uint32_t>(s.held.state)})
     hash.add(number);
   return hash.value();
 }

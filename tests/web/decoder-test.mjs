@@ -5,7 +5,7 @@
 import { spawnSync } from 'node:child_process';
 import { FieldDecoder } from '../../pipelines/web/player/field-codec.js';
 import { readKlv } from '../../pipelines/web/player/klv.js';
-import { RELIEF } from '../../pipelines/web/player/relief-codec.js';
+import { RELIEF } from '../../pipelines/web/player/touch.js';
 import { promise } from './promise.mjs';
 
 const [program, ...given] = process.argv.slice(2);
@@ -43,10 +43,14 @@ function decoded(decoder, bytes) {
   return numbers;
 }
 
+const NOTHING_HELD = { state: 0, x: 0.5, y: 0.5, radius: 0 };
+
 function hashOfPoint(p) {
   let hash = 2166136261;
+  const held = p.held ?? NOTHING_HELD;
   for (const number of [p.x, p.y, p.spin, p.divergence, p.pointerX, p.pointerY, p.regionWidth, p.regionHeight,
-    p.confidence].map(bits).concat([p.flags, p.width, p.height, p.aspectN, p.aspectD, p.points, p.model]))
+    p.confidence, held.x, held.y, held.radius].map(bits)
+    .concat([p.flags, p.width, p.height, p.aspectN, p.aspectD, p.points, p.model, held.state]))
     hash = Math.imul(hash ^ number, 16777619);
   return hash >>> 0;
 }

@@ -2,7 +2,9 @@
 // Where the thing is that was taken by a press.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace haptic {
 
@@ -15,6 +17,15 @@ enum class HoldState : std::uint8_t {
   lost,    ///< it was not found again
   refused, ///< there was nothing to hold
 };
+
+/// Whether the place moves with what is seen.
+inline bool is_followed(HoldState state) noexcept {
+  return state == HoldState::held || state == HoldState::about;
+}
+
+/// By the numbers of HoldState.
+inline constexpr std::array<std::string_view, 6> kHoldStateNames = {"none",   "held", "about",
+                                                                    "hidden", "lost", "refused"};
 
 /// Positions and sizes are fractions of the frame, origin at its top left corner.
 struct HeldPlace {

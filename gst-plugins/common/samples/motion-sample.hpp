@@ -64,10 +64,25 @@ struct MotionSample : PlanarMotion {
   bool operator==(const MotionSample &) const = default;
 };
 
-/// Bytes of a packed sample (docs/formats/motion-sample.md).
+/// Bytes of a packed sample (docs/formats/motion-sample.md), and of one with a thing that was
+/// taken.
 inline constexpr std::size_t kMotionSampleSize = 72;
+inline constexpr std::size_t kHeldMotionSampleSize = 96;
 
-using MotionSampleBytes = std::array<std::uint8_t, kMotionSampleSize>;
+/// The bytes of one sample, a contiguous range.
+class MotionSampleBytes {
+public:
+  const std::uint8_t *data() const noexcept { return bytes_.data(); }
+  std::size_t size() const noexcept { return size_; }
+  const std::uint8_t *begin() const noexcept { return data(); }
+  const std::uint8_t *end() const noexcept { return data() + size_; }
+  std::uint8_t operator[](std::size_t at) const noexcept { return bytes_[at]; }
+
+private:
+  friend MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
+  std::array<std::uint8_t, kHeldMotionSampleSize> bytes_{};
+  std::size_t size_ = kMotionSampleSize;
+};
 
 /// Little-endian on every machine. Cannot fail.
 MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
@@ -76,8 +91,8 @@ MotionSampleBytes pack_motion_sample(const MotionSample &sample) noexcept;
 bool is_valid(const MotionSample &sample) noexcept;
 
 /// Returns the sample, or nothing if the bytes are not one of this version or a number is outside
-/// its range. Never reads beyond `bytes`. Accepts longer input: later versions may add fields at
-/// the end.
+/// its range. Never reads beyond `bytes`. Accepts longer input than kHeldMotionSampleSize: later
+/// versions may add fields at the end.
 std::optional<MotionSample> unpack_motion_sample(std::span<const std::uint8_t> bytes) noexcept;
 
 } // namespace haptic

@@ -33,6 +33,10 @@ enum MotionTag : std::uint8_t {
   kTagPixelAspect,
   kTagPoints,
   kTagModel,
+  kTagHeld,
+  kTagHeldPlace,
+  kTagHeldRadius,
+  kTagHeldTime,
   kTagField = 32,
   kTagRelief = 33,
   kMotionTags
@@ -193,12 +197,14 @@ struct MotionValue {
 };
 
 constexpr MotionValue kMotionValues[] = {
-    {kTagTime, 8, false},      {kTagDuration, 8, false}, {kTagFlags, 2, true},
-    {kTagInterval, 8, true},   {kTagVelocity, 8, true},  {kTagSpin, 4, true},
-    {kTagDivergence, 4, true}, {kTagPointer, 8, true},   {kTagRegion, 8, true},
-    {kTagConfidence, 4, true}, {kTagFrame, 8, true},     {kTagPixelAspect, 8, true},
-    {kTagPoints, 2, true},     {kTagModel, 1, true},
+    {kTagTime, 8, false},      {kTagDuration, 8, false},   {kTagFlags, 2, true},
+    {kTagInterval, 8, true},   {kTagVelocity, 8, true},    {kTagSpin, 4, true},
+    {kTagDivergence, 4, true}, {kTagPointer, 8, true},     {kTagRegion, 8, true},
+    {kTagConfidence, 4, true}, {kTagFrame, 8, true},       {kTagPixelAspect, 8, true},
+    {kTagPoints, 2, true},     {kTagModel, 1, true},       {kTagHeld, 1, false},
+    {kTagHeldPlace, 8, false}, {kTagHeldRadius, 4, false}, {kTagHeldTime, 8, false},
 };
+constexpr MotionTag kOfAHeldThing[] = {kTagHeldPlace, kTagHeldRadius, kTagHeldTime};
 
 constexpr std::uint8_t tag_of(FieldKind kind) {
   return kind == FieldKind::relief ? kTagRelief : kTagField;
@@ -266,6 +272,15 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
   s.pixel_aspect_d = static_cast<std::uint32_t>(read_unsigned(values[kTagPixelAspect].subspan(4)));
   s.points = static_cast<std::uint16_t>(read_unsigned(values[kTagPoints]));
   s.model = static_cast<MotionModel>(values[kTagModel][0]);
+  if (values[kTagHeld].data()) {
+    if (!std::ranges::all_of(kOfAHeldThing, [&](auto tag) { return values[tag].data(); }))
+      return damaged("a value is missing", offset);
+    s.held.state = static_cast<HoldState>(values[kTagHeld][0]);
+    s.held.x = read_float(values[kTagHeldPlace]);
+    s.held.y = read_float(values[kTagHeldPlace].subspan(4));
+    s.held.radius = read_float(values[kTagHeldRadius]);
+    s.held.time = read_unsigned(values[kTagHeldTime]);
+  }
   if (!is_valid(s))
     return damaged("a value is out of its range", offset);
   item.kind = KlvKind::motion;
@@ -324,6 +339,12 @@ std::vector<std::uint8_t> write_klv(const TrackSample &sample) {
   out.unsigned_values(kTagPixelAspect, 4, {s.pixel_aspect_n, s.pixel_aspect_d});
   out.unsigned_values(kTagPoints, 2, {s.points});
   out.unsigned_values(kTagModel, 1, {static_cast<std::uint64_t>(s.model)});
+  if (s.held.state != HoldState::none) {
+    out.unsigned_values(kTagHeld, 1, {static_cast<std::uint64_t>(s.held.state)});
+    out.floats(kTagHeldPlace, {s.held.x, s.held.y});
+    out.floats(kTagHeldRadius, {s.held.radius});
+    out.unsigned_values(kTagHeldTime, 8, {s.held.time});
+  }
   return out.finish();
 }
 

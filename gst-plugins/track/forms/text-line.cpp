@@ -115,10 +115,19 @@ bool parse_model(std::string_view text, MotionModel &model) {
   return false;
 }
 
-constexpr std::array<std::string_view, 17> kNames = {"t",   "d",   "i", "vx",    "vy",   "spin",
-                                                     "div", "x",   "y", "w",     "h",    "conf",
-                                                     "pic", "par", "n", "model", "flags"};
-constexpr unsigned kOptional = 1U << 0 | 1U << 1 | 1U << 16; // t, d, flags
+bool parse_hold_state(std::string_view text, HoldState &state) {
+  const auto found = std::ranges::find(kHoldStateNames, text);
+  state = static_cast<HoldState>(found - kHoldStateNames.begin());
+  return found != kHoldStateNames.end();
+}
+
+constexpr std::array<std::string_view, 22> kNames = {
+    "t",     "d",    "i",      "vx",     "vy",          "spin",     "div", "x",
+    "y",     "w",    "h",      "conf",   "pic",         "par",      "n",   "model",
+    "flags", "held", "hold-x", "hold-y", "hold-radius", "hold-time"};
+constexpr unsigned kHeld = 1U << 17;
+constexpr unsigned kBesidesHeld = 1U << 18 | 1U << 19 | 1U << 20 | 1U << 21;
+constexpr unsigned kOptional = 1U << 0 | 1U << 1 | 1U << 16 | kHeld; // t, d, flags
 
 bool parse_field(std::size_t which, std::string_view value, TrackSample &sample) {
   MotionSample &s = sample.motion;
@@ -155,8 +164,18 @@ bool parse_field(std::size_t which, std::string_view value, TrackSample &sample)
     return parse(value, s.points);
   case 15:
     return parse_model(value, s.model);
-  default:
+  case 16:
     return parse_flags(value, s.flags);
+  case 17:
+    return parse_hold_state(value, s.held.state);
+  case 18:
+    return parse(value, s.held.x);
+  case 19:
+    return parse(value, s.held.y);
+  case 20:
+    return parse(value, s.held.radius);
+  default:
+    return parse_time(value, s.held.time);
   }
 }
 
@@ -230,6 +249,13 @@ std::string write_text_line(const TrackSample &sample) {
   out.number("w", s.region_width);
   out.number("h", s.region_height);
   out.number("conf", s.confidence);
+  if (s.held.state != HoldState::none) {
+    out.field("held", kHoldStateNames[static_cast<std::size_t>(s.held.state)]);
+    out.number("hold-x", s.held.x);
+    out.number("hold-y", s.held.y);
+    out.number("hold-radius", s.held.radius);
+    out.time("hold-time", s.held.time);
+  }
   out.pair("pic", s.frame_width, 'x', s.frame_height);
   out.pair("par", s.pixel_aspect_n, ':', s.pixel_aspect_d);
   out.number("n", s.points);
@@ -281,6 +307,10 @@ TextLine read_text_line(std::string_view line) {
     seen |= 1U << which;
     if (equals == word.size() || !parse_field(which, word.substr(equals + 1), sample))
       return wrong("the value " + std::string(name) + " cannot be read");
+  }
+  if (!(seen & kHeld)) {
+    sample.motion.held = {};
+    seen |= kBesidesHeld;
   }
   for (std::size_t i = 0; i < kNames.size(); ++i)
     if (!((seen | kOptional) >> i & 1))

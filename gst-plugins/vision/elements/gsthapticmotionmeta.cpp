@@ -46,9 +46,11 @@ void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
   const auto sy = static_cast<gfloat>(height) / static_cast<gfloat>(meta.frame_height);
   meta.frame_width = width;
   meta.frame_height = height;
-  for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x, &meta.proxy_x})
+  for (gfloat *x : {&meta.region_x, &meta.region_width, &meta.pointer_x, &meta.proxy_x,
+                    &meta.held_x, &meta.held_radius})
     *x *= sx;
-  for (gfloat *y : {&meta.region_y, &meta.region_height, &meta.pointer_y, &meta.proxy_y})
+  for (gfloat *y :
+       {&meta.region_y, &meta.region_height, &meta.pointer_y, &meta.proxy_y, &meta.held_y})
     *y *= sy;
   std::for_each_n(meta.patches, meta.n_patches,
                   [&](GstHapticPatch &patch) { scale_patch(patch, sx, sy); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hapticoverlay draws over a frame the motion that was measured in it, the force that the hand
-// feels and the relief that it touches.
+// feels, the relief that it touches and the thing that it holds.
 //
 //   gst-launch-1.0 videotestsrc ! roitracker ! hapticoverlay ! videoconvert ! autovideosink
 //
@@ -71,6 +71,7 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   haptic::MotionReader reader;
+  haptic::HeldTrail trail;
   bool attaches = false; // downstream draws the overlay
   Changes changes;       // of the frame under way
   haptic::DentPainter dents;
@@ -107,7 +108,7 @@ std::span<const haptic::Property<Settings>> properties() {
           haptic::register_enum<OverlayStyle>(
               "GstHapticOverlayStyle",
               {{OverlayStyle::none, "Nothing", "none"},
-               {OverlayStyle::arrows, "Region, velocity and force", "arrows"},
+               {OverlayStyle::arrows, "Region, velocity, force and held thing", "arrows"},
                {OverlayStyle::full,
                 "These, the displacement of each patch, the motion model and the confidence",
                 "full"}})),
@@ -115,6 +116,8 @@ std::span<const haptic::Property<Settings>> properties() {
                                               "Of velocity and patches, ARGB", 0, G_MAXUINT32),
       Rows::number<&Settings::force_color>("force-color", "Force Color", "Of the force, ARGB", 0,
                                            G_MAXUINT32),
+      Rows::number<&Settings::hold_color>("hold-color", "Hold Color", "Of the held thing, ARGB", 0,
+                                          G_MAXUINT32),
       Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",
@@ -145,7 +148,9 @@ std::string label_of(const haptic::MotionSample &sample) {
   return model + ' ' + number;
 }
 
-haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::MotionSample &sample) {
+haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::MotionSample &sample,
+                              const haptic::HeldTrail &trail) {
+  const bool is_held = haptic::is_followed(sample.held.state);
   haptic::OverlayScene scene{
       .frame_width = static_cast<int>(sample.frame_width),
       .frame_height = static_cast<int>(sample.frame_height),
@@ -154,8 +159,8 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
       .region_y = static_cast<double>(meta.region_y),
       .region_width = static_cast<double>(meta.region_width),
       .region_height = static_cast<double>(meta.region_height),
-      .pointer_x = static_cast<double>(meta.pointer_x),
-      .pointer_y = static_cast<double>(meta.pointer_y),
+      .pointer_x = static_cast<double>(is_held ? meta.held_x : meta.pointer_x),
+      .pointer_y = static_cast<double>(is_held ? meta.held_y : meta.pointer_y),
       .velocity_x = static_cast<double>(sample.velocity_x),
       .velocity_y = static_cast<double>(sample.velocity_y),
       .confidence = static_cast<double>(sample.confidence),
@@ -163,6 +168,8 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
       .patches = std::span(meta.patches)
                      .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches))),
       .interval = static_cast<double>(meta.interval) / GST_SECOND,
+      .held = sample.held,
+      .trail = trail.points(),
   };
   if (std::isfinite(meta.force_x) && std::isfinite(meta.force_y))
     scene.force = {static_cast<double>(meta.force_x), static_cast<double>(meta.force_y)};
@@ -176,11 +183,15 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
 // Returns the overlay of a frame, or nothing if there is nothing to draw.
 std::optional<OverlayPixels> overlay_of(GstHapticOverlay *self, const GstHapticMotionMeta &meta,
                                         const Settings &settings) {
-  const haptic::MotionSample sample = self->state->reader.read(
-      meta, GST_VIDEO_FILTER(self)->in_info, settings.average, settings.motion_model);
-  if (settings.style == OverlayStyle::none || (!(sample.confidence > 0) && !(meta.depth >= 0)))
+  State &state = *self->state;
+  const haptic::MotionSample sample = state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info,
+                                                        settings.average, settings.motion_model);
+  state.trail.add(sample.held);
+  const bool has_something =
+      sample.confidence > 0 || meta.depth >= 0 || sample.held.state != haptic::HoldState::none;
+  if (settings.style == OverlayStyle::none || !has_something)
     return std::nullopt;
-  const haptic::OverlayDrawing drawing(scene_of(meta, sample), settings);
+  const haptic::OverlayDrawing drawing(scene_of(meta, sample, state.trail), settings);
   if (drawing.extent().width == 0)
     return std::nullopt;
   return haptic::paint(drawing);
@@ -198,6 +209,7 @@ Changes changes_of(GstHapticOverlay *self, GstBuffer *frame) {
   const GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(frame);
   if (!meta) {
     state.reader.read_nothing(info);
+    state.trail.forget();
     return changes;
   }
   if (meta->depth > 0)
@@ -299,7 +311,14 @@ gboolean set_caps(GstBaseTransform *trans, GstCaps *in, GstCaps *out) {
       GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->set_caps(trans, in, out);
   // The parent says that frames are changed in place; but copies then come from no pool.
   gst_base_transform_set_in_place(trans, FALSE);
+  GST_HAPTIC_OVERLAY(trans)->state->trail.forget();
   return result;
+}
+
+gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
+    GST_HAPTIC_OVERLAY(trans)->state->trail.forget();
+  return GST_BASE_TRANSFORM_CLASS(gst_haptic_overlay_parent_class)->sink_event(trans, event);
 }
 
 GstPad *request_pad(GstElement *element, GstPadTemplate *of) {
@@ -329,14 +348,14 @@ gboolean decide_allocation(GstBaseTransform *trans, GstQuery *query) {
 
 static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *element_class = GST_ELEMENT_CLASS(klass);
-  haptic::describe(
-      element_class, "hapticoverlay", "Haptic overlay", "Filter/Effect/Video",
-      "Draws over a frame the motion that was measured in it, its force, and what is touched",
-      GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS),
-      GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
-          GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
-          ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
-          HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS));
+  haptic::describe(element_class, "hapticoverlay", "Haptic overlay", "Filter/Effect/Video",
+                   "Draws over a frame the motion that was measured in it, its force, and what is "
+                   "touched or held",
+                   GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS),
+                   GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
+                       GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY
+                       ", " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,
+                       HAPTIC_DRAWN_FORMATS) ";" GST_VIDEO_CAPS_MAKE(HAPTIC_DRAWN_FORMATS));
   gst_element_class_add_pad_template(element_class, haptic::relief_pad_template());
   element_class->request_new_pad = kGuarded<request_pad>;
   element_class->release_pad = kGuarded<release_pad>;
@@ -350,6 +369,7 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   transform_class->transform_caps = kGuarded<transform_caps>;
   transform_class->set_caps = kGuarded<set_caps>;
+  transform_class->sink_event = sink_event;
   transform_class->decide_allocation = kGuarded<decide_allocation>;
   transform_class->prepare_output_buffer = kGuarded<prepare_output_buffer>;
   // Not GstVideoFilter's own, which maps, and so copies, what is not drawn on.
@@ -364,6 +384,7 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   transform_class->stop = kGuarded<[](GstHapticOverlay *self) {
     self->state->relief_pad.set_running(false);
     self->state->reader = {};
+    self->state->trail.forget();
     return TRUE;
   }>;
 }

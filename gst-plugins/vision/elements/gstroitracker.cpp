@@ -6,6 +6,7 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
+#include "elements/analytics-meta.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/frame-caps.hpp"
@@ -18,6 +19,7 @@
 #include "glue/pointer-event.hpp"
 #include "glue/property-table.hpp"
 #include "gsthapticmotionmeta.h"
+#include "hold/held-thing.hpp"
 #include "messages.hpp"
 #include "tracking/pointer-arbiter.hpp"
 #include "tracking/region-tracker.hpp"
@@ -39,6 +41,7 @@ namespace {
 
 using haptic::Finding;
 using haptic::guarded;
+using haptic::HoldState;
 using haptic::kGuarded;
 using haptic::MappedFrame;
 using haptic::ObjectLock;
@@ -50,6 +53,9 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
+// Whether a press takes the thing under the pointer.
+enum class HoldMode { off, pressed };
+
 // State
 
 // Object lock: written by the application, by event threads and by the streaming thread.
@@ -58,7 +64,9 @@ struct Shared {
   guint roi_size = 0; // px; 0: from the frame's width
   guint max_points = haptic::kUsualPatches;
   TrackerMethod method = TrackerMethod::fast;
-  int frame_width = 0; // px; 0: no caps yet
+  HoldMode hold = HoldMode::pressed;
+  std::optional<guint> finger; // of a touch screen that points
+  int frame_width = 0;         // px; 0: no caps yet
   int frame_height = 0;
   haptic::TrackingStatistics statistics;
 };
@@ -71,7 +79,11 @@ struct State {
   haptic::RegionSize region_size;
   haptic::RegionTracker tracker;
   haptic::MotionReader reader;
+  haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
+  haptic::HeldThing thing;
+  GstClockTime held_time = 0; // ns since it was taken
+  bool was_pressed = false;   // in the frame before
   Pointer notified_pointer;
   bool warned_of_tracker = false;
 
@@ -79,6 +91,7 @@ struct State {
     tracker.forget();
     timeline.forget();
     reference.reset();
+    thing.lose();
   }
 };
 
@@ -90,6 +103,7 @@ struct Settings {
   guint roi_size;
   guint max_points;
   TrackerMethod method;
+  bool holds;
 };
 
 } // namespace
@@ -175,6 +189,24 @@ std::span<const haptic::Property<Shared>> properties() {
                {TrackerMethod::opencv,
                 "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference",
                 "opencv"}})),
+      {g_param_spec_boolean("pressed", "Pressed",
+                            "Whether the pointer of the properties is pressed; reading it gives "
+                            "that of the pointer in use",
+                            FALSE, static_cast<GParamFlags>(haptic::kControllable)),
+       [](Shared &shared, const GValue *value) {
+         shared.pointers.property.pressed = g_value_get_boolean(value) != FALSE;
+       },
+       [](const Shared &shared, GValue *value) {
+         g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
+       }},
+      Rows::choice<&Shared::hold>(
+          "hold", "Hold", "Whether a press takes the thing under the pointer",
+          haptic::register_enum<HoldMode>(
+              "GstRoiTrackerHold",
+              {{HoldMode::off, "The region stays under the pointer", "off"},
+               {HoldMode::pressed,
+                "While the pointer is pressed, the region follows the thing that was under it",
+                "pressed"}})),
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
                                         haptic::kMaxPatches),
@@ -251,7 +283,77 @@ Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &sett
   const int base = settings.roi_size > 0 ? static_cast<int>(settings.roi_size)
                                          : haptic::default_region_side(width);
   const int side = state.region_size.side(settings.pointer.z, base, width, height);
+  const haptic::HeldReport &held = state.thing.report();
+  if (haptic::is_followed(held.state))
+    return haptic::region_at(held.x / static_cast<float>(width),
+                             held.y / static_cast<float>(height), side, width, height);
   return haptic::region_at(settings.pointer.x, settings.pointer.y, side, width, height);
+}
+
+// Holding
+
+// Follows the thing into this frame, after the motion of the region was measured.
+void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &finding) {
+  state.held_time += finding.interval;
+  const float seconds = static_cast<float>(finding.interval) / static_cast<float>(GST_SECOND);
+  if ((finding.flags & (haptic::kMotionCut | haptic::kMotionDiscontinuity)) != 0)
+    state.thing.lose();
+  else if ((finding.flags & haptic::kMotionStill) != 0)
+    state.thing.rest(seconds);
+  else if (finding.becomes_reference && seconds > 0)
+    state.thing.follow(luma, seconds);
+}
+
+// Takes, follows or releases the thing. False: the frame cannot be read.
+bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
+          const Finding &finding) {
+  State &state = *self->state;
+  const bool was_pressed = std::exchange(state.was_pressed, settings.holds);
+  if (!settings.holds) {
+    state.thing.release();
+    return true;
+  }
+  const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
+  const MappedFrame frame(info, buffer);
+  if (!frame)
+    return false;
+  const haptic::FrameLuma luma(frame.frame());
+  if (was_pressed) {
+    follow_thing(state, luma, finding);
+    return true;
+  }
+  const int width = GST_VIDEO_INFO_WIDTH(&info);
+  const int height = GST_VIDEO_INFO_HEIGHT(&info);
+  state.held_time = 0;
+  state.thing.take(luma, width, height,
+                   static_cast<float>(settings.pointer.x) * static_cast<float>(width),
+                   static_cast<float>(settings.pointer.y) * static_cast<float>(height));
+  return true;
+}
+
+// The patches that are felt: those of the region until the thing is taken and while it is followed
+// about, else the thing itself, or nothing.
+void keep_felt_patches(const State &state, haptic::Measurement &measurement) {
+  const haptic::HeldReport &held = state.thing.report();
+  if (held.state == HoldState::none || held.state == HoldState::about ||
+      (held.state == HoldState::held && state.held_time == 0))
+    return;
+  measurement.count = 0;
+  measurement.candidates = 1;
+  if (held.state != HoldState::held || !(held.variance > 0))
+    return;
+  const float precision = 1 / held.variance;
+  measurement.add({.x = held.x - held.dx,
+                   .y = held.y - held.dy,
+                   .width = 2 * held.radius,
+                   .height = 2 * held.radius,
+                   .dx = held.dx,
+                   .dy = held.dy,
+                   .precision_xx = precision,
+                   .precision_xy = 0,
+                   .precision_yy = precision,
+                   .residual = 0,
+                   .share = 0});
 }
 
 // Keeps the frame for the comparison with the next one.
@@ -280,7 +382,8 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
                                          const Rectangle &region, const Settings &settings,
                                          const Finding &finding) {
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  const haptic::Measurement &measurement = self->state->tracker.measurement();
+  haptic::Measurement measurement = self->state->tracker.measurement();
+  keep_felt_patches(*self->state, measurement);
   GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
   if (meta)
     gst_buffer_remove_meta(buffer, &meta->meta);
@@ -307,6 +410,14 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
     meta->proxy_x = static_cast<gfloat>(settings.proxy->x * GST_VIDEO_INFO_WIDTH(&info));
     meta->proxy_y = static_cast<gfloat>(settings.proxy->y * GST_VIDEO_INFO_HEIGHT(&info));
     meta->depth = static_cast<gfloat>(settings.proxy->depth);
+  }
+  const haptic::HeldReport &held = self->state->thing.report();
+  if (held.state != HoldState::none) {
+    meta->hold = static_cast<guint>(held.state);
+    meta->held_x = held.x;
+    meta->held_y = held.y;
+    meta->held_radius = held.radius;
+    meta->held_time = self->state->held_time;
   }
   return *meta;
 }
@@ -339,9 +450,14 @@ Settings current_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
   const Shared &shared = self->state->shared;
   const auto now = Clock::now();
-  return {shared.pointers.in_use(now), shared.pointers.force(now),
-          shared.pointers.proxy(now),  shared.roi_size,
-          shared.max_points,           shared.method};
+  const Pointer pointer = shared.pointers.in_use(now);
+  return {pointer,
+          shared.pointers.force(now),
+          shared.pointers.proxy(now),
+          shared.roi_size,
+          shared.max_points,
+          shared.method,
+          shared.hold == HoldMode::pressed && pointer.pressed};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
@@ -350,7 +466,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   const Settings settings = current_settings(self);
   const Rectangle region = region_of(state, GST_VIDEO_FILTER(self)->in_info, settings);
   const std::optional<Finding> finding = measure(self, buffer, region, settings);
-  if (!finding) {
+  if (!finding || !hold(self, buffer, settings, *finding)) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT, (messages::kUnreadableFrame),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
     return GST_FLOW_ERROR;
@@ -359,6 +475,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   GstStructure *motion = gst_structure_new_empty("haptic-motion");
   haptic::set_motion(motion, state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info));
   attach_region(buffer, region, motion);
+  state.analytics.attach(buffer, meta);
   if (finding->becomes_reference)
     keep_reference(state, buffer);
   const haptic::Measurement &measurement = state.tracker.measurement();
@@ -384,11 +501,14 @@ gboolean stop(GstRoiTracker *self) {
   State &state = *self->state;
   state.forget_frames();
   state.region_size = {};
+  state.thing.release();
+  state.was_pressed = false;
   state.timeline.report_faults_again();
   state.reader = {};
   state.warned_of_tracker = false;
   const ObjectLock lock(self);
   state.shared.pointers.forget();
+  state.shared.finger.reset();
   state.shared.frame_width = 0;
   state.shared.frame_height = 0;
   return TRUE;
@@ -425,16 +545,56 @@ void on_sink_event(GstRoiTracker *self, GstEvent *event) {
   }
 }
 
+// Of several fingers the first points. Returns whether the event is of another one.
+bool is_of_another_finger(Shared &shared, GstEvent *event) {
+  guint finger = 0;
+  const GstNavigationEventType type = gst_navigation_event_get_type(event);
+  if (type == GST_NAVIGATION_EVENT_TOUCH_UP)
+    gst_navigation_event_parse_touch_up_event(event, &finger, nullptr, nullptr);
+  else if (type == GST_NAVIGATION_EVENT_TOUCH_DOWN || type == GST_NAVIGATION_EVENT_TOUCH_MOTION)
+    gst_navigation_event_parse_touch_event(event, &finger, nullptr, nullptr, nullptr);
+  else
+    return false;
+  if (shared.finger && *shared.finger != finger)
+    return true;
+  shared.finger = finger;
+  if (type == GST_NAVIGATION_EVENT_TOUCH_UP)
+    shared.finger.reset();
+  return false;
+}
+
+// What an event says about the button or the finger that points.
+std::optional<bool> press_of(GstEvent *event) {
+  constexpr gint kFirstButton = 1;
+  gint button = 0;
+  switch (gst_navigation_event_get_type(event)) {
+  case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
+  case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
+    gst_navigation_event_parse_mouse_button_event(event, &button, nullptr, nullptr);
+    if (button != kFirstButton)
+      return std::nullopt;
+    return gst_navigation_event_get_type(event) == GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS;
+  case GST_NAVIGATION_EVENT_TOUCH_DOWN:
+    return true;
+  case GST_NAVIGATION_EVENT_TOUCH_UP:
+  case GST_NAVIGATION_EVENT_TOUCH_CANCEL:
+    return false;
+  default:
+    return std::nullopt;
+  }
+}
+
 void on_navigation(GstRoiTracker *self, GstEvent *event) {
-  gdouble x = 0;
-  gdouble y = 0;
-  if (!gst_navigation_event_get_coordinates(event, &x, &y) || !std::isfinite(x) ||
-      !std::isfinite(y))
-    return;
   const ObjectLock lock(self);
   Shared &shared = self->state->shared;
-  if (shared.frame_width > 0)
+  if (shared.frame_width == 0 || is_of_another_finger(shared, event))
+    return;
+  gdouble x = 0;
+  gdouble y = 0;
+  if (gst_navigation_event_get_coordinates(event, &x, &y) && std::isfinite(x) && std::isfinite(y))
     shared.pointers.point_navigation(x, y, shared.frame_width, shared.frame_height);
+  if (const std::optional<bool> pressed = press_of(event))
+    shared.pointers.press_navigation(*pressed);
 }
 
 // Returns whether the event ends here.
@@ -449,8 +609,9 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   if (!position)
     return false;
   const ObjectLock lock(self);
-  self->state->shared.pointers.point_haptic({position->x, position->y, position->z}, Clock::now(),
-                                            position->force, position->proxy);
+  self->state->shared.pointers.point_haptic(
+      {position->x, position->y, position->z, position->pressed}, Clock::now(), position->force,
+      position->proxy);
   return true;
 }
 

@@ -111,6 +111,7 @@ GstFlowReturn transform(GstVelocityAvg *self, GstBuffer *frame, GstBuffer *out) 
 
   const haptic::MotionSampleBytes bytes = haptic::pack_motion_sample(sample);
   gst_buffer_fill(out, 0, bytes.data(), bytes.size());
+  gst_buffer_set_size(out, static_cast<gssize>(bytes.size()));
   if (!(sample.confidence > 0))
     GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
   GST_LOG_OBJECT(self, "%.2f, %.2f px/s, confidence %.2f, %u points", sample.velocity_x,
@@ -125,7 +126,7 @@ gboolean set_caps(GstVelocityAvg *self, GstCaps *in) {
 }
 
 GstFlowReturn prepare_output_buffer(GstVelocityAvg *, GstBuffer *in, GstBuffer **out) {
-  *out = gst_buffer_new_allocate(nullptr, haptic::kMotionSampleSize, nullptr);
+  *out = gst_buffer_new_allocate(nullptr, haptic::kHeldMotionSampleSize, nullptr);
   haptic::copy_timing(in, *out);
   return GST_FLOW_OK;
 }

@@ -18,6 +18,16 @@ static_assert(equal(GST_HAPTIC_MOTION_DUPLICATE, kMotionDuplicate));
 static_assert(equal(GST_HAPTIC_MOTION_CUT, kMotionCut));
 static_assert(equal(GST_HAPTIC_MOTION_DISCONTINUITY, kMotionDiscontinuity));
 
+constexpr bool equal(GstHapticHold of_metadata, HoldState of_sample) {
+  return static_cast<int>(of_metadata) == static_cast<int>(of_sample);
+}
+static_assert(equal(GST_HAPTIC_HOLD_NONE, HoldState::none));
+static_assert(equal(GST_HAPTIC_HOLD_HELD, HoldState::held));
+static_assert(equal(GST_HAPTIC_HOLD_ABOUT, HoldState::about));
+static_assert(equal(GST_HAPTIC_HOLD_HIDDEN, HoldState::hidden));
+static_assert(equal(GST_HAPTIC_HOLD_LOST, HoldState::lost));
+static_assert(equal(GST_HAPTIC_HOLD_REFUSED, HoldState::refused));
+
 std::uint16_t sample_flags(guint meta_flags) {
   return static_cast<std::uint16_t>(meta_flags & kFrameFlags);
 }
@@ -52,14 +62,30 @@ MotionSample sample_for(const GstVideoInfo &frame) {
   return sample;
 }
 
+// Zero for NaN, too.
+float fraction(float part, guint whole) {
+  return part > 0 && whole > 0 ? std::min(part / static_cast<float>(whole), 1.0F) : 0.0F;
+}
+
+HeldPlace held_place(const GstHapticMotionMeta &meta) {
+  if (meta.hold == GST_HAPTIC_HOLD_NONE || meta.hold > GST_HAPTIC_HOLD_REFUSED)
+    return {};
+  return {static_cast<HoldState>(meta.hold), fraction(meta.held_x, meta.frame_width),
+          fraction(meta.held_y, meta.frame_height), fraction(meta.held_radius, meta.frame_width),
+          meta.held_time};
+}
+
 void set_place(MotionSample &sample, const GstHapticMotionMeta &meta) {
-  const auto fraction = [](float part, guint whole) {
-    return whole > 0 ? std::clamp(part / static_cast<float>(whole), 0.0F, 1.0F) : 0.0F;
-  };
   sample.pointer_x = fraction(meta.pointer_x, meta.frame_width);
   sample.pointer_y = fraction(meta.pointer_y, meta.frame_height);
   sample.region_width = fraction(meta.region_width, meta.frame_width);
   sample.region_height = fraction(meta.region_height, meta.frame_height);
+  sample.held = held_place(meta);
+}
+
+// Whether the motion of the frame is that of a thing which cannot be seen.
+bool is_unseen(HoldState state) {
+  return state == HoldState::hidden || state == HoldState::lost || state == HoldState::refused;
 }
 
 } // namespace
@@ -74,7 +100,8 @@ MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoI
   set_place(sample, meta);
   sample.interval = meta.interval;
   sample.flags = sample_flags(meta.flags);
-  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT)) {
+  if (meta.flags & (GST_HAPTIC_MOTION_DISCONTINUITY | GST_HAPTIC_MOTION_CUT) ||
+      is_unseen(sample.held.state)) {
     history_ = {};
     return last_ = sample;
   }
@@ -87,11 +114,12 @@ MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoI
   } else if (meta.interval > 0) {
     const auto patches = std::span(meta.patches)
                              .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches)));
+    const bool is_held = is_followed(sample.held.state);
     const PatchSet set{
         .patches = patches,
         .candidates = static_cast<int>(meta.n_candidates),
-        .pointer_x = meta.pointer_x,
-        .pointer_y = meta.pointer_y,
+        .pointer_x = is_held ? meta.held_x : meta.pointer_x,
+        .pointer_y = is_held ? meta.held_y : meta.pointer_y,
         .interval = static_cast<double>(meta.interval) / GST_SECOND,
         .region_x = meta.region_x,
         .region_y = meta.region_y,
@@ -114,6 +142,14 @@ void set_motion(GstStructure *to, const MotionSample &sample) {
       G_TYPE_DOUBLE, number(sample.spin), "divergence", G_TYPE_DOUBLE, number(sample.divergence),
       "confidence", G_TYPE_DOUBLE, number(sample.confidence), "points", G_TYPE_UINT,
       static_cast<guint>(sample.points), "model", G_TYPE_STRING, model.c_str(), nullptr);
+  const HeldPlace &held = sample.held;
+  if (held.state == HoldState::none)
+    return;
+  const std::string state(kHoldStateNames[static_cast<std::size_t>(held.state)]);
+  gst_structure_set(to, "held", G_TYPE_STRING, state.c_str(), "hold-x", G_TYPE_DOUBLE,
+                    number(held.x), "hold-y", G_TYPE_DOUBLE, number(held.y), "hold-radius",
+                    G_TYPE_DOUBLE, number(held.radius), "hold-time", G_TYPE_UINT64, held.time,
+                    nullptr);
 }
 
 } // namespace haptic

@@ -30,6 +30,9 @@ constexpr double kHead = 3.5;                             // of an arrow's own l
 constexpr double kDot = 2;
 constexpr double kProxyRing = 5; // radius
 constexpr double kProxyDot = 2.5;
+constexpr double kSmallestHeld = 4; // radius
+constexpr double kDash = 3;         // and its round ends
+constexpr double kDashGap = 8;
 
 constexpr double kPatchScale = 0.25; // so that the arrows of neighbours do not cross
 
@@ -102,6 +105,8 @@ OverlayDrawing::OverlayDrawing(const OverlayScene &scene, const OverlayLook &loo
     proxy_ = square((*scene.proxy)[0], (*scene.proxy)[1]);
     touches_ = scene.touches;
   }
+  if (scene.held.state != HoldState::none)
+    place_held(scene);
   find_extent();
 }
 
@@ -126,8 +131,27 @@ void OverlayDrawing::place_measurement(const OverlayScene &scene) {
           square(static_cast<double>(patch.x) + dx, static_cast<double>(patch.y) + dy);
       patches_.push_back(arrow(now, dx * aspect_ * times, dy * times).value_or(Arrow{now, now}));
     }
-    text_of_label_ = scene.label;
-    place_label();
+    label_ = label(scene.label, *region_, Side::below);
+  }
+}
+
+void OverlayDrawing::place_held(const OverlayScene &scene) {
+  const HeldPlace &held = scene.held;
+  const auto place = [&](float x, float y) {
+    return Point{static_cast<double>(x) * width_, static_cast<double>(y) * height_};
+  };
+  const bool is_known = held.state != HoldState::lost && held.state != HoldState::refused;
+  const double radius =
+      is_known ? std::max(kSmallestHeld * line_, static_cast<double>(held.radius) * width_) : 0;
+  held_ = Held{place(held.x, held.y), radius, held.state != HoldState::held, {}, {}};
+  for (const HeldTrail::Point &point : scene.trail)
+    held_->trail.push_back({place(point.x, point.y), point.joined});
+  if (held.state != HoldState::held) {
+    const Point &at = held_->centre;
+    held_->word = label(held.state == HoldState::refused
+                            ? "nothing to hold"
+                            : std::string(kHoldStateNames[static_cast<std::size_t>(held.state)]),
+                        {at.x - radius, at.y - radius, 2 * radius, 2 * radius}, Side::above);
   }
 }
 
@@ -147,24 +171,26 @@ OverlayDrawing::Arrow OverlayDrawing::aside(const Arrow &arrow, double distance)
   return {{arrow.from.x + dx, arrow.from.y + dy}, {arrow.to.x + dx, arrow.to.y + dy}};
 }
 
-// Places the label below the region, or above it if there is no room. A frame that is too small has
-// none.
-void OverlayDrawing::place_label() {
-  if (text_of_label_.empty())
-    return;
+// Returns a label on this side of the box, or on the other if there is no room. A frame that is too
+// small has none.
+std::optional<OverlayDrawing::Label> OverlayDrawing::label(const std::string &text,
+                                                           const Box &about, Side side) const {
+  if (text.empty())
+    return std::nullopt;
   cairo_text_extents_t extents;
-  cairo_scaled_font_text_extents(make_font(text_).get(), text_of_label_.c_str(), &extents);
+  cairo_scaled_font_text_extents(make_font(text_).get(), text.c_str(), &extents);
   const double margin = text_ * 0.3;
   const double gap = 3 * line_;
   const double width = extents.x_advance + 2 * margin;
   const double height = text_ + 2 * margin;
   if (width > width_ || height > height_)
-    return;
-  double y = region_->y + region_->height + gap;
-  if (y + height > height_)
-    y = std::max(0.0, region_->y - gap - height);
-  const double x = std::clamp(region_->x + region_->width / 2 - width / 2, 0.0, width_ - width);
-  label_ = Label{{x, y, width, height}, {x + margin, y + margin + text_ * 0.8}};
+    return std::nullopt;
+  const double above = about.y - gap - height;
+  const double below = about.y + about.height + gap;
+  const bool is_below = side == Side::below ? below + height <= height_ : above < 0;
+  const double y = std::max(0.0, std::min(is_below ? below : above, height_ - height));
+  const double x = std::clamp(about.x + about.width / 2 - width / 2, 0.0, width_ - width);
+  return Label{text, {x, y, width, height}, {x + margin, y + margin + text_ * 0.8}};
 }
 
 void OverlayDrawing::find_extent() {
@@ -195,6 +221,13 @@ void OverlayDrawing::find_extent() {
     cover(*proxy_, (kProxyRing + 3) * line_);
   if (label_)
     cover_box(label_->box, 1);
+  if (held_) {
+    cover(held_->centre, held_->radius + 3 * line_);
+    for (const TrailPoint &point : held_->trail)
+      cover(point.place, 3 * line_);
+    if (held_->word)
+      cover_box(held_->word->box, 1);
+  }
   for (const Arrow &patch : patches_)
     cover_arrow(patch, line_);
   for (const auto &arrow : {force_, velocity_})
@@ -226,6 +259,8 @@ void OverlayDrawing::paint(std::uint8_t *pixels, int stride) const {
   cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
   if (region_)
     paint_measurement(cairo);
+  if (held_)
+    paint_held(cairo);
   if (proxy_)
     paint_proxy(cairo);
   cairo_surface_flush(surface.get());
@@ -285,17 +320,41 @@ void OverlayDrawing::paint_measurement(cairo_t *cairo) const {
       add_arrow(cairo, arrow->from.x, arrow->from.y, arrow->to.x, arrow->to.y, kArrowLine * line_);
       stroke_outlined(cairo, kArrowLine * line_, kOutline * line_, color, opacity_);
     }
-  if (label_) {
-    const Box &box = label_->box;
-    cairo_rectangle(cairo, box.x, box.y, box.width, box.height);
-    cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
-    cairo_fill(cairo);
-    cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo, text_);
-    cairo_set_source_rgba(cairo, 1, 1, 1, 1);
-    cairo_move_to(cairo, label_->baseline.x, label_->baseline.y);
-    cairo_show_text(cairo, text_of_label_.c_str());
+  if (label_)
+    paint_label(cairo, *label_);
+}
+
+// Its path, and a ring that is solid only where the place is exact.
+void OverlayDrawing::paint_held(cairo_t *cairo) const {
+  cairo_new_path(cairo);
+  for (const TrailPoint &point : held_->trail) {
+    if (!point.joined)
+      cairo_move_to(cairo, point.place.x, point.place.y);
+    cairo_line_to(cairo, point.place.x, point.place.y);
   }
+  stroke_outlined(cairo, line_, kOutline * line_, look_.hold_color, 1);
+  if (held_->radius > 0) {
+    const double dashes[] = {kDash * line_, kDashGap * line_};
+    if (held_->dashed)
+      cairo_set_dash(cairo, dashes, 2, 0);
+    cairo_arc(cairo, held_->centre.x, held_->centre.y, held_->radius, 0, 2 * std::numbers::pi);
+    stroke_outlined(cairo, kArrowLine * line_, kOutline * line_, look_.hold_color, 1);
+    cairo_set_dash(cairo, nullptr, 0, 0);
+  }
+  if (held_->word)
+    paint_label(cairo, *held_->word);
+}
+
+void OverlayDrawing::paint_label(cairo_t *cairo, const Label &label) const {
+  const Box &box = label.box;
+  cairo_rectangle(cairo, box.x, box.y, box.width, box.height);
+  cairo_set_source_rgba(cairo, 0, 0, 0, 0.6);
+  cairo_fill(cairo);
+  cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, text_);
+  cairo_set_source_rgba(cairo, 1, 1, 1, 1);
+  cairo_move_to(cairo, label.baseline.x, label.baseline.y);
+  cairo_show_text(cairo, label.text.c_str());
 }
 
 } // namespace haptic

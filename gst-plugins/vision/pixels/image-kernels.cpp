@@ -212,25 +212,31 @@ void WeighColours(const PackedView &from, const ColourOrder &order, std::uint8_t
 
 // coarse(x, y) = avg(avg(f(2x, 2y), f(2x+1, 2y)), avg(f(2x, 2y+1), f(2x+1, 2y+1)))
 // with avg(a, b) = floor((a + b + 1) / 2), the rounding average that processors have.
-void AveragePairs(const LumaView &fine, ByteImage &coarse) {
-  const hn::ScalableTag<std::uint8_t> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
+template <class D>
+void AveragePairsBy(D d, const LumaView &fine, ByteImage &coarse) {
   for (int y = 0; y < coarse.height; ++y) {
     const std::uint8_t *top = fine.pixels + 2 * y * fine.stride;
     const std::uint8_t *bottom = top + fine.stride;
     std::uint8_t *out = coarse.pixels.data() + static_cast<std::ptrdiff_t>(y) * coarse.width;
-    int x = 0;
-    for (; x + lanes <= coarse.width; x += lanes) {
-      hn::Vec<decltype(d)> a, b, e, f;
+    for_row(d, coarse.width, [&](int x) HWY_ATTR {
+      hn::Vec<D> a, b, e, f;
       hn::LoadInterleaved2(d, top + 2 * x, a, b);
       hn::LoadInterleaved2(d, bottom + 2 * x, e, f);
       hn::StoreU(hn::AverageRound(hn::AverageRound(a, b), hn::AverageRound(e, f)), d, out + x);
-    }
-    const auto average = [](int a, int b) { return (a + b + 1) / 2; };
-    for (; x < coarse.width; ++x)
-      out[x] = static_cast<std::uint8_t>(
-          average(average(top[2 * x], top[2 * x + 1]), average(bottom[2 * x], bottom[2 * x + 1])));
+    });
   }
+}
+
+void AveragePairs(const LumaView &fine, ByteImage &coarse) {
+  const hn::ScalableTag<std::uint8_t> widest;
+  const hn::CappedTag<std::uint8_t, 16> narrow;
+  const hn::CappedTag<std::uint8_t, 1> single;
+  if (coarse.width >= static_cast<int>(hn::Lanes(widest)))
+    AveragePairsBy(widest, fine, coarse);
+  else if (coarse.width >= static_cast<int>(hn::Lanes(narrow)))
+    AveragePairsBy(narrow, fine, coarse);
+  else
+    AveragePairsBy(single, fine, coarse);
 }
 
 // plane(x, y) = sum over i, j in 0..2 of w_i w_j view(x+i, y+j) with w = (1 2 1) / 4.

@@ -15,7 +15,8 @@ namespace haptic {
 struct Pointer {
   double x = 0.5;
   double y = 0.5;
-  double z = 0; ///< -1..1 of the half workspace, towards the user; 0 without a device
+  double z = 0;         ///< -1..1 of the half workspace, towards the user; 0 without a device
+  bool pressed = false; ///< a button, or a finger on the screen
   bool operator==(const Pointer &) const = default;
 };
 
@@ -40,10 +41,16 @@ public:
                     std::optional<ProxyPosition> proxy = std::nullopt) {
     haptic_.emplace(pointer, now, force, proxy); // in place: no copy of an unset force
   }
-  /// In px of a frame of this size; clamped at its borders.
+  /// In px of a frame of this size; clamped at its borders. The button stays as it is.
   void point_navigation(double x, double y, int frame_width, int frame_height) {
-    navigation_ =
-        Pointer{std::clamp(x / frame_width, 0.0, 1.0), std::clamp(y / frame_height, 0.0, 1.0)};
+    navigation_ = Pointer{.x = std::clamp(x / frame_width, 0.0, 1.0),
+                          .y = std::clamp(y / frame_height, 0.0, 1.0),
+                          .pressed = navigation_ && navigation_->pressed};
+  }
+  /// Of the mouse or the finger that pointed last. Without one it has no effect.
+  void press_navigation(bool pressed) {
+    if (navigation_)
+      navigation_->pressed = pressed;
   }
 
   /// Forgets the pointers that came as events.
@@ -53,11 +60,15 @@ public:
   }
 
   /// `automatic`: the device if it reported within kHapticTimeout, else the mouse, else the
-  /// property. A chosen source that never reported leaves the property in use.
+  /// property. A chosen source that never reported leaves the property in use. A device that is
+  /// silent presses nothing: the button may have been let go since.
   Pointer in_use(Time now) const {
     if (haptic_ && (source == PointerSource::haptic ||
-                    (source == PointerSource::automatic && haptic_is_fresh(now))))
-      return haptic_->pointer;
+                    (source == PointerSource::automatic && haptic_is_fresh(now)))) {
+      Pointer pointer = haptic_->pointer;
+      pointer.pressed = pointer.pressed && haptic_is_fresh(now);
+      return pointer;
+    }
     if (navigation_ && (source == PointerSource::navigation || source == PointerSource::automatic))
       return *navigation_;
     return property;

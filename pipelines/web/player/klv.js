@@ -6,14 +6,19 @@ const MOTION_KEY = [...DESIGNATOR, 0x02, 0x0B, 0x01, 0x01, 0x0F, 0x48, 0x41, 0x5
 const VERSION = 1, POINT = 0, FIELD = 1, RELIEF = 2;
 const T = {
   version: 1, kind: 2, time: 3, duration: 4, flags: 5, interval: 6, velocity: 7, spin: 8, divergence: 9, pointer: 10,
-  region: 11, confidence: 12, frame: 13, pixelAspect: 14, points: 15, model: 16, field: 32, relief: 33,
+  region: 11, confidence: 12, frame: 13, pixelAspect: 14, points: 15, model: 16, held: 17, heldPlace: 18,
+  heldRadius: 19, heldTime: 20, field: 32, relief: 33, things: 34,
 };
-const TAGS = 34;
+const TAGS = 35;
 // Tag and bytes of each value of a point; of a field the first two may be there.
 const SIZES = [[T.time, 8], [T.duration, 8], [T.flags, 2], [T.interval, 8], [T.velocity, 8], [T.spin, 4],
   [T.divergence, 4], [T.pointer, 8], [T.region, 8], [T.confidence, 4], [T.frame, 8], [T.pixelAspect, 8], [T.points, 2],
-  [T.model, 1]];
+  [T.model, 1], [T.held, 1], [T.heldPlace, 8], [T.heldRadius, 4], [T.heldTime, 8]];
+const HELD = [T.held, T.heldPlace, T.heldRadius, T.heldTime]; // the last three are needed with the first
+const OPTIONAL = [T.time, T.duration, ...HELD];
 const LAST_MODEL = 4; // affine
+const LAST_STATE = 5; // refused
+const MOST_THINGS = 32, STATES = [1, 3]; // held, hidden
 
 // Reads a BER length at `at`. Returns it and where the value begins, or null.
 function readLength(bytes, at) {
@@ -62,6 +67,8 @@ function pointOf(values) {
     pointerX: f32(T.pointer), pointerY: f32(T.pointer, 4), regionWidth: f32(T.region), regionHeight: f32(T.region, 4),
     confidence: f32(T.confidence), width: u32(T.frame), height: u32(T.frame, 4), aspectN: u32(T.pixelAspect),
     aspectD: u32(T.pixelAspect, 4), points: view(T.points).getUint16(0), model: values[T.model][0],
+    held: values[T.held] && { state: values[T.held][0], x: f32(T.heldPlace), y: f32(T.heldPlace, 4),
+      radius: f32(T.heldRadius), time: Number(u64(values[T.heldTime])) / 1e9 }, // s
   };
 }
 
@@ -70,7 +77,15 @@ const isFraction = value => value >= 0 && value <= 1;
 function isValid(p) {
   return [p.x, p.y, p.spin, p.divergence].every(Number.isFinite) &&
     [p.pointerX, p.pointerY, p.regionWidth, p.regionHeight, p.confidence].every(isFraction) &&
-    [p.width, p.height, p.aspectN, p.aspectD].every(n => n > 0) && p.model <= LAST_MODEL;
+    [p.width, p.height, p.aspectN, p.aspectD].every(n => n > 0) && p.model <= LAST_MODEL &&
+    (!p.held || p.held.state <= LAST_STATE && [p.held.x, p.held.y, p.held.radius].every(isFraction));
+}
+
+// Of a field: their number, three zeros, and twelve bytes each, the third of which is the state (field-hold.js).
+function areThings(bytes) {
+  const end = 4 + 12 * bytes[0];
+  return bytes[0] <= MOST_THINGS && bytes.length >= Math.max(end, 4) &&
+    bytes.subarray(0, end).every((byte, i) => i < 4 || i % 12 !== 6 || STATES.includes(byte));
 }
 
 function readMotion(bytes, offset) {
@@ -82,7 +97,7 @@ function readMotion(bytes, offset) {
   const kind = values[T.kind][0];
   if (kind > RELIEF) return { kind: 'other kind', offset };
   for (const [tag, size] of SIZES) {
-    const needed = kind === POINT && tag !== T.time && tag !== T.duration;
+    const needed = kind === POINT && (!OPTIONAL.includes(tag) || values[T.held] && HELD.includes(tag));
     if (!values[tag] && needed) return damaged('a value is missing', offset);
     if (values[tag] && values[tag].length !== size)
       return damaged('a value has the wrong size', offset + offsets[tag]);
@@ -91,7 +106,9 @@ function readMotion(bytes, offset) {
   if (kind !== POINT) {
     const code = values[kind === FIELD ? T.field : T.relief];
     if (!code?.length) return damaged('a value is missing', offset);
-    return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code };
+    const things = kind === FIELD && values[T.things];
+    if (things?.length && !areThings(things)) return damaged('a value is out of its range', offset + offsets[T.things]);
+    return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code, things };
   }
   const point = pointOf(values);
   return isValid(point) ? { kind: 'point', offset, time, point } : damaged('a value is out of its range', offset);

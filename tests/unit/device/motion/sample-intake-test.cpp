@@ -171,6 +171,17 @@ TEST_P(Intake, TheLookAheadGrowsToOneAndAHalfOfTheUsualIntervals) {
 INSTANTIATE_TEST_SUITE_P(Layouts, Intake, ::testing::Bool(),
                          [](const auto &layout) { return layout.param ? "Field" : "Sample"; });
 
+TEST(SampleIntakeTest, ASampleBringsTheThingThatIsHeld) {
+  const auto pool = std::make_unique<haptic::FieldPool>();
+  SampleIntake intake(*pool);
+  MotionSample s = sample(100);
+  s.held = {haptic::HoldState::held, 0.25F, 0.75F, 0.1F, 2 * kFrame};
+  const auto result = intake.accept(bytes_of(s), false, {});
+  EXPECT_FALSE(result.damaged);
+  EXPECT_EQ(result.motion->sample.held, s.held);
+  EXPECT_EQ(result.motion->sample.velocity_x, 100);
+}
+
 TEST(FieldIntake, AFieldWithoutAnyConfidenceIsAGap) {
   const auto pool = std::make_unique<haptic::FieldPool>();
   SampleIntake intake(*pool);

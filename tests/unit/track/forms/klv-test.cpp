@@ -90,7 +90,9 @@ TEST(Klv, AfterDamageTheNextSampleIsFound) {
 }
 
 TEST(Klv, UnknownTagsAreSkippedAndMissingOrDoubleOnesRefused) {
-  const Bytes whole = write_klv(test::TrackSamples(7).next());
+  TrackSample sample = test::TrackSamples(7).next();
+  sample.motion.held = {};
+  const Bytes whole = write_klv(sample);
   const auto with = [&](const Bytes &more) {
     Bytes bytes = whole;
     append(bytes, more);
@@ -107,6 +109,40 @@ TEST(Klv, UnknownTagsAreSkippedAndMissingOrDoubleOnesRefused) {
   const auto item = read_one(shorter);
   EXPECT_EQ(item.kind, KlvKind::damaged);
   EXPECT_STREQ(item.error, "a value is missing");
+}
+
+TEST(Klv, AHeldThingIsAppendedInTagsThatEarlierReadersSkip) {
+  TrackSample sample = test::TrackSamples(7).next();
+  sample.motion.held = {};
+  const Bytes without = write_klv(sample);
+  sample.motion.held = {haptic::HoldState::about, 0.25F, 0.5F, 1, 0x0102};
+  Bytes with = write_klv(sample);
+  EXPECT_EQ(without.size(), 134U);
+  EXPECT_EQ(Bytes(with.begin() + 134, with.end()), (Bytes{17, 1, 2,                               //
+                                                          18, 8, 0x3E, 0x80, 0, 0, 0x3F, 0, 0, 0, //
+                                                          19, 4, 0x3F, 0x80, 0, 0,                //
+                                                          20, 8, 0,    0,    0, 0, 0,    0, 1, 2}));
+  with.resize(134);
+  with[18] = without[18]; // the length
+  EXPECT_EQ(with, without);
+}
+
+TEST(Klv, AHeldThingWithoutItsPlaceOrOutOfRangeIsRefused) {
+  TrackSample sample = test::TrackSamples(7).next();
+  sample.motion.held = {haptic::HoldState::held, 0.25F, 0.5F, 1, 0x0102};
+  Bytes bytes = write_klv(sample);
+  bytes[134] = 21; // a later tag instead of the state: nothing is held
+  EXPECT_EQ(read_one(bytes).sample.motion.held, haptic::HeldPlace{});
+  bytes[134] = 17;
+  bytes[136] = 6; // the state
+  EXPECT_STREQ(read_one(bytes).error, "a value is out of its range");
+  bytes[136] = 1;
+  EXPECT_EQ(read_one(bytes).kind, KlvKind::motion);
+  for (const std::size_t tag : {137, 147, 153}) {
+    Bytes changed = bytes;
+    changed[tag] = 21;
+    EXPECT_STREQ(read_one(changed).error, "a value is missing") << tag;
+  }
 }
 
 TEST(Klv, OtherVersionsAndKindsAreToldFromDamage) {

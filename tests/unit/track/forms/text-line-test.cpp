@@ -38,6 +38,15 @@ TEST(TextLine, IsForPeopleToo) {
             "hv1 point t=1.033333333 d=0.033333333 i=0.033333333 vx=12.5 vy=-3 spin=0 div=0 x=0.5 "
             "y=0.5 w=0 h=0 conf=1 pic=352x288 par=1:1 n=17 model=similarity "
             "flags=duplicate,aperture");
+  s.held = {haptic::HoldState::about, 0.25F, 0.5F, 0.125F, 2'500'000'000};
+  const std::string line = write_text_line(sample);
+  const std::string held =
+      " held=about hold-x=0.25 hold-y=0.5 hold-radius=0.125 hold-time=2.500000000";
+  ASSERT_NE(line.find(held + ' '), std::string::npos) << line;
+  EXPECT_EQ(read_text_line(line).sample, sample);
+  s.held = {};
+  EXPECT_EQ(read_text_line(std::string(line).erase(line.find(held), held.size())).sample, sample)
+      << "a reader that skips these names reads the same motion";
 }
 
 TEST(TextLine, HoldsNothingThatMarkupEscapes) {
@@ -69,6 +78,14 @@ TEST(TextLine, SaysWhatIsWrong) {
   EXPECT_EQ(error("hv1 point vx=fast"), "the value vx cannot be read");
   EXPECT_EQ(error("hv1 point vx=1e999"), "the value vx cannot be read");
   EXPECT_EQ(error("hv1 point conf"), "the value conf cannot be read");
+  const std::string_view point =
+      "hv1 point i=0 vx=0 vy=0 spin=0 div=0 x=0 y=0 w=0 h=0 conf=1 pic=1x1 par=1:1 n=0 model=none ";
+  const auto held = [&](std::string_view words) { return error(std::string(point).append(words)); };
+  EXPECT_EQ(held("hold-x=7"), "") << "nothing is held";
+  EXPECT_EQ(held("held=held hold-x=0 hold-y=0 hold-radius=0"), "the value hold-time is missing");
+  EXPECT_EQ(held("held=gone"), "the value held cannot be read");
+  EXPECT_EQ(held("held=lost hold-x=0 hold-y=2 hold-radius=0 hold-time=0"),
+            "a value is out of its range");
   EXPECT_EQ(error("hv1 point i=0 vx=nan vy=0 spin=0 div=0 x=0 y=0 w=0 h=0 conf=1 pic=1x1 par=1:1 "
                   "n=0 model=none"),
             "a value is out of its range");

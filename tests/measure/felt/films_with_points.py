@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Films whose points are known (docs/formats/film-points.md), files of TAP-Vid, and what a tracker says about them."""
+import contextlib
+import csv
+import os
+import pathlib
+import pickle
+import subprocess
+import tempfile
+
+import numpy
+
+import hold_metric
+
+
+class Refused(Exception):
+    """The text contains the cure."""
+
+
+def read_points(path):
+    """Kind of each point, true places [points, frames, 2] and visibility [points, frames]."""
+    kinds, rows = {}, []
+    with open(path, encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            kinds[int(row["point"])] = row["kind"]
+            rows.append((int(row["point"]), int(row["frame"]), float(row["x"]), float(row["y"]), int(row["visible"])))
+    table = numpy.array(rows)
+    points, frames = table[:, 0].astype(int), table[:, 1].astype(int)
+    shape = points.max() + 1, frames.max() + 1
+    true, visible = numpy.zeros((*shape, 2)), numpy.zeros(shape, bool)
+    true[points, frames] = table[:, 2:4]
+    visible[points, frames] = table[:, 4] > 0
+    return [kinds[point] for point in range(shape[0])], true, visible
+
+
+@contextlib.contextmanager
+def frames_of(path):
+    """The frames of a film as a stream of YUV4MPEG2.
+
+    GStreamer's y4menc writes the padding of avdec_h264's frames with them.
+    """
+    command = ["ffmpeg", "-nostdin", "-v", "error", "-i", str(path), "-map", "0:v:0", "-fps_mode", "passthrough"]
+    command += ["-pix_fmt", "yuv420p", "-f", "yuv4mpegpipe", "-"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as decoder:
+        yield decoder.stdout
+        decoder.stdout.close()
+
+
+def header_of(stream):
+    """Width, height, frames a second, and bytes of a frame, from the first line of YUV4MPEG2."""
+    words = {word[:1]: word[1:] for word in stream.readline().decode().split()[1:] if word[0] != "X"}
+    if "W" not in words:
+        raise Refused("a film cannot be read; ffmpeg must be able to play it")
+    width, height = int(words["W"]), int(words["H"])
+    numerator, denominator = map(int, words["F"].split(":"))
+    chroma = 0 if words.get("C") == "mono" else 2 * ((width + 1) // 2) * ((height + 1) // 2)
+    return width, height, numerator / denominator, width * height + chroma
+
+
+def write_mono(path, frames, rate):
+    """`frames`: luma [frames, height, width]."""
+    with open(path, "wb") as file:
+        height, width = frames.shape[1:]
+        file.write(f"YUV4MPEG2 W{width} H{height} F{round(1000 * rate)}:1000 Ip A1:1 Cmono\n".encode())
+        for frame in frames:
+            file.write(b"FRAME\n" + frame.astype(numpy.uint8).tobytes())
+
+
+def run(program, tracker, stream, starts, again=None):
+    """What the tracker says, by rows: frame, point, x, y, state, µs. `starts`: frame, x and y of each point."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "starts"
+        path.write_text("".join(f"{frame},{x:.3f},{y:.3f}\n" for frame, x, y in starts), encoding="utf-8")
+        command = [program, tracker, str(path), *([str(again)] if again is not None else [])]
+        said = subprocess.run(command, stdin=stream, stdout=subprocess.PIPE, check=False)
+    if said.returncode:
+        raise Refused(f"hold-run ended with status {said.returncode}; see above")
+    lines = said.stdout.decode().splitlines()[1:]
+    return numpy.array([line.split(",") for line in lines], float).reshape(-1, 6)
+
+
+def tracks_of(said, kinds, true, visible, rate, size):
+    """`said`: of run(). Points without a visible frame are left out."""
+    by_point = numpy.zeros((*visible.shape, 4))
+    inside = said[:, 0] < visible.shape[1]  # a decoder may give one frame more
+    said = said[inside]
+    by_point[said[:, 1].astype(int), said[:, 0].astype(int)] = said[:, 2:]
+    return [
+        hold_metric.Track(kind, rate, size, true[i], visible[i], of[:, :2], of[:, 2], of[:, 3])
+        for i, (kind, of) in enumerate(zip(kinds, by_point))
+    ]
+
+
+def starts_of(true, visible):
+    first = visible.argmax(axis=1)
+    return [(frame, *true[point, frame]) for point, frame in enumerate(first)]
+
+
+def follow_film(program, tracker, film, every=1):
+    """Tracks of each `every`-th point of a film, which has NAME.csv beside NAME.mkv."""
+    kinds, true, visible = read_points(pathlib.Path(film).with_suffix(".csv"))
+    chosen = [point for point in range(0, len(kinds), every) if visible[point].any()]
+    kinds, true, visible = [kinds[point] for point in chosen], true[chosen], visible[chosen]
+    with frames_of(film) as stream:
+        width, height, rate, _ = header_of(stream)
+    with frames_of(film) as stream:
+        said = run(program, tracker, stream, starts_of(true, visible))
+    return tracks_of(said, kinds, true, visible, rate, (width, height))
+
+
+class ArraysOnly(pickle.Unpickler):
+    """A pickle can name any function to be called. Only what makes arrays of numbers is let through."""
+
+    NAMES = {
+        (module, name)
+        for core in ("numpy.core", "numpy._core")
+        for module, name in (
+            ("numpy", "ndarray"),
+            ("numpy", "dtype"),
+            (f"{core}.multiarray", "_reconstruct"),
+            (f"{core}.multiarray", "scalar"),
+            (f"{core}.numeric", "_frombuffer"),
+        )
+    }
+
+    def find_class(self, module, name):
+        if (module, name) not in self.NAMES:
+            raise Refused(f"the file names {module}.{name}, which no file of TAP-Vid needs; it is not opened")
+        return super().find_class(module, name)
+
+
+def read_tap_vid(path):
+    """Yields name, luma [frames, height, width], places [points, frames, 2] in px, visibility [points, frames]."""
+    with open(path, "rb") as file:
+        videos = ArraysOnly(file).load()
+    for name, video in videos.items():
+        frames = numpy.asarray(video["video"])
+        if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != numpy.uint8:
+            raise Refused(f"the video '{name}' is no array of frames; use the files of DAVIS or RGB-stacking")
+        luma = frames @ numpy.array([0.299, 0.587, 0.114])  # BT.601
+        size = numpy.array([frames.shape[2], frames.shape[1]])
+        places = numpy.asarray(video["points"], float) * size
+        yield name, numpy.rint(luma), places, ~numpy.asarray(video["occluded"], bool)
+
+
+def follow_tap_vid(program, tracker, path, rate=24):
+    """The tracks of each video. DAVIS has 24 frames a second; the files do not say so."""
+    for name, luma, true, visible in read_tap_vid(path):
+        seen = visible.any(axis=1)
+        true, visible = true[seen], visible[seen]
+        with tempfile.TemporaryDirectory() as folder:
+            film = os.path.join(folder, "film.y4m")
+            write_mono(film, luma, rate)
+            with open(film, "rb") as stream:
+                said = run(program, tracker, stream, starts_of(true, visible))
+        yield tracks_of(said, [name] * len(true), true, visible, rate, (luma.shape[2], luma.shape[1]))
+
+
+def luma_of(film, most=600):
+    """Luma of up to `most` frames [frames, height, width], and frames a second."""
+    frames = []
+    with frames_of(film) as stream:
+        width, height, rate, size = header_of(stream)
+        while len(frames) < most and stream.readline().startswith(b"FRAME"):
+            frames.append(numpy.frombuffer(stream.read(size), numpy.uint8, width * height).reshape(height, width))
+    return numpy.array(frames), rate
+
+
+def places_to_press(first, later):
+    """Places on a raster of 48 px where a thing with texture moves: x and y, px."""
+    for y in range(36, first.shape[0] - 36, 48):
+        for x in range(36, first.shape[1] - 36, 48):
+            patch = first[y - 10 : y + 11, x - 10 : x + 11].astype(float)
+            change = numpy.abs(patch - later[y - 10 : y + 11, x - 10 : x + 11]).mean()
+            if patch.std() > 8 and change > 4:  # grey levels; noise of 1.5 changes a patch by 1.7
+                yield x + 0.5, y + 0.5
+
+
+def round_trips(program, tracker, film, length=60):
+    """Each place is held for `length` frames, taken anew, and held back to where it began.
+
+    Returns how many places were pressed, in how many a thing was taken, in how many of these it was held at both ends,
+    and the distances there from the beginning, in px of a frame 1080 px high.
+    """
+    luma, rate = luma_of(film)
+    pressed = taken = 0
+    distances = []
+    for begin in range(0, len(luma) - length, length):
+        window = luma[begin : begin + length + 1]
+        places = list(places_to_press(window[0], window[10]))
+        if not places:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "film.y4m")
+            write_mono(path, numpy.concatenate([window, window[-2::-1]]), rate)
+            with open(path, "rb") as stream:
+                said = run(program, tracker, stream, [(0, x, y) for x, y in places], again=length)
+        at = {frame: said[said[:, 0] == frame] for frame in (0, length, 2 * length)}
+        is_taken = at[0][:, 4] == hold_metric.HELD
+        is_held = is_taken & (at[length][:, 4] == hold_metric.HELD) & (at[2 * length][:, 4] == hold_metric.HELD)
+        pressed += len(places)
+        taken += is_taken.sum()
+        distances.extend(numpy.hypot(*(at[2 * length][:, 2:4] - numpy.array(places)).T)[is_held] * 1080 / luma.shape[1])
+    return pressed, taken, len(distances), numpy.array(distances)

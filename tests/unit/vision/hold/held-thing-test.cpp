@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hold/held-thing.hpp"
+#include "instruction-sets.hpp"
+#include "moving-texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <optional>
+#include <random>
+
+namespace {
+
+using haptic::HeldReport;
+using haptic::HeldThing;
+using haptic::HoldState;
+using test::Frame;
+using test::Shift;
+using test::Texture;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 200;
+constexpr double kRate = 30; // frames a second
+constexpr Shift kMiddle{kWidth / 2.0, kHeight / 2.0};
+
+class FrameSource final : public haptic::LumaSource {
+public:
+  explicit FrameSource(const Frame &frame) : frame_(frame) {}
+
+  haptic::LumaView plane(const haptic::Rectangle &area) const override {
+    return {frame_.pixels.data() + static_cast<std::ptrdiff_t>(area.y) * frame_.width + area.x,
+            area.width, area.height, frame_.width};
+  }
+  void convert(const haptic::Rectangle &, std::uint8_t *, std::ptrdiff_t) const override {}
+
+private:
+  const Frame &frame_;
+};
+
+/// A disc of one texture before another one, and a bar before both.
+struct Stage {
+  Texture disc{3};
+  Texture ground{8};
+  Texture bar{21};
+  double radius = 34; // px
+
+  /// The disc in front of the still ground, its middle moved by `shift` from that of the frame.
+  Frame frame(Shift shift, std::optional<double> bar_from = {}) const {
+    Frame frame = ground.frame(kWidth, kHeight, {});
+    const Frame thing = disc.frame(kWidth, kHeight, shift);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double away =
+            std::hypot(x + 0.5 - kMiddle.x - shift.x, y + 0.5 - kMiddle.y - shift.y);
+        const double part = std::clamp(radius + 0.5 - away, 0.0, 1.0);
+        const double grey = part * thing.pixels[at(x, y)] + (1 - part) * frame.pixels[at(x, y)];
+        frame.at(x, y) = static_cast<std::uint8_t>(std::lround(grey));
+      }
+    if (bar_from) {
+      const auto left = static_cast<int>(*bar_from);
+      const int right = std::min(left + kBarWidth, kWidth);
+      if (left < kWidth && right > 0)
+        bar.paint(frame, {*bar_from, 0}, std::max(left, 0), right);
+    }
+    return frame;
+  }
+
+  static constexpr int kBarWidth = 110; // px
+
+private:
+  static std::size_t at(int x, int y) {
+    return static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+  }
+};
+
+Shift sway(double time, double amplitude = 20) {
+  return {amplitude * std::sin(2 * std::numbers::pi * time),
+          amplitude / 3 * std::sin(2 * std::numbers::pi * time / 1.6)};
+}
+
+double distance(const HeldReport &report, Shift shift) {
+  return std::hypot(report.x - kMiddle.x - shift.x, report.y - kMiddle.y - shift.y);
+}
+
+class AHeldThing : public ::testing::Test {
+protected:
+  const HeldReport &take(const Frame &frame, Shift at = kMiddle) {
+    return thing.take(FrameSource(frame), frame.width, frame.height, static_cast<float>(at.x),
+                      static_cast<float>(at.y));
+  }
+  const HeldReport &follow(const Frame &frame, double rate = kRate) {
+    return thing.follow(FrameSource(frame), static_cast<float>(1 / rate));
+  }
+
+  Stage stage;
+  HeldThing thing;
+};
+
+// What is followed
+
+TEST_F(AHeldThing, IsFollowedToAFractionOfAPixel) {
+  ASSERT_EQ(take(stage.frame({})).state, HoldState::held);
+  for (int i = 1; i <= 60; ++i) {
+    const HeldReport &report = follow(stage.frame(sway(i / kRate)));
+    ASSERT_EQ(report.state, HoldState::held) << i;
+    EXPECT_LT(distance(report, sway(i / kRate)), 0.2) << i;
+  }
+}
+
+TEST_F(AHeldThing, SaysHowFarItMovedSinceTheFrameBefore) {
+  take(stage.frame({}));
+  for (int i = 1; i <= 20; ++i) {
+    const HeldReport &report = follow(stage.frame(sway(i / kRate)));
+    EXPECT_NEAR(report.dx, sway(i / kRate).x - sway((i - 1) / kRate).x, 0.2) << i;
+    EXPECT_NEAR(report.dy, sway(i / kRate).y - sway((i - 1) / kRate).y, 0.2) << i;
+    EXPECT_GT(report.variance, 0) << i;
+  }
+}
+
+TEST_F(AHeldThing, IsFollowedAtAnyFrameRate) {
+  for (const double rate : {24.0, 60.0, 120.0}) {
+    take(stage.frame({}));
+    const int frames = static_cast<int>(rate);
+    for (int i = 1; i <= frames; ++i)
+      ASSERT_EQ(follow(stage.frame(sway(i / rate)), rate).state, HoldState::held)
+          << rate << " " << i;
+    EXPECT_LT(distance(thing.report(), sway(frames / rate)), 0.3) << rate;
+  }
+}
+
+TEST_F(AHeldThing, IsFollowedInALargeFrameThatIsReduced) {
+  constexpr int kLargeWidth = 1200;
+  constexpr int kLargeHeight = 240;
+  const Texture texture(5, 10); // nothing that halving would lose
+  const Shift middle{kLargeWidth / 2.0 + 0.3, kLargeHeight / 2.0 - 0.2};
+  ASSERT_EQ(take(texture.frame(kLargeWidth, kLargeHeight, {}), middle).state, HoldState::held);
+  for (int i = 1; i <= 10; ++i)
+    follow(texture.frame(kLargeWidth, kLargeHeight, {3.7 * i, -1.1 * i}));
+  EXPECT_NEAR(thing.report().x, middle.x + 37, 0.2);
+  EXPECT_NEAR(thing.report().y, middle.y - 11, 0.2);
+}
+
+TEST_F(AHeldThing, IsFollowedWhileItTurns) {
+  constexpr int kSide = 240;
+  const Texture texture(6);
+  take(texture.turned(kSide, kSide, 0), {kSide / 2.0, kSide / 2.0});
+  for (int i = 1; i <= 60; ++i) {
+    const HeldReport &report = follow(texture.turned(kSide, kSide, 0.01 * i));
+    ASSERT_EQ(report.state, HoldState::held) << i;
+    EXPECT_LT(std::hypot(report.x - kSide / 2.0, report.y - kSide / 2.0), 0.5) << i;
+  }
+}
+
+TEST_F(AHeldThing, IsTheSameInEveryInstructionSet) {
+  std::optional<HeldReport> best;
+  test::for_instruction_sets([&](const char *name) {
+    take(stage.frame({}));
+    for (int i = 1; i <= 15; ++i)
+      follow(stage.frame(sway(i / kRate)));
+    const HeldReport report = thing.report();
+    if (!best)
+      best = report;
+    EXPECT_EQ(report.state, best->state) << name;
+    EXPECT_NEAR(report.x, best->x, 0.01) << name;
+    EXPECT_NEAR(report.y, best->y, 0.01) << name;
+  });
+}
+
+TEST_F(AHeldThing, StaysWhereTheSamePixelsStay) {
+  take(stage.frame({}));
+  follow(stage.frame(sway(1 / kRate)));
+  const HeldReport before = thing.report();
+  for (int i = 0; i < 300; ++i)
+    thing.rest(static_cast<float>(1 / kRate));
+  EXPECT_EQ(thing.report().x, before.x);
+  EXPECT_EQ(thing.report().y, before.y);
+  EXPECT_EQ(thing.report().dx, 0);
+  EXPECT_EQ(thing.report().dy, 0);
+}
+
+// What is not seen
+
+TEST_F(AHeldThing, IsHiddenBehindABarAndFoundAgain) {
+  take(stage.frame({}));
+  const auto bar_at = [](int i) { return kWidth - 12.0 * i; }; // before the middle at frame 14
+  int hidden = 0;
+  for (int i = 1; i <= 30; ++i) {
+    const Shift shift = sway(i / kRate, 8);
+    const HeldReport &report = follow(stage.frame(shift, bar_at(i)));
+    const double left = bar_at(i);
+    const double middle = kMiddle.x + shift.x;
+    if (left < middle - 12 && left + Stage::kBarWidth > middle + 12) {
+      EXPECT_NE(report.state, HoldState::held) << i;
+      hidden += report.state == HoldState::hidden;
+    }
+  }
+  EXPECT_GE(hidden, 3);
+  const HeldReport &report = follow(stage.frame(sway(31 / kRate, 8), bar_at(31)));
+  EXPECT_EQ(report.state, HoldState::held);
+  EXPECT_LT(distance(report, sway(31 / kRate, 8)), 0.3);
+}
+
+TEST_F(AHeldThing, IsLostAfterThreeSeconds) {
+  take(stage.frame({}));
+  for (int i = 1; i <= 10; ++i)
+    follow(stage.frame({}));
+  const Frame empty = stage.ground.frame(kWidth, kHeight, {});
+  for (int i = 1; i <= 89; ++i)
+    ASSERT_EQ(follow(empty).state, HoldState::hidden) << i;
+  for (int i = 1; i <= 3; ++i)
+    follow(empty);
+  EXPECT_EQ(thing.report().state, HoldState::lost);
+  EXPECT_EQ(follow(stage.frame({})).state, HoldState::lost); // until it is pressed again
+}
+
+TEST_F(AHeldThing, ThatLeavesTheFrameIsLostAtThatBorder) {
+  take(stage.frame({}));
+  for (int i = 1; i <= 150; ++i)
+    follow(stage.frame({std::min(4.0 * i, 400.0), 0}));
+  EXPECT_EQ(thing.report().state, HoldState::lost);
+  EXPECT_TRUE(std::isfinite(thing.report().x));
+  EXPECT_TRUE(std::isfinite(thing.report().y));
+}
+
+TEST_F(AHeldThing, IsStillHeldInAnotherLight) {
+  take(stage.frame({}));
+  for (int i = 1; i <= 30; ++i) {
+    Frame frame = stage.frame(sway(i / kRate, 6));
+    const double gain = 1 - 0.4 * i / 30;
+    for (std::uint8_t &pixel : frame.pixels)
+      pixel = static_cast<std::uint8_t>(std::lround(gain * pixel));
+    ASSERT_EQ(follow(frame).state, HoldState::held) << i;
+  }
+  EXPECT_LT(distance(thing.report(), sway(1, 6)), 0.3);
+}
+
+TEST_F(AHeldThing, IsLostAtACut) {
+  take(stage.frame({}));
+  thing.lose();
+  EXPECT_EQ(thing.report().state, HoldState::lost);
+}
+
+// A press
+
+TEST_F(AHeldThing, IsNothingAfterItIsReleased) {
+  take(stage.frame({}));
+  thing.release();
+  EXPECT_EQ(thing.report().state, HoldState::none);
+  EXPECT_EQ(follow(stage.frame({})).state, HoldState::none);
+  thing.lose();
+  EXPECT_EQ(thing.report().state, HoldState::none);
+}
+
+TEST_F(AHeldThing, IsRefusedWhereNothingCanBeSeen) {
+  Frame sky(kWidth, kHeight);
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0, 1.5); // grey levels, of a camera
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      sky.at(x, y) = static_cast<std::uint8_t>(std::lround(150 + 0.1 * y + noise(random)));
+  EXPECT_EQ(take(sky).state, HoldState::refused);
+  EXPECT_EQ(follow(sky).state, HoldState::refused);
+  EXPECT_EQ(take(Frame(kWidth, kHeight, 90)).state, HoldState::refused);
+}
+
+TEST_F(AHeldThing, OfManyThatLookTheSameIsFollowedAbout) {
+  Frame stripes(kWidth, kHeight);
+  const auto paint = [&](double shift) {
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        stripes.at(x, y) = static_cast<std::uint8_t>(
+            std::lround(128 + 50 * std::sin((x - shift) / 2.5) * std::sin(y / 2.5)));
+  };
+  paint(0);
+  EXPECT_EQ(take(stripes).state, HoldState::about);
+  for (int i = 1; i <= 10; ++i) {
+    paint(0.5 * i);
+    EXPECT_EQ(follow(stripes).state, HoldState::about);
+  }
+  EXPECT_NEAR(thing.report().x, kMiddle.x + 5, 0.5);
+}
+
+TEST_F(AHeldThing, MayBeTakenAtAnyPlaceOfAnyFrame) {
+  for (const auto &[width, height] : {std::pair{1, 1}, {3, 200}, {16, 16}, {kWidth, kHeight}}) {
+    const Frame frame = stage.disc.frame(width, height, {});
+    for (const double x : {0.0, width / 2.0, static_cast<double>(width)})
+      for (const double y : {0.0, height / 2.0, static_cast<double>(height)}) {
+        take(frame, {x, y});
+        for (int i = 0; i < 3; ++i)
+          follow(frame);
+        EXPECT_TRUE(std::isfinite(thing.report().x)) << width << " " << x;
+        EXPECT_TRUE(std::isfinite(thing.report().y)) << height << " " << y;
+      }
+  }
+}
+
+} // namespace
