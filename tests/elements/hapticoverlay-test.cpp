@@ -370,8 +370,9 @@ protected:
   static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
   void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight); }
 
-  // The thing is this far from the middle of the frame, px.
-  BufferPtr pass(GstHapticHold hold, Shift away = {}) {
+  // The thing is this far from the middle of the frame, px. The hand points at the middle, and
+  // feels a force (N, to the right) if one is given.
+  BufferPtr pass(GstHapticHold hold, Shift away = {}, std::optional<float> force = {}) {
     BufferPtr frame = test::to_buffer(Frame(kWidth, kHeight, 128), harness.info);
     auto *meta = &test::add_motion(frame);
     meta->frame_width = kWidth;
@@ -381,6 +382,13 @@ protected:
     meta->held_y = static_cast<gfloat>(kHeight / 2.0 + away.y);
     meta->held_radius = kRadius;
     meta->held_time = kFrame * static_cast<GstClockTime>(frames_++);
+    if (force) {
+      meta->flags = GST_HAPTIC_MOTION_STILL; // measured
+      meta->pointer_x = kWidth / 2.0F;
+      meta->pointer_y = kHeight / 2.0F;
+      meta->force_x = *force;
+      meta->force_y = 0;
+    }
     EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
     return harness.pull();
   }
@@ -465,6 +473,17 @@ TEST_F(HeldThing, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
   GST_VIDEO_INFO_PAR_N(&harness.info) = 2;
   gst_harness_set_src_caps(harness.get(), gst_video_info_to_caps(&harness.info));
   expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
+}
+
+TEST_F(HeldThing, CarriesTheDrawnHand) {
+  const auto force_at = [&](GstHapticHold hold) {
+    return spot(pass(hold, {80, -40}, 0.4F), is_blue).centre;
+  };
+  const Shift by_itself = force_at(GST_HAPTIC_HOLD_NONE);
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
+    EXPECT_NEAR(force_at(hold).x, by_itself.x + 80, 2) << hold;
+    EXPECT_NEAR(force_at(hold).y, by_itself.y - 40, 2) << hold;
+  }
 }
 
 TEST_F(HeldThing, HasTheColourThatWasSet) {

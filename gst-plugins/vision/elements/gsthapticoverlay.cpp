@@ -170,6 +170,10 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
       .held = sample.held,
       .trail = trail.points(),
   };
+  if (haptic::is_followed(sample.held.state)) { // the drawn hand rides on the thing
+    scene.pointer_x = static_cast<double>(meta.held_x);
+    scene.pointer_y = static_cast<double>(meta.held_y);
+  }
   if (std::isfinite(meta.force_x) && std::isfinite(meta.force_y))
     scene.force = {static_cast<double>(meta.force_x), static_cast<double>(meta.force_y)};
   if (meta.depth >= 0) { // not NaN
