@@ -370,9 +370,8 @@ protected:
   static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
   void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_RGB, kWidth, kHeight); }
 
-  // The thing is this far from the middle of the frame, px. The hand points at the middle, and
-  // feels a force (N, to the right) if one is given.
-  BufferPtr pass(GstHapticHold hold, Shift away = {}, std::optional<float> force = {}) {
+  // The thing is this far from the middle of the frame, px.
+  BufferPtr pass(GstHapticHold hold, Shift away = {}) {
     BufferPtr frame = test::to_buffer(Frame(kWidth, kHeight, 128), harness.info);
     auto *meta = &test::add_motion(frame);
     meta->frame_width = kWidth;
@@ -382,13 +381,10 @@ protected:
     meta->held_y = static_cast<gfloat>(kHeight / 2.0 + away.y);
     meta->held_radius = kRadius;
     meta->held_time = kFrame * static_cast<GstClockTime>(frames_++);
-    if (force) {
-      meta->flags = GST_HAPTIC_MOTION_STILL; // measured
-      meta->pointer_x = kWidth / 2.0F;
-      meta->pointer_y = kHeight / 2.0F;
-      meta->force_x = *force;
-      meta->force_y = 0;
-    }
+    meta->interval = kFrame;
+    meta->n_candidates = meta->n_patches = moves_ > 0 ? 4 : 0;
+    for (guint i = 0; i < meta->n_patches; ++i)
+      meta->patches[i].dx = moves_;
     EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
     return harness.pull();
   }
@@ -401,7 +397,17 @@ protected:
 
   VideoHarness harness{"hapticoverlay style=arrows"};
   int frames_ = 0;
+  gfloat moves_ = 0; // px per frame; 0: nothing was measured
 };
+
+TEST_F(HeldThing, HasTheArrowOfItsMotion) {
+  moves_ = 2;
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
+    const Spot arrow = spot(pass(hold, {20, -10}), is_orange);
+    EXPECT_NEAR(arrow.centre.x, 20 + 15, 8) << "in half a second it moves by 30 px";
+    EXPECT_NEAR(arrow.centre.y, -10, 2);
+  }
+}
 
 TEST_F(HeldThing, ThatIsSeenHasASolidRing) {
   const Spot ring = spot(pass(GST_HAPTIC_HOLD_HELD), is_green);
@@ -473,17 +479,6 @@ TEST_F(HeldThing, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
   GST_VIDEO_INFO_PAR_N(&harness.info) = 2;
   gst_harness_set_src_caps(harness.get(), gst_video_info_to_caps(&harness.info));
   expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
-}
-
-TEST_F(HeldThing, CarriesTheDrawnHand) {
-  const auto force_at = [&](GstHapticHold hold) {
-    return spot(pass(hold, {80, -40}, 0.4F), is_blue).centre;
-  };
-  const Shift by_itself = force_at(GST_HAPTIC_HOLD_NONE);
-  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
-    EXPECT_NEAR(force_at(hold).x, by_itself.x + 80, 2) << hold;
-    EXPECT_NEAR(force_at(hold).y, by_itself.y - 40, 2) << hold;
-  }
 }
 
 TEST_F(HeldThing, HasTheColourThatWasSet) {

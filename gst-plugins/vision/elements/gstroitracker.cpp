@@ -6,6 +6,7 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
+#include "elements/analytics-meta.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/frame-caps.hpp"
@@ -52,7 +53,7 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
-// Whether a press takes the thing under the pointer.
+// When the thing under the pointer is taken.
 enum class HoldMode { off, pressed, latched };
 
 // State
@@ -78,6 +79,7 @@ struct State {
   haptic::RegionSize region_size;
   haptic::RegionTracker tracker;
   haptic::MotionReader reader;
+  haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
   GstClockTime held_time = 0; // ns since it was taken
@@ -478,6 +480,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   GstStructure *motion = gst_structure_new_empty("haptic-motion");
   haptic::set_motion(motion, state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info));
   attach_region(buffer, region, motion);
+  state.analytics.attach(buffer, meta);
   if (finding->becomes_reference)
     keep_reference(state, buffer);
   const haptic::Measurement &measurement = state.tracker.measurement();
