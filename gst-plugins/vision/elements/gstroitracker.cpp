@@ -53,8 +53,8 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
-// Whether a press takes the thing under the pointer.
-enum class HoldMode { off, pressed };
+// When the thing under the pointer is taken.
+enum class HoldMode { off, pressed, latched };
 
 // State
 
@@ -200,13 +200,17 @@ std::span<const haptic::Property<Shared>> properties() {
          g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
        }},
       Rows::choice<&Shared::hold>(
-          "hold", "Hold", "Whether a press takes the thing under the pointer",
+          "hold", "Hold", "When the thing under the pointer is taken",
           haptic::register_enum<HoldMode>(
               "GstRoiTrackerHold",
               {{HoldMode::off, "The region stays under the pointer", "off"},
                {HoldMode::pressed,
                 "While the pointer is pressed, the region follows the thing that was under it",
-                "pressed"}})),
+                "pressed"},
+               {HoldMode::latched,
+                "The region follows the thing that is under the pointer now, pressed or not, until "
+                "this is set again",
+                "latched"}})),
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
                                         haptic::kMaxPatches),
@@ -457,7 +461,8 @@ Settings current_settings(GstRoiTracker *self) {
           shared.roi_size,
           shared.max_points,
           shared.method,
-          shared.hold == HoldMode::pressed && pointer.pressed};
+          shared.hold == HoldMode::latched ||
+              (shared.hold == HoldMode::pressed && pointer.pressed)};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
