@@ -113,6 +113,22 @@ TEST_F(Hold, CanBeSwitchedOff) {
   EXPECT_EQ(motion_of(held_until(4)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
 }
 
+TEST_F(Hold, LatchedItNeedsNoPressAndNoneLetsGo) {
+  const auto set_hold = [&](const char *value) {
+    gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", value);
+  };
+  pass(0);
+  set_hold("latched");
+  for (int i = 1; i <= 6; ++i) {
+    press(i == 3);
+    EXPECT_NEAR(motion_of(pass(i)).held_x, kWidth / 2.0 + 2 * (i - 1), 0.1) << i;
+  }
+  set_hold("pressed");
+  EXPECT_EQ(motion_of(pass(7)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
+  set_hold("latched");
+  EXPECT_NEAR(motion_of(pass(8)).held_x, kWidth / 2.0, 0.1) << "taken anew";
+}
+
 TEST_F(Hold, APressOnAPlainWallIsRefusedAndFeltAsNothing) {
   const Frame wall(kWidth, kHeight, 120);
   pass(wall, 0);

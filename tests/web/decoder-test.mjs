@@ -5,7 +5,7 @@
 import { spawnSync } from 'node:child_process';
 import { FieldDecoder } from '../../pipelines/web/player/field-codec.js';
 import { readKlv } from '../../pipelines/web/player/klv.js';
-import { RELIEF } from '../../pipelines/web/player/relief-codec.js';
+import { RELIEF } from '../../pipelines/web/player/touch.js';
 import { promise } from './promise.mjs';
 
 const [program, ...given] = process.argv.slice(2);

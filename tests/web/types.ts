@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What others write with the player's types (pipelines/web/player/player.d.ts). Compiled, not run.
 import { attach, Refusal, type Field, type Force, type Options, type Place, type Player, type Relief } from '../../pipelines/web/player/player.js';
-import type { FeelingWind } from '../../pipelines/web/player/element.js';
+import { Hold, watchHolding, type FeelingWind } from '../../pipelines/web/player/element.js';
 
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {
   interface HTMLVideoElement { readonly currentTime: number }
   interface EventTarget { addEventListener(type: string, listener: (event: { detail: unknown }) => void): void }
-  class HTMLElement {}
+  class HTMLElement extends EventTarget {}
+  class EventTarget {}
+  interface CanvasRenderingContext2D { readonly canvas: unknown }
   interface AbortSignal { readonly aborted: boolean }
 }
 declare const film: HTMLVideoElement;
@@ -41,6 +43,11 @@ console.log(player.contact && player.contact.x + player.contact.y + player.conta
 console.log(player.hasTrack, player.gamepads.join());
 player.detach();
 declare const element: FeelingWind;
+const hold = new Hold(player, film);
+hold.press();
+console.log(hold.held?.state === 'about' && hold.held.x + hold.held.y + hold.held.radius + hold.held.time);
+hold.release();
+watchHolding(element, hold, element)();
 element.allowedOrigins = ['https://films.example'];
 console.log(element.player?.force.x, element.video?.currentTime);
 

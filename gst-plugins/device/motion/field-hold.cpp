@@ -12,11 +12,10 @@ namespace {
 
 // The least distance in which a press finds a thing: 24 px in a frame 1920 px wide, which a finger
 // covers.
-constexpr float kLeastReach = 24;
-constexpr float kReachWidth = 1920; // px
+constexpr float kLeastReach = 0.0125F; // of the width
 
 float seconds_of(const MotionField &field) noexcept {
-  return static_cast<float>(field.interval) * 1e-9F;
+  return static_cast<float>(static_cast<double>(field.interval) * 1e-9);
 }
 
 float half_region(const MotionField &field, double z) noexcept {
@@ -43,7 +42,7 @@ void FieldHold::press(const PointerPosition &place, const MotionField &field) no
     const float dx = (thing.x - pressed.x) * width;
     const float dy = (thing.y - pressed.y) * height;
     const float distance2 = dx * dx + dy * dy;
-    const float reach = std::max(thing.radius * width, kLeastReach * width / kReachWidth);
+    const float reach = std::max(thing.radius, kLeastReach) * width;
     if (!is_followed(thing.state) || distance2 > reach * reach || distance2 >= nearest)
       continue;
     nearest = distance2;
@@ -91,15 +90,13 @@ void FieldHold::follow_thing(const MotionField &field, double z, float stretch) 
   const float interval = seconds_of(field);
   if (held.state == HoldState::about)
     feel_region(field, z);
-  if (held.state != HoldState::held)
-    return;
-  sample_.confidence = 1;
-  if (before.state != HoldState::held || !(interval > 0))
+  if (held.state != HoldState::held || before.state != HoldState::held || !(interval > 0))
     return;
   const auto width = static_cast<float>(field.frame_width);
   const auto height = static_cast<float>(field.frame_height);
   sample_.velocity_x = (held.x - before.x) * width / interval * stretch;
   sample_.velocity_y = (held.y - before.y) * height / interval * stretch;
+  sample_.confidence = 1;
 }
 
 void FieldHold::feel_region(const MotionField &field, double z) noexcept {

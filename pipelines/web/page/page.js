@@ -75,6 +75,7 @@ function showPlaying() {
   if (!film.paused) element('begin').hidden = true;
 }
 
+film.addEventListener('play', () => load('./hold-page.js', 'showHold'), { once: true });
 for (const event of ['play', 'pause', 'ended']) film.addEventListener(event, showPlaying);
 for (const event of ['timeupdate', 'durationchange', 'seeked']) film.addEventListener(event, showTime);
 film.addEventListener('loadedmetadata', () => {
@@ -251,7 +252,7 @@ function frame(now) {
   showForce();
   const blown = blownBy(player.force, blow);
   draw(canvas, stage, film, {
-    place: player.place, force: player.force, blown,
+    place: player.place, force: player.force, blown, hold: player.hold,
     field: element('field').getAttribute('aria-pressed') === 'true' ? player.field : null,
   });
 }

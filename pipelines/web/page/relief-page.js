@@ -116,6 +116,7 @@ function addButton() {
 }
 
 function addWords() {
+  document.getElementById('hold-key')?.remove(); // H is another key here
   for (const [key, what] of Object.entries(KEYS)) {
     const row = document.createElement('div');
     const [term, text] = [document.createElement('dt'), document.createElement('dd')];

@@ -80,12 +80,13 @@ export function clear(canvas, stage) {
 
 /**
  * `field` may be null, and so may `place`. The force in N, y up. `blown` is how far the hand is drawn from its place,
- * in heights of the picture.
+ * in heights of the picture. `hold.draw()` draws what is held, and gives the place that the hand rides on.
  */
-export function draw(canvas, stage, video, { place, force, field, blown = NOWHERE }) {
+export function draw(canvas, stage, video, { place, force, field, blown = NOWHERE, hold }) {
   const context = clear(canvas, stage);
   context.lineCap = context.lineJoin = 'round';
   const picture = pictureIn(stage, video);
   if (field) drawField(context, picture, field);
-  if (place) drawHand(context, picture, place, force, blown);
+  const ridden = hold?.draw(context, picture);
+  if (ridden ?? place) drawHand(context, picture, ridden ?? place, force, ridden ? NOWHERE : blown);
 }

@@ -2,13 +2,15 @@
 // <feeling-wind src="film.mp4" track="film.klv">: a film that is felt, in any page. The hand is the mouse, a finger, or
 // the arrow keys. docs/web.md, "Put it into a page".
 import { draw, pictureIn } from './drawing.js';
+import { Hold, watchHolding } from './hold.js';
 import { attach } from './player.js';
 
+export { Hold, watchHolding } from './hold.js';
 export { Problem, Refusal, attach, useHls } from './player.js';
 
 const STEP = 0.02; // of the picture, a key moves the hand
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const LABEL = 'Film to be felt. The arrow keys move the hand over it.';
+const LABEL = 'Film to be felt. The arrow keys move the hand over it, H holds what is under it.';
 const STYLE = `
   :host { display: block; position: relative; }
   video, ::slotted(video) { display: block; width: 100%; touch-action: none; }
@@ -39,12 +41,14 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
       signal, hlsConfig: this.hlsConfig, allowedOrigins: this.allowedOrigins, texts: this.texts,
       onProblem: sentence => this.#say(sentence),
     });
-    for (const event of ['force', 'relief', 'problem'])
+    for (const event of ['force', 'relief', 'problem', 'hold'])
       this.#player.addEventListener(event, ({ detail, code }) => {
         this.dispatchEvent(Object.assign(new Event(event), { detail, code }));
         this.#draw();
       });
     this.#listen(signal);
+    const poll = watchHolding(this.#video, new Hold(this.#player, this.#video, signal), this, signal);
+    this.#player.addEventListener('force', poll);
     this.attributeChangedCallback('alpha');
     this.attributeChangedCallback('strength');
     this.#load();
@@ -129,7 +133,7 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
   }
 }
 
-const handOf = ({ place, force }) => ({ place, force });
+const handOf = ({ place, force, hold }) => ({ place, force, hold });
 
 if (globalThis.customElements && !customElements.get('feeling-wind'))
   customElements.define('feeling-wind', FeelingWind);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Decoder of motion fields (docs/formats/field-code.md), equal to gst-plugins/track/field-code/field-codec.cpp bit for bit.
-// Velocities are single precision there, so each step is rounded with Math.fround. relief-codec.js adds reliefs.
+// Velocities are single precision there, so each step is rounded with Math.fround. touch.js adds reliefs.
 
 const KEY = 1, RESTED = 2, INTERVAL = 4, OF_PAIR = 8; // bits of the first byte; above them the field's flags
 const FLAG_SHIFT = 4;

@@ -8,7 +8,7 @@ const SMALLEST_REGION = 12; // px
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 // Side of the region in px; doubled for each quarter of the workspace in z.
-function regionSide(width, height, z) {
+export function regionSide(width, height, z) {
   const base = Math.max(1, Math.round(width * REGION / REFERENCE_WIDTH));
   const smallest = Math.max(SMALLEST_REGION, Math.round(width * SMALLEST_REGION / REFERENCE_WIDTH));
   const largest = Math.max(smallest, Math.min(width, height) / 2);

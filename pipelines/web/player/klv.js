@@ -7,9 +7,9 @@ const VERSION = 1, POINT = 0, FIELD = 1, RELIEF = 2;
 const T = {
   version: 1, kind: 2, time: 3, duration: 4, flags: 5, interval: 6, velocity: 7, spin: 8, divergence: 9, pointer: 10,
   region: 11, confidence: 12, frame: 13, pixelAspect: 14, points: 15, model: 16, held: 17, heldPlace: 18,
-  heldRadius: 19, heldTime: 20, field: 32, relief: 33,
+  heldRadius: 19, heldTime: 20, field: 32, relief: 33, things: 34,
 };
-const TAGS = 34;
+const TAGS = 35;
 // Tag and bytes of each value of a point; of a field the first two may be there.
 const SIZES = [[T.time, 8], [T.duration, 8], [T.flags, 2], [T.interval, 8], [T.velocity, 8], [T.spin, 4],
   [T.divergence, 4], [T.pointer, 8], [T.region, 8], [T.confidence, 4], [T.frame, 8], [T.pixelAspect, 8], [T.points, 2],
@@ -18,6 +18,7 @@ const HELD = [T.held, T.heldPlace, T.heldRadius, T.heldTime]; // the last three 
 const OPTIONAL = [T.time, T.duration, ...HELD];
 const LAST_MODEL = 4; // affine
 const LAST_STATE = 5; // refused
+const MOST_THINGS = 32;
 
 // Reads a BER length at `at`. Returns it and where the value begins, or null.
 function readLength(bytes, at) {
@@ -80,6 +81,13 @@ function isValid(p) {
     (!p.held || p.held.state <= LAST_STATE && [p.held.x, p.held.y, p.held.radius].every(isFraction));
 }
 
+// Of a field: their number, three zeros, and twelve bytes each, the third of which is the state (field-hold.js).
+function areThings(bytes) {
+  const end = 4 + 12 * bytes[0];
+  return bytes[0] <= MOST_THINGS && bytes.length >= Math.max(end, 4) &&
+    bytes.subarray(0, end).every((state, i) => i < 4 || i % 12 !== 6 || state > 0 && state < 4);
+}
+
 function readMotion(bytes, offset) {
   const { values, offsets, ...wrong } = readSet(bytes);
   if (wrong.error) return damaged(wrong.error, offset + wrong.offset);
@@ -98,7 +106,9 @@ function readMotion(bytes, offset) {
   if (kind !== POINT) {
     const code = values[kind === FIELD ? T.field : T.relief];
     if (!code?.length) return damaged('a value is missing', offset);
-    return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code };
+    const things = kind === FIELD && values[T.things];
+    if (things?.length && !areThings(things)) return damaged('a value is out of its range', offset + offsets[T.things]);
+    return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code, things };
   }
   const point = pointOf(values);
   return isValid(point) ? { kind: 'point', offset, time, point } : damaged('a value is out of its range', offset);

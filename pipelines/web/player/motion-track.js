@@ -26,7 +26,7 @@ function after(items, time) {
 const isPlausible = field => field.x.every((x, i) => Math.hypot(x, field.y[i]) <= FASTEST);
 const hasMeasurement = field => field.confidence.some(confidence => confidence > 0);
 
-const sizeOf = packet => 200 + (packet.code?.length ?? 0);
+const sizeOf = ({ code, things }) => 200 + (code?.length ?? 0) + (things?.length ?? 0);
 const isSame = ({ code: a }, { code: b }) => a && b && a.length === b.length && a.every((byte, i) => byte === b[i]);
 
 /** Packets by their time, decoded around the time that is asked for. MotionTrack and ReliefTrack (touch.js) use it. */
@@ -35,6 +35,7 @@ export class PacketTrack {
   #knots = []; // what was decoded, in order: see knotOf()
   #next = 0; // packet to be decoded; -1: none yet
   #first = 0; // the first one that was
+  #things = null; // of the last one
   #bytes = 0; // of all packets
   #decoder;
   #kinds;
@@ -60,7 +61,7 @@ export class PacketTrack {
       if (!Number.isFinite(at)) continue;
       relief ||= item.kind === 'relief';
       if (!this.#kinds.includes(item.kind)) continue;
-      const packet = { time: at, code: item.code?.slice(), point: item.point };
+      const packet = { time: at, code: item.code?.slice(), things: item.things?.slice?.(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
       this.#insert(packet);
     }
@@ -99,6 +100,8 @@ export class PacketTrack {
     if (result === 'damaged') ++this.damaged;
     if (result !== 'field') return; // the line goes on to the next one
     const { field, rest } = this.#decoder;
+    if (rest) rest.things = this.#things;
+    field.things = this.#things = packet.things;
     // It comes with the field. A line to the field begins then anyway where there is a motion before.
     if (rest && !this.#knots.at(-1)?.measured) this.#addKnot(rest, packet.time - field.interval / 1e6, packet.time);
     this.#addKnot(field, packet.time);
@@ -109,6 +112,7 @@ export class PacketTrack {
     if (motion.flags & DUPLICATE && !motion.z) return; // a surface stays
     const interval = Math.min(motion.interval / 1e6, LONGEST_RAMP);
     const knot = this.knotOf(motion, due, interval);
+    motion.due = due;
     while (this.#knots.at(-1)?.time > knot.time - interval / 4) this.#knots.pop();
     this.#knots.push({ ...knot, due, comes: sent - 1.5 * interval, interval, motion, cut: (motion.flags & CUT) !== 0 });
   }
@@ -170,12 +174,13 @@ export class MotionTrack extends PacketTrack {
 
   /**
    * The motion at `time` (s) at `place`: {x, y: px/s, y down, confidence, measured, cut: one was passed since `since`,
-   * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}
+   * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}. `felt`
+   * may give another knot for each.
    */
-  at(time, place, since = time) {
+  at(time, place, since = time, felt = knot => knot) {
     const around = this.around(time, since);
     if (!around) return NOTHING;
-    const { from, to, cut } = around;
+    const from = felt(around.from), to = around.to && felt(around.to), { cut } = around;
     const begins = to ? Math.max(from.time, to.comes) : Infinity;
     const newest = time >= begins ? to : from;
     const now = {

@@ -62,7 +62,23 @@ export interface Relief {
   validity: Float32Array;
 }
 
-/** Sends the events force, relief and problem; `detail` is what the callback gets, `code` that of a problem. */
+/** A thing that is held, or the place that is. */
+export interface Held {
+  state: 'held' | 'about' | 'hidden' | 'lost';
+  /** 0..1 from the top left corner; where it was last, if it is lost. */
+  x: number; y: number;
+  /** Share of the width of the picture. */
+  radius: number;
+  /** Of the thing in the track; null: a place is held. */
+  id: number | null;
+  /** s of the film since the press. */
+  time: number;
+}
+
+/**
+ * Sends the events force, relief, problem and hold; `detail` is what the callback gets, `code` that of a problem. Of hold it
+ * is what is held, or null, when its state changes.
+ */
 export interface Player extends EventTarget {
   /** Where the hand is; null: nowhere, and nothing is felt. */
   place: Place | null;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The player without a page: attach() lets a hand feel the film in a video element (docs/web.md, "Embed it").
-import { FilmClock } from './film-clock.js';
 import { addressOf, forgottenBefore, loadTrack, playFilm } from './film.js';
 import { ForceChain } from './force-chain.js';
 import { MotionTrack } from './motion-track.js';
@@ -31,6 +30,7 @@ class Player extends EventTarget {
   #ticks = false;
   #said = new Set();
   #ended = new AbortController();
+  hold = null; // of hold.js
   #loading = new AbortController(); // for the film that is played
 
   constructor(video, options) {
@@ -74,6 +74,7 @@ class Player extends EventTarget {
   async #load(name, load) {
     const address = addressOf(name, this.#options.allowedOrigins);
     this.#silence();
+    this.hold?.release();
     this.#loading.abort();
     const { signal } = this.#loading = new AbortController();
     this.#said.clear();
@@ -163,10 +164,10 @@ class Player extends EventTarget {
     const { currentTime, playbackRate, videoWidth } = this.#video;
     if (!videoWidth || !this.#video.requestVideoFrameCallback) this.#clock.look(now);
     if (currentTime > UNTRACKED && !this.hasTrack) this.#say(new Problem('no-track'));
-    if (this.#clock.stalls(now) || !this.#place) return this.#silence();
-    const place = this.#place;
+    const place = this.#place ?? this.hold?.held;
+    if (this.#clock.stalls(now) || !place) return this.#silence();
     this.#chain.advance(this.#clock.at(now), (time, since) => {
-      const motion = this.#track.at(time, place, since);
+      const motion = this.#track.at(time, place, since, this.hold?.felt);
       return this.#touch?.felt(motion, time, since, place, this.#pressed) ?? motion;
     }, playbackRate);
     this.#report(now);
@@ -201,6 +202,57 @@ class Player extends EventTarget {
     this.dispatchEvent(Object.assign(new Event(type), { detail, code }));
   }
 }
+
+// ---- the time of the frame on the screen
+
+// The element's currentTime is too coarse for it: in Firefox it moves in steps of 34 ms, of 83 ms at half the speed.
+const SHORTEST_STALL = 120; // ms
+const STALLED_FRAMES = 3; // intervals without a frame
+const LONGEST_INTERVAL = 1; // s
+const KEPT = 0.9; // of a long interval, each frame: a busy browser leaves out frames, now few and now many
+
+class FilmClock {
+  #video;
+  #frame = null; // {time: s of the film, shown: ms} of the last frame
+  #interval = 0; // s of the film, between the last frames
+
+  constructor(video) { this.#video = video; }
+
+  /** Another place of the film: the last frame says nothing any more. */
+  begin() { this.#frame = null; }
+
+  /** A frame with the time `mediaTime` (s) was shown at `shown` (ms of performance.now()). */
+  frame(mediaTime, shown) {
+    // In Firefox the time of a frame goes on when a film in a loop begins again.
+    const { currentTime, duration } = this.#video;
+    const rounds = duration > 0 ? Math.round((mediaTime - currentTime) / duration) : 0;
+    const time = rounds ? mediaTime - rounds * duration : mediaTime;
+    const interval = time - this.#frame?.time;
+    if (interval > 0) this.#interval = Math.min(Math.max(interval, KEPT * this.#interval), LONGEST_INTERVAL);
+    this.#frame = { time, shown };
+  }
+
+  /** Takes currentTime for the time of a frame, where the browser says nothing of frames. */
+  look(now) {
+    const { currentTime } = this.#video;
+    if (currentTime !== this.#frame?.time) this.frame(currentTime, now);
+  }
+
+  /** s of the film at `now` (ms) */
+  at(now) {
+    if (!this.#frame) return this.#video.currentTime;
+    const since = Math.max(now - this.#frame.shown, 0) / 1000;
+    return this.#frame.time + (this.#video.paused ? 0 : since * this.#video.playbackRate);
+  }
+
+  /** Whether no frame came for so long that the film stands still. */
+  stalls(now) {
+    const interval = 1000 * this.#interval / this.#video.playbackRate;
+    return !this.#frame || now - this.#frame.shown > Math.max(STALLED_FRAMES * interval, SHORTEST_STALL);
+  }
+}
+
+// ---- the door
 
 let standardHls;
 /** From now on, players without the option `hls` take this class of hls.js. */

@@ -88,7 +88,7 @@ TEST(FieldHold, AThingThatIsHiddenIsNotFeltAndComesBackWithoutAJump) {
   EXPECT_EQ(hold.sample().confidence, 0);
   hold.step(field({thing(1, 700, 500)}));
   EXPECT_EQ(hold.sample().held.state, HoldState::held);
-  EXPECT_EQ(hold.sample().velocity_x, 0) << "where it was before is a guess";
+  EXPECT_EQ(hold.sample().confidence, 0) << "where it was before is a guess";
   hold.step(field({thing(1, 702, 500)}));
   EXPECT_NEAR(hold.sample().velocity_x, 50, 0.01);
   EXPECT_EQ(hold.sample().confidence, 1);
