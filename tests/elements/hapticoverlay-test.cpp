@@ -381,6 +381,10 @@ protected:
     meta->held_y = static_cast<gfloat>(kHeight / 2.0 + away.y);
     meta->held_radius = kRadius;
     meta->held_time = kFrame * static_cast<GstClockTime>(frames_++);
+    meta->interval = kFrame;
+    meta->n_candidates = meta->n_patches = moves_ > 0 ? 4 : 0;
+    for (guint i = 0; i < meta->n_patches; ++i)
+      meta->patches[i].dx = moves_;
     EXPECT_EQ(harness.push(std::move(frame)), GST_FLOW_OK);
     return harness.pull();
   }
@@ -393,7 +397,17 @@ protected:
 
   VideoHarness harness{"hapticoverlay style=arrows"};
   int frames_ = 0;
+  gfloat moves_ = 0; // px per frame; 0: nothing was measured
 };
+
+TEST_F(HeldThing, HasTheArrowOfItsMotion) {
+  moves_ = 2;
+  for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
+    const Spot arrow = spot(pass(hold, {20, -10}), is_orange);
+    EXPECT_NEAR(arrow.centre.x, 20 + 15, 8) << "in half a second it moves by 30 px";
+    EXPECT_NEAR(arrow.centre.y, -10, 2);
+  }
+}
 
 TEST_F(HeldThing, ThatIsSeenHasASolidRing) {
   const Spot ring = spot(pass(GST_HAPTIC_HOLD_HELD), is_green);

@@ -3,9 +3,11 @@
 #include "glue/pointer-event.hpp"
 #include "video-harness.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <gst/video/navigation.h>
 #include <gtest/gtest.h>
-#include <string>
+#include <random>
 
 namespace {
 
@@ -111,6 +113,22 @@ TEST_F(Hold, CanBeSwitchedOff) {
   EXPECT_EQ(motion_of(held_until(4)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
 }
 
+TEST_F(Hold, LatchedItNeedsNoPressAndNoneLetsGo) {
+  const auto set_hold = [&](const char *value) {
+    gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", value);
+  };
+  pass(0);
+  set_hold("latched");
+  for (int i = 1; i <= 6; ++i) {
+    press(i == 3);
+    EXPECT_NEAR(motion_of(pass(i)).held_x, kWidth / 2.0 + 2 * (i - 1), 0.1) << i;
+  }
+  set_hold("pressed");
+  EXPECT_EQ(motion_of(pass(7)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
+  set_hold("latched");
+  EXPECT_NEAR(motion_of(pass(8)).held_x, kWidth / 2.0, 0.1) << "taken anew";
+}
+
 TEST_F(Hold, APressOnAPlainWallIsRefusedAndFeltAsNothing) {
   const Frame wall(kWidth, kHeight, 120);
   pass(wall, 0);
@@ -212,6 +230,26 @@ TEST_F(Hold, OverAStillSceneTheThingStaysForEver) {
     frame = pass(still, i);
   EXPECT_EQ(motion_of(frame).held_x, place);
   EXPECT_EQ(motion_of(frame).hold, static_cast<guint>(GST_HAPTIC_HOLD_HELD));
+}
+
+TEST_F(Hold, NoiseOfACameraDoesNotMoveAThingThatRests) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1.5); // grey levels
+  const auto noisy = [&] {
+    Frame frame = texture.frame(kWidth, kHeight, {});
+    for (std::uint8_t &pixel : frame.pixels)
+      pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise(random)), 0.0, 255.0));
+    return frame;
+  };
+  pass(noisy(), 0);
+  press(true);
+  BufferPtr frame;
+  for (int i = 1; i <= 100; ++i) {
+    frame = pass(noisy(), i);
+    ASSERT_EQ(motion_of(frame).hold, static_cast<guint>(GST_HAPTIC_HOLD_HELD)) << i;
+  }
+  EXPECT_EQ(motion_of(frame).held_x, kWidth / 2.0F);
+  EXPECT_EQ(motion_of(frame).held_y, kHeight / 2.0F);
 }
 
 TEST_F(Hold, APressBeforeTheFirstFrameHoldsFromThere) {

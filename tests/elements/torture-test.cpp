@@ -113,6 +113,7 @@ std::vector<std::uint8_t> content(GstCaps *caps, Random &random) {
     sample.velocity_x = static_cast<float>(below(random, 300));
     sample.confidence = 1;
     sample.interval = GST_SECOND / 30;
+    sample.held.state = static_cast<haptic::HoldState>(static_cast<int>(sample.velocity_x) % 6);
     const auto packed = haptic::pack_motion_sample(sample);
     return {packed.begin(), packed.end()};
   }

@@ -13,6 +13,8 @@
 namespace test {
 namespace {
 
+using haptic::HoldLaw;
+using haptic::HoldState;
 using haptic::TouchMode;
 using spidar::Vector3;
 
@@ -34,6 +36,10 @@ std::string text(bool value) {
 }
 std::string text(TouchMode value) {
   constexpr std::array kNames = {"off", "surface", "surface+motion"};
+  return kNames.at(static_cast<std::size_t>(value));
+}
+std::string text(HoldLaw value) {
+  constexpr std::array kNames = {"motion", "carry", "both"};
   return kNames.at(static_cast<std::size_t>(value));
 }
 std::string text(const Hand &hand) {
@@ -68,6 +74,9 @@ Axis axis(const std::string &name, T LoopPoint::*member, const std::vector<T> &v
 Axis geometries() {
   return axis("geometry", &LoopPoint::geometry, spidar::builtin_geometries());
 }
+Axis hold_laws() {
+  return axis("hold-law", &LoopPoint::hold_law, std::vector{HoldLaw::carry, HoldLaw::both});
+}
 Axis max_forces() {
   return axis("max-force", &LoopPoint::max_force, {1.0, 5.0});
 }
@@ -90,6 +99,15 @@ Axis hands() {
       for (const double stiffness : {0.0, 20.0, 300.0})
         all.push_back({mass, damping, stiffness});
   return axis("hand", &LoopPoint::hand, all);
+}
+// A hand that holds itself back with 300 N/m cannot be carried.
+std::vector<Hand> carried_hands() {
+  std::vector<Hand> all;
+  for (const double mass : {0.1, 0.4, 1.0})
+    for (const double damping : {0.5, 3.0, 8.0})
+      for (const double stiffness : {0.0, 20.0})
+        all.push_back({mass, damping, stiffness});
+  return all;
 }
 // Of 250 us to 8 ms, and late ones.
 Axis any_paces() {
@@ -151,6 +169,7 @@ LoopInHand::Setup setup_of(const LoopPoint &point, const Vector3 &start,
   settings.damping = point.damping;
   settings.continuous_force = 0;
   settings.touch = point.touch;
+  settings.hold_law = point.hold_law;
   return setup;
 }
 
@@ -169,6 +188,20 @@ std::string why_idle(const LoopInHand &held, bool worked) {
   if (held.loop.holds())
     return "the force is held";
   return worked ? "" : "no force";
+}
+
+// A thing at that place, which sways as the point says.
+void take_thing(LoopInHand &held, const LoopPoint &point, const Vector3 &place) {
+  held.ahead = 3 * held.frame / 2;
+  held.thing = [&point, place](double time) {
+    const double way = point.swing * std::sin(2 * std::numbers::pi * point.sway * time);
+    return Vector3(place + way * Vector3(0.8, 0.6, 0));
+  };
+}
+
+void await_take(LoopInHand &held) {
+  while (held.loop.statistics().carry_stiffness == 0)
+    held.tick();
 }
 
 // Reads the largest extent of the force along an axis, N.
@@ -265,6 +298,8 @@ Outcome rest(const LoopPoint &point) {
   double worked = 0; // N
   if (lies)
     lie_down(held, point);
+  else if (point.hold_law != HoldLaw::motion)
+    take_thing(held, point, held.hand().position());
   else if (point.law != "drag" && point.law != "inertial")
     worked = blow(held, point);
   worked = std::max(worked, tap(held, point));
@@ -296,8 +331,10 @@ public:
     held.hand().acceleration = point.acceleration;
     if (has_surface && point.touch != TouchMode::off)
       held.surface = surface_of(point, place.z());
+    if (point.hold_law != HoldLaw::motion)
+      take_thing(held, point, place);
     held.wait(kFadedIn);
-    begun_ = held.hand().work();
+    begun_ = work();
   }
 
   // Stages: 0 above the surface, 1 half way in, 2 at the bottom, 3 half way out, 4 out, as at 0.
@@ -323,11 +360,13 @@ public:
     lead(0, -kAbove, point_.out);
     worked_ = std::max(worked_, largest_force(held, kFadedIn));
   }
+  void begin_to_lead(double sideways, double depth, double speed) {
+    held.hand().goal = at(sideways, depth);
+    held.hand().speed = speed;
+  }
   void lead(double sideways, double depth, double speed) {
-    HandOnStrings &hand = held.hand();
-    hand.goal = at(sideways, depth);
-    hand.speed = speed;
-    while (hand.target != hand.goal)
+    begin_to_lead(sideways, depth, speed);
+    while (held.hand().target != held.hand().goal)
       tick();
   }
   void tick(double later = 0) {
@@ -337,11 +376,13 @@ public:
 
   // What the strings have done on the grip, against what is wanted, mJ.
   Outcome outcome(bool must_work = true) {
-    return {1e3 * (held.hand().work() - begun_), point_.max_force > 1 ? 0.5 : 0.1,
+    return {1e3 * (work() - begun_), point_.max_force > 1 ? 0.5 : 0.1,
             why_idle(held, worked_ > kAtWork || !must_work)};
   }
 
 private:
+  // J, of the strings, but for what the thing has done on them by its way.
+  double work() { return held.hand().work() - held.work_of_thing(); }
   Vector3 at(double sideways, double depth) const {
     if (point_.touch == TouchMode::off)
       return place_ + Vector3(-depth, sideways, 0);
@@ -370,10 +411,9 @@ void go_with_a_late_tick(Way &way, const LoopPoint &point) {
   constexpr double kLate = 10; // ms
   way.lead(0, point.depth, point.in);
   way.held.wait(point.pause);
-  HandOnStrings &hand = way.held.hand();
-  hand.goal.z() = Way::kAbove;
-  hand.speed = point.out;
-  while (hand.target.z() < point.depth * (point.late_at - 1))
+  way.begin_to_lead(0, -Way::kAbove, point.out);
+  const Vector3 bottom = way.held.hand().target;
+  while ((way.held.hand().target - bottom).norm() < point.depth * point.late_at)
     way.tick();
   way.tick(kLate - 1e3 / point.pace.rate);
   way.come_out();
@@ -456,6 +496,15 @@ void happen(LoopInHand &held, const LoopPoint &point, bool begins) {
     held.settings.continuous_force = begins ? 0.05 : 0; // N rms
   else if (point.event == "max-force")
     held.settings.law_settings.max_force = begins ? 0 : point.max_force;
+  constexpr std::array kStates = {"none", "held", "about", "hidden", "lost", "refused"};
+  const auto state = std::ranges::find(kStates, point.event);
+  if (state != kStates.end()) {
+    held.hold = begins ? static_cast<HoldState>(state - kStates.begin()) : HoldState::held;
+    held.confidence = held.hold == HoldState::held || held.hold == HoldState::about ||
+                              held.hold == HoldState::none
+                          ? 1
+                          : 0;
+  }
   held.set();
 }
 
@@ -506,6 +555,80 @@ Outcome calibrate_jump(const LoopPoint &point) {
     jump = std::max(jump, (force - part * before).norm());
   }
   return {jump, 0.05, before.norm() < kAtWork ? "no force" : ""};
+}
+
+// The thing sways, and carries a hand that has its own will.
+Outcome carried(const LoopPoint &point) {
+  constexpr double kSettled = 2; // periods
+  constexpr double kLooked = 3;  // periods
+  const Vector3 place(0.004, -0.002, 0.001);
+  LoopInHand held(setup_of(point, place));
+  take_thing(held, point, place);
+  await_take(held);
+  const Vector3 taken = held.hand().position() - held.thing(held.time());
+  held.wait(kSettled / point.sway);
+  double distance = 0; // m²
+  double sway = 0;
+  for (const double end = held.time() + kLooked / point.sway; held.time() < end;) {
+    held.tick();
+    const Vector3 thing = held.thing(held.time());
+    distance += (held.hand().position() - thing - taken).head<2>().squaredNorm();
+    sway += (thing - place).squaredNorm();
+  }
+  return {100 * std::sqrt(distance / sway), point.sway < 0.5 ? 10.0 : 30.0, why_idle(held, true)};
+}
+
+// Drawn out as far as the spring pulls, and then a free grip.
+Outcome let_go_of_thing(const LoopPoint &point) {
+  constexpr double kFarthest = 0.022; // m
+  LoopInHand held(setup_of(point, {-0.01, 0, 0}));
+  HandOnStrings &hand = held.hand();
+  hand.leads = true;
+  held.wait(kFadedIn);
+  take_thing(held, point, hand.position());
+  await_take(held);
+  hand.goal = {kFarthest, 0, 0};
+  hand.speed = point.in;
+  while (hand.target != hand.goal)
+    held.tick();
+  held.wait(point.pause);
+  held.tick(); // the hand stands
+  const double pulled = held.force().norm();
+  hand.leads = false;
+  double fastest = 0;
+  for (const double end = held.time() + 1; held.time() < end;) {
+    held.tick();
+    fastest = std::max(fastest, hand.velocity().norm());
+  }
+  return {fastest, point.max_force > 1 ? 0.8 : 0.4,
+          pulled < 0.2 * point.max_force ? "pulled with less than a fifth of max-force" : ""};
+}
+
+// The thing goes away from a hand that stays; then what the event says.
+Outcome thing_off(const LoopPoint &point) {
+  constexpr double kLongest = 100; // s
+  LoopInHand held(setup_of(point, Vector3::Zero()));
+  HandOnStrings &hand = held.hand();
+  hand.leads = hand.presses = true;
+  held.wait(kFadedIn);
+  take_thing(held, point, Vector3::Zero());
+  held.ahead = 0;
+  await_take(held);
+  hand.goal.x() = 0.02;
+  hand.speed = 0.02;
+  held.settings.slew_rate = 1000; // a slow force has to come, too
+  held.set();
+  while (hand.target != hand.goal)
+    held.tick();
+  held.settings.slew_rate = point.slew_rate;
+  held.set();
+  held.wait(0.1);
+  const double force = held.force().norm();
+  happen(held, point, true);
+  const double begin = held.time();
+  while (!held.loop.wrench().force.isZero(0) && held.time() < begin + kLongest)
+    held.tick();
+  return {1e3 * (held.time() - begin), 100, force < 0.1 ? "less than 0.1 N" : ""};
 }
 
 // A film that always pushes on a hand that is led round, or a surface that lifts it, or both.
@@ -733,6 +856,60 @@ const std::vector<LoopRow> &rows() {
         axis("damping", &LoopPoint::damping, {0.0, 1.0}), axis("speed", &LoopPoint::speed, kSpeeds),
         axis("film-leads", &LoopPoint::film_leads, std::vector<bool>{false, true}), few_paces()},
        work},
+      {"carried",
+       "% of the sway, rms, by which the hand is off the thing",
+       {geometries(), axis("hand", &LoopPoint::hand, carried_hands()),
+        axis("hold-law", &LoopPoint::hold_law, std::vector{HoldLaw::carry}),
+        axis("swing", &LoopPoint::swing, {0.0057}), axis("sway", &LoopPoint::sway, {0.2, 1.0}),
+        max_forces(),
+        axis("pace", &LoopPoint::pace,
+             std::vector<Pace>{{.rate = 1000}, {.rate = 2000}, {.rate = 4000}})},
+       carried},
+      {"still-thing",
+       "N peak to peak in the last 5 of 20 s",
+       {geometries(), hold_laws(), laws_of_the_hand(), alphas(), max_forces(), taps(), hands(),
+        any_paces()},
+       rest},
+      {"closed-way-thing",
+       "mJ that the strings do on the hand, less what the thing does",
+       {geometries(), hold_laws(), laws_of_the_hand(), max_forces(), slew_rates({20, 1000}),
+        depths(), ins(), outs(), accelerations(),
+        axis("sideways", &LoopPoint::sideways, {0.0, 0.01}),
+        axis("swing", &LoopPoint::swing, {0.0, 0.003}), pauses(), paces_on_time()},
+       closed_way},
+      {"late-tick-thing",
+       "mJ that the strings do on the hand",
+       {geometries(), hold_laws(), max_forces(), slew_rates({20, 1000}), depths(), ins(), outs(),
+        accelerations(), late_ats(), pauses(), steady_paces()},
+       late_tick},
+      {"paid-back-thing",
+       "mJ that the strings do on the hand, after three more ways",
+       {geometries(), hold_laws(), max_forces(), slew_rates({20, 1000}), depths(), ins(), outs(),
+        accelerations(), late_ats(), pauses(), steady_paces()},
+       paid_back},
+      {"through-thing",
+       "mJ that the strings do on the hand",
+       {geometries(), hold_laws(),
+        events({"release", "pause", "dead-man", "budget", "max-force", "interrupted", "none",
+                "about", "hidden", "lost"}),
+        stages({{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}),
+        max_forces(), axis("depth", &LoopPoint::depth, {0.005, 0.02}),
+        axis("in", &LoopPoint::in, {0.05, 0.9}), axis("out", &LoopPoint::out, {0.05, 0.9}),
+        accelerations(), pauses(), steady_paces()},
+       through},
+      {"let-go-thing",
+       "m/s of 0.1 kg",
+       {geometries(), axis("hand", &LoopPoint::hand, std::vector<Hand>{{0.1, 0.5, 0}}), hold_laws(),
+        max_forces(), slew_rates({20, 1000}), ins(), axis("pause", &LoopPoint::pause, {0.1, 0.4}),
+        paces_on_time()},
+       let_go_of_thing},
+      {"off-thing",
+       "ms until the force is zero",
+       {geometries(), hold_laws(),
+        events({"none", "about", "lost", "refused", "max-force", "release", "dead-man", "suspend",
+                "silent", "unplugged", "not-finite"}),
+        max_forces(), slew_rates({2, 20, 1000}), any_paces()},
+       thing_off},
       {"off",
        "ms until the force is zero",
        {geometries(), touches({TouchMode::off, TouchMode::surface, TouchMode::surface_and_motion}),

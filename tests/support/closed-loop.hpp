@@ -31,10 +31,11 @@ struct LoopPoint {
   // Properties of hapticsink.
   std::string law = "arctan";
   haptic::TouchMode touch = haptic::TouchMode::off;
-  double alpha = haptic::kDefaultAlpha; ///< s/px
-  double max_force = 1;                 ///< N
-  double slew_rate = 20;                ///< N/s
-  double damping = 1;                   ///< N·s/m
+  haptic::HoldLaw hold_law = haptic::HoldLaw::motion; ///< of a thing that is held
+  double alpha = haptic::kDefaultAlpha;               ///< s/px
+  double max_force = 1;                               ///< N
+  double slew_rate = 20;                              ///< N/s
+  double damping = 1;                                 ///< N·s/m
 
   double tap = 0;      ///< N·s
   double load = 0;     ///< share of max_force with which the hand lies on the surface
@@ -50,6 +51,8 @@ struct LoopPoint {
   Stages stages;            ///< of the way, at which the event begins and ends
   double height = 0;        ///< m, of the place above the centre
   double speed = 0.1;       ///< m/s, with which the hand is led round
+  double sway = 1;          ///< Hz, of the held thing
+  double swing = 0;         ///< m, to each side
   bool film_leads = true;   ///< it always pushes the hand on; else always in one direction
   std::string event = "no"; ///< what happens to the loop
 };

@@ -7,6 +7,7 @@
 #include "loop/haptic-loop.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -52,9 +53,11 @@ public:
       when = std::max(when, due_ + static_cast<std::int64_t>(random_() % nanoseconds(pace_.late)));
     now_ = when + nanoseconds(later);
   }
-  std::int64_t now() const noexcept { return now_; } ///< ns, monotonic
-  std::int64_t due() const noexcept { return due_; } ///< ns, when this tick was meant to come
-  double time() const noexcept { return static_cast<double>(now_ - kBegin) * 1e-9; } ///< s
+  std::int64_t now() const noexcept { return now_; }     ///< ns, monotonic
+  std::int64_t due() const noexcept { return due_; }     ///< ns, when this tick was meant to come
+  double time() const noexcept { return seconds(now_); } ///< s
+  /// The same at so many ns.
+  static double seconds(std::int64_t time) { return static_cast<double>(time - kBegin) * 1e-9; }
 
 private:
   static constexpr std::int64_t kBegin = 1'000'000'000; // ns
@@ -107,7 +110,12 @@ public:
   spidar::Vector3 film = spidar::Vector3::Zero(); ///< px/s, x to the right, y down; z unused
   std::optional<haptic::ReliefCell> surface;      ///< a level one
   std::int64_t frame = 33 * kMs;                  ///< ns
-  haptic::LoopSettings settings;                  ///< hand them over with set()
+  /// m, where a held thing is seen at a time (s); null: nothing is held
+  std::function<spidar::Vector3(double)> thing;
+  haptic::HoldState hold = haptic::HoldState::held; ///< of the thing
+  float confidence = 1;                             ///< of the motion
+  std::int64_t ahead = 0;        ///< ns by which frames come early; 0: they are felt at once
+  haptic::LoopSettings settings; ///< hand them over with set()
   void set() { loop.set_settings(settings); }
 
   void wait(double seconds) {
@@ -123,7 +131,10 @@ public:
   }
   /// The next tick at the pace, and so many ms later.
   void tick(double later = 0) {
+    const double before = time();
     ticks_.next(later);
+    if (thing)
+      work_of_thing_ += hand_->wrench().force.dot(thing(time()) - thing(before));
     show(ticks_.now());
     loop.tick(ticks_.due(), ticks_.now());
   }
@@ -131,6 +142,8 @@ public:
   double time() const noexcept { return ticks_.time(); }                 ///< s
   spidar::Vector3 force() const noexcept { return loop.wrench().force; } ///< N, as commanded
   HandOnStrings &hand() noexcept { return *hand_; }
+  /// J, that the held thing has done on the strings by its own way.
+  double work_of_thing() const noexcept { return work_of_thing_; }
   const spidar::Device &device() const noexcept { return *device_; }
 
 private:
@@ -141,11 +154,16 @@ private:
     haptic::MotionSample sample;
     sample.velocity_x = static_cast<float>(film.x());
     sample.velocity_y = static_cast<float>(film.y());
-    sample.confidence = 1;
+    sample.confidence = confidence;
     sample.interval = static_cast<std::uint64_t>(frame);
     sample.frame_width = static_cast<std::uint32_t>(haptic::kReferenceWidth);
     sample.frame_height = static_cast<std::uint32_t>(haptic::kReferenceHeight);
-    loop.submit(sample, now);
+    const std::int64_t seen = now + ahead; // ns
+    if (thing)
+      hold_thing(sample, seen);
+    loop.submit(
+        haptic::TimedMotion{sample, confidence > 0, ahead > 0 ? seen - frame / 2 : haptic::kAtOnce},
+        now);
     if (!surface)
       return;
     haptic::ReliefPool::Field relief = reliefs_->acquire();
@@ -157,8 +175,22 @@ private:
     loop.submit(haptic::TimedRelief{std::move(relief)});
   }
 
+  void hold_thing(haptic::MotionSample &sample, std::int64_t seen) {
+    if (!taken_)
+      taken_ = seen;
+    const spidar::Vector3 place = thing(Ticks::seconds(seen));
+    const spidar::Vector3 &half = device_->workspace_half();
+    sample.held = {.state = hold,
+                   .x = static_cast<float>(0.5 + place.x() / (2 * half.x())),
+                   .y = static_cast<float>(0.5 - place.y() / (2 * half.y())),
+                   .radius = 0.05F,
+                   .time = static_cast<std::uint64_t>(seen - *taken_)};
+  }
+
   Ticks ticks_;
-  std::int64_t shown_ = 0; // ns, the last frame
+  std::optional<std::int64_t> taken_; // ns, the thing
+  double work_of_thing_ = 0;          // J
+  std::int64_t shown_ = 0;            // ns, the last frame
   std::unique_ptr<haptic::ReliefPool> reliefs_ = std::make_unique<haptic::ReliefPool>();
   std::unique_ptr<spidar::Device> device_;
   HandOnStrings *hand_ = nullptr; // of the device

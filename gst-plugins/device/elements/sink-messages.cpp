@@ -111,6 +111,8 @@ StructurePtr make_stats(const HapticSession &session) {
                         "sample-age-max", G_TYPE_DOUBLE, ms(loop.sample_age_max.load()), //
                         "force-max", G_TYPE_DOUBLE, loop.force_max.load(),               //
                         "force-rms", G_TYPE_DOUBLE, loop.force_rms.load(),               //
+                        "carry-stiffness", G_TYPE_DOUBLE, loop.carry_stiffness.load(),   //
+                        "carry-distance", G_TYPE_DOUBLE, loop.carry_distance.load(),     //
                         "given-up-force", G_TYPE_DOUBLE, loop.given_up_force.load(),     //
                         "given-up-torque", G_TYPE_DOUBLE, loop.given_up_torque.load(),   //
                         "faults", G_TYPE_UINT64, loop.faults(),                          //

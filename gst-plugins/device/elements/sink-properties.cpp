@@ -69,6 +69,12 @@ std::span<const Property<SinkSettings>> sink_properties() {
       Rows::number<&S::loop, &L::wash_out>("wash-out", "Wash-out",
           "How fast the frame moves under a hand that points away from its centre, 1/s, by at most 5 % of "
           "the hand's movement; 0: the workspace is the frame", 0, 10),
+      Rows::choice<&S::loop, &L::hold_law>("hold-law", "Hold Law",
+          "What a held thing does to the hand",
+          register_enum<HoldLaw>("GstHapticSinkHoldLaw",
+              {{HoldLaw::motion, "Its motion is felt", "motion"},
+               {HoldLaw::carry, "A spring carries the hand along; where it cannot, the motion is felt", "carry"},
+               {HoldLaw::both, "The sum of both", "both"}})),
       Rows::choice<&S::loop, &L::touch>("touch", "Touch",
           "What is felt: the motion, the surface of a relief, or both",
           register_enum<TouchMode>("GstHapticSinkTouch",

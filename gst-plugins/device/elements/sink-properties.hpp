@@ -22,7 +22,7 @@ struct SinkSettings {
 };
 
 /// Number of the properties in the table; their ids are 1 to kSinkProperties.
-inline constexpr guint kSinkProperties = 24;
+inline constexpr guint kSinkProperties = 25;
 std::span<const Property<SinkSettings>> sink_properties();
 
 /// The folder that `fault-location` names; auto: ~/.local/state/feeling-wind, or where

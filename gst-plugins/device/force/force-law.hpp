@@ -35,6 +35,13 @@ constexpr double most_resistance(double period) noexcept {
   return std::min(kOfCoarseCounts, kOfSlowTicks / period);
 }
 
+/// The lightest hand, a free grip, has this much of the strings, N·s/m.
+inline constexpr double kLightestDamping = 0.5;
+/// Periods of the loop by which device, hold and low-pass delay a force.
+inline constexpr double kDelayPeriods = 2.5;
+/// Low-pass of the speed against which a spring is damped, Hz: a count a tick would be felt.
+inline constexpr double kDamperCutoff = 35;
+
 /// What a law computes, in the plane of the frame: x to the right, y down.
 struct PlanarForce {
   double x = 0; ///< N

@@ -41,8 +41,6 @@ constexpr double kStaleLongest = 2;    // s
 // A lowered maximum takes the force off at least so fast, whatever the slew rate: 5 N, the most
 // that is offered, in 50 ms. A step would be felt as a blow.
 constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
-// A grip of 0.1 kg that is let go with it reaches 0.36 m/s at 1 N and 0.8 m/s at 5 N.
-constexpr double kMostForHand = 6.4e-3; // J per N of max_force
 // A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
 constexpr double kCredit = 5e-5; // J per N of max_force
 // The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
@@ -64,11 +62,6 @@ bool is_finite(const SafetyChain::Input &input) {
          std::isfinite(input.continuous_force) && std::isfinite(input.max_torque) &&
          std::isfinite(input.slew_rate) && std::isfinite(input.damping) &&
          std::isfinite(input.dt) && std::isfinite(input.longest_dt);
-}
-
-Vector3 clamp_norm(const Vector3 &v, double limit) {
-  const double norm = v.norm();
-  return norm > limit ? Vector3(v * (limit / norm)) : v;
 }
 
 // Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force

@@ -142,6 +142,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   update_hand(dt);
   update_motion(now);
   update_touch(dt);
+  update_carry(dt);
   const spidar::Wrench wrench = next_wrench(dt, lateness > kTooLate);
   if (spidar::HapticDevice *device = run_.environment.device) {
     device->let_rest(run_.chain.silent() && (run_.chain.holds() & ~kHoldSpent));
@@ -159,6 +160,8 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
     if (run_.environment.log)
       log_tick(now, row);
   }
+  run_.statistics.carry_stiffness = run_.carry.stiffness();
+  run_.statistics.carry_distance = run_.carry.spring().norm();
   run_.impulse.impulse += wrench.force * dt;
   run_.impulse.time += dt;
   run_.impulse_slot.write(run_.impulse);
@@ -173,7 +176,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
 
 // A stiffness that comes back under the hand would be felt as a push.
 void HapticLoop::expect_late_ticks(double dt) noexcept {
-  if (!run_.touch.contact().touches)
+  if (!run_.touch.contact().touches && run_.carry.stiffness() == 0)
     run_.longest_dt *= std::exp(-dt / kForgetsLate);
   run_.longest_dt = std::max({run_.longest_dt, seconds(run_.period), dt});
 }
@@ -191,7 +194,8 @@ void HapticLoop::receive_submissions(std::int64_t now) noexcept {
     if (submission.epoch != epoch)
       continue;
     const MotionSample &sample = submission.motion.sample;
-    if (!is_finite(sample) || !std::isfinite(sample.confidence)) {
+    if (!is_finite(sample) || !std::isfinite(sample.confidence) ||
+        !std::isfinite(sample.held.x + sample.held.y)) {
       run_.broken = true;
       continue;
     }
@@ -244,6 +248,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
     device->calibrate();
     run_.wash_out.reset();
     run_.touch.calibrate();
+    run_.carry.restart();
   }
   const bool faulted = holds_.load() & kHoldFaulted;
   if (faulted && now < run_.retry_at)
@@ -325,6 +330,27 @@ void HapticLoop::update_touch(double dt) noexcept {
   run_.touch.step(state.pose.position, device->workspace_half(), run_.wash_out.shift(), limits, dt);
 }
 
+// Of a tether that a hold has ended nothing is left: it begins anew where the hand is then. That
+// nothing is measured does not end it; a thing that is hidden comes back.
+void HapticLoop::update_carry(double dt) noexcept {
+  const LoopSettings &settings = settings_.value();
+  const spidar::HapticDevice *device = run_.environment.device;
+  if (settings.hold_law == HoldLaw::motion || settings.touch == TouchMode::surface || !device ||
+      !device->state().valid || !device->knows_newtons() ||
+      (run_.chain.holds() & ~(kHoldGap | kHoldSpent)))
+    return run_.carry.restart();
+  const MotionAt &motion = run_.motion;
+  const bool fresh = motion.age <= stale_after(motion.interval);
+  run_.carry.step(fresh ? motion.held.state : HoldState::none,
+                  map_way(motion.held.moved, device->workspace_half()),
+                  device->state().pose.position,
+                  {.max_force = settings.law_settings.max_force,
+                   .slew_rate = settings.slew_rate,
+                   .longest_dt = run_.longest_dt,
+                   .energy = run_.chain.energy_of_hand()},
+                  dt);
+}
+
 std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   std::uint32_t holds = holds_.load();
   if (late)
@@ -362,9 +388,11 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }
-  // Both resist the hand.
-  const double resistance = most_resistance(run_.longest_dt) - run_.touch.damping(); // N·s/m
-  law.most_for_hand = knows_newtons ? resistance * input.hand_velocity.head<2>().norm() : 0;
+  // All of them resist the hand.
+  const double resistance = // N·s/m
+      most_resistance(run_.longest_dt) - run_.touch.damping() - run_.carry.damping();
+  law.most_for_hand =
+      knows_newtons ? std::max(resistance, 0.0) * input.hand_velocity.head<2>().norm() : 0;
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();
@@ -378,6 +406,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.interval = now.interval;
   if (settings.touch != TouchMode::off)
     run_.touch.apply(settings.touch, input);
+  run_.carry.apply(settings.hold_law, input);
   if (run_.broken)
     input.wanted.force.setConstant(std::numeric_limits<double>::quiet_NaN());
   input.max_force = law.max_force;

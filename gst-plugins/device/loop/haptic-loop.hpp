@@ -3,6 +3,7 @@
 // compiled without GStreamer.
 #pragma once
 
+#include "force/carry-law.hpp"
 #include "force/force-law.hpp"
 #include "force/safety-chain.hpp"
 #include "loop/flight-recorder.hpp"
@@ -49,6 +50,7 @@ struct LoopSettings {
   double smooth_hz = 0;                                              ///< Hz, 0: off
   double continuous_force = 1;                                       ///< N rms, 0: no limit
   double wash_out = 0;                                               ///< 1/s, 0: off
+  HoldLaw hold_law = HoldLaw::motion;
   TouchMode touch = TouchMode::off;
   double region_z = 0; ///< -1..1, instead of the hand's z while it touches
 };
@@ -90,6 +92,8 @@ struct LoopStatistics {
   SharedValue<double> given_up_force;       ///< N, DeviceState::given_up of the last tick
   SharedValue<double> given_up_torque;      ///< N·m
   SharedValue<double> force_rms;            ///< N, over the last minute
+  SharedValue<double> carry_stiffness;      ///< N/m, of the spring to the held thing; 0: none
+  SharedValue<double> carry_distance;       ///< m, by which the hand is behind it
   /// Ticks in which each of kLimitNames acted
   std::array<SharedValue<std::uint64_t>, kLimitNames.size()> limited;
   DurationHistogram lateness;
@@ -260,6 +264,7 @@ private:
     PointerPosition place; // of the hand, as last known
     MotionAt motion;       // at the time of this tick
     Touch touch;
+    CarryLaw carry;
     double longest_dt = 0; // s between two ticks, lately
     bool broken = false;   // a sample held a number that is not finite
     Impulse impulse;
@@ -288,6 +293,7 @@ private:
   void receive_reliefs(std::int64_t running) noexcept;
   void update_motion(std::int64_t now) noexcept;
   void update_touch(double dt) noexcept;
+  void update_carry(double dt) noexcept;
   std::uint32_t holds_of_tick(double dt, bool late) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void record_tick(const TickRow &row, bool late) noexcept;

@@ -2,6 +2,7 @@
 #include "motion/motion-interpolator.hpp"
 
 #include "samples/field-sampler.hpp"
+#include "seconds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -50,6 +51,17 @@ bool is_measured(const TimedMotion &motion, const MotionSample &there) noexcept 
   return motion.measured && (!motion.field || there.confidence > 0);
 }
 
+bool is_followed(const HeldPlace &thing) noexcept {
+  return thing.state == HoldState::held || thing.state == HoldState::hidden;
+}
+
+// Returns the way half an interval before `here`, as it goes on after it.
+WayPoint way_before(const HeldPlace &here, const TimedMotion &next) noexcept {
+  const double half = seconds(interval_of(next.sample)) / 2;
+  const FramePoint &speed = next.way.speed;
+  return {{here.x - half * speed.x, here.y - half * speed.y}, speed};
+}
+
 float between(float from, float to, double share) noexcept {
   return from + static_cast<float>((to - from) * share);
 }
@@ -63,6 +75,10 @@ void MotionInterpolator::clear() noexcept {
   from_ = {};
   now_.measured = now_.cut = false;
   now_.sample.confidence = 0;
+  now_.held = {};
+  path_.end();
+  newest_held_ = {};
+  let_go_ = false;
   begun_ = false;
 }
 
@@ -87,6 +103,9 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
   known_until_ = std::max(timed ? knot.time + interval / 2 : now, now);
   if (!timed)
     knot.time = now;
+  knot.way = middle_of_way(newest_held_, knot.sample.held, interval);
+  newest_held_ = knot.sample.held;
+  let_go_ |= !is_followed(knot.sample.held);
 
   const bool leads_on =
       knot.measured && (count_ > 0 ? pending(count_ - 1).measured : from_.measured);
@@ -118,6 +137,7 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
   }
   if (count_ == 0 || from_.time > now)
     from_.time = now; // the next line begins here
+  follow_thing(now);
 
   const MotionSample from = motion_at(from_, place);
   now_.measured = is_measured(from_, from);
@@ -130,6 +150,29 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
   }
   now_.age = begun_ ? static_cast<double>(std::max<std::int64_t>(now - known_until_, 0)) * 1e-9 : 0;
   return now_;
+}
+
+// While the thing is hidden, its place is a guess, to which nothing leads.
+void MotionInterpolator::follow_thing(std::int64_t now) noexcept {
+  const HeldPlace &here = from_.sample.held;
+  const TimedMotion *next = count_ > 0 ? &pending(0) : nullptr;
+  if (!is_followed(here) || here.time < thing_since_)
+    let_go_ = false; // that is past
+  now_.held = {.state = let_go_ ? HoldState::none : here.state};
+  if (let_go_ || !is_followed(here))
+    return path_.end();
+  const bool leads_on =
+      next && next->sample.held.state == HoldState::held && is_same_thing(here, next->sample.held);
+  if (!path_.begun() || here.time < thing_since_)
+    path_.begin(leads_on ? way_before(here, *next) : WayPoint{{here.x, here.y}, {}}, now);
+  thing_since_ = here.time;
+  if (leads_on)
+    path_.lead_to(next->way, next->time, now);
+  else if (here.state == HoldState::held)
+    path_.stop_at({here.x, here.y}, interval_of(from_.sample), now);
+  const HoldState state = now_.held.state;
+  now_.held = path_.at(now);
+  now_.held.state = state;
 }
 
 void MotionInterpolator::interpolate_to_next(std::int64_t now,

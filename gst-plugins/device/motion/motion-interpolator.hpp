@@ -20,12 +20,16 @@ struct MotionAt {
   bool cut = false;      ///< a cut was passed since the call before
   double age = 0;      ///< s since the newest frame was due (or came, if later); 0 before the first
   double interval = 0; ///< s, of the newest measurement
+  HeldAt held;         ///< whether or not anything is measured
 };
 
 /// A velocity is known when its interval is over, and a line to it needs the next one. A frame that
 /// comes 1.5 intervals before it is due is felt when it is seen; one that comes when it is due, 1.5
 /// intervals later. Neither makes a step: a motion that comes too late is reached over an interval
-/// from its arrival. One thread; real-time safe; times in ns of one steady clock, which may jump.
+/// from its arrival. A held thing is where its velocity takes it: in the middle of an interval it
+/// is half way between its places in the two frames. That it is let go or lost
+/// is known at once, whenever the frame is seen. One thread; real-time safe; times in ns of one
+/// steady clock, which may jump.
 class MotionInterpolator {
 public:
   static constexpr std::size_t kCapacity = 128; ///< more than a second ahead at 120 frames/s
@@ -43,13 +47,18 @@ private:
   void pop_front() noexcept;
   void interpolate_to_next(std::int64_t now, const PointerPosition &place) noexcept;
   void rescale_all_to(const MotionSample &sample) noexcept;
+  void follow_thing(std::int64_t now) noexcept;
 
   std::array<TimedMotion, kCapacity> pending_; // ring, in order of time
   std::size_t first_ = 0;
   std::size_t count_ = 0;
   TimedMotion from_; // the line begins here
   MotionAt now_;
-  std::int64_t known_until_ = 0; // ns, when the newest frame is due
+  HeldPath path_;
+  HeldPlace newest_held_;         // of the newest frame
+  bool let_go_ = false;           // after from_
+  std::uint64_t thing_since_ = 0; // ns, HeldPlace::time of from_
+  std::int64_t known_until_ = 0;  // ns, when the newest frame is due
   bool begun_ = false;
 };
 

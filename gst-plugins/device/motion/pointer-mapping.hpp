@@ -2,6 +2,7 @@
 // From the hand to the point in the frame (paper, equation 1), and when an event is sent.
 #pragma once
 
+#include "motion/held-path.hpp"
 #include "samples/pointer-position.hpp"
 
 #include <cstdint>
@@ -22,6 +23,12 @@ struct FrameShift {
 /// `shift` is added to x and y.
 PointerPosition map_pointer(const spidar::Vector3 &hand, const spidar::Vector3 &workspace_half,
                             const FrameShift &shift = {}) noexcept;
+
+/// The inverse, for ways: from parts of the frame, y down, to m of the workspace. Real-time safe.
+inline spidar::Vector3 map_way(const FramePoint &way,
+                               const spidar::Vector3 &workspace_half) noexcept {
+  return {2 * workspace_half.x() * way.x, -2 * workspace_half.y() * way.y, 0};
+}
 
 /// Moves the frame under a hand that points away from the centre, while it moves, so that a hand
 /// that follows its point comes to rest nearer to the centre (docs/force.md#wash-out). One thread;
@@ -46,8 +53,8 @@ private:
 };
 
 /// Passes a position that differs from the last passed one by more than 0.001, or its force by more
-/// than 0.01 N, or its proxy by more than 0.001 or 0.1 mm of depth; where a touch begins or ends;
-/// and any position 200 ms after the last passed one.
+/// than 0.01 N, or its proxy by more than 0.001 or 0.1 mm of depth; where a press or a touch begins
+/// or ends; and any position 200 ms after the last passed one.
 class PointerGate {
 public:
   /// Returns whether the position passes. `now` in ns of any steady clock.

@@ -64,7 +64,8 @@ SampleIntake::Result SampleIntake::accept(std::span<const std::uint8_t> bytes, b
     return {accept_gap(presentation.time, motion.sample)};
 
   const double correction = cadence_.correction(motion.sample);
-  if (motion.sample.flags & kMotionDuplicate)
+  const HoldState hold_before = std::exchange(hold_, motion.sample.held.state);
+  if ((motion.sample.flags & kMotionDuplicate) && hold_ == hold_before)
     return {}; // the motion before continues
   if (!apply_playback(motion, presentation.playback, presentation.rate_law))
     return {accept_gap(presentation.time)};
@@ -78,6 +79,7 @@ SampleIntake::Result SampleIntake::accept(std::span<const std::uint8_t> bytes, b
 TimedMotion SampleIntake::accept_gap(std::int64_t time, const MotionSample &sample) noexcept {
   ++gaps_;
   cadence_.restart();
+  hold_ = sample.held.state;
   return {sample, false, middle_of(time, std::min(sample.interval, kLongestLookAhead))};
 }
 

@@ -2,6 +2,7 @@
 // The motion of one frame, a sample or a field, with the time at which it is felt.
 #pragma once
 
+#include "motion/held-path.hpp"
 #include "samples/motion-sample.hpp"
 #include "share/field-pool.hpp"
 
@@ -18,6 +19,7 @@ struct TimedMotion {
   bool measured = false;       ///< false: nothing could be measured in this frame
   std::int64_t time = kAtOnce; ///< ns, the middle of the sample's interval
   FieldPool::Field field = {}; ///< null: the same motion everywhere
+  WayPoint way = {};           ///< of the held thing, at `time` (motion-interpolator.hpp)
 };
 
 /// Multiplies the velocities, the spin and the divergence.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "touch/contact-law.hpp"
 
+#include "force/force-law.hpp"
 #include "force/safety-chain.hpp"
 
 #include <algorithm>
@@ -16,13 +17,7 @@ using spidar::Vector3;
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
 
-// The lightest hand, a free grip, has 0.5 N·s/m of the strings. A spring k behind a delay T is
-// stable for k T < b; device, hold and low-pass are 2.5 periods.
-constexpr double kLightestDamping = 0.5; // N·s/m
-constexpr double kDelayPeriods = 2.5;
-
 constexpr double kDampingTime = 0.005;   // s: damper over spring
-constexpr double kDamperCutoff = 35;     // Hz, of a count a tick that the hand would feel
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
@@ -32,6 +27,7 @@ constexpr int kBisections = 16;   // of the hand's way in one tick
 
 } // namespace
 
+// A spring k behind a delay T is stable for k T < b.
 double stiffest(const ContactLimits &limits) noexcept {
   return std::min(limits.slew_rate / ContactLaw::kFastestSurface,
                   kLightestDamping / (kDelayPeriods * limits.longest_dt));

@@ -150,6 +150,7 @@ std::string label_of(const haptic::MotionSample &sample) {
 
 haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::MotionSample &sample,
                               const haptic::HeldTrail &trail) {
+  const bool is_held = haptic::is_followed(sample.held.state);
   haptic::OverlayScene scene{
       .frame_width = static_cast<int>(sample.frame_width),
       .frame_height = static_cast<int>(sample.frame_height),
@@ -158,8 +159,8 @@ haptic::OverlayScene scene_of(const GstHapticMotionMeta &meta, const haptic::Mot
       .region_y = static_cast<double>(meta.region_y),
       .region_width = static_cast<double>(meta.region_width),
       .region_height = static_cast<double>(meta.region_height),
-      .pointer_x = static_cast<double>(meta.pointer_x),
-      .pointer_y = static_cast<double>(meta.pointer_y),
+      .pointer_x = static_cast<double>(is_held ? meta.held_x : meta.pointer_x),
+      .pointer_y = static_cast<double>(is_held ? meta.held_y : meta.pointer_y),
       .velocity_x = static_cast<double>(sample.velocity_x),
       .velocity_y = static_cast<double>(sample.velocity_y),
       .confidence = static_cast<double>(sample.confidence),

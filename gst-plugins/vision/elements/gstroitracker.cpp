@@ -6,6 +6,7 @@
 //
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
+#include "elements/analytics-meta.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/frame-caps.hpp"
@@ -52,8 +53,8 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
-// Whether a press takes the thing under the pointer.
-enum class HoldMode { off, pressed };
+// When the thing under the pointer is taken.
+enum class HoldMode { off, pressed, latched };
 
 // State
 
@@ -78,6 +79,7 @@ struct State {
   haptic::RegionSize region_size;
   haptic::RegionTracker tracker;
   haptic::MotionReader reader;
+  haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
   GstClockTime held_time = 0; // ns since it was taken
@@ -198,13 +200,17 @@ std::span<const haptic::Property<Shared>> properties() {
          g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
        }},
       Rows::choice<&Shared::hold>(
-          "hold", "Hold", "Whether a press takes the thing under the pointer",
+          "hold", "Hold", "When the thing under the pointer is taken",
           haptic::register_enum<HoldMode>(
               "GstRoiTrackerHold",
               {{HoldMode::off, "The region stays under the pointer", "off"},
                {HoldMode::pressed,
                 "While the pointer is pressed, the region follows the thing that was under it",
-                "pressed"}})),
+                "pressed"},
+               {HoldMode::latched,
+                "The region follows the thing that is under the pointer now, pressed or not, until "
+                "this is set again",
+                "latched"}})),
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
                                         haptic::kMaxPatches),
@@ -455,7 +461,8 @@ Settings current_settings(GstRoiTracker *self) {
           shared.roi_size,
           shared.max_points,
           shared.method,
-          shared.hold == HoldMode::pressed && pointer.pressed};
+          shared.hold == HoldMode::latched ||
+              (shared.hold == HoldMode::pressed && pointer.pressed)};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
@@ -473,6 +480,7 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   GstStructure *motion = gst_structure_new_empty("haptic-motion");
   haptic::set_motion(motion, state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info));
   attach_region(buffer, region, motion);
+  state.analytics.attach(buffer, meta);
   if (finding->becomes_reference)
     keep_reference(state, buffer);
   const haptic::Measurement &measurement = state.tracker.measurement();

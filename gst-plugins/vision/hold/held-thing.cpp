@@ -6,48 +6,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace haptic {
 namespace {
 
-// Lengths are reduced pixels, times seconds. Rates were found for frames of 1/30 s.
+// Lengths are reduced pixels, times seconds. Rates were found for frames of 1/30 s. All thresholds
+// were chosen with the films `tests/measure/felt/hold.sh --set tuning`.
 constexpr float kFramesPerSecond = 30;
-
-constexpr int kLayerRadius = 2 * kPatchRadius;
-constexpr int kSearched = 20;
-constexpr float kAroundFound = 64; // px, for the patches of what is found
+constexpr int kLayerRadius = 2 * kPatchRadius; // a patch, and as much again for it to move
 
 // Press
-constexpr float kMostDeviation = 0.5F; // px, of the place that the texture allows: else a refusal
+constexpr float kMostDeviation = 0.5F; // px, of the place that the texture allows
 constexpr float kTwin = 0.97F;         // correlation of a neighbour that could be the thing
-constexpr int kNeighbours = 20;        // pixels about the place
+constexpr int kNeighbours = 20;        // px about the place
 
-// Seen
-constexpr float kStillSeen = 0.3F;           // correlation with the frame before
-constexpr float kStepNoise2 = 0.03F * 0.03F; // px^2, a frame
-constexpr float kFirstCorrelation = 0.6F;
-constexpr float kSettled = 0.3F;     // samples: the step of an alignment that has ended
-constexpr float kLeastShare = 0.62F; // of the middle that looks as usual
+// Seen. Correlations are with the frame before, likenesses with what was learned.
+constexpr float kStillSeen = 0.3F;     // correlation
+constexpr float kBrokenChain = 0.6F;   // correlation: something else came
+constexpr float kSameAsBefore = 0.95F; // correlation
+constexpr float kLeastShare = 0.62F;   // of the middle, that looks as usual
 constexpr float kLeastLikeness = 0.55F;
-constexpr float kBrokenChain = 0.6F; // correlation with the frame before
-constexpr float kSameAsBefore = 0.95F;
-constexpr float kRestlessLikeness = 0.9F;
-constexpr float kRestlessChange = 0.06F; // of the likeness from frame to frame
-constexpr float kDrop = 0.25F;           // of the likeness below the usual one
-constexpr float kClean = 0.12F;          // the same of a frame from which it learns
+constexpr float kDrop = 0.25F;  // of the likeness, below the usual one
+constexpr float kClean = 0.12F; // the same, of a frame from which it learns
 constexpr float kAppearanceRate = 0.08F;
 constexpr float kFitRate = 0.06F;
-constexpr float kAboutCorrelation = 0.4F;
+constexpr float kRestlessLikeness = 0.9F;    // usual
+constexpr float kRestlessChange = 0.06F;     // of the likeness, usual
+constexpr float kStepNoise2 = 0.03F * 0.03F; // px^2, of the place, a frame
+
+// About
+constexpr float kGoesAlong = 0.4F; // correlation of a coarse layer
 
 // Hidden
-constexpr double kLostAfter = 3;       // s; the force ended long before
-constexpr double kFades = 0.25;        // s, of the velocity
-constexpr double kBeforeHiding = 0.17; // s before it was last clean: what hides it was near
-constexpr float kFoundShare = 0.85F;
+constexpr double kLostAfter = 3;      // s; the force ended long before
+constexpr double kFades = 0.25;       // s, of the velocity
+constexpr float kLeastReach = 40;     // px
+constexpr float kFarthestReach = 110; // px
+constexpr float kAroundFound = 64;    // px, of the patches of what is found
+constexpr float kFoundShare = 0.85F;  // of the middle
+constexpr float kFoundLikeness = 0.85F;
 constexpr float kFoundCorrelation = 0.55F; // of the search
-constexpr float kGap = 0.05F;              // to the next best place
-constexpr float kSure = 0.9F;
-constexpr float kAgreement = 16; // px, of two frames
+constexpr float kGap = 0.05F;              // of the search, to the next best place
+constexpr float kSure = 0.9F;              // of share and likeness
+constexpr float kAgreement = 16;           // px, of two frames
 
 // s of full velocity that a time of fading velocity is worth.
 float ahead_of(double time) {
@@ -130,7 +132,10 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
   usual_correlation_ = 0.95F;
   unsteadiness_ = 0.03F;
   usual_difference_ = 3;
-  trace_count_ = 0;
+  path_.clear();
+  hidden_since_ = 0;
+  hidden_from_ = pose_;
+  hidden_velocity_ = {};
   candidate_.reset();
   read(frame, pose_, reach_of_patches(0));
   if (!keep_patches()) {
@@ -146,13 +151,14 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
   }
   is_unique_ = is_unlike_neighbours();
   say(is_unique_ ? HoldState::held : HoldState::about, pose_);
-  remember();
+  path_.add(time_, pose_);
   return report_;
 }
 
 // Whether no place about looks the same.
 bool HeldThing::is_unlike_neighbours() {
-  const LumaLayer &layer = luma_.layer(0, pose_.x, pose_.y, kNeighbours + kPatchRadius, kNeighbours + kPatchRadius);
+  constexpr int kReach = kNeighbours + kPatchRadius;
+  const LumaLayer &layer = luma_.layer(0, pose_.x, pose_.y, kReach, kReach);
   const auto found = search_.find(layer, appearances_[0].mask(), appearances_[0].grey(), pose_.x,
                                   pose_.y, kNeighbours);
   return !found || found->next_best < kTwin;
@@ -183,9 +189,10 @@ float HeldThing::difference(const LumaLayer &layer, const PatchPose &pose, int i
 // there.
 PatchPose HeldThing::find_coarsely(float seconds) {
   const Displacement ahead = seconds * velocity_;
-  const int wider = static_cast<int>(std::min(length(ahead) / 8, 12.0F));
-  const LumaLayer *layer =
-      &luma_.layer(2, pose_.x + ahead.x / 2, pose_.y + ahead.y / 2, kLayerRadius + wider, kLayerRadius + wider);
+  // Both the place before and the one that the velocity leads to.
+  const int radius = kLayerRadius + static_cast<int>(std::min(length(ahead) / 8, 12.0F));
+  const PatchPose middle = moved(pose_, 0.5F * ahead);
+  const LumaLayer *layer = &luma_.layer(2, middle.x, middle.y, radius, radius);
   PatchPose place = pose_;
   if (difference(*layer, moved(place, ahead), 2) < difference(*layer, place, 2))
     place = moved(place, ahead);
@@ -202,11 +209,12 @@ PatchPose HeldThing::find_coarsely(float seconds) {
 
 // The chain drifts; the first patch does not.
 void HeldThing::align_to_first(Match &match, float step_variance) {
+  constexpr float kLeast = 0.6F;           // correlation
+  constexpr float kSettled = 0.3F;         // samples: an alignment that has ended
   constexpr float kNoise2 = 0.02F * 0.02F; // px^2
-  const LumaLayer &layer = patch_layer(0, match.pose);
-  const auto found = aligner_.align(layer, first_, appearances_[0].mask(), match.pose,
-                                    {.iterations = 3, .similarity = 0.5F});
-  if (!found || found->correlation < kFirstCorrelation || found->step > kSettled)
+  const auto found = aligner_.align(patch_layer(0, match.pose), first_, appearances_[0].mask(),
+                                    match.pose, {.iterations = 3, .similarity = 0.5F});
+  if (!found || found->correlation < kLeast || found->step > kSettled)
     return;
   const float doubt = 1 + 4 * std::max(0.0F, 0.9F - found->correlation);
   const float variance = doubt * (first_variance_ + found->variance + kNoise2);
@@ -219,9 +227,8 @@ void HeldThing::align_to_first(Match &match, float step_variance) {
 
 std::optional<HeldThing::Match> HeldThing::match(float seconds) {
   const PatchPose start = find_coarsely(seconds);
-  const LumaLayer *layer = &patch_layer(0, start);
-  const auto found =
-      aligner_.align(*layer, before_[0], appearances_[0].mask(), start, {.iterations = 4});
+  const auto found = aligner_.align(patch_layer(0, start), before_[0], appearances_[0].mask(),
+                                    start, {.iterations = 4});
   if (!found || found->correlation < kStillSeen)
     return std::nullopt;
   Match match{.pose = found->pose,
@@ -277,7 +284,7 @@ void HeldThing::accept(const Match &match, float seconds) {
   }
   learn(match, seconds * kFramesPerSecond);
   ++seen_;
-  remember();
+  path_.add(time_, pose_);
   say(report_.state, pose_);
   const auto scale = static_cast<float>(1 << halvings_);
   report_.dx = scale * step.x;
@@ -306,7 +313,7 @@ void HeldThing::follow_about(float seconds) {
     const LumaLayer &layer = patch_layer(i, place);
     const auto found = aligner_.align(layer, before_[index], appearances_[index].nearness(), place,
                                       {.iterations = 5, .enough = 0.03F});
-    if (found && found->correlation > kAboutCorrelation)
+    if (found && found->correlation > kGoesAlong)
       place = found->pose;
   }
   const Displacement step = between(pose_, place);
@@ -331,33 +338,18 @@ bool HeldThing::is_restless() const {
 
 // Hidden
 
-// The latest trace that is not younger.
-const HeldThing::Trace *HeldThing::trace_before(double time) const {
-  const std::size_t kept = std::min(trace_count_, traces_.size());
-  const Trace *oldest = nullptr;
-  for (std::size_t back = 1; back <= kept; ++back) {
-    oldest = &traces_[(trace_count_ - back) % traces_.size()];
-    if (oldest->time <= time)
-      return oldest;
-  }
-  return oldest;
-}
-
-void HeldThing::remember() {
-  traces_[trace_count_++ % traces_.size()] = {time_, pose_};
-}
-
 // The frames before it was hidden may already follow what covers it.
 void HeldThing::hide() {
-  constexpr double kOver = 0.1;   // s, for a velocity
-  constexpr float kFollowed = 12; // px: the latest pose is as expected
-  const Trace clean = *trace_before(clean_time_ - kBeforeHiding);
-  const Trace earlier = *trace_before(clean.time - kOver);
+  constexpr double kEarlier = 0.17; // s: what hides it was near
+  constexpr double kOver = 0.1;     // s, for a velocity
+  constexpr float kFollowed = 12;   // px: the latest pose is as expected
+  const RecentPath::Place clean = path_.before(clean_time_ - kEarlier);
+  const RecentPath::Place earlier = path_.before(clean.time - kOver);
   hidden_velocity_ = {};
   if (clean.time > earlier.time)
     hidden_velocity_ =
         static_cast<float>(1 / (clean.time - earlier.time)) * between(earlier.pose, clean.pose);
-  const Trace late = *trace_before(time_ - kOver);
+  const RecentPath::Place late = path_.before(time_ - kOver);
   const auto expected = [&](double time) {
     return moved(clean.pose, ahead_of(time - clean.time) * hidden_velocity_);
   };
@@ -374,54 +366,64 @@ PatchPose HeldThing::expected_pose() const {
   return moved(hidden_from_, ahead_of(time_ - hidden_since_) * hidden_velocity_);
 }
 
-// Half the diagonal of the box about the places of the last two seconds.
-float HeldThing::sway() const {
-  const std::size_t kept = std::min(trace_count_, traces_.size());
-  PatchPose low = hidden_from_;
-  PatchPose high = hidden_from_;
-  for (std::size_t i = 0; i < kept; ++i) {
-    const Trace &trace = traces_[i];
-    if (trace.time < hidden_since_ - 2)
-      continue;
-    low.x = std::min(low.x, trace.pose.x);
-    low.y = std::min(low.y, trace.pose.y);
-    high.x = std::max(high.x, trace.pose.x);
-    high.y = std::max(high.y, trace.pose.y);
-  }
-  return length(between(low, high)) / 2;
-}
-
+// It may swing further than ever, and be faster than it was.
 float HeldThing::reach_of_search() const {
   const auto hidden = static_cast<float>(time_ - hidden_since_);
-  return std::min({std::max(40.0F, 1.6F * sway()),
-                   12 + (3 * kFramesPerSecond + 0.7F * length(hidden_velocity_)) * hidden, 110.0F});
+  const float swing = 1.6F * path_.sway(hidden_since_ - 2);
+  const float speed = 3 * kFramesPerSecond + 0.7F * length(hidden_velocity_);
+  return std::min({std::max(kLeastReach, swing), 12 + speed * hidden, kFarthestReach});
 }
 
-// Whether the thing, as it looks or as it looked first, is near a place.
+// The thing near a place, as it looks or as it looked first.
 std::optional<HeldThing::Match> HeldThing::recognise(const PatchPose &near, float farthest) {
-  constexpr float kSlack = 0.2F; // below the usual likeness
-  constexpr float kStrict = 0.85F;
-  const LumaLayer &layer = luma_.layer(0, near.x, near.y, 33, kSearched);
+  constexpr float kSettled = 0.5F; // samples
+  constexpr float kLeast = 0.5F;   // of both
+  const float least_likeness = std::clamp(usual_correlation_ - 0.2F, kLeast, kFoundLikeness);
+  const LumaLayer &layer = luma_.layer(0, near.x, near.y, 3 * kPatchRadius, kLayerRadius);
   const std::array<const PatchTemplate *, 2> looks{&appearances_[0].patch(), &first_};
   for (const PatchTemplate *look : looks) {
     const auto found = aligner_.align(layer, *look, appearances_[0].mask(), near,
                                       {.iterations = 12, .enough = 0.01F, .similarity = 0.15F});
-    if (!found || found->step > 0.5F || found->correlation < 0.5F ||
+    if (!found || found->step > kSettled || found->correlation < kLeast ||
         length(between(near, found->pose)) > farthest)
       continue;
     Match match{.pose = found->pose,
-                .variance =
-                    (look == &first_ ? first_variance_ : variance_) + found->variance + 0.01F,
+                .variance = (look == &first_ ? first_variance_ : variance_) + found->variance,
                 .correlation = found->correlation,
                 .error_scale = found->error_scale};
     if (!layer.sample(match.pose, match.grey))
       continue;
     match.likeness = appearances_[0].compare(match.grey, usual_difference_);
-    if (match.likeness.share > kFoundShare &&
-        match.likeness.correlation > std::max(0.5F, std::min(kStrict, usual_correlation_ - kSlack)))
+    if (match.likeness.share > kFoundShare && match.likeness.correlation > least_likeness)
       return match;
   }
   return std::nullopt;
+}
+
+// Where it is expected, or else where a search finds it: then the next best place must be clearly
+// worse.
+std::optional<HeldThing::Match> HeldThing::find(const PatchPose &guess, float reach) {
+  constexpr float kNear = 6;      // px, that an alignment overcomes
+  constexpr float kMostFine = 44; // px: a search of the second layer is affordable
+  if (std::optional<Match> match = recognise(guess, kNear))
+    return match;
+  const int index = reach > kMostFine ? 2 : 1;
+  const float unit = static_cast<float>(1 << index);
+  const int radius = static_cast<int>(std::ceil(reach / unit));
+  const int wide = radius + kPatchRadius;
+  const Appearance &appearance = appearances_[static_cast<std::size_t>(index)];
+  const auto found = search_.find(luma_.layer(index, guess.x, guess.y, wide, wide),
+                                  appearance.mask(), appearance.grey(), guess.x, guess.y, radius);
+  if (!found || found->correlation < kFoundCorrelation)
+    return std::nullopt;
+  const float gap = found->correlation - found->next_best;
+  if (gap < kGap)
+    return std::nullopt;
+  std::optional<Match> match =
+      recognise(moved(guess, {found->x - guess.x, found->y - guess.y}), 2 * unit + 2);
+  if (match && gap < 2 * kGap && match->likeness.correlation < kSure)
+    return std::nullopt;
+  return match;
 }
 
 void HeldThing::look_for(float seconds) {
@@ -431,43 +433,28 @@ void HeldThing::look_for(float seconds) {
     return;
   }
   const PatchPose guess = candidate_ ? *candidate_ : is_about ? pose_ : expected_pose();
-  const float reach = candidate_ ? kAgreement : reach_of_search();
   if (!is_about)
     say(HoldState::hidden, guess);
-  std::optional<Match> found = recognise(guess, 6);
-  float gap = 1;
+  const std::optional<Match> found = find(guess, candidate_ ? kAgreement : reach_of_search());
   if (!found) {
-    const int index = reach > 44 ? 2 : 1;
-    const int unit = 1 << index;
-    const int radius = static_cast<int>(std::ceil(reach / static_cast<float>(unit)));
-    Appearance &appearance = appearances_[static_cast<std::size_t>(index)];
-    const auto place = search_.find(luma_.layer(index, guess.x, guess.y, radius + kPatchRadius, radius + kPatchRadius),
-                                    appearance.mask(), appearance.grey(), guess.x, guess.y, radius);
-    if (place && place->correlation >= kFoundCorrelation) {
-      gap = place->correlation - place->next_best;
-      if (gap >= kGap)
-        found = recognise(moved(guess, {place->x - guess.x, place->y - guess.y}),
-                          2 * static_cast<float>(unit) + 2);
-    }
-  }
-  if (!found || (gap < 2 * kGap && found->likeness.correlation < kSure)) {
     candidate_.reset();
     return;
   }
+  const std::optional<PatchPose> before = std::exchange(candidate_, found->pose);
   const bool is_sure = found->likeness.correlation > kSure && found->likeness.share > kSure;
-  if (!candidate_ && !is_sure) {
-    candidate_ = found->pose;
-    return;
-  }
-  velocity_ = candidate_ ? (1 / seconds) * between(*candidate_, found->pose) : Displacement{};
-  pose_ = found->pose;
-  variance_ = found->variance;
-  candidate_ = pose_;
+  if (before || is_sure)
+    hold_again(*found, before ? (1 / seconds) * between(*before, found->pose) : Displacement{});
+}
+
+void HeldThing::hold_again(const Match &match, Displacement velocity) {
+  pose_ = match.pose;
+  velocity_ = velocity;
+  variance_ = match.variance;
   if (!keep_patches())
     return; // at the border of what was read: the next frame is read about it
   candidate_.reset();
   clean_time_ = time_;
-  remember();
+  path_.add(time_, pose_);
   say(HoldState::held, pose_);
 }
 
@@ -481,7 +468,9 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
     follow_seen(seconds);
     break;
   case HoldState::about:
-    read(frame, pose_, std::max(reach_of_patches(seconds), reach_of_search() + kAroundFound));
+    read(frame, pose_,
+         is_unique_ ? std::max(reach_of_patches(seconds), reach_of_search() + kAroundFound)
+                    : reach_of_patches(seconds));
     follow_about(seconds);
     break;
   case HoldState::hidden:

@@ -6,6 +6,7 @@
 #include "hold/nearby-luma.hpp"
 #include "hold/patch-alignment.hpp"
 #include "hold/patch-search.hpp"
+#include "hold/recent-path.hpp"
 #include "pixels/kept-luma.hpp"
 #include "samples/held-place.hpp"
 
@@ -47,11 +48,6 @@ public:
 
 private:
   using Patches = std::array<PatchTemplate, kHoldLayers>;
-  /// Where the thing was at a time.
-  struct Trace {
-    double time = 0; // s since the press
-    PatchPose pose;
-  };
   /// What became of the patch in a frame.
   struct Match {
     PatchPose pose;
@@ -80,11 +76,10 @@ private:
   void hide();
   void look_for(float seconds);
   std::optional<Match> recognise(const PatchPose &near, float farthest);
+  std::optional<Match> find(const PatchPose &guess, float reach);
+  void hold_again(const Match &match, Displacement velocity);
   PatchPose expected_pose() const;
   float reach_of_search() const;
-  float sway() const;
-  void remember();
-  const Trace *trace_before(double time) const;
   void say(HoldState state, const PatchPose &place);
 
   HeldReport report_;
@@ -112,8 +107,7 @@ private:
   float usual_difference_ = 0;  // grey levels
   float unsteadiness_ = 0;      // of the likeness
   bool is_unique_ = false;      // no neighbour looked the same at the press
-  std::array<Trace, 128> traces_;
-  std::size_t trace_count_ = 0;
+  RecentPath path_;             // while it is seen
 
   // While it is hidden.
   double hidden_since_ = 0;

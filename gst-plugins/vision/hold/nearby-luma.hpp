@@ -45,8 +45,8 @@ public:
             float y, int reach);
 
   /// The part of a layer about a place. It reaches `radius` of its pixels, or less where the square
-  /// that was read ends; one that is there already and reaches `least` is kept. Valid until the same
-  /// layer is asked for again.
+  /// that was read ends; one that is there already and reaches `least` is kept. Valid until the
+  /// same layer is asked for again.
   const LumaLayer &layer(int index, float x, float y, int radius, int least);
 
 private:

@@ -17,7 +17,7 @@ void HeldTrail::add(const HeldPlace &held) {
     forget();
   time_ = held.time;
   std::erase_if(points_, [&](const Point &point) { return time_ - point.time > kLength; });
-  const bool seen = held.state == HoldState::held || held.state == HoldState::about;
+  const bool seen = is_followed(held.state);
   if (seen) {
     if (points_.size() == kMostPoints)
       points_.erase(points_.begin());

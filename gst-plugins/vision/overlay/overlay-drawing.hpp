@@ -38,7 +38,7 @@ struct OverlayScene {
   int frame_height = 0;
   double pixel_aspect = 1; ///< width of a pixel over its height
   double region_x = 0, region_y = 0, region_width = 0, region_height = 0;
-  double pointer_x = 0, pointer_y = 0;
+  double pointer_x = 0, pointer_y = 0;   ///< or where the held thing is: arrows begin there
   double velocity_x = 0, velocity_y = 0; ///< px/s
   double confidence = 0;                 ///< 0..1; 0: nothing was measured, draw the rest
   std::string label;

@@ -11,13 +11,14 @@ namespace haptic {
 
 /// How the velocities of the patches become one.
 enum class Average {
-  model,  ///< a motion model fitted to the patches, evaluated at the pointer
-  mean,   ///< equation 3 as printed
-  median, ///< of each component
+  model,   ///< a motion model fitted to the patches, evaluated at the pointer
+  pointed, ///< the same of the patches about the pointer: of what it points at
+  mean,    ///< equation 3 as printed
+  median,  ///< of each component
 };
 
-/// The motion model that `Average::model` fits. `automatic`: the smallest that explains the
-/// patches. `still`: nothing moves, whatever the patches.
+/// The motion model that `Average::model` and `pointed` fit. `automatic`: the smallest that
+/// explains the patches. `still`: nothing moves, whatever the patches.
 enum class ModelChoice { automatic, still, translation, similarity, affine };
 
 /// Parts of the estimate. All are on, except where the lab measures what one of them is worth.

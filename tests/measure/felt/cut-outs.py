@@ -37,7 +37,7 @@ GROUNDS = "/usr/share/backgrounds/mate/nature/*.jpg"
 FACES = (
     ("skimage/data/astronaut.png", "figure", (20, 5, 440, 500)),
     ("skimage/data/camera.png", "figure", (60, 60, 260, 450)),
-    ("examples/data/messi5.jpg", "figure", (70, 25, 130, 315)),
+    ("examples/data/messi5.jpg", "figure", (65, 55, 400, 285)),
     ("skimage/data/chelsea.png", "ellipse", (25, 5, 380, 280)),
     ("examples/data/baboon.jpg", "ellipse", (50, 15, 410, 480)),
 )
@@ -250,13 +250,14 @@ def make_bars(things, kind, album, random, duration):
 def choose_points(things, kind, random):
     """Layer and texel of points that a person can point at: inside the thing, where it has some texture."""
     chosen = []
-    reach, wanted = (5, 3) if kind == "leaf" else (9, 3) if kind == "thing" else (9, 8)
+    # px that are the thing all round, contrast in grey levels, points of one thing
+    reach, contrast, wanted = {"leaf": (4, 6, 3), "thing": (9, 6, 3), "face": (16, 12, 8)}[kind]
     for index, thing in enumerate(things):
         found = 0
         for _ in range(400):
             u, v = random.uniform((reach, reach), (thing.width - reach, thing.height - reach))
             around = slice(int(v) - reach, int(v) + reach + 1), slice(int(u) - reach, int(u) + reach + 1)
-            if thing.alpha[int(v), int(u)] > 0.9 and thing.texture[around].std() > 6 and found < wanted:
+            if found < wanted and thing.alpha[around].min() > 0.9 and thing.texture[around].std() > contrast:
                 chosen.append((index, (u, v)))
                 found += 1
     return chosen

@@ -67,7 +67,7 @@ def write_mono(path, frames, rate):
 
 
 def run(program, tracker, stream, starts, again=None):
-    """What the tracker says, by rows: frame, point, x, y, shown, held, µs. `starts`: frame, x and y of each point."""
+    """What the tracker says, by rows: frame, point, x, y, state, µs. `starts`: frame, x and y of each point."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "starts"
         path.write_text("".join(f"{frame},{x:.3f},{y:.3f}\n" for frame, x, y in starts), encoding="utf-8")
@@ -76,19 +76,18 @@ def run(program, tracker, stream, starts, again=None):
     if said.returncode:
         raise Refused(f"hold-run ended with status {said.returncode}; see above")
     lines = said.stdout.decode().splitlines()[1:]
-    return numpy.array([line.split(",") for line in lines], float).reshape(-1, 7)
+    return numpy.array([line.split(",") for line in lines], float).reshape(-1, 6)
 
 
 def tracks_of(said, kinds, true, visible, rate, size):
     """`said`: of run(). Points without a visible frame are left out."""
-    by_point = numpy.zeros((*visible.shape, 5))
+    by_point = numpy.zeros((*visible.shape, 4))
     inside = said[:, 0] < visible.shape[1]  # a decoder may give one frame more
     said = said[inside]
     by_point[said[:, 1].astype(int), said[:, 0].astype(int)] = said[:, 2:]
     return [
-        hold_metric.Track(kind, rate, size, true[i], visible[i], by_point[i, :, :2], by_point[i, :, 2] > 0,
-                          by_point[i, :, 3] > 0, by_point[i, :, 4])
-        for i, kind in enumerate(kinds)
+        hold_metric.Track(kind, rate, size, true[i], visible[i], of[:, :2], of[:, 2], of[:, 3])
+        for i, (kind, of) in enumerate(zip(kinds, by_point))
     ]
 
 
@@ -197,8 +196,8 @@ def round_trips(program, tracker, film, length=60):
             with open(path, "rb") as stream:
                 said = run(program, tracker, stream, [(0, x, y) for x, y in places], again=length)
         at = {frame: said[said[:, 0] == frame] for frame in (0, length, 2 * length)}
-        is_taken = at[0][:, 5] > 0
-        is_held = is_taken & (at[length][:, 5] > 0) & (at[2 * length][:, 5] > 0)
+        is_taken = at[0][:, 4] == hold_metric.HELD
+        is_held = is_taken & (at[length][:, 4] == hold_metric.HELD) & (at[2 * length][:, 4] == hold_metric.HELD)
         pressed += len(places)
         taken += is_taken.sum()
         distances.extend(numpy.hypot(*(at[2 * length][:, 2:4] - numpy.array(places)).T)[is_held] * 1080 / luma.shape[1])

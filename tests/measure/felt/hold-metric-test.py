@@ -22,14 +22,15 @@ import hold_metric
 HD = (1920, 1080)
 
 
-def track(visible, errors, shown=None, held=None, rate=10, size=HD, kind="leaf"):
+def track(visible, errors, shown=None, held=None, rate=10, size=HD, kind="leaf", microseconds=0):
     """A point that stays at 500, 500 and is said to be so many px to the right of it."""
     visible = numpy.array(visible, bool)
     shown = visible if shown is None else numpy.array(shown, bool)
     true = numpy.full((len(visible), 2), 500.0)
     said = true + numpy.stack([numpy.array(errors, float), numpy.zeros(len(visible))], axis=1)
     held = shown if held is None else numpy.array(held, bool)
-    return hold_metric.Track(kind, rate, size, true, visible, said, shown, held, numpy.zeros(len(visible)))
+    state = numpy.where(held, hold_metric.HELD, numpy.where(shown, hold_metric.ABOUT, hold_metric.HIDDEN))
+    return hold_metric.Track(kind, rate, size, true, visible, said, state, numpy.zeros(len(visible)) + microseconds)
 
 
 class Metric(unittest.TestCase):
@@ -115,6 +116,12 @@ class Summary(unittest.TestCase):
         figures = hold_metric.summary([made])
         self.assertEqual((figures["held"], figures["off"]), (0.5, 0.5))
 
+    def test_times_of_what_is_seen_and_of_what_is_searched_stand_apart(self):
+        spent = [500, 10, 20, 30, 100, 200, 900]
+        shown, held = [1, 1, 1, 1, 0, 0, 0], [1, 1, 1, 0, 0, 0, 0]
+        figures = hold_metric.summary([track([1] * 7, [0] * 7, shown, held, microseconds=spent)])
+        self.assertEqual((figures["median_us"], figures["hidden_us"]), (20, 200))
+
     def test_the_error_after_a_time_is_a_median_of_the_visible_points(self):
         tracks = [track([1] * 21, [0] * 20 + [error]) for error in (1, 2, 50)]
         tracks.append(track([1] * 20 + [0], [0] * 20 + [99]))
@@ -187,7 +194,7 @@ class Files(unittest.TestCase):
         self.assertEqual(stream.read(), b"FRAME\n" + bytes(range(15)) + b"FRAME\n" + bytes(range(15, 30)))
 
     def test_what_is_said_of_frames_before_the_press_is_nothing(self):
-        said = numpy.array([[1, 0, 7, 8, 1, 0, 30.0], [2, 0, 7, 9, 0, 0, 40], [3, 0, 0, 0, 0, 0, 0]])
+        said = numpy.array([[1, 0, 7, 8, 2, 30.0], [2, 0, 7, 9, 3, 40], [3, 0, 0, 0, 1, 0]])
         visible = numpy.array([[False, True, True]])
         (made,) = films_with_points.tracks_of(said, ["leaf"], numpy.zeros((1, 3, 2)), visible, 30, HD)
         self.assertEqual(made.said.tolist(), [[0, 0], [7, 8], [7, 9]])

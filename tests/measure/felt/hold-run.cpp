@@ -6,13 +6,9 @@
 // TRACKER is hold (this project's), lk, csrt, kcf, medianflow or mosse (OpenCV's). STARTS has a
 // line "FRAME,X,Y" for each point: the frame in which it is taken and where, in px from the top
 // left corner. In frame AGAIN each point that is held is taken anew where it is said to be. The
-// table that is printed has a line for each point and frame from its start on: place, whether the
-// tracker says that the point is visible, whether it says that it holds the thing itself, and the
-// processor time.
-#if __has_include("hold/held-thing.hpp")
+// table that is printed has a line for each point and frame from its start on: place, state (a
+// number of HoldState), and processor time.
 #include "hold/held-thing.hpp"
-#define HAVE_HOLD
-#endif
 
 #include <algorithm>
 #include <cstdio>
@@ -44,10 +40,11 @@ struct Frame {
   float seconds = 0; // since the frame before
 };
 
+using haptic::HoldState;
+
 struct Said {
   cv::Point2f place;
-  bool is_shown = false;
-  bool is_held = false;
+  HoldState state = HoldState::hidden;
 };
 
 class Follower {
@@ -57,7 +54,6 @@ public:
   virtual Said follow(const Frame &frame) = 0;
 };
 
-#ifdef HAVE_HOLD
 class Luma : public haptic::LumaSource {
 public:
   explicit Luma(const cv::Mat &frame) : frame_(frame) {}
@@ -83,18 +79,16 @@ public:
 
 private:
   static Said said(const haptic::HeldReport &report) {
-    const bool held = report.state == haptic::HoldState::held;
-    return {{report.x, report.y}, held || report.state == haptic::HoldState::about, held};
+    return {{report.x, report.y}, report.state};
   }
   haptic::HeldThing thing_;
 };
-#endif
 
 // From frame to frame, and back to see whether it is the same point.
 class Chained : public Follower {
 public:
   Said take(const Frame & /*frame*/, const cv::Point2f &place) override {
-    return said_ = {place, true, true};
+    return said_ = {place, HoldState::held};
   }
   Said follow(const Frame &frame) override {
     constexpr int kSide = 192; // px, the smallest region that has four levels for this window
@@ -102,7 +96,7 @@ public:
     const cv::Rect region = cv::Rect(static_cast<int>(said_.place.x) - kSide / 2,
                                      static_cast<int>(said_.place.y) - kSide / 2, kSide, kSide) &
                             cv::Rect(0, 0, frame.luma.cols, frame.luma.rows);
-    said_.is_shown = said_.is_held = false;
+    said_.state = HoldState::hidden;
     if (region.width < window.width || region.height < window.height)
       return said_;
     const cv::Point2f corner(region.tl());
@@ -116,7 +110,8 @@ public:
     cv::calcOpticalFlowPyrLK(frame.luma(region), frame.before(region), there, back, found_back,
                              cv::noArray(), window);
     said_.place = there[0] + corner;
-    said_.is_shown = said_.is_held = found[0] && found_back[0] && cv::norm(back[0] - from[0]) < 1;
+    if (found[0] && found_back[0] && cv::norm(back[0] - from[0]) < 1)
+      said_.state = HoldState::held;
     return said_;
   }
 
@@ -138,11 +133,11 @@ public:
             kSide};
     offset_ = place - centre();
     tracker_->init(frame.colour, box_);
-    return {place, true, true};
+    return {place, HoldState::held};
   }
   Said follow(const Frame &frame) override {
     const bool found = tracker_->update(frame.colour, box_);
-    return {centre() + offset_, found, found};
+    return {centre() + offset_, found ? HoldState::held : HoldState::hidden};
   }
 
 private:
@@ -160,9 +155,7 @@ using Maker = std::function<std::unique_ptr<Follower>()>;
 
 Maker maker_of(const std::string &name) {
   std::map<std::string, Maker> makers{
-#ifdef HAVE_HOLD
       {"hold", [] { return std::make_unique<Holding>(); }},
-#endif
       {"lk", [] { return std::make_unique<Chained>(); }},
   };
 #ifdef HAVE_TRACKING
@@ -262,7 +255,7 @@ void run(const Maker &make, const std::vector<Start> &starts, int again) {
   std::vector<std::unique_ptr<Follower>> followers(starts.size());
   Frame frame;
   frame.seconds = reader.seconds;
-  std::puts("frame,point,x,y,shown,held,us");
+  std::puts("frame,point,x,y,state,us");
   for (int number = 0; reader.next(frame.luma); ++number) {
     cv::cvtColor(frame.luma, frame.colour, cv::COLOR_GRAY2BGR);
     for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -278,12 +271,12 @@ void run(const Maker &make, const std::vector<Start> &starts, int again) {
         said = follower->take(frame, starts[i].place);
       }
       const double spent = cpu_microseconds() - begin;
-      if (number == again && said.is_held) {
+      if (number == again && said.state == HoldState::held) {
         follower = make();
         follower->take(frame, said.place);
       }
-      std::printf("%d,%zu,%.3f,%.3f,%d,%d,%.1f\n", number, i, static_cast<double>(said.place.x),
-                  static_cast<double>(said.place.y), said.is_shown, said.is_held, spent);
+      std::printf("%d,%zu,%.3f,%.3f,%d,%.1f\n", number, i, static_cast<double>(said.place.x),
+                  static_cast<double>(said.place.y), static_cast<int>(said.state), spent);
     }
     cv::swap(frame.luma, frame.before);
   }

@@ -6,6 +6,7 @@
 # Usage: tests/measure/felt/hold.sh [OPTION]...
 #   --set SET           calm (default), gusts, or tuning, which thresholds were chosen with
 #   --rate RATE         frames a second, 30 (default) or 60
+#   --duration S        length of the films, 5 (default). 11 tells the error after 10 s too
 #   --films FOLDER      where the films are kept (~/.cache/feeling-wind/hold)
 #   --peers             one row for each of OpenCV's trackers, for every fifth point. Takes an hour
 #   --tap-vid FILE      judges by a file of TAP-Vid instead (tapvid_davis.pkl, tapvid_rgb_stacking.pkl)
@@ -16,17 +17,18 @@
 source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 here=$root/tests/measure/felt
 
-set=calm rate=30 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' tap_vid=() clips=()
+set=calm rate=30 duration=5 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' tap_vid=() clips=()
 while [ $# -gt 0 ]; do
   case $1 in
   --help | -h) show_help && exit ;;
   --peers) peers=yes && shift && continue ;;
-  --set | --rate | --films | --tap-vid | --round-trip) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
+  --set | --rate | --duration | --films | --tap-vid | --round-trip) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
   *) fail "unknown option '$1'; see --help" ;;
   esac
   case $1 in
   --set) set=$2 ;;
   --rate) rate=$2 ;;
+  --duration) duration=$2 ;;
   --films) films=$2 ;;
   --tap-vid) tap_vid+=("$2") ;;
   --round-trip) clips+=("$2") ;;
@@ -55,11 +57,11 @@ fi
 
 # `film NAME COMMAND...` makes a film with its points, if it is not there. Without the photographs there are no cut-outs.
 film() {
-  local name=$films/$1-$rate status=0
+  local name=$films/$1-$rate-$duration status=0
   shift
   if [ ! -s "$name.csv" ]; then
     echo "Making $name.mkv ..." >&2
-    "$@" --rate "$rate" --duration 5 --points "$name.csv.part" "$name.mkv" >&2 || status=$?
+    "$@" --rate "$rate" --duration "$duration" --points "$name.csv.part" "$name.mkv" >&2 || status=$?
     [ "$status" != 77 ] || return 0
     [ "$status" = 0 ] || fail "the film could not be made; see above"
     mv "$name.csv.part" "$name.csv"

@@ -60,7 +60,7 @@ VelocityEstimate estimate(const std::vector<GstHapticPatch> &patches, Average av
 
 TEST(VelocityEstimate, IsTheDisplacementOverTheIntervalWhateverTheAverage) {
   const auto patches = patches_of({2, -1}, 20);
-  for (const Average average : {Average::model, Average::mean, Average::median}) {
+  for (const Average average : {Average::model, Average::pointed, Average::mean, Average::median}) {
     const VelocityEstimate found = estimate(patches, average);
     EXPECT_NEAR(found.velocity_x, 50, 1e-3);
     EXPECT_NEAR(found.velocity_y, -25, 1e-3);
@@ -77,6 +77,34 @@ TEST(VelocityEstimate, TheMeanIsEquationThreeAsPrinted) {
   patches[2].dx = 4;
   EXPECT_NEAR(estimate(patches, Average::mean).velocity_x, (1 + 1 + 4) / 3.0 / kInterval, 1e-3);
   EXPECT_NEAR(estimate(patches, Average::median).velocity_x, 1 / kInterval, 1e-3);
+}
+
+TEST(VelocityEstimate, OfThePointedThingIsThatOfThePatchesAboutThePointer) {
+  auto patches = patches_of({2, -1}, 40);
+  const auto is_far = [](const GstHapticPatch &patch) {
+    return std::abs(patch.x - kPointerX) > 9 || std::abs(patch.y - kPointerY) > 9;
+  };
+  int far = 0;
+  for (GstHapticPatch &patch : patches)
+    if (is_far(patch)) {
+      patch.dx = -3;
+      ++far;
+    }
+  ASSERT_GT(far, 20); // most of the region moves another way
+  const PatchSet set{.patches = patches,
+                     .candidates = 40,
+                     .pointer_x = kPointerX,
+                     .pointer_y = kPointerY,
+                     .interval = kInterval,
+                     .region_x = kPointerX - 15,
+                     .region_y = kPointerY - 15,
+                     .region_width = 30,
+                     .region_height = 30};
+  const VelocityEstimate found = estimate_velocity(set, Average::pointed, ModelChoice::automatic);
+  EXPECT_NEAR(found.velocity_x * kInterval, 2, 1e-3);
+  EXPECT_NEAR(found.velocity_y * kInterval, -1, 1e-3);
+  EXPECT_EQ(found.points, 40 - far);
+  EXPECT_EQ(found.confidence, 1);
 }
 
 TEST(VelocityEstimate, TheMedianOfAnEvenNumberLiesBetweenTheMiddleTwo) {

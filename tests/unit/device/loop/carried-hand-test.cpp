@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hands that a held thing carries through the whole loop. How well, and how calm, is in the table
+// of the closed loop (closed-loop-test.cpp); here is what happens around it.
+#include "counted-allocations.hpp"
+#include "loop-in-hand.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace {
+
+using haptic::HoldLaw;
+using haptic::HoldState;
+using spidar::Vector3;
+using test::LoopInHand;
+
+constexpr double kSlew = 20;    // N/s
+constexpr double kAway = 0.004; // m: 1 N and more
+
+LoopInHand::Setup setup_of(HoldLaw law) {
+  LoopInHand::Setup setup;
+  setup.settings.hold_law = law;
+  setup.settings.continuous_force = 0;
+  return setup;
+}
+
+class Carried : public LoopInHand {
+public:
+  explicit Carried(HoldLaw law = HoldLaw::carry) : LoopInHand(setup_of(law)) {
+    hand().leads = true;
+    thing = [this](double) { return place; };
+    wait(0.3);
+  }
+  // A hand that is led away from the thing, which pulls it back.
+  void lead_away() {
+    lead({kAway, 0, 0}, 0.02);
+    wait(0.1);
+  }
+  double stiffness() const { return loop.statistics().carry_stiffness; }
+  // The largest change of the force in a tick from now on for so long, N, that makes it stronger.
+  double largest_step(double seconds) {
+    double most = 0;
+    for (const double end = time() + seconds; time() < end;) {
+      const Vector3 before = force();
+      tick();
+      if (force().norm() > before.norm())
+        most = std::max(most, (force() - before).norm());
+    }
+    return most;
+  }
+  double ms_to_zero() {
+    const double begin = time();
+    while (!force().isZero(0) && time() < begin + 5)
+      tick();
+    return 1e3 * (time() - begin);
+  }
+
+  Vector3 place = Vector3::Zero(); // m, of the thing
+};
+
+TEST(CarriedHand, IsPulledToWhereTheThingIsNow) {
+  Carried held;
+  EXPECT_LT(held.force().norm(), 0.01); // anchored where it was taken
+  held.lead_away();
+  EXPECT_LT(held.force().x(), -0.8);
+  held.place = {kAway, 0, 0};
+  held.wait(0.5);
+  EXPECT_NEAR(held.force().norm(), 0, 0.1);
+}
+
+TEST(CarriedHand, WithoutAPressOrWithoutTheLawEverythingIsAsBefore) {
+  const auto trace = [](HoldLaw law, bool pressed) {
+    LoopInHand held(setup_of(law));
+    held.film = {100, 40, 0};
+    held.hand().leads = true;
+    held.hand().goal = {0.01, 0, 0};
+    held.hand().speed = 0.05;
+    if (pressed)
+      held.thing = [](double time) { return Vector3(0.01 * time, 0, 0); };
+    std::vector<Vector3> forces;
+    for (int i = 0; i < 500; ++i) {
+      held.tick();
+      forces.push_back(held.force());
+    }
+    return forces;
+  };
+  const auto usual = trace(HoldLaw::motion, false);
+  EXPECT_GT(usual.back().norm(), 0.4);
+  EXPECT_EQ(trace(HoldLaw::motion, true), usual);
+  EXPECT_EQ(trace(HoldLaw::carry, false), usual);
+  EXPECT_EQ(trace(HoldLaw::both, false), usual);
+}
+
+TEST(CarriedHand, FeelsTheSpringInsteadOfTheMotionOrBoth) {
+  const auto force_of = [](HoldLaw law) {
+    Carried held(law);
+    held.film.y() = 100; // downwards, while the thing that is held stays
+    held.lead_away();
+    held.wait(0.5);
+    return held.force();
+  };
+  const Vector3 carry = force_of(HoldLaw::carry);
+  EXPECT_LT(carry.x(), -0.8);
+  EXPECT_NEAR(carry.y(), 0, 0.05);
+  const Vector3 both = force_of(HoldLaw::both);
+  EXPECT_LT(both.x(), -0.6);
+  EXPECT_LT(both.y(), -0.3);
+  EXPECT_LE(both.norm(), 1 + 1e-9); // one max-force for the sum
+}
+
+TEST(CarriedHand, WhereItCannotBeToldWhichThingItIsTheMotionIsFelt) {
+  Carried held;
+  held.lead_away();
+  held.hold = HoldState::about;
+  held.film.y() = 100;
+  held.wait(1);
+  LoopInHand usual(setup_of(HoldLaw::motion));
+  usual.film.y() = 100;
+  usual.wait(1);
+  EXPECT_NEAR(held.force().x(), 0, 1e-3);
+  EXPECT_NEAR(held.force().y(), usual.force().y(), 1e-3);
+  EXPECT_EQ(held.stiffness(), 0);
+}
+
+TEST(CarriedHand, IsFreeWithinATenthOfASecondWhenTheThingIsLetGo) {
+  for (const HoldState state :
+       {HoldState::none, HoldState::about, HoldState::lost, HoldState::refused}) {
+    Carried held;
+    held.lead_away();
+    ASSERT_GT(held.force().norm(), 0.8);
+    held.hold = state;
+    EXPECT_LE(held.ms_to_zero(), 100);
+    EXPECT_EQ(held.stiffness(), 0);
+  }
+}
+
+TEST(CarriedHand, FeelsAHiddenThingFadeAndComeBackWithoutAStep) {
+  Carried held;
+  held.lead_away();
+  held.hold = HoldState::hidden;
+  held.confidence = 0;
+  held.wait(0.12);
+  EXPECT_GT(held.force().norm(), 0.3);
+  EXPECT_LT(held.force().norm(), 0.9);
+  held.wait(0.3);
+  EXPECT_TRUE(held.force().isZero(0));
+  held.hold = HoldState::held;
+  held.confidence = 1;
+  EXPECT_LE(held.largest_step(1), kSlew * 0.001 + 1e-9);
+  EXPECT_NEAR(held.force().norm(), 0, 0.05); // it begins anew where the hand is
+  held.lead({0, 0, 0}, 0.02);
+  EXPECT_GT(held.force().x(), 0.5);
+}
+
+TEST(CarriedHand, FeelsNoStepWhenTheThingIsFoundElsewhere) {
+  Carried held;
+  held.lead_away();
+  const Vector3 before = held.force();
+  held.place = {0.02, -0.02, 0}; // across half of the frame, in a frame
+  EXPECT_LE(held.largest_step(0.5), kSlew * 0.001 + 1e-9);
+  EXPECT_LE((held.force() - before).norm(), 0.5); // nor does it drag the hand there
+}
+
+TEST(CarriedHand, FeelsNoBlowsWhenTheStateChangesWithEachFrame) {
+  for (const HoldState state : {HoldState::none, HoldState::about, HoldState::hidden}) {
+    Carried held;
+    held.lead_away();
+    double step = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      held.hold = frame % 2 ? state : HoldState::held;
+      held.confidence = frame % 2 && state == HoldState::hidden ? 0 : 1;
+      step = std::max(step, held.largest_step(0.033));
+    }
+    EXPECT_LE(step, kSlew * 0.001 + 1e-9);
+  }
+}
+
+TEST(CarriedHand, IsFreeWhenTheSenderDies) {
+  Carried held;
+  held.lead_away();
+  held.frame = 1000'000 * LoopInHand::kMs; // no sample comes any more
+  EXPECT_LE(held.ms_to_zero(), 300);       // stale after three intervals, then 100 ms
+  EXPECT_TRUE(held.loop.reasons() & haptic::kHoldStale);
+  held.wait(0.1);
+  EXPECT_EQ(held.stiffness(), 0);
+}
+
+// What was pulled when a hold began does not stand afterwards.
+TEST(CarriedHand, BeginsAnewWhereItIsAfterAHold) {
+  for (const std::uint32_t hold :
+       {haptic::kHoldPaused, haptic::kHoldReleased, haptic::kHoldEnded, haptic::kHoldFlushing}) {
+    SCOPED_TRACE(haptic::names_of_holds(hold));
+    Carried held;
+    held.lead_away();
+    held.loop.hold(hold);
+    EXPECT_LE(held.ms_to_zero(), 101);
+    held.wait(0.1);
+    EXPECT_EQ(held.stiffness(), 0);
+    held.loop.unhold(hold);
+    held.wait(1);
+    EXPECT_GT(held.stiffness(), 0);
+    EXPECT_LT(held.force().norm(), 0.05);
+  }
+}
+
+TEST(CarriedHand, IsNotThrownByCalibrate) {
+  Carried held;
+  held.lead_away();
+  const double before = held.force().norm();
+  held.loop.calibrate();
+  for (const double end = held.time() + 0.5; held.time() < end;) {
+    held.tick();
+    ASSERT_LE(held.force().norm(), before + 0.02);
+  }
+  EXPECT_LT(held.force().norm(), 0.05);
+}
+
+TEST(CarriedHand, APlaceThatIsNotFiniteSilencesAndLeavesNothing) {
+  Carried held;
+  held.lead_away();
+  const Vector3 place =
+      std::exchange(held.place, Vector3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  bool silent = false;
+  for (int ms = 0; ms < 40; ++ms) {
+    held.tick();
+    ASSERT_TRUE(held.force().allFinite());
+    silent = silent || held.force().isZero(0);
+  }
+  EXPECT_TRUE(silent);
+  held.place = place;
+  held.wait(1);
+  EXPECT_TRUE(held.force().allFinite());
+  EXPECT_GT(held.stiffness(), 0);
+}
+
+TEST(CarriedHand, TakesNothingFromTheHeap) {
+  Carried held;
+  held.lead_away();
+  const long before = test::allocations;
+  for (int i = 0; i < 200; ++i)
+    held.tick();
+  EXPECT_EQ(test::allocations, before);
+}
+
+} // namespace
