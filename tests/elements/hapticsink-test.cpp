@@ -713,7 +713,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
         "carry-stiffness", "carry-distance"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
   EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
-  EXPECT_EQ(gst_structure_n_fields(s), 32);
+  EXPECT_EQ(gst_structure_n_fields(s), 34);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 500U);
   EXPECT_EQ(count("late-ticks"), 0U);

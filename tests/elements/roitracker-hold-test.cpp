@@ -87,6 +87,18 @@ TEST_F(Hold, ThePlaceGoesWithTheThingFromThePressOn) {
   }
 }
 
+TEST_F(Hold, TheTimeSinceThePressIsThatOfTheVideoWhereFramesAreRepeated) {
+  for (int i = 0; i <= 20; ++i) {
+    const int shown = i / 3 * 3; // each frame three times
+    const BufferPtr frame = pass(texture.frame(kWidth, kHeight, {2.0 * shown, -1.0 * shown}), i);
+    if (i > 2) {
+      EXPECT_EQ(motion_of(frame).held_time, static_cast<GstClockTime>(i - 3) * kFrame) << i;
+    }
+    if (i == 2)
+      press(true);
+  }
+}
+
 TEST_F(Hold, WhatIsFeltIsTheMotionOfTheThing) {
   const BufferPtr frame = held_until(6);
   const auto found = test::displacement(frame.get());

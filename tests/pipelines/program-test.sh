@@ -269,6 +269,12 @@ if [ $# = 4 ]; then
     press h 'held until'
     xdotool key q
     ended
+    # The button of a hand that points.
+    echo 0,-0.5,0,0,1 >hand.csv
+    start --sink "sim-hand=file:$PWD/hand.csv" "$video"
+    until_true grep -qx 'hold held' said
+    xdotool windowfocus "$window" key q
+    ended
   }
 
   # An array vibrates with the film and is drawn, not while the force is off. Without its sound device the film goes on.

@@ -82,8 +82,9 @@ struct State {
   haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
-  GstClockTime held_time = 0; // ns since it was taken
-  bool was_pressed = false;   // in the frame before
+  GstClockTime held_time = 0;               // ns since it was taken
+  GstClockTime taken = GST_CLOCK_TIME_NONE; // time stamp of the frame in which it was
+  bool was_pressed = false;                 // in the frame before
   Pointer notified_pointer;
   bool warned_of_tracker = false;
 
@@ -298,7 +299,6 @@ Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &sett
 
 // Follows the thing into this frame, after the motion of the region was measured.
 void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &finding) {
-  state.held_time += finding.interval;
   const float seconds = static_cast<float>(finding.interval) / static_cast<float>(GST_SECOND);
   if ((finding.flags & (haptic::kMotionCut | haptic::kMotionDiscontinuity)) != 0)
     state.thing.lose();
@@ -322,13 +322,18 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
   if (!frame)
     return false;
   const haptic::FrameLuma luma(frame.frame());
+  const GstClockTime now = GST_BUFFER_PTS(buffer);
   if (was_pressed) {
+    // Not the sum of the intervals: those of repeated frames overlap.
+    if (GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(state.taken))
+      state.held_time = now > state.taken ? now - state.taken : state.taken - now;
     follow_thing(state, luma, finding);
     return true;
   }
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   state.held_time = 0;
+  state.taken = now;
   state.thing.take(luma, width, height,
                    static_cast<float>(settings.pointer.x) * static_cast<float>(width),
                    static_cast<float>(settings.pointer.y) * static_cast<float>(height));

@@ -40,18 +40,25 @@ export class Hold {
   /** {state, x, y, radius, time} in the frame that is shown, or null */
   get held() { return this.#shown.at(-1)?.held ?? this.#hold.held; }
 
-  /** A knot of the track, as it is felt. */
-  felt = knot => {
+  /** A knot of the track, as it is felt. The one that is next is only looked at: the hand may change until it is there. */
+  felt = (knot, isNext) => {
     if (!this.#hold.held || !knot.field || knot.due < this.#samples[0].due) return knot;
-    if (knot.due > this.#samples.at(-1).due) this.#step(knot);
-    const { x, y, confidence } = this.#samples.findLast(({ due }) => due <= knot.due);
+    if (knot.due > this.#samples.at(-1).due && !isNext) this.#step(knot);
+    const { x, y, confidence } = knot.due > this.#samples.at(-1).due ? this.#after(knot)
+      : this.#samples.findLast(({ due }) => due <= knot.due);
     return { ...knot, field: null, motion: { ...knot.motion, x, y, confidence }, measured: confidence > 0 };
   };
 
-  #step({ field, due }) {
+  #after({ field }) {
+    const hold = Object.assign(new FieldHold(), this.#hold);
+    hold.step(field, this.#player.place?.z);
+    return hold;
+  }
+
+  #step(knot) {
     const { state } = this.#hold.held;
-    this.#hold.step(field, this.#player.place?.z);
-    this.#keep(due);
+    this.#hold = this.#after(knot);
+    this.#keep(knot.due);
     if (this.#hold.held.state !== state) this.#tell();
   }
 
