@@ -9,9 +9,10 @@
 #
 # It runs in real time: the overlay draws the force that the simulated device currently feels.
 #
-# Usage: pipelines/paper/moving-picture.sh [VIDEO] OUTPUT
+# Usage: pipelines/paper/moving-picture.sh [--hold] [VIDEO] OUTPUT
 #   VIDEO   a file or URL; its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with
 #           the pointer in the crown of the tree while a gust bends it, and arrows enlarged.
+#   --hold  what is under the pointer is held from the beginning on (2 s): a ring about it, and its path
 #   OUTPUT  the file, with the ending .webp
 
 source "$(dirname "$0")/../shared/common.sh"
@@ -20,14 +21,12 @@ source "$(dirname "$0")/../shared/packages.sh"
 # The first second is left out: the force of the device begins with a fade.
 seconds=2.7 before=1
 # Velocity and force: on a dark picture the blue is lighter.
-orange=E69F00 blue=56B4E9
-case ${1:-} in
---help | -h) show_help && exit ;;
--*) fail "unknown option '$1'; see --help" ;;
-esac
-case $# in
-1) video='' output=$1 ;;
-2) video=$1 output=$2 ;;
+orange=E69F00 blue=56B4E9 green=009E73
+hold=no
+read_options hold "$@"
+case ${#inputs[@]} in
+1) video='' output=${inputs[0]} ;;
+2) video=${inputs[0]} output=${inputs[1]} ;;
 *) fail "into which file? See --help" ;;
 esac
 [[ $output = *.webp ]] || fail "the name of the output must end in .webp, not '$output'"
@@ -38,6 +37,11 @@ need_packaged_elements y4mdec
 if [ -n "$video" ]; then
   need_input "$video"
   sink=("sim-hand=hold:0,0,0") cut=() filter=fps=30 tracker=() overlay=()
+elif [ $hold = yes ]; then
+  video=$(wind_film)
+  # A tuft of leaves before the sky, which goes 57 px from end to end.
+  sink=("sim-hand=hold:0,0,0" "alpha=$wind_alpha") cut=(-ss 7)
+  filter=crop=324:216:73:12,fps=30 tracker=(roi-size=60 pointer-x=0.515 pointer-y=0.444) overlay=()
 else
   video=$(wind_film)
   # Here and then the leaves of a low branch never stop for as long.
@@ -45,14 +49,20 @@ else
   filter=crop=480:320:10:110,fps=30 tracker=(roi-size=60) overlay=(scale=1)
 fi
 
+names=(velocity force)
+if [ $hold = yes ]; then
+  seconds=3 names+=(held)
+  tracker+=(pointer-source=property pressed=true)
+fi
+
 # Prints the filter that draws the legend into the lower left corner.
 legend() {
   local left=6 name='' colour
-  printf 'drawbox=x=0:y=ih-26:w=170:h=26:color=black@0.6:t=fill'
-  for name in velocity force; do
-    [ $name = velocity ] && colour=$orange || colour=$blue
+  printf 'drawbox=x=0:y=ih-26:w=%d:h=26:color=black@0.6:t=fill' $((85 * ${#names[@]}))
+  for name in "${names[@]}"; do
+    case $name in velocity) colour=$orange ;; force) colour=$blue ;; *) colour=$green ;; esac
     printf ',drawbox=x=%d:y=ih-15:w=16:h=4:color=0x%s:t=fill' $left $colour
-    printf ',drawtext=font=Sans:fontsize=14:fontcolor=white:text=%s:x=%d:y=h-13-ascent/2' $name $((left + 22))
+    printf ',drawtext=font=Sans:fontsize=14:fontcolor=white:text=%s:x=%d:y=h-13-ascent/2' "$name" $((left + 22))
     left=$((left + 92))
   done
 }

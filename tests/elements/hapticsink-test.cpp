@@ -506,6 +506,16 @@ TEST_F(HapticSinkPointer, AWanderingHandIsFollowed) {
   EXPECT_GT(highest, 0.8);
 }
 
+TEST_F(HapticSinkPointer, SaysWhetherTheButtonOfTheHandIsPressed) {
+  const auto hand = directory_ / "hand.csv";
+  std::ofstream(hand) << "0,0,0,0,1\n0.5,0,0,0,1\n0.501,0,0,0,0\n";
+  play("device=sim sim-hand=file:" + hand.string());
+  const auto pointer = next_pointer();
+  ASSERT_TRUE(pointer);
+  EXPECT_TRUE(pointer->pressed);
+  EXPECT_TRUE(advance_until([&] { return !points_.empty() && !points_.back().pressed; }));
+}
+
 TEST_F(HapticSinkPointer, HasTheForceThatIsCommanded) {
   play("device=sim latency-mode=immediate");
   for (int i = 0; i < 100; ++i) {
@@ -703,7 +713,7 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
         "carry-stiffness", "carry-distance"})
     EXPECT_TRUE(gst_structure_has_field_typed(s, name, G_TYPE_DOUBLE)) << name;
   EXPECT_STREQ(gst_structure_get_string(s, "state"), "held");
-  EXPECT_EQ(gst_structure_n_fields(s), 32);
+  EXPECT_EQ(gst_structure_n_fields(s), 34);
   EXPECT_EQ(count("samples"), 15U);
   EXPECT_GT(count("ticks"), 500U);
   EXPECT_EQ(count("late-ticks"), 0U);

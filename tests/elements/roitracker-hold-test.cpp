@@ -87,6 +87,18 @@ TEST_F(Hold, ThePlaceGoesWithTheThingFromThePressOn) {
   }
 }
 
+TEST_F(Hold, TheTimeSinceThePressIsThatOfTheVideoWhereFramesAreRepeated) {
+  for (int i = 0; i <= 20; ++i) {
+    const int shown = i / 3 * 3; // each frame three times
+    const BufferPtr frame = pass(texture.frame(kWidth, kHeight, {2.0 * shown, -1.0 * shown}), i);
+    if (i > 2) {
+      EXPECT_EQ(motion_of(frame).held_time, static_cast<GstClockTime>(i - 3) * kFrame) << i;
+    }
+    if (i == 2)
+      press(true);
+  }
+}
+
 TEST_F(Hold, WhatIsFeltIsTheMotionOfTheThing) {
   const BufferPtr frame = held_until(6);
   const auto found = test::displacement(frame.get());
@@ -111,6 +123,22 @@ TEST_F(Hold, LetGoThePlaceIsUnderThePointerAgain) {
 TEST_F(Hold, CanBeSwitchedOff) {
   gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "off");
   EXPECT_EQ(motion_of(held_until(4)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
+}
+
+TEST_F(Hold, LatchedItNeedsNoPressAndNoneLetsGo) {
+  const auto set_hold = [&](const char *value) {
+    gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", value);
+  };
+  pass(0);
+  set_hold("latched");
+  for (int i = 1; i <= 6; ++i) {
+    press(i == 3);
+    EXPECT_NEAR(motion_of(pass(i)).held_x, kWidth / 2.0 + 2 * (i - 1), 0.1) << i;
+  }
+  set_hold("pressed");
+  EXPECT_EQ(motion_of(pass(7)).hold, static_cast<guint>(GST_HAPTIC_HOLD_NONE));
+  set_hold("latched");
+  EXPECT_NEAR(motion_of(pass(8)).held_x, kWidth / 2.0, 0.1) << "taken anew";
 }
 
 TEST_F(Hold, APressOnAPlainWallIsRefusedAndFeltAsNothing) {

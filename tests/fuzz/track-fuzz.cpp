@@ -101,6 +101,14 @@ std::vector<Bytes> fields() {
   return coded;
 }
 
+Bytes things() {
+  const haptic::FieldThing two[] = {{1, haptic::HoldState::held, 0.25F, 0.5F, 0.01F},
+                                    {2, haptic::HoldState::hidden, 1, 0, 0.02F}};
+  Bytes packed(haptic::packed_size(two));
+  haptic::pack_field_things(two, packed);
+  return packed;
+}
+
 std::vector<Bytes> reliefs() {
   haptic::ReliefEncoder encoder;
   std::vector<Bytes> coded;
@@ -198,6 +206,11 @@ void decode_field(Decoder &decoder, std::span<const std::uint8_t> bytes) {
             "a field that is not valid got through");
 }
 
+void require_valid_things(std::span<const std::uint8_t> bytes) {
+  std::vector<haptic::FieldThing> things;
+  require(haptic::unpack_field_things(bytes, things), "things that are not valid got through");
+}
+
 void decode_field(haptic::FieldKind kind, std::span<const std::uint8_t> bytes) {
   haptic::FieldDecoder fields;
   haptic::ReliefDecoder reliefs;
@@ -229,6 +242,7 @@ void parse_klv(const Bytes &bytes) {
       require_valid(item->sample.motion);
     if (item->kind == haptic::KlvKind::field)
       decode_field(item->field_kind, item->field);
+    require_valid_things(item->things);
   }
 }
 
@@ -245,9 +259,10 @@ void parse_text(const Bytes &bytes) {
       haptic::read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (line.sample)
     require_valid(line.sample->motion);
-  else if (line.field)
+  else if (line.field) {
     decode_field(line.field->kind, line.field->bytes);
-  else
+    require_valid_things(line.field->things);
+  } else
     require(!line.error.empty(), "refused without a reason");
 }
 
@@ -309,6 +324,11 @@ std::vector<Parser> parsers() {
     for (const auto &bytes : coded) {
       klv.seeds.push_back(write_klv(haptic::CodedField{bytes, 1, 2, kind}));
       text.seeds.push_back(bytes_of(write_text_line(haptic::CodedField{bytes, 1, 2, kind})));
+      if (kind == haptic::FieldKind::motion) {
+        const haptic::CodedField with_things{bytes, 1, 2, kind, things()};
+        klv.seeds.push_back(write_klv(with_things));
+        text.seeds.push_back(bytes_of(write_text_line(with_things)));
+      }
       sequence.push_back(static_cast<std::uint8_t>(bytes.size()));
       sequence.push_back(static_cast<std::uint8_t>(bytes.size() >> 8));
       sequence.insert(sequence.end(), bytes.begin(), bytes.end());

@@ -22,7 +22,7 @@ listed() {
 promise "gst-device-monitor-1.0 lists it" listed
 
 # The stick is pushed to the right, where the picture moves to the right.
-echo 0.5 0 >&4
+echo 0.5 0 0 >&4
 promise "the pipeline runs" timeout -k 5 60 gst-launch-1.0 -q --no-position -e \
   videotestsrc is-live=true num-buffers=90 pattern=checkers-8 horizontal-speed=-4 \
   ! video/x-raw,width=352,height=288,framerate=30/1 \
@@ -42,5 +42,16 @@ pointed() {
 promise "its stick was the pointer" pointed
 promise "the force was played in its direction" felt
 promise "and erased at the end" grep -qx erase "$work/told"
+
+# `held_with PRESSED`: what roitracker says of each frame while the button is so.
+held_with() {
+  echo 0.5 0 "$1" >&4
+  timeout -k 5 60 gst-launch-1.0 -m --no-position videotestsrc is-live=true num-buffers=45 pattern=checkers-8 \
+    ! video/x-raw,width=352,height=288,framerate=30/1 \
+    ! roitracker ! velocityavg post-messages=true ! hapticsink device=evdev >"$work/messages"
+  grep -c 'haptic-motion.* held=' "$work/messages" || true
+}
+promise "its button arrives at the tracker as a press" test "$(held_with 1)" -gt 20
+promise "until it is released" test "$(held_with 0)" = 0
 exec 4>&-
 wait "$joystick"

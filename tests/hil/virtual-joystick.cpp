@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A virtual joystick with force feedback (uinput). Prints the commands to its driver, one a line,
-// until its input ends. A line "X Y" (-1..1, y down) of the input moves the stick.
+// until its input ends. A line "X Y PRESSED" of the input moves the stick (-1..1, y down) and
+// presses (1) or releases (0) its button.
 //
 //   virtual-joystick
 #include "virtual-joystick.hpp"
@@ -46,6 +47,9 @@ int main() {
   });
   double x = 0;
   double y = 0;
-  while (std::cin >> x >> y)
+  bool pressed = false;
+  while (std::cin >> x >> y >> pressed) {
     stick.move(std::clamp(x, -1.0, 1.0), std::clamp(y, -1.0, 1.0));
+    stick.press(pressed);
+  }
 }

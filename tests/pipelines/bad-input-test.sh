@@ -92,6 +92,9 @@ refuses "RIST does not encrypt" send-ts.sh --rist --passphrase secret12345 "$wor
 refuses "is for --rist" send-ts.sh --to 10.0.0.1 "$work/clip.mkv"
 refuses "not for --receive" send-ts.sh --receive "$work/clip.mkv"
 refuses "no file" mouse.sh "$work/missing.mp4"
+refuses "no file" hold.sh "$work/missing.mp4"
+refuses "two numbers from 0 to 1" hold.sh --at 0.5 "$work/clip.mkv"
+refuses "not both" hold.sh --at 0.5,0.5 --grip "$work/clip.mkv"
 refuses "no camera" camera.sh /dev/video99
 refuses "not a camera" camera.sh /dev/null
 refuses "which video" field-multicast.sh
@@ -121,10 +124,11 @@ refuses "noise.ini" touch-colour.sh --table "$work/noise.ini"
 unset DISPLAY WAYLAND_DISPLAY
 refuses "no display" play-file-with-display.sh "$work/clip.mkv"
 refuses "no display" mouse.sh "$work/clip.mkv"
+refuses "no display" hold.sh "$work/clip.mkv"
 FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
   GST_REGISTRY=$work/registry.bin refuses "does not find the element" play-file.sh "$work/clip.mkv"
 
-for script in demo play-file play-file-with-display camera mouse record play-track send receive send-ts field-multicast batch/parallel view paper/moving-picture paper/paper touch-depth touch-colour; do
+for script in demo play-file play-file-with-display camera mouse hold record play-track send receive send-ts field-multicast batch/parallel view paper/moving-picture paper/paper touch-depth touch-colour; do
   "$root/pipelines/$script.sh" --help >"$work/help"
   grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
   echo "ok: $script.sh --help"

@@ -50,6 +50,12 @@ frame 1
 promise "the legend has the orange" test "$(colours 'y >= 366 && r > b + 50')" -ge 40
 promise "the legend has the blue" test "$(colours 'y >= 366 && b > r + 40')" -ge 40
 
+picture=$work/hold.webp
+promise "with --hold the same is held" "$root/pipelines/paper/moving-picture.sh" --hold "$work/clip.mkv" "$picture"
+frame 1
+promise "a ring about it is green" test "$(colours 'y < 366 && g > r + 40 && g > b + 10')" -ge 40
+promise "the legend has the green" test "$(colours 'y >= 366 && g > r + 40 && g > b + 10')" -ge 30
+
 ! "$root/pipelines/paper/moving-picture.sh" "$work/clip.mkv" "$work/moving.gif" 2>"$work/said" || exit 1
 promise "what it cannot make it refuses" grep -q "must end in .webp" "$work/said"
 ! "$root/pipelines/paper/moving-picture.sh" "$0" "$picture.new.webp" 2>"$work/said" || exit 1

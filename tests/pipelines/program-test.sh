@@ -10,6 +10,7 @@
 color() {
   od -An -v -tu1 -w3 "$1" | awk -v "name=$2" '
     function is() {
+      if (name == "green") return $2 > $1 + 60 && $2 > $3 + 20
       return name == "orange" ? $1 > $2 + 50 && $2 > $3 + 50 : $3 > $2 + 30 && $2 > $1 + 30
     }
     is() { n++; rows += int((NR - 1) / 200) }
@@ -228,6 +229,50 @@ if [ $# = 4 ]; then
     start --sink device=sim --sink sim-hand=hold:0.5,0,0 --sink "log-location=$PWD/scripted.csv" "$video"
     # shellcheck disable=SC2016 # $6 is awk's: vy
     until_true logged scripted.csv 100 '$6 > 80'
+    xdotool windowfocus "$window" key q
+    ended
+  }
+
+  # What is pressed on, or latched by h, is held; what ends that is said, and ends the latch, too.
+  holding() {
+    start "$video"
+    until_true grep -q 'first frame' said
+    shot_until free orange 'n > 100 && row < 95'
+    # `says WORDS COMMAND...`: the program writes these words once more.
+    says() {
+      before=$(grep -cx "$1" said) || true
+      "${@:2}"
+      once_more() { [ "$(grep -cx "$1" said)" -gt "$before" ]; }
+      until_true once_more "$1"
+    }
+    says 'hold held' xdotool mousedown 1
+    says 'hold none' xdotool mouseup 1
+    press Home 'at 0:00'
+    point
+    says 'hold held' xdotool key h
+    # The thing in the left half moves up, wherever the mouse goes.
+    xdotool mousemove 450 190
+    shot green 90 90
+    shows green green 'n > 50'
+    press h 'let go'
+    press Home 'at 0:00'
+    point
+    # It leaves the frame. Then h holds nothing.
+    says 'hold lost' xdotool key h
+    press h 'held until'
+    says 'hold lost' xdotool key Home
+    # After a seek as well, and in another film.
+    press h 'held until'
+    open_url "file://$PWD/wall.mkv"
+    until_true opened 2
+    says 'hold nothing to hold' xdotool key h
+    press h 'held until'
+    xdotool key q
+    ended
+    # The button of a hand that points.
+    echo 0,-0.5,0,0,1 >hand.csv
+    start --sink "sim-hand=file:$PWD/hand.csv" "$video"
+    until_true grep -qx 'hold held' said
     xdotool windowfocus "$window" key q
     ended
   }
@@ -496,6 +541,9 @@ promise "a scripted hand points" in_window_system "$0" scripted "$program" "$wor
 # shellcheck disable=SC2016 # $6 is awk's: vy
 promise "it feels the right half, which moves down" \
   awk -F, 'NR > 1 && $6 > 80 { rows++ } END { print rows + 0 " rows"; exit rows < 100 }' "$work/scripted.csv"
+gst-launch-1.0 -q videotestsrc num-buffers=600 pattern=solid-color foreground-color=0xff808080 \
+  ! video/x-raw,width=352,height=288,framerate=30/1 ! jpegenc ! matroskamux ! filesink "location=$work/wall.mkv"
+promise "what is pressed on is held, and let go in every way" in_window_system "$0" holding "$program" "$work/clip.mkv" "$work"
 promise "an array vibrates and is drawn while the force is on" in_window_system "$0" array "$program" "$work/clip.mkv" "$work"
 promise "what its sound device lacks is said" grep -q 'does not take the 8 channels' "$work/said-of-array"
 promise "the colours of a film are touched" in_window_system "$0" touch_colours "$program" "$work/clip.mkv" "$work"

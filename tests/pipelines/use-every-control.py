@@ -46,6 +46,7 @@ ACTIONS = {
     "Record film and track, end the recording": DIALOG,
     "Force off and on": "force (on|off)",
     "Force off; leave full screen": "force off",
+    "Hold what is under the pointer, let go": "held until|let go",
     "Weaker": "strength",
     "Stronger": "strength",
     "Smaller region": "region of [0-9]+ px",

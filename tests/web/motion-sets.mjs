@@ -25,7 +25,7 @@ export const point = (speed, ...further) => set([[1, [1]], [2, [0]], [5, [0, 0]]
   [7, floats(speed, 0)], [8, floats(0)], [9, floats(0)], [10, floats(0.5, 0.5)], [11, floats(0.1, 0.1)], [12, floats(1)],
   [13, whole(352, 288)], [14, whole(1, 1)], [15, [0, 1]], [16, [2]], ...further]);
 
-const STATES = { held: 1, hidden: 3 };
+const STATES = { held: 1, about: 2, hidden: 3 };
 /** The things of a field as its packed form has them: {id, state, x, y, radius}, in fractions of the frame. */
 export const packedThings = things => bytesOf(4 + 12 * things.length, view => {
   view.setUint8(0, things.length);

@@ -287,6 +287,8 @@ void HapticLoop::update_hand(double dt) noexcept {
     homed_.store(true);
     run_.wash_out.step(state.pose.position, state.velocity, half, settings_.value().wash_out, dt);
     run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
+    // The button of a dead-man switch says that there may be a force, no more.
+    run_.place.pressed = state.pressed && !run_.environment.dead_man;
   }
   const LoopSettings &settings = settings_.value();
   HandPosition hand{.position = state.pose.position,

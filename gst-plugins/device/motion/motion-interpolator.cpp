@@ -79,12 +79,38 @@ void MotionInterpolator::clear() noexcept {
   path_.end();
   newest_held_ = {};
   begun_ = false;
+  hold_.lose();
 }
 
-void MotionInterpolator::pop_front() noexcept {
+void MotionInterpolator::pop_front(double z) noexcept {
   from_ = std::move(pending_[first_]);
   first_ = (first_ + 1) % kCapacity;
   --count_;
+  if (!hold_.is_pressed())
+    return;
+  if (from_.field)
+    hold_.step(*from_.field, z, from_.stretch);
+  else if ((from_.sample.flags & (kMotionCut | kMotionDiscontinuity)) != 0)
+    hold_.lose();
+}
+
+MotionSample MotionInterpolator::motion_from(const PointerPosition &place) const noexcept {
+  if (!from_.field || !hold_.is_pressed())
+    return motion_at(from_, place);
+  MotionSample sample = hold_.sample();
+  rescale(sample, from_.sample);
+  return sample;
+}
+
+MotionSample MotionInterpolator::motion_to(const TimedMotion &motion,
+                                           const PointerPosition &place) const noexcept {
+  if (!motion.field || !hold_.is_pressed())
+    return motion_at(motion, place);
+  FieldHold hold = hold_;
+  hold.step(*motion.field, place.z, motion.stretch);
+  MotionSample sample = hold.sample();
+  rescale(sample, motion.sample);
+  return sample;
 }
 
 // Keeps everything in the pixels of the newest frame, so that a line may join frames of different
@@ -123,9 +149,11 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
   }
   if (replaces && now_.measured) { // the line to what is replaced ends here
     from_ = {.sample = now_.sample, .measured = true, .time = now, .order = from_.order};
+    if (hold_.is_pressed())
+      from_.sample.held = {}; // the thing of a field has no way
   }
   if (count_ == kCapacity)
-    pop_front();
+    pop_front(0);
   pending(count_++) = std::move(knot);
   begun_ = true;
 }
@@ -133,14 +161,18 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
 const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &place) noexcept {
   now_.cut = false;
   while (count_ > 0 && (pending(0).time <= now || pending(0).time > now + kFarthest)) {
-    pop_front();
+    pop_front(place.z);
     now_.cut = now_.cut || (from_.sample.flags & kMotionCut) != 0;
   }
   if (count_ == 0 || from_.time > now)
     from_.time = now; // the next line begins here
   follow_thing(now);
 
-  const MotionSample from = motion_at(from_, place);
+  if (!place.pressed)
+    hold_.release();
+  else if (from_.field && !hold_.is_pressed())
+    hold_.press(place, *from_.field);
+  const MotionSample from = motion_from(place);
   now_.measured = is_measured(from_, from);
   if (now_.measured) {
     now_.sample = from;
@@ -149,6 +181,8 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
   } else {
     now_.sample.confidence = 0;
   }
+  if (from_.field || hold_.is_pressed())
+    now_.sample.held = hold_.sample().held;
   now_.age = begun_ ? static_cast<double>(std::max<std::int64_t>(now - known_until_, 0)) * 1e-9 : 0;
   return now_;
 }
@@ -178,7 +212,7 @@ void MotionInterpolator::follow_thing(std::int64_t now) noexcept {
 void MotionInterpolator::interpolate_to_next(std::int64_t now,
                                              const PointerPosition &place) noexcept {
   const TimedMotion &next = pending(0);
-  const MotionSample to = motion_at(next, place);
+  const MotionSample to = motion_to(next, place);
   if (!is_measured(next, to))
     return;
   const double share = static_cast<double>(now - from_.time) /

@@ -3,6 +3,7 @@
 // intervals that the velocities were measured over.
 #pragma once
 
+#include "motion/field-hold.hpp"
 #include "motion/timed-motion.hpp"
 #include "samples/pointer-position.hpp"
 #include "share/non-blocking.hpp"
@@ -36,7 +37,8 @@ public:
   static_assert(kCapacity < FieldPool::kSlots);
 
   void add(TimedMotion motion, std::int64_t now) noexcept HAPTIC_NONBLOCKING;
-  /// Returns the motion at `now`; in fields at `place` of the frame.
+  /// Returns the motion at `now`; in fields at `place` of the frame, or of the thing that was there
+  /// when the place began to be pressed.
   const MotionAt &at(std::int64_t now,
                      const PointerPosition &place = {}) noexcept HAPTIC_NONBLOCKING;
   /// Discards everything that was added.
@@ -44,7 +46,9 @@ public:
 
 private:
   TimedMotion &pending(std::size_t i) noexcept { return pending_[(first_ + i) % kCapacity]; }
-  void pop_front() noexcept;
+  void pop_front(double z) noexcept;
+  MotionSample motion_from(const PointerPosition &place) const noexcept;
+  MotionSample motion_to(const TimedMotion &motion, const PointerPosition &place) const noexcept;
   void interpolate_to_next(std::int64_t now, const PointerPosition &place) noexcept;
   void rescale_all_to(const MotionSample &sample) noexcept;
   void follow_thing(std::int64_t now) noexcept;
@@ -53,6 +57,7 @@ private:
   std::size_t first_ = 0;
   std::size_t count_ = 0;
   TimedMotion from_; // the line begins here
+  FieldHold hold_;   // at the field of from_
   MotionAt now_;
   HeldPath path_;
   HeldPlace newest_held_;         // of the newest frame

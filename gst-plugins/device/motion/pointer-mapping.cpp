@@ -22,7 +22,8 @@ bool differs(const std::optional<ProxyPosition> &a,
 
 bool differs(const PointerPosition &a, const PointerPosition &b) noexcept {
   if (std::abs(a.x - b.x) > kChange || std::abs(a.y - b.y) > kChange ||
-      std::abs(a.z - b.z) > kChange || a.force.has_value() != b.force.has_value())
+      std::abs(a.z - b.z) > kChange || a.pressed != b.pressed ||
+      a.force.has_value() != b.force.has_value())
     return true;
   for (std::size_t i = 0; a.force && i < a.force->size(); ++i)
     if (std::abs((*a.force)[i] - (*b.force)[i]) > kForceChange)

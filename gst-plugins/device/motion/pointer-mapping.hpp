@@ -53,8 +53,8 @@ private:
 };
 
 /// Passes a position that differs from the last passed one by more than 0.001, or its force by more
-/// than 0.01 N, or its proxy by more than 0.001 or 0.1 mm of depth; where a touch begins or ends;
-/// and any position 200 ms after the last passed one.
+/// than 0.01 N, or its proxy by more than 0.001 or 0.1 mm of depth; where a press or a touch begins
+/// or ends; and any position 200 ms after the last passed one.
 class PointerGate {
 public:
   /// Returns whether the position passes. `now` in ns of any steady clock.

@@ -9,6 +9,7 @@ namespace haptic {
 
 void scale_velocities(TimedMotion &motion, double factor) noexcept {
   motion.sample *= factor;
+  motion.stretch *= factor;
   if (!motion.field)
     return;
   for (FieldCell &cell : motion.field->cells) {
@@ -18,6 +19,8 @@ void scale_velocities(TimedMotion &motion, double factor) noexcept {
 }
 
 void set_interval(TimedMotion &motion, std::uint64_t interval) noexcept {
+  if (motion.sample.interval > 0)
+    motion.stretch *= static_cast<double>(interval) / static_cast<double>(motion.sample.interval);
   motion.sample.interval = interval;
   if (motion.field)
     motion.field->interval = interval;

@@ -30,6 +30,7 @@ struct CodedField {
   std::uint64_t time = kNoTime;     ///< ns, stream time at the sender
   std::uint64_t duration = kNoTime; ///< ns; none: the interval that the bytes hold
   FieldKind kind = FieldKind::motion;
+  std::vector<std::uint8_t> things = {}; ///< of a motion field: packed as pack_field_things() does
 
   bool operator==(const CodedField &) const = default;
 };

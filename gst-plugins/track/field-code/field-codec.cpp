@@ -171,10 +171,11 @@ bool GridEncoder<Cells>::needs_pair(const Field &field) const noexcept {
 }
 
 template <typename Cells>
-std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &field) {
+std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &field,
+                                                                  bool even_at_rest) {
   since_key_ += std::min(field.interval, key_interval_);
   const bool first = needs_pair(field) || Cells::step_for(field, state_.step) != state_.step;
-  if (!first && Cells::rests_on(state_, field)) {
+  if (!first && !even_at_rest && Cells::rests_on(state_, field)) {
     rested_ = true;
     return std::nullopt;
   }

@@ -152,8 +152,8 @@ public:
   /// not be sent. A pair of key fields comes first, after each key interval, after a cut, and when
   /// the frame or its grid changes. The others are the differences from the first and the second of
   /// the pair in turn, so that a lost one costs every second field. The field must be valid
-  /// (is_valid()).
-  std::optional<std::vector<std::uint8_t>> push(const Field &field);
+  /// (is_valid()). `even_at_rest`: it is sent for what it has beside its cells.
+  std::optional<std::vector<std::uint8_t>> push(const Field &field, bool even_at_rest = false);
 
   /// Returns the code of what a decoder holds (GridDecoder::state()), cell for cell the same, so
   /// that the places of the key fields can change and no value does. `ends_rest`: fields at rest

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "forms/klv.hpp"
 
+#include "samples/motion-field.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -39,6 +41,7 @@ enum MotionTag : std::uint8_t {
   kTagHeldTime,
   kTagField = 32,
   kTagRelief = 33,
+  kTagThings = 34,
   kMotionTags
 };
 
@@ -251,6 +254,10 @@ KlvItem read_motion(Bytes bytes, std::size_t offset) {
     item.field = values[tag_of(item.field_kind)];
     if (item.field.empty())
       return damaged("a value is missing", offset);
+    if (item.field_kind == FieldKind::motion)
+      item.things = values[kTagThings];
+    if (!are_field_things(item.things))
+      return damaged("a value is out of its range", offset + set.offsets[kTagThings]);
     item.kind = KlvKind::field;
     return item;
   }
@@ -358,6 +365,8 @@ std::vector<std::uint8_t> write_klv(const CodedField &field) {
   if (field.duration != kNoTime)
     out.unsigned_values(kTagDuration, 8, {field.duration});
   out.bytes(tag_of(field.kind), field.bytes);
+  if (!field.things.empty())
+    out.bytes(kTagThings, field.things);
   return out.finish();
 }
 
@@ -365,7 +374,8 @@ CodedField coded_field_of(const KlvItem &item) {
   return {{item.field.begin(), item.field.end()},
           item.sample.time,
           item.sample.duration,
-          item.field_kind};
+          item.field_kind,
+          {item.things.begin(), item.things.end()}};
 }
 
 std::optional<KlvItem> KlvReader::next() noexcept {

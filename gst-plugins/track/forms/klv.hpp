@@ -51,8 +51,9 @@ struct KlvItem {
   TrackSample sample;                  ///< of KlvKind::motion; its times also of KlvKind::field
   std::span<const std::uint8_t> field; ///< of KlvKind::field: what the decoder of its kind takes
   FieldKind field_kind = FieldKind::motion;
-  const char *error = ""; ///< of KlvKind::damaged: what is wrong
-  std::size_t offset = 0; ///< where in the bytes the item begins, or the damage is
+  std::span<const std::uint8_t> things; ///< of a motion field
+  const char *error = "";               ///< of KlvKind::damaged: what is wrong
+  std::size_t offset = 0;               ///< where in the bytes the item begins, or the damage is
 };
 
 /// Returns the field of an item of KlvKind::field.

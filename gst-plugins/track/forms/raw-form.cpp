@@ -27,6 +27,11 @@ struct Motion {
   static constexpr auto unpack = unpack_motion_field;
   static constexpr auto pack = pack_motion_field;
   static bool is_known(const FieldCell &cell) { return cell.confidence > 0; }
+  static std::vector<std::uint8_t> things_of(const MotionField &field) {
+    std::vector<std::uint8_t> bytes(packed_size(field.things));
+    pack_field_things(field.things, bytes);
+    return bytes;
+  }
 };
 
 struct Relief {
@@ -36,6 +41,7 @@ struct Relief {
   static constexpr auto unpack = unpack_relief_field;
   static constexpr auto pack = pack_relief_field;
   static bool is_known(const ReliefCell &cell) { return cell.validity > 0; }
+  static std::vector<std::uint8_t> things_of(const ReliefField &) { return {}; }
 };
 
 // Fields of one kind. `Kind` is Motion or Relief.
@@ -52,7 +58,8 @@ public:
       std::ranges::fill(field_.cells, typename decltype(field_.cells)::value_type{});
     if (packet.discontinuous)
       encoder_.restart();
-    auto bytes = encoder_.push(field_);
+    auto things = packet.gap ? std::vector<std::uint8_t>{} : Kind::things_of(field_);
+    auto bytes = encoder_.push(field_, things != things_);
     if (!bytes) {
       items.emplace_back(TimedRest{packet.time, packet.duration});
       return;
@@ -60,6 +67,7 @@ public:
     TimedField item;
     item.field.bytes = std::move(*bytes);
     item.field.kind = Kind::kKind;
+    item.field.things = things_ = std::move(things);
     item.time = packet.time;
     item.duration = packet.duration;
     // The code holds the interval to the microsecond. Another duration is sent beside it.
@@ -81,6 +89,7 @@ public:
     const std::uint64_t interval = decoder_.field().interval;
     if (decoder_.rested() && item.time != kNoTime && item.time >= interval)
       output.packets.push_back(packed(decoder_.rest(), item.time - interval, interval));
+    things_ = item.field.things;
     const bool lasts_for_interval = item.field.duration == kNoTime && interval > 0;
     output.packets.push_back(
         packed(decoder_.field(), item.time, lasts_for_interval ? interval : item.field.duration));
@@ -90,21 +99,25 @@ public:
   void restart() {
     encoder_.restart();
     decoder_.forget();
+    things_.clear();
   }
 
 private:
   using Field = typename Cells::Field;
 
-  static OutputPacket packed(const Field &field, std::uint64_t time, std::uint64_t duration) {
+  // With the things of the coded field that was read last.
+  OutputPacket packed(const Field &field, std::uint64_t time, std::uint64_t duration) const {
     OutputPacket packet{std::vector<std::uint8_t>(packed_size(field)), time, duration};
     Kind::pack(field, packet.bytes);
-    packet.gap = std::ranges::none_of(field.cells, Kind::is_known);
+    packet.bytes.insert(packet.bytes.end(), things_.begin(), things_.end());
+    packet.gap = things_.empty() && std::ranges::none_of(field.cells, Kind::is_known);
     return packet;
   }
 
   GridEncoder<Cells> encoder_;
   GridDecoder<Cells> decoder_;
-  Field field_; // that was read last; kept for its memory
+  Field field_;                      // that was read last; kept for its memory
+  std::vector<std::uint8_t> things_; // packed, of the field that was read last
 };
 
 class RawForm final : public TrackForm {

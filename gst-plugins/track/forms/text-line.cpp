@@ -218,12 +218,14 @@ TextLine read_field(std::string_view line, FieldKind kind) {
     if ((name == "t" && !parse_time(value, field.time)) ||
         (name == "d" && !parse_time(value, field.duration)))
       return wrong("the value " + std::string(name) + " cannot be read");
-    if (name != "b")
+    const bool is_code = name == "b";
+    if (!is_code && (name != "things" || kind == FieldKind::relief))
       continue;
+    auto &read = is_code ? field.bytes : field.things;
     auto bytes = decode_base64(value);
-    if (!bytes || !field.bytes.empty())
-      return wrong("the value b cannot be read");
-    field.bytes = std::move(*bytes);
+    if (!bytes || !read.empty() || (!is_code && !are_field_things(*bytes)))
+      return wrong("the value " + std::string(name) + " cannot be read");
+    read = std::move(*bytes);
   }
   if (field.bytes.empty())
     return wrong("the value b is missing");
@@ -271,8 +273,13 @@ std::string write_text_line(const CodedField &field) {
     out.time("t", field.time);
   if (field.duration != kNoTime)
     out.time("d", field.duration);
-  const GCharPtr base64(g_base64_encode(field.bytes.data(), field.bytes.size()));
-  out.field("b", base64.get());
+  const auto add = [&](const char *name, const std::vector<std::uint8_t> &bytes) {
+    const GCharPtr base64(g_base64_encode(bytes.data(), bytes.size()));
+    out.field(name, base64.get());
+  };
+  add("b", field.bytes);
+  if (!field.things.empty())
+    add("things", field.things);
   return out.finish();
 }
 

@@ -53,8 +53,8 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
-// Whether a press takes the thing under the pointer.
-enum class HoldMode { off, pressed };
+// When the thing under the pointer is taken.
+enum class HoldMode { off, pressed, latched };
 
 // State
 
@@ -82,8 +82,9 @@ struct State {
   haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
-  GstClockTime held_time = 0; // ns since it was taken
-  bool was_pressed = false;   // in the frame before
+  GstClockTime held_time = 0;               // ns since it was taken
+  GstClockTime taken = GST_CLOCK_TIME_NONE; // time stamp of the frame in which it was
+  bool was_pressed = false;                 // in the frame before
   Pointer notified_pointer;
   bool warned_of_tracker = false;
 
@@ -200,13 +201,17 @@ std::span<const haptic::Property<Shared>> properties() {
          g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
        }},
       Rows::choice<&Shared::hold>(
-          "hold", "Hold", "Whether a press takes the thing under the pointer",
+          "hold", "Hold", "When the thing under the pointer is taken",
           haptic::register_enum<HoldMode>(
               "GstRoiTrackerHold",
               {{HoldMode::off, "The region stays under the pointer", "off"},
                {HoldMode::pressed,
                 "While the pointer is pressed, the region follows the thing that was under it",
-                "pressed"}})),
+                "pressed"},
+               {HoldMode::latched,
+                "The region follows the thing that is under the pointer now, pressed or not, until "
+                "this is set again",
+                "latched"}})),
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
                                         haptic::kMaxPatches),
@@ -294,7 +299,6 @@ Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &sett
 
 // Follows the thing into this frame, after the motion of the region was measured.
 void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &finding) {
-  state.held_time += finding.interval;
   const float seconds = static_cast<float>(finding.interval) / static_cast<float>(GST_SECOND);
   if ((finding.flags & (haptic::kMotionCut | haptic::kMotionDiscontinuity)) != 0)
     state.thing.lose();
@@ -318,13 +322,18 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
   if (!frame)
     return false;
   const haptic::FrameLuma luma(frame.frame());
+  const GstClockTime now = GST_BUFFER_PTS(buffer);
   if (was_pressed) {
+    // Not the sum of the intervals: those of repeated frames overlap.
+    if (GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(state.taken))
+      state.held_time = now > state.taken ? now - state.taken : state.taken - now;
     follow_thing(state, luma, finding);
     return true;
   }
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   state.held_time = 0;
+  state.taken = now;
   state.thing.take(luma, width, height,
                    static_cast<float>(settings.pointer.x) * static_cast<float>(width),
                    static_cast<float>(settings.pointer.y) * static_cast<float>(height));
@@ -457,7 +466,8 @@ Settings current_settings(GstRoiTracker *self) {
           shared.roi_size,
           shared.max_points,
           shared.method,
-          shared.hold == HoldMode::pressed && pointer.pressed};
+          shared.hold == HoldMode::latched ||
+              (shared.hold == HoldMode::pressed && pointer.pressed)};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {

@@ -67,6 +67,13 @@ bool set_property(GObject *object, const std::string &name, const std::string &v
   return valid;
 }
 
+haptic::HoldState hold_of(const GstStructure *fields) {
+  const auto found = std::ranges::find(haptic::kHoldStateNames, text_of(fields, "held"));
+  return found == haptic::kHoldStateNames.end()
+             ? haptic::HoldState::none
+             : static_cast<haptic::HoldState>(found - haptic::kHoldStateNames.begin());
+}
+
 } // namespace
 
 std::string set_option(GstElement *sink, const std::string &option) {
@@ -133,6 +140,7 @@ void Player::fail(const std::string &sentence) {
 void Player::start() {
   has_frame_ = false;
   type_seen_ = false;
+  latched_ = false;
   missing_.clear();
   if (const std::string problem = problem_of(source_); !problem.empty())
     return fail(problem);
@@ -458,7 +466,11 @@ void Player::add_reading(const GstStructure *fields) {
   const auto now = Clock::now();
   const double since = std::chrono::duration<double>(now - last_reading_).count();
   last_reading_ = now;
-  Reading reading{std::min(since, kLongestGap), kUnknown, kUnknown, kUnknown, kUnknown};
+  Reading reading{
+      std::min(since, kLongestGap), kUnknown, kUnknown, kUnknown, kUnknown, hold_of(fields)};
+  if (latched_ &&
+      (reading.hold == haptic::HoldState::lost || reading.hold == haptic::HoldState::refused))
+    latch(false);
   double confidence = 0;
   if (gst_structure_get_double(fields, "confidence", &confidence) && confidence > 0)
     gst_structure_get(fields, "vx", G_TYPE_DOUBLE, &reading.vx, "vy", G_TYPE_DOUBLE, &reading.vy,
@@ -493,6 +505,12 @@ void Player::emit(const char *signal) {
   const ElementPtr array = element("array");
   if (array && (releases || std::strcmp(signal, "arm") == 0))
     g_object_set(array.get(), "level", releases ? 0.0 : 1.0, nullptr);
+}
+
+void Player::latch(bool holds) {
+  latched_ = holds;
+  if (const ElementPtr tracker = element("tracker"))
+    gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", holds ? "latched" : "pressed");
 }
 
 bool Player::is_armed() const {

@@ -107,6 +107,10 @@ public:
   void arm() { emit("arm"); }
   void release() { emit("release"); }
   void calibrate() { emit("calibrate"); }
+  /// Takes what is under the pointer now and holds it without a press. A thing that is lost, with
+  /// its scene or by a seek, is let go, and so is one that cannot be taken.
+  void latch(bool holds);
+  bool is_latched() const { return latched_; }
   bool is_armed() const;
   double max_force() const;
   int frame_width() const;
@@ -155,8 +159,9 @@ private:
   bool has_frame_ = false;   // of this pipeline
   bool had_frame_ = false;   // of this source
   bool sound_noted_ = false; // once, not with each film
-  gint64 start_at_ = 0;      // ns, position to begin at
-  std::string missing_;      // sentence about the plugins that are missing
+  bool latched_ = false;
+  gint64 start_at_ = 0; // ns, position to begin at
+  std::string missing_; // sentence about the plugins that are missing
   std::chrono::steady_clock::time_point last_reading_{};
   bool type_seen_ = false; // streaming thread of the source
 };

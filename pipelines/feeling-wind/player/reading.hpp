@@ -2,6 +2,8 @@
 // What the player tells the window of each frame.
 #pragma once
 
+#include "samples/held-place.hpp"
+
 namespace program {
 
 /// Motion and force of one frame. A value that was not measured is not finite.
@@ -11,6 +13,7 @@ struct Reading {
   double vy = 0;       ///< px/s, down
   double fx = 0;       ///< N, to the right
   double fy = 0;       ///< N, up
+  haptic::HoldState hold = haptic::HoldState::none;
 };
 
 } // namespace program

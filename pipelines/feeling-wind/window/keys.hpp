@@ -37,6 +37,7 @@ inline constexpr std::array kKeys = {
     Key{KeyGroup::playback, "louder", "Up", "Louder"},
     Key{KeyGroup::force, "arm", "s", "Force off and on"},
     Key{KeyGroup::force, "release", "Escape", "Force off; leave full screen"},
+    Key{KeyGroup::force, "hold", "h", "Hold what is under the pointer, let go"},
     Key{KeyGroup::force, "weaker", "less comma", "Weaker"},
     Key{KeyGroup::force, "stronger", "greater period", "Stronger"},
     Key{KeyGroup::force, "smaller-region", "bracketleft", "Smaller region"},

@@ -6,6 +6,7 @@
 
 #include <cairo.h>
 #include <string>
+#include <string_view>
 
 namespace program {
 
@@ -16,6 +17,9 @@ Light light_of(const Session &session, bool armed);
 
 /// Returns whether there is a force, why not, and what brings it back.
 std::string session_sentence(const Session &session, bool armed);
+
+/// What became of the thing under the hand, in the words of hapticoverlay.
+std::string_view hold_words(haptic::HoldState state);
 
 /// Draws the light into a square of `size`: each has a shape of its own beside its colour.
 void draw_light(cairo_t *cairo, double size, Light light);

@@ -73,6 +73,7 @@ void Window::add_actions() {
       Action{"record", [](Window &w) { w.toggle_recording(); }},
       Action{"arm", [](Window &w) { w.toggle_force(); }},
       Action{"release", [](Window &w) { w.force_off(); }},
+      Action{"hold", [](Window &w) { w.toggle_hold(); }},
       Action{"weaker", [](Window &w) { w.scale_strength(1 / kStrengthStep); }},
       Action{"stronger", [](Window &w) { w.scale_strength(kStrengthStep); }},
       Action{"smaller-region", [](Window &w) { w.scale_region(1 / kRegionStep); }},
@@ -350,6 +351,12 @@ void Window::force_off() {
     return;
   player_.release();
   show_note("force off; s brings it back");
+}
+
+void Window::toggle_hold() {
+  const bool holds = !player_.is_latched();
+  player_.latch(holds);
+  show_note(holds ? "held until h is pressed again" : "let go");
 }
 
 // alpha: how much force a slow motion gives; the greatest force stays.

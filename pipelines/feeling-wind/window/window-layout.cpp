@@ -246,7 +246,7 @@ void Window::fill_menu() {
       {"open", "open-url", "demonstration", "record"},
       {"back", "forward", "begin", "slower", "faster", "reverse", "rotate", "deinterlace"},
       {"quieter", "louder"},
-      {"default-region", "next-law", "calibrate"},
+      {"hold", "default-region", "next-law", "calibrate"},
       {"drawing", "curves", "appearance"},
       {"keys", "about", "quit"}};
   const auto label = [](const char *action) -> std::string {

@@ -124,6 +124,7 @@ void Window::open(const Source &source) {
 
 void Window::on_widget(GtkWidget *video) {
   end_recording_before("the film is opened again"); // its pads are those of the pipeline before
+  newest_ = {};
   mark_choices(); // the player replaces a device that cannot be opened
   if (video_)
     gtk_container_remove(GTK_CONTAINER(film_box_), video_);
@@ -176,6 +177,13 @@ void Window::on_session(const Session &session) {
 }
 
 void Window::on_reading(const Reading &reading) {
+  if (reading.hold != newest_.hold) {
+    const std::string words(hold_words(reading.hold));
+    print("hold " + words);
+    // A latch ends with it, and takes the words beside the light along.
+    if (reading.hold == haptic::HoldState::lost || reading.hold == haptic::HoldState::refused)
+      show_note(words);
+  }
   newest_ = reading;
   last_sign_ = Clock::now();
   chart_.add(reading);
@@ -251,6 +259,8 @@ void Window::update_force() {
         begun ? session_sentence(session_, player_.is_armed()) : "Force off: no frame has come yet";
     if (session_.state == "armed")
       text += number(", %.2f N", std::hypot(newest_.fx, newest_.fy));
+    if (newest_.hold != haptic::HoldState::none)
+      text.append(" (").append(hold_words(newest_.hold)).append(")");
   }
   set_text(force_text_, text);
   const bool released = player_.is_open() && !player_.is_armed(); // as toggle_force() decides
@@ -388,7 +398,7 @@ void Window::hide_info() {
 void Window::update_sensitivity() {
   const bool open = player_.is_open();
   for (const char *action : {"play", "back", "forward", "begin", "slower", "faster", "reverse",
-                             "rotate", "deinterlace", "record", "arm", "calibrate"})
+                             "rotate", "deinterlace", "record", "arm", "hold", "calibrate"})
     if (GAction *found = g_action_map_lookup_action(G_ACTION_MAP(window_), action))
       g_simple_action_set_enabled(G_SIMPLE_ACTION(found), open);
 }

@@ -99,6 +99,7 @@ private:
   void toggle_recording();
   void toggle_force();
   void force_off();
+  void toggle_hold();
   void scale_strength(double factor);
   void scale_region(double factor);
   void default_region();

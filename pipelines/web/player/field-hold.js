@@ -7,7 +7,7 @@ import { regionSide, sampleField } from './field-sampler.js';
 const HEADER = 4, SIZE = 12; // bytes, of all things and of each
 const STATES = ['none', 'held', 'about', 'hidden', 'lost'];
 const STEPS = 65535;
-const REACH = 24, REACH_WIDTH = 1920; // px, in a frame of this width: a thing this near is taken
+const LEAST_REACH = fround(0.0125); // of the width: 24 px of 1920
 const DISCONTINUITY = 8; // flag: there is no earlier frame
 
 /** @returns {id, state, x, y: fractions of the frame, radius: of its width} of each thing in the bytes of KLV */
@@ -21,60 +21,64 @@ export function readThings(bytes) {
   });
 }
 
-const seconds = us => fround(fround(us * 1000) * fround(1e-9));
+const seconds = us => fround(us * 1000 * 1e-9);
+const halfRegion = ({ width, height }, z) => fround(regionSide(width, height, z) / (2 * width));
 
 export class FieldHold {
-  #id = null; // of the thing; null: about the place
-  /** {state: held, about, hidden or lost, x, y, radius, time: s since the press}, or null */
-  held = null;
   /** px/s, y down */
   x = 0;
   y = 0;
   confidence = 0;
+  /** {id: of the thing, or null, state: held, about, hidden or lost, x, y, radius, time: s since the press}, or null */
+  held = null;
 
-  /** Takes the thing at a place of the frame, or else what moves about the place. */
-  press(x, y, field) {
-    [x, y] = [fround(x), fround(y)];
-    const { width, height } = field;
-    let taken = null, least = Infinity; // px^2
+  /** Takes the thing at a place of the frame, or else what moves about the place. Its motion is that of the place. */
+  press(place, field) {
+    const { width, height } = field, x = fround(place.x), y = fround(place.y);
+    Object.assign(this, sampleField(field, place));
+    let held = { id: null, state: 'about', x, y, radius: halfRegion(field, place.z ?? 0) }, nearest = Infinity; // px^2
     for (const thing of readThings(field.things)) {
       const dx = fround(fround(thing.x - x) * width), dy = fround(fround(thing.y - y) * height);
       const distance = fround(fround(dx * dx) + fround(dy * dy));
-      const reach = Math.max(fround(thing.radius * width), fround(fround(REACH * width) / REACH_WIDTH));
-      if (thing.state !== 'held' || !(distance <= fround(reach * reach)) || !(distance < least)) continue;
-      [taken, least] = [thing, distance];
+      const reach = fround(Math.max(thing.radius, LEAST_REACH) * width);
+      if (thing.state === 'hidden' || distance > fround(reach * reach) || distance >= nearest) continue;
+      [held, nearest] = [thing, distance];
     }
-    this.#id = taken?.id ?? null;
-    this.#say(taken ?? { state: 'about', x, y, radius: fround(regionSide(width, height, 0) / 2 / width) }, 0);
+    this.held = { ...held, time: 0 };
   }
 
   release() { this.held = null; }
 
-  /** The next field of the film. */
-  step(field) {
-    if (!this.held || this.held.state === 'lost') return;
-    const before = this.held, time = before.time + field.interval / 1e6;
-    if (field.flags & (CUT | DISCONTINUITY)) return this.#say({ ...before, state: 'lost' }, time);
-    const interval = seconds(field.interval);
-    if (this.#id === null) return this.#drift(field, interval, time);
-    const thing = readThings(field.things).find(({ id }) => id === this.#id);
-    this.#say(thing ?? { ...before, state: 'lost' }, time);
-    if (thing?.state !== 'held') return;
-    this.confidence = 1;
-    if (before.state !== 'held' || !(interval > 0)) return;
-    this.x = fround(fround(fround(thing.x - before.x) * field.width) / interval);
-    this.y = fround(fround(fround(thing.y - before.y) * field.height) / interval);
-  }
-
-  #drift(field, interval, time) {
-    const { x, y, confidence } = sampleField(field, this.held);
-    const next = (place, speed, size) => clamp(fround(place + fround(fround(speed * interval) / size)), 0, 1);
-    this.#say({ ...this.held, x: next(this.held.x, x, field.width), y: next(this.held.y, y, field.height) }, time);
-    Object.assign(this, { x, y, confidence });
-  }
-
-  #say({ state, x, y, radius }, time) {
-    this.held = { state, x, y, radius, time };
+  /** The next field of the film; `z` is that of the hand. */
+  step(field, z = 0) {
+    const before = this.held;
+    if (!before) return;
+    const held = this.held = { ...before, time: before.time + field.interval / 1e6 };
     this.x = this.y = this.confidence = 0;
+    const thing = held.id === null ? held : readThings(field.things).find(({ id }) => id === held.id);
+    if (!thing || field.flags & (CUT | DISCONTINUITY)) held.state = 'lost';
+    if (held.state === 'lost') return;
+    if (thing === held) return this.#drift(field, z);
+    Object.assign(held, thing);
+    if (held.state === 'about') this.#feelRegion(field, z);
+    if (held.state !== 'held') return;
+    this.confidence = 1;
+    const interval = seconds(field.interval);
+    if (before.state !== 'held' || !(interval > 0)) return;
+    this.x = fround(fround(fround(held.x - before.x) * field.width) / interval);
+    this.y = fround(fround(fround(held.y - before.y) * field.height) / interval);
+  }
+
+  #feelRegion(field, z) {
+    Object.assign(this, sampleField(field, { ...this.held, z }));
+  }
+
+  #drift(field, z) {
+    this.#feelRegion(field, z);
+    const { held } = this, interval = seconds(field.interval);
+    const moved = (place, speed, size) => clamp(fround(place + fround(fround(speed * interval) / size)), 0, 1);
+    held.radius = halfRegion(field, z);
+    held.x = moved(held.x, this.x, field.width);
+    held.y = moved(held.y, this.y, field.height);
   }
 }

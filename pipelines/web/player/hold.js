@@ -12,8 +12,7 @@ const COLOURS = { edge: '#000000', held: '#009e73' }; // of Okabe and Ito
 export class Hold {
   #player;
   #hold = new FieldHold();
-  #since = 0; // s, when the frame of the press was due
-  #knots = []; // those of the track with what is felt, and `held`
+  #samples = []; // {due: s, of the frame, x, y, confidence: what is felt, held}
 
   constructor(player, video, signal) {
     this.#player = player;
@@ -26,9 +25,8 @@ export class Hold {
     const { place, field, relief } = this.#player;
     this.#clear();
     if (place && field && !relief) {
-      this.#hold.press(place.x, place.y, field);
-      this.#since = field.due;
-      this.#knots = [{ due: field.due, held: this.#hold.held }];
+      this.#hold.press(place, field);
+      this.#keep(field.due);
     }
     this.#tell();
   }
@@ -42,26 +40,37 @@ export class Hold {
   /** {state, x, y, radius, time} in the frame that is shown, or null */
   get held() { return this.#shown.at(-1)?.held ?? this.#hold.held; }
 
-  /** A knot of the track, as it is felt. */
-  felt = knot => {
-    if (!this.#hold.held || !knot.field || knot.due <= this.#since) return knot;
-    if (knot.due > this.#knots.at(-1).due) this.#step(knot);
-    return this.#knots.findLast(({ due }) => due <= knot.due);
+  /** A knot of the track, as it is felt. The one that is next is only looked at: the hand may change until it is there. */
+  felt = (knot, isNext) => {
+    if (!this.#hold.held || !knot.field || knot.due < this.#samples[0].due) return knot;
+    if (knot.due > this.#samples.at(-1).due && !isNext) this.#step(knot);
+    const { x, y, confidence } = knot.due > this.#samples.at(-1).due ? this.#after(knot)
+      : this.#samples.findLast(({ due }) => due <= knot.due);
+    return { ...knot, field: null, motion: { ...knot.motion, x, y, confidence }, measured: confidence > 0 };
   };
 
+  #after({ field }) {
+    const hold = Object.assign(new FieldHold(), this.#hold);
+    hold.step(field, this.#player.place?.z);
+    return hold;
+  }
+
   #step(knot) {
-    const before = this.#hold.held.state;
-    this.#hold.step(knot.field);
+    const { state } = this.#hold.held;
+    this.#hold = this.#after(knot);
+    this.#keep(knot.due);
+    if (this.#hold.held.state !== state) this.#tell();
+  }
+
+  #keep(due) {
     const { x, y, confidence, held } = this.#hold;
-    const motion = { ...knot.motion, x, y, confidence };
-    this.#knots.push({ ...knot, field: null, motion, measured: confidence > 0, held });
-    if (this.#knots[0].due < knot.due - KEPT) this.#knots.shift();
-    if (held.state !== before) this.#tell();
+    this.#samples.push({ due, x, y, confidence, held });
+    if (this.#samples[0].due < due - KEPT) this.#samples.shift();
   }
 
   #clear() {
     this.#hold.release();
-    this.#knots = [];
+    this.#samples = [];
   }
 
   #tell() {
@@ -70,7 +79,7 @@ export class Hold {
 
   get #shown() {
     const due = this.#player.field?.due ?? -Infinity;
-    return this.#knots.filter(knot => knot.due <= due);
+    return this.#samples.filter(sample => sample.due <= due);
   }
 
   /** Draws the ring, its path and a word, as hapticoverlay does. @returns the place that the hand rides on, if it may */
@@ -80,11 +89,11 @@ export class Hold {
     const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
     const line = Math.max(picture.height / 360, 1);
     const at = ({ x, y }) => [picture.x + x * picture.width, picture.y + y * picture.height];
-    const isSeen = knot => /held|about/.test(knot?.held.state);
+    const isSeen = sample => /held|about/.test(sample?.held.state);
     context.beginPath();
     if (!isCalm)
-      this.#shown.filter(({ held: { time } }) => time >= held.time - TRAIL).forEach((knot, i, knots) => {
-        if (isSeen(knot)) context[isSeen(knots[i - 1]) ? 'lineTo' : 'moveTo'](...at(knot.held));
+      this.#shown.filter(({ held: { time } }) => time >= held.time - TRAIL).forEach((sample, i, samples) => {
+        if (isSeen(sample)) context[isSeen(samples[i - 1]) ? 'lineTo' : 'moveTo'](...at(sample.held));
       });
     stroke(context, line, line);
     const radius = held.state === 'lost' ? 0 : Math.max(held.radius * picture.width, 4 * line);
@@ -95,7 +104,7 @@ export class Hold {
       stroke(context, 2 * line, line);
       context.setLineDash([]);
     }
-    if (held.state !== 'held') write(context, picture, held.state, at(held), radius + 3 * line);
+    if (held.state !== 'held') write(context, picture, held.state, at(held), Math.max(radius, 0.03 * picture.height) + 4 * line);
     return isCalm || radius === 0 ? null : held;
   }
 }

@@ -18,7 +18,7 @@ const HELD = [T.held, T.heldPlace, T.heldRadius, T.heldTime]; // the last three 
 const OPTIONAL = [T.time, T.duration, ...HELD];
 const LAST_MODEL = 4; // affine
 const LAST_STATE = 5; // refused
-const MOST_THINGS = 32, STATES = [1, 3]; // held, hidden
+const MOST_THINGS = 32;
 
 // Reads a BER length at `at`. Returns it and where the value begins, or null.
 function readLength(bytes, at) {
@@ -85,7 +85,7 @@ function isValid(p) {
 function areThings(bytes) {
   const end = 4 + 12 * bytes[0];
   return bytes[0] <= MOST_THINGS && bytes.length >= Math.max(end, 4) &&
-    bytes.subarray(0, end).every((byte, i) => i < 4 || i % 12 !== 6 || STATES.includes(byte));
+    bytes.subarray(0, end).every((state, i) => i < 4 || i % 12 !== 6 || state > 0 && state < 4);
 }
 
 function readMotion(bytes, offset) {

@@ -175,12 +175,12 @@ export class MotionTrack extends PacketTrack {
   /**
    * The motion at `time` (s) at `place`: {x, y: px/s, y down, confidence, measured, cut: one was passed since `since`,
    * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}. `felt`
-   * may give another knot for each.
+   * may give another knot for each; it is told whether it is the next one.
    */
   at(time, place, since = time, felt = knot => knot) {
     const around = this.around(time, since);
     if (!around) return NOTHING;
-    const from = felt(around.from), to = around.to && felt(around.to), { cut } = around;
+    const from = felt(around.from), to = around.to && felt(around.to, true), { cut } = around;
     const begins = to ? Math.max(from.time, to.comes) : Infinity;
     const newest = time >= begins ? to : from;
     const now = {

@@ -69,6 +69,8 @@ export interface Held {
   x: number; y: number;
   /** Share of the width of the picture. */
   radius: number;
+  /** Of the thing in the track; null: a place is held. */
+  id: number | null;
   /** s of the film since the press. */
   time: number;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "samples/motion-field.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -90,6 +91,57 @@ TEST(MotionField, AFieldWithMoreCellsThanItHasBytesOrThanAreAllowedIsRefused) {
   EXPECT_FALSE(is_read(bytes));
   bytes[32] = bytes[33] = bytes[34] = bytes[35] = 0;
   EXPECT_FALSE(is_read(bytes));
+}
+
+MotionField field_with_things() {
+  MotionField field = small_field();
+  field.things = {{0x0102, haptic::HoldState::held, 0.25F, 1, 0.05F},
+                  {7, haptic::HoldState::hidden, 0, 0.5F, 0}};
+  return field;
+}
+
+TEST(MotionField, ThingsStandBehindTheCellsWhereEarlierReadersDoNotLook) {
+  const auto without = packed(small_field());
+  const auto with = packed(field_with_things());
+  ASSERT_EQ(with.size(), without.size() + 4 + 2 * 12);
+  EXPECT_TRUE(std::equal(without.begin(), without.end(), with.begin()));
+  const std::vector<std::uint8_t> things = {2, 0, 0, 0,                                           //
+                                            2, 1, 1, 0, 0x00, 0x40, 0xFF, 0xFF, 0xCD, 0x0C, 0, 0, //
+                                            7, 0, 3, 0, 0,    0,    0x00, 0x80, 0,    0,    0, 0};
+  EXPECT_EQ(std::vector(with.begin() + static_cast<std::ptrdiff_t>(without.size()), with.end()),
+            things);
+}
+
+TEST(MotionField, ThingsComeBackWithin65535thsAndThenBitByBit) {
+  MotionField field;
+  ASSERT_TRUE(haptic::unpack_motion_field(packed(field_with_things()), field));
+  ASSERT_EQ(field.things.size(), 2U);
+  EXPECT_EQ(field.things[0].id, 0x0102);
+  EXPECT_EQ(field.things[1].state, haptic::HoldState::hidden);
+  EXPECT_NEAR(field.things[0].x, 0.25F, 1 / 131070.F);
+  EXPECT_NEAR(field.things[0].radius, 0.05F, 1 / 131070.F);
+  MotionField again;
+  ASSERT_TRUE(haptic::unpack_motion_field(packed(field), again));
+  EXPECT_EQ(again, field);
+  ASSERT_TRUE(haptic::unpack_motion_field(packed(small_field()), again));
+  EXPECT_TRUE(again.things.empty()) << "none are left of the field before";
+}
+
+TEST(MotionField, ThingsThatAreCutOffTooManyOrOfAnotherStateAreRefused) {
+  const auto whole = packed(field_with_things());
+  const std::size_t things_at = packed(small_field()).size();
+  for (std::size_t size = things_at + 1; size < whole.size(); ++size)
+    EXPECT_FALSE(is_read(std::span(whole).first(size))) << size;
+  for (const int state : {0, 4, 5, 6, 255}) {
+    auto bytes = whole;
+    bytes[things_at + 6] = static_cast<std::uint8_t>(state);
+    EXPECT_FALSE(is_read(bytes)) << state;
+  }
+  MotionField field = field_with_things();
+  field.things.resize(haptic::kMostFieldThings, field.things[0]);
+  EXPECT_TRUE(is_read(packed(field)));
+  field.things.push_back(field.things[0]);
+  EXPECT_FALSE(is_read(packed(field)));
 }
 
 } // namespace

@@ -58,7 +58,7 @@ TEST(ReliefField, AReliefAndAMotionFieldAreNotTakenForOneAnother) {
   EXPECT_EQ(bytes[5], 2);
   haptic::MotionField motion;
   EXPECT_FALSE(haptic::unpack_motion_field(bytes, motion));
-  motion = {.frame_width = 8, .frame_height = 8, .columns = 1, .rows = 1, .cells = {{}}};
+  motion = {{.frame_width = 8, .frame_height = 8, .columns = 1, .rows = 1, .cells = {{}}}, {}};
   std::vector<std::uint8_t> motion_bytes(haptic::packed_size(motion) + 8);
   haptic::pack_motion_field(motion, motion_bytes);
   EXPECT_FALSE(is_read(motion_bytes));

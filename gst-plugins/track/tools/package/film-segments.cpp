@@ -88,7 +88,7 @@ std::vector<CodedField> track_of(const FilmPlan &plan, std::span<const CodedFiel
     fields.push_back(
         {coded.bytes,
          static_cast<std::uint64_t>(frame_at(plan, static_cast<std::int64_t>(coded.time))),
-         coded.duration, coded.kind});
+         coded.duration, coded.kind, coded.things});
   std::vector<std::uint64_t> starts;
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
     starts.push_back(static_cast<std::uint64_t>(plan.start_of(i)));

@@ -15,9 +15,9 @@ void for_each_decoded(std::span<const CodedField> track, const Call &call) {
   for (const auto &coded : track) {
     const auto result = decoder.push(coded.bytes);
     if (decoder.rested() && coded.time >= decoder.field().interval)
-      call(decoder.rest(), coded.time - decoder.field().interval);
+      call(decoder.rest(), coded.time - decoder.field().interval, nullptr);
     if (result == GridDecoder<Cells>::Result::field)
-      call(decoder.field(), coded.time);
+      call(decoder.field(), coded.time, &coded);
   }
 }
 
@@ -27,12 +27,17 @@ std::vector<CodedField> fields_anew(std::span<const CodedField> track, std::uint
                                     std::uint64_t to, std::uint8_t sequence) {
   std::vector<CodedField> fields;
   FieldEncoder encoder(kKeyInterval, sequence);
-  for_each_field(track, [&](const MotionField &field, std::uint64_t time) {
-    if (time < from || time >= to)
-      return;
-    if (auto bytes = encoder.push(field))
-      fields.push_back({std::move(*bytes), time - from});
-  });
+  std::vector<std::uint8_t> things;
+  for_each_decoded<MotionCells>(
+      track, [&](const MotionField &field, std::uint64_t time, const CodedField *coded) {
+        if (time < from || time >= to)
+          return;
+        const bool has_others = coded && coded->things != things;
+        if (coded)
+          things = coded->things;
+        if (auto bytes = encoder.push(field, has_others))
+          fields.push_back({std::move(*bytes), time - from, kNoTime, FieldKind::motion, things});
+      });
   return fields;
 }
 
@@ -64,8 +69,8 @@ void append_with_keys(std::span<const CodedField> track, FieldKind kind,
       continue;
     for (; !times.empty() && coded.time >= times.front(); times = times.subspan(1))
       encoder.restart();
-    all.push_back(
-        {encoder.push_held(decoder.state(), decoder.rested()), coded.time, coded.duration, kind});
+    all.push_back({encoder.push_held(decoder.state(), decoder.rested()), coded.time, coded.duration,
+                   kind, coded.things});
   }
 }
 
@@ -73,12 +78,22 @@ void append_with_keys(std::span<const CodedField> track, FieldKind kind,
 
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call) {
-  for_each_decoded<MotionCells>(track, call);
+  MotionField whole; // with its things, which stay while the frame rests
+  for_each_decoded<MotionCells>(
+      track, [&](const MotionField &field, std::uint64_t time, const CodedField *coded) {
+        auto things = std::move(whole.things);
+        whole = field;
+        whole.things = std::move(things);
+        if (coded)
+          unpack_field_things(coded->things, whole.things);
+        call(whole, time);
+      });
 }
 
 void for_each_relief(std::span<const CodedField> track,
                      const std::function<void(const ReliefField &, std::uint64_t time)> &call) {
-  for_each_decoded<ReliefCells>(track, call);
+  for_each_decoded<ReliefCells>(track, [&](const ReliefField &field, std::uint64_t time,
+                                           const CodedField *) { call(field, time); });
 }
 
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
@@ -100,7 +115,7 @@ std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint6
     part = coded_anew(static_cast<std::uint8_t>(sequence_of(key->bytes) - part.size()));
   for (const auto &coded : std::span(key, track.end()))
     if (coded.time >= from && coded.time < to)
-      part.push_back({coded.bytes, coded.time - from, coded.duration, coded.kind});
+      part.push_back({coded.bytes, coded.time - from, coded.duration, coded.kind, coded.things});
   return part;
 }
 

@@ -143,6 +143,14 @@ TEST(PointerGateTest, AMovingHandIsToldAtOnce) {
   EXPECT_TRUE(gate.pass({.x = 0.502, .y = 0.51, .z = 0.1}, 3 * kMs));
 }
 
+TEST(PointerGateTest, AButtonIsToldAtOnce) {
+  PointerGate gate;
+  gate.pass({}, 0);
+  EXPECT_TRUE(gate.pass({.pressed = true}, kMs)) << "it is pressed";
+  EXPECT_FALSE(gate.pass({.pressed = true}, 2 * kMs));
+  EXPECT_TRUE(gate.pass({}, 3 * kMs)) << "it is released";
+}
+
 TEST(PointerGateTest, AForceThatChangesIsToldAtOnce) {
   PointerGate gate;
   gate.pass({.force = {{0.1, 0, 0}}}, 0);

@@ -196,4 +196,26 @@ TEST(Klv, AFieldComesBackWithItsTimes) {
   }
 }
 
+TEST(Klv, ThingsOfAFieldStandInATagThatEarlierReadersSkip) {
+  haptic::CodedField field{{1, 2, 3}, 123, 456};
+  const Bytes without = write_klv(field);
+  field.things = {1, 0, 0, 0, 7, 0, 1, 0, 0, 0x40, 0, 0x80, 0, 8, 0, 0};
+  Bytes with = write_klv(field);
+  EXPECT_EQ(coded_field_of(read_one(with)), field);
+  // Another tag is all that is new.
+  ASSERT_EQ(with.size(), without.size() + 2 + field.things.size());
+  EXPECT_EQ(with[without.size()], 34);
+  with.resize(without.size());
+  with[18] = without[18];
+  EXPECT_EQ(with, without);
+}
+
+TEST(Klv, ThingsThatAreNoneAreRefused) {
+  haptic::CodedField field{{1, 2, 3}, 123, 456};
+  for (const Bytes &things : {Bytes{1}, Bytes{1, 0, 0, 0}, Bytes{33, 0, 0, 0}, Bytes(28, 4)}) {
+    field.things = things;
+    EXPECT_EQ(read_one(write_klv(field)).kind, KlvKind::damaged);
+  }
+}
+
 } // namespace

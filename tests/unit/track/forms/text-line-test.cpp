@@ -109,4 +109,14 @@ TEST(TextLine, AFieldComesBackWithoutCharactersThatMarkUpEscapes) {
             (haptic::CodedField{field.bytes}));
 }
 
+TEST(TextLine, ThingsOfAFieldAreAWordThatEarlierReadersSkip) {
+  haptic::CodedField field{{0, 1}, 7};
+  field.things = {1, 0, 0, 0, 7, 0, 1, 0, 0, 0x40, 0, 0x80, 0, 8, 0, 0};
+  const std::string line = write_text_line(field);
+  EXPECT_EQ(line, "hv1 field t=0.000000007 b=AAE= things=AQAAAAcAAQAAQACAAAgAAA==");
+  EXPECT_EQ(read_text_line(line).field, field);
+  EXPECT_FALSE(read_text_line("hv1 field b=AAE= things=AQAAAA==").field);
+  EXPECT_TRUE(read_text_line("hv1 relief b=AAE= things=AQAAAA==").field);
+}
+
 } // namespace

@@ -7,7 +7,9 @@
 #include "mpeg-haptics/hmpg-form.hpp"
 #include "track-samples.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
+#include <optional>
 
 namespace {
 
@@ -200,6 +202,39 @@ TEST(TrackForm, AFieldThatRestsAsBeforeIsARest) {
   EXPECT_TRUE(std::holds_alternative<TimedField>(
       read(*form, {bytes, 2 * kFrame, kFrame, false, true}).at(0)))
       << "after a discontinuity a key field comes";
+}
+
+TEST(TrackForm, ThingsGoThroughEveryFormAndEndARestWhenTheyChange) {
+  for (const auto &make : {haptic::make_klv_form, haptic::make_text_form}) {
+    const auto source = haptic::make_raw_form(TrackLayout::field);
+    const auto target = haptic::make_raw_form(TrackLayout::field);
+    const auto form = make();
+    MotionField field = test::LeafFields(1).next();
+    field.flags = 0;
+    field.interval = kFrame;
+    std::ranges::fill(field.cells, haptic::FieldCell{});
+    const auto through = [&](std::uint64_t number) -> std::optional<MotionField> {
+      const auto items = read(*source, {packed(field), number * kFrame, kFrame});
+      const auto *timed = std::get_if<TimedField>(&items.at(0));
+      if (!timed)
+        return std::nullopt;
+      TrackOutput coded;
+      EXPECT_TRUE(form->write(*timed, coded));
+      TrackOutput output;
+      target->write(std::get<TimedField>(read(*form, {coded.packets.at(0).bytes}).at(0)), output);
+      EXPECT_EQ(output.packets.at(0).gap, field.things.empty());
+      MotionField got;
+      EXPECT_TRUE(haptic::unpack_motion_field(output.packets.at(0).bytes, got));
+      return got;
+    };
+    EXPECT_TRUE(through(0).value().things.empty());
+    EXPECT_FALSE(through(1));
+    field.things = {{5, haptic::HoldState::held, 1, 0, 0}};
+    EXPECT_EQ(through(3).value().things, field.things);
+    EXPECT_FALSE(through(4)) << "the thing rests, too";
+    field.things.clear();
+    EXPECT_TRUE(through(5).value().things.empty());
+  }
 }
 
 TEST(TrackForm, AFieldBeforeTheFirstKeyFieldSaysNothing) {

@@ -116,6 +116,24 @@ TEST(FieldTrack, APartHoldsItsFieldsFromAKeyFieldOn) {
   EXPECT_GE(same, 40U) << "from the next key fields on, to the bit";
 }
 
+TEST(FieldTrack, ThingsStayWithTheirFieldsInAPartAndUnderOtherKeys) {
+  auto track = test::leaf_track(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const haptic::FieldThing thing{3, haptic::HoldState::held, static_cast<float>(i) / 100, 0, 0};
+    track[i].things.resize(haptic::packed_size(std::span(&thing, 1)));
+    haptic::pack_field_things(std::span(&thing, 1), track[i].things);
+  }
+  const auto check = [&](const std::vector<CodedField> &part, std::size_t first) {
+    for (const auto &[time, field] : fields_of(part)) {
+      ASSERT_EQ(field.things.size(), 1U);
+      EXPECT_NEAR(field.things[0].x, static_cast<float>(first + time / kInterval) / 100, 1e-5);
+    }
+  };
+  check(track, 0);
+  check(haptic::cut_fields(track, 20 * kInterval, 80 * kInterval), 20);
+  check(haptic::with_keys_at(track, std::vector<std::uint64_t>{7 * kInterval}), 0);
+}
+
 TEST(FieldTrack, APartOfReliefsIsTheSameToTheBit) {
   const auto track = relief_track();
   const auto part = haptic::cut_fields(track, 20 * kInterval, 80 * kInterval);
