@@ -118,8 +118,9 @@ void put_klv(std::span<const std::uint8_t> bytes) {
     if (item->kind == haptic::KlvKind::motion)
       numbers.push_back(hash_of(item->sample.motion));
     if (item->kind == haptic::KlvKind::field)
-      for (const auto byte : item->field)
-        hash.add(std::uint32_t{byte});
+      for (const auto bytes_of_item : {item->field, item->things})
+        for (const auto byte : bytes_of_item)
+          hash.add(std::uint32_t{byte});
     numbers.push_back(hash.value());
   }
   put_record(kKlv, bytes, numbers);
@@ -287,6 +288,13 @@ int main(int argc, char **argv) {
   test::TrackSamples samples(1);
   for (int i = 0; i < 12; ++i)
     sets.push_back(write_klv(samples.next()));
+  for (std::size_t size = 0; size <= haptic::kMostFieldThings; size += 4) {
+    haptic::CodedField field{{1, 2, 3}};
+    const std::vector<haptic::FieldThing> things(size, {7, haptic::HoldState::held, 0.5F, 0.5F});
+    field.things.resize(packed_size(things));
+    pack_field_things(things, field.things);
+    sets.push_back(write_klv(field));
+  }
   test::Mutator mutator(3);
   for (unsigned i = 0; i < count / 4; ++i) {
     Bytes bytes = sets[mutator.below(sets.size())];

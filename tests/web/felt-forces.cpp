@@ -2,7 +2,7 @@
 // Writes tracks, a moving hand, and the force that hapticsink commands on each millisecond, for
 // force-test.mjs. Numbers are little-endian doubles. A track is the number of packets; each packet
 // with its time in s, its size and its bytes; the number of ticks; each tick with the hand's x, y
-// and z and the force's x and y.
+// and z, whether it presses, and the force's x and y.
 #include "field-code/field-codec.hpp"
 #include "force/force-law.hpp"
 #include "force/safety-chain.hpp"
@@ -21,6 +21,7 @@ namespace {
 constexpr std::int64_t kTick = 1'000'000; // ns
 constexpr std::int64_t kFrame = test::LeafFields::kInterval;
 constexpr int kFrames = 240;
+constexpr unsigned kHeldTrack = 4; // with a thing, which the hand holds again and again
 
 struct Packet {
   haptic::CodedField coded;
@@ -37,9 +38,18 @@ haptic::MotionField still(haptic::MotionField field) {
   return field;
 }
 
+// One that swings, is hidden for a third of a second, and ends.
+std::vector<haptic::FieldThing> things_at(int frame) {
+  if (frame > 140)
+    return {};
+  const auto x = static_cast<float>(0.5 + 0.1 * std::sin(0.1 * frame));
+  return {{7, frame > 70 && frame < 80 ? haptic::HoldState::hidden : haptic::HoldState::held, x,
+           0.5F, 0.5F}};
+}
+
 // Leaves, with a second at rest, a cut, and single losses now and then.
 std::vector<Packet> track(unsigned seed) {
-  test::LeafFields leaves(seed, 0.9, 20.0 * seed);
+  test::LeafFields leaves(seed, 0.9, seed == kHeldTrack ? 40.0 : 20.0 * seed);
   haptic::FieldEncoder encoder;
   std::vector<Packet> packets;
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -48,19 +58,25 @@ std::vector<Packet> track(unsigned seed) {
       field = still(field);
     if (frame == 160)
       field.flags = haptic::kMotionCut;
-    const auto coded = encoder.push(field);
+    const auto things = seed == kHeldTrack ? things_at(frame) : std::vector<haptic::FieldThing>{};
+    const auto coded = encoder.push(field, !things.empty());
     const bool lost = frame % 37 == 36 || (seed == 2 && frame > 200 && frame < 212);
-    if (coded && !lost)
-      packets.push_back({{*coded, static_cast<std::uint64_t>(frame * kFrame)}, frame * kFrame});
+    if (!coded || lost)
+      continue;
+    Packet packet{{*coded, static_cast<std::uint64_t>(frame * kFrame)}, frame * kFrame};
+    packet.coded.things.resize(haptic::packed_size(things));
+    haptic::pack_field_things(things, packet.coded.things);
+    packets.push_back(std::move(packet));
   }
   return packets;
 }
 
-haptic::PointerPosition hand_at(double time) {
+haptic::PointerPosition hand_at(double time, unsigned seed) {
   haptic::PointerPosition place;
   place.x = 0.5 + 0.45 * std::sin(1.3 * time);
   place.y = 0.5 + 0.5 * std::cos(0.7 * time);
   place.z = -0.5 * std::sin(0.4 * time);
+  place.pressed = seed == kHeldTrack && std::fmod(time, 2.7) > 0.5;
   return place;
 }
 
@@ -77,6 +93,7 @@ public:
         continue;
       if (decoder_.rested())
         add(decoder_.rest(), packet.time - kFrame, now);
+      unpack_field_things(packet.coded.things, things_);
       add(decoder_.field(), packet.time, now);
     }
   }
@@ -100,10 +117,12 @@ public:
   }
 
 private:
-  void add(const haptic::MotionField &field, std::int64_t time, std::int64_t now) {
+  void add(haptic::MotionField field, std::int64_t time, std::int64_t now) {
+    field.things = things_;
     std::vector<std::uint8_t> bytes(packed_size(field));
     pack_motion_field(field, bytes);
     const bool gap =
+        field.things.empty() &&
         std::ranges::none_of(field.cells, [](const auto &cell) { return cell.confidence > 0; });
     auto result = intake_.accept(bytes, gap, {time, {}, haptic::RateLaw::as_seen});
     if (result.motion)
@@ -112,6 +131,7 @@ private:
   std::unique_ptr<haptic::FieldPool> pool_ = std::make_unique<haptic::FieldPool>();
   haptic::SampleIntake intake_{*pool_};
   haptic::FieldDecoder decoder_;
+  std::vector<haptic::FieldThing> things_; // of the last packet
   haptic::MotionInterpolator interpolator_;
   haptic::MotionConditioner conditioner_;
   std::unique_ptr<haptic::ForceLaw> law_ = haptic::force_laws()[0].make();
@@ -132,10 +152,11 @@ void put_track(unsigned seed) {
   constexpr int kTicks = kFrames * kFrame / kTick;
   put(kTicks);
   for (int tick = 0; tick < kTicks; ++tick) {
-    const auto place = hand_at(tick * 1e-3);
+    const auto place = hand_at(tick * 1e-3, seed);
     sink.receive(packets, tick * kTick);
     const auto force = sink.tick(tick * kTick, place);
-    for (const double number : {place.x, place.y, place.z, force.x(), force.y()})
+    for (const double number :
+         {place.x, place.y, place.z, place.pressed ? 1.0 : 0.0, force.x(), force.y()})
       put(number);
   }
 }
@@ -143,6 +164,6 @@ void put_track(unsigned seed) {
 } // namespace
 
 int main() {
-  for (unsigned seed = 1; seed <= 3; ++seed)
+  for (unsigned seed = 1; seed <= kHeldTrack; ++seed)
     put_track(seed);
 }

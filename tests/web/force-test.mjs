@@ -5,6 +5,7 @@
 import { spawnSync } from 'node:child_process';
 import { ForceChain } from '../../pipelines/web/player/force-chain.js';
 import { MotionTrack } from '../../pipelines/web/player/motion-track.js';
+import { Hold } from '../../pipelines/web/player/hold.js';
 import { promise } from './promise.mjs';
 
 const { stdout: bytes, status } = spawnSync(process.argv[2], { maxBuffer: 2 ** 30 });
@@ -44,13 +45,24 @@ function differsInJitter(track, place) {
 for (let seed = 1; at < bytes.length; ++seed) {
   const track = readTrack();
   const chain = new ForceChain();
+  // As hapticsink presses: in the field from which the line begins.
+  const player = new EventTarget();
+  Object.defineProperty(player, 'field', { get: () => track.around(now, now)?.from.field });
+  const hold = new Hold(player, new EventTarget());
+  const states = new Set();
+  let now = 0, wasPressed = false;
   let strongest = 0, largest = 0, felt = 0, strong = 0, worst = 0;
   const ticks = number();
   for (let tick = 0; tick < ticks; ++tick) {
     const place = { x: number(), y: number(), z: number() };
-    const force = { x: number(), y: number() };
-    const time = tick / 1000;
-    chain.tick(track.at(time, place, time - 1e-3));
+    const isPressed = number() > 0, force = { x: number(), y: number() };
+    const time = now = tick / 1000;
+    player.place = place;
+    if (isPressed && !wasPressed) hold.press();
+    if (!isPressed) hold.release();
+    wasPressed = isPressed;
+    states.add(hold.held?.state);
+    chain.tick(track.at(time, place, time - 1e-3, hold.felt));
     const off = Math.hypot(chain.force.x - force.x, chain.force.y - force.y);
     if (off > largest) [largest, worst] = [off, time];
     strongest = Math.max(strongest, Math.hypot(force.x, force.y));
@@ -61,6 +73,7 @@ for (let seed = 1; at < bytes.length; ++seed) {
     + `largest difference ${(1000 * largest).toFixed(3)} mN at ${worst} s`);
   promise('the hand moves over leaves that move', strong > ticks / 10);
   promise('no millisecond differs by what a hand can feel', felt === 0);
+  if (states.size > 1) promise('a thing and a place are held, hidden and lost', states.size === 5);
   promise('times that jitter change nothing', differsInJitter(track, { x: 0.4, y: 0.4, z: 0 }) < 0.02);
   promise('nor by more than the slew limit allows in one', largest < 0.02);
 }

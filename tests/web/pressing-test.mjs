@@ -154,6 +154,13 @@ async function calmAndAccessible(browser) {
   await wordsAre(page, '^You hold it');
   promise('for who wants less motion the hand stays at the pointer', await wayOf(page, 'white') < 0.005);
   await shoot(page, 'calm');
+  await page.keyboard.press('h');
+  await isQuiet(page);
+  await page.$eval('#letters', letters => letters.click());
+  await page.keyboard.press('h');
+  await delay(1500);
+  promise('H can be switched off with the other letters', await page.$eval('#held', words => words.textContent === ''));
+  await page.$eval('#letters', letters => letters.click());
   await page.setBypassCSP(true);
   await page.reload();
   await page.click('#play');

@@ -61,12 +61,11 @@ export class FieldHold {
     if (thing === held) return this.#drift(field, z);
     Object.assign(held, thing);
     if (held.state === 'about') this.#feelRegion(field, z);
-    if (held.state !== 'held') return;
-    this.confidence = 1;
     const interval = seconds(field.interval);
-    if (before.state !== 'held' || !(interval > 0)) return;
+    if (held.state !== 'held' || before.state !== 'held' || !(interval > 0)) return;
     this.x = fround(fround(fround(held.x - before.x) * field.width) / interval);
     this.y = fround(fround(fround(held.y - before.y) * field.height) / interval);
+    this.confidence = 1;
   }
 
   #feelRegion(field, z) {

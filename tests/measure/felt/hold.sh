@@ -8,7 +8,7 @@
 #   --rate RATE         frames a second, 30 (default) or 60
 #   --duration S        length of the films, 5 (default). 11 tells the error after 10 s too
 #   --films FOLDER      where the films are kept (~/.cache/feeling-wind/hold)
-#   --peers             one row for each of OpenCV's trackers, for every fifth point. Takes an hour
+#   --peers             one row for each of OpenCV's trackers, for every fifteenth point. Takes ten minutes
 #   --authored          holds tracks instead: of copies in which the points were followed, and in which author chose
 #   --tap-vid FILE      judges by a file of TAP-Vid instead (tapvid_davis.pkl, tapvid_rgb_stacking.pkl)
 #   --round-trip CLIP   holds moving places of any video for 60 frames, and back. May be repeated
@@ -88,7 +88,7 @@ if [ -n "$authored" ]; then
   "${judge[@]}" "${judged[@]}"
   exec "${judge[@]}" --choose "${judged[@]}"
 fi
-[ -z "$peers" ] || judge+=(--every 5)
+[ -z "$peers" ] || judge+=(--every 15)
 "${judge[@]}" "${judged[@]}"
 [ -n "$peers" ] || exit 0
 for tracker in lk csrt kcf medianflow mosse; do
