@@ -11,22 +11,24 @@
 # The mouse presses with its first button, a touch screen with the first finger. The force is that of a simulated device,
 # or of the one named after --: press with the mouse, and feel with the other hand.
 #
-# Usage: pipelines/hold.sh [--grip | --at X,Y] [FILE] [-- OPTION=VALUE...]
+# Usage: pipelines/hold.sh [--grip | --at X,Y] [--law LAW] [FILE] [-- OPTION=VALUE...]
 #   FILE    a video file or URL (default: the film of the demonstration)
 #   --grip  the device points, and its button presses: --grip -- device=evdev
 #   --at    nobody presses: the thing at X,Y of the first frame (0 to 1, from the top left) is held from then on
+#   --law   motion (default): its motion is felt; carry: a spring carries the hand along with it; both
 #   What follows -- goes to hapticsink, for example log-location=trace.csv. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"
 
-at='' grip=no
-read_options 'at= grip --' "$@"
+at='' grip=no law=motion
+read_options 'at= grip law= --' "$@"
 [ ${#inputs[@]} -le 1 ] || fail "one video only; write options of hapticsink after --, see --help"
 [ -z "$at" ] || [ $grip = no ] || fail "give either --grip or --at, not both"
 fraction='(0|1|0\.[0-9]+|1\.0+)'
 [ -z "$at" ] || [[ $at =~ ^$fraction,$fraction$ ]] ||
   fail "--at needs two numbers from 0 to 1, as in 0.3,0.6, not '$at'"
+[[ $law =~ ^(motion|carry|both)$ ]] || fail "--law is motion, carry or both, not '$law'"
 input=${inputs[0]:-}
 default_to_wind_film
 need_video "$input"
@@ -45,4 +47,5 @@ else
 fi
 
 elements=(roitracker velocityavg hapticsink hapticoverlay)
-launch "${film[@]}" ! roitracker "${pointer[@]}" ! "${window[@]}" velocityavg ! hapticsink device=sim "${sink_options[@]}"
+launch "${film[@]}" ! roitracker "${pointer[@]}" ! "${window[@]}" velocityavg \
+  ! hapticsink device=sim "hold-law=$law" "${sink_options[@]}"

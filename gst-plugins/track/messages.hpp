@@ -333,6 +333,9 @@
   MESSAGE(kOptionNeedsNumber, \
           "%s needs a number from %g to %g, not '%s'.", \
           "See --help.") \
+  MESSAGE(kHoldIsWrong, \
+          "--hold cannot be '%s': it needs auto, or X,Y or X,Y@SECONDS, at most %zu times.", \
+          "X and Y are from 0 to 1, from the top left of the frame: --hold 0.4,0.6@2.5") \
   MESSAGE(kShareIsAbove, \
           "a hand could tell the files apart in %.1f %% of the time. %.1f %% were allowed.", \
           "Use --plot to see when. --help lists the options.") \

@@ -5,6 +5,8 @@
 #include "samples/motion-field.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <limits>
 
 namespace {
@@ -93,6 +95,59 @@ TEST_F(HapticSinkField, AMovingHandOverAStillFieldFeelsExactlyNothing) {
     ASSERT_EQ(row.vx, 0);
     ASSERT_EQ(row.force(), 0);
   }
+}
+
+TEST_F(HapticSinkField, AHandThatPressesAThingFeelsTheThingUntilItLetsGo) {
+  const auto hand = directory_ / "hand.csv";
+  std::ofstream(hand) << "0,0.5,0,0,0\n0.5,0.5,0,0,1\n1.5,0.5,0,0,0\n";
+  build_for_fields("sim-hand=file:" + hand.string());
+  // It swings by 18 px, once a second, about the place where the hand is.
+  const auto swing = [](double time) { return 18 * std::sin(2 * G_PI * time); };
+  haptic::MotionField field = apart();
+  for (int n = 0; n < 60; ++n, pts_ += kFrame) {
+    const double time = static_cast<double>(pts_) / GST_SECOND;
+    field.things = {
+        {7, haptic::HoldState::held, static_cast<float>(0.75 + swing(time) / 352), 0.5F, 0.06F}};
+    push(packed(field, pts_));
+  }
+  const auto rows = play_and_read_log();
+  EXPECT_NEAR(row_at(rows, 0.4).vx, 100, 1e-3);
+  for (double time = 0.6; time < 1.45; time += 0.05)
+    EXPECT_NEAR(row_at(rows, time).vx, 2 * G_PI * 18 * std::cos(2 * G_PI * time), 6) << time;
+  EXPECT_NEAR(row_at(rows, 1.6).vx, 100, 1e-3);
+}
+
+TEST_F(HapticSinkField, TheButtonOfADeadManSwitchHoldsNothing) {
+  const auto hand = directory_ / "hand.csv";
+  std::ofstream(hand) << "0,0.5,0,0,1\n";
+  build_for_fields("dead-man=button sim-hand=file:" + hand.string());
+  haptic::MotionField field = apart();
+  field.things = {{7, haptic::HoldState::held, 0.75F, 0.5F, 0.06F}};
+  push_fields(field, 1);
+  EXPECT_NEAR(row_at(play_and_read_log(), 0.8).vx, 100, 1e-3) << "the thing stands still";
+}
+
+TEST_F(HapticSinkField, AHandThatPressesWhereThereIsNoThingFeelsWhatMovesThere) {
+  const auto hand = directory_ / "hand.csv";
+  std::ofstream(hand) << "0,0.5,0,0,1\n";
+  build_for_fields("sim-hand=file:" + hand.string());
+  push_fields(apart(), 1);
+  EXPECT_NEAR(row_at(play_and_read_log(), 0.8).vx, 100, 1e-3);
+}
+
+TEST_F(HapticSinkField, AThingThatEndsIsLostAndTheForceGoesUntilTheNextPress) {
+  const auto hand = directory_ / "hand.csv";
+  std::ofstream(hand) << "0,0.5,0,0,0\n0.2,0.5,0,0,1\n1.5,0.5,0,0,0\n";
+  build_for_fields("sim-hand=file:" + hand.string());
+  haptic::MotionField field = apart();
+  field.things = {{7, haptic::HoldState::held, 0.75F, 0.5F, 0.06F}};
+  push_fields(field, 1);
+  field.things.clear();
+  push_fields(field, 1);
+  const auto rows = play_and_read_log();
+  EXPECT_NEAR(row_at(rows, 0.8).vx, 0, 0.01) << "the thing stands still";
+  EXPECT_EQ(row_at(rows, 1.3).force(), 0);
+  EXPECT_NEAR(row_at(rows, 1.9).vx, 100, 1e-3);
 }
 
 TEST_F(HapticSinkField, FieldsMayFollowOnSamplesAndSamplesOnFieldsWithoutInterruption) {

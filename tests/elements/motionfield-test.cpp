@@ -283,6 +283,67 @@ TEST_F(MotionFieldElement, NewCapsInMidStreamStartAnew) {
   expect_velocity(pass_new(3 * kFrame), {60, 0});
 }
 
+// Things to hold
+
+TEST_F(MotionFieldElement, HasNoThingsUnlessTheyAreAskedFor) {
+  pass(0, {60, 0});
+  EXPECT_TRUE(field_of(pass(kFrame, {60, 0})).things.empty());
+}
+
+TEST_F(MotionFieldElement, AThingIsTakenWhereAndWhenAPointSaysAndFollowed) {
+  g_object_set(element.get(), "points", "0.5,0.5 0.25,0.75@0.1 2,3 nonsense", nullptr);
+  const MotionField first = field_of(pass(0, {60, -30}));
+  ASSERT_EQ(first.things.size(), 1U);
+  EXPECT_NEAR(first.things[0].x, 0.5, 1e-4);
+  for (GstClockTime i = 1; i < 15; ++i) {
+    const BufferPtr buffer = pass(i * kFrame, {60, -30});
+    const MotionField field = field_of(buffer);
+    EXPECT_FALSE(is_gap(buffer));
+    ASSERT_EQ(field.things.size(), i < 3 ? 1U : 2U) << i;
+    EXPECT_EQ(field.things[0].id, first.things[0].id);
+    EXPECT_NEAR(field.things[0].x * kWidth, 160 + 2.0 * static_cast<double>(i), 0.3);
+    EXPECT_NEAR(field.things[0].y * kHeight, 90 - 1.0 * static_cast<double>(i), 0.3);
+    if (i >= 3) {
+      EXPECT_NEAR(field.things[1].x * kWidth, 80 + 2.0 * static_cast<double>(i - 3), 0.3);
+    }
+  }
+}
+
+TEST_F(MotionFieldElement, ChoosesThingsOnceTheFrameHasMovedAndAnewAfterACut) {
+  g_object_set(element.get(), "things", 4U, nullptr);
+  EXPECT_TRUE(field_of(pass(0, {60, 0})).things.empty());
+  const MotionField chosen = field_of(pass(kFrame, {60, 0}));
+  EXPECT_EQ(chosen.things.size(), 4U);
+  const MotionField later = field_of(pass(2 * kFrame, {60, 0}));
+  ASSERT_EQ(later.things.size(), 4U);
+  EXPECT_NEAR((later.things[0].x - chosen.things[0].x) * kWidth, 2, 0.2);
+  const Texture other(77);
+  const BufferPtr cut = harness.pass(other.frame(kWidth, kHeight, {}), 3 * kFrame);
+  EXPECT_TRUE(field_of(cut).things.empty());
+  EXPECT_TRUE(is_gap(cut));
+  const MotionField again =
+      field_of(harness.pass(other.frame(kWidth, kHeight, {2, 0}), 4 * kFrame));
+  EXPECT_EQ(again.things.size(), 4U);
+  for (const auto &thing : again.things)
+    for (const auto &before : chosen.things)
+      EXPECT_NE(thing.id, before.id);
+}
+
+TEST_F(MotionFieldElement, ThingsRestWithTheFrameAndEndWithTheirProperties) {
+  g_object_set(element.get(), "points", "0.5,0.5", nullptr);
+  for (GstClockTime i = 0; i < 6; ++i)
+    EXPECT_EQ(field_of(harness.pass(at(0, {}), i * kFrame)).things.size(), 1U) << i;
+  g_object_set(element.get(), "points", nullptr, nullptr);
+  EXPECT_TRUE(field_of(pass(6 * kFrame, {10, 0})).things.empty());
+}
+
+TEST_F(MotionFieldElement, ADiscontinuityEndsThings) {
+  g_object_set(element.get(), "points", "0.5,0.5", nullptr);
+  pass(0, {60, 0});
+  EXPECT_EQ(field_of(pass(kFrame, {60, 0})).things.size(), 1U);
+  EXPECT_TRUE(field_of(pass(2 * kFrame, {60, 0}, GST_BUFFER_FLAG_DISCONT)).things.empty());
+}
+
 // Without the luma of the whole frame in one piece, too.
 class MotionFieldFormats : public ::testing::TestWithParam<GstVideoFormat> {
 protected:

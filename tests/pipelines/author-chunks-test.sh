@@ -30,17 +30,24 @@ ffmpeg -v error -f rawvideo -pix_fmt gray -s 96x64 -r 5 -i film.gray -f lavfi -i
   -c:v libx264 -x264-params keyint=10:bframes=2:open-gop=1 -pix_fmt yuv420p -c:a aac in/film.mp4
 promise "one process authors a film" author --output one in/film.mp4
 
-# `merged CHUNKS`: so many, in an order that changes, and their merge.
+# `merged FOLDER CHUNKS [OPTION]...`: so many, in an order that changes, and their merge.
 merged() {
+  local folder=$1 chunks=$2
+  shift 2
   rm -rf out && mkdir out
-  author --plan --chunks "$1" --output out in/film.mp4 >plan.json || return 1
+  author --plan --chunks "$chunks" --output out "$@" in/film.mp4 >plan.json || return 1
   for chunk in $(seq 0 $(($(count plan.json) - 1)) | sort -R --random-source=in/film.mp4); do
     author --chunk "$chunk" plan.json || return 1
   done
-  author --merge plan.json && cmp one/film.haptic.ts out/film.haptic.ts
+  author --merge plan.json && cmp "$folder/film.haptic.ts" out/film.haptic.ts
 }
+hold=(--hold auto --hold "0.25,0.5@33")
+mkdir held
+promise "and with things to hold" author --output held "${hold[@]}" in/film.mp4
+promise "which it has" test "$("$haptic_track" info held/film.haptic.ts | sed -n 's/^  things *//p')" -gt 8
+promise "3 chunks give the same things" merged held 3 "${hold[@]}"
 for chunks in 1 2 7 100; do
-  promise "$chunks chunks give the same bytes" merged "$chunks"
+  promise "$chunks chunks give the same bytes" merged one "$chunks"
 done
 promise "so many as there are spans" test "$(count plan.json)" = 8
 promise "nothing but copy and manifest remains" test "$(ls out)" = "$(printf 'film.haptic.ts\nplan.manifest.csv\nplan.manifest.json')"

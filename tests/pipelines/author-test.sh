@@ -108,6 +108,13 @@ cp -p "$work/new/film.haptic.mkv" "$work/before.mkv"
 promise "and not again" says 0 "0 written, 1 there already" author "$work/new/film.mkv"
 promise "with other columns it is" says 0 "1 written" author --columns 16 "$work/new/film.mkv"
 promise "once" says 0 "0 written, 1 there already" author --columns 16 "$work/new/film.mkv"
+promise "with things to hold it is" says 0 "1 written" author --hold auto --hold 0.25,0.5@0.5 "$work/new/film.mkv"
+promise "once, too" says 0 "0 written, 1 there already" author --hold auto --hold 0.25,0.5@0.5 "$work/new/film.mkv"
+followed() { [ "$("$haptic_track" info "$1" | sed -n 's/^  things *//p')" -ge "$2" ]; }
+promise "the copy has them" followed "$work/new/film.haptic.mkv" 10
+promise "a part has them" "$haptic_track" cut --from 0.7 --to 1.6 "$work/new/film.haptic.mkv" "$work/part.klv"
+promise "in every field" followed "$work/part.klv" 10
+promise "a place outside the frame is refused" says 1 "--hold cannot be '1.5,0'" author --hold 1.5,0 "$work/new/film.mkv"
 video "$work/new/film.mkv" 320 2 matroskamux
 promise "a replaced video is authored anew" says 0 "1 written" author "$work/new/film.mkv"
 promise "with its own motion" says 0 "frame      320 x 288" "$haptic_track" info "$work/new/film.haptic.mkv"

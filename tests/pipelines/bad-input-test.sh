@@ -94,6 +94,7 @@ refuses "not for --receive" send-ts.sh --receive "$work/clip.mkv"
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no file" hold.sh "$work/missing.mp4"
 refuses "two numbers from 0 to 1" hold.sh --at 0.5 "$work/clip.mkv"
+refuses "motion, carry or both" hold.sh --law pull "$work/clip.mkv"
 refuses "not both" hold.sh --at 0.5,0.5 --grip "$work/clip.mkv"
 refuses "no camera" camera.sh /dev/video99
 refuses "not a camera" camera.sh /dev/null

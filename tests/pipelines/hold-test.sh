@@ -54,6 +54,14 @@ promise "without a display a thing is held that nobody presses" env -u DISPLAY -
 promise "its log is sound" sound_log "$work/log.csv" 1 5
 promise "it is felt until it has left the frame" felt_then_gone no
 
+promise "a hand that is free is carried along" env -u DISPLAY -u WAYLAND_DISPLAY \
+  "$hold" --at 0.3,0.5 --law carry "$work/short.mkv" -- sim-hand=free "log-location=$work/log.csv"
+# The thing goes 100 px/s to the right, and the width of the frame, 352 px, is that of the workspace, 50 mm.
+# shellcheck disable=SC2016 # $1 and $2 are awk's: time and x
+promise "with the thing" awk -F, '
+  NR > 1 && $1 > 0.5 { away = $2 - 0.05 * 100 / 352 * $1; if (away > -0.003 && away < 0.003) rows++ }
+  END { print rows + 0 " rows with the thing"; exit rows < 1000 }' "$work/log.csv"
+
 # A line a point: t, x, y, z, pressed.
 printf '%s\n' 0,-0.4,0,0,1 8,-0.4,0,0,1 8.01,-0.4,0,0,0 >"$work/hand.csv"
 promise "a button of the device holds, too" env -u DISPLAY -u WAYLAND_DISPLAY "$hold" --grip "$work/clip.mkv" \

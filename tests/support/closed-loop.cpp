@@ -496,14 +496,10 @@ void happen(LoopInHand &held, const LoopPoint &point, bool begins) {
     held.settings.continuous_force = begins ? 0.05 : 0; // N rms
   else if (point.event == "max-force")
     held.settings.law_settings.max_force = begins ? 0 : point.max_force;
-  constexpr std::array kStates = {"none", "held", "about", "hidden", "lost", "refused"};
-  const auto state = std::ranges::find(kStates, point.event);
-  if (state != kStates.end()) {
-    held.hold = begins ? static_cast<HoldState>(state - kStates.begin()) : HoldState::held;
-    held.confidence = held.hold == HoldState::held || held.hold == HoldState::about ||
-                              held.hold == HoldState::none
-                          ? 1
-                          : 0;
+  const auto &states = haptic::kHoldStateNames;
+  if (const auto state = std::ranges::find(states, point.event); state != states.end()) {
+    held.hold = begins ? static_cast<HoldState>(state - states.begin()) : HoldState::held;
+    held.confidence = haptic::is_followed(held.hold) || held.hold == HoldState::none ? 1 : 0;
   }
   held.set();
 }

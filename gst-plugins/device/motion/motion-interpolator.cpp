@@ -51,7 +51,7 @@ bool is_measured(const TimedMotion &motion, const MotionSample &there) noexcept 
   return motion.measured && (!motion.field || there.confidence > 0);
 }
 
-bool is_followed(const HeldPlace &thing) noexcept {
+bool is_taken(const HeldPlace &thing) noexcept {
   return thing.state == HoldState::held || thing.state == HoldState::hidden;
 }
 
@@ -78,7 +78,6 @@ void MotionInterpolator::clear() noexcept {
   now_.held = {};
   path_.end();
   newest_held_ = {};
-  let_go_ = false;
   begun_ = false;
   hold_.lose();
 }
@@ -131,7 +130,9 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
     knot.time = now;
   knot.way = middle_of_way(newest_held_, knot.sample.held, interval);
   newest_held_ = knot.sample.held;
-  let_go_ |= !is_followed(knot.sample.held);
+  knot.order = ++order_;
+  if (!is_taken(knot.sample.held))
+    let_go_ = knot.order;
 
   const bool leads_on =
       knot.measured && (count_ > 0 ? pending(count_ - 1).measured : from_.measured);
@@ -147,7 +148,7 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
     replaces = true;
   }
   if (replaces && now_.measured) { // the line to what is replaced ends here
-    from_ = {.sample = now_.sample, .measured = true, .time = now};
+    from_ = {.sample = now_.sample, .measured = true, .time = now, .order = from_.order};
     if (hold_.is_pressed())
       from_.sample.held = {}; // the thing of a field has no way
   }
@@ -190,10 +191,9 @@ const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &
 void MotionInterpolator::follow_thing(std::int64_t now) noexcept {
   const HeldPlace &here = from_.sample.held;
   const TimedMotion *next = count_ > 0 ? &pending(0) : nullptr;
-  if (!is_followed(here) || here.time < thing_since_)
-    let_go_ = false; // that is past
-  now_.held = {.state = let_go_ ? HoldState::none : here.state};
-  if (let_go_ || !is_followed(here))
+  const bool let_go = from_.order < let_go_;
+  now_.held = {.state = let_go ? HoldState::none : here.state};
+  if (let_go || !is_taken(here))
     return path_.end();
   const bool leads_on =
       next && next->sample.held.state == HoldState::held && is_same_thing(here, next->sample.held);

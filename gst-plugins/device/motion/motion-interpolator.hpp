@@ -61,7 +61,8 @@ private:
   MotionAt now_;
   HeldPath path_;
   HeldPlace newest_held_;         // of the newest frame
-  bool let_go_ = false;           // after from_
+  std::uint64_t order_ = 0;       // of the newest frame
+  std::uint64_t let_go_ = 0;      // order of the newest frame in which nothing is held
   std::uint64_t thing_since_ = 0; // ns, HeldPlace::time of from_
   std::int64_t known_until_ = 0;  // ns, when the newest frame is due
   bool begun_ = false;

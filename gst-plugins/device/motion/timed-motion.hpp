@@ -20,7 +20,8 @@ struct TimedMotion {
   std::int64_t time = kAtOnce; ///< ns, the middle of the sample's interval
   FieldPool::Field field = {}; ///< null: the same motion everywhere
   double stretch = 1;          ///< what velocities were multiplied by, per interval as it is now
-  WayPoint way = {};           ///< of the held thing, at `time` (motion-interpolator.hpp)
+  WayPoint way = {};           ///< of the held thing, at `time`; the interpolator's
+  std::uint64_t order = 0;     ///< of the frames; the interpolator's
 };
 
 /// Multiplies the velocities, the spin and the divergence.

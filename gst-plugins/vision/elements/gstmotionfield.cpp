@@ -15,13 +15,17 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/segment-time.hpp"
+#include "hold/followed-things.hpp"
 #include "messages.hpp"
 #include "samples/motion-field.hpp"
 #include "tracking/repetition.hpp"
 
 #include <algorithm>
 #include <gst/base/gstbasetransform.h>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 G_DECLARE_FINAL_TYPE(GstMotionField, gst_motion_field, GST, MOTION_FIELD, GstBaseTransform)
@@ -42,9 +46,19 @@ constexpr char kCameraMotion[] = "haptic-camera-motion";
 
 enum class Camera { keep, remove };
 
+/// Where and when a thing is to be taken.
+struct Point {
+  double x = 0; // 0..1
+  double y = 0;
+  double time = 0; // s, running time
+};
+
 struct Settings {
   guint columns = haptic::kFieldColumns;
   Camera camera = Camera::keep;
+  guint things = 0;       // that it chooses by itself
+  std::string points;     // as given
+  guint points_given = 0; // times
 };
 
 struct State {
@@ -61,12 +75,24 @@ struct State {
   Camera camera_choice = Camera::keep; // for this frame
   haptic::CameraMotion camera;         // that was subtracted from the cells
   haptic::MotionModel announced_camera = haptic::MotionModel::none;
+  bool follows = false;             // things, in this frame
+  guint things_wanted = 0;          // in this frame
+  std::optional<guint> points_read; // Settings::points_given
+  std::vector<Point> points;        // not yet taken
+  haptic::FollowedThings things;
+  std::optional<GstClockTime> since_choice; // ns; none was made in this scene
   std::vector<std::uint8_t> scratch;
 
   void forget_frames() {
     repetition.forget();
     timeline.forget();
     tracker.forget();
+    forget_things();
+  }
+
+  void forget_things() {
+    things.forget();
+    since_choice.reset();
   }
 };
 
@@ -101,8 +127,113 @@ std::span<const haptic::Property<Settings>> properties() {
               "GstMotionFieldCamera",
               {{Camera::keep, "The motion in the frame, as it is", "keep"},
                {Camera::remove, "The motion relative to the background", "remove"}})),
+      Rows::number<&Settings::things>(
+          "things", "Things",
+          "Things that the element chooses, follows, and says the places of in each field; a "
+          "receiver can hold them",
+          0, haptic::kMostFieldThings),
+      {g_param_spec_string(
+           "points", "Points",
+           "Places whose things are followed: X,Y from 0 to 1, or X,Y@SECONDS of the running time, "
+           "with spaces between them",
+           nullptr, haptic::kReadWrite),
+       [](Settings &settings, const GValue *value) {
+         const gchar *given = g_value_get_string(value);
+         settings.points = given ? given : "";
+         ++settings.points_given;
+       },
+       [](const Settings &settings, GValue *value) {
+         g_value_set_string(value, settings.points.empty() ? nullptr : settings.points.c_str());
+       }},
   };
   return table;
+}
+
+// Things to hold
+
+std::vector<Point> points_of(GstMotionField *self, const std::string &text) {
+  std::vector<Point> points;
+  gchar **words = g_strsplit(text.c_str(), " ", -1);
+  for (gchar **word = words; *word; ++word) {
+    Point point;
+    gchar *end = *word;
+    point.x = g_ascii_strtod(*word, &end);
+    const bool has_y = end != *word && *end == ',';
+    if (has_y)
+      point.y = g_ascii_strtod(end + 1, &end);
+    if (has_y && *end == '@')
+      point.time = g_ascii_strtod(end + 1, &end);
+    const auto is_share = [](double value) { return value >= 0 && value <= 1; };
+    if (has_y && *end == '\0' && is_share(point.x) && is_share(point.y))
+      points.push_back(point);
+    else if (**word != '\0')
+      GST_WARNING_OBJECT(self, "\"%s\" is no place", *word);
+  }
+  g_strfreev(words);
+  return points;
+}
+
+void follow_settings(GstMotionField *self, const Settings &settings) {
+  State &state = *self->state;
+  state.things_wanted = settings.things;
+  if (std::exchange(state.points_read, settings.points_given) != settings.points_given) {
+    state.points = points_of(self, settings.points);
+    state.things = {}; // numbered from 1 again
+  }
+  state.follows = settings.things > 0 || !settings.points.empty();
+  if (state.follows)
+    return;
+  state.forget_things();
+  state.field.things.clear();
+}
+
+// Takes what is under the points whose time has come. Containers round times to 1 ms.
+void take_points(GstMotionField *self, const haptic::LumaSource &luma, GstClockTime time) {
+  State &state = *self->state;
+  std::erase_if(state.points, [&](const Point &point) {
+    const bool is_due = GST_CLOCK_TIME_IS_VALID(time) &&
+                        static_cast<double>(time + GST_MSECOND) >= point.time * GST_SECOND;
+    if (is_due)
+      state.things.take(luma, GST_VIDEO_INFO_WIDTH(&state.frame),
+                        GST_VIDEO_INFO_HEIGHT(&state.frame), static_cast<float>(point.x),
+                        static_cast<float>(point.y));
+    return is_due;
+  });
+}
+
+// Chooses things once a second. In the first frame of a scene nothing has moved yet.
+void choose_things(State &state, const haptic::LumaSource &luma) {
+  constexpr GstClockTime kEvery = GST_SECOND;
+  if (state.since_choice)
+    *state.since_choice += state.field.interval;
+  if (state.since_choice.value_or(kEvery) < kEvery)
+    return;
+  state.things.choose(luma, state.field, state.things_wanted);
+  state.since_choice = 0;
+}
+
+// Follows the things into this frame, after its motion was measured, and takes others.
+void follow_things(GstMotionField *self, GstBuffer *buffer) {
+  State &state = *self->state;
+  MotionField &field = state.field;
+  const haptic::MappedFrame frame(state.frame, buffer);
+  if (!frame)
+    return;
+  const haptic::FrameLuma luma(frame.frame());
+  const float seconds = static_cast<float>(field.interval) / static_cast<float>(GST_SECOND);
+  const bool begins = (field.flags & (haptic::kMotionCut | haptic::kMotionDiscontinuity)) != 0;
+  if (begins)
+    state.forget_things();
+  else if ((field.flags & haptic::kMotionStill) != 0)
+    state.things.rest(seconds);
+  else
+    state.things.follow(luma, seconds);
+  take_points(self, luma,
+              haptic::running_time_of(GST_BASE_TRANSFORM(self)->segment, GST_BUFFER_PTS(buffer)));
+  if (!begins)
+    choose_things(state, luma);
+  state.things.write(GST_VIDEO_INFO_WIDTH(&state.frame), GST_VIDEO_INFO_HEIGHT(&state.frame),
+                     field.things);
 }
 
 // Measuring a frame
@@ -113,6 +244,7 @@ void set_shape(GstMotionField *self) {
   const GstVideoInfo &info = state.frame;
   const Settings settings = haptic::locked_copy(self, state.settings);
   state.camera_choice = settings.camera;
+  follow_settings(self, settings);
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   const haptic::FieldShape shape = haptic::field_shape(
@@ -205,6 +337,8 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
     std::ranges::fill(field.cells, haptic::FieldCell{});
   }
   if (becomes_reference) {
+    if (state.follows)
+      follow_things(self, buffer);
     state.tracker.keep();
     state.timeline.adopt();
   }
@@ -247,6 +381,7 @@ GstFlowReturn transform(GstMotionField *self, GstBuffer *frame, GstBuffer *out) 
   }
   const MotionField &field = state.field;
   GstMapInfo map;
+  gst_buffer_set_size(out, static_cast<gssize>(haptic::packed_size(field)));
   if (!gst_buffer_map(out, &map, GST_MAP_WRITE))
     return GST_FLOW_ERROR;
   haptic::pack_motion_field(field, {map.data, map.size});
@@ -255,7 +390,7 @@ GstFlowReturn transform(GstMotionField *self, GstBuffer *frame, GstBuffer *out) 
     say_camera(self, out);
   const auto known =
       std::ranges::count_if(field.cells, [](const auto &cell) { return cell.confidence > 0; });
-  if (known == 0)
+  if (known == 0 && field.things.empty())
     GST_BUFFER_FLAG_SET(out, GST_BUFFER_FLAG_GAP);
   GST_LOG_OBJECT(self, "%u x %u cells, %d of them known, flags %x", field.columns, field.rows,
                  static_cast<int>(known), field.flags);
@@ -274,14 +409,21 @@ gboolean set_caps(GstMotionField *self, GstCaps *in) {
 
 GstFlowReturn prepare_output_buffer(GstMotionField *self, GstBuffer *in, GstBuffer **out) {
   set_shape(self);
-  *out = gst_buffer_new_allocate(nullptr, haptic::packed_size(self->state->field), nullptr);
+  constexpr std::size_t kMostThings =
+      haptic::kThingsHeader + haptic::kMostFieldThings * haptic::kThingSize;
+  const State &state = *self->state;
+  // How many things there are is known when the frame has been read.
+  *out = gst_buffer_new_allocate(
+      nullptr, haptic::packed_size(state.field) + (state.follows ? kMostThings : 0), nullptr);
   haptic::copy_timing(in, *out);
   return GST_FLOW_OK;
 }
 
 void on_sink_event(GstMotionField *self, GstEvent *event) {
-  if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP)
-    self->state->forget_frames();
+  if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT && GST_EVENT_TYPE(event) != GST_EVENT_FLUSH_STOP)
+    return;
+  self->state->forget_frames();
+  self->state->points_read.reset();
 }
 
 } // namespace
@@ -312,6 +454,7 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
   transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
   transform_class->stop = kGuarded<[](GstMotionField *self) {
     self->state->forget_frames();
+    self->state->points_read.reset();
     self->state->timeline.report_faults_again();
     return TRUE;
   }>;

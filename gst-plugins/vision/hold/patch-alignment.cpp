@@ -87,10 +87,10 @@ bool is_sane(const PatchPose &pose) {
 
 } // namespace
 
-std::optional<Alignment> PatchAligner::align(const LumaLayer &layer, const PatchTemplate &patch,
-                                             const PatchSamples &weights, const PatchPose &start,
-                                             const AlignmentOptions &options) {
-  Alignment found{.pose = start};
+std::optional<PatchAlignment>
+PatchAligner::align(const LumaLayer &layer, const PatchTemplate &patch, const PatchSamples &weights,
+                    const PatchPose &start, const AlignmentOptions &options) {
+  PatchAlignment found{.pose = start};
   for (int i = 0; i < options.iterations; ++i) {
     if (!layer.sample(found.pose, now_))
       return std::nullopt;

@@ -17,7 +17,7 @@ struct AlignmentOptions {
   float similarity = 0;
 };
 
-struct Alignment {
+struct PatchAlignment {
   PatchPose pose;
   float correlation = 0; ///< zero-mean, normalised, -1..1, of the samples of the last iteration
   float error_scale = 0; ///< grey levels, of what fits
@@ -30,9 +30,9 @@ class PatchAligner {
 public:
   /// Returns the pose near `start`, or nothing if the patch is plain, leaves the plane or has no
   /// solution. Needs the gradients of the patch.
-  std::optional<Alignment> align(const LumaLayer &layer, const PatchTemplate &patch,
-                                 const PatchSamples &weights, const PatchPose &start,
-                                 const AlignmentOptions &options);
+  std::optional<PatchAlignment> align(const LumaLayer &layer, const PatchTemplate &patch,
+                                      const PatchSamples &weights, const PatchPose &start,
+                                      const AlignmentOptions &options);
 
 private:
   PatchSamples now_;

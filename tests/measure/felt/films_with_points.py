@@ -67,14 +67,18 @@ def write_mono(path, frames, rate):
 
 
 def run(program, tracker, stream, starts, again=None):
+    """What hold-run says of a film."""
+    return run_program([program, tracker], starts, [str(again)] if again is not None else [], stream)
+
+
+def run_program(command, starts, more=(), stream=None):
     """What the tracker says, by rows: frame, point, x, y, state, µs. `starts`: frame, x and y of each point."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "starts"
         path.write_text("".join(f"{frame},{x:.3f},{y:.3f}\n" for frame, x, y in starts), encoding="utf-8")
-        command = [program, tracker, str(path), *([str(again)] if again is not None else [])]
-        said = subprocess.run(command, stdin=stream, stdout=subprocess.PIPE, check=False)
+        said = subprocess.run([*command, str(path), *more], stdin=stream, stdout=subprocess.PIPE, check=False)
     if said.returncode:
-        raise Refused(f"hold-run ended with status {said.returncode}; see above")
+        raise Refused(f"{command[0]} ended with status {said.returncode}; see above")
     lines = said.stdout.decode().splitlines()[1:]
     return numpy.array([line.split(",") for line in lines], float).reshape(-1, 6)
 
@@ -96,16 +100,46 @@ def starts_of(true, visible):
     return [(frame, *true[point, frame]) for point, frame in enumerate(first)]
 
 
-def follow_film(program, tracker, film, every=1):
-    """Tracks of each `every`-th point of a film, which has NAME.csv beside NAME.mkv."""
+def points_of(film, every):
+    """Kinds, places and visibility of each `every`-th point that is seen, frames a second, and size."""
     kinds, true, visible = read_points(pathlib.Path(film).with_suffix(".csv"))
     chosen = [point for point in range(0, len(kinds), every) if visible[point].any()]
-    kinds, true, visible = [kinds[point] for point in chosen], true[chosen], visible[chosen]
     with frames_of(film) as stream:
         width, height, rate, _ = header_of(stream)
+    return [kinds[point] for point in chosen], true[chosen], visible[chosen], rate, (width, height)
+
+
+def follow_film(program, tracker, film, every=1):
+    """Tracks of each `every`-th point of a film, which has NAME.csv beside NAME.mkv."""
+    kinds, true, visible, rate, size = points_of(film, every)
     with frames_of(film) as stream:
         said = run(program, tracker, stream, starts_of(true, visible))
-    return tracks_of(said, kinds, true, visible, rate, (width, height))
+    return tracks_of(said, kinds, true, visible, rate, size)
+
+
+def follow_authored(program, author, chooses, film, every=1):
+    """The same, of copies that `author` (haptic-track) makes, with these points or with things that it chooses."""
+    kinds, true, visible, rate, size = points_of(film, every)
+    starts = starts_of(true, visible)
+    group = len(starts) if chooses else 32  # a field holds no more things
+    said = []
+    for first in range(0, len(starts), group):
+        pressed = starts[first : first + group]
+        # Half a frame early: the times of the film are rounded.
+        held = [f"{x / size[0]:.6f},{y / size[1]:.6f}@{max(frame - 0.5, 0) / rate:.4f}" for frame, x, y in pressed]
+        with tempfile.TemporaryDirectory() as folder:
+            alone = os.path.join(folder, "film.mkv")  # a film that has a track already is not authored
+            decoder = ["ffmpeg", "-nostdin", "-v", "error", "-i", str(film), "-map", "0:v:0", "-c", "copy", alone]
+            subprocess.run(decoder, check=True)
+            command = [author, "author"]
+            for place in ["auto"] if chooses else held:
+                command += ["--hold", place]
+            subprocess.run([*command, alone], stdout=subprocess.DEVNULL, check=True)
+            (copy,) = pathlib.Path(folder).glob("film.haptic.*")
+            rows = run_program([program, str(copy), str(rate)], pressed)
+        rows[:, 1] += first
+        said.append(rows)
+    return tracks_of(numpy.concatenate(said), kinds, true, visible, rate, size)
 
 
 class ArraysOnly(pickle.Unpickler):

@@ -136,7 +136,11 @@ public:
     return {place, HoldState::held};
   }
   Said follow(const Frame &frame) override {
-    const bool found = tracker_->update(frame.colour, box_);
+    // Some of them return an empty box with their failure.
+    cv::Rect2d box = box_;
+    const bool found = tracker_->update(frame.colour, box);
+    if (found)
+      box_ = box;
     return {centre() + offset_, found ? HoldState::held : HoldState::hidden};
   }
 

@@ -20,6 +20,8 @@ def read_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--run", required=True, metavar="PROGRAM", help="hold-run of the build")
     parser.add_argument("--tracker", default="hold", help="hold (default), lk, csrt, kcf, medianflow or mosse")
+    parser.add_argument("--author", metavar="PROGRAM", help="haptic-track: its copies are held; --run is hold-track")
+    parser.add_argument("--choose", action="store_true", help="the copies have things of the program's choice")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="follows each N-th point only (1)")
     parser.add_argument("--all-only", action="store_true", help="one row for all kinds, without the head of the table")
     parser.add_argument("--tap-vid", action="store_true", help="the files are pickles of TAP-Vid")
@@ -31,7 +33,12 @@ def read_arguments():
 def judge_films(options):
     tracks = []
     for film in options.files:
-        tracks += films_with_points.follow_film(options.run, options.tracker, film, options.every)
+        if options.author:
+            tracks += films_with_points.follow_authored(
+                options.run, options.author, options.choose, film, options.every
+            )
+        else:
+            tracks += films_with_points.follow_film(options.run, options.tracker, film, options.every)
     if options.all_only:
         lines = list(hold_metric.table([(options.tracker, hold_metric.summary(tracks))]))
         print(lines[-1])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/author-plan.hpp"
 
+#include "samples/motion-field.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
 
@@ -11,6 +12,7 @@
 #include <rapidjson/document.h>
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
+#include <sstream>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +25,12 @@ using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
 // What a field depends on beside the film and the columns.
 constexpr char kRules[] = "spans 2 columns ";
+constexpr char kHoldRules[] = " hold 1 ";
+
+// The fields of a film depend on the film and on this.
+std::string settings_of(const AuthorOptions &options) {
+  return kRules + std::to_string(options.columns) + settings_of(options.hold);
+}
 
 struct FileState {
   std::uint64_t size = 0;
@@ -42,6 +50,12 @@ FileState state_of(const std::string &path) {
 }
 
 } // namespace
+
+std::string settings_of(const HoldOptions &hold) {
+  if (hold == HoldOptions{})
+    return {};
+  return kHoldRules + std::string(hold.chooses ? "auto " : "") + write_hold_points(hold.points);
+}
 
 PlannedFilm identify(const std::string &path) {
   const FileState state = state_of(path);
@@ -82,7 +96,7 @@ std::string author_stem(const std::string &path, const AuthorOptions &options) {
 }
 
 std::string copy_mark(const PlannedFilm &film, const AuthorOptions &options) {
-  return mark_of(film.hash, kRules + std::to_string(options.columns));
+  return mark_of(film.hash, settings_of(options));
 }
 
 std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
@@ -93,7 +107,7 @@ std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOpt
 std::string chunk_mark(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
   const auto &all = film.index.spans;
   std::string settings = "version " VERSION " ";
-  settings += kRules + std::to_string(options.columns);
+  settings += settings_of(options);
   for (std::size_t i = spans.begin; i <= spans.end; ++i)
     settings += i < all.size() ? " " + std::to_string(all[i].begin) : " end";
   return mark_of(film.hash, settings);
@@ -179,6 +193,7 @@ public:
     require(value.IsArray());
     return value;
   }
+  bool has(const char *key) const { return json_.HasMember(key); }
   void require(bool is_right) const {
     if (!is_right)
       throw_error(messages::kPlanIsWrong, path_.c_str());
@@ -194,6 +209,17 @@ private:
   const Json &json_;
   const std::string &path_;
 };
+
+void read_hold(const Members &members, HoldOptions &hold) {
+  hold.chooses = members.has("hold") && members.text("hold") == "auto";
+  std::istringstream words(members.has("hold-points") ? members.text("hold-points") : "");
+  for (std::string word; words >> word;) {
+    const auto point = read_hold_point(word);
+    members.require(point.has_value());
+    hold.points.push_back(*point);
+  }
+  members.require(hold.points.size() <= kMostFieldThings);
+}
 
 PlannedFilm read_film(const Json &json, const std::string &path) {
   const Members members(json, path);
@@ -256,6 +282,10 @@ std::string write_plan(const Plan &plan) {
   write_text(json, "output", plan.options.folder);
   json.Key("columns");
   json.Uint(plan.options.columns);
+  if (plan.options.hold.chooses)
+    write_text(json, "hold", "auto");
+  if (!plan.options.hold.points.empty())
+    write_text(json, "hold-points", write_hold_points(plan.options.hold.points));
   json.Key("inputs");
   json.StartArray();
   for (const PlannedFilm &film : plan.films)
@@ -287,6 +317,7 @@ Plan read_plan(const std::string &path) {
   const std::uint64_t columns = members.number("columns");
   members.require(columns == 0 || (columns >= kFewestColumns && columns <= kMostColumns));
   plan.options.columns = static_cast<unsigned>(columns);
+  read_hold(members, plan.options.hold);
   for (const Json &film : members.list("inputs").GetArray())
     plan.films.push_back(read_film(film, path));
   for (const Json &chunk : members.list("chunks").GetArray())

@@ -18,7 +18,11 @@ inline constexpr unsigned kMostColumns = 96;
 struct AuthorOptions {
   std::string folder;   ///< of the copies; empty: that of each video
   unsigned columns = 0; ///< of the motion field; 0: as motionfield has it
+  HoldOptions hold;
 };
+
+/// Returns the part of marks that says which things are followed: nothing, if none.
+std::string settings_of(const HoldOptions &hold);
 
 struct PlannedFilm {
   std::string path;

@@ -100,7 +100,8 @@ void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &opti
     return;
   ChunkWriter out(path, mark);
   Progress progress(film, spans);
-  out.finish(measure_spans(film.path, options.columns, film.index, spans, out, std::ref(progress)));
+  out.finish(measure_spans(film.path, options.columns, options.hold, film.index, spans, out,
+                           std::ref(progress)));
 }
 
 int author_one(const std::string &path, const AuthorOptions &options) {

@@ -9,7 +9,10 @@
 #include "network/key-requests.hpp"
 #include "samples/motion-field.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -25,13 +28,15 @@ constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
 struct Measuring {
   std::span<const Span> spans;
   SpanRange range;
+  const HoldOptions &hold;
   ChunkWriter &out;
   FilmStreams &film;
 
   // The decoder's streaming thread. Its sending of frames to motionfield returns when the field is
   // written.
   PadPtr field_in;
-  std::deque<BufferPtr> before; // the last frames
+  GstElement *field_element = nullptr; // motionfield, the pipeline's
+  std::deque<BufferPtr> before;        // the last frames
   CapsPtr form_of_frames;
   std::size_t next = 0; // span, not yet begun
   bool within = false;  // a span of the range
@@ -83,8 +88,20 @@ void end(Measuring &all, std::string failure = {}) {
       pipeline, gst_message_new_application(GST_OBJECT(pipeline), gst_structure_new_empty("over")));
 }
 
+// The points of the span that begins. Those before it were taken in another one.
+std::string points_of_span(const Measuring &all) {
+  const auto begin = static_cast<double>(all.begin_of(all.next - 1)) * 1e-9;
+  const auto end = static_cast<double>(all.begin_of(all.next)) * 1e-9;
+  std::vector<HoldPoint> points;
+  std::ranges::copy_if(all.hold.points, std::back_inserter(points), [&](const HoldPoint &point) {
+    return (all.next == 1 || point.time >= begin) && point.time < end;
+  });
+  return write_hold_points(points);
+}
+
 // The tracker forgets all before the first of the frames that it is given again.
 void begin_span(Measuring &all) {
+  g_object_set(all.field_element, "points", points_of_span(all).c_str(), nullptr);
   all.form = make_raw_form(TrackLayout::field);
   all.within = all.repeats = true;
   bool is_first = true;
@@ -134,6 +151,17 @@ std::uint64_t mean_confidence(const MotionField &field) {
   return static_cast<std::uint64_t>(1e6 * sum / static_cast<double>(field.cells.size()));
 }
 
+// motionfield counts the things of each span from 1. Here those of neighbouring spans have other
+// numbers.
+std::vector<std::uint8_t> renumbered(MotionField &field, std::size_t span) {
+  constexpr std::size_t kThingsOfSpan = 4096;
+  for (FieldThing &thing : field.things)
+    thing.id = static_cast<std::uint16_t>(thing.id + span * kThingsOfSpan);
+  std::vector<std::uint8_t> bytes(packed_size(field));
+  pack_motion_field(field, bytes);
+  return bytes;
+}
+
 void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
   const ReadableBuffer readable(buffer);
   if (!readable || !unpack_motion_field(readable.bytes(), all.field))
@@ -144,10 +172,14 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
   if (all.keys.is_due(time))
     all.form->restart();
   std::vector<TrackItem> items;
-  all.form->read({readable.bytes(), time, GST_BUFFER_DURATION(buffer),
-                  GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
-                  GST_BUFFER_IS_DISCONT(buffer) != FALSE},
-                 items);
+  std::vector<std::uint8_t> with_things;
+  if (!all.field.things.empty())
+    with_things = renumbered(all.field, all.next);
+  all.form->read(
+      {with_things.empty() ? readable.bytes() : std::span<const std::uint8_t>(with_things), time,
+       GST_BUFFER_DURATION(buffer), GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
+       GST_BUFFER_IS_DISCONT(buffer) != FALSE},
+      items);
   for (TrackItem &item : items)
     if (auto *timed = std::get_if<TimedField>(&item)) {
       timed->field.time = timed->time;
@@ -188,6 +220,9 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
   if (columns > 0)
     g_object_set(field, "field-columns", columns, nullptr);
+  if (all.hold.chooses)
+    g_object_set(field, "things", kChosenThings, nullptr);
+  all.field_element = field;
   link_elements(queue, decoder);
   link_elements(convert, flip);
   link_elements(flip, field);
@@ -215,12 +250,47 @@ void build(Measuring &all, unsigned columns, const char *direction) {
 
 } // namespace
 
+std::optional<HoldPoint> read_hold_point(const std::string &text) {
+  const char *const end = text.data() + text.size();
+  const char *at = text.data();
+  const auto number = [&](double &value, double most) {
+    const auto read = std::from_chars(at, end, value);
+    at = read.ptr;
+    return read.ec == std::errc() && value >= 0 && value <= most;
+  };
+  const auto is = [&](char sign) { return at < end && *at++ == sign; };
+  constexpr double kLatest = 1e9; // s
+  HoldPoint point;
+  if (!number(point.x, 1) || !is(',') || !number(point.y, 1) ||
+      (at < end && (!is('@') || !number(point.time, kLatest))) || at != end)
+    return std::nullopt;
+  return point;
+}
+
+std::string write_hold_points(std::span<const HoldPoint> points) {
+  std::string text;
+  const auto append = [&](double value) {
+    char digits[32];
+    text.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
+  };
+  for (const HoldPoint &point : points) {
+    if (!text.empty())
+      text += ' ';
+    append(point.x);
+    text += ',';
+    append(point.y);
+    text += '@';
+    append(point.time);
+  }
+  return text;
+}
+
 ChunkStats
-measure_spans(const std::string &path, unsigned columns, const FilmIndex &index, SpanRange range,
-              ChunkWriter &out,
+measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
+              const FilmIndex &index, SpanRange range, ChunkWriter &out,
               const std::function<void(std::uint64_t frames, std::uint64_t position)> &report) {
   FilmStreams film(path, FilmUse::decode, [&] { report(0, 0); });
-  Measuring all{.spans = index.spans, .range = range, .out = out, .film = film};
+  Measuring all{.spans = index.spans, .range = range, .hold = hold, .out = out, .film = film};
   build(all, columns, direction_of(index.rotation));
   film.play([&] { report(all.frames, all.position); });
   if (!all.failure.empty())

@@ -6,8 +6,10 @@
 #include "author/film-index.hpp"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace haptic {
 
@@ -16,17 +18,39 @@ namespace haptic {
 /// again. The encoder of the fields forgets everything and begins with a pair of key fields.
 inline constexpr std::size_t kFramesBefore = 4;
 
+/// Things of a film that are followed, so that whoever feels its track can hold them.
+struct HoldPoint {
+  double x = 0; ///< 0..1
+  double y = 0;
+  double time = 0; ///< s, of the film
+  bool operator==(const HoldPoint &) const = default;
+};
+struct HoldOptions {
+  bool chooses = false; ///< motionfield chooses kChosenThings of them
+  std::vector<HoldPoint> points;
+  bool operator==(const HoldOptions &) const = default;
+};
+inline constexpr unsigned kChosenThings = 16;
+
+/// Reads X,Y or X,Y@SECONDS. Returns nothing if the text is none.
+std::optional<HoldPoint> read_hold_point(const std::string &text);
+
+/// As read_hold_point() and the property `points` of motionfield read them, with spaces between
+/// them, in the order given.
+std::string write_hold_points(std::span<const HoldPoint> points);
+
 struct SpanRange {
   std::size_t begin = 0; ///< index of a span
   std::size_t end = 0;   ///< behind the last one
 };
 
-/// Writes the fields of these spans, of the upright frame. They depend on the film and on `columns`
-/// (0: as motionfield has it) alone, not on the range. `report` is called some times a second with
+/// Writes the fields of these spans, of the upright frame. They depend on the film, on `columns`
+/// (0: as motionfield has it) and on `hold` alone, not on the range: things end with their span.
+/// `report` is called some times a second with
 /// what was measured so far; what it throws ends the work. Throws TrackFileError.
 ChunkStats
-measure_spans(const std::string &path, unsigned columns, const FilmIndex &index, SpanRange range,
-              ChunkWriter &out,
+measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
+              const FilmIndex &index, SpanRange range, ChunkWriter &out,
               const std::function<void(std::uint64_t frames, std::uint64_t position)> &report);
 
 } // namespace haptic

@@ -129,10 +129,15 @@ std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
 }
 
 // Runs `haptic-track author` as a process of its own: it forks, which this one may no longer do.
-std::string author_copy(const std::string &video, const std::string &folder, unsigned columns) {
+std::string author_copy(const std::string &video, const std::string &folder,
+                        const AuthorOptions &author) {
   std::vector<std::string> words = {"haptic-track", "author", "--output", folder};
-  if (columns > 0)
-    words.insert(words.end(), {"--columns", std::to_string(columns)});
+  if (author.columns > 0)
+    words.insert(words.end(), {"--columns", std::to_string(author.columns)});
+  if (author.hold.chooses)
+    words.insert(words.end(), {"--hold", "auto"});
+  for (const HoldPoint &point : author.hold.points)
+    words.insert(words.end(), {"--hold", write_hold_points(std::span(&point, 1))});
   words.insert(words.end(), {"--", video});
   std::vector<char *> arguments;
   arguments.reserve(words.size() + 1);
@@ -175,7 +180,7 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
       origin = rate.plan.origin;
     }
   if (!fields) {
-    const std::string copy = author_copy(rates[0].path, work, options.author.columns);
+    const std::string copy = author_copy(rates[0].path, work, options.author);
     fields = fields_in(copy);
     origin = plan_film(copy).origin;
   }
@@ -304,8 +309,8 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
   for (const std::string &video : videos)
     rates.push_back(plan_rate(video));
   // The fields depend on all videos, of which one has them.
-  std::string settings =
-      std::string(kForm) + " columns " + std::to_string(options.author.columns) + ' ';
+  std::string settings = std::string(kForm) + " columns " + std::to_string(options.author.columns) +
+                         settings_of(options.author.hold) + ' ';
   for (const std::string &video : videos)
     settings += hash_of_file(video);
   for (Rate &rate : rates) {

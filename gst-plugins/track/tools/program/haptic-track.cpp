@@ -7,6 +7,7 @@
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
+#include "samples/motion-field.hpp"
 #include "samples/motion-force.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
@@ -22,6 +23,7 @@
 #include <filesystem>
 #include <gst/gst.h>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -45,12 +47,12 @@ constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
        haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT
        haptic-track plot [--force] [--place X,Y | --hand LOG] FILE OUTPUT.png|OUTPUT.gif
        haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B
-       haptic-track author [--output FOLDER] [--columns N] [--jobs N] VIDEO...
-       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] VIDEO...
+       haptic-track author [--output FOLDER] [--columns N] [--hold PLACE] [--jobs N] VIDEO...
+       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] [--hold PLACE] VIDEO...
        haptic-track author --chunk K PLAN
        haptic-track author --merge PLAN
-       haptic-track package [--carriage mp4|ts] [--columns N] --output FOLDER VIDEO...
-       haptic-track package --single [--columns N] --output FOLDER VIDEO.mp4
+       haptic-track package [--carriage mp4|ts] [--columns N] [--hold PLACE] --output FOLDER VIDEO...
+       haptic-track package --single [--columns N] [--hold PLACE] --output FOLDER VIDEO.mp4
 Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
 a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
 written: one of these, or what hapticarray makes of it, as sound with a channel for each
@@ -80,6 +82,8 @@ NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, s
 on where it was stopped. The exit status is 0 if all copies are there.
   --output      folder of the copies, which is made; otherwise that of each video
   --columns     columns of the motion field
+  --hold        X,Y or X,Y@SECONDS, 0 to 1 from the top left: what is there (then) is followed, so
+                that it can be held; auto: what is followed is chosen. May be repeated
   --jobs        videos at a time; otherwise one for each processor core
   --plan        prints a plan (JSON) of chunks that processes measure in any order
   --chunks      about so many; otherwise one for each minute
@@ -99,12 +103,12 @@ constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
     {"plot", "--force --place --hand --stream"},
     {"compare", "--force --json --plot --at-most --from --to --offset --places --hand --alpha "
                 "--max-force --stream"},
-    {"author", "--output --columns --jobs"},
-    {"author --plan", "--plan --chunks --output --columns"},
+    {"author", "--output --columns --hold --jobs"},
+    {"author --plan", "--plan --chunks --output --columns --hold"},
     {"author --chunk", "--chunk"},
     {"author --merge", "--merge"},
-    {"package", "--carriage --columns --output"},
-    {"package --single", "--single --columns --output"}};
+    {"package", "--carriage --columns --hold --output"},
+    {"package --single", "--single --columns --hold --output"}};
 
 struct Arguments {
   std::string command;
@@ -167,6 +171,17 @@ bool read_pair(const std::string &text, char between, Number least, Number most,
          read(text.substr(middle + 1), least, most, second);
 }
 
+void read_hold(const std::string &text, haptic::HoldOptions &hold) {
+  if (text == "auto") {
+    hold.chooses = true;
+    return;
+  }
+  const auto point = haptic::read_hold_point(text);
+  if (!point || hold.points.size() == haptic::kMostFieldThings)
+    throw_error(messages::kHoldIsWrong, text.c_str(), haptic::kMostFieldThings);
+  hold.points.push_back(*point);
+}
+
 haptic::Carriage parse_carriage(const std::string &text) {
   if (text != "ts" && text != "mp4" && text != "cmaf") // the name of mp4 before
     throw_error(messages::kCarriageIsUnknown, text.c_str());
@@ -219,6 +234,8 @@ void read_option(const std::string &option, const std::string &text, Arguments &
   else if (option == "--columns")
     arguments.author.columns =
         parse_count(option, text, haptic::kFewestColumns, haptic::kMostColumns);
+  else if (option == "--hold")
+    read_hold(text, arguments.author.hold);
   else if (option == "--output")
     arguments.author.folder = text;
   else if (option == "--carriage")
@@ -363,6 +380,7 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   std::printf("  fields     %zu\n", fields.size());
   info_of_code(fields);
   std::size_t decoded = 0;
+  std::set<std::uint16_t> things;
   double measured = 0;
   double cells = 0;
   double sum = 0;
@@ -372,6 +390,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     if (decoded++ == 0)
       first = field;
     cells += static_cast<double>(field.cells.size());
+    for (const auto &thing : field.things)
+      things.insert(thing.id);
     for (const auto &cell : field.cells) {
       if (!(cell.confidence > 0))
         continue;
@@ -384,6 +404,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   if (decoded == 0)
     return;
   info_of_grid(first, "measured", measured / cells);
+  if (!things.empty())
+    std::printf("  things     %zu\n", things.size());
   if (measured > 0)
     std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
 }

@@ -89,6 +89,27 @@ TEST(HeldPath, ThatItIsLetGoIsKnownAtOnceAlsoWhenItsFrameIsToCome) {
   }
 }
 
+TEST(HeldPath, ATapThatIsOverBeforeItsFrameIsSeenIsNotFelt) {
+  Film film;
+  film.motion.add({}, 0);
+  film.show(80, 0.5);
+  film.show(120, 0.5, HoldState::none);
+  for (int ms = 0; ms < 200; ++ms)
+    ASSERT_EQ(film.at(ms).state, HoldState::none) << ms;
+}
+
+// A frame that comes too close after the one that lets go takes its place.
+TEST(HeldPath, WhatIsHeldAgainInTheNextFrameIsFollowed) {
+  Film film;
+  for (int ms = 40; ms <= 200; ms += 40)
+    film.show(ms, 0.5);
+  film.at(180);
+  film.show(240, 0.5, HoldState::about);
+  film.show(245, 0.5);
+  film.at(230);
+  EXPECT_EQ(film.at(240).state, HoldState::held);
+}
+
 TEST(HeldPath, FromOneThingToAnotherThereIsNoWay) {
   Film film;
   for (int ms = 40; ms <= 800; ms += 40) {

@@ -93,6 +93,35 @@ TEST_F(AuthorPlan, ItSurvivesBeingWrittenAndRead) {
   }
 }
 
+TEST_F(AuthorPlan, ItNamesTheThingsToHoldAndTheCopyDependsOnThem) {
+  Plan sent = two_films();
+  const PlannedFilm &film = sent.films[0];
+  const std::string without = copy_mark(film, sent.options);
+  EXPECT_EQ(write_plan(sent).find("hold"), std::string::npos) << "as it was before";
+  sent.options.hold.chooses = true;
+  const std::string chosen = copy_mark(film, sent.options);
+  sent.options.hold.points = {{0.25, 0.1, 2.5}, {1, 0, 0}};
+  const Plan got = read(write_plan(sent));
+  EXPECT_EQ(got.options.hold, sent.options.hold);
+  EXPECT_NE(chosen, without);
+  EXPECT_NE(copy_mark(film, sent.options), chosen);
+  std::string wrong = write_plan(sent);
+  wrong.replace(wrong.find("0.25,"), 5, "2.25,");
+  EXPECT_EQ(refusal(wrong), sentence_of_wrong());
+}
+
+TEST(HoldPoint, IsAPlaceAndMayHaveATime) {
+  using haptic::HoldPoint;
+  using haptic::read_hold_point;
+  EXPECT_EQ(read_hold_point("0.5,0.25"), (HoldPoint{0.5, 0.25, 0}));
+  EXPECT_EQ(read_hold_point("1,0@12.5"), (HoldPoint{1, 0, 12.5}));
+  for (const char *none : {"", "0.5", "0.5,", "1.1,0", "-0.1,0", "0,0@", "0,0@-1", "0,0@1s", "0,0 ",
+                           "nan,0", "0;0", "auto"})
+    EXPECT_FALSE(read_hold_point(none)) << none;
+  const HoldPoint points[] = {{0.1, 0.2, 0}, {1, 0, 1.5}};
+  EXPECT_EQ(haptic::write_hold_points(points), "0.1,0.2@0 1,0@1.5");
+}
+
 TEST_F(AuthorPlan, OneThatWasChangedIsRefused) {
   const std::string whole = write_plan(two_films());
   const std::pair<std::string, std::string> changes[] = {{"\"columns\": 32", "\"columns\": 97"},

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Follows several things of a film at once, so that a receiver of its fields can hold them.
+#pragma once
+
+#include "hold/held-thing.hpp"
+#include "samples/motion-field.hpp"
+
+#include <cstddef>
+#include <list>
+#include <span>
+#include <vector>
+
+namespace haptic {
+
+/// One instance serves one stream, from one thread at a time.
+class FollowedThings {
+public:
+  /// All of them end.
+  void forget() noexcept { followed_.clear(); }
+
+  bool empty() const noexcept { return followed_.empty(); }
+
+  /// The next frame, so many seconds later. Things that are lost end.
+  void follow(const LumaSource &frame, float seconds);
+  /// The next frame, with the same pixels.
+  void rest(float seconds);
+
+  /// Takes what is under a place (fractions of the frame), unless there is nothing to hold or there
+  /// are kMostFieldThings already. `frame` is the frame of the last follow().
+  void take(const LumaSource &frame, int width, int height, float x, float y);
+
+  /// Takes things until there are `most`: first those where the field moves fastest, far enough
+  /// from each other, and only those that can be told from their neighbours.
+  void choose(const LumaSource &frame, const MotionField &field, std::size_t most);
+
+  /// As a field has them.
+  void write(int width, int height, std::vector<FieldThing> &things) const;
+
+private:
+  struct Followed {
+    std::uint16_t id = 0;
+    HeldThing thing;
+  };
+  void take(const LumaSource &frame, int width, int height, float x, float y, HoldState worst);
+  bool is_near(float x, float y) const noexcept;
+
+  std::list<Followed> followed_;
+  std::uint16_t next_id_ = 1;
+};
+
+} // namespace haptic
