@@ -69,8 +69,6 @@ promise "the ball as a film with a surface" gst-launch-1.0 -q mpegtsmux name=mux
   ! meta/x-klv ! queue ! mux.
 promise "packaged as a transport stream" env FEELING_WIND_WEB="$build/pipelines/web" \
   "$haptic_track" package --carriage ts --output "$films/ball" "$work/ball.ts"
-promise "a thing in the track" node "$here/add-things.mjs" "$work/track.klv" 30 "$work/things.klv"
-promise "a film with a thing to hold" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" held "$work/things.klv"
 promise "a film to be touched" node "$here/make-cmaf.mjs" "$work/ball.mp4" 30 "$films" ball "$work/reliefs.klv"
 promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/track.klv" "$work/reliefs.klv"
 if [ -f "$build/pipelines/web/player/feeling-wind.min.js" ]; then
@@ -98,13 +96,6 @@ share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -
 promise "a hand could tell them apart for $share of the time, less than 0.05" awk "BEGIN { exit !($share < 0.05) }"
 node "$here/without-device-test.mjs" "$build/pipelines/web" "$films"
 node "$here/page-test.mjs" "$build/pipelines/web" "$films" "${SCREENSHOTS:-}"
-element=
-if [ -d "$work/single" ]; then
-  element=$work/held
-  cp -r "$work/single" "$element"
-  cp "$work/things.klv" "$element/film.klv"
-fi
-node "$here/pressing-test.mjs" "$build/pipelines/web" "$films" "$element" "${SCREENSHOTS:-}"
 node "$here/relief-test.mjs" "$build/pipelines/web" "$films" "$without" "${SCREENSHOTS:-}"
 node "$here/bad-input-test.mjs" "$build/pipelines/web" "$films" "$without"
 node "$here/embed-test.mjs" "$build/pipelines/web" "$films" "$without"

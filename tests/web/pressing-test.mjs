@@ -4,7 +4,7 @@
 //
 //   pressing-test.mjs WEB-FOLDER FILM-FOLDER FOLDER-OF-ELEMENT [SCREENSHOTS]
 //
-// In the films is the thing of add-things.mjs: held.m3u8 of the page, and the track of the element.
+// Each has the thing of add-things.mjs: the film held.m3u8 of the page, and the track film.klv of the element.
 import { join } from 'node:path';
 import { brokenRules, browsers, openBrowser, openPage } from './browser.mjs';
 import { promise } from './promise.mjs';
@@ -152,7 +152,8 @@ async function calmAndAccessible(browser) {
   await begin(page);
   await page.keyboard.press('h');
   await wordsAre(page, '^You hold it');
-  promise('for who wants less motion the hand stays at the pointer', await wayOf(page, 'white') < 0.005);
+  // The thing goes 0.08; the arrow hides a part of the hand, whose radius is 0.017, now on one side and now on the other.
+  promise('for who wants less motion the hand stays at the pointer', await wayOf(page, 'white') < 0.017);
   await shoot(page, 'calm');
   await page.keyboard.press('h');
   await isQuiet(page);

@@ -35,7 +35,7 @@ const drawn = page => page.evaluate(() => {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   const count = { shaded: 0, touched: 0 };
   for (let i = 0; i < data.length; i += 4) {
-    const isTouched = data[i] === 0xE6 && data[i + 1] === 0x9F && data[i + 2] === 0 && data[i + 3] === 255;
+    const isTouched = data[i] === 0 && data[i + 1] === 0x9E && data[i + 2] === 0x73 && data[i + 3] === 255;
     if (isTouched) ++count.touched;
     else if (data[i + 3] > 20) ++count.shaded;
   }
