@@ -259,9 +259,11 @@ if [ $# = 4 ]; then
     point
     # It leaves the frame. Then h holds nothing.
     says 'hold lost' xdotool key h
-    press h 'held until'
+    # A seek loses what is held, and so does another film.
+    press Home 'at 0:00'
+    point
+    says 'hold held' xdotool key h
     says 'hold lost' xdotool key Home
-    # After a seek as well, and in another film.
     press h 'held until'
     open_url "file://$PWD/wall.mkv"
     until_true opened 2
