@@ -3,6 +3,7 @@
 
 #include "core/track-time.hpp"
 #include "glue/gst-raii.hpp"
+#include "samples/motion-field.hpp"
 
 #include <algorithm>
 #include <array>
