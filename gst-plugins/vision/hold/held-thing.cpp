@@ -408,7 +408,7 @@ std::optional<HeldThing::Match> HeldThing::find(const PatchPose &guess, float re
   if (std::optional<Match> match = recognise(guess, kNear))
     return match;
   const int index = reach > kMostFine ? 2 : 1;
-  const float unit = static_cast<float>(1 << index);
+  const auto unit = static_cast<float>(1 << index);
   const int radius = static_cast<int>(std::ceil(reach / unit));
   const int wide = radius + kPatchRadius;
   const Appearance &appearance = appearances_[static_cast<std::size_t>(index)];

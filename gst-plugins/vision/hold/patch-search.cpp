@@ -26,11 +26,9 @@ std::optional<FoundPatch> PatchSearch::find(const LumaLayer &layer, const PatchS
   FoundPatch found{layer.x + (static_cast<float>(middle_x - radius + best_x) + 0.5F) * layer.unit,
                    layer.y + (static_cast<float>(middle_y - radius + best_y) + 0.5F) * layer.unit,
                    *best};
-  for (int row = 0; row < side; ++row)
-    for (int column = 0; column < side; ++column)
-      if (std::abs(row - best_y) > kPeak || std::abs(column - best_x) > kPeak)
-        found.next_best =
-            std::max(found.next_best, scores_[static_cast<std::size_t>(row * side + column)]);
+  for (int i = 0; i < side * side; ++i)
+    if (std::abs(i / side - best_y) > kPeak || std::abs(i % side - best_x) > kPeak)
+      found.next_best = std::max(found.next_best, scores_[static_cast<std::size_t>(i)]);
   return found;
 }
 
