@@ -14,16 +14,13 @@ namespace {
 using haptic::BufferPtr;
 using test::ElementPtr;
 using test::Frame;
+using test::motion_of;
 using test::Texture;
 using test::VideoHarness;
 
 constexpr GstClockTime kFrame = 40 * GST_MSECOND;
 constexpr int kWidth = 176;
 constexpr int kHeight = 144;
-
-const GstHapticMotionMeta &motion_of(const BufferPtr &buffer) {
-  return *gst_buffer_get_haptic_motion_meta(buffer.get());
-}
 
 class Hold : public ::testing::Test {
 protected:
@@ -178,6 +175,18 @@ TEST_F(Hold, OfTwoFingersTheFirstOneHolds) {
   EXPECT_TRUE(is_pressed());
   send(gst_navigation_event_new_touch_up(7, 80, 60, kNone));
   EXPECT_FALSE(is_pressed());
+}
+
+TEST_F(Hold, ATouchThatIsCancelledLetsGoAndTheNextFingerHolds) {
+  constexpr auto kNone = GST_NAVIGATION_MODIFIER_NONE;
+  pass(0);
+  send(gst_navigation_event_new_touch_down(7, 80, 60, 1, kNone));
+  EXPECT_TRUE(is_pressed());
+  send(gst_navigation_event_new_touch_cancel(kNone));
+  EXPECT_FALSE(is_pressed());
+  send(gst_navigation_event_new_touch_down(8, 60, 50, 1, kNone));
+  EXPECT_TRUE(is_pressed());
+  EXPECT_NEAR(motion_of(pass(1)).held_x, 60, 0.1);
 }
 
 TEST_F(Hold, AButtonOfTheGripPresses) {

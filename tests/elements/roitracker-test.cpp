@@ -20,6 +20,7 @@ using haptic::BufferPtr;
 using haptic::EventPtr;
 using test::ElementPtr;
 using test::Frame;
+using test::motion_of;
 using test::Shift;
 using test::Texture;
 using test::VideoHarness;
@@ -27,10 +28,6 @@ using test::VideoHarness;
 constexpr GstClockTime kFrame = 40 * GST_MSECOND;
 constexpr int kWidth = 176;
 constexpr int kHeight = 144;
-
-const GstHapticMotionMeta &motion_of(const BufferPtr &buffer) {
-  return *gst_buffer_get_haptic_motion_meta(buffer.get());
-}
 
 GstVideoRegionOfInterestMeta *roi_of(const BufferPtr &buffer) {
   gpointer cursor = nullptr;

@@ -435,6 +435,18 @@ Outcome paid_back(const LoopPoint &point) {
   return way.outcome();
 }
 
+// m/s, within a second.
+double fastest_when_let_go(LoopInHand &held) {
+  HandOnStrings &hand = held.hand();
+  hand.leads = false;
+  double fastest = 0;
+  for (const double end = held.time() + 1; held.time() < end;) {
+    held.tick();
+    fastest = std::max(fastest, hand.velocity().norm());
+  }
+  return fastest;
+}
+
 // Pressed as hard as may be, and then a free grip.
 Outcome let_go(const LoopPoint &point) {
   constexpr double kHeight = 0.022; // m; 5 N are 25 mm deep at 200 N/m, twice as much at 500 Hz
@@ -457,13 +469,7 @@ Outcome let_go(const LoopPoint &point) {
   hand.goal = hand.target;
   held.wait(point.pause);
   const double pressed = held.force().norm();
-  hand.leads = false;
-  double fastest = 0;
-  for (const double end = held.time() + 1; held.time() < end;) {
-    held.tick();
-    fastest = std::max(fastest, hand.velocity().norm());
-  }
-  return {fastest, point.max_force > 1 ? 0.8 : 0.4,
+  return {fastest_when_let_go(held), point.max_force > 1 ? 0.8 : 0.4,
           pressed < 0.2 * point.max_force ? "pressed with less than a fifth of max-force" : ""};
 }
 
@@ -590,13 +596,7 @@ Outcome let_go_of_thing(const LoopPoint &point) {
   held.wait(point.pause);
   held.tick(); // the hand stands
   const double pulled = held.force().norm();
-  hand.leads = false;
-  double fastest = 0;
-  for (const double end = held.time() + 1; held.time() < end;) {
-    held.tick();
-    fastest = std::max(fastest, hand.velocity().norm());
-  }
-  return {fastest, point.max_force > 1 ? 0.8 : 0.4,
+  return {fastest_when_let_go(held), point.max_force > 1 ? 0.8 : 0.4,
           pulled < 0.2 * point.max_force ? "pulled with less than a fifth of max-force" : ""};
 }
 

@@ -115,6 +115,11 @@ private:
   haptic::BusPtr bus_;
 };
 
+/// There must be some.
+inline const GstHapticMotionMeta &motion_of(const haptic::BufferPtr &buffer) {
+  return *gst_buffer_get_haptic_motion_meta(buffer.get());
+}
+
 /// Metadata of the test's own, as roitracker adds them.
 inline GstHapticMotionMeta &add_motion(const haptic::BufferPtr &buffer) {
   if (!gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME)) { // registered with the first

@@ -3,6 +3,8 @@
 
 #ifdef HAVE_GST_ANALYTICS
 
+#include "samples/held-place.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <gst/analytics/analytics.h>
@@ -49,7 +51,7 @@ void AnalyticsWriter::attach(GstBuffer *buffer, const GstHapticMotionMeta &motio
   const GstClockTime now = GST_BUFFER_PTS(buffer);
   if (!is_taken(now, motion))
     return;
-  const bool is_seen = motion.hold == GST_HAPTIC_HOLD_HELD || motion.hold == GST_HAPTIC_HOLD_ABOUT;
+  const bool is_seen = is_followed(static_cast<HoldState>(motion.hold));
   if (is_seen)
     last_seen_ = now;
   // The frame in which a thing was taken tells it from others.

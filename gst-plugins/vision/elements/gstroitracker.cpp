@@ -31,6 +31,7 @@
 #include <gst/video/gstvideofilter.h>
 #include <gst/video/navigation.h>
 #include <optional>
+#include <span>
 
 G_DECLARE_FINAL_TYPE(GstRoiTracker, gst_roi_tracker, GST, ROI_TRACKER, GstVideoFilter)
 
@@ -340,29 +341,33 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
   return true;
 }
 
-// The patches that are felt: those of the region until the thing is taken and while it is followed
-// about, else the thing itself, or nothing.
-void keep_felt_patches(const State &state, haptic::Measurement &measurement) {
+struct FeltPatches {
+  std::span<const haptic::Patch> patches;
+  int candidates = 0;
+};
+
+// Those of the region until the thing is taken and while it is followed about, else the thing
+// itself, for which there is room in `of_thing`, or none.
+FeltPatches felt_patches(const State &state, haptic::Patch &of_thing) {
   const haptic::HeldReport &held = state.thing.report();
-  if (held.state == HoldState::none || held.state == HoldState::about ||
-      (held.state == HoldState::held && state.held_time == 0))
-    return;
-  measurement.count = 0;
-  measurement.candidates = 1;
+  const bool is_taken = held.state == HoldState::held && state.held_time == 0;
+  if (is_taken || held.state == HoldState::none || held.state == HoldState::about)
+    return {state.tracker.measurement().view(), state.tracker.measurement().candidates};
   if (held.state != HoldState::held || !(held.variance > 0))
-    return;
+    return {{}, 1};
   const float precision = 1 / held.variance;
-  measurement.add({.x = held.x - held.dx,
-                   .y = held.y - held.dy,
-                   .width = 2 * held.radius,
-                   .height = 2 * held.radius,
-                   .dx = held.dx,
-                   .dy = held.dy,
-                   .precision_xx = precision,
-                   .precision_xy = 0,
-                   .precision_yy = precision,
-                   .residual = 0,
-                   .share = 0});
+  of_thing = {.x = held.x - held.dx,
+              .y = held.y - held.dy,
+              .width = 2 * held.radius,
+              .height = 2 * held.radius,
+              .dx = held.dx,
+              .dy = held.dy,
+              .precision_xx = precision,
+              .precision_xy = 0,
+              .precision_yy = precision,
+              .residual = 0,
+              .share = 0};
+  return {{&of_thing, 1}, 1};
 }
 
 // Keeps the frame for the comparison with the next one.
@@ -391,8 +396,8 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
                                          const Rectangle &region, const Settings &settings,
                                          const Finding &finding) {
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
-  haptic::Measurement measurement = self->state->tracker.measurement();
-  keep_felt_patches(*self->state, measurement);
+  haptic::Patch of_thing;
+  const FeltPatches felt = felt_patches(*self->state, of_thing);
   GstHapticMotionMeta *meta = gst_buffer_get_haptic_motion_meta(buffer);
   if (meta)
     gst_buffer_remove_meta(buffer, &meta->meta);
@@ -407,9 +412,9 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
   meta->pointer_x = static_cast<gfloat>(settings.pointer.x * GST_VIDEO_INFO_WIDTH(&info));
   meta->pointer_y = static_cast<gfloat>(settings.pointer.y * GST_VIDEO_INFO_HEIGHT(&info));
   meta->interval = finding.interval;
-  meta->n_candidates = static_cast<guint>(measurement.candidates);
-  meta->n_patches = static_cast<guint>(measurement.count);
-  std::ranges::copy(measurement.view(), meta->patches);
+  meta->n_candidates = static_cast<guint>(felt.candidates);
+  meta->n_patches = static_cast<guint>(felt.patches.size());
+  std::ranges::copy(felt.patches, meta->patches);
   if (settings.force) {
     meta->force_x = static_cast<gfloat>((*settings.force)[0]);
     meta->force_y = static_cast<gfloat>((*settings.force)[1]);
@@ -563,8 +568,11 @@ bool is_of_another_finger(Shared &shared, GstEvent *event) {
     gst_navigation_event_parse_touch_up_event(event, &finger, nullptr, nullptr);
   else if (type == GST_NAVIGATION_EVENT_TOUCH_DOWN || type == GST_NAVIGATION_EVENT_TOUCH_MOTION)
     gst_navigation_event_parse_touch_event(event, &finger, nullptr, nullptr, nullptr);
-  else
+  else {
+    if (type == GST_NAVIGATION_EVENT_TOUCH_CANCEL)
+      shared.finger.reset(); // of all fingers
     return false;
+  }
   if (shared.finger && *shared.finger != finger)
     return true;
   shared.finger = finger;

@@ -16,13 +16,8 @@ struct Likeness {
 /// Learns only where it fits: what passes before the thing leaves nothing behind.
 class Appearance {
 public:
-  Appearance();
-
   /// Begins with this patch. Every sample counts as far as it is near the middle.
   void begin(const PatchSamples &grey);
-
-  /// A thing that has changed for good, or turned: what fits stays known.
-  void replace(const PatchSamples &grey) { patch_.grey = grey; }
 
   /// `error_scale`: grey levels, of what fits in this frame.
   void learn(const PatchSamples &now, float error_scale, float fit_rate, float grey_rate);
@@ -33,7 +28,7 @@ public:
   /// With its gradients.
   const PatchTemplate &patch();
   /// Weights by the distance from the middle alone.
-  const PatchSamples &nearness() const { return nearness_; }
+  static const PatchSamples &nearness();
   /// Weights of the samples that belong to the thing.
   const PatchSamples &mask() const { return mask_; }
 
@@ -41,9 +36,7 @@ private:
   void update_mask();
 
   PatchTemplate patch_;
-  PatchSamples nearness_; // to the middle
-  PatchSamples middle_;   // the part on which a likeness is judged
-  PatchSamples fits_;     // 0..1
+  PatchSamples fits_; // 0..1
   PatchSamples mask_;
   PatchSamples judged_; // the middle, by how well it fits
 };

@@ -70,17 +70,10 @@ PatchPose moved(PatchPose pose, Displacement d) {
 
 // Standard deviation of a place by this texture: of grey levels with a noise of 2, shared by four.
 float deviation(const PatchTemplate &patch, const PatchSamples &weights) {
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (int at = 0; at < kPatchSamples; ++at) {
-    xx += weights[at] * patch.gradient_x[at] * patch.gradient_x[at];
-    xy += weights[at] * patch.gradient_x[at] * patch.gradient_y[at];
-    yy += weights[at] * patch.gradient_y[at] * patch.gradient_y[at];
-  }
-  const double smaller = (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy);
-  constexpr double kNoise2 = 16;
-  return static_cast<float>(std::sqrt(kNoise2 / std::max(smaller, 1e-3)));
+  constexpr float kNoise2 = 16;
+  const auto structure = sum_normal_equations(patch, {}, weights, 1, false).matrix;
+  const float least = eigenvalues({structure[0], structure[1], structure[2]}).least;
+  return std::sqrt(kNoise2 / std::max(least, 1e-3F));
 }
 
 } // namespace
@@ -311,7 +304,7 @@ void HeldThing::follow_about(float seconds) {
   for (int i = 2; i > 0; --i) {
     const auto index = static_cast<std::size_t>(i);
     const LumaLayer &layer = patch_layer(i, place);
-    const auto found = aligner_.align(layer, before_[index], appearances_[index].nearness(), place,
+    const auto found = aligner_.align(layer, before_[index], Appearance::nearness(), place,
                                       {.iterations = 5, .enough = 0.03F});
     if (found && found->correlation > kGoesAlong)
       place = found->pose;

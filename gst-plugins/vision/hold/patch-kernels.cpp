@@ -17,21 +17,13 @@
 #define HWY_TARGET_INCLUDE "hold/patch-kernels.cpp"
 #include <hwy/foreach_target.h>
 
+#include "pixels/lanes-inl.hpp"
+
 #include <hwy/contrib/math/math-inl.h>
-#include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Tag = hn::CappedTag<float, 8>;
-using Lanes = hn::Vec<Tag>;
-constexpr Tag kTag;
-
-HWY_INLINE int lanes() {
-  return static_cast<int>(hn::Lanes(kTag));
-}
 HWY_INLINE float total(Lanes v) {
   return hn::GetLane(hn::SumOfLanes(kTag, v));
 }

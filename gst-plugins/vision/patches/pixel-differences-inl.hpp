@@ -13,21 +13,11 @@
 #define HAPTIC_PIXEL_DIFFERENCES_INL_HPP
 #endif
 
-#include <hwy/highway.h>
+#include "pixels/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Tag = hn::CappedTag<float, 8>;
-using Lanes = hn::Vec<Tag>;
-constexpr Tag kTag;
-
-HWY_INLINE int lanes() {
-  return static_cast<int>(hn::Lanes(kTag));
-}
-
 constexpr int kMostDifferences = 74;               // px along each axis
 constexpr int kCopyStride = kMostDifferences + 14; // vectors run over the end of a row
 

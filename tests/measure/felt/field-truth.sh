@@ -15,16 +15,8 @@ case ${1:-} in
 -*) fail "unknown option '$1'; see --help" ;;
 esac
 rate=${1:-60}
-program=$build/pipelines/films/wind-film
-[ -x "$program" ] || fail "'$program' is not built: meson compile -C $build"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-find_plugins
+source "$(dirname "$0")/film-and-places.sh"
 
-places=
-for x in 0.1 0.3 0.5 0.7 0.9; do
-  for y in 0.167 0.5 0.833; do places+=" $x,$y"; done
-done
 echo "seed  alpha (s/px)  told apart  track (kbit/s)"
 for seed in 4711 90210; do
   video=$work/$seed.mkv

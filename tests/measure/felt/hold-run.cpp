@@ -9,6 +9,7 @@
 // table that is printed has a line for each point and frame from its start on: place, state (a
 // number of HoldState), and processor time.
 #include "hold/held-thing.hpp"
+#include "plane-source.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -54,27 +55,19 @@ public:
   virtual Said follow(const Frame &frame) = 0;
 };
 
-class Luma : public haptic::LumaSource {
-public:
-  explicit Luma(const cv::Mat &frame) : frame_(frame) {}
-  haptic::LumaView plane(const haptic::Rectangle &area) const override {
-    return {frame_.ptr(area.y, area.x), area.width, area.height,
-            static_cast<std::ptrdiff_t>(frame_.step)};
-  }
-  void convert(const haptic::Rectangle & /*area*/, std::uint8_t * /*to*/,
-               std::ptrdiff_t /*stride*/) const override {}
-
-private:
-  const cv::Mat &frame_;
-};
+test::PlaneSource luma_of(const cv::Mat &frame) {
+  return test::PlaneSource(
+      {frame.data, frame.cols, frame.rows, static_cast<std::ptrdiff_t>(frame.step)});
+}
 
 class Holding : public Follower {
 public:
   Said take(const Frame &frame, const cv::Point2f &place) override {
-    return said(thing_.take(Luma(frame.luma), frame.luma.cols, frame.luma.rows, place.x, place.y));
+    return said(
+        thing_.take(luma_of(frame.luma), frame.luma.cols, frame.luma.rows, place.x, place.y));
   }
   Said follow(const Frame &frame) override {
-    return said(thing_.follow(Luma(frame.luma), frame.seconds));
+    return said(thing_.follow(luma_of(frame.luma), frame.seconds));
   }
 
 private:

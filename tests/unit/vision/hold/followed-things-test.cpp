@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hold/followed-things.hpp"
 #include "moving-texture.hpp"
+#include "plane-source.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,26 +14,13 @@ using haptic::FieldThing;
 using haptic::FollowedThings;
 using haptic::HoldState;
 using test::Frame;
+using test::PlaneSource;
 using test::Shift;
 using test::Texture;
 
 constexpr int kWidth = 640;
 constexpr int kHeight = 360;
 constexpr float kSeconds = 1 / 30.F;
-
-class FrameSource final : public haptic::LumaSource {
-public:
-  explicit FrameSource(const Frame &frame) : frame_(frame) {}
-
-  haptic::LumaView plane(const haptic::Rectangle &area) const override {
-    return {frame_.pixels.data() + static_cast<std::ptrdiff_t>(area.y) * frame_.width + area.x,
-            area.width, area.height, frame_.width};
-  }
-  void convert(const haptic::Rectangle &, std::uint8_t *, std::ptrdiff_t) const override {}
-
-private:
-  const Frame &frame_;
-};
 
 Frame textured(Shift shift = {}) {
   return Texture(3).frame(kWidth, kHeight, shift);
@@ -66,12 +54,12 @@ std::vector<FieldThing> things_of(const FollowedThings &followed) {
 TEST(SomeFollowedThings, AreWhereTheyMovedTo) {
   FollowedThings followed;
   const Frame first = textured();
-  followed.take(FrameSource(first), kWidth, kHeight, 0.5F, 0.5F);
-  followed.take(FrameSource(first), kWidth, kHeight, 0.25F, 0.75F);
+  followed.take(PlaneSource(first), kWidth, kHeight, 0.5F, 0.5F);
+  followed.take(PlaneSource(first), kWidth, kHeight, 0.25F, 0.75F);
   ASSERT_EQ(things_of(followed).size(), 2U);
   for (int i = 1; i <= 10; ++i) {
     const Frame frame = textured({2.0 * i, -1.0 * i});
-    followed.follow(FrameSource(frame), kSeconds);
+    followed.follow(PlaneSource(frame), kSeconds);
   }
   followed.rest(kSeconds);
   const auto things = things_of(followed);
@@ -87,15 +75,15 @@ TEST(SomeFollowedThings, AreWhereTheyMovedTo) {
 TEST(SomeFollowedThings, AreNotTakenWhereThereIsNothingToHold) {
   FollowedThings followed;
   const Frame frame = blank();
-  followed.take(FrameSource(frame), kWidth, kHeight, 0.5F, 0.5F);
-  followed.choose(FrameSource(frame), field(), 16);
+  followed.take(PlaneSource(frame), kWidth, kHeight, 0.5F, 0.5F);
+  followed.choose(PlaneSource(frame), field(), 16);
   EXPECT_TRUE(followed.empty());
 }
 
 TEST(SomeFollowedThings, AreChosenWhereTheFrameMovesAndApartFromEachOther) {
   FollowedThings followed;
   const Frame frame = textured();
-  followed.choose(FrameSource(frame), field(), 16);
+  followed.choose(PlaneSource(frame), field(), 16);
   const auto things = things_of(followed);
   ASSERT_EQ(things.size(), 16U);
   for (std::size_t i = 0; i < things.size(); ++i) {
@@ -111,15 +99,15 @@ TEST(SomeFollowedThings, AreChosenWhereTheFrameMovesAndApartFromEachOther) {
 TEST(SomeFollowedThings, EndWhenTheyAreLostAndOthersComeWithOtherNumbers) {
   FollowedThings followed;
   const Frame frame = textured();
-  followed.choose(FrameSource(frame), field(), 4);
+  followed.choose(PlaneSource(frame), field(), 4);
   std::set<std::uint16_t> ids;
   for (const FieldThing &thing : things_of(followed))
     ids.insert(thing.id);
   const Frame wall = blank();
   for (int i = 0; i < 120; ++i) // 4 s
-    followed.follow(FrameSource(wall), kSeconds);
+    followed.follow(PlaneSource(wall), kSeconds);
   EXPECT_TRUE(followed.empty());
-  followed.choose(FrameSource(frame), field(), 4);
+  followed.choose(PlaneSource(frame), field(), 4);
   ASSERT_EQ(things_of(followed).size(), 4U);
   for (const FieldThing &thing : things_of(followed))
     EXPECT_FALSE(ids.contains(thing.id));
@@ -129,7 +117,7 @@ TEST(SomeFollowedThings, AreAtMostAsManyAsAFieldHolds) {
   FollowedThings followed;
   const Frame frame = textured();
   for (int i = 0; i < 50; ++i)
-    followed.take(FrameSource(frame), kWidth, kHeight, 0.5F, 0.5F);
+    followed.take(PlaneSource(frame), kWidth, kHeight, 0.5F, 0.5F);
   EXPECT_EQ(things_of(followed).size(), haptic::kMostFieldThings);
 }
 

@@ -2,6 +2,7 @@
 #include "hold/held-thing.hpp"
 #include "instruction-sets.hpp"
 #include "moving-texture.hpp"
+#include "plane-source.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@ using haptic::HeldReport;
 using haptic::HeldThing;
 using haptic::HoldState;
 using test::Frame;
+using test::PlaneSource;
 using test::Shift;
 using test::Texture;
 
@@ -23,20 +25,6 @@ constexpr int kWidth = 320;
 constexpr int kHeight = 200;
 constexpr double kRate = 30; // frames a second
 constexpr Shift kMiddle{kWidth / 2.0, kHeight / 2.0};
-
-class FrameSource final : public haptic::LumaSource {
-public:
-  explicit FrameSource(const Frame &frame) : frame_(frame) {}
-
-  haptic::LumaView plane(const haptic::Rectangle &area) const override {
-    return {frame_.pixels.data() + static_cast<std::ptrdiff_t>(area.y) * frame_.width + area.x,
-            area.width, area.height, frame_.width};
-  }
-  void convert(const haptic::Rectangle &, std::uint8_t *, std::ptrdiff_t) const override {}
-
-private:
-  const Frame &frame_;
-};
 
 /// A disc of one texture before another one, and a bar before both.
 struct Stage {
@@ -86,11 +74,11 @@ double distance(const HeldReport &report, Shift shift) {
 class AHeldThing : public ::testing::Test {
 protected:
   const HeldReport &take(const Frame &frame, Shift at = kMiddle) {
-    return thing.take(FrameSource(frame), frame.width, frame.height, static_cast<float>(at.x),
+    return thing.take(PlaneSource(frame), frame.width, frame.height, static_cast<float>(at.x),
                       static_cast<float>(at.y));
   }
   const HeldReport &follow(const Frame &frame, double rate = kRate) {
-    return thing.follow(FrameSource(frame), static_cast<float>(1 / rate));
+    return thing.follow(PlaneSource(frame), static_cast<float>(1 / rate));
   }
 
   Stage stage;
