@@ -36,16 +36,13 @@ need_video "$input"
 pointer=(pointer-source=navigation)
 [ -z "$at" ] || pointer=(pointer-source=property "pointer-x=${at%,*}" "pointer-y=${at#*,}" pressed=true)
 [ $grip = no ] || pointer=(pointer-source=haptic)
-window=(
-  tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay style=arrows ! autovideosink
-  t. ! queue max-size-buffers=1 !
-)
+file_window hapticoverlay style=arrows !
 if [ $grip = yes ] || [ -n "$at" ]; then
-  may_show || window=()
+  may_show || file_window_branch=()
 else
   need_display
 fi
 
 elements=(roitracker velocityavg hapticsink hapticoverlay)
-launch "${film[@]}" ! roitracker "${pointer[@]}" ! "${window[@]}" velocityavg \
+launch "${film[@]}" ! roitracker "${pointer[@]}" ! "${file_window_branch[@]}" velocityavg \
   ! hapticsink device=sim "hold-law=$law" "${sink_options[@]}"

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace haptic {
@@ -26,6 +28,22 @@ inline bool is_followed(HoldState state) noexcept {
 /// By the numbers of HoldState.
 inline constexpr std::array<std::string_view, 6> kHoldStateNames = {"none",   "held", "about",
                                                                     "hidden", "lost", "refused"};
+
+constexpr std::string_view hold_state_name(HoldState state) noexcept {
+  return kHoldStateNames[static_cast<std::size_t>(state)];
+}
+
+constexpr std::optional<HoldState> hold_state_named(std::string_view name) noexcept {
+  for (std::size_t i = 0; i < kHoldStateNames.size(); ++i)
+    if (kHoldStateNames[i] == name)
+      return static_cast<HoldState>(i);
+  return std::nullopt;
+}
+
+/// What a person reads.
+constexpr std::string_view hold_words(HoldState state) noexcept {
+  return state == HoldState::refused ? "nothing to hold" : hold_state_name(state);
+}
 
 /// Positions and sizes are fractions of the frame, origin at its top left corner.
 struct HeldPlace {

@@ -30,7 +30,7 @@ struct FieldCell {
 /// Where a thing is that was followed when the field was made, so that whoever presses there holds
 /// it. Places are in steps of 1/65535 once they were packed.
 struct FieldThing {
-  std::uint16_t id = 0;              ///< no other thing of the track has it
+  std::uint16_t id = 0;              ///< of no other thing in this field or one near it
   HoldState state = HoldState::held; ///< held, about or hidden
   float x = 0;                       ///< 0..1 of the width
   float y = 0;                       ///< 0..1 of the height

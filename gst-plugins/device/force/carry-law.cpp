@@ -55,7 +55,7 @@ double length_of(double energy, double stiffness, double most) noexcept {
 
 void CarryLaw::ramp(HoldState state, double follows, double dt) noexcept {
   const double target = state == HoldState::held ? follows : 0;
-  law_ = std::clamp(law_ + (target > 0 ? -dt : dt) / kComes, 0.0, 1.0);
+  law_ += std::clamp(1 - target - law_, -dt / kComes, dt / kComes);
   const bool fades = state == HoldState::held || state == HoldState::hidden;
   if (share_ == 0) // without a length, it may be as stiff as it likes
     share_ = target;
@@ -123,14 +123,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
 void CarryLaw::apply(HoldLaw law, SafetyChain::Input &input) const noexcept {
   if (!wants_)
     return;
-  const bool fresh = input.measured && input.age <= stale_after(input.interval);
-  const double share =
-      (fresh ? confidence_gate(input.confidence) : 0) * (law == HoldLaw::both ? 1 : law_);
-  input.wanted.force *= share;
-  input.wanted.torque *= share;
-  input.of_hand *= share;
-  input.measured = true;
-  input.confidence = 1;
+  input.make_certain(law == HoldLaw::both ? 1 : law_);
   input.touch.force += pull_.force;
   input.touch.surface_work += pull_.surface_work;
   input.touch.energy += pull_.energy;

@@ -101,6 +101,16 @@ double stale_after(double interval) noexcept {
   return std::clamp(kStaleIntervals * interval, kStaleShortest, kStaleLongest);
 }
 
+void SafetyChain::Input::make_certain(double share) noexcept {
+  const bool fresh = measured && age <= stale_after(interval);
+  share *= fresh ? confidence_gate(confidence) : 0;
+  wanted.force *= share;
+  wanted.torque *= share;
+  of_hand *= share;
+  measured = true;
+  confidence = 1;
+}
+
 Wrench SafetyChain::step(const Input &input) noexcept {
   follows_sample_ = false;
   limits_ = 0;

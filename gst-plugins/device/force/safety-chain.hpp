@@ -129,6 +129,10 @@ public:
     double damping = 0;          ///< N·s/m
     double dt = 0;               ///< s since the step before
     double longest_dt = 0;       ///< s, the longest that may come
+
+    /// What acts beside the law is certain: of the sum, the law fades with its own confidence, and
+    /// only `share` of it (0..1) is left.
+    void make_certain(double share = 1) noexcept;
   };
 
   /// Returns the wrench to command. Never more than max_force and max_torque; a lowered maximum is

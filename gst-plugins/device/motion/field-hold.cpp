@@ -3,6 +3,7 @@
 
 #include "samples/field-sampler.hpp"
 #include "samples/region-size.hpp"
+#include "seconds.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +16,7 @@ namespace {
 constexpr float kLeastReach = 0.0125F; // of the width
 
 float seconds_of(const MotionField &field) noexcept {
-  return static_cast<float>(static_cast<double>(field.interval) * 1e-9);
+  return static_cast<float>(seconds(field.interval));
 }
 
 float half_region(const MotionField &field, double z) noexcept {

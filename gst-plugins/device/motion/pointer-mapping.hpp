@@ -12,10 +12,7 @@
 namespace haptic {
 
 /// Shift of the frame under the hand, in parts of its width and height, y down.
-struct FrameShift {
-  double x = 0;
-  double y = 0;
-};
+using FrameShift = FramePoint;
 
 /// Equation 1 of the paper without the frame's size, with the hand at (X, Y, Z) and the half
 /// extents (hX, hY, hZ): x = 0.5 + X / (2 hX), y = 0.5 - Y / (2 hY), z = Z / hZ. All in m.

@@ -64,8 +64,10 @@ SampleIntake::Result SampleIntake::accept(std::span<const std::uint8_t> bytes, b
     return {accept_gap(presentation.time, motion.sample)};
 
   const double correction = cadence_.correction(motion.sample);
-  const HoldState hold_before = std::exchange(hold_, motion.sample.held.state);
-  if ((motion.sample.flags & kMotionDuplicate) && hold_ == hold_before)
+  const HeldPlace before = std::exchange(held_, motion.sample.held);
+  const bool holds_on = held_.state == before.state &&
+                        (held_.state == HoldState::none || is_same_thing(before, held_));
+  if ((motion.sample.flags & kMotionDuplicate) && holds_on)
     return {}; // the motion before continues
   if (!apply_playback(motion, presentation.playback, presentation.rate_law))
     return {accept_gap(presentation.time)};
@@ -79,7 +81,7 @@ SampleIntake::Result SampleIntake::accept(std::span<const std::uint8_t> bytes, b
 TimedMotion SampleIntake::accept_gap(std::int64_t time, const MotionSample &sample) noexcept {
   ++gaps_;
   cadence_.restart();
-  hold_ = sample.held.state;
+  held_ = sample.held;
   return {sample, false, middle_of(time, std::min(sample.interval, kLongestLookAhead))};
 }
 

@@ -72,9 +72,9 @@ private:
   FieldPool *fields_;
   bool holds_fields_ = false;
   Cadence cadence_;
-  HoldState hold_ = HoldState::none; // of the frame before
-  std::uint64_t last_interval_ = 0;  // ns, of the frame before
-  std::uint64_t look_ahead_ = 0;     // ns
+  HeldPlace held_;                  // of the frame before
+  std::uint64_t last_interval_ = 0; // ns, of the frame before
+  std::uint64_t look_ahead_ = 0;    // ns
   SharedValue<std::uint64_t> samples_;
   SharedValue<std::uint64_t> bad_samples_;
   SharedValue<std::uint64_t> gaps_;

@@ -33,7 +33,8 @@ bool is_plausible(const TimedMotion &motion) noexcept {
 bool has_measurement(const TimedMotion &motion) noexcept {
   if (!motion.field)
     return motion.sample.confidence > 0;
-  return std::ranges::any_of(motion.field->cells,
+  return !motion.field->things.empty() ||
+         std::ranges::any_of(motion.field->cells,
                              [](const FieldCell &cell) { return cell.confidence > 0; });
 }
 

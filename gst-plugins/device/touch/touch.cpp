@@ -22,12 +22,7 @@ void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
   } else if (!is_known()) {
     return;
   } else {
-    const bool fresh = input.measured && input.age <= stale_after(input.interval);
-    const double share = fresh ? confidence_gate(input.confidence) : 0;
-    input.wanted.force *= share;
-    input.wanted.torque *= share;
-    input.of_hand *= share;
-    input.measured = true;
+    input.make_certain();
   }
   const Contact &contact = law_.contact();
   input.touch = {contact.force, contact.surface_work, contact.energy, contact.released};

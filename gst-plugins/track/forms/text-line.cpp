@@ -117,9 +117,9 @@ bool parse_model(std::string_view text, MotionModel &model) {
 }
 
 bool parse_hold_state(std::string_view text, HoldState &state) {
-  const auto found = std::ranges::find(kHoldStateNames, text);
-  state = static_cast<HoldState>(found - kHoldStateNames.begin());
-  return found != kHoldStateNames.end();
+  const std::optional<HoldState> named = hold_state_named(text);
+  state = named.value_or(HoldState::none);
+  return named.has_value();
 }
 
 constexpr std::array<std::string_view, 22> kNames = {
@@ -253,7 +253,7 @@ std::string write_text_line(const TrackSample &sample) {
   out.number("h", s.region_height);
   out.number("conf", s.confidence);
   if (s.held.state != HoldState::none) {
-    out.field("held", kHoldStateNames[static_cast<std::size_t>(s.held.state)]);
+    out.field("held", hold_state_name(s.held.state));
     out.number("hold-x", s.held.x);
     out.number("hold-y", s.held.y);
     out.number("hold-radius", s.held.radius);

@@ -145,7 +145,7 @@ void set_motion(GstStructure *to, const MotionSample &sample) {
   const HeldPlace &held = sample.held;
   if (held.state == HoldState::none)
     return;
-  const std::string state(kHoldStateNames[static_cast<std::size_t>(held.state)]);
+  const std::string state(hold_state_name(held.state));
   gst_structure_set(to, "held", G_TYPE_STRING, state.c_str(), "hold-x", G_TYPE_DOUBLE,
                     number(held.x), "hold-y", G_TYPE_DOUBLE, number(held.y), "hold-radius",
                     G_TYPE_DOUBLE, number(held.radius), "hold-time", G_TYPE_UINT64, held.time,

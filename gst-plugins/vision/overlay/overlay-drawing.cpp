@@ -148,9 +148,7 @@ void OverlayDrawing::place_held(const OverlayScene &scene) {
     held_->trail.push_back({place(point.x, point.y), point.joined});
   if (held.state != HoldState::held) {
     const Point &at = held_->centre;
-    held_->word = label(held.state == HoldState::refused
-                            ? "nothing to hold"
-                            : std::string(kHoldStateNames[static_cast<std::size_t>(held.state)]),
+    held_->word = label(std::string(hold_words(held.state)),
                         {at.x - radius, at.y - radius, 2 * radius, 2 * radius}, Side::above);
   }
 }

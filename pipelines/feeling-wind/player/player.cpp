@@ -68,10 +68,7 @@ bool set_property(GObject *object, const std::string &name, const std::string &v
 }
 
 haptic::HoldState hold_of(const GstStructure *fields) {
-  const auto found = std::ranges::find(haptic::kHoldStateNames, text_of(fields, "held"));
-  return found == haptic::kHoldStateNames.end()
-             ? haptic::HoldState::none
-             : static_cast<haptic::HoldState>(found - haptic::kHoldStateNames.begin());
+  return haptic::hold_state_named(text_of(fields, "held")).value_or(haptic::HoldState::none);
 }
 
 } // namespace

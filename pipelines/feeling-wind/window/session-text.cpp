@@ -79,12 +79,6 @@ std::string session_sentence(const Session &session, bool armed) {
   return "Force off: no device is open";
 }
 
-std::string_view hold_words(haptic::HoldState state) {
-  return state == haptic::HoldState::refused
-             ? "nothing to hold"
-             : haptic::kHoldStateNames[static_cast<std::size_t>(state)];
-}
-
 // On: a disc. Waiting: a disc half full. Off: a ring. Fault: a triangle.
 void draw_light(cairo_t *cairo, double size, Light light) {
   constexpr double kTurn = 2 * std::numbers::pi;

@@ -18,9 +18,6 @@ Light light_of(const Session &session, bool armed);
 /// Returns whether there is a force, why not, and what brings it back.
 std::string session_sentence(const Session &session, bool armed);
 
-/// What became of the thing under the hand, in the words of hapticoverlay.
-std::string_view hold_words(haptic::HoldState state);
-
 /// Draws the light into a square of `size`: each has a shape of its own beside its colour.
 void draw_light(cairo_t *cairo, double size, Light light);
 

@@ -178,7 +178,7 @@ void Window::on_session(const Session &session) {
 
 void Window::on_reading(const Reading &reading) {
   if (reading.hold != newest_.hold) {
-    const std::string words(hold_words(reading.hold));
+    const std::string words(haptic::hold_words(reading.hold));
     print("hold " + words);
     // A latch ends with it, and takes the words beside the light along.
     if (reading.hold == haptic::HoldState::lost || reading.hold == haptic::HoldState::refused)
@@ -260,7 +260,7 @@ void Window::update_force() {
     if (session_.state == "armed")
       text += number(", %.2f N", std::hypot(newest_.fx, newest_.fy));
     if (newest_.hold != haptic::HoldState::none)
-      text.append(" (").append(hold_words(newest_.hold)).append(")");
+      text.append(" (").append(haptic::hold_words(newest_.hold)).append(")");
   }
   set_text(force_text_, text);
   const bool released = player_.is_open() && !player_.is_armed(); // as toggle_force() decides

@@ -55,6 +55,11 @@ public:
   virtual Said follow(const Frame &frame) = 0;
 };
 
+// hold_metric.py has these numbers.
+static_assert(static_cast<int>(haptic::HoldState::held) == 1);
+static_assert(static_cast<int>(haptic::HoldState::about) == 2);
+static_assert(static_cast<int>(haptic::HoldState::hidden) == 3);
+
 test::PlaneSource luma_of(const cv::Mat &frame) {
   return test::PlaneSource(
       {frame.data, frame.cols, frame.rows, static_cast<std::ptrdiff_t>(frame.step)});

@@ -8,7 +8,8 @@
 #   --rate RATE         frames a second, 30 (default) or 60
 #   --duration S        length of the films, 5 (default). 11 tells the error after 10 s too
 #   --films FOLDER      where the films are kept (~/.cache/feeling-wind/hold)
-#   --peers             one row for each of OpenCV's trackers, for every fifteenth point. Takes ten minutes
+#   --every N           takes every Nth point only (1; with --peers, 15)
+#   --peers             one row for each of OpenCV's trackers. Takes ten minutes
 #   --authored          holds tracks instead: of copies in which the points were followed, and in which author chose
 #   --tap-vid FILE      judges by a file of TAP-Vid instead (tapvid_davis.pkl, tapvid_rgb_stacking.pkl)
 #   --round-trip CLIP   holds moving places of any video for 60 frames, and back. May be repeated
@@ -18,14 +19,14 @@
 source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 here=$root/tests/measure/felt
 
-set=calm rate=30 duration=5 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' authored=''
+set=calm every= rate=30 duration=5 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' authored=''
 tap_vid=() clips=()
 while [ $# -gt 0 ]; do
   case $1 in
   --help | -h) show_help && exit ;;
   --peers) peers=yes && shift && continue ;;
   --authored) authored=yes && shift && continue ;;
-  --set | --rate | --duration | --films | --tap-vid | --round-trip) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
+  --set | --rate | --duration | --films | --every | --tap-vid | --round-trip) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
   *) fail "unknown option '$1'; see --help" ;;
   esac
   case $1 in
@@ -33,6 +34,7 @@ while [ $# -gt 0 ]; do
   --rate) rate=$2 ;;
   --duration) duration=$2 ;;
   --films) films=$2 ;;
+  --every) every=$2 ;;
   --tap-vid) tap_vid+=("$2") ;;
   --round-trip) clips+=("$2") ;;
   esac
@@ -82,13 +84,14 @@ for seed in "${cut_outs[@]}"; do
     film "$kind-$seed" "$here/cut-outs.py" --kind $kind --seed "$seed"
   done
 done
+[ -z "$peers" ] || every=${every:-15}
+[ -z "$every" ] || judge+=(--every "$every")
 if [ -n "$authored" ]; then
-  judge=("$here/judge-hold.py" --run "$build/tests/measure/felt/hold-track")
+  judge=("$here/judge-hold.py" --run "$build/tests/measure/felt/hold-track" ${every:+--every "$every"})
   judge+=(--author "$build/gst-plugins/track/tools/haptic-track")
   "${judge[@]}" "${judged[@]}"
   exec "${judge[@]}" --choose "${judged[@]}"
 fi
-[ -z "$peers" ] || judge+=(--every 15)
 "${judge[@]}" "${judged[@]}"
 [ -n "$peers" ] || exit 0
 for tracker in lk csrt kcf medianflow mosse; do

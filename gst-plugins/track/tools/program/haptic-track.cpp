@@ -380,7 +380,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   std::printf("  fields     %zu\n", fields.size());
   info_of_code(fields);
   std::size_t decoded = 0;
-  std::set<std::uint16_t> things;
+  std::set<std::uint16_t> things; // of the field before
+  std::size_t things_begun = 0;
   double measured = 0;
   double cells = 0;
   double sum = 0;
@@ -390,8 +391,10 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     if (decoded++ == 0)
       first = field;
     cells += static_cast<double>(field.cells.size());
+    std::set<std::uint16_t> now;
     for (const auto &thing : field.things)
-      things.insert(thing.id);
+      things_begun += now.insert(thing.id).second && !things.contains(thing.id);
+    things = std::move(now);
     for (const auto &cell : field.cells) {
       if (!(cell.confidence > 0))
         continue;
@@ -404,8 +407,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   if (decoded == 0)
     return;
   info_of_grid(first, "measured", measured / cells);
-  if (!things.empty())
-    std::printf("  things     %zu\n", things.size());
+  if (things_begun > 0)
+    std::printf("  things     %zu\n", things_begun);
   if (measured > 0)
     std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
 }

@@ -182,6 +182,20 @@ TEST(SampleIntakeTest, ASampleBringsTheThingThatIsHeld) {
   EXPECT_EQ(result.motion->sample.velocity_x, 100);
 }
 
+TEST(SampleIntakeTest, ADuplicateBringsAnotherThingThatIsHeld) {
+  const auto pool = std::make_unique<haptic::FieldPool>();
+  SampleIntake intake(*pool);
+  MotionSample s = sample(100);
+  const auto accept = [&](std::uint64_t time) {
+    s.held = {haptic::HoldState::held, 0.25F, 0.75F, 0.1F, time};
+    return intake.accept(bytes_of(s), false, {});
+  };
+  accept(5 * kFrame);
+  s.flags = haptic::kMotionDuplicate;
+  EXPECT_FALSE(accept(6 * kFrame).motion) << "the same";
+  ASSERT_TRUE(accept(0).motion) << "let go and pressed again within a frame";
+}
+
 TEST(FieldIntake, AFieldWithoutAnyConfidenceIsAGap) {
   const auto pool = std::make_unique<haptic::FieldPool>();
   SampleIntake intake(*pool);
@@ -190,6 +204,19 @@ TEST(FieldIntake, AFieldWithoutAnyConfidenceIsAGap) {
   silent.cells.assign(2, {});
   EXPECT_FALSE(intake.accept(bytes_of(silent), false, {}).motion->measured);
   EXPECT_EQ(intake.gaps(), 1U);
+}
+
+TEST(FieldIntake, AFieldWithThingsIsNone) {
+  const auto pool = std::make_unique<haptic::FieldPool>();
+  SampleIntake intake(*pool);
+  intake.set_layout(true);
+  MotionField silent = field(100);
+  silent.cells.assign(2, {});
+  silent.things = {{.id = 1, .x = 0.5F, .y = 0.5F, .radius = 0.1F}};
+  const auto result = intake.accept(bytes_of(silent), false, {});
+  ASSERT_TRUE(result.motion->field);
+  EXPECT_EQ(result.motion->field->things.size(), 1U);
+  EXPECT_EQ(intake.gaps(), 0U);
 }
 
 TEST(FieldIntake, WhileAllFieldsAreInUseTheNewestIsLost) {
