@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A thing that is held (docs/web.md, "Hold"): where it is, what is felt of it, and when it is let go.
-import { FakeVideo, pass } from './fake-browser.mjs';
+import { FakeVideo, beBusy, pass } from './fake-browser.mjs';
 import { emptyField, fieldWith, packedThings, set } from './motion-sets.mjs';
 import { promise } from './promise.mjs';
 import { FieldHold, readThings } from '../../pipelines/web/player/field-hold.js';
@@ -137,6 +137,33 @@ for (const [what, change] of [['the film cuts', { flags: 4 }], ['it ends', { thi
   promise(`it is lost when ${what}, and nothing is felt until it is let go`, lost.player.force.x === 0
     && lost.hold.held.state === 'lost' && String(lost.states) === 'held,lost');
   lost.player.detach();
+}
+
+// As long as a page may be busy: the force begins anew, and what is held goes on.
+const busy = film();
+busy.hold.press();
+pass(0.5, busy.video);
+const { felt } = busy.hold;
+let fastest = 0;
+busy.hold.felt = (...knots) => {
+  const knot = felt(...knots);
+  fastest = Math.max(fastest, knot.motion.x);
+  return knot;
+};
+beBusy(0.4, busy.video);
+pass(0.3, busy.video);
+console.log(`after a busy page at most ${fastest.toFixed(1)} px/s of ${SPEED}, held at`, busy.hold.held);
+promise('no way of several frames is felt as that of one', isNear(fastest, SPEED, 1) && busy.player.force.x > 0.9 * expected);
+promise('its time goes on as that of the film does', isNear(busy.hold.held.x, placeAt(1 + busy.hold.held.time), 0.006)
+  && isNear(busy.hold.held.x, placeAt(busy.video.currentTime), 0.006));
+for (const [what, seconds, cut] of [['in a cut that a busy page missed', 0.4, 45], ['of which more is missed than is kept', 3]]) {
+  const missed = film(frame => frame === cut ? { flags: 4 } : {});
+  missed.hold.press();
+  pass(0.5, missed.video);
+  beBusy(seconds, missed.video);
+  pass(0.3, missed.video);
+  promise(`it is lost ${what}`, missed.hold.held.state === 'lost' && missed.player.force.x === 0
+    && String(missed.states) === 'held,lost');
 }
 
 for (const event of ['seeking', 'ended', 'emptied']) {

@@ -40,10 +40,13 @@ export class Hold {
   /** {state, x, y, radius, time} in the frame that is shown, or null */
   get held() { return this.#shown.at(-1)?.held ?? this.#hold.held; }
 
-  /** A knot of the track, as it is felt. The one that is next is only looked at: the hand may change until it is there. */
-  felt = (knot, isNext) => {
+  /**
+   * A knot of the track, as it is felt; `knots` leads to it. The one that is next comes without them, and is only looked
+   * at: the hand may change until it is there.
+   */
+  felt = (knot, knots) => {
     if (!this.#hold.held || !knot.field || knot.due < this.#samples[0].due) return knot;
-    if (knot.due > this.#samples.at(-1).due && !isNext) this.#step(knot);
+    if (knots && knot.due > this.#samples.at(-1).due) this.#follow(knots, knot.due);
     const { x, y, confidence } = knot.due > this.#samples.at(-1).due ? this.#after(knot)
       : this.#samples.findLast(({ due }) => due <= knot.due);
     return { ...knot, field: null, motion: { ...knot.motion, x, y, confidence }, measured: confidence > 0 };
@@ -55,10 +58,15 @@ export class Hold {
     return hold;
   }
 
-  #step(knot) {
-    const { state } = this.#hold.held;
-    this.#hold = this.#after(knot);
-    this.#keep(knot.due);
+  // A page that was busy passes several knots at once. Where one may be missing, what is held is lost.
+  #follow(knots, until) {
+    const { state } = this.#hold.held, { due } = this.#samples.at(-1);
+    if (knots[0].due > due) this.#hold.lose();
+    for (const knot of knots) {
+      if (!knot.field || knot.due <= due || knot.due > until) continue;
+      this.#hold = this.#after(knot);
+      this.#keep(knot.due);
+    }
     if (this.#hold.held.state !== state) this.#tell();
   }
 
