@@ -183,4 +183,11 @@ const outside = film();
 outside.player.place = null;
 outside.hold.press();
 promise('a press outside the film takes nothing', outside.hold.held === null);
+outside.hold.press();
+promise('of which nothing is told', outside.states.length === 0);
+outside.player.place = { x: 0.9, y: 0.9 };
+outside.hold.press();
+outside.player.place = { x: 0.8, y: 0.9 };
+outside.hold.press();
+promise('a press that takes something else is told', String(outside.states) === 'about,about');
 process.exit(0); // a track that is waited for

@@ -22,13 +22,13 @@ export class Hold {
 
   /** Takes what is under the hand; nothing where the film has a surface, which a press touches. */
   press() {
-    const { place, field, relief } = this.#player;
+    const { place, field, relief } = this.#player, before = this.#hold.held;
     this.#clear();
     if (place && field && !relief) {
       this.#hold.press(place, field);
       this.#keep(field.due);
     }
-    this.#tell();
+    if (before || this.#hold.held) this.#tell();
   }
 
   release() {

@@ -77,7 +77,7 @@ export interface Held {
 
 /**
  * Sends the events force, relief, problem and hold; `detail` is what the callback gets, `code` that of a problem. Of hold it
- * is what is held, or null, when its state changes.
+ * is what is held, or null, when its state changes or another press takes something.
  */
 export interface Player extends EventTarget {
   /** Where the hand is; null: nowhere, and nothing is felt. */
