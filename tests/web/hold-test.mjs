@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A thing that is held (docs/web.md, "Hold"): where it is, what is felt of it, and when it is let go.
+import { readFileSync } from 'node:fs';
 import { FakeVideo, beBusy, pass } from './fake-browser.mjs';
 import { emptyField, fieldWith, packedThings, set } from './motion-sets.mjs';
 import { promise } from './promise.mjs';
@@ -174,6 +175,20 @@ for (const event of ['seeking', 'ended', 'emptied']) {
   promise(`it is let go at ${event}`, hold.held === null && hold.felt(1) === 1);
   player.detach();
 }
+
+// A surface is known some time before it begins.
+const surface = film();
+surface.hold.press();
+const [{ code }] = readKlv(readFileSync(new URL('../data/golden-relief.klv', import.meta.url)));
+const isKnown = new Promise(done => surface.player.addEventListener('relief', done));
+promise('a film without a surface has no reliefs', !surface.player.hasReliefs);
+surface.player.addPacket(set([[1, [1]], [2, [2]], [33, [...code]]]), 5);
+await isKnown;
+promise('what is held is let go once the film has a surface', surface.hold.held === null && String(surface.states) === 'held,');
+surface.hold.press();
+promise('from then on a press holds nothing, also before the surface begins', surface.hold.held === null
+  && surface.player.relief === null && surface.player.hasReliefs);
+
 const other = film();
 other.hold.press();
 const gone = other.player.loadTrack('missing.klv');

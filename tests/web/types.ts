@@ -40,7 +40,7 @@ player.pressed = true;
 const relief: Relief | null = player.relief;
 console.log(relief && [relief.z, relief.stiffness, relief.friction, relief.validity].length * relief.columns * relief.rows);
 console.log(player.contact && player.contact.x + player.contact.y + player.contact.newtons);
-console.log(player.hasTrack, player.gamepads.join());
+console.log(player.hasTrack, player.hasReliefs, player.gamepads.join());
 player.detach();
 declare const element: FeelingWind;
 const hold = new Hold(player, film);

@@ -17,14 +17,16 @@ export class Hold {
   constructor(player, video, signal) {
     this.#player = player;
     player.hold = this;
-    for (const event of ['seeking', 'ended', 'emptied']) video.addEventListener(event, () => this.release(), { signal });
+    const release = () => this.release();
+    for (const event of ['seeking', 'ended', 'emptied']) video.addEventListener(event, release, { signal });
+    player.addEventListener('relief', release, { signal });
   }
 
-  /** Takes what is under the hand; nothing where the film has a surface, which a press touches. */
+  /** Takes what is under the hand; nothing in a film with a surface, which a press touches. */
   press() {
-    const { place, field, relief } = this.#player, before = this.#hold.held;
+    const { place, field, hasReliefs } = this.#player, before = this.#hold.held;
     this.#clear();
-    if (place && field && !relief) {
+    if (place && field && !hasReliefs) {
       this.#hold.press(place, field);
       this.#keep(field.due);
     }

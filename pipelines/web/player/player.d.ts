@@ -93,6 +93,8 @@ export interface Player extends EventTarget {
   readonly relief: Relief | null;
   /** Where the surface is touched, 0..1 from the top left corner, and the force out of the picture. */
   readonly contact: { x: number; y: number; newtons: number } | null;
+  /** Whether the film can be touched, maybe later. */
+  readonly hasReliefs: boolean;
   readonly hasTrack: boolean;
   /** Names of the gamepads that can rumble. */
   readonly gamepads: string[];
