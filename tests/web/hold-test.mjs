@@ -124,6 +124,24 @@ plain.hold.release();
 pass(0.2, plain.video);
 promise('let go, it is gone', plain.player.force.x === 0 && plain.hold.held === null && String(plain.states) === 'held,');
 
+// Of the tick, only the place is new.
+const { step } = FieldHold.prototype;
+let steps = 0;
+FieldHold.prototype.step = function (...field) {
+  ++steps;
+  return step.apply(this, field);
+};
+const once = film();
+once.hold.press();
+pass(2, once.video);
+console.log(`${steps} steps in 2 s`);
+promise('a field is stepped through once, and not in each tick', steps > 48 && steps < 54);
+FieldHold.prototype.step = step;
+once.hold.press();
+pass(0.5, once.video);
+promise('what comes after the next press is that of what it took', String(once.states) === 'held,about'
+  && once.hold.held.state === 'about');
+
 const hidden = film(frame => frame >= 50 && frame < 75 ? { state: 'hidden' } : {});
 hidden.hold.press();
 pass(1.5, hidden.video);

@@ -12,6 +12,7 @@ const COLOURS = { edge: '#000000', held: '#009e73' }; // of Okabe and Ito
 export class Hold {
   #player;
   #hold = new FieldHold();
+  #ahead = null; // {field: the next one, z: of the hand, hold: after it}
   #samples = []; // {due: s, of the frame, x, y, confidence: what is felt, held}
 
   constructor(player, video, signal) {
@@ -54,16 +55,24 @@ export class Hold {
     return { ...knot, field: null, motion: { ...knot.motion, x, y, confidence }, measured: confidence > 0 };
   };
 
+  // What is held once `field` came. It is asked for in each tick.
   #after({ field }) {
-    const hold = Object.assign(new FieldHold(), this.#hold);
-    hold.step(field, this.#player.place?.z);
-    return hold;
+    const z = this.#player.place?.z;
+    if (this.#ahead?.field !== field || this.#ahead.z !== z) {
+      const hold = Object.assign(new FieldHold(), this.#hold);
+      hold.step(field, z);
+      this.#ahead = { field, z, hold };
+    }
+    return this.#ahead.hold;
   }
 
   // A page that was busy passes several knots at once. Where one may be missing, what is held is lost.
   #follow(knots, until) {
     const { state } = this.#hold.held, { due } = this.#samples.at(-1);
-    if (knots[0].due > due) this.#hold.lose();
+    if (knots[0].due > due) {
+      this.#hold.lose();
+      this.#ahead = null;
+    }
     for (const knot of knots) {
       if (!knot.field || knot.due <= due || knot.due > until) continue;
       this.#hold = this.#after(knot);
@@ -81,6 +90,7 @@ export class Hold {
   #clear() {
     this.#hold.release();
     this.#samples = [];
+    this.#ahead = null;
   }
 
   #tell() {
