@@ -20,6 +20,8 @@ const [first, second] = readThings(read(packedThings(two)).things);
 promise('things of a field are read', first.id === 0x0102 && first.state === 'held' && isAt(first, 0.25, 1, 1e-5)
   && isNear(first.radius, 0.05, 1e-5) && second.id === 7 && second.state === 'hidden');
 promise('a field may have none', readThings(undefined).length === 0 && read([]).kind === 'field');
+const [relief] = readKlv(readFileSync(new URL('../data/golden-relief.klv', import.meta.url)));
+promise('a relief has none', relief.kind === 'relief' && relief.things === undefined);
 const whole = packedThings(two);
 for (let size = 1; size < whole.length; ++size)
   if (read(whole.slice(0, size)).kind !== 'damaged') promise(`${size} bytes of two things are refused`, false);
@@ -197,10 +199,9 @@ for (const event of ['seeking', 'ended', 'emptied']) {
 // A surface is known some time before it begins.
 const surface = film();
 surface.hold.press();
-const [{ code }] = readKlv(readFileSync(new URL('../data/golden-relief.klv', import.meta.url)));
 const isKnown = new Promise(done => surface.player.addEventListener('relief', done));
 promise('a film without a surface has no reliefs', !surface.player.hasReliefs);
-surface.player.addPacket(set([[1, [1]], [2, [2]], [33, [...code]]]), 5);
+surface.player.addPacket(set([[1, [1]], [2, [2]], [33, [...relief.code]]]), 5);
 await isKnown;
 promise('what is held is let go once the film has a surface', surface.hold.held === null && String(surface.states) === 'held,');
 surface.hold.press();

@@ -62,7 +62,7 @@ export class PacketTrack {
       if (!Number.isFinite(at)) continue;
       relief ||= item.kind === 'relief';
       if (!this.#kinds.includes(item.kind)) continue;
-      const packet = { time: at, code: item.code?.slice(), things: item.things?.slice?.(), point: item.point };
+      const packet = { time: at, code: item.code?.slice(), things: item.things?.slice(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
       this.#insert(packet);
     }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+import type { Hold } from './element.js';
+
 /** A place in the picture, from its top left corner; z is the size of the hand, 1 near and -1 far. */
 export interface Place { x: number; y: number; z?: number }
 
@@ -96,6 +98,8 @@ export interface Player extends EventTarget {
   /** Whether the film can be touched, maybe later. */
   readonly hasReliefs: boolean;
   readonly hasTrack: boolean;
+  /** What was made for this player to hold with; null: nothing. */
+  readonly hold: Hold | null;
   /** Names of the gamepads that can rumble. */
   readonly gamepads: string[];
   /** Plays a playlist instead of the film before. Fails with a Refusal if its address is refused. */

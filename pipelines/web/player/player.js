@@ -16,6 +16,7 @@ const HIGHEST_ALPHA = 0.2; // s/px
 const within = (value, low, high, otherwise) => Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
 
 class Player extends EventTarget {
+  hold = null; // of hold.js
   #video;
   #options;
   #track = new MotionTrack();
@@ -29,7 +30,6 @@ class Player extends EventTarget {
   #ticks = false;
   #said = new Set();
   #ended = new AbortController();
-  hold = null; // of hold.js
   #loading = new AbortController(); // for the film that is played
 
   constructor(video, options) {
