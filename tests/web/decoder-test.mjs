@@ -60,7 +60,7 @@ function items(bytes) {
   for (const item of readKlv(bytes)) {
     numbers.push(KINDS.indexOf(item.kind), item.offset);
     if (item.kind === 'point') numbers.push(hashOfPoint(item.point));
-    numbers.push(hashOf([...item.code ?? [], ...item.things || []]));
+    numbers.push(hashOf([...item.code ?? [], ...item.things ?? []]));
   }
   return numbers;
 }

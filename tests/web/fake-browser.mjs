@@ -87,3 +87,10 @@ export function pass(seconds, video) {
     for (const callback of [...timers]) callback();
   }
 }
+
+/** Lets `seconds` go by in which the film plays on, and the page is too busy for any callback. */
+export function beBusy(seconds, video) {
+  video.hides = true;
+  for (const end = now + 1000 * seconds; now < end; now += 1000 / 60) video.refresh();
+  video.hides = false;
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A thing that is held (docs/web.md, "Hold"): where it is, what is felt of it, and when it is let go.
-import { FakeVideo, pass } from './fake-browser.mjs';
+import { readFileSync } from 'node:fs';
+import { FakeVideo, beBusy, pass } from './fake-browser.mjs';
 import { emptyField, fieldWith, packedThings, set } from './motion-sets.mjs';
 import { promise } from './promise.mjs';
 import { FieldHold, readThings } from '../../pipelines/web/player/field-hold.js';
@@ -19,6 +20,8 @@ const [first, second] = readThings(read(packedThings(two)).things);
 promise('things of a field are read', first.id === 0x0102 && first.state === 'held' && isAt(first, 0.25, 1, 1e-5)
   && isNear(first.radius, 0.05, 1e-5) && second.id === 7 && second.state === 'hidden');
 promise('a field may have none', readThings(undefined).length === 0 && read([]).kind === 'field');
+const [relief] = readKlv(readFileSync(new URL('../data/golden-relief.klv', import.meta.url)));
+promise('a relief has none', relief.kind === 'relief' && relief.things === undefined);
 const whole = packedThings(two);
 for (let size = 1; size < whole.length; ++size)
   if (read(whole.slice(0, size)).kind !== 'damaged') promise(`${size} bytes of two things are refused`, false);
@@ -123,6 +126,24 @@ plain.hold.release();
 pass(0.2, plain.video);
 promise('let go, it is gone', plain.player.force.x === 0 && plain.hold.held === null && String(plain.states) === 'held,');
 
+// Of the tick, only the place is new.
+const { step } = FieldHold.prototype;
+let steps = 0;
+FieldHold.prototype.step = function (...field) {
+  ++steps;
+  return step.apply(this, field);
+};
+const once = film();
+once.hold.press();
+pass(2, once.video);
+console.log(`${steps} steps in 2 s`);
+promise('a field is stepped through once, and not in each tick', steps > 48 && steps < 54);
+FieldHold.prototype.step = step;
+once.hold.press();
+pass(0.5, once.video);
+promise('what comes after the next press is that of what it took', String(once.states) === 'held,about'
+  && once.hold.held.state === 'about');
+
 const hidden = film(frame => frame >= 50 && frame < 75 ? { state: 'hidden' } : {});
 hidden.hold.press();
 pass(1.5, hidden.video);
@@ -139,6 +160,33 @@ for (const [what, change] of [['the film cuts', { flags: 4 }], ['it ends', { thi
   lost.player.detach();
 }
 
+// As long as a page may be busy: the force begins anew, and what is held goes on.
+const busy = film();
+busy.hold.press();
+pass(0.5, busy.video);
+const { felt } = busy.hold;
+let fastest = 0;
+busy.hold.felt = (...knots) => {
+  const knot = felt(...knots);
+  fastest = Math.max(fastest, knot.motion.x);
+  return knot;
+};
+beBusy(0.4, busy.video);
+pass(0.3, busy.video);
+console.log(`after a busy page at most ${fastest.toFixed(1)} px/s of ${SPEED}, held at`, busy.hold.held);
+promise('no way of several frames is felt as that of one', isNear(fastest, SPEED, 1) && busy.player.force.x > 0.9 * expected);
+promise('its time goes on as that of the film does', isNear(busy.hold.held.x, placeAt(1 + busy.hold.held.time), 0.006)
+  && isNear(busy.hold.held.x, placeAt(busy.video.currentTime), 0.006));
+for (const [what, seconds, cut] of [['in a cut that a busy page missed', 0.4, 45], ['of which more is missed than is kept', 3]]) {
+  const missed = film(frame => frame === cut ? { flags: 4 } : {});
+  missed.hold.press();
+  pass(0.5, missed.video);
+  beBusy(seconds, missed.video);
+  pass(0.3, missed.video);
+  promise(`it is lost ${what}`, missed.hold.held.state === 'lost' && missed.player.force.x === 0
+    && String(missed.states) === 'held,lost');
+}
+
 for (const event of ['seeking', 'ended', 'emptied']) {
   const { video, player, hold } = film();
   hold.press();
@@ -147,6 +195,19 @@ for (const event of ['seeking', 'ended', 'emptied']) {
   promise(`it is let go at ${event}`, hold.held === null && hold.felt(1) === 1);
   player.detach();
 }
+
+// A surface is known some time before it begins.
+const surface = film();
+surface.hold.press();
+const isKnown = new Promise(done => surface.player.addEventListener('relief', done));
+promise('a film without a surface has no reliefs', !surface.player.hasReliefs);
+surface.player.addPacket(set([[1, [1]], [2, [2]], [33, [...relief.code]]]), 5);
+await isKnown;
+promise('what is held is let go once the film has a surface', surface.hold.held === null && String(surface.states) === 'held,');
+surface.hold.press();
+promise('from then on a press holds nothing, also before the surface begins', surface.hold.held === null
+  && surface.player.relief === null && surface.player.hasReliefs);
+
 const other = film();
 other.hold.press();
 const gone = other.player.loadTrack('missing.klv');
@@ -156,4 +217,11 @@ const outside = film();
 outside.player.place = null;
 outside.hold.press();
 promise('a press outside the film takes nothing', outside.hold.held === null);
+outside.hold.press();
+promise('of which nothing is told', outside.states.length === 0);
+outside.player.place = { x: 0.9, y: 0.9 };
+outside.hold.press();
+outside.player.place = { x: 0.8, y: 0.9 };
+outside.hold.press();
+promise('a press that takes something else is told', String(outside.states) === 'about,about');
 process.exit(0); // a track that is waited for

@@ -40,19 +40,22 @@ player.pressed = true;
 const relief: Relief | null = player.relief;
 console.log(relief && [relief.z, relief.stiffness, relief.friction, relief.validity].length * relief.columns * relief.rows);
 console.log(player.contact && player.contact.x + player.contact.y + player.contact.newtons);
-console.log(player.hasTrack, player.gamepads.join());
+console.log(player.hasTrack, player.hasReliefs, player.gamepads.join());
 player.detach();
 declare const element: FeelingWind;
 const hold = new Hold(player, film);
 hold.press();
 console.log(hold.held?.state === 'about' && hold.held.x + hold.held.y + hold.held.radius + hold.held.time);
 hold.release();
+console.log(player.hold === hold, player.hold?.held?.id);
 watchHolding(element, hold, element)();
 element.allowedOrigins = ['https://films.example'];
 console.log(element.player?.force.x, element.video?.currentTime);
 
 // @ts-expect-error: it is read only
 player.force = { x: 1, y: 1 };
+// @ts-expect-error: so is this
+player.hold = hold;
 // @ts-expect-error: y is missing
 player.place = { x: 1 };
 // @ts-expect-error: there is no such option

@@ -49,6 +49,9 @@ export class FieldHold {
 
   release() { this.held = null; }
 
+  /** The fields that follow are of elsewhere in the film. */
+  lose() { this.held = { ...this.held, state: 'lost' }; }
+
   /** The next field of the film; `z` is that of the hand. */
   step(field, z = 0) {
     const before = this.held;

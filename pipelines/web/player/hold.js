@@ -12,23 +12,26 @@ const COLOURS = { edge: '#000000', held: '#009e73' }; // of Okabe and Ito
 export class Hold {
   #player;
   #hold = new FieldHold();
+  #ahead = null; // {field: the next one, z: of the hand, hold: after it}
   #samples = []; // {due: s, of the frame, x, y, confidence: what is felt, held}
 
   constructor(player, video, signal) {
     this.#player = player;
     player.hold = this;
-    for (const event of ['seeking', 'ended', 'emptied']) video.addEventListener(event, () => this.release(), { signal });
+    const release = () => this.release();
+    for (const event of ['seeking', 'ended', 'emptied']) video.addEventListener(event, release, { signal });
+    player.addEventListener('relief', release, { signal });
   }
 
-  /** Takes what is under the hand; nothing where the film has a surface, which a press touches. */
+  /** Takes what is under the hand; nothing in a film with a surface, which a press touches. */
   press() {
-    const { place, field, relief } = this.#player;
+    const { place, field, hasReliefs } = this.#player, before = this.#hold.held;
     this.#clear();
-    if (place && field && !relief) {
+    if (place && field && !hasReliefs) {
       this.#hold.press(place, field);
       this.#keep(field.due);
     }
-    this.#tell();
+    if (before || this.#hold.held) this.#tell();
   }
 
   release() {
@@ -40,25 +43,41 @@ export class Hold {
   /** {state, x, y, radius, time} in the frame that is shown, or null */
   get held() { return this.#shown.at(-1)?.held ?? this.#hold.held; }
 
-  /** A knot of the track, as it is felt. The one that is next is only looked at: the hand may change until it is there. */
-  felt = (knot, isNext) => {
+  /**
+   * A knot of the track, as it is felt; `knots` leads to it. The one that is next comes without them, and is only looked
+   * at: the hand may change until it is there.
+   */
+  felt = (knot, knots) => {
     if (!this.#hold.held || !knot.field || knot.due < this.#samples[0].due) return knot;
-    if (knot.due > this.#samples.at(-1).due && !isNext) this.#step(knot);
+    if (knots && knot.due > this.#samples.at(-1).due) this.#follow(knots, knot.due);
     const { x, y, confidence } = knot.due > this.#samples.at(-1).due ? this.#after(knot)
       : this.#samples.findLast(({ due }) => due <= knot.due);
     return { ...knot, field: null, motion: { ...knot.motion, x, y, confidence }, measured: confidence > 0 };
   };
 
+  // What is held once `field` came. It is asked for in each tick.
   #after({ field }) {
-    const hold = Object.assign(new FieldHold(), this.#hold);
-    hold.step(field, this.#player.place?.z);
-    return hold;
+    const z = this.#player.place?.z;
+    if (this.#ahead?.field !== field || this.#ahead.z !== z) {
+      const hold = Object.assign(new FieldHold(), this.#hold);
+      hold.step(field, z);
+      this.#ahead = { field, z, hold };
+    }
+    return this.#ahead.hold;
   }
 
-  #step(knot) {
-    const { state } = this.#hold.held;
-    this.#hold = this.#after(knot);
-    this.#keep(knot.due);
+  // A page that was busy passes several knots at once. Where one may be missing, what is held is lost.
+  #follow(knots, until) {
+    const { state } = this.#hold.held, { due } = this.#samples.at(-1);
+    if (knots[0].due > due) {
+      this.#hold.lose();
+      this.#ahead = null;
+    }
+    for (const knot of knots) {
+      if (!knot.field || knot.due <= due || knot.due > until) continue;
+      this.#hold = this.#after(knot);
+      this.#keep(knot.due);
+    }
     if (this.#hold.held.state !== state) this.#tell();
   }
 
@@ -71,6 +90,7 @@ export class Hold {
   #clear() {
     this.#hold.release();
     this.#samples = [];
+    this.#ahead = null;
   }
 
   #tell() {

@@ -106,7 +106,7 @@ function readMotion(bytes, offset) {
   if (kind !== POINT) {
     const code = values[kind === FIELD ? T.field : T.relief];
     if (!code?.length) return damaged('a value is missing', offset);
-    const things = kind === FIELD && values[T.things];
+    const things = kind === FIELD ? values[T.things] : undefined;
     if (things?.length && !areThings(things)) return damaged('a value is out of its range', offset + offsets[T.things]);
     return { kind: kind === FIELD ? 'field' : 'relief', offset, time, code, things };
   }

@@ -10,6 +10,7 @@ const LONGEST_RAMP = 1; // s
 const FASTEST = 1e6; // px/s; faster ones are damage
 const MOST_BYTES = 64 * 2 ** 20; // of packets, an hour of a lively film
 const MOST_CELLS = 1e5, MOST_PACKETS = 1000; // decoded in one call; a hostile track needs several
+const KEPT = 1; // s of knots behind the time that is asked for
 const NOTHING = Object.freeze({ x: 0, y: 0, confidence: 0, measured: false, cut: false, age: 0, interval: 0 });
 
 // Index of the first sorted item that is later.
@@ -61,7 +62,7 @@ export class PacketTrack {
       if (!Number.isFinite(at)) continue;
       relief ||= item.kind === 'relief';
       if (!this.#kinds.includes(item.kind)) continue;
-      const packet = { time: at, code: item.code?.slice(), things: item.things?.slice?.(), point: item.point };
+      const packet = { time: at, code: item.code?.slice(), things: item.things?.slice(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
       this.#insert(packet);
     }
@@ -71,13 +72,13 @@ export class PacketTrack {
   #insert(packet) {
     const at = after(this.#packets, packet.time);
     const before = this.#packets[at - 1];
-    const same = before && packet.time - before.time < 1e-4;
+    const same = Number(packet.time - before?.time < 1e-4);
     if (same && isSame(before, packet)) return;
     const grown = sizeOf(packet) - (same ? sizeOf(before) : 0);
     if (this.#bytes + grown > MOST_BYTES) return;
     this.#bytes += grown;
-    this.#packets.splice(same ? at - 1 : at, same ? 1 : 0, packet);
-    if (at < this.#next + Number(same)) this.#restart();
+    this.#packets.splice(at - same, same, packet);
+    if (at < this.#next + same) this.#restart();
   }
 
   /** Drops the packets before `time` (s). */
@@ -122,7 +123,8 @@ export class PacketTrack {
     const knots = this.#knots;
     const from = this.#start(time);
     const isPast = knots.length ? knots[0].time > time : from < this.#first;
-    if (this.#next < 0 || isPast || from > this.#next) {
+    // A page that was busy goes through what it missed, as far as that is kept.
+    if (isPast || this.#start(time - KEPT) > this.#next) {
       this.#restart();
       this.#decoder.forget();
       this.#next = this.#first = from;
@@ -131,7 +133,7 @@ export class PacketTrack {
     const most = this.#decoder.cells + MOST_CELLS;
     for (let i = 0; i < MOST_PACKETS && this.#decoder.cells < most && !isReached(); ++i)
       this.#decode(this.#packets[this.#next++]);
-    const old = after(this.#knots, time - 1) - 2;
+    const old = after(this.#knots, time - KEPT) - 2;
     if (old > 0) this.#knots.splice(0, old);
     return isReached();
   }
@@ -148,13 +150,13 @@ export class PacketTrack {
     return this.#reach(time) ? this.#knots.findLast(knot => knot.due <= time + 1e-3) : undefined;
   }
 
-  /** {from, to: the knots around `time` (s); `to` may be missing, cut: one was passed since `since`}, or null */
+  /** {from, to: the knots around `time` (s); `to` may be missing, cut: one was passed since `since`, knots: all}, or null */
   around(time, since) {
     if (this.empty || !this.#reach(time)) return null;
     const i = after(this.#knots, time) - 1;
     if (i < 0) return null;
     const cut = this.#knots.some(knot => knot.cut && knot.time > since && knot.time <= time);
-    return { from: this.#knots[i], to: this.#knots[i + 1], cut };
+    return { from: this.#knots[i], to: this.#knots[i + 1], cut, knots: this.#knots };
   }
 }
 
@@ -175,12 +177,12 @@ export class MotionTrack extends PacketTrack {
   /**
    * The motion at `time` (s) at `place`: {x, y: px/s, y down, confidence, measured, cut: one was passed since `since`,
    * age: s since the newest frame was due, interval: s, width: px, aspect: width of a pixel over its height}. `felt`
-   * may give another knot for each; it is told whether it is the next one.
+   * may give another knot for each; with the one that is not the next it gets all knots that there are.
    */
   at(time, place, since = time, felt = knot => knot) {
     const around = this.around(time, since);
     if (!around) return NOTHING;
-    const from = felt(around.from), to = around.to && felt(around.to, true), { cut } = around;
+    const { cut, knots } = around, from = felt(around.from, knots), to = around.to && felt(around.to);
     const begins = to ? Math.max(from.time, to.comes) : Infinity;
     const newest = time >= begins ? to : from;
     const now = {
@@ -189,7 +191,7 @@ export class MotionTrack extends PacketTrack {
     };
     now.measured = from.measured && now.confidence > 0;
     if (!now.measured) return { ...now, confidence: 0 };
-    if (to && time >= begins) interpolate(now, to, place, (time - begins) / Math.max(to.time - begins, 1e-9));
+    if (time >= begins) interpolate(now, to, place, (time - begins) / Math.max(to.time - begins, 1e-9));
     return now;
   }
 }

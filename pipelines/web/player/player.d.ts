@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+import type { Hold } from './element.js';
+
 /** A place in the picture, from its top left corner; z is the size of the hand, 1 near and -1 far. */
 export interface Place { x: number; y: number; z?: number }
 
@@ -77,7 +79,7 @@ export interface Held {
 
 /**
  * Sends the events force, relief, problem and hold; `detail` is what the callback gets, `code` that of a problem. Of hold it
- * is what is held, or null, when its state changes.
+ * is what is held, or null, when its state changes or another press takes something.
  */
 export interface Player extends EventTarget {
   /** Where the hand is; null: nowhere, and nothing is felt. */
@@ -93,7 +95,11 @@ export interface Player extends EventTarget {
   readonly relief: Relief | null;
   /** Where the surface is touched, 0..1 from the top left corner, and the force out of the picture. */
   readonly contact: { x: number; y: number; newtons: number } | null;
+  /** Whether the film can be touched, maybe later. */
+  readonly hasReliefs: boolean;
   readonly hasTrack: boolean;
+  /** What was made for this player to hold with; null: nothing. */
+  readonly hold: Hold | null;
   /** Names of the gamepads that can rumble. */
   readonly gamepads: string[];
   /** Plays a playlist instead of the film before. Fails with a Refusal if its address is refused. */

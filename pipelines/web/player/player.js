@@ -11,12 +11,12 @@ export { Problem, Refusal } from './problems.js';
 const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
 const BEGINS = ['playing', 'seeked', 'timeupdate'];
 const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
-const NO_FORCE = Object.freeze({ x: 0, y: 0 });
 const HIGHEST_ALPHA = 0.2; // s/px
 
 const within = (value, low, high, otherwise) => Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
 
 class Player extends EventTarget {
+  hold = null; // of hold.js
   #video;
   #options;
   #track = new MotionTrack();
@@ -30,7 +30,6 @@ class Player extends EventTarget {
   #ticks = false;
   #said = new Set();
   #ended = new AbortController();
-  hold = null; // of hold.js
   #loading = new AbortController(); // for the film that is played
 
   constructor(video, options) {
@@ -105,7 +104,8 @@ class Player extends EventTarget {
   get field() { return this.#track.fieldAt(this.#clock.at(performance.now())); }
   get relief() { return this.#touch?.track.shownAt(this.#clock.at(performance.now()))?.motion ?? null; }
   get contact() { return this.#touch?.contact ?? null; }
-  get hasTrack() { return !this.#track.empty || this.#touch !== null; }
+  get hasReliefs() { return this.#touch !== null; }
+  get hasTrack() { return !this.#track.empty || this.hasReliefs; }
   get gamepads() { return rumblePads().map(pad => pad.id); }
 
   detach() {
@@ -186,7 +186,7 @@ class Player extends EventTarget {
     this.#touch?.release();
     if (this.#chain.silent) return;
     this.#chain.silence();
-    this.#tell('force', { ...NO_FORCE, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
+    this.#tell('force', { ...this.force, newtons: 0, ...magnitudes(0, 1, 1), time: this.#video.currentTime });
   }
 
   #say(problem) {
