@@ -36,7 +36,7 @@ need_video "$input"
 pointer=(pointer-source=navigation)
 [ -z "$at" ] || pointer=(pointer-source=property "pointer-x=${at%,*}" "pointer-y=${at#*,}" pressed=true)
 [ $grip = no ] || pointer=(pointer-source=haptic)
-file_window hapticoverlay style=arrows !
+file_window videoconvert ! hapticoverlay style=arrows !
 if [ $grip = yes ] || [ -n "$at" ]; then
   may_show || file_window_branch=()
 else

@@ -223,15 +223,16 @@ done
 # never starts.
 window_branch=(tee name=t t. ! queue ! videoconvert ! hapticoverlay ! "${live_window[@]}" t. ! queue !)
 
-# `file_window [ELEMENT... !]`: the same for a file, with these elements instead of the drawing. A file is read as fast as the window shows it: with longer
-# queues the tracker would be ahead of the window, and the hand would feel a pointer move a second late.
+# `file_window ELEMENT... !`: the same for a file, with these elements instead of the drawing. A file is read
+# as fast as the window shows it: with longer queues the tracker would be ahead of the window, and the hand
+# would feel a pointer move a second late.
 file_window() {
   file_window_branch=(
-    tee name=t t. ! queue max-size-buffers=1 ! videoconvert ! "$@" autovideosink
+    tee name=t t. ! queue max-size-buffers=1 ! "$@" autovideosink
     t. ! queue max-size-buffers=1 !
   )
 }
-file_window
+file_window videoconvert !
 
 # Configures (the first time) and builds the plugins in $build, with a log in build.log.
 build_plugins() {

@@ -19,7 +19,7 @@
 source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 here=$root/tests/measure/felt
 
-set=calm every= rate=30 duration=5 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' authored=''
+set=calm every='' rate=30 duration=5 films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/hold peers='' authored=''
 tap_vid=() clips=()
 while [ $# -gt 0 ]; do
   case $1 in
