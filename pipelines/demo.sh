@@ -15,7 +15,9 @@
 #                         usb or usb:ID: a real one; auto: a real one, or else a simulated one
 #   --show                show the video in a window, with motion and force drawn over it
 #   --output DIR          where the results go (demo-output)
-#   --help
+#
+# Example:
+#   pipelines/demo.sh --video in.mp4 --show
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"

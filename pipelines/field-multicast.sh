@@ -2,17 +2,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Send the motion of the whole frame to any number of receivers; each hand selects what it feels.
 #
-#   gst-launch-1.0 -e v4l2src device=/dev/video0 ! videoconvert ! motionfield ! hapticconvert ! meta/x-klv \
-#       ! rtpklvpay ! udpsink host=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true sync=false async=false
-#
-#   gst-launch-1.0 -e rtponesender name=rtp latency=30 \
-#       udpsrc address=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true \
-#         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M ! rtp.recv_rtp_sink_0 \
-#       rtp.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! hapticsink
-#
-# No pointer goes back: a receiver costs the sender nothing. Of two senders the first is felt. Nothing is encrypted or signed: use it in a
-# network that you trust. No track from the network exceeds hapticsink's max-force.
-#
 # Usage: pipelines/field-multicast.sh [--group ADDRESS] [--port PORT] [--interface NAME] INPUT
 #        pipelines/field-multicast.sh --receive [--group ADDRESS] [--port PORT] [--interface NAME]
 #            [--latency MS] [-- OPTION=VALUE...]
@@ -22,8 +11,26 @@
 #   --group      multicast address (239.255.43.1)
 #   --port       UDP port (5010)
 #   --interface  network interface (lo: this machine only)
-#   --latency    ms to wait for late or reordered packets (30)
+#   --latency    how long to wait for late or reordered packets, in ms (30)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Examples:
+#   pipelines/field-multicast.sh in.mp4
+#   pipelines/field-multicast.sh --receive -- device=sim
+#
+# The lines that it runs:
+#
+#   gst-launch-1.0 -e v4l2src device=/dev/video0 ! videoconvert ! motionfield ! hapticconvert ! meta/x-klv \
+#       ! rtpklvpay ! udpsink host=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true sync=false async=false
+#
+#   gst-launch-1.0 -e rtponesender name=rtp latency=30 \
+#       udpsrc address=239.255.43.1 port=5010 multicast-iface=lo auto-multicast=true \
+#         caps=application/x-rtp,media=application,clock-rate=90000,encoding-name=SMPTE336M ! rtp.recv_rtp_sink_0 \
+#       rtp.recv_rtp_src_0 ! rtpklvdepay ! hapticconvert ! hapticsink
+#
+# No pointer goes back, so a receiver costs the sender nothing. If two machines send, a hand feels the one that began.
+# Nothing is encrypted or signed: use it in a network that you trust. No track from the network exceeds the max-force
+# of hapticsink.
 
 source "$(dirname "$0")/shared/common.sh"
 

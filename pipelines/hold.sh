@@ -3,6 +3,19 @@
 # Press on something in a video, and hold it: while the button is down, the hand feels the motion of that thing, wherever
 # it goes. The window shows a ring about the thing, its path of the last second, and a word if it is not seen.
 #
+# Usage: pipelines/hold.sh [--grip | --at X,Y] [--law LAW] [FILE] [-- OPTION=VALUE...]
+#   FILE    a video file or URL (default: the film of the demonstration)
+#   --grip  the device points, and a button of the device presses: --grip -- device=evdev
+#   --at    nobody presses. The script holds the thing at X,Y of the first frame, each 0 to 1 from the top left
+#   --law   motion (default): the hand feels the motion of the thing; carry: a spring carries the hand along with the
+#           thing; both: the two together
+#   What follows -- goes to hapticsink, for example log-location=trace.csv. Ctrl-C stops.
+#
+# Example:
+#   pipelines/hold.sh --at 0.3,0.5 in.mp4 -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! roitracker pointer-source=navigation ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! hapticoverlay style=arrows ! autovideosink \
@@ -10,13 +23,6 @@
 #
 # The mouse presses with its first button, a touch screen with the first finger. The force is that of a simulated device,
 # or of the one named after --: press with the mouse, and feel with the other hand.
-#
-# Usage: pipelines/hold.sh [--grip | --at X,Y] [--law LAW] [FILE] [-- OPTION=VALUE...]
-#   FILE    a video file or URL (default: the film of the demonstration)
-#   --grip  the device points, and its button presses: --grip -- device=evdev
-#   --at    nobody presses: the thing at X,Y of the first frame (0 to 1, from the top left) is held from then on
-#   --law   motion (default): its motion is felt; carry: a spring carries the hand along with it; both
-#   What follows -- goes to hapticsink, for example log-location=trace.csv. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"

@@ -2,13 +2,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file and see it in a window.
 #
+# Usage: pipelines/play-file-with-display.sh FILE [-- OPTION=VALUE...]
+#   FILE  a video file or URL
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Example:
+#   pipelines/play-file-with-display.sh in.mp4 -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! roitracker ! tee name=t \
 #       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
 #       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink
-#
-# Usage: pipelines/play-file-with-display.sh FILE [-- OPTION=VALUE...]
-#   What follows -- goes to hapticsink. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 

@@ -2,17 +2,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Play a recording with its haptic track. Nothing is measured, and OpenCV is not needed.
 #
+# Usage: pipelines/play-track.sh [--stream NAME] FILE [-- OPTION=VALUE...]
+#   FILE      a recording of record.sh, or a track: .ts, .mkv, .mp4, .klv, .txt, .hmpg or .hjif
+#   --stream  the track with this name, if haptic-track info shows several
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Example:
+#   pipelines/play-track.sh recorded.ts -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 filesrc location=FILE ! tsdemux ! meta/x-klv ! queue ! hapticconvert ! hapticsink \
 #       filesrc location=FILE ! decodebin name=film ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #         ! queue ! videoconvert ! autovideosink \
 #       film. ! queue ! audioconvert ! audioresample ! autoaudiosink
 #
 # Without a display the video is not shown; a file without video plays its track only.
-#
-# Usage: pipelines/play-track.sh [--stream NAME] FILE [-- OPTION=VALUE...]
-#   FILE      a recording of record.sh, or a track: .ts, .mkv, .mp4, .klv, .txt, .hmpg or .hjif
-#   --stream  the track with this name, where haptic-track info shows several
-#   What follows -- goes to hapticsink. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 

@@ -2,16 +2,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Feel a video file at half, normal and double speed: slow motion feels softer, fast motion stronger.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
-#       ! videorate rate=SPEED ! video/x-raw,framerate=FRAME-RATE-TIMES-SPEED \
-#       ! roitracker ! velocityavg ! hapticsink
-#
 # Usage: pipelines/playback-speed.sh [--speed SPEED] FILE [-- OPTION=VALUE...]
-#   --speed SPEED  only at this speed, for example 0.25
+#   FILE           a video file or URL
+#   --speed SPEED  only at this speed, as a multiple of the normal one (default: 0.5, 1 and 2, one after the other)
 #   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Example:
+#   pipelines/playback-speed.sh --speed 0.5 in.mp4 -- device=sim
 #
 # videorate writes new time stamps: hapticsink cannot distinguish slow motion from a slow scene. An
 # application that seeks with a rate can choose (rate-law).
+#
+# The line that it runs:
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! videorate rate=SPEED ! video/x-raw,framerate=FRAME-RATE-TIMES-SPEED \
+#       ! roitracker ! velocityavg ! hapticsink
 
 source "$(dirname "$0")/shared/common.sh"
 

@@ -4,8 +4,13 @@
 # follows, and a spring pulls the hand back. Let go by lifting, and it returns. The film goes on as it was made.
 #
 # Usage: pipelines/pull-character.sh FILE [--output OUT.mkv] [--story OUT.raw] [-- OPTION=VALUE...]
-#   FILE is a video. --output: to a file instead of a window. --story: the film without the character, raw I420.
+#   FILE      a video file
+#   --output  writes a film instead of opening a window
+#   --story   writes the film without the character, as raw I420 frames
 #   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
+#
+# Example:
+#   pipelines/pull-character.sh in.mp4 --output pulled.mkv -- device=sim
 
 source "$(dirname "$0")/shared/common.sh"
 

@@ -2,6 +2,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Show and feel the video that another machine sends with send.sh; the hand here points.
 #
+# Usage: pipelines/receive.sh [--from HOST] [--port PORT] [--sdp FILE] [--latency MS] [-- OPTION=VALUE...]
+#   --from     the machine where send.sh runs (127.0.0.1)
+#   --port     UDP port of the video (5000), as in send.sh
+#   --sdp      the file that send.sh --sdp wrote: port, kind of track, key
+#   --latency  how long to wait for late or reordered packets, in ms (30)
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Example:
+#   pipelines/receive.sh --from 192.0.2.7 -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 -e rtponesender name=rtp latency=30 \
 #       udpsrc port=5000 caps=application/x-rtp,media=video,clock-rate=90000,encoding-name=H264,payload=96 \
 #         ! rtp.recv_rtp_sink_0  udpsrc port=5001 ! rtp.recv_rtcp_sink_0 \
@@ -13,14 +25,7 @@
 #       rtp.recv_rtp_src_1 ! rtpklvdepay ! hapticconvert ! pointerextract name=p ! hapticsink \
 #       p.pointer ! rtpklvpay pt=97 ! udpsink host=HOST port=5004 sync=false async=false
 #
-# Without a display the video is not shown. No track from the network exceeds hapticsink's max-force.
-#
-# Usage: pipelines/receive.sh [--from HOST] [--port PORT] [--sdp FILE] [--latency MS] [-- OPTION=VALUE...]
-#   --from     the machine where send.sh runs (127.0.0.1)
-#   --port     UDP port of the video (5000), as in send.sh
-#   --sdp      the file that send.sh --sdp wrote: port, kind of track, key
-#   --latency  ms to wait for late or reordered packets (30)
-#   What follows -- goes to hapticsink. Ctrl-C stops.
+# Without a display the script does not show the video. No track from the network exceeds hapticsink's max-force.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"

@@ -2,6 +2,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Record a video together with its haptic track into one file, while feeling it.
 #
+# Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
+#   INPUT   a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
+#   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
+#   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
+#
+# Example:
+#   pipelines/record.sh in.mp4 recorded.ts -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 -e filesrc location=INPUT ! decodebin name=film caps="video/x-raw(ANY);audio/x-raw(ANY)" \
 #         expose-all-streams=false ! videoconvert ! deinterlace ! videoflip video-direction=auto ! clocksync \
 #         ! roitracker ! tee name=t \
@@ -12,11 +22,6 @@
 #       h. ! queue ! hapticsink \
 #       film. ! queue ! audioconvert ! audioresample ! avenc_aac ! aacparse ! queue ! mux. \
 #       mpegtsmux name=mux latency=1000000000 ! hapticmark ! filesink location=OUTPUT
-#
-# Usage: pipelines/record.sh INPUT OUTPUT [-- OPTION=VALUE...]
-#   INPUT   a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
-#   OUTPUT  ends in .ts (MPEG-TS, the track as KLV) or .mkv (Matroska, the track as text)
-#   What follows -- goes to hapticsink. Ctrl-C stops and completes the file.
 
 source "$(dirname "$0")/shared/common.sh"
 

@@ -2,6 +2,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Send a video and its haptic track as one MPEG transport stream over SRT or RIST; the hand at the other end points.
 #
+# Usage: pipelines/send-ts.sh [--rist [--to HOST]] [--port PORT] [--passphrase-file FILE] INPUT
+#        pipelines/send-ts.sh --receive [--rist] [--from HOST] [--port PORT] [--passphrase-file FILE] [--latency MS]
+#            [-- OPTION=VALUE...]
+#   INPUT         a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
+#   --receive     show and feel what is sent
+#   --rist        RIST in place of SRT, the same at both ends
+#   --to          with --rist, the machine that receives (127.0.0.1). With SRT the receiver calls, and needs --from
+#   --from        the machine that sends (127.0.0.1)
+#   --port        UDP port (5020), even. The pointer uses PORT+2, and RIST also uses PORT+1
+#   --latency     time in which lost packets are repeated, in ms (125)
+#   --passphrase-file  a file with 10 to 79 letters or digits in its first line, the same at both ends. Without it
+#                 nothing is encrypted. --passphrase WORDS also works, but other users of the machine see WORDS.
+#   What follows -- goes to hapticsink. Ctrl-C stops.
+#
+# Examples:
+#   pipelines/send-ts.sh in.mp4
+#   pipelines/send-ts.sh --receive -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 -e filesrc location=INPUT ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! clocksync ! roitracker ! pointerinject name=in ! tee name=t \
 #       t. ! queue ! videoconvert ! video/x-raw,format=I420 ! x264enc tune=zerolatency key-int-max=30 \
@@ -12,22 +32,8 @@
 #       srtsrc uri=srt://:5022?mode=listener passphrase=WORDS keep-listening=true \
 #         ! meta/x-klv,parsed=true ! in.pointer
 #
-# Both repeat what is lost. SRT encrypts with the passphrase; RIST (its simple profile) does not encrypt.
+# SRT and RIST repeat lost packets. SRT encrypts with the passphrase; RIST (its simple profile) does not encrypt.
 # With --rist: ! rtpmp2tpay ! ristsink address=HOST port=5020, and the pointer is RTP.
-#
-# Usage: pipelines/send-ts.sh [--rist [--to HOST]] [--port PORT] [--passphrase-file FILE] INPUT
-#        pipelines/send-ts.sh --receive [--rist] [--from HOST] [--port PORT] [--passphrase-file FILE] [--latency MS]
-#            [-- OPTION=VALUE...]
-#   INPUT         a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
-#   --receive     show and feel what is sent
-#   --rist        RIST in place of SRT, the same at both ends
-#   --to          the machine that receives RIST (127.0.0.1); of SRT each receiver calls
-#   --from        the machine that sends (127.0.0.1)
-#   --port        UDP port (5020), even; the pointer uses PORT+2, RIST PORT+1, too
-#   --latency     ms in which lost packets are repeated (125)
-#   --passphrase-file  10 to 79 letters or digits in its first line, the same at both ends; without it nothing is
-#                 encrypted. --passphrase WORDS shows them to other users of the machine.
-#   What follows -- goes to hapticsink. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"
@@ -39,7 +45,7 @@ video=${inputs[0]:-}
 if [ -n "$passphrase_file" ]; then
   need_file "$passphrase_file"
   IFS= read -r passphrase <"$passphrase_file" || true
-  [ -n "$passphrase" ] || fail "'$passphrase_file' has no passphrase in its first line"
+  [ -n "$passphrase" ] || fail "'$passphrase_file' has no passphrase in its first line; write 10 to 79 letters or digits there"
 fi
 need_rtp_port "$port"
 [[ $latency =~ ^[0-9]{1,5}$ ]] || fail "--latency needs milliseconds, not '$latency'"
@@ -49,7 +55,7 @@ if [ -n "$rist" ]; then
   [ -z "$secret" ] || fail "RIST does not encrypt: leave the passphrase out, or use SRT"
   launcher=launch.py
 elif [ -n "$to" ]; then
-  fail "--to is for --rist; of SRT each receiver calls with --from"
+  fail "--to needs --rist; with SRT leave it out, and name the sender at the receiver with --from"
 fi
 
 # `srt ELEMENT PORT [OPTION...]`: sets $link. The sender of the video is the listener, so that a wrong passphrase is

@@ -2,6 +2,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Send a video and its haptic track to another machine, whose hand points.
 #
+# Usage: pipelines/send.sh [--to HOST] [--port PORT] [--track KIND] [--sdp FILE [--srtp]] INPUT
+#   INPUT    a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
+#   --to     the machine where receive.sh runs (127.0.0.1)
+#   --port   UDP port of the video there (5000), even. The track uses PORT+2 there, the pointer PORT+4 here, and RTCP
+#            uses the odd ports up to PORT+7
+#   --track  point (default): the motion under the pointer; hmpg: the same as MPEG haptics; field: the motion of the
+#            whole frame, in which each hand selects its own place
+#   --sdp    writes a description (RFC 8866) into FILE, which receive.sh and other players read
+#   --srtp   encrypts and signs (RFC 3711) with a new key. The key is in FILE, which only you can read: copy FILE in
+#            secret. The sender does not hear of losses, and a receiver must start within the first 65536 packets
+#            (a quarter of an hour or more).
+#   Ctrl-C stops.
+#
+# Example:
+#   pipelines/send.sh --to 192.0.2.8 in.mp4
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 -e rtpbin name=rtp rtp-profile=avpf rtcp-sync-send-time=false \
 #       filesrc location=INPUT ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! clocksync ! roitracker ! pointerinject name=in ! tee name=t \
@@ -18,19 +36,6 @@
 #
 # RTCP keeps picture and force in step, and asks for a key frame after a loss. Without --srtp nothing is encrypted or
 # signed: use it in a network that you trust, or through a tunnel.
-#
-# Usage: pipelines/send.sh [--to HOST] [--port PORT] [--track KIND] [--sdp FILE [--srtp]] INPUT
-#   INPUT    a video file or URL, or --test-source: a live test video that moves to the left at 60 px/s
-#   --to     the machine where receive.sh runs (127.0.0.1)
-#   --port   UDP port of the video there (5000), even; the track uses PORT+2 there, the pointer PORT+4 here, and RTCP
-#            the odd ports up to PORT+7
-#   --track  point: the motion under the pointer (default); hmpg: the same as MPEG haptics; field: the motion of the
-#            whole frame, of which each hand selects its own
-#   --sdp    writes a description (RFC 8866) into FILE, which receive.sh and other players read
-#   --srtp   encrypts and signs (RFC 3711) with a new key. It is in FILE, which you alone can read: copy that in secret.
-#            There is no feedback about losses, and a receiver must start within the first 65536 packets (a quarter
-#            of an hour or more).
-#   Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/rtp.sh"

@@ -2,21 +2,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Touch what has colour: a table says how high, hard and rough each colour is, and the hand feels that and the motion.
 #
+# Usage: pipelines/touch-colour.sh [OPTION...] [-- OPTION=VALUE...]
+#   --video FILE   any video (default: the film of the demonstration)
+#   --table TABLE  generic, fabric, foliage, or a file of your own (default: generic, and foliage for the film of
+#                  the demonstration)
+#   --touch WHAT   what makes the force. surface+motion (default): both; surface: the surface only; off: the motion
+#                  only
+#   --no-window    opens no window. The window shows height as light, and the picture yields under the hand
+#   --output DIR   where the log trace.csv and the plot trace.png go (default: touch-output)
+#   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
+#
+# Example:
+#   pipelines/touch-colour.sh --video in.mp4 --table fabric -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! tee name=colours \
 #       colours. ! queue max-size-buffers=1 \
 #         ! roitracker ! velocityavg ! hapticsink name=hand touch=surface+motion log-location=trace.csv \
 #       colours. ! queue max-size-buffers=1 ! videoconvert ! reliefmap table=generic ! hand.relief
-#
-# Usage: pipelines/touch-colour.sh [OPTION...] [-- OPTION=VALUE...]
-#   --video FILE   any video (default: the film of the demonstration)
-#   --table TABLE  generic, fabric, foliage, or a file of your own (default: generic; foliage for the film of the
-#                  demonstration)
-#   --touch WHAT   surface+motion (default): force of the surface and of the motion; surface: of the surface; off: of the
-#                  motion
-#   --no-window    also where there is a display; the window shows height as light, and yields under the hand
-#   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
-#   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"

@@ -3,21 +3,26 @@
 # Touch a film that has depth: the hand feels the shape of things, and their motion too. depth-film draws such a film:
 # balls that bounce, circle and roll.
 #
+# Usage: pipelines/touch-depth.sh [OPTION...] [-- OPTION=VALUE...]
+#   --video FILE   a video of your own. Its right half is the depth of its left half, in grey: white is near, and
+#                  black is unknown
+#   --still        shows a photograph of an aloe instead, with its disparity, from the Debian package opencv-doc
+#   --touch WHAT   what makes the force. surface+motion (default): both; surface: the shape only; off: the motion only
+#   --no-window    opens no window. The window shows height as light, and the picture yields under the hand
+#   --output DIR   where the log trace.csv and the plot trace.png go (default: touch-output)
+#   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
+#
+# Example:
+#   pipelines/touch-depth.sh --still -- device=sim
+#
+# The line that it runs:
+#
 #   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
 #       ! tee name=sides \
 #       sides. ! queue max-size-buffers=1 ! videocrop right=640 \
 #         ! roitracker ! velocityavg ! hapticsink name=hand touch=surface+motion log-location=trace.csv \
 #       sides. ! queue max-size-buffers=1 ! videocrop left=640 ! videoconvert ! video/x-raw,format=GRAY8 \
 #         ! depthfield kind=disparity scale=255 near=1.0625 far=15 ! hand.relief
-#
-# Usage: pipelines/touch-depth.sh [OPTION...] [-- OPTION=VALUE...]
-#   --video FILE   a video of your own; its right half is the depth of the left one, in grey: white is near, black
-#                  is not known
-#   --still        instead, a photograph of an aloe with its disparity, from the Debian package opencv-doc, until Ctrl-C
-#   --touch WHAT   surface+motion (default): force of the shape and of the motion; surface: of the shape; off: of the motion
-#   --no-window    also where there is a display; the window shows height as light, and yields under the hand
-#   --output DIR   where the log trace.csv and its plot trace.png go (touch-output)
-#   What follows -- goes to hapticsink, for example device=usb. Ctrl-C stops.
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"

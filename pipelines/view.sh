@@ -10,10 +10,14 @@
 #   --camera       a camera (default: /dev/video0)
 #   --test-source  a live test video that moves to the left at 60 px/s
 #   --verbose      prints when the first frame was shown and what each key did
-#   --array        an array of actuators that vibrates too: a layout of hapticarray
-#   --array-sink   its sound device, as gst-launch-1.0 reads it (default: autoaudiosink)
-#   --touch        a hand that has depth also touches the colours, by a table of reliefmap
-#   What follows -- goes to hapticsink. With device=... (usb, auto) that device points, not the mouse.
+#   --array        also drives an array of actuators: a layout of hapticarray
+#   --array-sink   the sound device of the array, as a sink of gst-launch-1.0 (default: autoaudiosink)
+#   --touch        lets a hand that has depth touch the colours: a table of reliefmap
+#   What follows -- goes to hapticsink. With device=usb or device=auto the device points, and
+#   not the mouse.
+#
+# Example:
+#   pipelines/view.sh in.mp4 -- max-force=0.5
 
 source "$(dirname "$0")/shared/common.sh"
 source "$(dirname "$0")/shared/packages.sh"

@@ -4,12 +4,15 @@
 # machine, and their merge. All machines must see the folders under the same names.
 #
 # Usage: pipelines/batch/parallel.sh [--machines LOGIN,...] [--output FOLDER] [--chunks N] FILE...
-#   --machines  as parallel's --sshlogin: names of machines, N/NAME for N processes there; : is this machine
-#               (default)
+#   --machines  names of machines, separated by commas. N/NAME runs N processes there, and : is this machine
+#               (default: :)
 #   --output    folder of the copies (default: that of each video)
-#   --chunks    about so many (default: one for each minute)
+#   --chunks    about this number of chunks (default: one for each minute)
 # The plan is plan.json in the folder where you stand. A second run continues where the first was stopped. The exit
 # status is 0 if all copies exist.
+#
+# Example:
+#   pipelines/batch/parallel.sh --machines :,4/other --output authored a.mp4 b.mp4
 
 source "$(dirname "$0")/../shared/common.sh"
 

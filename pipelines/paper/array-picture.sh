@@ -2,11 +2,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws how a stroke runs over an array of actuators: the amplitude of each over time.
 #
-#   ... ! motionfield ! hapticarray ! audio/x-raw,rate=8000 ! filesink
-#
 # Usage: pipelines/paper/array-picture.sh OUT.png [LAYOUT [VIDEO]]
-#   LAYOUT  as of hapticarray (back-3x4)
-#   VIDEO   its first 360 frames, without it those of the film of the demonstration
+#   LAYOUT  a layout of hapticarray (default: back-3x4)
+#   VIDEO   a video, of which 360 frames are used (default: the film of the demonstration)
+#
+# Example:
+#   pipelines/paper/array-picture.sh array.png ring-8
+#
+# The line that it runs:
+#
+#   ... ! motionfield ! hapticarray ! audio/x-raw,rate=8000 ! filesink
 
 source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"

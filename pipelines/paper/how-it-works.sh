@@ -8,6 +8,7 @@
 #   time.svg      one velocity for each frame, one force for each millisecond
 #
 # Usage: pipelines/paper/how-it-works.sh FOLDER
+#   FOLDER  where the pictures go, for example docs/images/how
 
 source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"

@@ -3,17 +3,22 @@
 # Makes the animation of the README (WebP, 480 px wide, 1.7 s): a video with velocity and force drawn over it, and
 # a legend. Each frame shows both arrows, the first one too: some readers see only that.
 #
-#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! clocksync ! roitracker ! tee name=t \
-#       t. ! queue max-size-buffers=1 ! hapticoverlay ! ... \
-#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=sim latency-mode=immediate
-#
-# It runs in real time: the overlay draws the force that the simulated device currently feels.
-#
 # Usage: pipelines/paper/moving-picture.sh [--hold] [VIDEO] OUTPUT
 #   VIDEO   a file or URL; its beginning is used, with the pointer in the middle. Default: the film of the demonstration, with
 #           the pointer in the crown of the tree while a gust bends it, and arrows enlarged.
 #   --hold  what is under the pointer is held from the beginning on (2 s): a ring about it, and its path
 #   OUTPUT  the file, with the ending .webp
+#
+# Example:
+#   pipelines/paper/moving-picture.sh --hold hold.webp
+#
+# The line that it runs:
+#
+#   gst-launch-1.0 filesrc location=FILE ! decodebin ! videoconvert ! clocksync ! roitracker ! tee name=t \
+#       t. ! queue max-size-buffers=1 ! hapticoverlay ! ... \
+#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink device=sim latency-mode=immediate
+#
+# It runs in real time: the overlay draws the force that the simulated device currently feels.
 
 source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"

@@ -14,6 +14,9 @@
 #   --speed SPEED playback speed (1; the tree's file shows 2.4 frames a second and is played 8 times as fast)
 #   --hand HAND   motion of the grip, as hapticsink's sim-hand (default: on the twig of the tree)
 #
+# Example:
+#   pipelines/paper/paper.sh --video in.mp4 figures
+#
 # Needs build/ configured with -Dtests=enabled.
 
 source "$(dirname "$0")/../shared/common.sh"

@@ -164,7 +164,7 @@ need_video() {
   elif grep -qE '^ *container #0: image/gif' <<<"$facts"; then
     fail "GStreamer reads no times of frames from a GIF; make a video of it: ffmpeg -i '$1' video.mp4"
   elif grep -qE '^ \(gstreamer\|.*\|decoder-application/(x-hls|dash\+xml|vnd\.ms-sstr\+xml|sdp)' <<<"$facts"; then
-    fail "'$1' lists other files or addresses, and what a file says is not opened; give the video itself"
+    fail "'$1' lists other files or addresses, which are not opened; give the video itself"
   elif [ -n "$missing" ]; then
     fail "'$1' needs a part of GStreamer that is not installed ($missing); as root run: apt-get install $element_packages"
   elif [ $has_sound = yes ] && ! grep -qE '^ *video #' <<<"$facts"; then

@@ -9,7 +9,7 @@ video='' touch=surface+motion output=touch-output no_window=no
 read_touch_options() {
   read_options "$1 video= touch= output= no-window --" "${@:2}"
   [ ${#inputs[@]} = 0 ] ||
-    fail "what is '${inputs[0]}'? Give a video with --video, and options of hapticsink after --"
+    fail "'${inputs[0]}' is not an option; give a video with --video, and options of hapticsink after --"
   [[ $touch =~ ^(off|surface|surface\+motion)$ ]] || fail "--touch is surface+motion, surface or off, not '$touch'"
 }
 

@@ -3,11 +3,6 @@
 # Repeats the paper's experiment (section 4): a person watches a video with and without force, in random order,
 # points anywhere, and rates three aspects each time on the paper's scale of five steps.
 #
-#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
-#       ! clocksync ! roitracker ! tee name=t \
-#       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
-#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
-#
 # Usage: pipelines/study/haptic-study.sh run [OPTION...] VIDEO... [-- OPTION=VALUE...]
 #        pipelines/study/haptic-study.sh report ANSWERS.csv [PLOT.png]
 #   run      one session with a random video. Each answer is written at once.
@@ -15,10 +10,20 @@
 #     --answers FILE      file of the answers (answers.csv)
 #     --seconds N         play at most N seconds each time
 #     --no-window         do not open a window
-#     --seed N            seed of the random choices
+#     --seed N            seed of the random choices (default: another one each time)
 #     What follows -- goes to hapticsink, both times.
 #   report   prints the counts and the weighted average value (equation 6) of each aspect with and without force,
 #            and draws them as the paper's figure 12
+#
+# Example:
+#   pipelines/study/haptic-study.sh run --participant p1 in.mp4 -- device=usb
+#
+# The line that it runs:
+#
+#   gst-launch-1.0 filesrc location=VIDEO ! decodebin ! videoconvert ! deinterlace ! videoflip video-direction=auto \
+#       ! clocksync ! roitracker ! tee name=t \
+#       t. ! queue max-size-buffers=1 ! videoconvert ! autovideosink \
+#       t. ! queue max-size-buffers=1 ! velocityavg ! hapticsink max-force=1     (without force: max-force=0)
 
 source "$(dirname "$0")/../shared/common.sh"
 

@@ -4,7 +4,7 @@
 # the player.
 #
 # Usage: pipelines/web/fetch.sh [--tests]
-#   --tests  also what drives the browser of the tests
+#   --tests  also fetches what drives the browser of the tests
 
 source "$(dirname "$0")/../shared/common.sh"
 

@@ -89,7 +89,7 @@ refuses "10 to 79 letters" send-ts.sh --passphrase short "$work/clip.mkv"
 printf '\n' >"$work/no-words"
 refuses "has no passphrase in its first line" send-ts.sh --passphrase-file "$work/no-words" "$work/clip.mkv"
 refuses "RIST does not encrypt" send-ts.sh --rist --passphrase secret12345 "$work/clip.mkv"
-refuses "is for --rist" send-ts.sh --to 10.0.0.1 "$work/clip.mkv"
+refuses "needs --rist" send-ts.sh --to 10.0.0.1 "$work/clip.mkv"
 refuses "not for --receive" send-ts.sh --receive "$work/clip.mkv"
 refuses "no file" mouse.sh "$work/missing.mp4"
 refuses "no file" hold.sh "$work/missing.mp4"
@@ -108,7 +108,7 @@ for script in touch-depth.sh touch-colour.sh; do
   refuses "surface\+motion, surface or off, not 'hard'" "$script" --touch hard
   refuses "needs a value" "$script" --video
   refuses "unknown option '--bogus'" "$script" --bogus
-  refuses "Give a video with --video" "$script" "$work/clip.mkv"
+  refuses "is not an option; give a video with --video" "$script" "$work/clip.mkv"
   refuses "no file" "$script" --video "$work/missing.mp4"
   refuses "still picture" "$script" --video "$work/still.jpg"
   refuses "cannot be written" "$script" --video "$work/clip.mkv" --output /proc/touch-output
