@@ -108,7 +108,8 @@ int main(int argc, char **argv) {
       "       depth-film SECONDS X Y\n\n"
       "Draws balls that bounce, circle and roll, with their depth to the right of them.\n"
       "Writes raw frames to the standard output: I420, 1280x360 px, 30 a second, 3600 s at most.\n"
-      "With X and Y it prints time (s) and height (m) at this pixel for each frame instead.\n";
+      "With X and Y it prints time (s) and height (m) at this pixel for each frame instead.\n\n"
+      "Example: depth-film 3 600 332 > heights.txt\n";
   if (argc == 2 && std::string_view(argv[1]) == "--help")
     return std::fputs(kUsage, stdout) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
   const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 0;

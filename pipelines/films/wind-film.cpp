@@ -45,32 +45,37 @@ Options read_options(int argc, char **argv) {
   gchar *truth_of = nullptr;
   gchar *points = nullptr;
   const GOptionEntry entries[] = {
-      {"width", 0, 0, G_OPTION_ARG_INT, &read.width, "Width of the frames (960)", "PX"},
-      {"height", 0, 0, G_OPTION_ARG_INT, &read.height, "Height of the frames (540)", "PX"},
-      {"rate", 0, 0, G_OPTION_ARG_INT, &read.rate, "Frames a second (60)", "HZ"},
-      {"duration", 0, 0, G_OPTION_ARG_DOUBLE, &read.duration, "Length of the film (20)", "S"},
-      {"seed", 0, 0, G_OPTION_ARG_INT64, &read.seed, "Another tree and other gusts (1)", "N"},
+      {"width", 0, 0, G_OPTION_ARG_INT, &read.width, "Width of the frames (default: 960)", "PX"},
+      {"height", 0, 0, G_OPTION_ARG_INT, &read.height, "Height of the frames (default: 540)", "PX"},
+      {"rate", 0, 0, G_OPTION_ARG_INT, &read.rate, "Frames a second (default: 60)", "HZ"},
+      {"duration", 0, 0, G_OPTION_ARG_DOUBLE, &read.duration, "Length of the film (default: 20)",
+       "S"},
+      {"seed", 0, 0, G_OPTION_ARG_INT64, &read.seed,
+       "Another number draws another tree and other gusts (default: 1)", "N"},
       {"quality", 0, 0, G_OPTION_ARG_INT, &read.quality,
-       "Quantizer of the encoder: 0 without loss, 51 the coarsest (23)", "N"},
+       "Quantizer of the encoder, from 0 (without loss) to 51 (the coarsest) (default: 23)", "N"},
       {"truth", 0, 0, G_OPTION_ARG_FILENAME, &truth,
-       "Folder for the exact motion at each place, X-Y.txt", "FOLDER"},
-      {"places", 0, 0, G_OPTION_ARG_STRING, &places, "Places of --truth, 0 to 1 from the top left",
-       "X,Y X,Y …"},
+       "Also writes the exact motion at each place as a text track X-Y.txt into this folder",
+       "FOLDER"},
+      {"places", 0, 0, G_OPTION_ARG_STRING, &places,
+       "The places of --truth, 0 to 1 from the top left", "X,Y X,Y …"},
       {"truth-of", 0, 0, G_OPTION_ARG_STRING, &truth_of,
-       "Whose mean --truth is: of roitracker's usual region, or of what moves there with the pixel "
-       "at the place",
+       "What --truth averages: the usual region of roitracker, or only what moves there with the "
+       "pixel at the place (default: square)",
        "square|pointed"},
       {"points", 0, 0, G_OPTION_ARG_FILENAME, &points,
-       "Table (CSV) of where points of leaves, branches, grass and flag are in each frame", "FILE"},
-      {"at", 0, 0, G_OPTION_ARG_DOUBLE, &read.at, "Time of a still (4)", "S"},
+       "Also writes a table (CSV) of where points of leaves, branches, grass and flag are in each "
+       "frame",
+       "FILE"},
+      {"at", 0, 0, G_OPTION_ARG_DOUBLE, &read.at, "Time of a still (default: 4)", "S"},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, "OUTPUT"},
       {}};
   GOptionContext *context = g_option_context_new(nullptr);
   g_option_context_set_summary(
       context,
       "Draws a film of a tree, a meadow and a flag in gusts.\n\n"
-      "OUTPUT ends in .ts (MPEG-TS) or .mkv (Matroska): the film with a haptic track of its true "
-      "motion; or in .png: a still.");
+      "OUTPUT ends in .ts (MPEG-TS) or .mkv (Matroska) for a film with a haptic track of its true "
+      "motion, or in .png for a still.\n\nExample: wind-film --duration 5 wind.ts");
   g_option_context_add_main_entries(context, entries, nullptr);
   GError *error = nullptr;
   g_option_context_parse(context, &argc, &argv, &error);

@@ -10,17 +10,17 @@
 namespace emulator {
 
 const char *const kCommandHelp =
-    "  unplug               the unit is gone\n"
-    "  replug               it is there again, switched on anew\n"
-    "  stall in|out         the endpoint is halted until the host clears it\n"
-    "  short [N]            the next N replies (1) are cut to 7 bytes\n"
-    "  refuse               the OUT endpoint takes nothing: every packet waits (NAK)\n"
-    "  accept               and takes what waits\n"
-    "  late MS              replies come so many milliseconds late; late 0 ends it\n"
+    "  unplug               the unit is pulled out\n"
+    "  replug               the unit is plugged in again, as after power-on\n"
+    "  stall in|out         the endpoint halts until the host clears the halt\n"
+    "  short [N]            the next N replies are cut to 7 bytes (default: 1)\n"
+    "  refuse               the OUT endpoint takes nothing: each packet waits (NAK)\n"
+    "  accept               the OUT endpoint takes packets again, those that wait first\n"
+    "  late MS              replies come MS milliseconds late; late 0 ends this\n"
     "  freeze STRING        the counter of string 0..7 stands still\n"
-    "  thaw                 and counts again\n"
-    "  jump STRING COUNTS   the counter jumps\n"
-    "  id N                 the rotary switch is at 0..15\n"
+    "  thaw                 all counters count again\n"
+    "  jump STRING COUNTS   the counter of string 0..7 jumps by COUNTS\n"
+    "  id N                 the rotary switch is set to N, 0 to 15\n"
     "  wrap                 every counter stands just below an end of its range\n"
     "  garbage              counters anywhere and replies nobody asked for, as after power-on\n";
 

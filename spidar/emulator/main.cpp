@@ -63,28 +63,36 @@ Options parse(int argc, char **argv) {
   int port = 3240;
   const GOptionEntry entries[] = {
       {"controller", 'c', 0, G_OPTION_ARG_STRING_ARRAY, &controllers,
-       "simple or sh4, with :ID for its rotary switch (0 to 15); once more for each further unit",
+       "simple or sh4, with :ID for the rotary switch (0 to 15). Give it once for each unit "
+       "(default: one simple)",
        "MODEL[:ID]"},
       {"hand", 'H', 0, G_OPTION_ARG_STRING, &hand,
-       "who holds the grips: hold:X,Y,Z or circle:RADIUS,PERIOD or file:PATH or free", "SCRIPT"},
-      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry, "name or file", "GEOMETRY"},
+       "who holds the grips: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free. Lengths are -1 "
+       "to 1 of the half workspace, PERIOD is in seconds",
+       "SCRIPT"},
+      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry,
+       "geometry of the units, a name or a file", "GEOMETRY"},
       {"log", 'l', 0, G_OPTION_ARG_FILENAME, &log,
        "write every D/A word and event with its time as CSV", "FILE"},
-      {"do", 'd', 0, G_OPTION_ARG_STRING_ARRAY, &commands, "a command at the start, see below",
-       "COMMAND"},
-      {"control", 0, 0, G_OPTION_ARG_FILENAME, &control, "take commands from a local socket, too",
+      {"do", 'd', 0, G_OPTION_ARG_STRING_ARRAY, &commands,
+       "run a command at the start; the commands are below", "COMMAND"},
+      {"control", 0, 0, G_OPTION_ARG_FILENAME, &control, "also take commands from a local socket",
        "PATH"},
       {"listen", 0, 0, G_OPTION_ARG_STRING, &listen,
-       "address to listen on; without it only this machine can connect", "ADDRESS"},
-      {"port", 'p', 0, G_OPTION_ARG_INT, &port, "TCP port; 0 takes a free one", "PORT"},
+       "address to listen on (default: only this machine can connect)", "ADDRESS"},
+      {"port", 'p', 0, G_OPTION_ARG_INT, &port, "TCP port; 0 takes a free one (default: 3240)",
+       "PORT"},
       {nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr}};
-  const std::unique_ptr<GOptionContext, FreeDeleter> context(
-      g_option_context_new("- a SPIDAR-G on the network (USB/IP)"));
+  const std::unique_ptr<GOptionContext, FreeDeleter> context(g_option_context_new(nullptr));
+  g_option_context_set_summary(
+      context.get(), "Emulates SPIDAR-G controllers, which a machine attaches over USB/IP.\n\n"
+                     "Example: spidar-emulator --controller simple --hand circle:0.5,4");
   g_option_context_add_main_entries(context.get(), entries, nullptr);
   g_option_context_set_description(
       context.get(),
-      (std::string("Commands, on standard input, from the control socket, or with --do; with @UNIT "
-                   "at the end for one\nunit only (from 1):\n") +
+      (std::string(
+           "Commands come from standard input, the control socket or --do. @UNIT at the end\n"
+           "sends a command to one unit only, counted from 1:\n") +
        emulator::kCommandHelp)
           .c_str());
   GError *raw = nullptr;

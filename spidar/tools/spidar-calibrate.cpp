@@ -184,12 +184,13 @@ int main(int argc, char **argv) {
   const char *output = nullptr;
   gboolean overwrite = FALSE;
   const GOptionEntry own[] = {
-      {"output", 'o', 0, G_OPTION_ARG_FILENAME, &output, "geometry file to write", "FILE.ini"},
-      {"force", 'f', 0, G_OPTION_ARG_NONE, &overwrite, "write it even if there is one", nullptr},
+      {"output", 'o', 0, G_OPTION_ARG_FILENAME, &output, "the geometry file that is written",
+       "FILE.ini"},
+      {"force", 'f', 0, G_OPTION_ARG_NONE, &overwrite, "overwrite the geometry file", nullptr},
       {}};
   Options options("",
                   "Measures a SPIDAR-G together with the person who holds it, and writes a "
-                  "geometry file.",
+                  "geometry file.\n\nExample: spidar-calibrate --device usb --output mine.ini",
                   own);
   if (!options.parse(argc, argv))
     return kUsage;

@@ -225,17 +225,17 @@ int main(int argc, char **argv) {
   gboolean interactive = FALSE;
   const GOptionEntry own[] = {
       {"force", 'f', 0, G_OPTION_ARG_DOUBLE, &settings.force,
-       "with how much it pulls, 0.05 to 1 N; 0.2 without this option", "N"},
-      {"yes", 'y', 0, G_OPTION_ARG_NONE, &yes, "pull without asking", nullptr},
+       "how much the device pulls, 0.05 to 1 N (default: 0.2)", "N"},
+      {"yes", 'y', 0, G_OPTION_ARG_NONE, &yes, "pull without asking first", nullptr},
       {"ask", 'a', 0, G_OPTION_ARG_NONE, &interactive,
-       "check also what needs a person: moving the grip, pulling the cable", nullptr},
-      {"report", 'r', 0, G_OPTION_ARG_FILENAME, &report, "write what is printed to this file too",
+       "also check what needs a person: moving the grip, pulling the cable", nullptr},
+      {"report", 'r', 0, G_OPTION_ARG_FILENAME, &report, "also write the report to this file",
        "FILE"},
       {}};
   spidar_tools::Options options(
       "",
       "Checks on one SPIDAR-G what docs/safety.md promises, at a low force, and says for each "
-      "promise: pass, FAIL or not testable.",
+      "promise: pass, FAIL or not testable.\n\nExample: spidar-check --device sim --yes",
       own, "Exit status: 0 no promise failed, 1 one failed, 2 wrong options.");
   if (!options.parse(argc, argv))
     return kWrongOptions;

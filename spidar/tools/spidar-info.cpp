@@ -101,15 +101,14 @@ int main(int argc, char **argv) {
   double seconds = 0;
   const GOptionEntry own[] = {
       {"watch", 'w', 0, G_OPTION_ARG_NONE, &watching,
-       "show counts, string lengths, pose and tensions ten times a second; hold the grip in the "
-       "centre to begin with",
+       "show counts, string lengths, pose and tensions ten times a second, until Ctrl-C. Hold the "
+       "grip in the centre when it begins",
        nullptr},
-      {"seconds", 's', 0, G_OPTION_ARG_DOUBLE, &seconds, "watch for so long, not until Ctrl-C",
-       "S"},
+      {"seconds", 's', 0, G_OPTION_ARG_DOUBLE, &seconds, "watch for S seconds", "S"},
       {}};
   Options options("",
-                  "Lists the SPIDAR-G controllers found on USB; with --device, shows once what "
-                  "that one measures.",
+                  "Lists the SPIDAR-G controllers on USB. With --device it shows once what that "
+                  "device measures.\n\nExample: spidar-info --watch --device sim",
                   own);
   if (!options.parse(argc, argv))
     return kUsage;

@@ -54,11 +54,14 @@ Options::Options(const char *arguments, const char *summary, const GOptionEntry 
   std::setlocale(LC_NUMERIC, "C"); // numbers look the same everywhere
   const GOptionEntry common[] = {
       {"device", 'd', 0, G_OPTION_ARG_STRING, &device_,
-       "usb (the first one found), usb:ID (its rotary switch) or sim", "DEVICE"},
-      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry_, "name or file of its geometry",
-       "GEOMETRY"},
+       "which device: usb (the first one found), usb:ID (the number of its rotary switch) or sim "
+       "(default: usb)",
+       "DEVICE"},
+      {"geometry", 'g', 0, G_OPTION_ARG_STRING, &geometry_,
+       "geometry of the device: a name or a file (default: spidar-g6x3r)", "GEOMETRY"},
       {"sim-hand", 0, 0, G_OPTION_ARG_STRING, &sim_hand_,
-       "what holds the simulated grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free",
+       "for sim, who holds the grip: hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free. Lengths "
+       "are -1 to 1 of the half workspace, PERIOD is in seconds",
        "HAND"},
       {}};
   g_option_context_set_summary(context_.get(), summary);

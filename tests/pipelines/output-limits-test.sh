@@ -54,7 +54,7 @@ ffmpeg -v error -f lavfi -i testsrc2=size=640x480:rate=30:duration=20 -f lavfi -
 track "$work/track.txt" $(seq 0 0.5 19)
 promise "a track is put beside the video" "$haptic_track" convert "$work/track.txt" "$work/track.ts"
 ffmpeg -v error -i "$work/film.ts" -i "$work/track.ts" -map 0 -map 1 -c copy "$work/recording.ts"
-promise "a cut that stands still ends with a sentence" says 1 "the film did not go on for 30 s" \
+promise "a cut that stands still ends with a sentence" says 1 "the film stood still for 30 s" \
   "$haptic_track" cut --with-video --from 1 "$work/recording.ts" "$work/cut.mkv"
 promise "and leaves nothing" leaves_nothing
 
@@ -86,6 +86,23 @@ promise "nor does a full disk" full "$haptic_track" convert "$work/minutes.txt" 
 
 # The options as other programs have them.
 promise "-h is --help" says 0 "Usage" "$haptic_track" -h
+# Each option that a verb takes stands in its help. VERB and OPTION are those of kCommandOptions.
+explained() {
+  local verb option options line rows
+  rows=$(sed -n '/kCommandOptions\[\]/,/};/p' "$root/gst-plugins/track/tools/program/haptic-track.cpp" | tr -d '\n' |
+    sed 's/" *"//g' | grep -oE '\{"[^"]*", "[^"]*"\}')
+  [ "$(wc -l <<<"$rows")" = 11 ] || { echo "the options of the verbs are not understood" && return 1; }
+  while IFS='"' read -r _ verb _ options _; do
+    "$haptic_track" "${verb%% *}" --help >"$work/help"
+    for line in "Usage: haptic-track ${verb%% *}" "Example: haptic-track ${verb%% *}"; do
+      grep -q "^$line" "$work/help" || { echo "$verb has no '$line'" && return 1; }
+    done
+    for option in $options; do
+      grep -qE -- "$option\b" "$work/help" || { echo "$verb $option" && return 1; }
+    done
+  done <<<"$rows"
+}
+promise "VERB --help explains each option of the verb" explained
 promise "--version is a version" says 0 "haptic-track " "$haptic_track" --version
 promise "--option=value" "$haptic_track" cut --from=0.1 --to=1 "$work/track.txt" "$work/part.txt"
 promise "a flag takes no value" says 1 "--force takes no value" "$haptic_track" cut --force=1 "$work/track.txt" "$work/p.txt"

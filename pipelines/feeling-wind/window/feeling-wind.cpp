@@ -130,19 +130,21 @@ int main(int argc, char **argv) {
   CommandLine &line = program.line;
   const GOptionEntry entries[] = {
       {"device", 0, 0, G_OPTION_ARG_STRING, &line.device,
-       "haptic device: sim (default), usb, usb:ID, evdev, evdev:PATH, auto. A real one begins "
-       "without force",
+       "haptic device: sim, usb, usb:ID, evdev, evdev:PATH or auto (default: sim). A real device "
+       "begins without force",
        "DEVICE"},
       {"sink", 0, 0, G_OPTION_ARG_STRING_ARRAY, &line.options,
        "a property of hapticsink; may be given more than once", "NAME=VALUE"},
       {"array", 0, 0, G_OPTION_ARG_STRING, &line.array,
        "also drive an array of actuators: a layout of hapticarray, by name or path", "LAYOUT"},
       {"array-sink", 0, 0, G_OPTION_ARG_STRING, &line.array_sink,
-       "its sound device, as a sink of gst-launch-1.0; otherwise autoaudiosink", "SINK"},
+       "the sound device of the array, as a sink of gst-launch-1.0 (default: autoaudiosink)",
+       "SINK"},
       {"touch", 0, 0, G_OPTION_ARG_STRING, &line.touch,
-       "also touch the colours, with a hand that has depth: a table of reliefmap, name or path",
+       "let a hand that has depth touch the colours: a table of reliefmap, by name or path",
        "TABLE"},
-      {"verbose", 0, 0, G_OPTION_ARG_NONE, &line.verbose, "print what happens", nullptr},
+      {"verbose", 0, 0, G_OPTION_ARG_NONE, &line.verbose,
+       "print when the first frame was shown, and what each key did", nullptr},
       {"version", 0, 0, G_OPTION_ARG_NONE, &line.version, "print the version", nullptr},
       {G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &line.inputs, nullptr, nullptr},
       {}};
@@ -154,7 +156,8 @@ int main(int argc, char **argv) {
   g_application_set_option_context_summary(
       G_APPLICATION(application),
       "Shows a film, a URL (http, https, rtsp) or a camera, and lets the hand feel its motion.\n"
-      "The mouse points, or a haptic device. \"test\" is a live film that moves to the left.");
+      "The mouse points, or a haptic device. \"test\" is a live film that moves to the left.\n\n"
+      "Example: feeling-wind --sink max-force=0.5 in.mp4");
   g_application_set_option_context_description(G_APPLICATION(application), keys_as_text().c_str());
   g_signal_connect(application, "handle-local-options", G_CALLBACK(read_line), &program);
   g_signal_connect(application, "activate", G_CALLBACK(activate), &program);

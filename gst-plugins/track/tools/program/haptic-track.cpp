@@ -7,6 +7,7 @@
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
+#include "program/usage.hpp"
 #include "samples/motion-field.hpp"
 #include "samples/motion-force.hpp"
 #include "seconds.hpp"
@@ -41,59 +42,6 @@ using haptic::TrackFileError;
 using haptic::TrackSample;
 
 constexpr unsigned kMostSpans = 1'000'000; // of a plan
-
-constexpr char kUsage[] = R"(Usage: haptic-track info FILE...
-       haptic-track convert [--force] [--hand LOG] FILE OUTPUT
-       haptic-track cut [--force] [--with-video] [--from SECONDS] [--to SECONDS] FILE OUTPUT
-       haptic-track plot [--force] [--place X,Y | --hand LOG] FILE OUTPUT.png|OUTPUT.gif
-       haptic-track compare [--json] [--plot PLOT.png] [--at-most PERCENT] A B
-       haptic-track author [--output FOLDER] [--columns N] [--hold PLACE] [--jobs N] VIDEO...
-       haptic-track author --plan [--chunks N] [--output FOLDER] [--columns N] [--hold PLACE] VIDEO...
-       haptic-track author --chunk K PLAN
-       haptic-track author --merge PLAN
-       haptic-track package [--carriage mp4|ts] [--columns N] [--hold PLACE] --output FOLDER VIDEO...
-       haptic-track package --single [--columns N] [--hold PLACE] --output FOLDER VIDEO.mp4
-Shows, converts, cuts, plots and compares haptic tracks. FILE may be a recording (.ts, .mkv),
-a bare track (.klv, .txt) or MPEG haptics (.hmpg, .hjif); the ending of OUTPUT says what is
-written: one of these, or what hapticarray makes of it, as sound with a channel for each
-actuator (.wav) or for telephones (.ahap). A video beside the track stays where it is.
-  --hand        of motion fields: a log of hapticsink; the motion under its hand is written
-  --layout      of .wav: the layout of hapticarray; otherwise back-3x4
-  --map         of .wav: stroke, field or point; otherwise stroke
-  --alpha       of .wav and .ahap: steepness of the force law, in s/px; otherwise 0.01
-  --from, --to  seconds of the file's own time; what is left begins at 0
-  --with-video  cut the video and the sound too (.ts, .mkv), at the key frames around
-  --stream      the track with this name, where info shows several; for compare, of both files
-  --place       plot: where the height of reliefs is drawn, 0 to 1 from the top left; otherwise 0.5,0.5
-  --force       write over an output that exists
-compare prints how much of the time a hand could tell two files apart; each may be a track or a log
-of hapticsink (.csv).
-  --at-most     the exit status is 1 above this percentage
-  --json        as JSON
-  --plot        draws both forces
-  --from, --to  seconds of A's time
-  --offset      seconds that are added to B's times
-  --places      of fields and reliefs: columns and rows of the places compared; otherwise 5x3
-  --hand        of fields and reliefs: a log of hapticsink whose hand feels them
-  --alpha       of tracks: steepness of the force law, in s/px; otherwise 0.01
-  --max-force   of tracks: force of the fastest motion, in N; otherwise 1
-author writes for each video a copy with the motion of its whole frame beside it:
-NAME.haptic.ts or NAME.haptic.mkv. Copies that are there are left as they are, so that it goes
-on where it was stopped. The exit status is 0 if all copies are there.
-  --output      folder of the copies, which is made; otherwise that of each video
-  --columns     columns of the motion field
-  --hold        X,Y or X,Y@SECONDS, 0 to 1 from the top left: what is there (then) is followed, so
-                that it can be held; auto: what is followed is chosen. May be repeated
-  --jobs        videos at a time; otherwise one for each processor core
-  --plan        prints a plan (JSON) of chunks that processes measure in any order
-  --chunks      about so many; otherwise one for each minute
-  --chunk       measures one, counted from 0
-  --merge       makes the copies and a manifest from all
-package makes a folder of files for any web server: a page where the film is seen and
-felt, and its segments (HLS). Further VIDEOs are other bit rates of the same film.
-  --carriage    segments of MP4 (mp4, as it is otherwise) or MPEG-TS (ts)
-  --single      of a short video: the MP4 as it is, its track as one file, and a page
-)";
 
 // The options of each command. Another one would be ignored: it is refused.
 constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
@@ -621,13 +569,21 @@ int run(const Arguments &arguments) {
   return EXIT_SUCCESS;
 }
 
+// The help of the verb among these words, or else of all.
+const char *usage_of(const std::vector<std::string> &words) {
+  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
+    if (std::ranges::count(words, verb) > 0)
+      return text;
+  return haptic::kUsage;
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   for (const std::string &word : words)
     if (word == "--help" || word == "-h" || word == "--version") {
-      std::fputs(word == "--version" ? "haptic-track " VERSION "\n" : kUsage, stdout);
+      std::fputs(word == "--version" ? "haptic-track " VERSION "\n" : usage_of(words), stdout);
       return EXIT_SUCCESS;
     }
   try {
