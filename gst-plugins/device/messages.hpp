@@ -14,8 +14,9 @@
   MESSAGE(kLogStopped, "The log cannot be written any more: %s. The force goes on.",               \
           "The log is incomplete. Make room on the disk before the next start.")                   \
   MESSAGE(kFaultRecorded,                                                                          \
-          "The force stopped (%s). Its last ticks are in %s; %d of the last second were late.",    \
-          "Read docs/formats/csv-log.md for its columns, and add the file to a report.")           \
+          "The force stopped (%s). The file %s has the last ticks, and %d ticks of the last "      \
+          "second were late.",                                                                     \
+          "Add the file to a report. docs/formats/csv-log.md explains its columns.")               \
   MESSAGE(kFaultNotRecorded,                                                                       \
           "The last ticks before the force stopped cannot be written to %s: %s.",                  \
           "Set fault-location to a folder that you may write to, or to none.")                     \

@@ -10,8 +10,8 @@
           "A part of the haptic track is damaged and was left out. Further parts are only counted (stats).", \
           "The rest is felt. On a network, give the receiver a larger latency.") \
   MESSAGE(kTrackHasForeignKlv, \
-          "The stream has KLV of other origin, which was left out.", \
-          "If nothing is felt, this is not a haptic track. Choose another stream of the file.") \
+          "The stream has KLV that is not a haptic track and was left out.", \
+          "If nothing is felt, choose another stream of the file.") \
   MESSAGE(kTrackHasForeignText, \
           "The stream has text that is not a haptic track and was left out.", \
           "If nothing is felt, choose another stream of the file.") \
@@ -73,7 +73,7 @@
           "Cut it while it is a recording.") \
   MESSAGE(kTrackIsTooLong, \
           "\"%s\": there are more than %zu samples in this track.", \
-          "Cut the recording before, or take the original: this file may be damaged.") \
+          "Cut the recording first. If the recording is short, take the original: this file may be damaged.") \
   MESSAGE(kFileIsMissing, \
           "\"%s\": there is no such file.", \
           "Check the name. The path is relative to the present folder.") \
@@ -125,7 +125,7 @@
           "\"%s\": this form holds motion, and this track is a surface to touch.", \
           "Write .ts, .mkv, .klv or .txt.") \
   MESSAGE(kHandTouches, \
-          "\"%s\": a hand feels a force of this surface, and points cannot hold a force.", \
+          "\"%s\": a track of points cannot hold the force that a hand feels on this surface.", \
           "Let hapticsink feel it (touch=surface, sim-hand=file:PATH) and log it " \
           "(log-location=LOG.csv).") \
   MESSAGE(kMapIsUnknown, \
@@ -162,17 +162,17 @@
           "not one frame of this video can be decoded.", \
           "Check whether gst-play-1.0 plays it. gstreamer1.0-libav has most decoders.") \
   MESSAGE(kFileNamesOthers, \
-          "this is a list of other files or addresses, and what a file says is not opened.", \
+          "this is a list of other files or addresses, which are not opened.", \
           "Name the video itself.") \
   MESSAGE(kOutputIsTooLong, \
           "\"%s\": the track goes on for %.1f h, and at most %.0f h are written.", \
-          "Cut it before (haptic-track cut --from --to); a time in it may be wrong.") \
+          "Cut the track first (haptic-track cut --from --to). If it is not that long, a time in it is wrong.") \
   MESSAGE(kSoundIsTooLarge, \
           "\"%s\": %u channels of sound have room for %.0f minutes in a .wav, and the track lasts %.0f.", \
-          "Cut it before (haptic-track cut --from --to).") \
+          "Cut the track first (haptic-track cut --from --to).") \
   MESSAGE(kHiddenFrames, \
           "%llu frames before the cut are shown in the copy, because the first frame after it depends on them.", \
-          "Nothing needs to be done. To lose them, re-encode the video before.") \
+          "Nothing needs to be done. To leave them out, re-encode the video before you cut it.") \
   MESSAGE(kFilmIsEdited, \
           "the file joins several parts of its video, or plays it at another speed (edit list).", \
           "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and take that.") \
@@ -180,10 +180,10 @@
           "the file ends after %.1f s of %.1f s. It was not copied or recorded to its end.", \
           "Copy it again. Or repair it by a remux, and author the result.") \
   MESSAGE(kCopyHoldsNoFields, \
-          "\"%s\": exists and holds no motion fields.", \
+          "\"%s\": this file exists and holds no motion fields.", \
           "Move it away, or name another folder with --output.") \
   MESSAGE(kCopyIsOfAnother, \
-          "\"%s\": may be the copy of \"%s\", a video of the same name.", \
+          "\"%s\": this file may be the copy of \"%s\", a video of the same name.", \
           "Remove the copy, rename one of the videos, or name another folder with --output.") \
   MESSAGE(kVideoHasTrack, \
           "there is a haptic track in this file already.", \
@@ -235,8 +235,8 @@
           "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to " \
           "share it.") \
   MESSAGE(kFilmStandsStill, \
-          "the film did not go on for %d s, because too many pictures stand beside no sound.", \
-          "Let the sound begin and end with the pictures, or leave the sound out (ffmpeg -i IN " \
+          "the film stood still for %d s, because too many frames have no sound beside them.", \
+          "Let the sound begin and end with the frames, or leave the sound out (ffmpeg -i IN " \
           "-map 0:v -c copy OUT).") \
   MESSAGE(kPlanIsWrong, \
           "\"%s\": this is not a plan, or it was changed.", \
@@ -300,13 +300,13 @@
           "\"%s\": there is no force between these times.", \
           "Take another file, or other --from and --to.") \
   MESSAGE(kTooLongToCompare, \
-          "\"%s\": lasts longer than 4 hours.", \
+          "\"%s\": this file lasts longer than 4 hours.", \
           "Compare a part of it with --from and --to.") \
   MESSAGE(kTimesDoNotMeet, \
           "\"%s\" lasts from %.3f to %.3f s, \"%s\" from %.3f to %.3f s: they have no time in common.", \
           "Cut one of them with haptic-track cut, which lets its times begin at 0.") \
   MESSAGE(kPlacesNeedFields, \
-          "neither file has fields or reliefs, so the place of the hand is known.", \
+          "neither file has fields or reliefs, so there is no place to choose.", \
           "Leave out --places and --hand.") \
   MESSAGE(kPlacesAreGiven, \
           "the place of the hand is given twice.", \
@@ -361,7 +361,7 @@
           "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a aac NEW.mp4, and " \
           "package the result.") \
   MESSAGE(kFilmHasNoStart, \
-          "\"%s\": it has no IDR frame, where a browser can begin.", \
+          "\"%s\": a browser cannot begin to play this video, because it has no IDR frame.", \
           "Re-encode it: ffmpeg -i VIDEO -c:v libx264 -pix_fmt yuv420p -c:a copy NEW.mp4, and " \
           "package the result.") \
   MESSAGE(kFilmIsNotCut, \

@@ -129,7 +129,7 @@ mkdir "$work/same"
 cp "$work/in/wind.mp4" "$work/same/film.mp4"
 promise "the first of two videos of one name is authored" author "$work/same/film.mp4"
 cp "$work/in/sea.mkv" "$work/same/film.mkv"
-promise "the second is refused" says 1 'film.haptic.ts": may be the copy of' author "$work/same/film.mkv"
+promise "the second is refused" says 1 'film.haptic.ts": this file may be the copy of' author "$work/same/film.mkv"
 promise "the copy of the first stays" says 0 "1 there already" author "$work/same/film.mp4"
 cp "$work/out/sea.haptic.mkv" "$work/same/film.haptic.mkv"
 rm "$work/same/film.mkv"
@@ -217,7 +217,7 @@ late_sound "$work/silent/late.ts" 480x270 60 1
 late_sound "$work/silent/later.mkv" 480x270 60 1
 ffmpeg -v error -i "$work/silent/late.ts" -f lavfi -i sine=duration=2 -map 0:v -map 1 -c:v copy -c:a aac "$work/silent/early.mkv"
 promise "a film that stands still is refused" says 1 "0 written, 0 there already, 3 failed" author --jobs 3 "$work"/silent/*
-promise "each with the reason" test "$(grep -c 'pictures stand beside no sound' "$work/output")" = 3
+promise "each with the reason" test "$(grep -c 'frames have no sound beside them' "$work/output")" = 3
 promise "and no copy is left" test "$(ls "$work/silent")" = "$(printf 'early.mkv\nlate.ts\nlater.mkv')"
 # `words_stay CODEC`: Matroska to Matroska, the words and their times as FFmpeg reads them.
 words() { ffmpeg -v error -i "$1" -map "0:s:$2" -f srt - | sed 's/,[0-9]* / /; s/,[0-9]*$//'; }

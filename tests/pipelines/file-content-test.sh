@@ -70,7 +70,7 @@ for film in "$work"/in/*; do
   promise "and says that it is no track" says "no haptic track"
 done
 promise "the reason is one sentence" opens_nothing 1 "$haptic_track" author --output "$work/out" "$work/in/network.mp4"
-promise "in words of its own" says "this is a list of other files or addresses, and what a file says is not opened"
+promise "in words of its own" says "this is a list of other files or addresses, which are not opened"
 for name in network file dash; do
   promise "a script opens nothing that $name.mp4 names" opens_nothing 1 \
     "$root/pipelines/play-file.sh" "$work/in/$name.mp4" -- device=sim

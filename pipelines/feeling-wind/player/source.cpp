@@ -17,7 +17,7 @@ using haptic::CapsPtr;
 using haptic::GCharPtr;
 
 constexpr const char *kNamesOthers =
-    "it lists other files or addresses, and what a file says is not opened";
+    "it lists other files or addresses, which are not opened";
 
 // Cameras offer their largest frames at a few frames a second; the tracker needs at least 15.
 constexpr const char *kCameraCaps =
