@@ -17,11 +17,11 @@ if (figure eq "mapping") {
   set xlabel "x of the grip (mm, to the right)"
   set ylabel "w in the frame (px)"
   plot width / 2.0 + width / (2 * half) * x with lines linetype 3 title "equation (1a)", \
-       data("mapping.csv") using "x":(column("pointer_x") * width) with points linetype 1 pointsize 0.8 title "pointer events"
+       data("mapping.csv") using "x":(column("pointer_x") * width) with points linetype 16 pointtype 6 pointsize 0.8 title "pointer events"
   set xlabel "y of the grip (mm, upwards)"
   set ylabel "h in the frame (px)"
   plot height / 2.0 - height / (2 * half) * x with lines linetype 3 title "equation (1b)", \
-       data("mapping.csv") using "y":(column("pointer_y") * height) with points linetype 1 pointsize 0.8 title "pointer events"
+       data("mapping.csv") using "y":(column("pointer_y") * height) with points linetype 16 pointtype 6 pointsize 0.8 title "pointer events"
   unset multiplot
 }
 
@@ -40,7 +40,7 @@ if (figure eq "features") {
   set xrange [0:width]
   set yrange [height:0]
   set object 1 rectangle from left_min, top_min rto side_min, side_min front fillstyle empty border linecolor rgb "#E69F00" linewidth 2.5
-  eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 1 pointsize 0.8 title 'features', '' using (left_min + side_min / 2):(top_min + side_min / 2) every ::0::0 with points linetype 2 pointtype 7 title 'haptic interface point'"
+  eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 11 pointtype 7 pointsize 0.8 title 'features', '' using (left_min + side_min / 2):(top_min + side_min / 2) every ::0::0 with points linetype 16 pointtype 7 title 'haptic interface point'"
 }
 
 if (figure eq "flow") {
@@ -51,7 +51,7 @@ if (figure eq "flow") {
   set key outside top center
   eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 1 pointtype 3 pointsize 1.2 title 'earlier', '' using (column('x') + column('dx')):(column('y') + column('dy')) with points linetype 2 title 'later'"
   set grid
-  plot data("flow.csv") using "x":"y":(column("dx")):(column("dy")) with vectors linetype 1 title "displacement"
+  plot data("flow.csv") using "x":"y":(column("dx")):(column("dy")) with vectors linetype 11 title "displacement"
   unset multiplot
 }
 
@@ -66,7 +66,7 @@ if (figure eq "gain") {
   eval "plot " . points("linear", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' title 'limited, fading or not trusted', " . \
     points("twig", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' notitle, " . \
     points("linear", 0) . " linetype 2 pointtype 7 pointsize 0.6 title 'felt with the linear law', " . \
-    points("twig", 0) . " linetype 1 pointsize 0.6 title 'felt with the arctangent', " . \
+    points("twig", 0) . " linetype 13 pointtype 7 pointsize 0.6 title 'felt with the arctangent', " . \
     "law(x) with lines linewidth 2 linecolor rgb '#000000' title 'equation (5)'"
 }
 
@@ -79,11 +79,11 @@ if (figure eq "trace") {
   set multiplot layout 2,1 margins 0.11, 0.98, 0.16, 0.92 spacing 0, 0.08
   set format x ""
   set ylabel "velocity (px/s)"
-  eval "plot " . unmeasured . " title 'not measured', '' using 'time':'vx' with lines linetype 1 title 'to the right', '' using 'time':(-column('vy')) with lines linetype 2 title 'upwards'"
+  eval "plot " . unmeasured . " title 'not measured', '' using 'time':'vx' with lines linetype 11 title 'to the right', '' using 'time':(-column('vy')) with lines linetype 12 title 'upwards'"
   unset key
   set format x "%g"
   set ylabel "force (N)"
   set xlabel "time (s)"
-  eval "plot " . unmeasured . ", '' using 'time':'fx' with lines linetype 1, '' using 'time':'fy' with lines linetype 2"
+  eval "plot " . unmeasured . ", '' using 'time':'fx' with lines linetype 13, '' using 'time':'fy' with lines linetype 14"
   unset multiplot
 }

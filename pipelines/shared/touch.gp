@@ -33,13 +33,13 @@ set key at screen 0.98, 0.93
 set yrange [lowest:highest]
 set ylabel "height (mm)"
 plot ARG1 using (column("time")):(column("touch") > 0 ? 1000 * column("pz") : NaN) with lines linetype 2 title "the surface under it", \
-     ARG1 using (column("time")):(1000 * column("z")) with lines linetype 3 title "the hand"
+     ARG1 using (column("time")):(1000 * column("z")) with lines linetype 16 title "the hand"
 set format x "%g"
 set key at screen 0.98, 0.49
 set yrange [low - 0.1:high + 0.1]
 set ylabel "force (N)"
 set xlabel "time (s)"
-plot ARG1 using (column("time")):(column("fz")) with lines linetype 1 title "towards the user", \
-     ARG1 using (column("time")):(column("fx")) with lines linetype 2 title "to the right", \
-     ARG1 using (column("time")):(column("fy")) with lines linetype 3 title "upwards"
+plot ARG1 using (column("time")):(column("fz")) with lines linetype 15 title "towards the user", \
+     ARG1 using (column("time")):(column("fx")) with lines linetype 13 title "to the right", \
+     ARG1 using (column("time")):(column("fy")) with lines linetype 14 title "upwards"
 unset multiplot

@@ -19,5 +19,5 @@ at(aspect) = aspect eq "interactivity" ? 0 : aspect eq "sensitivity" ? 1 : 2
 is(word, column) = strcol(column) eq word
 
 plot ARG1 using (is("without", 2) ? at(strcol(1)) - 0.2 : NaN):"WAV" with boxes linetype 3 title "without force", \
-     "" using (is("with", 2) ? at(strcol(1)) + 0.2 : NaN):"WAV" with boxes linetype 1 title "with force", \
+     "" using (is("with", 2) ? at(strcol(1)) + 0.2 : NaN):"WAV" with boxes linetype 13 title "with force", \
      "" using (at(strcol(1)) + (is("with", 2) ? 0.2 : -0.2)):9:(sprintf("%s\nn = %s", strcol(9), strcol(3))) every ::1 with labels offset 0,1.7 notitle

@@ -568,10 +568,10 @@ TEST_F(HapticOverlay, ARingShowsTheProxyAndADotInItTheContact) {
   frames = 3;
   const Spot without = spot(pass_touching(std::nullopt), is_white);
   const BufferPtr free = pass_touching(ProxyPosition{0.25, 0.75, 0});
-  EXPECT_EQ(spot(free, is_blue).count, 0);
+  EXPECT_EQ(spot(free, is_green).count, 0);
   EXPECT_GT(spot(free, is_white).count, without.count + 10) << "the ring";
   const BufferPtr touching = pass_touching(ProxyPosition{0.25, 0.75, 0.002});
-  const Spot dot = at_proxy(touching, is_blue);
+  const Spot dot = at_proxy(touching, is_green);
   EXPECT_GT(dot.count, 8);
   EXPECT_NEAR(dot.centre.x, 0, 0.6);
   EXPECT_NEAR(dot.centre.y, 0, 0.6);

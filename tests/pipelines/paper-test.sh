@@ -15,9 +15,13 @@ displacement() {
     awk '{ found = 1; if ($1 < 1.9 || $1 > 2.1 || $2 < -1.1 || $2 > -0.9) exit 1 } END { exit !found }'
 }
 promise "the mean displacement is that of the clip" displacement
-for figure in mapping features flow gain trace; do
-  promise "$figure.png shows what was measured" has_colour "$work/figures/$figure.png" '00 72 b2' 100
+for figure in features flow trace; do
+  promise "$figure.png shows the motion in orange" has_colour "$work/figures/$figure.png" 'e6 9f 00' 100
 done
+for figure in gain trace; do
+  promise "$figure.png shows the force in blue" has_colour "$work/figures/$figure.png" '00 72 b2' 100
+done
+promise "mapping.png shows the pointer events in black" has_colour "$work/figures/mapping.png" '00 00 00' 100
 promise "the picture itself is behind the features" has_colour "$work/figures/features.png" '80 80 80' 20
 # 2/π · arctan(0.01 · 67) N.
 promise "the largest force is equation (5)'s" grep -qE 'force at most 0\.3[78] N' "$work/output"

@@ -91,7 +91,7 @@ promise "no surface at all" says 1 'no relief of this track has a surface' compa
 # ---- plot ----
 if command -v gnuplot >/dev/null; then
   promise "the height is drawn" says 0 '' plot "$work/scene.klv" "$work/height.png"
-  promise "in the colour of what is felt" has_colour "$work/height.png" '00 72 b2' 500
+  promise "in the green of what is touched" has_colour "$work/height.png" '00 9e 73' 500
   promise "at a place" says 0 '' plot --place 0.2,0.7 "$work/scene.klv" "$work/place.png"
   promise "which is another one" test "$(cmp -s "$work/height.png" "$work/place.png" && echo same)" = ''
   promise "under a hand" says 0 '' plot --hand "$work/hand.csv" "$work/scene.klv" "$work/under.png"

@@ -116,8 +116,8 @@ std::span<const haptic::Property<Settings>> properties() {
                                               "Of velocity and patches, ARGB", 0, G_MAXUINT32),
       Rows::number<&Settings::force_color>("force-color", "Force Color", "Of the force, ARGB", 0,
                                            G_MAXUINT32),
-      Rows::number<&Settings::hold_color>("hold-color", "Hold Color", "Of the held thing, ARGB", 0,
-                                          G_MAXUINT32),
+      Rows::number<&Settings::hold_color>(
+          "hold-color", "Hold Color", "Of the held thing and of a contact, ARGB", 0, G_MAXUINT32),
       Rows::number<&Settings::scale>(
           "scale", "Scale",
           "Seconds of motion that an arrow is long; none is longer than half of the frame's height",

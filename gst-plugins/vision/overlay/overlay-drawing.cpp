@@ -281,7 +281,7 @@ void OverlayDrawing::paint_proxy(cairo_t *cairo) const {
   cairo_set_source_rgba(cairo, 1, 1, 1, 1);
   cairo_set_line_width(cairo, 2 * line_);
   cairo_stroke_preserve(cairo);
-  set_color(cairo, look_.force_color, 1);
+  set_color(cairo, look_.hold_color, 1);
   cairo_fill(cairo);
 }
 

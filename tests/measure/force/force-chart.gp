@@ -13,7 +13,7 @@ set datafile columnheaders
 set lmargin 10
 set rmargin 3
 
-style(i) = i == 2 ? 3 : i - 2 # "hold" in grey
+style(i) = i == 2 ? 3 : i == 3 ? 2 : 13 # "hold" in grey, what is felt in the colour of the force
 begin = 1.0
 set multiplot layout 2,1
 set ylabel "force to the right (N)"

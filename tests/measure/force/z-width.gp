@@ -16,7 +16,7 @@ set yrange [10:200000]
 set xlabel "damping of the wall (N·s/m)"
 set ylabel "stiffness of the wall (N/m)"
 set key inside top right vertical maxrows 4 samplen 2
-set linetype 4 linecolor rgb "#009E73" linewidth 1.5 pointtype 7
+set linetype 4 linecolor rgb "#000000" linewidth 1.5 pointtype 7
 set multiplot layout 2,2
 # Even blocks are curves, odd ones their theory.
 do for [panel in "geometry hand rate lateness"] {

@@ -55,7 +55,7 @@ void draw_axis(Gnuplot &out, const char *name, const Comparison &result, const S
                const Bins &bins, float Force::*axis) {
   out.line("set ylabel '%s (N)' offset 1", name);
   out.line("plot '-' using 1:2 with lines linetype 2 linewidth 2.5 title 'B', "
-           "'-' using 1:2 with lines linetype 1 linewidth 1.5 title 'A'");
+           "'-' using 1:2 with lines linetype 13 linewidth 1.5 title 'A'");
   const auto send = [&](const ForceSignal &signal, std::int64_t shift) {
     for (std::size_t bin = 0; bin < bins.count(); ++bin) {
       double sum = 0;

@@ -99,8 +99,8 @@ void plot_reliefs(const std::string &path, const TrackFile &track, const PlotOpt
   };
   out.line("set key at screen 0.98, 0.98");
   out.line("set ylabel 'height (mm)'");
-  out.line("plot '-' using 1:2 with lines linetype 1 title 'surface %s'%s", where.c_str(),
-           hand.empty() ? "" : ", '-' using 1:2 with lines linetype 2 title 'hand'");
+  out.line("plot '-' using 1:2 with lines linetype 2 title 'surface %s'%s", where.c_str(),
+           hand.empty() ? "" : ", '-' using 1:2 with lines linetype 16 title 'hand'");
   send([](const FeltSurface &surface) { return 1000 * surface.height; });
   for (std::size_t i = 0; i < hand.size(); ++i)
     out.line("%.6f %.6g", surfaces[i].time, 1000 * hand[i]);
@@ -208,7 +208,7 @@ void draw_energy(Gnuplot &out, const Overview &all, const std::vector<std::uint6
   for (const auto mark : marks)
     out.line("set arrow from %.3f, graph 0 to %.3f, graph 1 nohead linetype 2", seconds(mark),
              seconds(mark));
-  out.line("plot '-' using 1:2 with filledcurves x1 linetype 1");
+  out.line("plot '-' using 1:2 with filledcurves x1 linetype 11");
   for (std::size_t i = 0; i < all.times.size(); ++i)
     out.line("%.3f %.6g", seconds(all.times[i]), std::sqrt(all.energies[i]));
   out.line("e");
