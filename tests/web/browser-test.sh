@@ -104,7 +104,10 @@ if [ "${RATES_SECONDS:-5}" -gt 15 ]; then
 fi
 node "$here/rates-test.mjs" "$build/pipelines/web" "$rates_films" "${RATES_SECONDS:-5}"
 node "$here/blown-test.mjs" "$build/pipelines/web" "$films"
-[ ! -d "$work/single" ] || node "$here/element-test.mjs" "$work/single"
+if [ -d "$work/single" ]; then
+  node "$here/element-test.mjs" "$work/single"
+  node "$here/lines-test.mjs" "$build/pipelines/web" "$work/single" "$films/packaged"
+fi
 node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
 node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')

@@ -14,13 +14,18 @@ function findPackage(name) {
   }
 }
 
+/** A name of this computer that makes a page of http no secure context. */
+export const INSECURE = 'films.example';
+
 const OPTIONS = {
   chromium: {
-    args: ['--no-sandbox', '--autoplay-policy=no-user-gesture-required', '--mute-audio', '--disable-dev-shm-usage'],
+    args: ['--no-sandbox', '--autoplay-policy=no-user-gesture-required', '--mute-audio', '--disable-dev-shm-usage',
+      `--host-resolver-rules=MAP ${INSECURE} 127.0.0.1`],
   },
   firefox: {
     browser: 'firefox',
-    extraPrefsFirefox: { 'media.autoplay.default': 0, 'media.autoplay.blocking_policy': 0, 'media.volume_scale': '0.0' },
+    extraPrefsFirefox: { 'media.autoplay.default': 0, 'media.autoplay.blocking_policy': 0, 'media.volume_scale': '0.0',
+      'network.dns.localDomains': INSECURE },
   },
 };
 const NAMES = { chromium: ['chromium', 'chromium-browser'], firefox: ['firefox-esr', 'firefox'] };
