@@ -69,8 +69,8 @@ export async function openPage(browser, origin, { width = 1280, height = 900, sc
   return page;
 }
 
-/** The rules of accessibility (axe-core) that an open page breaks. Its policy has to be bypassed. */
-export function brokenRules(page) {
-  return page.evaluate(`${findPackage('axe-core').source}; axe.run().then(({ violations }) =>
+/** The rules of accessibility (axe-core) that an open page breaks, or a part of it. Its policy has to be bypassed. */
+export function brokenRules(page, part = 'html') {
+  return page.evaluate(`${findPackage('axe-core').source}; axe.run('${part}').then(({ violations }) =>
     violations.map(({ id, nodes }) => id + ': ' + nodes[0].html))`);
 }
