@@ -39,7 +39,7 @@ promise('detach() lets go of it', video.src === '');
 const told = [];
 const onProblem = (sentence, code) => told.push({ sentence, code });
 const settled = async condition => {
-  while (!condition()) await settle();
+  for (let i = 0; i < 500 && !condition(); ++i) await settle();
 };
 const ELSEWHERE = 'http://films.example/film.klv';
 answers.clear();
@@ -52,7 +52,7 @@ promise('in the words of the page, if it has some', told[0].sentence.includes('f
   && told[1].sentence === 'Nicht von films.example.');
 attach(new Video(16), { track: ELSEWHERE, onProblem, allowedOrigins: ['http://films.example'] });
 await settled(() => answers.has(ELSEWHERE));
-promise('an origin that the page allows is asked', told.length === 2);
+promise('an origin that the page allows is asked', answers.has(ELSEWHERE) && told.length === 2);
 
 const ended = new AbortController(), ending = new Video(16);
 ending.src = 'http://here/film.m3u8';

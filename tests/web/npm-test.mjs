@@ -58,5 +58,8 @@ console.log(files.join(' '));
 const needed = Object.values(about.exports).flatMap(({ types, default: file }) => [types.slice(2), file.slice(2)]);
 promise('npm packs each file that the package exports', needed.every(name => files.includes(name)
   || name === 'feeling-wind.min.js')); // which a build without esbuild lacks
+const imported = files.filter(name => modules.includes(name)).flatMap(name =>
+  Array.from(read(name).matchAll(/(?:from |import\()'\.\/([^']+)'/g), ([, file]) => file));
+promise('and each that one of them imports', imported.length > 20 && imported.every(name => files.includes(name)));
 promise('and the licence', files.includes('LICENSE'));
 promise('but not hls.js, nor what is of the build', !files.some(name => /^hls\.(light|worker)|\.p\/|meson/.test(name)));
