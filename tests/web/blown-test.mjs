@@ -104,11 +104,12 @@ for (const name of browsers()) {
     return { hand, way: Math.hypot(hand.x, hand.y), now, late: Math.min(now, before), old };
   });
   const most = key => Math.max(...seen.map(hand => hand[key]));
-  console.log(`${name}: ${seen.length} frames of a picture ${height} px high; the hand is blown up to ${most('way').toFixed(1)} px; `
-    + `off by ${most('now').toFixed(2)} px at most from the force of its frame, ${most('late').toFixed(2)} from that or the `
-    + `one before; ${seen.filter(hand => hand.old > WITHIN).length} frames would differ two frames late`);
-  promise(`${name}: the hand is drawn in each frame, and blown`, drawn.every(hand => hand.x !== null) && seen.length > 60
-    && most('way') > 5);
+  console.log(`${name}: ${seen.length} frames of a picture ${height} px high; the hand is blown up to `
+    + `${most('way').toFixed(1)} px; off by ${most('now').toFixed(2)} px at most from the force of its frame, `
+    + `${most('late').toFixed(2)} from that or the one before; two frames late `
+    + `${seen.filter(hand => hand.old > WITHIN).length} would be wrong`);
+  promise(`${name}: the hand is drawn in each frame, and blown`, drawn.every(hand => hand.x !== null)
+    && seen.length > 60 && most('way') > 5);
   promise('within 1 px of the force, at most one frame late', most('late') <= WITHIN);
   promise('which two frames late it would not be', seen.some(hand => hand.old > WITHIN));
   const expected = expectedForces(`${films}/cmaf-film.m4s`, { place, alpha: ALPHA, until: UNTIL + 1 });
@@ -116,18 +117,20 @@ for (const name of browsers()) {
     && (shown[i + 1] ?? frame) - time > GAP);
   const forces = computed.filter(({ frame, time }) => frame > shown[0] && time < UNTIL && !isHeldUp(frame));
   const drops = forces.filter(({ time, newtons }) => newtons === 0 && isFelt(expected, time));
-  const errors = forces.map(({ time, newtons }) => Math.abs(newtons - expected[Math.round(60 * time)][1])).sort((a, b) => a - b);
+  const errors = forces.map(({ time, newtons }) => Math.abs(newtons - expected[Math.round(60 * time)][1]))
+    .sort((a, b) => a - b);
   const median = errors[errors.length >> 1];
-  console.log(`${name}: ${drops.length} drops of ${forces.length} forces; ${(1000 * median).toFixed(1)} mN from the track at the pointer`);
+  console.log(`${name}: ${drops.length} drops of ${forces.length} forces; `
+    + `${(1000 * median).toFixed(1)} mN from the track at the pointer`);
   promise('the force of the page never drops while frames come', drops.length === 0);
   promise('and is that at the pointer', median < 0.003);
 
   const back = await page.evaluate(async within => {
     const begin = performance.now(), film = document.querySelector('video');
     film.pause();
-    const far = hand => Math.hypot(hand.x, hand.y) > within;
     while (performance.now() < begin + 400) await new Promise(requestAnimationFrame);
-    return Math.max(...window.drawn.filter(hand => hand.frame > begin && far(hand)).map(hand => hand.frame), begin) - begin;
+    const away = window.drawn.filter(({ frame, x, y }) => frame > begin && Math.hypot(x, y) > within);
+    return Math.max(...away.map(({ frame }) => frame), begin) - begin;
   }, WITHIN);
   console.log(`${name}: back ${back.toFixed(0)} ms after the film stopped`);
   promise('the hand is back within 150 ms of the end of the force', back <= BACK);
