@@ -39,7 +39,7 @@ if (figure eq "features" || figure eq "flow") {
 if (figure eq "features") {
   set xrange [0:width]
   set yrange [height:0]
-  set object 1 rectangle from left_min, top_min rto side_min, side_min front fillstyle empty border linecolor rgb "#E69F00" linewidth 2.5
+  set object 1 rectangle from left_min, top_min rto side_min, side_min front fillstyle empty border linecolor rgb "#000000" linewidth 2
   eval "plot " . grey("earlier") . ", data('flow.csv') using 'x':'y' with points linetype 11 pointtype 7 pointsize 0.8 title 'features', '' using (left_min + side_min / 2):(top_min + side_min / 2) every ::0::0 with points linetype 16 pointtype 7 title 'haptic interface point'"
 }
 
