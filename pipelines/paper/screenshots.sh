@@ -29,16 +29,23 @@ case ${1:---help} in
 -*) fail "unknown option '$1'; see --help" ;;
 esac
 
-# Inside the X server: `screenshots.sh --inside FILE SECONDS KEY COMMAND...`
+# Whether the picture shows a contact: its dot is the only bluish green.
+shows_touch() {
+  ffmpeg -v error -i "$1" -f rawvideo -pix_fmt rgb24 - </dev/null | od -An -v -tu1 -w3 |
+    awk '$2 > $1 + 70 && $2 > $3 + 20 && $3 > $1 + 40 { n++ } END { exit n < 4 }'
+}
+
+# Inside the X server: `screenshots.sh --inside FILE SECONDS WHAT COMMAND...`. WHAT is F11, touch or
+# nothing.
 if [ "$1" = --inside ]; then
   # Full screen needs a window manager.
-  [ -z "$4" ] || { openbox >/dev/null 2>&1 & }
+  [ "$4" != F11 ] || { openbox >/dev/null 2>&1 & }
   "${@:5}" >/dev/null 2>&1 &
   program=$!
   trap 'kill $program 2>/dev/null || true' EXIT
   window=$(timeout 60 xdotool search --sync --onlyvisible --class 'feeling-wind|GStreamer' | tail -n 1)
   xdotool windowfocus "$window"
-  [ -z "$4" ] || xdotool key "$4"
+  [ "$4" != F11 ] || xdotool key F11
   # The window takes the size of the film as soon as it plays. The mouse trembles on leaves that a gust moves.
   end=$(date -d "now + $3 seconds" +%s%N)
   for ((step = 0; $(date +%s%N) < end; step++)); do
@@ -46,8 +53,12 @@ if [ "$1" = --inside ]; then
     xdotool mousemove $((X + 168 + step % 2)) $((Y + 305))
     sleep 0.1
   done
-  gst-launch-1.0 -q ximagesrc num-buffers=1 use-damage=false show-pointer=false "startx=$X" "starty=$Y" \
-    "endx=$((X + WIDTH - 1))" "endy=$((Y + HEIGHT - 1))" ! videoconvert ! pngenc ! filesink "location=$2"
+  # A hand touches here and then.
+  for ((try = 0; try < 40; try++)); do
+    gst-launch-1.0 -q ximagesrc num-buffers=1 use-damage=false show-pointer=false "startx=$X" "starty=$Y" \
+      "endx=$((X + WIDTH - 1))" "endy=$((Y + HEIGHT - 1))" ! videoconvert ! pngenc ! filesink "location=$2"
+    if [ "$4" != touch ] || shows_touch "$2"; then break; fi
+  done
   exit
 fi
 
@@ -69,7 +80,7 @@ trap 'kill ${server:-} 2>/dev/null || true; rm -rf "$work"' EXIT
 
 # The settings of a new user. The scripts find the films of this one.
 export GDK_BACKEND=x11 XDG_CONFIG_HOME=$work XDG_CACHE_HOME=$work
-# `window NAME SCREEN SECONDS KEY COMMAND...`; SECONDS after the window is there it is taken.
+# `window NAME SCREEN SECONDS WHAT COMMAND...`; it is taken SECONDS after the window is there.
 window() {
   xvfb-run -a -s "-screen 0 $2x24 -noreset" "$0" --inside "$work/$1.png" "${@:3}"
   picture "$1"
@@ -85,8 +96,8 @@ window program 1280x1024 4 '' "${program[@]}" "$video"
 GTK_THEME=Adwaita:dark window program-dark 1280x1024 4 '' "${program[@]}" "$video"
 window program-fullscreen 960x600 4 F11 "${program[@]}" "$video"
 window program-array 1280x1024 4 '' "${program[@]}" --array back-3x4 --array-sink 'fakesink sync=true' "$video"
-window touch-depth 1280x1024 4.7 '' "$root/pipelines/touch-depth.sh" --output "$work/touch"
-window touch-colour 1280x1024 4 '' "$root/pipelines/touch-colour.sh" --output "$work/touch"
+window touch-depth 1280x1024 4.5 touch "$root/pipelines/touch-depth.sh" --output "$work/touch"
+window touch-colour 1280x1024 3 touch "$root/pipelines/touch-colour.sh" --output "$work/touch"
 
 [ ! -d "$build/pipelines/web" ] || export FEELING_WIND_WEB=$build/pipelines/web
 haptic_track package --output "$work/film" "$video" >/dev/null
