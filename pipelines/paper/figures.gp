@@ -66,7 +66,7 @@ if (figure eq "gain") {
   eval "plot " . points("linear", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' title 'limited, fading or not trusted', " . \
     points("twig", 1) . " linetype 3 pointsize 0.45 linecolor rgb '#B8B8B8' notitle, " . \
     points("linear", 0) . " linetype 2 pointtype 7 pointsize 0.6 title 'felt with the linear law', " . \
-    points("twig", 0) . " linetype 13 pointtype 7 pointsize 0.6 title 'felt with the arctangent', " . \
+    points("twig", 0) . " linetype 13 linewidth 2.5 pointtype 7 pointsize 0.6 title 'felt with the arctangent', " . \
     "law(x) with lines linewidth 2 linecolor rgb '#000000' title 'equation (5)'"
 }
 

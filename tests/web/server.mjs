@@ -7,6 +7,7 @@ import { extname, join, normalize } from 'node:path';
 const TYPES = {
   '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.ts': 'video/mp2t',
   '.m3u8': 'application/vnd.apple.mpegurl', '.jpg': 'image/jpeg', '.mp4': 'video/mp4', '.m4s': 'video/iso.segment',
+  '.svg': 'image/svg+xml',
 };
 
 /** Serves the files of `folders`, the first that has one, also a part of one. A name in `silent` gets no answer. */
