@@ -16,8 +16,7 @@ namespace {
 using haptic::CapsPtr;
 using haptic::GCharPtr;
 
-constexpr const char *kNamesOthers =
-    "it lists other files or addresses, which are not opened";
+constexpr const char *kNamesOthers = "it lists other files or addresses, which are not opened";
 
 // Cameras offer their largest frames at a few frames a second; the tracker needs at least 15.
 constexpr const char *kCameraCaps =
