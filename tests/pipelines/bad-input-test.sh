@@ -131,6 +131,8 @@ FEELING_WIND_BUILD=$work/nowhere GST_PLUGIN_PATH='' GST_PLUGIN_PATH_1_0='' \
 
 for script in demo play-file play-file-with-display camera mouse hold record play-track send receive send-ts field-multicast batch/parallel view paper/moving-picture paper/paper touch-depth touch-colour; do
   "$root/pipelines/$script.sh" --help >"$work/help"
-  grep -q "^Usage: pipelines/$script.sh" "$work/help" || { echo "NOT OK: $script.sh --help"; exit 1; }
+  for line in "^Usage: pipelines/$script.sh" '^Examples?:$' "^  pipelines/$script.sh"; do
+    grep -qE "$line" "$work/help" || { echo "NOT OK: $script.sh --help has no line $line"; exit 1; }
+  done
   echo "ok: $script.sh --help"
 done
