@@ -32,6 +32,10 @@ const files = {
   'element.html': linesOf('html', '<feeling-wind'),
   'video.html': page, 'film.js': linesOf('js', 'onpointermove'),
   'hold.html': page.replace('film.js', 'hold.js'), 'hold.js': linesOf('js', 'new Hold'),
+  // A video of the page in the element, which two files define.
+  'slot.html': `<script type="module" src="feeling-wind.min.js"></script>
+    <script type="module" src="player/element.js"></script>
+    <feeling-wind track="film.klv"><video src="film.mp4"></video></feeling-wind>`,
   'shaka.html': `<video id="film" muted></video><script src="shaka-player.js"></script>
     <script type="module" src="shaka.js"></script>`,
   // What the lines take for granted: `attach`, `film` and Shaka's player.
@@ -76,6 +80,12 @@ for (const name of browsers()) {
   await first.waitForFunction(() => document.querySelector('feeling-wind')?.player);
   promise(`${name}: the two lines of a page are felt`, await isFelt(first) && first.trouble.length === 0);
   await first.close();
+
+  const slot = await visit(site.origin, 'slot.html');
+  await slot.waitForFunction(() => document.querySelector('feeling-wind')?.player);
+  promise('so is a video in the element', await isFelt(slot) && slot.trouble.length === 0
+    && await slot.evaluate(() => document.querySelector('feeling-wind').video === document.querySelector('video')));
+  await slot.close();
 
   const second = await visit(site.origin, 'video.html');
   const forces = [];
