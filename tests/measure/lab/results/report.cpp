@@ -246,6 +246,19 @@ std::string joined(const Rows &rows, const char *separator, const Text &text_of)
   return all;
 }
 
+// For the first cell of a row, and for a column. A name of a file keeps its case.
+std::string capitalised(std::string words) {
+  if (words.find('_') == std::string::npos)
+    words[0] = g_ascii_toupper(words[0]);
+  return words;
+}
+
+std::string title_of(const std::string &method) {
+  if (method == "fast")
+    return "**Default**";
+  return method.starts_with("method=") ? "`" + method + "`" : capitalised(method);
+}
+
 bool is_ours(const SweepRow &row) {
   return row.method == "fast" && row.is_default && row.threads == 1;
 }
@@ -309,8 +322,9 @@ void write_shipped(const Report &report, std::ostream &out) {
     const SweepRow *pairs = shipped(report, "pairs", row.method, true);
     const SweepRow *threaded = shipped(report, "translation", row.method, false);
     const bool has_own = own && own->time > 0;
-    write_line(out, row.method, row.error, rounded_or_dash(pairs ? pairs->error : 0, pairs),
-               row.time, rounded_or_dash(has_own ? row.time / own->time : 0, has_own),
+    write_line(out, title_of(row.method), row.error,
+               rounded_or_dash(pairs ? pairs->error : 0, pairs), row.time,
+               rounded_or_dash(has_own ? row.time / own->time : 0, has_own),
                rounded_or_dash(threaded ? threaded->time : 0, threaded));
   }
 }
@@ -323,15 +337,14 @@ void write_confidence(const Report &report, std::ostream &out) {
       << report.area.begin()->second.size() << " seeds.\n\n";
   write_head(out, {"method", "worst seed", "mean"});
   for (const auto &[method, areas] : report.area)
-    write_line(out, method == "fast" ? std::string("**default**") : method, std::ranges::min(areas),
-               mean(areas));
+    write_line(out, title_of(method), std::ranges::min(areas), mean(areas));
   out << "\nThe default's confidence and the share of good answers, with its 95 % interval:\n\n";
   write_head(out, {"confidence", "answers", "good (at most 0.3 px)"});
   constexpr double kHalf = 5; // per cent, of a bin
   for (const ReliabilityRow &r : report.reliability)
     if (r.method == "fast")
       write_line(out,
-                 std::to_string(std::lround(100 * r.confidence - kHalf)) + "–" +
+                 "From " + std::to_string(std::lround(100 * r.confidence - kHalf)) + " to " +
                      std::to_string(std::lround(100 * r.confidence + kHalf)) + "%",
                  r.cases,
                  percent(r.good) + " (" + rounded(100 * r.good_95.low) + "–" +
@@ -396,19 +409,19 @@ void write_scenes(const Report &report, std::ostream &out) {
     if (!best || best->error + kNegligible >= own.error)
       continue;
     const bool has_reference = reference != report.scenes.end();
-    write_line(out, own.scene, rounded_or_dash(own.bound, own.bound < 1), own.error,
+    write_line(out, capitalised(own.scene), rounded_or_dash(own.bound, own.bound < 1), own.error,
                rounded_or_dash(has_reference ? reference->error : 0, has_reference),
                rounded(best->error) + " " + best->method);
   }
 }
 
 void write_clips(const Report &report, std::ostream &out) {
-  write_head(out, {"clip", "method", "regions", "answered", "shift: median (px)", "p95 (px)",
+  write_head(out, {"method", "clip", "regions", "answered", "shift: median (px)", "p95 (px)",
                    "reversal: median (px)"});
   for (const ClipRow &r : report.clips)
     if (r.method == "fast" || r.method == "method=opencv" || r.method == "PyrLK crop")
-      write_line(out, r.clip, r.method, r.cases, percent(r.answered), r.shift_error, r.shift_95,
-                 r.reversal_error);
+      write_line(out, title_of(r.method), r.clip, r.cases, percent(r.answered), r.shift_error,
+                 r.shift_95, r.reversal_error);
 }
 
 void write_fields(const Report &report, std::ostream &out) {
@@ -422,17 +435,49 @@ void write_fields(const Report &report, std::ostream &out) {
                r.p95_answered, r.time);
 }
 
+// A row for each video, and a column for each method. The first row of a video has `about`.
+template <typename About, typename Cell>
+void write_by_method(const std::vector<VectorRow> &rows, const char *about_head, std::ostream &out,
+                     const About &about, const Cell &cell) {
+  const std::size_t methods =
+      static_cast<std::size_t>(std::ranges::count(rows, rows.front().video, &VectorRow::video));
+  out << "|video|" << about_head;
+  std::string rule = "|---|---";
+  for (std::size_t i = 0; i < methods; ++i) {
+    out << '|' << title_of(rows[i].method);
+    rule += "|---";
+  }
+  out << "|\n" << rule;
+  std::string video;
+  for (const VectorRow &row : rows) {
+    if (row.video != video)
+      out << "|\n|" << capitalised(row.video) << '|' << about(row);
+    video = row.video;
+    out << '|' << cell(row);
+  }
+  out << "|\n";
+}
+
 void write_vectors(const Report &report, std::ostream &out) {
   out << "*Vectors of the decoder* is the mean of its motion vectors (libavcodec) over the region. "
          "In a "
          "scene (352×288, one reference frame unless the row says otherwise) the error is measured "
          "against the true motion. In a clip it is measured against DIS medium with "
-         "finest-scale=0. *Decoding* is the cost of exporting the vectors, per frame.\n\n";
-  write_head(out, {"video", "method", "regions", "answered", "error (px)", "p95 (px)",
-                   "decoding (µs)", "region (µs)"});
-  for (const VectorRow &r : report.vectors)
-    write_line(out, r.video, r.method, r.cases, percent(r.answered), r.error, r.p95,
-               rounded_or_dash(r.decoding, r.decoding != 0), r.time);
+         "finest-scale=0.\n\nThe mean error in px, and in parentheses the error that 95 % of the "
+         "regions stay below. The share of answers follows where some regions have none.\n\n";
+  write_by_method(
+      report.vectors, "regions", out,
+      [](const VectorRow &first) { return std::to_string(first.cases); },
+      [](const VectorRow &r) {
+        const std::string answers = r.answered < 1 ? ", " + percent(r.answered) + " answered" : "";
+        return rounded(r.error) + " (" + rounded(r.p95) + ")" + answers;
+      });
+  out << "\nThe time for a region in µs. The decoder also needs time to export the vectors of a "
+         "frame.\n\n";
+  write_by_method(
+      report.vectors, "export of a frame", out,
+      [](const VectorRow &first) { return rounded_or_dash(first.decoding, first.decoding != 0); },
+      [](const VectorRow &r) { return rounded(r.time); });
 }
 
 constexpr double kNoticeable = 0.01; // of the error
@@ -458,29 +503,44 @@ bool pays(const AblationRow &row) {
 void write_ablation(const std::vector<AblationRow> &rows, std::ostream &out) {
   if (rows.empty())
     return;
-  out << "Each cell has two numbers: the mean error (px) without one part, and the time without "
-         "this "
-         "part divided by the time with all parts. **Bold** means that the error is larger without "
+  const auto head = [&](const char *more, const char *rule) {
+    out << "|left out";
+    for (const AblationCell &c : rows.front().cells)
+      out << '|' << c.stratum;
+    out << more << "|\n|---";
+    for (std::size_t i = 0; i < rows.front().cells.size(); ++i)
+      out << "|---";
+    out << rule << "|\n";
+  };
+  const auto line = [&](const std::string &part, const AblationRow &row, const auto &cell) {
+    out << '|' << capitalised(part);
+    for (const AblationCell &c : row.cells)
+      out << '|' << cell(c);
+  };
+  const AblationRow &first = rows.front();
+  out << "The mean error (px) without one part. **Bold** means that the error is larger without "
          "the part, *italic* that it is smaller. The difference is then at least 1 %, and its 95 % "
          "interval does not contain zero. *Area* is the area under the ROC curve. *Step*: 99 % of "
-         "the changes from frame to frame are smaller (px).\n\n|without|";
-  std::string rule = "|---|";
-  for (const AblationCell &c : rows.front().cells) {
-    out << c.stratum << "|";
-    rule += "---|";
-  }
-  out << "area|step|\n" << rule << "---|---|\n|nothing: px/µs|";
-  for (const AblationCell &c : rows.front().cells)
-    out << rounded(c.error) << "/" << rounded(c.time) << "|";
-  out << rounded(rows.front().area) << "|" << rounded(rows.front().step) << "|\n";
+         "the changes from frame to frame are smaller (px).\n\n";
+  head("|area|step", "|---|---");
+  line("*No part*", first, [](const AblationCell &c) { return rounded(c.error); });
+  out << '|' << rounded(first.area) << '|' << rounded(first.step) << "|\n";
   for (const AblationRow &row : rows) {
-    out << "|" << row.part << "|";
-    for (const AblationCell &c : row.cells) {
+    line(row.part, row, [](const AblationCell &c) {
       const char *mark = is_worse_off(c) ? "**" : is_better_off(c) ? "*" : "";
-      out << mark << rounded(c.error_off) << mark << "/"
-          << rounded(c.time > 0 ? c.time_off / c.time : 0) << "|";
-    }
-    out << rounded(row.area_off) << "|" << rounded(row.step_off) << "|\n";
+      return mark + rounded(c.error_off) + mark;
+    });
+    out << '|' << rounded(row.area_off) << '|' << rounded(row.step_off) << "|\n";
+  }
+  out << "\nThe time without one part, divided by the time with all parts. The first row has the "
+         "time with all parts, in µs.\n\n";
+  head("", "");
+  line("*No part*", first, [](const AblationCell &c) { return rounded(c.time); });
+  out << "|\n";
+  for (const AblationRow &row : rows) {
+    line(row.part, row,
+         [](const AblationCell &c) { return rounded(c.time > 0 ? c.time_off / c.time : 0); });
+    out << "|\n";
   }
   out << "\nThese parts save no error, time or step (5 %) and no area (0.005) on any stratum: ";
   std::vector<AblationRow> idle;
@@ -510,7 +570,7 @@ void write_page(const Report &report, const fs::path &path) {
   out << "\n## Time of the default by scene, in a stream\n\n";
   write_head(out, {"scene", "median (µs)", "99th percentile (µs)"});
   for (const StreamRow &r : report.streams)
-    write_line(out, r.scene, r.time, r.time_99);
+    write_line(out, capitalised(r.scene), r.time, r.time_99);
   out << "\n## Confidence\n\n";
   write_confidence(report, out);
   const auto section = [&](const char *title, const auto &rows, const auto &body) {
