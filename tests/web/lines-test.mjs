@@ -17,7 +17,8 @@ const LEAST = 0.01; // N
 
 const text = readFileSync(new URL('../../docs/web.md', import.meta.url), 'utf8');
 const blocks = Array.from(text.matchAll(/^```(\w+)\n([^]*?)^```$/gm), ([, language, lines]) => ({ language, lines }));
-const linesOf = (language, word) => blocks.find(block => block.language === language && block.lines.includes(word)).lines;
+const linesOf = (language, word) =>
+  blocks.find(block => block.language === language && block.lines.includes(word)).lines;
 const [own, embedded] = blocks.filter(({ language }) => language === 'nginx')
   .map(({ lines }) => lines.match(/Content-Security-Policy "([^"]*)"/)[1]);
 const iframe = linesOf('html', '<iframe');
