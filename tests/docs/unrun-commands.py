@@ -1,0 +1,27 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Commands that no test of the pages runs say which test does, or what they need.
+
+Usage: unrun-commands.py SOURCES
+"""
+import pathlib
+import re
+import sys
+
+sources = pathlib.Path(sys.argv[1])
+pages = sorted([*sources.glob('*.md'), *sources.glob('docs/**/*.md')])
+wrong = []
+
+excuse = re.compile(r'<!-- not run: (.*) -->\n+```console$', re.M)
+for page in pages:
+    name, text = page.relative_to(sources), page.read_text()
+    for reason in excuse.findall(text):
+        tests = re.findall(r'\btests/[\w./-]*\w', reason)
+        if not (any((sources / test).exists() for test in tests) or 'needs ' in reason):
+            wrong.append(f'{name}: "not run: {reason}" names neither a test nor what the command needs')
+    for kind in re.findall(r'^```(sh|bash|shell)$', text, re.M):
+        wrong.append(f'{name}: commands stand in a block "console", which is run, and not in "{kind}"')
+
+print(*wrong, sep='\n', end='\n' if wrong else '')
+print(f'{len(pages)} pages, {len(wrong)} wrong')
+sys.exit(bool(wrong) or len(pages) < 40)
