@@ -39,7 +39,7 @@ check_table() {
 }
 
 page=docs/architecture.md
-check_table '## Find the line' '\('
+check_table '## Find the line' '(\(|\[|\{| +[=:\\])'
 [ "$count" -gt 20 ] || complain "has only $count functions"
 
 page=CONTRIBUTING.md

@@ -24,7 +24,7 @@ http {
   gzip on;
   access_log off;
 $(for kind in client_body proxy fastcgi uwsgi scgi; do echo "  ${kind}_temp_path $work/nginx/$kind;"; done)
-$(awk '/^```nginx$/ { open = 1; next } /^```$/ { open = 0 } open' "$root/docs/web.md" |
+$(awk '/^```nginx$/ { open = 1; next } /^```$/ && open { exit } open' "$root/docs/web.md" |
     sed "s#root /srv/film;#root $folder;#; s#listen 8080;#listen 127.0.0.1:$port;#")
 }
 EOF

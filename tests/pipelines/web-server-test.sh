@@ -23,7 +23,7 @@ done
 mkdir "$work/cmaf/.package"
 echo secret >"$work/cmaf/.package/file"
 
-lines() { [ "$(awk '/^```nginx$/ { open = 1; next } /^```$/ { open = 0 } open' "$root/docs/web.md" | wc -l)" -le 14 ]; }
+lines() { [ "$(awk '/^```nginx$/ { open = 1; next } /^```$/ && open { exit } open' "$root/docs/web.md" | wc -l)" -le 14 ]; }
 promise "the page has a dozen lines" lines
 chmod -R a+rX "$work" # for the workers of a server that root starts
 promise "nginx takes them" serve "$work"

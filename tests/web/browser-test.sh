@@ -3,7 +3,7 @@
 # The player of pipelines/web in Chromium and, where it is there, in Firefox, with a film that the build draws.
 #
 # From the environment: FEELING_WIND_BUILD, WEB_PACKAGES (the folder of npm's packages). SCREENSHOTS=FOLDER keeps
-# pictures of the page.
+# pictures of the page. RATES_SECONDS=60 compares the browsers' forces for so long in the place of 5 s.
 
 source "$(dirname "$0")/../pipelines/support.sh"
 
@@ -53,10 +53,16 @@ playlist part-elsewhere https://elsewhere.invalid/part.ts
 playlist key-elsewhere film.ts
 sed -i '/^#EXTINF/i #EXT-X-KEY:METHOD=AES-128,URI="https://elsewhere.invalid/key"' "$films/key-elsewhere.m3u8"
 
-promise "the sets of the track" "$haptic_track" convert "$films/film.ts" "$work/track.klv"
-ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy -avoid_negative_ts make_zero \
-  -movflags +frag_keyframe+empty_moov+default_base_moof "$work/film.mp4" </dev/null
-promise "CMAF with the track" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" cmaf "$work/track.klv"
+# `cmaf_of FILM.ts FOLDER`: cmaf.m3u8 in FOLDER, and beside FILM.ts the film and the sets of its track.
+cmaf_of() {
+  local name=${1%.ts}
+  "$haptic_track" convert "$1" "$name.klv" &&
+    ffmpeg -v error -i "$1" -map 0:v -c copy -avoid_negative_ts make_zero \
+      -movflags +frag_keyframe+empty_moov+default_base_moof "$name.mp4" </dev/null &&
+    node "$here/make-cmaf.mjs" "$name.mp4" 30 "$2" cmaf "$name.klv"
+}
+cp "$films/film.ts" "$work"
+promise "CMAF with the track" cmaf_of "$work/film.ts" "$films"
 # A ball in relief, as its own picture: it rolls to and fro.
 ffmpeg -v error -f lavfi -i "color=gray:160x90:r=30:d=20,format=gray,geq=lum='30+200*sqrt(max(0,1-(pow(X-80-30*sin(T),2)+pow(Y-45,2))/900))'" \
   -vf scale=640:360 -c:v libx264 -pix_fmt yuv420p -g 30 -movflags +frag_keyframe+empty_moov+default_base_moof "$work/ball.mp4" </dev/null
@@ -70,7 +76,7 @@ promise "the ball as a film with a surface" gst-launch-1.0 -q mpegtsmux name=mux
 promise "packaged as a transport stream" env FEELING_WIND_WEB="$build/pipelines/web" \
   "$haptic_track" package --carriage ts --output "$films/ball" "$work/ball.ts"
 promise "a film to be touched" node "$here/make-cmaf.mjs" "$work/ball.mp4" 30 "$films" ball "$work/reliefs.klv"
-promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/track.klv" "$work/reliefs.klv"
+promise "one with motion and surface" node "$here/make-cmaf.mjs" "$work/film.mp4" 30 "$films" both "$work/film.klv" "$work/reliefs.klv"
 if [ -f "$build/pipelines/web/player/feeling-wind.min.js" ]; then
   ffmpeg -v error -i "$films/film.ts" -map 0:v -c copy -movflags +faststart "$work/single.mp4" </dev/null
   promise "a film with its track as one file beside it" env FEELING_WIND_WEB="$build/pipelines/web" \
@@ -88,8 +94,20 @@ cp -r "$build/pipelines/web" "$without"
 rm "$without"/player/hls.*
 cp "$root/pipelines/web/player/hls.light.min.js" "$without/player"
 
-node "$here/rates-test.mjs" "$build/pipelines/web" "$films"
-[ ! -d "$work/single" ] || node "$here/element-test.mjs" "$work/single"
+rates_films=$films
+if [ "${RATES_SECONDS:-5}" -gt 15 ]; then
+  rates_films=$work/rates
+  mkdir "$rates_films"
+  cp "$here/blank.html" "$rates_films"
+  promise "a longer film is drawn" "$wind_film" --width 640 --height 360 --rate 30 --duration $((RATES_SECONDS + 5)) "$work/rates.ts"
+  promise "and made CMAF" cmaf_of "$work/rates.ts" "$rates_films"
+fi
+node "$here/rates-test.mjs" "$build/pipelines/web" "$rates_films" "${RATES_SECONDS:-5}"
+node "$here/blown-test.mjs" "$build/pipelines/web" "$films"
+if [ -d "$work/single" ]; then
+  node "$here/element-test.mjs" "$work/single"
+  node "$here/lines-test.mjs" "$build/pipelines/web" "$work/single" "$films/packaged"
+fi
 node "$here/browser-test.mjs" "$build/pipelines/web" "$films"
 node "$here/sink-test.mjs" "$build/pipelines/web" "$films" "$work/sink.csv" "$work/page.csv"
 share=$("$haptic_track" compare --json "$work/page.csv" "$work/sink.csv" | sed -n 's/.*"distinguishable": *\([0-9.]*\).*/\1/p')

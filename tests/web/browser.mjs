@@ -14,13 +14,18 @@ function findPackage(name) {
   }
 }
 
+/** A name of this computer that makes a page of http no secure context. */
+export const INSECURE = 'films.example';
+
 const OPTIONS = {
   chromium: {
-    args: ['--no-sandbox', '--autoplay-policy=no-user-gesture-required', '--mute-audio', '--disable-dev-shm-usage'],
+    args: ['--no-sandbox', '--autoplay-policy=no-user-gesture-required', '--mute-audio', '--disable-dev-shm-usage',
+      `--host-resolver-rules=MAP ${INSECURE} 127.0.0.1`],
   },
   firefox: {
     browser: 'firefox',
-    extraPrefsFirefox: { 'media.autoplay.default': 0, 'media.autoplay.blocking_policy': 0, 'media.volume_scale': '0.0' },
+    extraPrefsFirefox: { 'media.autoplay.default': 0, 'media.autoplay.blocking_policy': 0, 'media.volume_scale': '0.0',
+      'network.dns.localDomains': INSECURE },
   },
 };
 const NAMES = { chromium: ['chromium', 'chromium-browser'], firefox: ['firefox-esr', 'firefox'] };
@@ -64,8 +69,8 @@ export async function openPage(browser, origin, { width = 1280, height = 900, sc
   return page;
 }
 
-/** The rules of accessibility (axe-core) that an open page breaks. Its policy has to be bypassed. */
-export function brokenRules(page) {
-  return page.evaluate(`${findPackage('axe-core').source}; axe.run().then(({ violations }) =>
+/** The rules of accessibility (axe-core) that an open page breaks, or a part of it. Its policy has to be bypassed. */
+export function brokenRules(page, part = 'html') {
+  return page.evaluate(`${findPackage('axe-core').source}; axe.run('${part}').then(({ violations }) =>
     violations.map(({ id, nodes }) => id + ': ' + nodes[0].html))`);
 }

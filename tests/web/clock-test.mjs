@@ -76,6 +76,22 @@ for (let i = 0; i < 10; ++i) hiccup();
 promise('a browser that leaves out frames does not drop the force', drops(slow) === 0 && mean(slow) > 0.45);
 late.detach();
 
+// A film that moves to the right, and from 20 s on to the left.
+const sought = new FakeVideo(34);
+const { player: elsewhere, forces: places } = feel(sought, time => time < 20 ? 100 : -100);
+sought.play();
+pass(2, sought);
+sought.hides = true;
+places.length = 0;
+sought.seek(30);
+pass(0.08, sought);
+promise('after a seek nothing is felt until a frame of the new place is shown', places.length > 0
+  && places.every(({ newtons }) => newtons === 0));
+sought.hides = false;
+pass(0.5, sought);
+promise('and then the new place', elsewhere.force.x < -0.4 && places.at(-1).time > 30);
+elsewhere.detach();
+
 // A film of 3 s that moves to the right in its first half, and then to the left.
 const loop = new FakeVideo(34);
 loop.duration = 3;

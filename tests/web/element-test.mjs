@@ -3,7 +3,7 @@
 // frame of another origin, and from disk.
 //
 //   element-test.mjs FOLDER [MEDIA]     MEDIA: a further source of media that the policy allows
-import { browsers, openBrowser, openPage } from './browser.mjs';
+import { brokenRules, browsers, openBrowser, openPage } from './browser.mjs';
 import { promise } from './promise.mjs';
 import { serve } from './server.mjs';
 import { createServer } from 'node:http';
@@ -16,8 +16,9 @@ const TREE = { x: 0.42, y: 0.42 }, SKY = { x: 0.8, y: 0.08 };
 
 const server = await serve([folder], new Set(), { 'content-security-policy': POLICY });
 // A page of another origin, which embeds the film.
-const artist = createServer((_, response) => response.writeHead(200, { 'content-type': 'text/html' })
-  .end(`<!DOCTYPE html><iframe src="${server.origin}/" allow="gamepad; autoplay" width="440" height="400"></iframe>`));
+const artist = createServer(({ url }, response) => response.writeHead(200, { 'content-type': 'text/html' })
+  .end(`<!DOCTYPE html><iframe src="${server.origin}/" allow="${url === '/without' ? "gamepad 'none'" : 'gamepad'}; autoplay" `
+    + 'width="440" height="400"></iframe>'));
 await new Promise(ready => artist.listen(0, '127.0.0.1', ready));
 
 // The mean force at a place from 2 to 5 s of the film.
@@ -69,6 +70,26 @@ for (const name of browsers()) {
   await page.keyboard.press('ArrowRight');
   promise('so are the arrow keys', await page.evaluate(() =>
     document.querySelector('feeling-wind').player.place.x > 0.43));
+  const second = await page.evaluate(async place => {
+    const { video, player } = document.querySelector('feeling-wind');
+    const forces = [];
+    player.addEventListener('force', ({ detail }) => forces.push(detail));
+    const time = at => new Promise(done => video.addEventListener('timeupdate', () => at(video.currentTime) && done()));
+    player.place = place;
+    video.loop = true;
+    video.currentTime = video.duration - 1;
+    await video.play();
+    await time(now => now < 5);
+    forces.length = 0;
+    await time(now => now > 4 && now < 6);
+    video.pause();
+    return { newtons: Math.max(...forces.map(({ newtons }) => newtons)), until: Math.max(...forces.map(({ time }) => time)) };
+  }, TREE);
+  console.log(name, 'second round', second);
+  promise('a film that begins again is felt, at its own time', second.newtons > LEAST && second.until < 7);
+  await page.evaluate(() => document.querySelector('feeling-wind').setAttribute('src', 'missing.mp4'));
+  promise('a film that is missing is said', await page.waitForFunction(() => /cannot be played/.test(
+    document.querySelector('feeling-wind').shadowRoot.querySelector('[role=alert]').textContent)));
   await page.evaluate(() => document.querySelector('feeling-wind').remove());
   promise('an element that is removed lets go', await page.evaluate(() => !document.querySelector('feeling-wind')));
 
@@ -78,9 +99,33 @@ for (const name of browsers()) {
   console.log(name, 'framed', framed);
   promise('in a frame of another origin it is felt, too', framed.newtons > LEAST && framed.problems === '');
 
+  const plain = await browser.newPage(); // with the gamepads of the browser itself
+  await plain.goto(`http://127.0.0.1:${artist.address().port}/without`);
+  const closed = await (await plain.waitForSelector('iframe')).contentFrame();
+  const drawn = await feelTree(closed);
+  console.log(name, 'framed without gamepads', drawn);
+  promise('where the frame may have no gamepad, the force is still drawn', drawn.newtons > LEAST && await closed.evaluate(() => {
+    try {
+      return !navigator.getGamepads();
+    } catch {
+      return true;
+    }
+  }));
+  await plain.close();
+
   await page.goto(`file://${folder}/index.html`);
   promise('from disk it says how to serve it', await page.waitForFunction(() =>
     /localhost/.test(document.body.innerText + document.querySelector('feeling-wind')?.shadowRoot?.textContent)));
+  for (const scheme of name === 'chromium' ? ['light', 'dark'] : []) {
+    const checked = await openPage(browser, server.origin, { scheme });
+    await checked.setBypassCSP(true);
+    await checked.goto(`${server.origin}/`);
+    await checked.waitForFunction(() => document.querySelector('feeling-wind').shadowRoot);
+    const broken = await brokenRules(checked, await checked.$('main') ? 'html' : 'feeling-wind'); // which a stranger's page has
+    console.log(broken);
+    promise(`no rule of accessibility is broken (${scheme})`, broken.length === 0);
+    await checked.close();
+  }
   await browser.close();
 }
 server.close();

@@ -55,6 +55,14 @@ export class FakeVideo extends EventTarget {
     this.paused = true;
     this.#tell('pause');
   }
+  /** Goes to a place, whose first frame is still to be shown. */
+  seek(time) {
+    this.seeking = true;
+    this.#tell('seeking');
+    this.#time = this.currentTime = time;
+    this.seeking = false;
+    this.#tell('seeked');
+  }
   #tell(...names) {
     for (const name of names) this.dispatchEvent(new Event(name));
   }

@@ -3,7 +3,7 @@
 //
 //   npm-test.mjs WEB-FOLDER VERSION
 import { spawnSync } from 'node:child_process';
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { promise, skip } from './promise.mjs';
@@ -17,10 +17,10 @@ process.on('exit', () => rmSync(work, { recursive: true }));
 
 const about = JSON.parse(readFileSync(join(player, 'package.json'), 'utf8'));
 promise('its version is that of the project', about.version === version);
-const sources = Object.fromEntries(['player', 'film', 'plain-hls', 'element', 'touch', 'hls'].map(name =>
-  [name, readFileSync(join(player, `${name}.js`), 'utf8')]));
-promise('hls.js is imported by ./hls alone', Object.entries(sources).every(([name, text]) =>
-  /['"]hls\.js/.test(text) === (name === 'hls')));
+const modules = readdirSync(player).filter(name => name.endsWith('.js') && !/^hls\.(light|worker)|\.min\./.test(name));
+const read = name => readFileSync(join(player, name), 'utf8');
+promise('hls.js is imported by ./hls alone', modules.filter(name => /['"]hls\.js/.test(read(name))).join() === 'hls.js');
+promise('each module is under the MIT licence', modules.every(name => read(name).startsWith('// SPDX-License-Identifier: MIT\n')));
 
 // ---- a program with it, without hls.js and without a DOM
 
@@ -58,5 +58,8 @@ console.log(files.join(' '));
 const needed = Object.values(about.exports).flatMap(({ types, default: file }) => [types.slice(2), file.slice(2)]);
 promise('npm packs each file that the package exports', needed.every(name => files.includes(name)
   || name === 'feeling-wind.min.js')); // which a build without esbuild lacks
+const imported = files.filter(name => modules.includes(name)).flatMap(name =>
+  Array.from(read(name).matchAll(/(?:from |import\()'\.\/([^']+)'/g), ([, file]) => file));
+promise('and each that one of them imports', imported.length > 20 && imported.every(name => files.includes(name)));
 promise('and the licence', files.includes('LICENSE'));
 promise('but not hls.js, nor what is of the build', !files.some(name => /^hls\.(light|worker)|\.p\/|meson/.test(name)));

@@ -1,37 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The same film at several speeds, in each browser that is there: the same force, without a gap.
 //
-//   rates-test.mjs WEB-FOLDER FILM-FOLDER     with cmaf.m3u8 of browser-test.sh
-import { readFileSync } from 'node:fs';
-import { ForceChain } from '../../pipelines/web/player/force-chain.js';
-import { MotionTrack } from '../../pipelines/web/player/motion-track.js';
-import { readPackets } from '../../pipelines/web/player/plain-hls.js';
+//   rates-test.mjs WEB-FOLDER FILM-FOLDER [SECONDS]     of the film, 5 unless said; with cmaf.m3u8 of browser-test.sh
 import { browsers, openBrowser, openPage } from './browser.mjs';
+import { expectedForces, isFelt } from './expected-force.mjs';
 import { promise } from './promise.mjs';
 import { serve } from './server.mjs';
 
-const [web, films] = process.argv.slice(2);
+const [web, films, seconds = '5'] = process.argv.slice(2);
 const RATES = [1, 0.75, 0.5];
-const FROM = 2, UNTIL = 7; // s of the film
+const FROM = 2, UNTIL = FROM + Number(seconds); // s of the film
 const WITHIN = 0.02; // of the force
 const ALPHA = 0.04; // s/px
 const PLACE = { x: 0.42, y: 0.42 };
 
 const server = await serve([web, films]);
-
-const track = new MotionTrack();
-for (const { time, bytes } of readPackets(readFileSync(`${films}/cmaf-film.m4s`), 0)) track.add(bytes, time);
-
-// [s of the film, N] at each frame of a screen that misses none.
-function expectedAt(rate) {
-  const chain = new ForceChain(), forces = [];
-  chain.alpha = ALPHA;
-  for (let time = 0; time < UNTIL; time += rate / 60) {
-    const { x, y } = chain.advance(time, (time, since) => track.at(time, PLACE, since), rate);
-    forces.push([chain.time, Math.hypot(x, y)]);
-  }
-  return forces;
-}
 
 function feel(page, rate) {
   return page.evaluate(async (rate, alpha, place, until) => {
@@ -58,17 +41,17 @@ function meanOf(forces) {
   const areas = felt.slice(1).map(([time, newtons], i) => (time - felt[i][0]) * (newtons + felt[i][1]) / 2);
   return areas.reduce((sum, area) => sum + area, 0) / (UNTIL - FROM);
 }
-const isFelt = (forces, at) => forces.every(([time, newtons]) => Math.abs(time - at) > 0.1 || newtons > 0.01);
 
 for (const name of browsers()) {
   const browser = await openBrowser(name);
   const page = await openPage(browser, server.origin);
   for (const rate of RATES) {
+    const expected = expectedForces(`${films}/cmaf-film.m4s`, { place: PLACE, alpha: ALPHA, until: UNTIL, rate });
     // One of three: other work may delay the browser.
     let share, drops;
     for (let attempt = 0; attempt < 3; ++attempt) {
       await page.goto(`${server.origin}/blank.html`);
-      const forces = await feel(page, rate), expected = expectedAt(rate);
+      const forces = await feel(page, rate);
       drops = forces.filter(([time, newtons]) =>
         time > FROM && time < UNTIL && newtons === 0 && isFelt(expected, time)).length;
       share = meanOf(forces) / meanOf(expected);

@@ -11,7 +11,7 @@ import { serve } from './server.mjs';
 
 const [web, films, log, pageLog] = process.argv.slice(2);
 const HALF = 0.025; // m, of the workspace of the simulated device
-const SETTLED = 0.3; // s after a hold of the sink, which other work on the machine causes
+const SETTLED = 0.3; // s after a hold of the sink, or about a gap of the browser, which other work on the machine causes
 
 const [head, ...lines] = readFileSync(log, 'utf8').trim().split('\n').map(line => line.split(','));
 const column = name => head.indexOf(name);
@@ -36,7 +36,8 @@ const page = await openPage(browser, server.origin);
 await page.goto(`${server.origin}/follow.html`);
 await page.evaluate(hands => window.follow(hands), rows.filter((_, i) => i % 4 === 0).map(row => [row.time, row.hand]));
 await page.waitForFunction(() => window.forces, { timeout: 60_000, polling: 200 });
-const { forces, begin } = await page.evaluate(() => ({ forces: window.forces, begin: window.begin }));
+const { forces, begin, gaps } = await page.evaluate(() => ({ forces: window.forces, begin: window.begin, gaps: window.gaps }));
+const isSettled = time => gaps.every(gap => Math.abs(time - gap) > SETTLED);
 
 // One row a millisecond, on straight lines between the frames of the screen; hapticsink's own where none is compared.
 const written = rows.map(row => Array(head.length).fill(0).fill(row.time, TIME, TIME + 1));
@@ -45,7 +46,7 @@ for (const [i, row] of written.entries()) {
   while (next + 1 < forces.length && forces[next + 1].time - begin <= row[TIME]) ++next;
   const from = forces[next], to = forces[next + 1] ?? from;
   const share = Math.min(Math.max((row[TIME] + begin - from.time) / (to.time - from.time || 1), 0), 1);
-  const compared = rows[i].free && isCompared(rows[i]);
+  const compared = rows[i].free && isSettled(rows[i].time + begin) && isCompared(rows[i]);
   row[FX] = compared ? from.x + (to.x - from.x) * share : rows[i].x;
   row[FY] = compared ? from.y + (to.y - from.y) * share : rows[i].y;
   row[column('confidence')] = 1;
@@ -55,7 +56,7 @@ writeFileSync(pageLog, [head, ...written].map(row => `${row.join(',')}\n`).join(
 let felt = 0, squares = 0, count = 0, strong = 0;
 for (const force of forces) {
   const row = rowAt(force.time - begin);
-  if (!row.free || !isCompared({ time: force.time - begin })) continue;
+  if (!row.free || !isSettled(force.time) || !isCompared({ time: force.time - begin })) continue;
   const off = Math.hypot(force.x - row.x, force.y - row.y);
   squares += off * off;
   strong += Math.hypot(row.x, row.y) > 0.1;
@@ -64,7 +65,7 @@ for (const force of forces) {
 }
 const share = felt / count;
 console.log(`${count} forces, ${strong} above 0.1 N; a hand could tell ${(100 * share).toFixed(2)} %; `
-  + `root mean square ${(1000 * Math.sqrt(squares / count)).toFixed(1)} mN`);
+  + `root mean square ${(1000 * Math.sqrt(squares / count)).toFixed(1)} mN; ${gaps.length} gaps`);
 promise('forces are compared', count > 100 && strong > 20);
 promise('the page feels as hapticsink does', share < 0.01);
 await browser.close();

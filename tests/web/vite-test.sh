@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A stranger's page: the npm package of the player in a project of Vite, without hls.js and with it, in each browser that
-# is there. Needs a network: npm fetches Vite.
+# A stranger's page: the npm package of the player in a project of Vite, without hls.js and with it, and beside Shaka
+# Player, in each browser that is there. Needs a network: npm fetches Vite, hls.js and Shaka Player.
 
 source "$(dirname "$0")/../pipelines/support.sh"
 
@@ -61,3 +61,8 @@ promise "so are ten lines with hls.js" project hls segments <<'END'
 END
 # hls.js makes the text tracks that carry metadata from data:.
 promise "and are felt" node "$here/element-test.mjs" "$work/hls/dist" data:
+
+npm install --ignore-scripts --no-audit --no-fund --loglevel=error shaka-player@5.2.12 >/dev/null
+promise "in segments of MP4" "$haptic_track" package --output packaged film.ts
+promise "with Shaka Player by the lines of docs/web.md" node "$here/lines-test.mjs" "$build/pipelines/web" "$work/single" \
+  "$work/packaged" "$work/node_modules/shaka-player/dist/shaka-player.compiled.js"

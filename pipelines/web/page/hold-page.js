@@ -9,11 +9,23 @@ const WORDS = {
   lost: 'What you held is lost: let go and press again.',
 };
 const PACE = 1000; // ms between two sentences, for screen readers
-const ROW = '<dt><kbd>H</kbd></dt><dd>hold what is under the hand; again: let go</dd>';
+
+const make = (name, ...content) => {
+  const element = document.createElement(name);
+  element.append(...content);
+  return element;
+};
+
+/** A further row in the list of keys. */
+export function addKey(key, what) {
+  const row = make('div', make('dt', make('kbd', key)), make('dd', what));
+  document.querySelector('#keys dl').append(row);
+  return row;
+}
 
 export function showHold(stage, film, player) {
   const hold = new Hold(player, film), poll = watchHolding(stage, hold, document);
-  const words = Object.assign(document.createElement('p'), { id: 'held' });
+  const words = Object.assign(make('p'), { id: 'held' });
   words.setAttribute('role', 'status');
   document.getElementById('status').after(words);
   setInterval(() => {
@@ -21,7 +33,7 @@ export function showHold(stage, film, player) {
     if (words.textContent !== text) words.textContent = text;
   }, PACE);
   if (!document.getElementById('relief')) // there H is another key
-    document.querySelector('#keys dl').append(Object.assign(document.createElement('div'), { id: 'hold-key', innerHTML: ROW }));
+    addKey('H', 'hold what is under the hand; again: let go').id = 'hold-key';
   const frame = () => {
     requestAnimationFrame(frame);
     poll();

@@ -3,10 +3,12 @@
 // the button of the mouse, a finger, a key, a button of a gamepad. The page loads this file with the first relief.
 import { HALF } from '../player/contact.js';
 import { clear, pictureIn } from '../player/drawing.js';
+import { isButtonDown } from '../player/rumble.js';
+import { addKey } from './hold-page.js';
 
 const LIGHT = [-0.5, 0.5, Math.SQRT1_2]; // from the upper left; a unit vector, y up
 const DARKEST = 0.65, BRIGHTEST = 0.45; // opacity of the shading
-const KEYS = { p: 'press on the surface', h: 'height as shading' };
+const KEYS = { P: 'press on the surface', H: 'height as shading' };
 const HINT = 'This film can be touched: press the mouse button, a finger, P, or the first button of a gamepad.';
 const COLOURS = { edge: '#000000', touched: '#009e73' }; // of Okabe and Ito, green: orange and blue are motion and force
 
@@ -94,8 +96,7 @@ function watchPressing(stage, player) {
     if (key.toLowerCase() === 'p' && !ctrlKey && !altKey && !metaKey) isKeyDown = true;
   });
   return () => {
-    const pads = Array.from(navigator.getGamepads?.() ?? []);
-    player.pressed = isDown || isKeyDown || pads.some(pad => pad?.connected && pad.buttons[0]?.pressed);
+    player.pressed = isDown || isKeyDown || isButtonDown();
   };
 }
 
@@ -117,14 +118,7 @@ function addButton() {
 
 function addWords() {
   document.getElementById('hold-key')?.remove(); // H is another key here
-  for (const [key, what] of Object.entries(KEYS)) {
-    const row = document.createElement('div');
-    const [term, text] = [document.createElement('dt'), document.createElement('dd')];
-    term.append(Object.assign(document.createElement('kbd'), { textContent: key.toUpperCase() }));
-    text.textContent = what;
-    row.append(term, text);
-    document.querySelector('#keys dl').append(row);
-  }
+  for (const [key, what] of Object.entries(KEYS)) addKey(key, what);
   const hint = Object.assign(document.createElement('p'), { id: 'hint', textContent: HINT });
   Object.assign(hint.style, { margin: '.3rem 0 0', color: 'var(--quiet)' });
   document.getElementById('status').after(hint);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The left stick of a gamepad moves the hand, faster the farther it is pushed.
+import { gamepads } from '../player/rumble.js';
 
 const SPEED = 0.6; // of the picture in 1 s, at full deflection
 const REST = 0.15; // a stick at rest is not quite at zero
@@ -12,8 +13,7 @@ export class StickHand {
   step(now) {
     const seconds = Math.min((now - this.#time) / 1000, LONGEST);
     this.#time = now;
-    const pads = Array.from(navigator.getGamepads?.() ?? []);
-    const pad = pads.find(pad => pad?.connected && Math.hypot(pad.axes?.[0], pad.axes?.[1]) > REST);
+    const pad = gamepads().find(({ axes }) => Math.hypot(axes?.[0], axes?.[1]) > REST);
     if (!pad) return null;
     const [x, y] = pad.axes;
     const length = Math.hypot(x, y);

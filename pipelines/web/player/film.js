@@ -2,12 +2,12 @@
 // Plays a film in a video element and hands the packets of its track on. Nothing is fetched from another origin than
 // those that the page allows, whatever a playlist names.
 
-import { letGo, playPlainly } from './plain-hls.js';
 import { Problem, Refusal } from './problems.js';
 
 const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
 const BACK_BUFFER = 60; // s; hls.js fetches what is older again when it is needed
 const MOST_BYTES = 8 * 2 ** 20; // of a track beside the film
+const LONGEST_SKIP = 8; // s, past damage: more than a group of frames lasts
 
 /** @returns the address of a file of this origin or one of `origins`; else throws a Refusal */
 export function addressOf(name, origins = [], base = document.baseURI) {
@@ -47,18 +47,19 @@ function problemOf({ fatal, details, response, reason }) {
 /**
  * Plays the playlist `address` in `video` until `signal` is aborted. `hls` is the class of hls.js or an instance of it,
  * `hlsConfig` is for the class; without `hls` plain playlists play. Calls `onPacket(bytes, time)` for each packet of
- * the track, and `onProblem(problem)`.
+ * the track, and `onProblem(problem)`. `onDamage(goOn)` gives what goes on after an error of the decoder, if it can.
  */
 export async function playFilm(video, address, options) {
   const { hls, origins, signal, onProblem } = options;
   if (hls) return playWithHls(video, address, options);
+  const { playPlainly } = await import('./plain-hls.js');
   if (await playPlainly(video, address, { ...options, load: url => load(url, { origins, signal }) })) return;
   if (signal.aborted) return;
   onProblem(new Problem('needs-hls'));
   playNatively(video, address, signal);
 }
 
-function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket, onProblem }) {
+function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket, onProblem, onDamage }) {
   const isClass = typeof hls === 'function';
   const Hls = isClass ? hls : hls.constructor;
   if (!Hls.isSupported()) {
@@ -91,6 +92,7 @@ function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket
   player.on(Hls.Events.ERROR, onError);
   player.loadSource(address);
   player.attachMedia(video);
+  onDamage?.(goOnWith(player, video, signal));
   signal.addEventListener('abort', () => {
     if (isClass) return player.destroy();
     player.off(Hls.Events.FRAG_PARSING_METADATA, onMetadata);
@@ -100,8 +102,32 @@ function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket
   });
 }
 
+// Past damage that a decoder gives up at: 1 s, and more as long as that is in the same group of frames.
+function goOnWith(player, video, signal) {
+  let skip = 0, end = -Infinity, plays = false;
+  video.addEventListener('playing', () => { plays = true; }, { signal });
+  video.addEventListener('pause', () => { if (!video.error) plays = false; }, { signal });
+  return () => {
+    const time = video.currentTime, wasPlaying = plays;
+    skip = time > end + LONGEST_SKIP ? 1 : 2 * skip;
+    if (skip > LONGEST_SKIP) return false;
+    end = time + skip;
+    player.detachMedia();
+    player.attachMedia(video);
+    player.startLoad(end);
+    if (wasPlaying) video.play().catch(() => {});
+    return true;
+  };
+}
+
 function playNatively(video, address, signal) {
   if (video.canPlayType('application/vnd.apple.mpegurl')) playFile(video, address, signal);
+}
+
+/** Ends what a video plays. */
+export function letGo(video) {
+  video.removeAttribute('src');
+  video.load();
 }
 
 /** Plays a file that the browser plays by itself until `signal` is aborted. */

@@ -2,6 +2,7 @@
 // Holds what is under the hand: which keys and buttons press, what is felt from then on, and the ring and the path that are
 // drawn. A page loads this file once its film plays.
 import { FieldHold } from './field-hold.js';
+import { isButtonDown } from './rumble.js';
 
 const LONG_PRESS = 400; // ms: a finger that only touches is the hand, a click stays a click
 const FARTHEST = 10; // px of CSS that a finger may move in this time
@@ -211,7 +212,7 @@ export function watchHolding(stage, hold, keys, signal) {
     else by = 'key';
   });
   return () => {
-    const hasButton = Array.from(navigator.getGamepads?.() ?? []).some(pad => pad?.connected && pad.buttons?.[0]?.pressed);
+    const hasButton = isButtonDown();
     if (hasButton !== hadButton) hasButton ? press('pad') : letGo('pad');
     hadButton = hasButton;
   };

@@ -2,6 +2,7 @@
 // Plays a plain playlist of CMAF by Media Source Extensions alone, where hls.js is not beside the page: one rendition,
 // VOD, segments as whole files, not encrypted, as `haptic-track package` writes them.
 
+import { letGo } from './film.js';
 import { Problem } from './problems.js';
 
 const AHEAD = 20; // s to be buffered
@@ -153,11 +154,6 @@ class PlainFilm {
       begin();
     });
   }
-}
-
-export function letGo(video) {
-  video.removeAttribute('src');
-  video.load();
 }
 
 /**

@@ -8,7 +8,7 @@ import { Rumble, magnitudes, rumblePads } from './rumble.js';
 
 export { Problem, Refusal } from './problems.js';
 
-const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'error', 'abort'];
+const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'abort'];
 const BEGINS = ['playing', 'seeked', 'timeupdate'];
 const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
 const HIGHEST_ALPHA = 0.2; // s/px
@@ -31,6 +31,7 @@ class Player extends EventTarget {
   #said = new Set();
   #ended = new AbortController();
   #loading = new AbortController(); // for the film that is played
+  #goOn = null; // past damage of this film
 
   constructor(video, options) {
     super();
@@ -48,6 +49,8 @@ class Player extends EventTarget {
     for (const event of ['seeking', 'seeked', 'emptied'])
       video.addEventListener(event, () => this.#clock.begin(), { signal });
     for (const event of BEGINS) video.addEventListener(event, () => this.#begin(), { signal });
+    video.addEventListener('error', () => this.#fail(video.error), { signal });
+    if (video.error) this.#fail(video.error);
     this.#followFrames();
     this.#begin();
     const { playlist, track } = options;
@@ -78,11 +81,12 @@ class Player extends EventTarget {
     const { signal } = this.#loading = new AbortController();
     this.#said.clear();
     this.#track = new MotionTrack(); // no later film is felt by the packets of this one
-    this.#touch = null;
+    this.#touch = this.#goOn = null;
     const { hls = standardHls, hlsConfig, allowedOrigins: origins = [] } = this.#options;
     const onProblem = problem => signal.aborted || this.#say(problem);
     const onPacket = (bytes, time) => signal.aborted || this.addPacket(bytes, time);
-    await load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket }).catch(onProblem);
+    const onDamage = goOn => { this.#goOn = goOn; };
+    await load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket, onDamage }).catch(onProblem);
   }
 
   addPacket(bytes, time) {
@@ -194,6 +198,13 @@ class Player extends EventTarget {
     if (this.#said.has(sentence)) return;
     this.#said.add(sentence);
     this.#tell('problem', sentence, problem.code);
+  }
+
+  // The video element gives up.
+  #fail({ code, message: details }) {
+    this.#silence();
+    const goesOn = code === MediaError.MEDIA_ERR_DECODE && this.#goOn?.();
+    this.#say(new Problem(goesOn ? 'part-damaged' : 'cannot-play', { details }));
   }
 
   // Calls the option onForce, onRelief or onProblem, and the listeners of the event.

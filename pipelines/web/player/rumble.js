@@ -16,12 +16,21 @@ export function magnitudes(newtons, full, strength) {
   return { strongMagnitude: m * m, weakMagnitude: m };
 }
 
-/** The gamepads that can rumble. */
-export function rumblePads() {
-  const pads = navigator.getGamepads?.() ?? [];
-  return Array.from(pads).filter(pad => pad?.connected && pad.vibrationActuator?.playEffect &&
-    (pad.vibrationActuator.effects?.includes('dual-rumble') ?? true));
+/** The gamepads that are connected; none in a frame whose policy forbids them, where asking is an error. */
+export function gamepads() {
+  try {
+    return Array.from(navigator.getGamepads?.() ?? []).filter(pad => pad?.connected);
+  } catch {
+    return [];
+  }
 }
+
+/** Whether the first button of one is pressed. */
+export const isButtonDown = () => gamepads().some(pad => pad.buttons?.[0]?.pressed);
+
+/** Those that can rumble. */
+export const rumblePads = () => gamepads().filter(({ vibrationActuator: actuator }) =>
+  actuator?.playEffect && (actuator.effects?.includes('dual-rumble') ?? true));
 
 const canVibrate = () => Boolean(navigator.vibrate) && matchMedia('(pointer: coarse)').matches &&
   (navigator.userActivation?.hasBeenActive ?? true);
