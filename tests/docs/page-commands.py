@@ -23,7 +23,8 @@ for page in pages:
         wrong.append(f'{name}: commands stand in a block "console", which is run, and not in "{kind}"')
 
 # CONTRIBUTING.md has a table of commands for each folder of pictures and each picture beside the folders.
-table = (sources / 'CONTRIBUTING.md').read_text().split('Each picture in `docs/images` has a command')[1].split('\n## ')[0]
+table = (sources / 'CONTRIBUTING.md').read_text().partition('Each picture in `docs/images` has')[2]
+table = table.partition('\n## ')[0]
 for script in re.findall(r'[\w-]+\.sh', table):
     if not any(sources.glob(f'pipelines/**/{script}')) and not any(sources.glob(f'tests/**/{script}')):
         wrong.append(f'CONTRIBUTING.md: there is no {script}')
