@@ -89,7 +89,10 @@ public:
     surface_work += std::max(0.0, contact.surface_work);
     input.acted.force = acted_;
     acted_ = acting;
-    input.touch = {contact.force, contact.surface_work, contact.energy, contact.released};
+    input.touch = {.force = contact.force,
+                   .surface_work = contact.surface_work,
+                   .energy = contact.energy,
+                   .released = contact.released};
     input.measured = true;
     input.confidence = 1;
     input.interval = 1.0 / 30;

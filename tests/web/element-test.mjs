@@ -17,8 +17,8 @@ const TREE = { x: 0.42, y: 0.42 }, SKY = { x: 0.8, y: 0.08 };
 const server = await serve([folder], new Set(), { 'content-security-policy': POLICY });
 // A page of another origin, which embeds the film.
 const artist = createServer(({ url }, response) => response.writeHead(200, { 'content-type': 'text/html' })
-  .end(`<!DOCTYPE html><iframe src="${server.origin}/" allow="${url === '/without' ? "gamepad 'none'" : 'gamepad'}; autoplay" `
-    + 'width="440" height="400"></iframe>'));
+  .end(`<!DOCTYPE html><iframe src="${server.origin}/" width="440" height="400" `
+    + `allow="${url === '/without' ? "gamepad 'none'" : 'gamepad'}; autoplay"></iframe>`));
 await new Promise(ready => artist.listen(0, '127.0.0.1', ready));
 
 // The mean force at a place from 2 to 5 s of the film.
@@ -83,7 +83,8 @@ for (const name of browsers()) {
     forces.length = 0;
     await time(now => now > 4 && now < 6);
     video.pause();
-    return { newtons: Math.max(...forces.map(({ newtons }) => newtons)), until: Math.max(...forces.map(({ time }) => time)) };
+    const most = key => Math.max(...forces.map(force => force[key]));
+    return { newtons: most('newtons'), until: most('time') };
   }, TREE);
   console.log(name, 'second round', second);
   promise('a film that begins again is felt, at its own time', second.newtons > LEAST && second.until < 7);
@@ -104,13 +105,14 @@ for (const name of browsers()) {
   const closed = await (await plain.waitForSelector('iframe')).contentFrame();
   const drawn = await feelTree(closed);
   console.log(name, 'framed without gamepads', drawn);
-  promise('where the frame may have no gamepad, the force is still drawn', drawn.newtons > LEAST && await closed.evaluate(() => {
+  const isRefused = await closed.evaluate(() => {
     try {
       return !navigator.getGamepads();
     } catch {
       return true;
     }
-  }));
+  });
+  promise('where the frame may have no gamepad, the force is still drawn', isRefused && drawn.newtons > LEAST);
   await plain.close();
 
   await page.goto(`file://${folder}/index.html`);
@@ -121,7 +123,8 @@ for (const name of browsers()) {
     await checked.setBypassCSP(true);
     await checked.goto(`${server.origin}/`);
     await checked.waitForFunction(() => document.querySelector('feeling-wind').shadowRoot);
-    const broken = await brokenRules(checked, await checked.$('main') ? 'html' : 'feeling-wind'); // which a stranger's page has
+    // A stranger's page breaks rules of its own.
+    const broken = await brokenRules(checked, await checked.$('main') ? 'html' : 'feeling-wind');
     console.log(broken);
     promise(`no rule of accessibility is broken (${scheme})`, broken.length === 0);
     await checked.close();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Films that are loaded one over the other: the last one asked for is the one that is played. Tracks that a page allows.
+// Films that are loaded one over the other: the last one asked for is the one that is played. Then what the page that
+// embeds the player allows.
 import { FakeVideo, pass, waiting } from './fake-browser.mjs';
 import { promise } from './promise.mjs';
 import { attach } from '../../pipelines/web/player/player.js';

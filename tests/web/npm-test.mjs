@@ -19,8 +19,10 @@ const about = JSON.parse(readFileSync(join(player, 'package.json'), 'utf8'));
 promise('its version is that of the project', about.version === version);
 const modules = readdirSync(player).filter(name => name.endsWith('.js') && !/^hls\.(light|worker)|\.min\./.test(name));
 const read = name => readFileSync(join(player, name), 'utf8');
-promise('hls.js is imported by ./hls alone', modules.filter(name => /['"]hls\.js/.test(read(name))).join() === 'hls.js');
-promise('each module is under the MIT licence', modules.every(name => read(name).startsWith('// SPDX-License-Identifier: MIT\n')));
+promise('hls.js is imported by ./hls alone',
+  modules.filter(name => /['"]hls\.js/.test(read(name))).join() === 'hls.js');
+promise('each module is under the MIT licence',
+  modules.every(name => read(name).startsWith('// SPDX-License-Identifier: MIT\n')));
 
 // ---- a program with it, without hls.js and without a DOM
 

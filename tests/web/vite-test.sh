@@ -64,5 +64,5 @@ promise "and are felt" node "$here/element-test.mjs" "$work/hls/dist" data:
 
 npm install --ignore-scripts --no-audit --no-fund --loglevel=error shaka-player@5.2.12 >/dev/null
 promise "in segments of MP4" "$haptic_track" package --output packaged film.ts
-promise "with Shaka Player by the lines of docs/web.md" node "$here/lines-test.mjs" "$build/pipelines/web" "$work/single" \
-  "$work/packaged" "$work/node_modules/shaka-player/dist/shaka-player.compiled.js"
+promise "with Shaka Player by the lines of docs/web.md" node "$here/lines-test.mjs" "$build/pipelines/web" \
+  "$work/single" "$work/packaged" "$work/node_modules/shaka-player/dist/shaka-player.compiled.js"

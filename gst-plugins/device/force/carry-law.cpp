@@ -112,7 +112,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
     spring_ = clamp_norm(spring_, length_of(limits.energy + work, stiffness_, most));
   const double before = pull_.force.norm();
   pull_.force = clamp_norm(stiffness_ * spring_, most) + damper;
-  pull_.surface_work = work;
+  pull_.carried = way;
   pull_.energy = energy_of(spring_.norm(), stiffness_, most);
   pull_.released = stiffness_ * out;
   if (stiffness_ < stiffer)
@@ -125,7 +125,7 @@ void CarryLaw::apply(HoldLaw law, SafetyChain::Input &input) const noexcept {
     return;
   input.make_certain(law == HoldLaw::both ? 1 : law_);
   input.touch.force += pull_.force;
-  input.touch.surface_work += pull_.surface_work;
+  input.touch.carried = pull_.carried;
   input.touch.energy += pull_.energy;
   input.touch.released += pull_.released;
 }

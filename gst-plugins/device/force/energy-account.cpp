@@ -32,14 +32,16 @@ double work(const Wrench &wrench, const EnergyAccount::Charge &charge) {
 // by 5 ms and misses half of the work on a hand that goes round fast. Only work that the force did
 // counts: a hand that pushes back does not add to the purse. What a late tick let the force do
 // beyond it is a debt.
-// The hand's: E -= F_hand . dx + tau_hand . dphi, of what acted beside the film's part.
+// The hand's: E -= F_hand . (dx - dx_thing) + tau_hand . dphi, of what acted beside the film's
+// part.
 void EnergyAccount::charge(const Charge &charge) noexcept {
   const double time = std::max(charge.time, 0.0);
   const double all = work(charge.acted, charge);
   film_ = std::min(film_ + kWorkRate * time - std::max(all, 0.0), kWorkAtOnce);
   hand_ += charge.surface_work;
   if (charge.by_hand)
-    hand_ += charge.trickle * time - (all - work(charge.film, charge));
+    hand_ += charge.trickle * time - (all - work(charge.film, charge)) +
+             (charge.acted.force - charge.film.force).dot(charge.carried);
   hand_ = std::min(hand_, charge.most);
 }
 
@@ -61,7 +63,7 @@ Vector3 EnergyAccount::affordable(const Vector3 &force, const Motion &hand) cons
     if (price > purse)
       share = std::min(share, purse / price);
   };
-  limit(pushes * delay, held);
+  limit(pushes * delay, std::max(hand_ + hand.lent, 0.0));
   limit(resists * delay, held + hand.credit);
   limit(std::max(pushes, resists) * kLateTick, held + kCreditOfLateTick);
   return share * force;

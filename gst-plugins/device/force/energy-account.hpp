@@ -9,8 +9,7 @@ namespace haptic {
 
 /// Two purses. The film's fills by itself; all work on the hand is paid from it. The hand's is for
 /// the force that follows the hand, and fills by nothing but the work that the hand has put into
-/// it, or a surface that moves. One thread;
-/// real-time safe. SI units.
+/// it, or a surface or a held thing by its own way. One thread; real-time safe. SI units.
 class EnergyAccount {
 public:
   /// Work that the force may do on the hand: kWorkAtOnce in a moment and kWorkRate for ever. That
@@ -27,6 +26,7 @@ public:
     spidar::Vector3 turned = spidar::Vector3::Zero(); ///< rad
     double trickle = 0;      ///< W, to the hand's purse while a force follows the hand
     double surface_work = 0; ///< J, that a surface has put into the touch
+    spidar::Vector3 carried = spidar::Vector3::Zero(); ///< m, a thing that pulls at the hand
     double most = 0; ///< J, that the hand may have back; what is above it is lost, a debt is not
     double time = 0; ///< s
   };
@@ -42,6 +42,7 @@ public:
     double time = 0;                                    ///< s
     double longest_time = 0;                            ///< s, of any tick
     double credit = 0; ///< J, with which a force begins that nothing was put in yet
+    double lent = 0;   ///< J, that a push may take beyond what the purse holds
   };
   /// Returns the part of the hand's force that the purse can pay, whatever the hand does until the
   /// command has acted.

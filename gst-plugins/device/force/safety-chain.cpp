@@ -53,15 +53,22 @@ constexpr double kBudgetFalls = 20; // N/s
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
          input.of_hand.allFinite() && input.touch.force.allFinite() &&
-         std::isfinite(input.touch.surface_work) && std::isfinite(input.touch.energy) &&
-         std::isfinite(input.touch.released) && input.acted.force.allFinite() &&
-         input.acted.torque.allFinite() && input.hand_velocity.allFinite() &&
-         input.hand_turning.allFinite() && input.moved.allFinite() && input.turned.allFinite() &&
-         std::isfinite(input.confidence) && std::isfinite(input.age) &&
-         std::isfinite(input.interval) && std::isfinite(input.max_force) &&
-         std::isfinite(input.continuous_force) && std::isfinite(input.max_torque) &&
-         std::isfinite(input.slew_rate) && std::isfinite(input.damping) &&
-         std::isfinite(input.dt) && std::isfinite(input.longest_dt);
+         std::isfinite(input.touch.surface_work) &&
+         input.touch.carried.value_or(Vector3::Zero()).allFinite() &&
+         std::isfinite(input.touch.energy) && std::isfinite(input.touch.released) &&
+         input.acted.force.allFinite() && input.acted.torque.allFinite() &&
+         input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
+         input.moved.allFinite() && input.turned.allFinite() && std::isfinite(input.confidence) &&
+         std::isfinite(input.age) && std::isfinite(input.interval) &&
+         std::isfinite(input.max_force) && std::isfinite(input.continuous_force) &&
+         std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
+         std::isfinite(input.damping) && std::isfinite(input.dt) && std::isfinite(input.longest_dt);
+}
+
+// The spring to a held thing has some µJ, less than the errors of the measured force and way are
+// worth: without a margin they would wear it out.
+double lent(const SafetyChain::Input &input) {
+  return input.touch.carried ? kCredit * input.max_force : 0;
 }
 
 // Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
@@ -153,7 +160,8 @@ Wrench SafetyChain::step(const Input &input) noexcept {
                                                   .moved = input.moved,
                                                   .time = dt,
                                                   .longest_time = std::max(input.longest_dt, dt),
-                                                  .credit = credit_});
+                                                  .credit = credit_,
+                                                  .lent = lent(input)});
   note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
   braked_ = {.force = output_.force, .torque = braked_torque(output_, input)};
@@ -233,7 +241,8 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .turned = input.turned,
                    .trickle = kTrickle * input.max_force,
                    .surface_work = input.touch.surface_work,
-                   .most = std::min(std::max(input.touch.energy, fading) + of_law,
+                   .carried = input.touch.carried.value_or(Vector3::Zero()),
+                   .most = std::min(std::max(input.touch.energy, fading) + of_law + lent(input),
                                     kMostForHand * input.max_force),
                    .time = input.dt});
 }

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <spidar/types.hpp>
 #include <string>
 
@@ -86,7 +87,9 @@ inline constexpr std::array kLimitNames = {
 struct TouchForce {
   spidar::Vector3 force = spidar::Vector3::Zero(); ///< N, on the hand
   double surface_work = 0; ///< J, that the surface put into the spring since the step before
-  double energy = 0;       ///< J, of the whole spring
+  /// m, the way of a held thing since the step before; none if no thing carries the hand.
+  std::optional<spidar::Vector3> carried;
+  double energy = 0;   ///< J, of the whole spring
   double released = 0; ///< N, by the hand\'s own way out since the step before: not slew-limited
 };
 

@@ -25,7 +25,10 @@ void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
     input.make_certain();
   }
   const Contact &contact = law_.contact();
-  input.touch = {contact.force, contact.surface_work, contact.energy, contact.released};
+  input.touch = {.force = contact.force,
+                 .surface_work = contact.surface_work,
+                 .energy = contact.energy,
+                 .released = contact.released};
   input.confidence = 1;
   input.age = at_.age;
   input.interval = at_.interval;

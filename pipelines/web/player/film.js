@@ -52,7 +52,9 @@ function problemOf({ fatal, details, response, reason }) {
 export async function playFilm(video, address, options) {
   const { hls, origins, signal, onProblem } = options;
   if (hls) return playWithHls(video, address, options);
-  const { playPlainly } = await import('./plain-hls.js');
+  const { playPlainly } = await import('./plain-hls.js').catch(({ message: details }) => {
+    throw new Problem('cannot-play', { details });
+  });
   if (await playPlainly(video, address, { ...options, load: url => load(url, { origins, signal }) })) return;
   if (signal.aborted) return;
   onProblem(new Problem('needs-hls'));

@@ -32,7 +32,7 @@ grep -q '"motion vectors of H.264" : "left out' "$work/out/lab.json" ||
   grep -q '"leaf, 640×360","vectors of the decoder"' "$work/out/vectors.csv" ||
   { echo "NOT OK: vectors.csv lacks the clip"; exit 1; }
 "$here/run.sh" --quick --ablation --output "$work/parts" >"$work/parts.md"
-if ! grep -q '^|votes|' "$work/parts.md" || [ -e "$work/parts/sweep.csv" ]; then
+if ! grep -q '^|Votes|' "$work/parts.md" || [ -e "$work/parts/sweep.csv" ]; then
   echo "NOT OK: --ablation does not print the table of the parts alone"
   exit 1
 fi

@@ -54,6 +54,27 @@ TEST(EnergyAccount, ASurfaceThatMovesPaysForTheHand) {
   EXPECT_DOUBLE_EQ(account.of_hand(), 2e-3);
 }
 
+TEST(EnergyAccount, AThingThatCarriesPaysByItsOwnWayAndTakesBackWhatItComesBack) {
+  EnergyAccount account;
+  EnergyAccount::Charge charge = pushed(2, 0);
+  charge.carried.z() = 1e-3;
+  account.charge(charge);
+  EXPECT_DOUBLE_EQ(account.of_hand(), 2e-3);
+  charge.carried.z() = -1.5e-3;
+  account.charge(charge);
+  EXPECT_DOUBLE_EQ(account.of_hand(), -1e-3);
+}
+
+TEST(EnergyAccount, APushTakesNoMoreThanItIsLent) {
+  EnergyAccount account;
+  EnergyAccount::Motion out = going(0.01);
+  EXPECT_EQ(affordable(account, 1, out), 0);
+  out.lent = 1e-3;
+  EXPECT_EQ(affordable(account, 1, out), 1);
+  account.charge(pushed(1, 1));
+  EXPECT_EQ(affordable(account, 1, out), 0) << "nothing is left of it";
+}
+
 TEST(EnergyAccount, KeepsNoMoreThanTheTouchCanHoldAndForgetsNoDebt) {
   EnergyAccount account;
   EnergyAccount::Charge charge = pushed(1, -3);

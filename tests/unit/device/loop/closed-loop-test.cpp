@@ -36,7 +36,7 @@ constexpr std::array kRows = {
     Sample{"calibrate", "", 40},
     Sample{"carried", "", 40},
     Sample{"still-thing", "", 40},
-    Sample{"closed-way-thing", "acceleration=100 out=0.05", 40},
+    Sample{"closed-way-thing", "acceleration=100 pace=1000Hz", 60},
     Sample{"late-tick-thing", "acceleration=100 out=0.3", 30},
     Sample{"paid-back-thing", "acceleration=100 out=0.3", 20},
     Sample{"through-thing", "acceleration=100 out=0.05", 40},
