@@ -110,7 +110,7 @@ TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
   const std::pair<const char *, std::uint32_t> rows[] = {
       {"PLAYING→PAUSED", haptic::kHoldPaused},
       {"No new sample", haptic::kHoldStale},
-      {"Nothing measured", haptic::kHoldGap},
+      {"A frame without a measurement", haptic::kHoldGap},
       {"Another scene", haptic::kHoldCut},
       {"End of stream", haptic::kHoldEnded},
       {"A seek", haptic::kHoldFlushing},
