@@ -35,6 +35,9 @@ is_a_shell() { [ "$(echo 'pwd; exit' | SHELL=/bin/sh in_env 2>&1 | grep -cxF "$P
 says_what_to_do() {
   ! FEELING_WIND_BUILD=$work/none in_env true 2>"$work/said" && grep -q 'run ./pipelines/demo.sh' "$work/said"
 }
+says_how_to_complete_the_build() {
+  ! in_env haptic-none 2>"$work/said" && grep -q "no command 'haptic-none'.*meson compile -C" "$work/said"
+}
 promise "it finds the elements of the build" finds_the_elements
 promise "it finds the tools of the build" in_env spidar-info --help
 promise "it stays in the user's folder" stays
@@ -45,3 +48,4 @@ promise "nothing is looked for in the current folder" adds_no_current_folder
 promise "Ctrl-C reaches the command alone" ends_by_its_own_interrupt
 promise "alone, it is a shell in the user's folder" is_a_shell
 promise "without a build, it says what to do" says_what_to_do
+promise "without the command, it says how to complete the build" says_how_to_complete_the_build
