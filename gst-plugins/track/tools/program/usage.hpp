@@ -39,8 +39,8 @@ Example: haptic-track info recorded.ts
     {"convert", R"(Writes a track in another format. A video beside the track is left out.
 
 Usage: haptic-track convert [OPTION...] FILE OUTPUT
-  OUTPUT         its ending chooses the format: .klv, .txt, .hmpg, .hjif, or sound for an array of
-                 actuators (.wav, a channel for each) or for telephones (.ahap)
+  OUTPUT         its ending chooses the format: .klv, .txt, .ts, .mkv, .hmpg, .hjif, or
+                 vibration: .wav (a channel for each actuator of an array), .ahap (a telephone)
   --hand LOG     for motion fields: writes the motion under the hand of this log of hapticsink (.csv)
   --layout NAME  for .wav: a layout of hapticarray, by name or path (default: back-3x4)
   --map MAP      for .wav: stroke, field or point (default: stroke)
