@@ -128,7 +128,7 @@ int change(const spidar::Counts &from, const spidar::Counts &to) {
 
 constexpr const char *kHangs = "the program hangs or is stopped under a force";
 constexpr const char *kInStep = "a reply belongs to the exchange that asked for it";
-constexpr const char *kGuardianHangs = "the guardian hangs, or takes no more words";
+constexpr const char *kGuardianHangs = "the guardian hangs, or takes no more commands";
 constexpr const char *kGuardianDies = "the guardian is killed";
 constexpr const char *kNotOurs = "there is no guardian that this program may signal: it is a user "
                                  "service, or the device needs none";

@@ -95,11 +95,11 @@ void list_others(const Report &report) {
                 {"three exchanges fail", kFault},
                 {"counts jump", kFault},
                 {"a string slips", kFault},
-                {"the program is stopped again before it knows",
+                {"the program is stopped again before it has noticed",
                  "needs a stop at a given instant; the tests of the guardian make it"},
                 {"the device takes no data", kFault},
                 {"the machine goes to sleep", kOfSink},
-                {"with dead-man=button it is released", kOfSink},
+                {"with dead-man=button, the button is released", kOfSink},
                 {"a tick comes more than 10 ms late", kOfSink}});
 }
 
@@ -109,7 +109,7 @@ void list_without_force(const Report &report, const char *why) {
                 {"the tension of each string", why},
                 {"a number that is not finite counts as zero", why},
                 {"the program hangs or is stopped under a force", why},
-                {"the guardian hangs, or takes no more words", why},
+                {"the guardian hangs, or takes no more commands", why},
                 {"the guardian is killed", why},
                 {"the program is killed or crashes", why},
                 {"program and guardian are killed together", why}});
@@ -182,7 +182,7 @@ void check_all(const Settings &settings, Output &output, const Report &report) {
     list(report, {{"the USB cable is pulled", kNone}});
     if (session.pulled) // else these are listed already
       list(report, {{"the program hangs or is stopped under a force", kNone},
-                    {"the guardian hangs, or takes no more words", kNone},
+                    {"the guardian hangs, or takes no more commands", kNone},
                     {"the guardian is killed", kNone},
                     {"the program is killed or crashes", kNone},
                     {"program and guardian are killed together", kNone}});

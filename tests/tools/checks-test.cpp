@@ -168,7 +168,7 @@ TEST(Checks, AGoodDeviceKeepsEveryPromise) {
         "the tension of each string is within the limits of the geometry",
         "the program hangs or is stopped under a force",
         "a reply belongs to the exchange that asked for it",
-        "the guardian hangs, or takes no more words", "the guardian is killed"})
+        "the guardian hangs, or takes no more commands", "the guardian is killed"})
     checked.expect_pass(promise);
 }
 
@@ -258,7 +258,7 @@ TEST(Checks, AMachineThatCannotKeepAForceIsNotTested) {
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
   checked.expect("the program hangs or is stopped under a force", Verdict::not_testable,
                  "too late");
-  checked.expect("the guardian hangs, or takes no more words", Verdict::not_testable, "too late");
+  checked.expect("the guardian hangs, or takes no more commands", Verdict::not_testable, "too late");
 }
 
 TEST(Checks, AGuardianThatIsLateFails) {
@@ -276,19 +276,19 @@ TEST(Checks, RepliesOutOfStepFail) {
 TEST(Checks, AStoppedGuardianThatNobodyNoticesFails) {
   Checked checked({.noticed_stopped = kNever});
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
-  checked.expect_fail("the guardian hangs, or takes no more words", "went on for 1 s");
+  checked.expect_fail("the guardian hangs, or takes no more commands", "went on for 1 s");
 }
 
 TEST(Checks, AStoppedGuardianThatIsNoticedLateFails) {
   Checked checked({.noticed_stopped = 20ms});
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
-  checked.expect_fail("the guardian hangs, or takes no more words", "10 ms promised");
+  checked.expect_fail("the guardian hangs, or takes no more commands", "10 ms promised");
 }
 
 TEST(Checks, AForceThatDoesNotReturnFails) {
   Checked checked({.returns = false});
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
-  checked.expect_fail("the guardian hangs, or takes no more words", "did not return");
+  checked.expect_fail("the guardian hangs, or takes no more commands", "did not return");
 }
 
 TEST(Checks, AKilledGuardianThatNobodyNoticesFails) {
@@ -308,7 +308,7 @@ TEST(Checks, AGuardianOfAnotherProgramIsLeftAlone) {
   const SignalGuardian none = [](int) { return false; };
   check_guardian_hangs(checked.unit(), kForce, none, checked.report());
   check_guardian_dies(checked.unit(), kForce, none, checked.report());
-  checked.expect("the guardian hangs, or takes no more words", Verdict::not_testable,
+  checked.expect("the guardian hangs, or takes no more commands", Verdict::not_testable,
                  "user service");
   checked.expect("the guardian is killed", Verdict::not_testable, "user service");
 }

@@ -116,7 +116,7 @@ TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
       {"A seek", haptic::kHoldFlushing},
       {"A tick more than 10 ms late", haptic::kHoldLate},
       {"A string", haptic::kHoldSlipped},
-      {"`release`", haptic::kHoldReleased},
+      {"`release`, or the machine", haptic::kHoldReleased},
       {"`dead-man=button`", haptic::kHoldDeadMan},
       {"Three failed exchanges", haptic::kHoldFaulted},
   };
