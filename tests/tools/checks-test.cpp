@@ -258,7 +258,8 @@ TEST(Checks, AMachineThatCannotKeepAForceIsNotTested) {
   check_guardian_hangs(checked.unit(), kForce, checked.guardian(), checked.report());
   checked.expect("the program hangs or is stopped under a force", Verdict::not_testable,
                  "too late");
-  checked.expect("the guardian hangs, or takes no more commands", Verdict::not_testable, "too late");
+  checked.expect("the guardian hangs, or takes no more commands", Verdict::not_testable,
+                 "too late");
 }
 
 TEST(Checks, AGuardianThatIsLateFails) {
