@@ -87,7 +87,7 @@ ffmpeg -v error -i "$work/scene.mkv" -vf "drawbox=x=640:w=640:h=360:color=black:
 promise "depth that is lost in mid-film" touch_it touch-depth $nearest --video "$work/lost.mkv" --touch surface
 promise "is felt until then" rows 'time > 1.1 && time < 1.3 && fz > 0.3 * soft' 80
 promise "and then no longer" in_log "$log" 'time < 1.45 || force < 0.001'
-promise "without a jolt" smooth "$log"
+promise "without a jolt" smooth "$log" 100
 promise "to the end of the film" sound_log "$log" 1 2.9
 
 for coded in mjpeg libx264; do # with luma to 255, and to 235
