@@ -119,5 +119,5 @@ found_opencv_file aloeGT.png || skip "all of that, but aloeGT.png is not here; r
 rm "$log"
 promise "a still picture is touched until Ctrl-C" "$interrupt_at" "$log" 1 'time >= 4' \
   "$root/pipelines/touch-depth.sh" --still --no-window --output "$work/out" -- device=sim
-promise "a leaf lifts the hand" rows 'fz > 0.3' 200
+promise "a leaf lifts the hand" rows 'fz > 0.3 * soft' 200
 promise "and between leaves there is nothing" rows 'touch == 0' 1000
