@@ -51,7 +51,10 @@ for (const name of pages) {
   if (width > NARROW) wide.push(`${name}: ${width} px`);
   await page.setViewport({ width: 1280, height: 900 });
   for (const scheme of ['default', 'slate']) { // the theme's names of light and dark
-    await page.evaluate(scheme => { document.body.dataset.mdColorScheme = scheme; }, scheme);
+    await page.evaluate(scheme => {
+      document.body.dataset.mdColorScheme = scheme;
+      return Promise.all(document.getAnimations().map(({ finished }) => finished)); // the colours of links fade
+    }, scheme);
     broken.push(...(await brokenRules(page)).map(rule => `${name}, ${scheme}: ${rule}`));
   }
   trouble.push(...page.trouble);
