@@ -8,23 +8,7 @@
 # Usage: pipelines/paper/overlay-pictures.sh FOLDER
 #   FOLDER  where the pictures go, for example docs/images/overlay
 
-source "$(dirname "$0")/../shared/common.sh"
-source "$(dirname "$0")/../shared/packages.sh"
-
-case ${1:---help} in
---help | -h) show_help && exit ;;
--*) fail "unknown option '$1'; see --help" ;;
-esac
-folder=$1
-[ -d "$folder" ] || fail "there is no folder '$folder'; make it, or give another"
-for program in ffmpeg gnuplot; do
-  command -v $program >/dev/null || fail "$program is not installed; as root run: apt-get install ffmpeg gnuplot-nox"
-done
-use_elements roitracker hapticoverlay velocityavg hapticsink
-need_packaged_elements y4mdec
-video=$(wind_film)
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+source "$(dirname "$0")/film-pictures.sh"
 
 share() { awk "BEGIN { print $1 / $2 }"; }
 # `frame NAME CROP X,Y NUMBER PROPERTY...` draws over a part of the frames from 7 s on, with the hand at X,Y px of this

@@ -105,11 +105,9 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
       (1 - std::exp(-2 * std::numbers::pi * kDamperCutoff * dt)) * (change / dt - lengthens_);
 
   const Vector3 damper = damping_ * lengthens_;
-  const Vector3 middle = clamp_norm(stiffness_ * (spring_ - way / 2), most) + damper;
-  const double work = std::max(middle.dot(way), 0.0);
   const double out = std::max(hand_way.dot(spring_.stableNormalized()), 0.0);
   if (out > 0)
-    spring_ = clamp_norm(spring_, length_of(limits.energy + work, stiffness_, most));
+    spring_ = clamp_norm(spring_, length_of(limits.energy, stiffness_, most));
   const double before = pull_.force.norm();
   pull_.force = clamp_norm(stiffness_ * spring_, most) + damper;
   pull_.carried = way;
