@@ -36,7 +36,7 @@ source "$(dirname "$0")/shared/common.sh"
 
 group=239.255.43.1 port=5010 interface=lo latency=30 receive=''
 read_options 'group= port= interface= latency= receive --test-source --' "$@"
-[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+[ ${#inputs[@]} -le 1 ] || fail "there is more than one input; give one, see --help"
 video=${inputs[0]:-}
 # RFC 2365: 239.0.0.0/8 is for private use.
 [[ $group =~ ^239(\.[0-9]{1,3}){3}$ ]] || fail "--group needs an address from 239.0.0.0 to 239.255.255.255, not '$group'"
@@ -56,7 +56,7 @@ if [ -n "$receive" ]; then
 fi
 
 [ ${#sink_options[@]} = 0 ] || fail "options of hapticsink go with --receive; see --help"
-[ -n "$video" ] || fail "which video? See --help"
+[ -n "$video" ] || fail "there is no video to send; name one, see --help"
 if [[ $video = /dev/* ]]; then
   need_camera "$video"
   frames=(v4l2src "device=$(quoted "$video")" ! "${camera_frames[@]}")

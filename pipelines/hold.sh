@@ -29,7 +29,7 @@ source "$(dirname "$0")/shared/packages.sh"
 
 at='' grip=no law=motion
 read_options 'at= grip law= --' "$@"
-[ ${#inputs[@]} -le 1 ] || fail "one video only; write options of hapticsink after --, see --help"
+[ ${#inputs[@]} -le 1 ] || fail "there is more than one video; give one, and write options of hapticsink after --, see --help"
 [ -z "$at" ] || [ $grip = no ] || fail "give either --grip or --at, not both"
 fraction='(0|1|0\.[0-9]+|1\.0+)'
 [ -z "$at" ] || [[ $at =~ ^$fraction,$fraction$ ]] ||

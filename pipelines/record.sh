@@ -26,13 +26,13 @@
 source "$(dirname "$0")/shared/common.sh"
 
 case ${1:-} in
-'') fail "which video? See --help" ;;
+'') fail "there is no video to record; name one, see --help" ;;
 --help | -h) show_help && exit ;;
 esac
 video=$1
 shift
 read_arguments "$@"
-[ -n "$input" ] || fail "into which file? See --help"
+[ -n "$input" ] || fail "there is no file to record into; name one, see --help"
 case $input in
 # mpegtsmux waits up to 1 s for the encoder. Otherwise the file would begin without the video stream, and a
 # reader would take the track for another one when the video joins.

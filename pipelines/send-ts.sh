@@ -40,7 +40,7 @@ source "$(dirname "$0")/shared/rtp.sh"
 
 from=127.0.0.1 to='' port=5020 passphrase='' passphrase_file='' latency=125 receive='' rist=''
 read_options 'from= to= port= passphrase= passphrase-file= latency= receive rist --test-source --' "$@"
-[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+[ ${#inputs[@]} -le 1 ] || fail "there is more than one input; give one, see --help"
 video=${inputs[0]:-}
 if [ -n "$passphrase_file" ]; then
   need_file "$passphrase_file"
@@ -107,7 +107,7 @@ if [ -n "$receive" ]; then
 fi
 
 [ ${#sink_options[@]} = 0 ] || fail "options of hapticsink go with --receive; see --help"
-[ -n "$video" ] || fail "which video? See --help"
+[ -n "$video" ] || fail "there is no video to send; name one, see --help"
 frames_of "$video"
 elements=(roitracker velocityavg hapticconvert pointerinject)
 need_packaged_elements x264enc h264parse mpegtsmux

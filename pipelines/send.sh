@@ -42,10 +42,10 @@ source "$(dirname "$0")/shared/rtp.sh"
 
 to=127.0.0.1 port=5000 track=point sdp='' srtp='' key=''
 read_options 'to= port= track= sdp= srtp --test-source' "$@"
-[ ${#inputs[@]} -le 1 ] || fail "one input only; see --help"
+[ ${#inputs[@]} -le 1 ] || fail "there is more than one input; give one, see --help"
 video=${inputs[0]:-} host=$to
 [ -z "$srtp" ] || key=$(head -c 30 /dev/urandom | base64)
-[ -n "$video" ] || fail "which video? See --help"
+[ -n "$video" ] || fail "there is no video to send; name one, see --help"
 need_rtp_port "$port"
 [ -z "$key" ] || [ -n "$sdp" ] || fail "--srtp needs --sdp: the receiver gets the key from that file"
 [ -z "$key" ] || hide_key

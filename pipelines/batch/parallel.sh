@@ -18,7 +18,7 @@ source "$(dirname "$0")/../shared/common.sh"
 
 machines=: output='' chunks=''
 read_options 'machines= output= chunks=' "$@"
-[ ${#inputs[@]} -gt 0 ] || fail "which videos? See --help"
+[ ${#inputs[@]} -gt 0 ] || fail "there is no video to author; name some, see --help"
 command -v parallel >/dev/null || fail "GNU parallel is not installed; as root run: apt-get install parallel"
 use_elements motionfield hapticconvert
 program=$build/gst-plugins/track/tools/haptic-track

@@ -32,7 +32,7 @@ read_options hold "$@"
 case ${#inputs[@]} in
 1) video='' output=${inputs[0]} ;;
 2) video=${inputs[0]} output=${inputs[1]} ;;
-*) fail "into which file? See --help" ;;
+*) fail "there is no file to write into; name one, see --help" ;;
 esac
 [[ $output = *.webp ]] || fail "the name of the output must end in .webp, not '$output'"
 command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"

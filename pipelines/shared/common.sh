@@ -64,7 +64,7 @@ read_options() {
 # Reads `[--help] [INPUT] [-- OPTION=VALUE...]` into $input and $sink_options.
 read_arguments() {
   read_options -- "$@"
-  [ ${#inputs[@]} -le 1 ] || fail "one input only; write options of hapticsink after --, see --help"
+  [ ${#inputs[@]} -le 1 ] || fail "there is more than one input; give one, and write options of hapticsink after --, see --help"
   input=${inputs[0]:-}
 }
 
@@ -79,7 +79,7 @@ quoted() {
 }
 
 need_file() {
-  [ -n "$1" ] || fail "which video file? See --help"
+  [ -n "$1" ] || fail "there is no video; name a file, see --help"
   [ -e "$1" ] || fail "there is no file '$1'; check the name"
   [ ! -d "$1" ] || fail "'$1' is a folder, not a video file; give a file in it"
   [ -r "$1" ] || fail "the file '$1' may not be read by this user; run: chmod +r '$1'"

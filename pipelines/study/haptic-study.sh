@@ -41,7 +41,7 @@ read_run_options() {
   participant=anonymous answers=answers.csv seconds='' seed='' no_window=no
   read_options 'participant= answers= seconds= seed= no-window --' "$@"
   videos=("${inputs[@]}")
-  [ ${#videos[@]} -gt 0 ] || fail "which videos? See --help"
+  [ ${#videos[@]} -gt 0 ] || fail "there is no video to ask about; name some, see --help"
   for video in "${videos[@]}"; do
     need_video "$video"
     [[ ${video##*/} != *[,\"]* ]] || fail "the name of '$video' has a comma or a quote, which the answers cannot hold; rename it"
@@ -151,7 +151,7 @@ weigh() {
 }
 
 report() {
-  [ $# -gt 0 ] || fail "which answers? See --help"
+  [ $# -gt 0 ] || fail "there are no answers to report; name their file, see --help"
   [ -f "$1" ] || fail "there is no file '$1'; check the name"
   table=$(mktemp)
   trap 'rm -f "$table"' EXIT
@@ -164,5 +164,5 @@ case ${1:-} in
 run) shift && case ${1:-} in --help | -h) show_help && exit ;; esac && read_run_options "$@" && run_session ;;
 report) shift && report "$@" ;;
 --help | -h) show_help ;;
-*) fail "give run or report; see --help" ;;
+*) fail "there is no verb; give run or report, see --help" ;;
 esac

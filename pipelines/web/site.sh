@@ -12,7 +12,7 @@ source "$(dirname "$0")/../shared/common.sh"
 source "$(dirname "$0")/../shared/packages.sh"
 
 read_options '' "$@"
-[ ${#inputs[@]} -le 1 ] || fail "one folder only; see --help"
+[ ${#inputs[@]} -le 1 ] || fail "there is more than one folder; give one, see --help"
 folder=$(realpath -m "${inputs[0]:-$root/build-site}")
 for program in mkdocs ffmpeg; do
   command -v $program >/dev/null || fail "$program is not installed; as root run: apt-get install mkdocs-material ffmpeg"

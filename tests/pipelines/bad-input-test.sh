@@ -70,13 +70,13 @@ refuses "not a video" paper/moving-picture.sh "$work/noise.avi" "$work/never.web
 promise "nor does an animation" test ! -e "$work/never.webp"
 refuses "unknown option '--bogus'" send.sh --bogus
 refuses "which video" record.sh
-refuses "into which file" record.sh "$work/clip.mkv"
+refuses "no file to record into" record.sh "$work/clip.mkv"
 refuses "end in .ts or .mkv" record.sh "$work/clip.mkv" "$work/out.mp4"
 refuses "no file" record.sh "$work/missing.mp4" "$work/out.ts"
 refuses "no file" play-track.sh "$work/missing.ts"
 refuses "which video" send.sh
 refuses "no file" send.sh "$work/missing.mp4"
-refuses "one input only" send.sh "$work/clip.mkv" "$work/clip.mkv"
+refuses "more than one input" send.sh "$work/clip.mkv" "$work/clip.mkv"
 cp "$work/clip.mkv" "$work/kept.mkv"
 refuses "exists and is no description" send.sh --sdp "$work/kept.mkv" "$work/clip.mkv"
 cmp "$work/kept.mkv" "$work/clip.mkv" || fail "send.sh wrote over a film"
