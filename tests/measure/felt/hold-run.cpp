@@ -8,13 +8,14 @@
 // left corner. In frame AGAIN each point that is held is taken anew where it is said to be. The
 // table that is printed has a line for each point and frame from its start on: place, state (a
 // number of HoldState), and processor time.
+#include "cpu-time.hpp"
 #include "hold/held-thing.hpp"
 #include "plane-source.hpp"
+#include "y4m-reader.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <fstream>
 #include <functional>
@@ -174,61 +175,6 @@ Maker maker_of(const std::string &name) {
   return found->second;
 }
 
-// YUV4MPEG2, 8 bits: 4:2:0 or luma alone.
-class Y4mReader {
-public:
-  explicit Y4mReader(std::istream &stream) : stream_(stream) {
-    std::string line;
-    std::getline(stream_, line);
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    int numerator = 0;
-    int denominator = 0;
-    bool has_colour = true;
-    if (word != "YUV4MPEG2")
-      throw std::runtime_error("the input is no YUV4MPEG2");
-    while (words >> word) {
-      const char *value = word.c_str() + 1;
-      if (word[0] == 'W')
-        width_ = std::atoi(value);
-      else if (word[0] == 'H')
-        height_ = std::atoi(value);
-      else if (word[0] == 'F' && std::sscanf(value, "%d:%d", &numerator, &denominator) == 2)
-        seconds = static_cast<float>(denominator) / static_cast<float>(std::max(numerator, 1));
-      else if (word == "Cmono")
-        has_colour = false;
-      else if (word[0] == 'C' && !word.starts_with("C420"))
-        throw std::runtime_error("the input must be 4:2:0 or mono, not " + word);
-    }
-    if (width_ < 1 || height_ < 1 || !(seconds > 0))
-      throw std::runtime_error("the input has no size or no rate");
-    if (has_colour)
-      colour_.resize(static_cast<std::size_t>((width_ + 1) / 2) * ((height_ + 1) / 2) * 2);
-  }
-
-  // False at the end.
-  bool next(cv::Mat &luma) {
-    std::string line;
-    if (!std::getline(stream_, line))
-      return false;
-    if (!line.starts_with("FRAME"))
-      throw std::runtime_error("the input is damaged");
-    luma.create(height_, width_, CV_8U);
-    return stream_.read(reinterpret_cast<char *>(luma.data),
-                        static_cast<std::streamsize>(luma.total())) &&
-           stream_.read(colour_.data(), static_cast<std::streamsize>(colour_.size()));
-  }
-
-  float seconds = 0; // between frames
-
-private:
-  std::istream &stream_;
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<char> colour_; // of a frame; not used
-};
-
 struct Start {
   int frame = 0;
   cv::Point2f place;
@@ -245,15 +191,9 @@ std::vector<Start> read_starts(const char *path) {
   return starts;
 }
 
-double cpu_microseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
-
 void run(const Maker &make, const std::vector<Start> &starts, int again) {
   std::ios::sync_with_stdio(false);
-  Y4mReader reader(std::cin);
+  test::Y4mReader reader(std::cin);
   std::vector<std::unique_ptr<Follower>> followers(starts.size());
   Frame frame;
   frame.seconds = reader.seconds;
@@ -265,14 +205,14 @@ void run(const Maker &make, const std::vector<Start> &starts, int again) {
       if (number < starts[i].frame)
         continue;
       Said said;
-      const double begin = cpu_microseconds();
+      const double begin = test::cpu_microseconds();
       if (follower) {
         said = follower->follow(frame);
       } else {
         follower = make();
         said = follower->take(frame, starts[i].place);
       }
-      const double spent = cpu_microseconds() - begin;
+      const double spent = test::cpu_microseconds() - begin;
       if (number == again && said.state == HoldState::held) {
         follower = make();
         follower->take(frame, said.place);

@@ -5,6 +5,7 @@
 //
 // TRACK has motion fields, with the things that `haptic-track author --hold` followed. RATE is the
 // number of frames a second. STARTS and the table that is printed are those of hold-run.
+#include "cpu-time.hpp"
 #include "motion/field-hold.hpp"
 #include "tracks/field-track.hpp"
 #include "tracks/track-file.hpp"
@@ -12,7 +13,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <fstream>
 #include <gst/gst.h>
@@ -40,21 +40,15 @@ std::vector<Point> read_starts(const char *path) {
   return points;
 }
 
-double cpu_microseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
-
 void hold(Point &point, std::size_t index, long frame, const haptic::MotionField &field) {
   if (frame < point.frame)
     return;
-  const double begin = cpu_microseconds();
+  const double begin = test::cpu_microseconds();
   if (point.hold.is_pressed())
     point.hold.step(field);
   else
     point.hold.press({.x = point.x / field.frame_width, .y = point.y / field.frame_height}, field);
-  const double spent = cpu_microseconds() - begin;
+  const double spent = test::cpu_microseconds() - begin;
   const haptic::HeldPlace &held = point.hold.sample().held;
   std::printf(
       "%ld,%zu,%.3f,%.3f,%d,%.1f\n", frame, index, static_cast<double>(held.x) * field.frame_width,

@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# How often a hand tells what a tracker gives it from the true motion of whole films (docs/lab.md#whole-films): the mean
+# of 15 places of each film, for the trackers of this project and their peers. The films are drawn once and kept.
+#
+# Usage: tests/measure/felt/felt.sh [OPTION]...
+#   --set SET          judge (default), or tuning, whose films may be looked at
+#   --films FOLDER     where the films are kept (~/.cache/feeling-wind/felt)
+#   --only GROUP       a group of films: wind, rest, sky, flat, light, grass, pan, shake, still. May be repeated
+#   --method METHOD    fast, opencv, each also with :mean or :pointed for average=; or a peer. May be repeated
+#   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer (wind only)
+#   --output FILE      a line for each film and method: group,film,method,alpha,told (%),time (µs)
+#
+# Takes the programs from build/. The peers need -Dbenchmarks=enabled.
+
+source "$(dirname "$0")/../../../pipelines/shared/common.sh"
+
+felt=$root/tests/measure/felt
+set=judge films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/felt of=square output='' groups=() methods=()
+while [ $# -gt 0 ]; do
+  case $1 in
+  --help | -h) show_help && exit ;;
+  --set | --films | --only | --method | --truth-of | --output) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
+  *) fail "unknown option '$1'; see --help" ;;
+  esac
+  case $1 in
+  --set) set=$2 ;;
+  --films) films=$2 ;;
+  --only) groups+=("$2") ;;
+  --method) methods+=("$2") ;;
+  --truth-of) of=$2 ;;
+  --output) output=$2 ;;
+  esac
+  shift 2
+done
+case $set in
+judge) seeds=(4711 90210) ;;
+tuning) seeds=(1 2) ;;
+*) fail "there is no set '$set'; see --help" ;;
+esac
+[[ $of =~ ^(square|pointed)$ ]] || fail "--truth-of is square or pointed, not '$of'"
+[ "$of" = square ] || groups=(wind)
+[ ${#groups[@]} -gt 0 ] || groups=(wind rest sky flat light grass pan shake still)
+run=$build/tests/measure/felt/felt-run
+if [ ${#methods[@]} = 0 ]; then
+  methods=(fast fast:mean fast:pointed opencv)
+  [ ! -x "$run" ] || methods+=(Farneback "DIS medium" "PyrLK crop")
+fi
+command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"
+source "$felt/film-and-places.sh"
+
+# `draw NAME COMMAND...` draws a film with its truth, if it is not there.
+draw() {
+  local name=$1 status=0
+  shift
+  [ ! -d "$films/$name" ] || return 0
+  echo "Drawing $name ..." >&2
+  rm -rf "$films/.part"
+  "$@" --truth "$films/.part" --places "$places" "$films/$name.mkv" 2>"$work/said" || status=$?
+  [ "$status" != 77 ] || return 77
+  [ "$status" = 0 ] || fail "$(tail -n 1 "$work/said")"
+  mv "$films/.part" "$films/$name"
+}
+# The films of a group: at 60 frames a second, and one at 30.
+films_of() {
+  local seed speed rate=60
+  for seed in "${seeds[@]}"; do
+    case $1 in
+    wind)
+      draw "wind-$of-$seed-$rate" "$program" --seed "$seed" --rate $rate --duration 5 --truth-of "$of" && echo "wind-$of-$seed-$rate"
+      ;;
+    still)
+      for speed in 15 30 60 120 240 480; do
+        draw "still-$seed-$speed" "$felt/scenes.py" --scene still --seed "$seed" --speed $speed --duration 3 && echo "still-$seed-$speed"
+      done
+      ;;
+    *)
+      draw "$1-$seed-$rate" "$felt/scenes.py" --scene "$1" --seed "$seed" --rate $rate && echo "$1-$seed-$rate"
+      ;;
+    esac
+    rate=30
+  done
+}
+
+# A decoder, 15 trackers and the estimates of each in one thread, so that each has a whole processor.
+track_live() {
+  local method=${1%%:*} average=${1#*:} place branches=''
+  [ "$average" != "$1" ] || average=model
+  for place in $places; do
+    branches+=" t. ! roitracker method=$method pointer-source=property pointer-x=${place%,*} pointer-y=${place#*,}"
+    branches+=" ! velocityavg average=$average ! hapticconvert ! meta/x-klv,parsed=true"
+    branches+=" ! filesink async=false location=$work/said/${place/,/-}.klv"
+  done
+  # shellcheck disable=SC2086 # each word is one of gst-launch's
+  gst-launch-1.0 -m filesrc location="$2" ! matroskademux name=demux demux.video_0 ! avdec_h264 max-threads=1 ! tee name=t $branches |
+    grep -o 'time-mean-us=(double)[0-9.e+-]*' | awk -F ')' '{ sum += $2 } END { if (NR) printf "%.1f\n", sum / NR }'
+}
+track() {
+  rm -rf "$work/said" && mkdir "$work/said"
+  case $1 in
+  fast* | opencv* | layers*) track_live "$1" "$2" ;;
+  *)
+    [ -x "$run" ] || fail "'$run' is not built: meson configure $build -Dtests=enabled -Dbenchmarks=enabled, then build again"
+    ffmpeg -nostdin -v error -i "$2" -fps_mode passthrough -pix_fmt yuv420p -f yuv4mpegpipe - | "$run" "$1" "$work/said" "${places# }"
+    ;;
+  esac
+}
+
+mkdir -p "$films"
+[ -z "$output" ] || echo "group,film,method,alpha,told,us" >"$output"
+printf '| films |' && printf ' %s |' "${methods[@]}"
+printf '\n|---|' && printf '%s' "${methods[@]/*/---|}" && echo
+for group in "${groups[@]}"; do
+  mapfile -t names < <(films_of "$group")
+  [ ${#names[@]} -gt 0 ] || continue
+  printf '| %s (%d) |' "$group" ${#names[@]}
+  for method in "${methods[@]}"; do
+    for name in "${names[@]}"; do
+      us=$(track "$method" "$films/$name.mkv")
+      for alpha in 0.01 0.04; do
+        for said in "$work/said"/*; do
+          truth=$(basename "$said")
+          haptic_track compare --json --alpha $alpha "$films/$name/${truth%.*}.txt" "$said"
+        done | awk -F '[:,]' -v line="$group,$name,$method,$alpha" -v us="$us" '
+          { sum += $2 }
+          END { printf "%s,%.1f,%s\n", line, 100 * sum / NR, us }'
+      done
+    done >"$work/rows"
+    [ -z "$output" ] || cat "$work/rows" >>"$output"
+    awk -F , '{ sum[$4] += $5; us += $6; n[$4]++; rows++ }
+      END { printf " %.1f / %.0f %%, %.0f µs |", sum["0.01"] / n["0.01"], sum["0.04"] / n["0.04"], us / rows }' "$work/rows"
+  done
+  echo
+done
