@@ -139,14 +139,16 @@ void VoteTogether(float limit, float noise, VoteSheets &sheets, const PixelVotes
         energy = hn::Add(energy, hn::LoadU(kTag, column + i));
       energy = hn::Mul(energy, scale);
       const Lanes ratio = hn::Div(expected, hn::Add(expected, energy));
-      const Lanes cube = hn::Mul(ratio, hn::Mul(ratio, ratio));
       const Lanes window = hn::LoadU(kTag, sheets.windows.data() + y * stride + x);
+      const auto counts = hn::Gt(window, hn::Zero(kTag));
+      // Right of the box lie energies that nobody computed.
+      const Lanes cube = hn::IfThenElseZero(counts, hn::Mul(ratio, hn::Mul(ratio, ratio)));
       hn::StoreU(cube, kTag, sheets.ratios.data() + layer.first + y * stride + x);
       const int at = (layer.box.y + y) * kStride + layer.box.x + x;
       float *total = sheets.totals.data() + at;
       hn::StoreU(hn::MulAdd(window, cube, hn::LoadU(kTag, total)), kTag, total);
       float *lowest = sheets.least.data() + at;
-      const Lanes seen = hn::IfThenElse(hn::Gt(window, hn::Zero(kTag)), energy, most);
+      const Lanes seen = hn::IfThenElse(counts, energy, most);
       hn::StoreU(hn::Min(hn::LoadU(kTag, lowest), seen), kTag, lowest);
     }
 }

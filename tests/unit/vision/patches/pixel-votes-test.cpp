@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <gtest/gtest.h>
 #include <limits>
 #include <memory>
+#include <new>
 #include <random>
 #include <vector>
 
@@ -62,6 +64,33 @@ protected:
 
 constexpr Displacement kLeft{2, 0};
 constexpr Displacement kRight{-1, 1};
+
+// The votes of the scene, counted in memory that held NaN.
+std::unique_ptr<haptic::PixelVotes> votes_in_dirty_memory() {
+  void *const memory = operator new (sizeof(haptic::PixelVotes), std::align_val_t{64});
+  std::memset(memory, 0xFF, sizeof(haptic::PixelVotes));
+  asm volatile("" ::"r"(memory) : "memory"); // else the compiler may leave the stores out
+  return std::unique_ptr<haptic::PixelVotes>(new (memory) haptic::PixelVotes);
+}
+
+TEST_F(PixelVotes, DoNotDependOnWhatTheMemoryHeld) {
+  for (const int border : {22, 26, 31, 36, 40})
+    for (float width = 20; width <= 30; ++width) {
+      show(1, border, {2, 0}, {-1, 1});
+      const Area region{16, 16, width, 30};
+      const auto counted = [&](haptic::PixelVotes &in) {
+        auto all = patches(static_cast<float>(border), kLeft, kRight);
+        const float unexplained = in.count(earlier, later, 0, region, kNoise, all);
+        std::vector<float> numbers{unexplained};
+        for (const Patch &patch : all)
+          numbers.push_back(patch.share);
+        return numbers;
+      };
+      const auto dirty = votes_in_dirty_memory();
+      *votes = {};
+      EXPECT_EQ(counted(*dirty), counted(*votes)) << border << ", " << width;
+    }
+}
 
 TEST_F(PixelVotes, AreTheAreaOfEachMotionWhereverTheBorderIs) {
   for (const int border : {22, 26, 31, 36, 40}) {
