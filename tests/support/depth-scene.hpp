@@ -2,7 +2,7 @@
 // The scene of depth-film as reliefs.
 #pragma once
 
-#include "../../pipelines/films/depth-scene.hpp"
+#include "../../pipelines/films/program/depth-scene.hpp"
 #include "samples/relief-field.hpp"
 
 #include <cstdint>

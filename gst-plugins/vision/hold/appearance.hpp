@@ -2,7 +2,7 @@
 // What a thing looks like, learned while it is seen, and which samples of the patch are of it.
 #pragma once
 
-#include "hold/patch-samples.hpp"
+#include "hold/patch-kernels.hpp"
 
 namespace haptic {
 

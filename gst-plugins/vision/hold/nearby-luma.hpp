@@ -2,7 +2,7 @@
 // The luma about a place in a frame, reduced, on three layers.
 #pragma once
 
-#include "hold/patch-samples.hpp"
+#include "hold/patch-kernels.hpp"
 #include "pixels/frame-reduction.hpp"
 #include "pixels/image-kernels.hpp"
 #include "pixels/kept-luma.hpp"

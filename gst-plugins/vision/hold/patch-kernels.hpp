@@ -1,14 +1,43 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The sums over the samples of a patch. One source for every instruction set (Google Highway,
-// dispatched at run time).
+// A square of samples about a thing, the pose at which it is sampled, and the sums over the
+// samples. One source for every instruction set (Google Highway, dispatched at run time).
 #pragma once
 
-#include "hold/patch-samples.hpp"
 #include "pixels/image-kernels.hpp"
 
 #include <array>
 
 namespace haptic {
+
+inline constexpr int kPatchRadius = 10; ///< samples on each side of the middle one
+inline constexpr int kPatchSide = 2 * kPatchRadius + 1;
+inline constexpr int kPatchSamples = kPatchSide * kPatchSide;
+inline constexpr int kPatchRoom = 448; ///< whole vectors; the rest is 0
+
+/// Row after row.
+struct alignas(64) PatchSamples {
+  std::array<float, kPatchRoom> values{};
+
+  float &operator[](int at) { return values[static_cast<std::size_t>(at)]; }
+  float operator[](int at) const { return values[static_cast<std::size_t>(at)]; }
+  float *data() { return values.data(); }
+  const float *data() const { return values.data(); }
+};
+
+/// Grey levels with their gradients by row and column, per sample.
+struct PatchTemplate {
+  PatchSamples grey;
+  PatchSamples gradient_x;
+  PatchSamples gradient_y;
+};
+
+/// Where sample (u, v) of a patch lies: (a b; c d) (u, v) spacing + (x, y), px.
+struct PatchPose {
+  float a = 1, b = 0, c = 0, d = 1;
+  float x = 0, y = 0;
+
+  float area() const { return a * d - b * c; }
+};
 
 /// Bilinear samples of a plane; the pose is in its pixels, and the middle of pixel i is at i. All
 /// samples must lie within the middles of the outermost pixels.

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "hold/nearby-luma.hpp"
-#include "hold/patch-samples.hpp"
+#include "hold/patch-kernels.hpp"
 
 #include <optional>
 #include <vector>

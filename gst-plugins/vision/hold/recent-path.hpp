@@ -2,7 +2,7 @@
 // Where a thing was in the last seconds.
 #pragma once
 
-#include "hold/patch-samples.hpp"
+#include "hold/patch-kernels.hpp"
 
 #include <algorithm>
 #include <array>

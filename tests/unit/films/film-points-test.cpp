@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The points that wind-film follows: they are where the pixels say, and move as these do.
-#include "truth.hpp"
+#include "program/truth.hpp"
 
 #include <algorithm>
 #include <cmath>

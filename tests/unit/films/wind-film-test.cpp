@@ -4,7 +4,7 @@
 #include "motion/motion-conditioning.hpp"
 #include "region-tracking.hpp"
 #include "samples/force-defaults.hpp"
-#include "scene.hpp"
+#include "scene/scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "field/camera-motion.hpp"
 
 #include "field-frames.hpp"
-#include "scene.hpp"
+#include "scene/scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "sky.hpp"
+#include "scene/sky.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // A moving scene with exact depth: rays of a pinhole camera against balls, a wall and a floor.
 #pragma once
 
-#include "noise.hpp"
+#include "scene/noise.hpp"
 
 #include <algorithm>
 #include <array>

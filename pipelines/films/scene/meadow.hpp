@@ -2,8 +2,8 @@
 // A meadow: rows of grass one behind the other, flowers, and long blades in front.
 #pragma once
 
-#include "drawing.hpp"
-#include "wind.hpp"
+#include "scene/drawing.hpp"
+#include "scene/wind.hpp"
 
 namespace film {
 

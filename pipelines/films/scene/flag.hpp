@@ -2,8 +2,8 @@
 // A flag on a pole: waves run through its cloth, and its slopes take the light.
 #pragma once
 
-#include "drawing.hpp"
-#include "wind.hpp"
+#include "scene/drawing.hpp"
+#include "scene/wind.hpp"
 
 namespace film {
 

@@ -2,7 +2,7 @@
 // Clouds that drift over a sky, and hills below them.
 #pragma once
 
-#include "drawing.hpp"
+#include "scene/drawing.hpp"
 
 namespace film {
 

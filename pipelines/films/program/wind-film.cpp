@@ -4,9 +4,9 @@
 //   wind-film wind.ts
 //
 // Returns 0 when the file is complete, 1 after an error, which it prints with its cure.
-#include "film-file.hpp"
-#include "scene.hpp"
-#include "truth.hpp"
+#include "program/film-file.hpp"
+#include "program/truth.hpp"
+#include "scene/scene.hpp"
 
 #include <algorithm>
 #include <cmath>

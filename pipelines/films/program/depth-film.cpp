@@ -3,7 +3,7 @@
 // depth-film --help says how it is used. The colours are BT.601.
 //
 // A luma of 240 is 20 mm above the middle of the workspace, 17 as much below.
-#include "depth-scene.hpp"
+#include "program/depth-scene.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "flag.hpp"
+#include "scene/flag.hpp"
 
 #include <algorithm>
 #include <cmath>

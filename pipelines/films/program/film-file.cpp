@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film-file.hpp"
+#include "program/film-file.hpp"
 
 #include <cstdio>
 #include <gst/app/gstappsrc.h>

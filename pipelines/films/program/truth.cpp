@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "truth.hpp"
+#include "program/truth.hpp"
 
-#include "film-file.hpp"
+#include "program/film-file.hpp"
 #include "samples/region-size.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // A tree whose trunk, limbs, branches, twigs and leaves each sway about the one that carries them.
 #pragma once
 
-#include "drawing.hpp"
-#include "wind.hpp"
+#include "scene/drawing.hpp"
+#include "scene/wind.hpp"
 
 #include <vector>
 

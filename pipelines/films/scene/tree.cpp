@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tree.hpp"
+#include "scene/tree.hpp"
 
 #include <algorithm>
 #include <cmath>

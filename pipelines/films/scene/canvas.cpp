@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "canvas.hpp"
+#include "scene/canvas.hpp"
 
 #include <algorithm>
 #include <cairo.h>

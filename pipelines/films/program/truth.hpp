@@ -3,7 +3,7 @@
 // and the true way of chosen points of its things, as a table (docs/formats/film-points.md).
 #pragma once
 
-#include "scene.hpp"
+#include "scene/scene.hpp"
 
 #include <string>
 #include <vector>

@@ -2,8 +2,8 @@
 // cairo draws the textures, once.
 #pragma once
 
-#include "canvas.hpp"
-#include "noise.hpp"
+#include "scene/canvas.hpp"
+#include "scene/noise.hpp"
 
 #include <cairo.h>
 #include <memory>

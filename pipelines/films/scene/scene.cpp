@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "scene.hpp"
+#include "scene/scene.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "meadow.hpp"
+#include "scene/meadow.hpp"
 
-#include "sky.hpp"
-#include "tree.hpp"
+#include "scene/sky.hpp"
+#include "scene/tree.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Gusts that cross the frame from left to right, and what sways in them.
 #pragma once
 
-#include "noise.hpp"
+#include "scene/noise.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,10 +2,10 @@
 // The film: a tree, a meadow and a flag in gusts. Each frame depends on its time alone.
 #pragma once
 
-#include "flag.hpp"
-#include "meadow.hpp"
-#include "sky.hpp"
-#include "tree.hpp"
+#include "scene/flag.hpp"
+#include "scene/meadow.hpp"
+#include "scene/sky.hpp"
+#include "scene/tree.hpp"
 
 namespace film {
 
