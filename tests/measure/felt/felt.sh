@@ -56,9 +56,9 @@ draw() {
   [ ! -d "$films/$name" ] || return 0
   echo "Drawing $name ..." >&2
   rm -rf "$films/.part"
-  "$@" --truth "$films/.part" --places "$places" "$films/$name.mkv" 2>"$work/said" || status=$?
+  "$@" --truth "$films/.part" --places "$places" "$films/$name.mkv" 2>"$work/errors" || status=$?
   [ "$status" != 77 ] || return 77
-  [ "$status" = 0 ] || fail "$(tail -n 1 "$work/said")"
+  [ "$status" = 0 ] || fail "$(tail -n 1 "$work/errors")"
   mv "$films/.part" "$films/$name"
 }
 # The films of a group: at 60 frames a second, and one at 30.
@@ -119,8 +119,9 @@ mkdir -p "$films"
 printf '| films |' && printf ' %s |' "${methods[@]}"
 printf '\n|---|' && printf '%s' "${methods[@]/*/---|}" && echo
 for group in "${groups[@]}"; do
-  mapfile -t names < <(films_of "$group")
-  [ ${#names[@]} -gt 0 ] || continue
+  list=$(films_of "$group") || exit 1
+  [ -n "$list" ] || continue # a package is missing
+  mapfile -t names <<<"$list"
   printf '| %s (%d) |' "$group" ${#names[@]}
   for method in "${methods[@]}"; do
     for name in "${names[@]}"; do
