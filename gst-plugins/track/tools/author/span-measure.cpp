@@ -245,6 +245,7 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   all.field_in.reset(gst_element_get_static_pad(field, "sink"));
   const PadPtr fields(gst_element_get_static_pad(field, "src"));
   gst_pad_add_probe(fields.get(), GST_PAD_PROBE_TYPE_BUFFER, convert_field, &all, nullptr);
+  all.film.watch(fields.get());
   g_signal_connect(decoder, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
                      const PadPtr to(
                          gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));

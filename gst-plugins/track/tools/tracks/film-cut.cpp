@@ -74,12 +74,6 @@ GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   return GST_PAD_PROBE_OK;
 }
 
-void read_to_end(const FilmStreams &film, GstPad *pad) {
-  GstElement *sink = add_element(film.pipeline(), "fakesink");
-  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
-  link_pad(pad, sink);
-}
-
 void scan_film(const std::string &path, const Poll &poll, CutScan &scan) {
   FilmStreams film(path, FilmUse::copy, poll);
   scan.video = film.video();
