@@ -42,7 +42,7 @@ constexpr char kBundle[] = "feeling-wind.min.js";
 constexpr char kBundleLicence[] = "LICENSE";
 constexpr std::size_t kMostTrack = 8 << 20; // bytes: MOST_BYTES of film.js in pipelines/web/player
 // Of the names of folders: a change of what is written into them changes it.
-constexpr char kForm[] = "package 3";
+constexpr char kForm[] = "package 4";
 
 // A bit rate of the film.
 struct Rate {
