@@ -253,6 +253,15 @@ if command -v mkvmerge >/dev/null; then
   promise "a film whose sound ends early takes no more memory" early_end
 fi
 
+# Of 30000/1001 frames a second, in Matroska too, whose times are rounded to ms.
+rate_of() { sed -n 's/.*FRAME-RATE=//p' "$1/film.m3u8"; }
+for ending in mp4 mkv; do
+  ffmpeg -v error -f lavfi -i testsrc=s=64x48:r=30000/1001:d=5 -c:v libx264 -preset ultrafast -pix_fmt yuv420p \
+    "$work/ntsc.$ending" </dev/null
+  promise "NTSC in .$ending is packaged" package --output "$work/ntsc-$ending" "$work/ntsc.$ending"
+  promise "with its frame rate" test "$(rate_of "$work/ntsc-$ending")" = 29.970
+done
+
 # Frames at uneven times.
 odd -vf "select='not(mod(n,7))+not(mod(n,5))'" -fps_mode vfr -pix_fmt yuv420p -c:v libx264 "$work/uneven.mp4"
 promise "uneven frames keep their times" package --output "$work/uneven" "$work/uneven.mp4"
