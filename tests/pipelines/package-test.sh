@@ -153,6 +153,16 @@ for carriage in mp4 ts; do
 done
 promise "so is the surface alone" says 0 "0 fields, 225 reliefs" package --output "$work/surface" "$work/surface.ts"
 promise "as it should be" check "$work/surface"
+# The same in Matroska, as lines of text.
+gst-launch-1.0 -q matroskamux name=mux ! hapticmark ! filesink "location=$work/surface.mkv" \
+  filesrc "location=$work/surface.ts" ! tsdemux name=demux demux. ! video/x-h264 ! h264parse ! queue ! mux. \
+  demux. ! meta/x-klv ! hapticconvert ! text/x-raw ! queue ! mux.
+promise "and the surface alone in Matroska" says 0 "0 fields, 225 reliefs" package --output "$work/surface-mkv" "$work/surface.mkv"
+gst-launch-1.0 -q matroskamux name=mux ! hapticmark ! filesink "location=$work/point.mkv" \
+  filesrc "location=$work/wind.haptic.ts" ! tsdemux ! video/x-h264 ! h264parse ! tee name=film film. ! queue ! mux. \
+  film. ! queue ! avdec_h264 ! roitracker ! velocityavg ! hapticconvert ! text/x-raw ! queue ! mux.
+promise "a track of one point in Matroska is refused for that reason" says 1 "has the motion of one point" \
+  package --output "$work/point" "$work/point.mkv"
 promise "another program reads the motion beside it" \
   says 0 "fields     100" "$haptic_track" info "$(echo "$work"/touched-ts/ts-*/00001.ts)"
 
