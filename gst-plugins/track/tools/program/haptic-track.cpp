@@ -43,20 +43,12 @@ using haptic::TrackSample;
 
 constexpr unsigned kMostSpans = 1'000'000; // of a plan
 
-// The options of each command. Another one would be ignored: it is refused.
-constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
-    {"info", "--stream"},
-    {"convert", "--force --hand --layout --map --alpha --stream"},
-    {"cut", "--force --with-video --from --to --stream"},
-    {"plot", "--force --place --hand --stream"},
-    {"compare", "--force --json --plot --at-most --from --to --offset --places --hand --alpha "
-                "--max-force --stream"},
-    {"author", "--output --columns --hold --jobs"},
-    {"author --plan", "--plan --chunks --output --columns --hold"},
-    {"author --chunk", "--chunk"},
-    {"author --merge", "--merge"},
-    {"package", "--carriage --columns --hold --output"},
-    {"package --single", "--single --columns --hold --output"}};
+// With the first of these options a verb takes these alone, else what its help explains.
+constexpr std::pair<std::string_view, std::string_view> kModes[] = {
+    {"--plan", "--plan --chunks --output --columns --hold"},
+    {"--chunk", "--chunk"},
+    {"--merge", "--merge"},
+    {"--single", "--single --columns --hold --output"}};
 
 struct Arguments {
   std::string command;
@@ -136,27 +128,33 @@ haptic::Carriage parse_carriage(const std::string &text) {
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
 
-bool is_among(std::string_view options, const std::string &option) {
+// The help of the verb among these words, or else of all.
+const char *usage_of(const std::vector<std::string> &words) {
+  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
+    if (std::ranges::count(words, verb) > 0)
+      return text;
+  return haptic::kUsage;
+}
+
+// Whether the option stands in this help, or in a list of options.
+bool explains(std::string_view help, const std::string &option) {
   return option.find(' ') == std::string::npos &&
-         (' ' + std::string(options) + ' ').find(' ' + option + ' ') != std::string::npos;
+         (' ' + std::string(help) + ' ').find(' ' + option + ' ') != std::string::npos;
 }
 
 void check_options(const Arguments &arguments) {
-  std::string command = arguments.command;
-  if (command == "author")
-    command += arguments.plan    ? " --plan"
-               : arguments.chunk ? " --chunk"
-               : arguments.merge ? " --merge"
-                                 : "";
-  if (command == "package" && arguments.single)
-    command += " --single";
-  const auto *const entry = std::ranges::find(
-      kCommandOptions, command, &std::pair<std::string_view, std::string_view>::first);
-  if (entry == std::end(kCommandOptions))
+  std::string verb = arguments.command;
+  std::string_view help = usage_of({verb});
+  if (help == haptic::kUsage) // an unknown verb
     return;
+  for (const auto &[mode, options] : kModes)
+    if (std::ranges::count(arguments.options, mode) > 0 && explains(help, std::string(mode))) {
+      verb += ' ' + std::string(mode);
+      help = options;
+    }
   for (const std::string &option : arguments.options)
-    if (!is_among(entry->second, option))
-      throw_error(messages::kOptionIsForeign, option.c_str(), command.c_str());
+    if (!explains(help, option) || (option == "--chunks" && !arguments.plan))
+      throw_error(messages::kOptionIsForeign, option.c_str(), verb.c_str());
 }
 
 // Returns what an option without a value sets, or null.
@@ -238,8 +236,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         *flag = true;
         continue;
       }
-      if (std::ranges::none_of(kCommandOptions,
-                               [&](const auto &entry) { return is_among(entry.second, word); }))
+      if (std::ranges::none_of(haptic::kUsageOfVerbs,
+                               [&](const auto &entry) { return explains(entry.second, word); }))
         throw_error(messages::kOptionIsUnknown, word.c_str());
       if (flag_of(word, arguments))
         throw_error(messages::kOptionTakesNoValue, word.c_str());
@@ -401,11 +399,10 @@ void info(const std::string &path, const std::string &stream) {
     std::printf("  beside it  %s\n", other.c_str());
   if (!track.reliefs.empty())
     info_of_reliefs(track.reliefs);
-  if (!track.fields.empty()) {
+  if (!track.fields.empty())
     info_of_fields(track.fields);
-  } else if (track.reliefs.empty() || !track.samples.empty()) {
+  else if (track.reliefs.empty() || !track.samples.empty())
     std::printf("  samples    %zu\n", track.samples.size());
-  }
   if (!track.samples.empty())
     info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
@@ -567,14 +564,6 @@ int run(const Arguments &arguments) {
   else
     throw_error(messages::kCommandIsUnknown, arguments.command.c_str());
   return EXIT_SUCCESS;
-}
-
-// The help of the verb among these words, or else of all.
-const char *usage_of(const std::vector<std::string> &words) {
-  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
-    if (std::ranges::count(words, verb) > 0)
-      return text;
-  return haptic::kUsage;
 }
 
 } // namespace
