@@ -50,8 +50,7 @@ struct Measuring {
 
   KeyRequests keys{std::numeric_limits<std::size_t>::max()}; // the queue limits them
   bool decodes = false;                                      // the video's streaming thread
-  // Coded frames that an edit list hides, and one that begins with the video. Written by that
-  // thread.
+  // Whether an edit list hides coded frames, and one begins with the video. Set by that thread.
   std::atomic<bool> hides = false;
   std::atomic<bool> begins_at_frame = false;
 
