@@ -99,4 +99,5 @@ lab_packages=(
 referee_packages=(
   qemu-user # processors of other generations
   clang-22 libclang-rt-22-dev # RealtimeSanitizer
+  mpv vlc-bin vlc-plugin-base # players
 )

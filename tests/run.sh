@@ -275,6 +275,7 @@ run_referees() {
   check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
   check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
   check "It builds for arm64, and its tests pass in an emulator" tests/referees/arm64.sh || true
+  check "Other programs read and play what haptic-track writes" tests/referees/players.sh || true
   check "It builds with each option on and off" tests/referees/options.sh || true
 }
 

@@ -57,6 +57,9 @@
   MESSAGE(kRtpSecondSender, \
           "A second sender, %s (SSRC %08x), sends to the same port. It is left out.", \
           "End one of the two senders, or give each sender its own port.") \
+  MESSAGE(kRtpOtherPayload, \
+          "The sender sends payload type %d, but this receiver takes type %d. Nothing is received.", \
+          "Give receive.sh the file that send.sh --sdp writes, or start send.sh without --track hmpg.") \
   MESSAGE(kRtpbinIsMissing, \
           "GStreamer does not find the element rtpbin.", \
           "As root run: apt-get install gstreamer1.0-plugins-good.") \

@@ -86,6 +86,33 @@ TEST_F(RtpHmpg, AggregationSendsBothInOnePacket) {
   EXPECT_EQ(headers(pay.get()), (std::vector{0x50, 0x40, 0x50}));
 }
 
+TEST_F(RtpHmpg, AUnitIsOneListOfPacketsThatShareItsMemory) {
+  const Harness pay(gst_harness_new_parse("rtphmpgpay config-interval=0 mtu=64"));
+  gst_harness_set_src_caps_str(pay.get(), kUnits);
+  std::vector<GstBufferList *> lists;
+  gst_pad_add_probe(
+      pay->sinkpad, static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER_LIST),
+      [](GstPad *, GstPadProbeInfo *info, gpointer data) {
+        static_cast<std::vector<GstBufferList *> *>(data)->push_back(
+            gst_buffer_list_ref(GST_PAD_PROBE_INFO_BUFFER_LIST(info)));
+        return GST_PAD_PROBE_OK;
+      },
+      &lists, nullptr);
+  const haptic::BufferPtr unit(
+      gst_buffer_new_memdup(initialization().data(), initialization().size()));
+  ASSERT_EQ(gst_harness_push(pay.get(), gst_buffer_ref(unit.get())), GST_FLOW_OK);
+  ASSERT_EQ(lists.size(), 1U);
+  GstMemory *whole = gst_buffer_peek_memory(unit.get(), 0);
+  const guint count = gst_buffer_list_length(lists[0]);
+  EXPECT_GT(count, 3U);
+  for (guint i = 0; i < count; ++i) {
+    GstBuffer *packet = gst_buffer_list_get(lists[0], i);
+    const GstMemory *part = gst_buffer_peek_memory(packet, gst_buffer_n_memory(packet) - 1);
+    EXPECT_EQ(part->parent, whole) << "packet " << i;
+  }
+  gst_buffer_list_unref(lists[0]);
+}
+
 TEST_F(RtpHmpg, AReceiverThatWaitsAsksAndAgainAfterHalfASecond) {
   const Harness pay(gst_harness_new("rtphmpgpay"));
   gst_harness_set_src_caps_str(pay.get(), kUnits);

@@ -40,4 +40,23 @@ TEST(RtpOneSender, ASenderMayChangeThePayloadType) {
   EXPECT_GE(of_type(98), 28);
 }
 
+TEST(RtpOneSender, OfAnotherKindOfPayloadOneWarningSaysSo) {
+  gst_init(nullptr, nullptr);
+  if (!test::has_elements({"rtpbin"}))
+    GTEST_SKIP() << "rtpbin is missing";
+  std::vector<Packet> packets;
+  for (int i = 0; i < 250; ++i)
+    packets.push_back(rtp_packet(i, 115));
+  const auto outcome = test::run(
+      "appsrc name=in format=time caps=application/x-rtp,media=application,clock-rate=90000,"
+      "encoding-name=SMPTE336M,payload=97 ! identity sleep-time=10000 ! rtp.recv_rtp_sink_0 "
+      "rtponesender name=rtp latency=0 rtp.recv_rtp_src_0 ! "
+      "appsink name=out sync=false async=false",
+      packets);
+  ASSERT_EQ(outcome.warnings.size(), 1U);
+  EXPECT_NE(outcome.warnings[0].find("payload type 115, but this receiver takes type 97"),
+            std::string::npos)
+      << outcome.warnings[0];
+}
+
 } // namespace

@@ -347,7 +347,8 @@ std::vector<Parser> parsers() {
     stream.insert(stream.end(), unit.begin(), unit.end());
     for (const auto &payload : haptic::packetize_unit(unit, 60)) {
       packets.push_back(static_cast<std::uint8_t>(payload.size()));
-      packets.insert(packets.end(), payload.begin(), payload.end());
+      for (const auto bytes : {std::span<const std::uint8_t>(payload.head), payload.part})
+        packets.insert(packets.end(), bytes.begin(), bytes.end());
     }
   }
   hmpg.push_back(stream);

@@ -105,6 +105,8 @@ class Fragments:
         frames, fields, kinds = [], [], []
         for kind, content in boxes(data):
             kinds.append(kind)
+            if kind == b"styp":  # a segment of DASH; sound and video share a fragment, so that it is none of CMAF
+                assert content == b"msdh\0\0\0\0msdhiso6", content
             if kind == b"emsg":
                 version, scale, time, duration, number = struct.unpack(">IIQII", content[:24])
                 scheme, value, klv = content[24:].split(b"\0", 2)
@@ -116,7 +118,7 @@ class Fragments:
                 for name, track in boxes(content):
                     if name == b"traf":
                         frames += self.frames(dict(boxes(track)))
-        assert kinds == [b"emsg"] * len(fields) + [b"moof", b"mdat"], kinds
+        assert kinds == [b"styp"] + [b"emsg"] * len(fields) + [b"moof", b"mdat"], kinds
         return frames, fields
 
     def frames(self, track):
@@ -144,6 +146,9 @@ def check_rate(playlist):
     target = int(re.search(r"#EXT-X-TARGETDURATION:(\d+)", text)[1])
     is_mp4 = "#EXT-X-MAP" in text
     reader = Fragments() if is_mp4 else TransportStream()
+    if is_mp4:
+        head = dict(boxes((playlist.parent / "head.mp4").read_bytes()))
+        assert list(head) == [b"ftyp", b"moov"] and head[b"ftyp"] == b"iso6\0\0\0\0iso6", head[b"ftyp"]
     names = [line for line in lines if not line.startswith("#")]
     lengths = [float(length) for length in re.findall(r"#EXTINF:([\d.]+),", text)]
     assert len(names) == len(lengths) > 0

@@ -153,6 +153,16 @@ for carriage in mp4 ts; do
 done
 promise "so is the surface alone" says 0 "0 fields, 225 reliefs" package --output "$work/surface" "$work/surface.ts"
 promise "as it should be" check "$work/surface"
+# The same in Matroska, as lines of text.
+gst-launch-1.0 -q matroskamux name=mux ! hapticmark ! filesink "location=$work/surface.mkv" \
+  filesrc "location=$work/surface.ts" ! tsdemux name=demux demux. ! video/x-h264 ! h264parse ! queue ! mux. \
+  demux. ! meta/x-klv ! hapticconvert ! text/x-raw ! queue ! mux.
+promise "and the surface alone in Matroska" says 0 "0 fields, 225 reliefs" package --output "$work/surface-mkv" "$work/surface.mkv"
+gst-launch-1.0 -q matroskamux name=mux ! hapticmark ! filesink "location=$work/point.mkv" \
+  filesrc "location=$work/wind.haptic.ts" ! tsdemux ! video/x-h264 ! h264parse ! tee name=film film. ! queue ! mux. \
+  film. ! queue ! avdec_h264 ! roitracker ! velocityavg ! hapticconvert ! text/x-raw ! queue ! mux.
+promise "a track of one point in Matroska is refused for that reason" says 1 "has the motion of one point" \
+  package --output "$work/point" "$work/point.mkv"
 promise "another program reads the motion beside it" \
   says 0 "fields     100" "$haptic_track" info "$(echo "$work"/touched-ts/ts-*/00001.ts)"
 
@@ -252,6 +262,15 @@ early_end() {
 if command -v mkvmerge >/dev/null; then
   promise "a film whose sound ends early takes no more memory" early_end
 fi
+
+# Of 30000/1001 frames a second, in Matroska too, whose times are rounded to ms.
+rate_of() { sed -n 's/.*FRAME-RATE=//p' "$1/film.m3u8"; }
+for ending in mp4 mkv; do
+  ffmpeg -v error -f lavfi -i testsrc=s=64x48:r=30000/1001:d=5 -c:v libx264 -preset ultrafast -pix_fmt yuv420p \
+    "$work/ntsc.$ending" </dev/null
+  promise "NTSC in .$ending is packaged" package --output "$work/ntsc-$ending" "$work/ntsc.$ending"
+  promise "with its frame rate" test "$(rate_of "$work/ntsc-$ending")" = 29.970
+done
 
 # Frames at uneven times.
 odd -vf "select='not(mod(n,7))+not(mod(n,5))'" -fps_mode vfr -pix_fmt yuv420p -c:v libx264 "$work/uneven.mp4"

@@ -27,6 +27,10 @@ stream_of() {
   haptic_track info "$1" | sed -n 's/^  stream  *//p'
 }
 
+fields_of() {
+  haptic_track info "$1" | sed -n 's/^  fields  *//p'
+}
+
 shift_in() {
   /usr/bin/python3 "$root/tests/pipelines/track-shift.py" "$original" "$(demuxer_of "$original")" \
     "$(stream_of "$original")" "$1" "$(demuxer_of "$1")" "$(stream_of "$1")"
@@ -70,6 +74,13 @@ promise "ffmpeg, HLS" quiet_ffmpeg -i "$original" -map 0 -c copy -f hls -hls_tim
 for segment in 0 1 2 3; do
   promise "segment $segment is in step" in_step "$work/segment$segment.ts" 55
 done
+promise "haptic-track, a part" haptic_track cut --with-video --from 2 --to 5 "$original" "$work/part.ts"
+# From the key frame before to the one behind. Each frame is after the tables of the transport stream.
+frames_in() {
+  gst-launch-1.0 -v filesrc "location=$1" ! tsdemux ! h264parse ! avdec_h264 ! identity silent=false ! fakesink |
+    grep -c 'last-message = chain'
+}
+promise "has all its frames" test "$(frames_in "$work/part.ts")" = 120
 promise "GStreamer, TS to TS" gst-launch-1.0 -q mpegtsmux name=m ! filesink "location=$work/gst.ts" \
   filesrc "location=$original" ! tsdemux name=d d. ! meta/x-klv ! queue ! m. d. ! h264parse ! queue ! m. \
   d. ! aacparse ! queue ! m.
@@ -101,6 +112,7 @@ promise "is in step" in_step "$work/cut.mkv" 45
 for ending in mp4 mov; do
   promise "ffmpeg, Matroska to $ending" quiet_ffmpeg -i "$original" -map 0 -c copy -c:s mov_text "$work/copy.$ending"
   promise "is in step" in_step "$work/copy.$ending" 238
+  promise "and has every field" test "$(fields_of "$work/copy.$ending")" = "$(fields_of "$original")"
 done
 promise "ffmpeg, Matroska to TS" quiet_ffmpeg -i "$original" -map 0 -c copy "$work/lost.ts"
 promise "says that the track is lost" no_track "$work/lost.ts"

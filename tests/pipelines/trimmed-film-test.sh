@@ -55,6 +55,7 @@ ffmpeg -v error -f lavfi -i testsrc2=size=352x288:rate=30:duration=5 -f lavfi -i
 mkdir "$work/in" "$work/out"
 cut_to() { ffmpeg -v error "${@:2}" -c copy "$work/in/$1"; }
 cut_to inside.mp4 -ss 0.5 -i "$work/whole.mp4"
+cut_to between-frames.mp4 -ss 0.517 -i "$work/whole.mp4"
 cut_to both-ends.mp4 -ss 0.5 -i "$work/whole.mp4" -t 3
 cut_to silent.mp4 -ss 0.9 -i "$work/whole.mp4" -an
 cut_to late-sound.mp4 -ss 0.5 -i "$work/whole.mp4" -itsoffset 0.7 -i "$work/whole.mp4" -map 0:v -map 1:a

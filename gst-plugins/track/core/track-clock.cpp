@@ -23,8 +23,7 @@ std::uint64_t TrackClock::recovered(std::uint64_t time, std::uint64_t start) con
 }
 
 bool TrackClock::wait_for_tie(std::uint64_t time) noexcept {
-  if (first_untied_ == kNoTime)
-    first_untied_ = time;
+  first_untied_ = std::min(first_untied_, time);
   return time - first_untied_ >= kLongestWait;
 }
 

@@ -10,6 +10,7 @@
  * Standard: RFC 9993, sections 5.1 (marker), 5.2 (payload header), 5.3 (payload structures) and 5.4
  * (full intra requests).
  */
+#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
@@ -18,13 +19,16 @@
 #include "messages.hpp"
 #include "mpeg-haptics/hmpg-rtp.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
 #include <gst/rtp/gstrtpbasepayload.h>
 #include <gst/rtp/gstrtpbuffer.h>
+#include <memory>
+#include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 G_DECLARE_FINAL_TYPE(GstRtpHmpgPay, gst_rtp_hmpg_pay, GST, RTP_HMPG_PAY, GstRTPBasePayload)
 
@@ -35,6 +39,7 @@ namespace {
 
 using haptic::BufferPtr;
 using haptic::guarded;
+using haptic::HmpgPayload;
 using haptic::kGuarded;
 using haptic::ObjectLock;
 using haptic::UnitType;
@@ -84,27 +89,46 @@ std::size_t largest_payload(GstRTPBasePayload *payload) {
   return gst_rtp_buffer_calc_payload_len(GST_RTP_BASE_PAYLOAD_MTU(payload), 0, 0);
 }
 
-GstFlowReturn send(GstRTPBasePayload *payload,
-                   const std::vector<std::vector<std::uint8_t>> &payloads, GstClockTime pts,
-                   GstClockTime duration, bool marker) {
-  GstFlowReturn result = GST_FLOW_OK;
-  for (const auto &bytes : payloads) {
-    BufferPtr buffer(gst_rtp_base_payload_allocate_output_buffer(
-        payload, static_cast<guint>(bytes.size()), 0, 0));
-    GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
-    if (!gst_rtp_buffer_map(buffer.get(), GST_MAP_READWRITE, &rtp))
-      return GST_FLOW_ERROR;
-    std::memcpy(gst_rtp_buffer_get_payload(&rtp), bytes.data(), bytes.size());
-    gst_rtp_buffer_set_marker(&rtp, std::exchange(marker, false));
-    gst_rtp_buffer_unmap(&rtp);
-    GST_BUFFER_PTS(buffer.get()) = pts;
-    GST_BUFFER_DURATION(buffer.get()) = duration;
-    result = gst_rtp_base_payload_push(payload, buffer.release());
-    if (result != GST_FLOW_OK)
-      break;
+// A buffer with one unit, which is mapped.
+struct Unit {
+  GstBuffer *buffer;
+  std::span<const std::uint8_t> bytes;
+};
+
+// The packets of one push. Their payloads share the memory of the units.
+class Packets {
+public:
+  explicit Packets(GstRTPBasePayload *payload)
+      : payload_(payload), list_(gst_buffer_list_new(), gst_buffer_list_unref) {}
+
+  // Adds a packet for each payload, whose part is one of the unit. `marker` is of the first.
+  void add(const std::vector<HmpgPayload> &payloads, const Unit &unit, bool marker) {
+    for (const HmpgPayload &payload : payloads) {
+      BufferPtr packet(gst_rtp_base_payload_allocate_output_buffer(
+          payload_, static_cast<guint>(payload.head.size()), 0, 0));
+      GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
+      if (!gst_rtp_buffer_map(packet.get(), GST_MAP_READWRITE, &rtp))
+        return;
+      std::ranges::copy(payload.head, static_cast<guint8 *>(gst_rtp_buffer_get_payload(&rtp)));
+      gst_rtp_buffer_set_marker(&rtp, std::exchange(marker, false));
+      gst_rtp_buffer_unmap(&rtp);
+      packet.reset(gst_buffer_append(
+          packet.release(),
+          gst_buffer_copy_region(unit.buffer, GST_BUFFER_COPY_MEMORY,
+                                 static_cast<gsize>(payload.part.data() - unit.bytes.data()),
+                                 payload.part.size())));
+      GST_BUFFER_PTS(packet.get()) = GST_BUFFER_PTS(unit.buffer);
+      GST_BUFFER_DURATION(packet.get()) = GST_BUFFER_DURATION(unit.buffer);
+      gst_buffer_list_add(list_.get(), packet.release());
+    }
   }
-  return result;
-}
+
+  GstFlowReturn push() { return gst_rtp_base_payload_push_list(payload_, list_.release()); }
+
+private:
+  GstRTPBasePayload *payload_;
+  std::unique_ptr<GstBufferList, decltype(&gst_buffer_list_unref)> list_;
+};
 
 // Returns whether the initialization unit is to be sent again. A receiver cannot begin without it.
 bool initialization_is_due(GstRtpHmpgPay *self, GstClockTime pts) {
@@ -139,50 +163,52 @@ bool aggregates(GstRtpHmpgPay *self) {
   return self->state->aggregate;
 }
 
-GstFlowReturn handle_unit(GstRTPBasePayload *payload, std::span<const std::uint8_t> unit,
-                          GstClockTime pts, GstClockTime duration) {
+GstFlowReturn handle_unit(GstRTPBasePayload *payload, const Unit &unit) {
   GstRtpHmpgPay *self = GST_RTP_HMPG_PAY(payload);
   State &state = *self->state;
-  const auto header = haptic::read_unit_header(unit);
-  if (!header || unit.size() != haptic::kUnitHeaderSize + header->length) {
+  const GstClockTime pts = GST_BUFFER_PTS(unit.buffer);
+  const auto header = haptic::read_unit_header(unit.bytes);
+  if (!header || unit.bytes.size() != haptic::kUnitHeaderSize + header->length) {
     GST_ELEMENT_ERROR(payload, STREAM, FORMAT, ("%s", haptic::messages::kHmpgIsNoUnit),
-                      ("%" G_GSIZE_FORMAT " bytes", unit.size()));
+                      ("%" G_GSIZE_FORMAT " bytes", unit.bytes.size()));
     return GST_FLOW_ERROR;
   }
   const std::size_t largest = largest_payload(payload);
+  Packets packets(payload);
+  bool marker = false;
   if (header->type == UnitType::initialization) {
-    keep_initialization(state, unit, pts);
+    keep_initialization(state, unit.bytes, pts);
     state.initialized = pts;
-    if (!aggregates(self))
-      return send(payload, haptic::packetize_unit(unit, largest), pts, duration, false);
-    state.refresh = true; // with the next unit, which has the same time
-    return GST_FLOW_OK;
+    if (aggregates(self)) {
+      state.refresh = true; // with the next unit, which has the same time
+      return GST_FLOW_OK;
+    }
+  } else {
+    const bool silent = header->type == UnitType::silent;
+    marker = std::exchange(state.silent, silent) && !silent;
+    if (initialization_is_due(self, pts)) {
+      state.initialized = pts;
+      set_time(state, payload->clock_rate, pts);
+      const std::array<std::span<const std::uint8_t>, 2> both = {state.initialization, unit.bytes};
+      if (const auto shared =
+              aggregates(self) ? haptic::aggregate_units(both, largest) : std::nullopt) {
+        packets.add({*shared}, unit, marker);
+        return packets.push();
+      }
+      const BufferPtr buffer = haptic::make_buffer(state.initialization, pts, 0);
+      const haptic::ReadableBuffer readable(buffer.get());
+      packets.add(haptic::packetize_unit(readable.bytes(), largest),
+                  {buffer.get(), readable.bytes()}, false);
+    }
   }
-  const bool silent = header->type == UnitType::silent;
-  const bool marker = std::exchange(state.silent, silent) && !silent;
-  std::vector<std::vector<std::uint8_t>> payloads;
-  if (initialization_is_due(self, pts)) {
-    state.initialized = pts;
-    set_time(state, payload->clock_rate, pts);
-    const std::array<std::span<const std::uint8_t>, 2> both = {state.initialization, unit};
-    if (aggregates(self))
-      payloads.push_back(haptic::aggregate_units(both, largest));
-    if (!payloads.empty() && !payloads.front().empty())
-      return send(payload, payloads, pts, duration, marker);
-    payloads = haptic::packetize_unit(state.initialization, largest);
-    if (const auto result = send(payload, payloads, pts, 0, false); result != GST_FLOW_OK)
-      return result;
-  }
-  return send(payload, haptic::packetize_unit(unit, largest), pts, duration, marker);
+  packets.add(haptic::packetize_unit(unit.bytes, largest), unit, marker);
+  return packets.push();
 }
 
 GstFlowReturn handle_buffer(GstRTPBasePayload *payload, GstBuffer *raw) {
   const BufferPtr buffer(raw);
   const haptic::ReadableBuffer readable(buffer.get());
-  if (!readable)
-    return GST_FLOW_ERROR;
-  return handle_unit(payload, readable.bytes(), GST_BUFFER_PTS(buffer.get()),
-                     GST_BUFFER_DURATION(buffer.get()));
+  return readable ? handle_unit(payload, {buffer.get(), readable.bytes()}) : GST_FLOW_ERROR;
 }
 
 // A full intra request of RTCP (RFC 5104), which rtpsession turns into this event of video.

@@ -50,6 +50,8 @@ constexpr guint kDefaultLatency = 30; // ms
 struct Session {
   GstPad *out = nullptr; // the ghost pad, of which the bin is the owner
   OneSender senders;
+  std::uint64_t unread = 0; // ns of a steady clock, the first packet; 0: none
+  bool is_read = false;     // rtpbin knows the payload, or it was asked why not
 };
 
 struct State {
@@ -182,6 +184,7 @@ GstPadProbeReturn on_data(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *i
     if (session == state.sessions.end() || !session->second.out)
       return GST_PAD_PROBE_DROP;
     verdict = session->second.senders.packet(sender->ssrc, now);
+    session->second.is_read = true;
     out.reset(GST_PAD(gst_object_ref(session->second.out)));
   }
   switch (verdict) {
@@ -237,6 +240,40 @@ GstPadProbeReturn on_input_event(GstRtpOneSender *self, GstPad *pad, GstPadProbe
   if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS &&
       std::sscanf(name.get(), rtp_sink_template.name_template, &number) == 1)
     end_without_sender(self, number);
+  return GST_PAD_PROBE_OK;
+}
+
+// rtpbin drops payloads of another kind than the caps have, and says nothing.
+GstPadProbeReturn on_packet(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *info) {
+  const haptic::GCharPtr name(gst_pad_get_name(pad));
+  guint number = 0;
+  std::sscanf(name.get(), rtp_sink_template.name_template, &number);
+  const auto now = static_cast<std::uint64_t>(g_get_monotonic_time()) * GST_USECOND;
+  const auto patience =
+      haptic::kSenderSilence +
+      std::uint64_t{haptic::locked_copy(self, self->state->latency)} * GST_MSECOND;
+  {
+    const std::lock_guard lock(self->state->mutex);
+    const auto found = self->state->sessions.find(number);
+    if (found == self->state->sessions.end() || found->second.is_read)
+      return GST_PAD_PROBE_OK;
+    Session &session = found->second;
+    session.unread = session.unread == 0 ? now : session.unread;
+    if (now - session.unread < patience)
+      return GST_PAD_PROBE_OK;
+    session.is_read = true;
+  }
+  GstRTPBuffer rtp = GST_RTP_BUFFER_INIT;
+  if (!gst_rtp_buffer_map(GST_PAD_PROBE_INFO_BUFFER(info), GST_MAP_READ, &rtp))
+    return GST_PAD_PROBE_OK;
+  const gint type = gst_rtp_buffer_get_payload_type(&rtp);
+  gst_rtp_buffer_unmap(&rtp);
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(pad));
+  gint wanted = -1;
+  if (caps && gst_structure_get_int(gst_caps_get_structure(caps.get(), 0), "payload", &wanted) &&
+      wanted != type)
+    GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE,
+                        (haptic::messages::kRtpOtherPayload, type, wanted), ("session %u", number));
   return GST_PAD_PROBE_OK;
 }
 
@@ -318,6 +355,8 @@ GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const g
       return nullptr;
     pad = gst_ghost_pad_new_from_template(name, inner.get(), pad_template);
     add_probe<on_input_event>(self, pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM);
+    if (form == rtp_sink_template.name_template)
+      add_probe<on_packet>(self, pad, GST_PAD_PROBE_TYPE_BUFFER);
     if (form == rtcp_sink_template.name_template)
       add_probe<on_rtcp>(self, pad, GST_PAD_PROBE_TYPE_BUFFER);
   }
@@ -350,7 +389,7 @@ GstStateChangeReturn change_state(GstElement *element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     const std::lock_guard lock(state.mutex);
     for (auto &[number, session] : state.sessions)
-      session.senders = {};
+      session = {.out = session.out, .senders = {}};
     state.sync = {};
   }
   return GST_ELEMENT_CLASS(gst_rtp_one_sender_parent_class)->change_state(element, transition);

@@ -29,48 +29,45 @@ std::uint8_t payload_header(const UnitHeader &header, unsigned type) {
 
 } // namespace
 
-std::vector<std::vector<std::uint8_t>> packetize_unit(Bytes unit, std::size_t largest) {
+std::vector<HmpgPayload> packetize_unit(Bytes unit, std::size_t largest) {
   const auto header = read_unit_header(unit);
   if (!header)
     return {};
   const unsigned type = unit_type_code(header->type);
-  if (unit.size() + 1 <= largest) {
-    std::vector<std::uint8_t> payload = {payload_header(*header, type)};
-    payload.insert(payload.end(), unit.begin(), unit.end());
-    return {payload};
-  }
-  std::vector<std::vector<std::uint8_t>> payloads;
-  const std::size_t part = std::max<std::size_t>(largest, 8) - 2;
-  for (std::size_t at = 0; at < unit.size(); at += part) {
-    const auto piece = unit.subspan(at, std::min(part, unit.size() - at));
+  if (unit.size() + 1 <= largest)
+    return {{{payload_header(*header, type)}, unit}};
+  std::vector<HmpgPayload> payloads;
+  const std::size_t size = std::max<std::size_t>(largest, 8) - 2;
+  for (std::size_t at = 0; at < unit.size(); at += size) {
+    const auto part = unit.subspan(at, std::min(size, unit.size() - at));
     const unsigned fragment = (at == 0 ? kFragmentStart : 0U) |
-                              (at + piece.size() == unit.size() ? kFragmentEnd : 0U) | type;
-    std::vector<std::uint8_t> payload = {payload_header(*header, kFragment),
-                                         static_cast<std::uint8_t>(fragment)};
-    payload.insert(payload.end(), piece.begin(), piece.end());
-    payloads.push_back(std::move(payload));
+                              (at + part.size() == unit.size() ? kFragmentEnd : 0U) | type;
+    payloads.push_back(
+        {{payload_header(*header, kFragment), static_cast<std::uint8_t>(fragment)}, part});
   }
   return payloads;
 }
 
 // Of the payload header, D and L of several units are not defined: here of the first one, and the
 // highest priority. A receiver reads the units' own.
-std::vector<std::uint8_t> aggregate_units(std::span<const Bytes> units, std::size_t largest) {
-  std::vector<std::uint8_t> payload = {0};
+std::optional<HmpgPayload> aggregate_units(std::span<const Bytes> units, std::size_t largest) {
+  HmpgPayload payload = {{0}, {}};
+  auto &head = payload.head;
   for (const Bytes unit : units) {
     const auto header = read_unit_header(unit);
     if (!header || unit.size() > 0xFFFF)
-      return {};
-    if (payload.size() == 1)
-      payload[0] = payload_header(*header, kAggregationSameTime);
-    const unsigned layer = std::min<unsigned>(payload[0] & 0x0FU, header->layer);
-    payload[0] = static_cast<std::uint8_t>((payload[0] & 0xF0U) | layer);
-    payload.push_back(static_cast<std::uint8_t>(unit.size() >> 8));
-    payload.push_back(static_cast<std::uint8_t>(unit.size()));
-    payload.insert(payload.end(), unit.begin(), unit.end());
+      return std::nullopt;
+    head.insert(head.end(), payload.part.begin(), payload.part.end());
+    if (head.size() == 1)
+      head[0] = payload_header(*header, kAggregationSameTime);
+    const unsigned layer = std::min<unsigned>(head[0] & 0x0FU, header->layer);
+    head[0] = static_cast<std::uint8_t>((head[0] & 0xF0U) | layer);
+    head.push_back(static_cast<std::uint8_t>(unit.size() >> 8));
+    head.push_back(static_cast<std::uint8_t>(unit.size()));
+    payload.part = unit;
   }
   if (payload.size() > largest)
-    return {};
+    return std::nullopt;
   return payload;
 }
 

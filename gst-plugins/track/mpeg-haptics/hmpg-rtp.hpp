@@ -14,14 +14,21 @@
 
 namespace haptic {
 
+/// A payload: bytes of its own, and a part of a unit that need not be copied.
+struct HmpgPayload {
+  std::vector<std::uint8_t> head;
+  std::span<const std::uint8_t> part;
+
+  std::size_t size() const noexcept { return head.size() + part.size(); }
+};
+
 /// Returns the payloads that carry one unit, each of at most `largest` bytes (8 or more).
-std::vector<std::vector<std::uint8_t>> packetize_unit(std::span<const std::uint8_t> unit,
-                                                      std::size_t largest);
+std::vector<HmpgPayload> packetize_unit(std::span<const std::uint8_t> unit, std::size_t largest);
 
 /// Returns the payload of an aggregation packet that carries these units, which have the same time
-/// stamp, or nothing if it would have more than `largest` bytes.
-std::vector<std::uint8_t> aggregate_units(std::span<const std::span<const std::uint8_t>> units,
-                                          std::size_t largest);
+/// stamp, or nothing if it would have more than `largest` bytes. The part is the last unit.
+std::optional<HmpgPayload> aggregate_units(std::span<const std::span<const std::uint8_t>> units,
+                                           std::size_t largest);
 
 /// Puts received units together.
 class UnitAssembler {

@@ -122,20 +122,22 @@ void write_text(Writer &json, const char *key, const std::string &text) {
   json.String(text.c_str(), static_cast<rapidjson::SizeType>(text.size()));
 }
 
+void write_number(Writer &json, const char *key, std::uint64_t number) {
+  json.Key(key);
+  json.Uint64(number);
+}
+
 void write_film(Writer &json, const PlannedFilm &film) {
   json.StartObject();
   write_text(json, "video", film.path);
-  json.Key("size");
-  json.Uint64(film.size);
+  write_number(json, "size", film.size);
   json.Key("modified");
   json.Int64(film.modified);
   write_text(json, "sha256", film.hash);
   write_text(json, "ending", film.index.ending);
   write_text(json, "rotation", film.index.rotation);
-  json.Key("duration");
-  json.Uint64(film.index.duration);
-  json.Key("lead");
-  json.Uint64(film.index.lead);
+  write_number(json, "duration", film.index.duration);
+  write_number(json, "lead", film.index.lead);
   json.Key("warnings");
   json.StartArray();
   for (const std::string &warning : film.index.warnings)
@@ -145,10 +147,8 @@ void write_film(Writer &json, const PlannedFilm &film) {
   json.StartArray();
   for (const Span &span : film.index.spans) {
     json.StartObject();
-    json.Key("begin");
-    json.Uint64(span.begin);
-    json.Key("decode-from");
-    json.Uint64(span.decode_from);
+    write_number(json, "begin", span.begin);
+    write_number(json, "decode-from", span.decode_from);
     json.EndObject();
   }
   json.EndArray();
@@ -157,12 +157,9 @@ void write_film(Writer &json, const PlannedFilm &film) {
 
 void write_chunk(Writer &json, const PlannedChunk &chunk) {
   json.StartObject();
-  json.Key("input");
-  json.Uint64(chunk.film);
-  json.Key("first-span");
-  json.Uint64(chunk.spans.begin);
-  json.Key("end-span");
-  json.Uint64(chunk.spans.end);
+  write_number(json, "input", chunk.film);
+  write_number(json, "first-span", chunk.spans.begin);
+  write_number(json, "end-span", chunk.spans.end);
   json.EndObject();
 }
 
@@ -280,8 +277,7 @@ std::string write_plan(const Plan &plan) {
   json.StartObject();
   write_text(json, "version", VERSION);
   write_text(json, "output", plan.options.folder);
-  json.Key("columns");
-  json.Uint(plan.options.columns);
+  write_number(json, "columns", plan.options.columns);
   if (plan.options.hold.chooses)
     write_text(json, "hold", "auto");
   if (!plan.options.hold.points.empty())

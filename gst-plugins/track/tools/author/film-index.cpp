@@ -201,13 +201,6 @@ void check_whole(const IndexScan &scan, GstClockTime duration, bool counts_from_
     throw_error(messages::kFileEndsEarly, seconds(position), seconds(duration));
 }
 
-// The film ends when each of its sinks has an end.
-void read_to_end(const FilmStreams &film, GstPad *pad) {
-  GstElement *sink = add_element(film.pipeline(), "fakesink");
-  g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
-  link_pad(pad, sink);
-}
-
 // Refuses another size than the first one.
 struct SizeWatch {
   GstElement *pipeline = nullptr;
@@ -281,17 +274,12 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
     gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_edits, &scan,
                       nullptr);
   refuse_other_size(film.pipeline(), film.video());
-  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
-  for (GstPad *pad : film.audio()) {
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
-    read_to_end(film, pad);
-  }
-  for (GstPad *pad : film.others()) {
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
+  for (GstPad *pad : film.others())
     gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, refuse_track, &scan, nullptr);
+  for (GstPad *pad : film.all()) {
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
     read_to_end(film, pad);
   }
-  read_to_end(film, film.video());
   film.play(poll);
   if (scan.frames == 0)
     throw_error(messages::kNoFrameIsDecoded);

@@ -10,6 +10,7 @@
 #include "samples/motion-field.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <deque>
 #include <iterator>
@@ -49,6 +50,9 @@ struct Measuring {
 
   KeyRequests keys{std::numeric_limits<std::size_t>::max()}; // the queue limits them
   bool decodes = false;                                      // the video's streaming thread
+  // Whether an edit list hides coded frames, and one begins with the video. Set by that thread.
+  std::atomic<bool> hides = false;
+  std::atomic<bool> begins_at_frame = false;
 
   std::atomic<std::uint64_t> frames = 0;
   std::atomic<std::uint64_t> position = 0; // ns
@@ -68,6 +72,8 @@ GstPadProbeReturn watch_coded(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   const bool is_key = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
   const GstClockTime time = running_time_of(pad, buffer);
   const bool has_time = GST_CLOCK_TIME_IS_VALID(time);
+  all.hides = all.hides || (!has_time && GST_BUFFER_PTS_IS_VALID(buffer));
+  all.begins_at_frame = all.begins_at_frame || time == 0;
   const std::uint64_t from = all.spans[all.range.begin].decode_from;
   all.decodes = all.decodes || from == 0 || (is_key && has_time && time >= from);
   if (!all.decodes)
@@ -119,6 +125,9 @@ GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer dat
   auto &all = *static_cast<Measuring *>(data);
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   const std::uint64_t time = running_time_of(pad, frame); // without one: the largest number
+  // A frame that begins before the video, to which the decoder moves it. Other programs hide it.
+  if (time == 0 && all.hides && !all.begins_at_frame)
+    return GST_PAD_PROBE_DROP;
   bool begins = false;
   while (time != kNoEnd && time >= all.begin_of(all.next)) {
     ++all.next;
@@ -235,6 +244,7 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   all.field_in.reset(gst_element_get_static_pad(field, "sink"));
   const PadPtr fields(gst_element_get_static_pad(field, "src"));
   gst_pad_add_probe(fields.get(), GST_PAD_PROBE_TYPE_BUFFER, convert_field, &all, nullptr);
+  all.film.watch(fields.get());
   g_signal_connect(decoder, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
                      const PadPtr to(
                          gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));

@@ -218,9 +218,7 @@ void Reading::link_sound() {
 void Reading::leave_out(GstPad *pad) {
   if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
     format_.left_out.push_back(name);
-  GstElement *rest = add_element(film_.pipeline(), "fakesink");
-  g_object_set(rest, "sync", FALSE, "async", FALSE, nullptr);
-  link_pad(pad, rest);
+  read_to_end(film_, pad);
 }
 
 void Reading::read_video_format(const GstStructure *caps) {

@@ -14,7 +14,6 @@ namespace {
 constexpr gint64 kLongestShow =
     gint64{10} * G_USEC_PER_SEC; // us, from the first stream to the last
 constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
-constexpr int kLongestStandstill = 30; // s
 
 } // namespace
 
@@ -132,14 +131,18 @@ void FilmStreams::wait_for_streams(const Poll &poll) {
     throw_error(messages::kStreamsAreUnclear);
 }
 
-void FilmStreams::play(const Poll &poll) {
+void FilmStreams::watch(GstPad *pad) {
   const auto count = [](GstPad *, GstPadProbeInfo *, gpointer data) {
     ++*static_cast<std::atomic<std::size_t> *>(data);
     return GST_PAD_PROBE_OK;
   };
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, count, &flowed_, nullptr);
+}
+
+void FilmStreams::play(const Poll &poll, GstClockTime longest_standstill) {
   gst_bin_sync_children_states(GST_BIN(pipeline_.get()));
   for (const auto &[pad, probe] : streams_) {
-    gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, count, &flowed_, nullptr);
+    watch(pad.get());
     gst_pad_remove_probe(pad.get(), probe);
   }
   // A muxer may wait for sound, the full queue of the video for the muxer, and the demuxer for that
@@ -150,8 +153,8 @@ void FilmStreams::play(const Poll &poll) {
     poll();
     polls = flowed == flowed_ ? polls + 1 : 0;
     flowed = flowed_;
-    if (polls * kPollTime > kLongestStandstill * GST_SECOND)
-      throw_error(messages::kFilmStandsStill, kLongestStandstill);
+    if (polls * kPollTime > longest_standstill)
+      throw_error(messages::kFilmStandsStill, static_cast<int>(longest_standstill / GST_SECOND));
   };
   gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
   try {
@@ -161,6 +164,12 @@ void FilmStreams::play(const Poll &poll) {
     throw;
   }
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+}
+
+void read_to_end(const FilmStreams &film, GstPad *pad) {
+  GstElement *sink = add_element(film.pipeline(), "fakesink");
+  g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
+  link_pad(pad, sink);
 }
 
 void discard_stream(GstPad *pad) {

@@ -16,6 +16,8 @@ namespace haptic {
 /// Called some times a second while a pipeline runs. What it throws ends the work.
 using Poll = std::function<void()>;
 
+inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
+
 /// What the streams are for. A decoder may begin at any key frame: the parameter sets are repeated
 /// there.
 enum class FilmUse { copy, decode };
@@ -36,10 +38,12 @@ public:
   const std::vector<GstPad *> &audio() const noexcept { return audio_; }
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 
+  /// What passes this pad is progress, too: decoding goes on when all is read.
+  void watch(GstPad *pad);
   /// Lets the streams flow, each of which is linked, to their end or until an application message.
   /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline, or
-  /// because nothing flowed for half a minute.
-  void play(const Poll &poll);
+  /// because nothing flowed for so long.
+  void play(const Poll &poll, GstClockTime longest_standstill = kLongestStandstill);
 
 private:
   static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);
@@ -53,12 +57,15 @@ private:
   // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
-  std::atomic<std::size_t> flowed_ = 0; // buffers of all streams
+  std::atomic<std::size_t> flowed_ = 0; // buffers of all pads that are watched
   std::string unknown_;                 // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
   std::vector<GstPad *> audio_;
   std::vector<GstPad *> others_;
 };
+
+/// Links a stream of the film, which ends when each of its sinks has an end, to one.
+void read_to_end(const FilmStreams &film, GstPad *pad);
 
 /// Drops what comes from the pad. A sink would hold the thread of the demuxer until the decoder has
 /// a frame, which waits for that thread.

@@ -62,6 +62,16 @@ private:
   std::vector<std::uint8_t> &out_;
 };
 
+// Writes what a file keeps to, the best first (ISO/IEC 14496-12, annex E). A segment whose fragment
+// holds sound and video is one of DASH, "msdh", and none of CMAF, where each has its own files.
+void put_type(Boxes &out, std::string_view box, std::string_view brands) {
+  out.box(box, [&] {
+    out.text(brands.substr(0, 4));
+    out.number(0, 4);
+    out.text(brands);
+  });
+}
+
 void put_matrix(Boxes &out) {
   out.numbers(4, {0x10000, 0, 0, 0, 0x10000, 0, 0, 0, 0x40000000});
 }
@@ -208,11 +218,7 @@ std::size_t put_fragment(Boxes &out, std::uint32_t track, std::int64_t time, std
 std::vector<std::uint8_t> FragmentWriter::head() const {
   std::vector<std::uint8_t> head;
   Boxes out(head);
-  out.box("ftyp", [&] {
-    out.text("iso6");
-    out.number(0, 4);
-    out.text("iso6mp41");
-  });
+  put_type(out, "ftyp", "iso6");
   const bool has_sound = !format_.sound.empty();
   out.box("moov", [&] {
     out.full_box("mvhd", 0, 0, [&] {
@@ -242,10 +248,12 @@ std::vector<std::uint8_t> FragmentWriter::head() const {
 std::vector<std::uint8_t> FragmentWriter::write(const FilmSegment &segment) {
   std::vector<std::uint8_t> bytes;
   Boxes out(bytes);
+  put_type(out, "styp", "msdhiso6");
+  const std::size_t head = out.size();
   for (const SegmentField &field : segment.fields)
     put_event(out, field, events_++);
   const std::size_t begin = out.size();
-  track_bytes_ += begin;
+  track_bytes_ += begin - head;
   std::size_t video_place = 0;
   std::size_t sound_place = 0;
   out.box("moof", [&] {

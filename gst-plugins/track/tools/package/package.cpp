@@ -42,7 +42,7 @@ constexpr char kBundle[] = "feeling-wind.min.js";
 constexpr char kBundleLicence[] = "LICENSE";
 constexpr std::size_t kMostTrack = 8 << 20; // bytes: MOST_BYTES of film.js in pipelines/web/player
 // Of the names of folders: a change of what is written into them changes it.
-constexpr char kForm[] = "package 3";
+constexpr char kForm[] = "package 4";
 
 // A bit rate of the film.
 struct Rate {
@@ -276,11 +276,15 @@ void write_rate(const Rate &rate, const PackageOptions &options, std::span<const
   }
 }
 
-// Between the first and the last frame. The last one lasts as long as nobody knows.
+// The rate that the film states if its times, which Matroska rounds to ms, fit it. Else between the
+// first and the last frame: the last one lasts as long as nobody knows.
 double frame_rate_of(const FilmPlan &plan) {
-  return plan.times.size() < 2 ? 1 / seconds(plan.end)
-                               : static_cast<double>(plan.times.size() - 1) /
-                                     seconds(plan.times.back() - plan.times.front());
+  const auto intervals = static_cast<double>(plan.times.size() - 1);
+  const double length = seconds(plan.times.back() - plan.times.front());
+  const double stated = plan.format.frame_rate;
+  if (stated > 0 && std::abs(intervals / stated - length) <= seconds(kSameTime))
+    return stated;
+  return intervals > 0 ? intervals / length : 1 / seconds(plan.end);
 }
 
 // Returns the lines of a rate in the main playlist (RFC 8216, 4.3.4.2).

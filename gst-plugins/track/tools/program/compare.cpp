@@ -182,9 +182,8 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   const double percent = 100 * result.all.distinguishable;
   if (!options.at_most || percent <= *options.at_most)
     return EXIT_SUCCESS;
-  std::fprintf(stderr, "haptic-track: ");
-  std::fprintf(stderr, messages::kShareIsAbove, percent, *options.at_most);
-  std::fprintf(stderr, "\n");
+  std::fprintf(stderr, "haptic-track: %s\n",
+               format_text(messages::kShareIsAbove, percent, *options.at_most).c_str());
   return EXIT_FAILURE;
 }
 

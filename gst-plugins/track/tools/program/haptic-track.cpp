@@ -43,32 +43,21 @@ using haptic::TrackSample;
 
 constexpr unsigned kMostSpans = 1'000'000; // of a plan
 
-// The options of each command. Another one would be ignored: it is refused.
-constexpr std::pair<std::string_view, std::string_view> kCommandOptions[] = {
-    {"info", "--stream"},
-    {"convert", "--force --hand --layout --map --alpha --stream"},
-    {"cut", "--force --with-video --from --to --stream"},
-    {"plot", "--force --place --hand --stream"},
-    {"compare", "--force --json --plot --at-most --from --to --offset --places --hand --alpha "
-                "--max-force --stream"},
-    {"author", "--output --columns --hold --jobs"},
-    {"author --plan", "--plan --chunks --output --columns --hold"},
-    {"author --chunk", "--chunk"},
-    {"author --merge", "--merge"},
-    {"package", "--carriage --columns --hold --output"},
-    {"package --single", "--single --columns --hold --output"}};
+// With the first of these options a verb takes these alone, else what its help explains.
+constexpr std::pair<std::string_view, std::string_view> kModes[] = {
+    {"--plan", "--plan --chunks --output --columns --hold"},
+    {"--chunk", "--chunk"},
+    {"--merge", "--merge"},
+    {"--single", "--single --columns --hold --output"}};
 
 struct Arguments {
   std::string command;
   std::vector<std::string> options; // as given, without their values
   std::vector<std::string> files;
-  std::optional<double> from;
-  std::optional<double> to;
   bool force = false;
   bool with_video = false;
-  std::string stream;
   haptic::AuthorOptions author;
-  haptic::CompareOptions compare;
+  haptic::CompareOptions compare; // with what other verbs take, too
   haptic::PlotOptions plot;
   haptic::VibrationOptions vibration;
   haptic::Carriage carriage = haptic::Carriage::fragments;
@@ -136,27 +125,35 @@ haptic::Carriage parse_carriage(const std::string &text) {
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
 
-bool is_among(std::string_view options, const std::string &option) {
+// The help of the verb among these words, or else of all.
+const char *usage_of(const std::vector<std::string> &words) {
+  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
+    if (std::ranges::count(words, verb) > 0)
+      return text;
+  return haptic::kUsage;
+}
+
+// Whether the option stands in this help, or in a list of options.
+bool explains(std::string_view help, const std::string &option) {
   return option.find(' ') == std::string::npos &&
-         (' ' + std::string(options) + ' ').find(' ' + option + ' ') != std::string::npos;
+         (' ' + std::string(help) + ' ').find(' ' + option + ' ') != std::string::npos;
 }
 
 void check_options(const Arguments &arguments) {
-  std::string command = arguments.command;
-  if (command == "author")
-    command += arguments.plan    ? " --plan"
-               : arguments.chunk ? " --chunk"
-               : arguments.merge ? " --merge"
-                                 : "";
-  if (command == "package" && arguments.single)
-    command += " --single";
-  const auto *const entry = std::ranges::find(
-      kCommandOptions, command, &std::pair<std::string_view, std::string_view>::first);
-  if (entry == std::end(kCommandOptions))
-    return;
+  std::string verb = arguments.command;
+  std::string_view help = usage_of({verb});
+  if (verb.empty())
+    throw_error(messages::kCommandIsMissing);
+  if (help == haptic::kUsage)
+    throw_error(messages::kCommandIsUnknown, verb.c_str());
+  for (const auto &[mode, options] : kModes)
+    if (std::ranges::count(arguments.options, mode) > 0 && explains(help, std::string(mode))) {
+      verb += ' ' + std::string(mode);
+      help = options;
+    }
   for (const std::string &option : arguments.options)
-    if (!is_among(entry->second, option))
-      throw_error(messages::kOptionIsForeign, option.c_str(), command.c_str());
+    if (!explains(help, option) || (option == "--chunks" && !arguments.plan))
+      throw_error(messages::kOptionIsForeign, option.c_str(), verb.c_str());
 }
 
 // Returns what an option without a value sets, or null.
@@ -170,10 +167,23 @@ bool *flag_of(const std::string &option, Arguments &arguments) {
                                     : nullptr;
 }
 
+// Returns the text that an option sets, or null.
+std::string *text_of(const std::string &option, Arguments &arguments) {
+  return option == "--output"   ? &arguments.author.folder
+         : option == "--stream" ? &arguments.compare.stream
+         : option == "--layout" ? &arguments.vibration.layout
+         : option == "--map"    ? &arguments.vibration.map
+         : option == "--hand"   ? &arguments.compare.hand
+         : option == "--plot"   ? &arguments.compare.plot
+                                : nullptr;
+}
+
 // One with a value.
 void read_option(const std::string &option, const std::string &text, Arguments &arguments) {
   haptic::CompareOptions &compare = arguments.compare;
-  if (option == "--chunk")
+  if (std::string *const value = text_of(option, arguments))
+    *value = text;
+  else if (option == "--chunk")
     arguments.chunk = parse_count(option, text, 0, kMostSpans);
   else if (option == "--chunks")
     arguments.chunks = parse_count(option, text, 1, kMostSpans);
@@ -184,30 +194,18 @@ void read_option(const std::string &option, const std::string &text, Arguments &
         parse_count(option, text, haptic::kFewestColumns, haptic::kMostColumns);
   else if (option == "--hold")
     read_hold(text, arguments.author.hold);
-  else if (option == "--output")
-    arguments.author.folder = text;
   else if (option == "--carriage")
     arguments.carriage = parse_carriage(text);
-  else if (option == "--stream")
-    arguments.stream = text;
-  else if (option == "--layout")
-    arguments.vibration.layout = text;
-  else if (option == "--map")
-    arguments.vibration.map = text;
   else if (option == "--from")
-    arguments.from = parse_seconds(option, text);
+    compare.from = parse_seconds(option, text);
   else if (option == "--to")
-    arguments.to = parse_seconds(option, text);
-  else if (option == "--hand")
-    compare.hand = text;
-  else if (option == "--plot")
-    compare.plot = text;
+    compare.to = parse_seconds(option, text);
   else if (option == "--at-most")
     compare.at_most = parse_number(option, text, 0, 100);
   else if (option == "--offset")
     compare.offset = parse_number(option, text, -1e6, 1e6);
   else if (option == "--alpha")
-    compare.law.alpha = parse_number(option, text, 0.0001, 10);
+    arguments.vibration.alpha = compare.law.alpha = parse_number(option, text, 0.0001, 10);
   else if (option == "--max-force")
     compare.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
   else if (option == "--place" &&
@@ -238,8 +236,8 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         *flag = true;
         continue;
       }
-      if (std::ranges::none_of(kCommandOptions,
-                               [&](const auto &entry) { return is_among(entry.second, word); }))
+      if (std::ranges::none_of(haptic::kUsageOfVerbs,
+                               [&](const auto &entry) { return explains(entry.second, word); }))
         throw_error(messages::kOptionIsUnknown, word.c_str());
       if (flag_of(word, arguments))
         throw_error(messages::kOptionTakesNoValue, word.c_str());
@@ -401,11 +399,10 @@ void info(const std::string &path, const std::string &stream) {
     std::printf("  beside it  %s\n", other.c_str());
   if (!track.reliefs.empty())
     info_of_reliefs(track.reliefs);
-  if (!track.fields.empty()) {
+  if (!track.fields.empty())
     info_of_fields(track.fields);
-  } else if (track.reliefs.empty() || !track.samples.empty()) {
+  else if (track.reliefs.empty() || !track.samples.empty())
     std::printf("  samples    %zu\n", track.samples.size());
-  }
   if (!track.samples.empty())
     info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
@@ -425,7 +422,7 @@ void check_output(const Arguments &arguments) {
 
 TrackFile read_some(const Arguments &arguments) {
   const std::string &path = arguments.files[0];
-  TrackFile track = haptic::read_track_file(path, arguments.stream);
+  TrackFile track = haptic::read_track_file(path, arguments.compare.stream);
   print_remarks(path, track);
   if (track.holds_nothing())
     throw_error(messages::kTrackIsEmpty, path.c_str());
@@ -452,8 +449,6 @@ void write(const std::string &output, const TrackFile &track,
 void convert(const Arguments &arguments) {
   check_output(arguments);
   TrackFile track = read_some(arguments);
-  haptic::VibrationOptions vibration = arguments.vibration;
-  vibration.alpha = arguments.compare.law.alpha;
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
@@ -466,25 +461,26 @@ void convert(const Arguments &arguments) {
       track.beside, [](const std::string &caps) { return caps.starts_with("video/"); });
   if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
     haptic::begin_at_zero(track);
-  write(output, track, vibration);
+  write(output, track, arguments.vibration);
 }
 
 void cut(const Arguments &arguments) {
   check_output(arguments);
   TrackFile track = read_some(arguments);
-  const auto from = static_cast<std::uint64_t>(std::llround(arguments.from.value_or(0) * 1e9));
-  const auto to = static_cast<std::uint64_t>(std::llround(arguments.to.value_or(1e9) * 1e9));
+  const auto from =
+      static_cast<std::uint64_t>(std::llround(arguments.compare.from.value_or(0) * 1e9));
+  const auto to =
+      static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
+    TrackFile left;
     try {
-      auto remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
+      left.remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
                                       arguments.files[1], haptic::throw_if_interrupted);
-      track = {};
-      track.remarks = std::move(remarks);
     } catch (const TrackFileError &error) {
       throw TrackFileError(haptic::about(arguments.files[0], error.what()));
     }
-    print_remarks(arguments.files[0], track);
+    print_remarks(arguments.files[0], left);
     return;
   }
   haptic::cut_track(track, from, to);
@@ -505,12 +501,8 @@ void plot(const Arguments &arguments) {
 int compare(const Arguments &arguments) {
   if (arguments.files.size() != 2)
     throw_error(messages::kCompareNeedsFiles);
-  haptic::CompareOptions options = arguments.compare;
-  options.from = arguments.from;
-  options.to = arguments.to;
-  options.stream = arguments.stream;
-  check_may_be_written(arguments, options.plot);
-  return haptic::compare(arguments.files[0], arguments.files[1], options);
+  check_may_be_written(arguments, arguments.compare.plot);
+  return haptic::compare(arguments.files[0], arguments.files[1], arguments.compare);
 }
 
 int author(const Arguments &arguments) {
@@ -547,7 +539,7 @@ int run(const Arguments &arguments) {
     int failures = 0;
     for (const auto &file : arguments.files)
       try {
-        info(file, arguments.stream);
+        info(file, arguments.compare.stream);
       } catch (const TrackFileError &error) {
         std::fprintf(stderr, "haptic-track: %s\n", error.what());
         ++failures;
@@ -560,21 +552,9 @@ int run(const Arguments &arguments) {
     convert(arguments);
   else if (arguments.command == "cut")
     cut(arguments);
-  else if (arguments.command == "plot")
-    plot(arguments);
-  else if (arguments.command.empty())
-    throw_error(messages::kCommandIsMissing);
   else
-    throw_error(messages::kCommandIsUnknown, arguments.command.c_str());
+    plot(arguments);
   return EXIT_SUCCESS;
-}
-
-// The help of the verb among these words, or else of all.
-const char *usage_of(const std::vector<std::string> &words) {
-  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
-    if (std::ranges::count(words, verb) > 0)
-      return text;
-  return haptic::kUsage;
 }
 
 } // namespace

@@ -74,12 +74,6 @@ GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   return GST_PAD_PROBE_OK;
 }
 
-void read_to_end(const FilmStreams &film, GstPad *pad) {
-  GstElement *sink = add_element(film.pipeline(), "fakesink");
-  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
-  link_pad(pad, sink);
-}
-
 void scan_film(const std::string &path, const Poll &poll, CutScan &scan) {
   FilmStreams film(path, FilmUse::copy, poll);
   scan.video = film.video();
@@ -171,14 +165,20 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   GstElement *mark = add_element(film.pipeline(), "hapticmark");
   link_elements(mux, mark);
   link_elements(mark, sink);
-  // Before the other streams: who takes the first text of the file takes the track.
-  GstElement *in = add_track_source(film.pipeline(), !track.coded().empty(), mux, is_matroska).in;
   std::vector<std::string> remarks;
   if (scan.tracks.size() > 1)
     remarks.emplace_back("further haptic tracks were left out");
-  for (GstPad *pad : film.all())
+  const auto keep = [&](GstPad *pad) {
     if (auto remark = keep_stream(part, film, pad, mux, is_matroska))
       remarks.push_back(std::move(*remark));
+  };
+  // The clock and the tables of a transport stream go with its first stream.
+  keep(film.video());
+  // Before other texts: who takes the first text of the file takes the track.
+  GstElement *in = add_track_source(film.pipeline(), !track.coded().empty(), mux, is_matroska).in;
+  for (GstPad *pad : film.all())
+    if (pad != film.video())
+      keep(pad);
   push_track(in, track);
   film.play(poll);
   file.keep_as(output);

@@ -60,4 +60,11 @@ TEST(TrackClock, ATrackHasLostItsTimesOnceItHadNoneForTwoSeconds) {
   EXPECT_FALSE(clock.is_waiting());
 }
 
+TEST(TrackClock, ATimeThatGoesBackIsNoWait) {
+  TrackClock clock;
+  EXPECT_FALSE(clock.wait_for_tie(5 * kSecond));
+  EXPECT_FALSE(clock.wait_for_tie(4 * kSecond));
+  EXPECT_TRUE(clock.wait_for_tie(6 * kSecond));
+}
+
 } // namespace

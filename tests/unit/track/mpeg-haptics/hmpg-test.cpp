@@ -4,6 +4,7 @@
 #include "mpeg-haptics/hmpg-rtp.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -436,9 +437,22 @@ TEST_F(Golden, BothFormsAreFeltAlike) {
 
 // ---- RTP ----------------------------------------------------------------------------------------
 
+Bytes bytes_of(const haptic::HmpgPayload &payload) {
+  Bytes bytes = payload.head;
+  bytes.insert(bytes.end(), payload.part.begin(), payload.part.end());
+  return bytes;
+}
+
+std::vector<Bytes> packetize(const Bytes &unit, std::size_t largest) {
+  std::vector<Bytes> payloads;
+  std::ranges::transform(haptic::packetize_unit(unit, largest), std::back_inserter(payloads),
+                         bytes_of);
+  return payloads;
+}
+
 TEST(HmpgRtp, ASingleUnitGetsOneByteOfHeader) {
   const Bytes unit = haptic::write_silent_unit(800);
-  const auto payloads = haptic::packetize_unit(unit, 1400);
+  const auto payloads = packetize(unit, 1400);
   ASSERT_EQ(payloads.size(), 1U);
   EXPECT_EQ(payloads[0][0], 0x40); // independent, silent, layer 0
   EXPECT_EQ(Bytes(payloads[0].begin() + 1, payloads[0].end()), unit);
@@ -446,7 +460,7 @@ TEST(HmpgRtp, ASingleUnitGetsOneByteOfHeader) {
 
 TEST(HmpgRtp, FragmentsGoTogetherAgain) {
   const Bytes unit = haptic::write_initialization_unit(haptic::track_experience(kDate));
-  const auto payloads = haptic::packetize_unit(unit, 40);
+  const auto payloads = packetize(unit, 40);
   ASSERT_GT(payloads.size(), 3U);
   haptic::UnitAssembler assembler;
   std::uint16_t sequence = 65534;
@@ -464,7 +478,7 @@ TEST(HmpgRtp, FragmentsGoTogetherAgain) {
 
 TEST(HmpgRtp, ALostFragmentLosesItsUnitOnly) {
   const Bytes unit = haptic::write_initialization_unit(haptic::track_experience(kDate));
-  const auto payloads = haptic::packetize_unit(unit, 40);
+  const auto payloads = packetize(unit, 40);
   haptic::UnitAssembler assembler;
   std::uint16_t sequence = 0;
   for (std::size_t i = 0; i < payloads.size(); ++i, ++sequence)
@@ -483,7 +497,7 @@ TEST(HmpgRtp, ALostFragmentLosesItsUnitOnly) {
 TEST(HmpgRtp, UnitsWaitForInitializationAndDependentOnesForAnIndependentOne) {
   haptic::UnitAssembler assembler;
   const auto send = [&](std::uint16_t sequence, const Bytes &unit) {
-    return assembler.push(sequence, haptic::packetize_unit(unit, 1400)[0]);
+    return assembler.push(sequence, packetize(unit, 1400)[0]);
   };
   const Bytes independent = haptic::write_silent_unit(10);
   Bytes dependent = independent;
@@ -503,11 +517,11 @@ TEST(HmpgRtp, UnitsOfOneTimeStampShareAPacket) {
   const Bytes first = haptic::write_initialization_unit(haptic::track_experience(kDate));
   const Bytes second = haptic::write_silent_unit(10);
   const std::array<std::span<const std::uint8_t>, 2> units = {first, second};
-  const Bytes payload = haptic::aggregate_units(units, 1400);
+  const Bytes payload = bytes_of(haptic::aggregate_units(units, 1400).value());
   ASSERT_EQ(payload.size(), 1 + 2 + first.size() + 2 + second.size());
   EXPECT_EQ(payload[0], 0x50);
   EXPECT_EQ(payload[1] << 8 | payload[2], static_cast<int>(first.size()));
-  EXPECT_TRUE(haptic::aggregate_units(units, payload.size() - 1).empty());
+  EXPECT_FALSE(haptic::aggregate_units(units, payload.size() - 1));
   haptic::UnitAssembler assembler;
   const auto result = assembler.push(0, payload);
   EXPECT_EQ(result.problem, nullptr);
@@ -517,7 +531,7 @@ TEST(HmpgRtp, UnitsOfOneTimeStampShareAPacket) {
 TEST(HmpgRtp, OfADamagedAggregationPacketTheUnitsBeforeAreRead) {
   const Bytes first = haptic::write_initialization_unit(haptic::track_experience(kDate));
   const std::array<std::span<const std::uint8_t>, 2> units = {first, first};
-  const Bytes payload = haptic::aggregate_units(units, 1400);
+  const Bytes payload = bytes_of(haptic::aggregate_units(units, 1400).value());
   for (std::size_t size = 1 + 2 + first.size(); size < payload.size(); ++size) {
     haptic::UnitAssembler assembler;
     const auto result = assembler.push(0, std::span(payload).first(size));

@@ -131,6 +131,7 @@ TEST(FragmentWriter, BoxesAreAsLongAsTheySay) {
   FragmentWriter writer(format);
   const auto bytes = writer.write(segment);
   std::vector<std::string> wanted(segment.fields.size(), "emsg");
+  wanted.insert(wanted.begin(), "styp");
   wanted.insert(wanted.end(), {"moof", "mdat"});
   EXPECT_EQ(types_in(bytes), wanted);
   EXPECT_EQ(types_in(inner(bytes, {"moof"})), (std::vector<std::string>{"mfhd", "traf", "traf"}));
@@ -181,8 +182,8 @@ TEST(FragmentWriter, EachFieldIsAnEventAtItsTime) {
     const auto bytes = writer.write(segment);
     const auto boxes = boxes_in(bytes);
     for (std::size_t k = 0; k < segment.fields.size(); ++k) {
-      const Bytes event = boxes.at(k).content;
-      ASSERT_EQ(boxes[k].type, "emsg");
+      const Bytes event = boxes.at(k + 1).content;
+      ASSERT_EQ(boxes[k + 1].type, "emsg");
       all += 8 + event.size();
       EXPECT_EQ(number_at(event, 0, 4), 0x01000000U) << "version 1: the time is that of the film";
       EXPECT_EQ(number_at(event, 4, 4), 90'000U);
