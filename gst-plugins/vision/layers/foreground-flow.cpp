@@ -57,7 +57,7 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
 
 void ForegroundFlow::step(const LayerFrame &earlier, const LayerFrame &later,
                           const FlowPrior &prior, float noise, const LayerSize &size) {
-  constexpr float kFar = 0.25F; // px, mean where there is texture
+  constexpr float kFar = 0.5F; // px, mean where there is texture
   constexpr float kArrived = 0.02F;
   constexpr int kMostWarm = 2;
   constexpr int kMostCold = 4;

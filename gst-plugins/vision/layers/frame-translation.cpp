@@ -97,6 +97,15 @@ constexpr float kLeastMotion = 0.1F; // px a frame: less is the drift of clouds
 constexpr float kLeastTrace = 2;     // of a patch that can show anything
 constexpr float kPatches = FrameTranslation::kColumns * FrameTranslation::kRows;
 
+void prefetch(const LumaView &view) {
+  if (!view.pixels)
+    return;
+  for (int y = 0; y < view.height; ++y) {
+    __builtin_prefetch(view.pixels + y * view.stride);
+    __builtin_prefetch(view.pixels + y * view.stride + view.width - 1);
+  }
+}
+
 } // namespace
 
 LumaView FrameTranslation::read(const LumaSource &source, const Rectangle &area) {
@@ -113,6 +122,16 @@ void FrameTranslation::sample(const FramePair &frames) {
   const auto corner = [](int i, int parts, int length, int side) {
     return (2 * i + 1) * length / (2 * parts) - side / 2;
   };
+  // The patches lie far from each other in memory: waiting for one after the other takes longer
+  // than all that is computed.
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const int x = corner(column, kColumns, frames.width, kWide);
+      const int y = corner(row, kRows, frames.height, kHigh);
+      if (x >= 1 && y >= 1 && x + kWide < frames.width && y + kHigh < frames.height)
+        for (const LumaSource *source : {&frames.later, &frames.earlier})
+          prefetch(source->plane({x - 1, y - 1, kWide + 2, kHigh + 2}));
+    }
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
       Sample &sample = samples_[count_];

@@ -461,19 +461,29 @@ void Linearise(const LayerFrame &earlier, const LayerFrame &later, const VectorM
     float *HWY_RESTRICT by = moment.y.row(y);
     float *HWY_RESTRICT e2 = squares.row();
     const float fy = static_cast<float>(y);
+    // In three passes, of which the one that gathers is short: compilers vectorise each.
+    alignas(64) int at[kLayerSide];
+    alignas(64) PixelRow part_x, part_y, above, above_next, below, below_next;
     for (int x = 0; x < size.width; ++x) {
       const float at_x = std::min(std::max(static_cast<float>(x) - ux[x], 0.0F), most_x);
       const float at_y = std::min(std::max(fy - uy[x], 0.0F), most_y);
       const int left = static_cast<int>(at_x);
       const int top = static_cast<int>(at_y);
-      const float part_x = at_x - static_cast<float>(left);
-      const float part_y = at_y - static_cast<float>(top);
-      const int at = top * PixelMap::kStride + left;
-      const float above = from[at] + part_x * (from[at + 1] - from[at]);
-      const float below =
-          from[at + PixelMap::kStride] +
-          part_x * (from[at + PixelMap::kStride + 1] - from[at + PixelMap::kStride]);
-      const float difference = above + part_y * (below - above) - here[x];
+      part_x[x] = at_x - static_cast<float>(left);
+      part_y[x] = at_y - static_cast<float>(top);
+      at[x] = top * PixelMap::kStride + left;
+    }
+    for (int x = 0; x < size.width; ++x) {
+      const float *HWY_RESTRICT pixel = from + at[x];
+      above[x] = pixel[0];
+      above_next[x] = pixel[1];
+      below[x] = pixel[PixelMap::kStride];
+      below_next[x] = pixel[PixelMap::kStride + 1];
+    }
+    for (int x = 0; x < size.width; ++x) {
+      const float upper = above[x] + part_x[x] * (above_next[x] - above[x]);
+      const float lower = below[x] + part_x[x] * (below_next[x] - below[x]);
+      const float difference = upper + part_y[x] * (lower - upper) - here[x];
       const float sum = difference + gx[x] * ux[x] + gy[x] * uy[x];
       e2[x] += difference * difference;
       to[x] = sum;
