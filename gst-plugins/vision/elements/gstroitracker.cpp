@@ -189,8 +189,12 @@ std::span<const haptic::Property<Shared>> properties() {
                 "the frame",
                 "fast"},
                {TrackerMethod::opencv,
-                "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference",
-                "opencv"}})),
+                "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
+               {TrackerMethod::layers,
+                "What moves before a background, each with its own motion; patches cover the "
+                "region "
+                "evenly",
+                "layers"}})),
       {g_param_spec_boolean("pressed", "Pressed",
                             "Whether the pointer of the properties is pressed; reading it gives "
                             "that of the pointer in use",
@@ -239,7 +243,8 @@ void warn_of_tracker(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &re
 }
 
 // Compares the frame with the reference. Nothing, if either cannot be read.
-std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region) {
+std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rectangle &region,
+                               GstClockTime interval) {
   State &state = *self->state;
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
   const MappedFrame earlier(info, state.reference.get());
@@ -249,7 +254,7 @@ std::optional<Finding> compare(GstRoiTracker *self, GstBuffer *buffer, const Rec
   const haptic::Areas areas =
       state.tracker.areas(region, GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info));
   Finding finding = state.tracker.compare(haptic::FrameLuma(earlier.frame()),
-                                          haptic::FrameLuma(frame.frame()), areas);
+                                          haptic::FrameLuma(frame.frame()), areas, interval);
   if (!finding.error.empty())
     warn_of_tracker(self, buffer, region, finding.error);
   return finding;
@@ -277,7 +282,7 @@ std::optional<Finding> measure(GstRoiTracker *self, GstBuffer *buffer, const Rec
     return Finding{.interval = step.interval};
   }
   state.tracker.set_method(settings.method, static_cast<int>(settings.max_points));
-  std::optional<Finding> finding = compare(self, buffer, region);
+  std::optional<Finding> finding = compare(self, buffer, region, step.interval);
   if (finding)
     finding->interval = step.interval;
   return finding;

@@ -2,6 +2,7 @@
 // The interface of a tracker: two crops of luma in, patches with their displacement out.
 #pragma once
 
+#include "layers/frame-translation.hpp"
 #include "patches/measurement.hpp"
 #include "pixels/luma-view.hpp"
 #include "tracking/tracker-options.hpp"
@@ -31,6 +32,9 @@ struct CropPair {
   Rectangle region;       ///< the region of interest in the frame, inside crop
   bool continues = false; ///< previous is the frame that was `current` in the call before
   int repeats = 0;        ///< frames since that call that repeated the one before, not handed over
+  /// Both frames, for a tracker that looks beyond the crop; nothing: it cannot.
+  const FramePair *frames = nullptr;
+  float seconds = 0; ///< between the two frames; 0: not known
 };
 
 /// One instance serves one stream, from one thread at a time.
@@ -44,6 +48,10 @@ public:
   /// At most max_points patches (1..kMaxPatches).
   virtual void set_max_points(int max_points) = 0;
 
+  /// Whether it is asked about pixels that did not change, too. A coder lets slow things stand for
+  /// some frames; a tracker that remembers knows that they go on.
+  virtual bool measures_unchanged() const { return false; }
+
   /// Overwrites `measurement`. It holds no patches if nothing could be tracked.
   virtual void measure(const CropPair &pair, Measurement &measurement) = 0;
 
@@ -54,6 +62,9 @@ public:
 /// The default: still, one translation or a grid of patches, whichever is the simplest that
 /// explains the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
 std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options = {});
+
+/// What moves before a background, each with its own motion: the mean over the region as it moved.
+std::unique_ptr<PatchTracker> make_layer_tracker();
 
 /// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.
 std::unique_ptr<PatchTracker> make_opencv_tracker();

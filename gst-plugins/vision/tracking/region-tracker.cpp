@@ -6,6 +6,20 @@
 #include <utility>
 
 namespace haptic {
+namespace {
+
+std::unique_ptr<PatchTracker> make_tracker(TrackerMethod method) {
+  switch (method) {
+  case TrackerMethod::opencv:
+    return make_opencv_tracker();
+  case TrackerMethod::layers:
+    return make_layer_tracker();
+  default:
+    return make_fast_tracker();
+  }
+}
+
+} // namespace
 
 bool is_identical(const LumaView &one, const LumaView &other) {
   for (int y = 0; y < one.height; ++y)
@@ -17,7 +31,7 @@ bool is_identical(const LumaView &one, const LumaView &other) {
 
 void RegionTracker::set_method(TrackerMethod method, int max_points) {
   if (std::exchange(method_, method) != method) {
-    tracker_ = method == TrackerMethod::fast ? make_fast_tracker() : make_opencv_tracker();
+    tracker_ = make_tracker(method);
     earlier_was_measured_ = false;
   }
   tracker_->set_max_points(max_points);
@@ -25,7 +39,8 @@ void RegionTracker::set_method(TrackerMethod method, int max_points) {
 
 Areas RegionTracker::areas(const Rectangle &region, int frame_width, int frame_height) const {
   const int margin = tracker_->margin(std::max(region.width, region.height));
-  return {region, crop_around(region, margin, frame_width, frame_height)};
+  return {region, crop_around(region, margin, frame_width, frame_height), frame_width,
+          frame_height};
 }
 
 // The views of the pair are valid afterwards only if the pixels changed.
@@ -50,16 +65,19 @@ void RegionTracker::run(const CropPair &pair, Finding &finding) {
 }
 
 Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &frame,
-                               const Areas &areas) {
+                               const Areas &areas, std::uint64_t interval) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   luma_.forget();
+  const FramePair frames{earlier, frame, areas.frame_width, areas.frame_height};
   const CropPair pair{earlier_luma_.read(earlier, areas.crop),
                       luma_.read(frame, areas.crop),
                       areas.crop,
                       areas.region,
                       earlier_was_measured_,
-                      repeats_};
+                      repeats_,
+                      &frames,
+                      1e-9F * static_cast<float>(interval)};
   Finding finding;
   switch (repetition(earlier, frame, pair)) {
   case Repetition::duplicate:
@@ -67,8 +85,14 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
     // the one that the tracker saw last.
     return {.flags = kMotionDuplicate, .becomes_reference = false};
   case Repetition::still:
-    finding.flags = kMotionStill;
-    ++repeats_;
+    if (!tracker_->measures_unchanged()) {
+      finding.flags = kMotionStill;
+      ++repeats_;
+      break;
+    }
+    run(pair, finding);
+    finding.flags = measurement_.flags;
+    finding.time = Clock::now() - begin;
     break;
   case Repetition::none:
     moving_crop_ = areas.crop;

@@ -15,12 +15,14 @@
 
 namespace haptic {
 
-enum class TrackerMethod { fast, opencv };
+enum class TrackerMethod { fast, opencv, layers };
 
 /// The areas of a frame that belong to one pointer position.
 struct Areas {
   Rectangle region; ///< of interest
   Rectangle crop;   ///< the region and the margin that the tracker needs
+  int frame_width;  ///< px
+  int frame_height; ///< px
 };
 
 /// The result for one frame.
@@ -46,8 +48,10 @@ public:
   Areas areas(const Rectangle &region, int frame_width, int frame_height) const;
 
   /// Compares a frame with the earlier one, which is the frame of the latest finding that became
-  /// the reference, or of the latest skip(). Leaves the patches in measurement().
-  Finding compare(const LumaSource &earlier, const LumaSource &frame, const Areas &areas);
+  /// the reference, or of the latest skip(). Leaves the patches in measurement(). `interval`: ns
+  /// between the two frames; 0: not known.
+  Finding compare(const LumaSource &earlier, const LumaSource &frame, const Areas &areas,
+                  std::uint64_t interval = 0);
 
   /// A frame that is not compared becomes the earlier one.
   void skip();

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The velocity of the background. A coder lets clouds stand and moves them in jumps: the sum over a
+// second shows how fast they drift.
+#pragma once
+
+#include "layers/layer-maps.hpp"
+
+namespace haptic {
+
+/// What one pair of frames brings.
+struct BackgroundStep {
+  float seconds = 0;
+  float noise = 0;        ///< variance of a pixel, grey levels squared
+  Displacement prior;     ///< of the frame, px
+  float prior_counts = 0; ///< 0..1
+};
+
+/// One instance serves one place of one stream.
+class BackgroundMotion {
+public:
+  BackgroundMotion() { forget(); }
+  void forget();
+
+  /// `luma`: of the background. `background` and `follows` are those of CalmCells.
+  void update(const LayerFrame &earlier, const LayerFrame &later, const PixelMap &luma,
+              const CellMap &background, const CellMap &follows, const LayerSize &size,
+              const BackgroundStep &step);
+
+  /// Displacement of each cell, px.
+  const VectorMap<CellMap> &motion() const { return motion_; }
+
+  /// The normal equations behind it, per pixel, summed over the memory.
+  const TensorMap<CellMap> &structure() const { return structure_; }
+
+private:
+  Displacement remember(const LayerFrame &earlier, const LayerFrame &later,
+                        const CellMap &background, const CellMap &follows, const LayerSize &size,
+                        const BackgroundStep &step);
+
+  TensorMap<CellMap> memory_; // of cells without texture
+  VectorMap<CellMap> moment_;
+  TensorMap<CellMap> instant_; // of all pixels that can be background
+  VectorMap<CellMap> instant_moment_;
+  VectorMap<CellMap> near_moment_;
+  TensorMap<CellMap> structure_;
+  VectorMap<CellMap> motion_;
+};
+
+} // namespace haptic

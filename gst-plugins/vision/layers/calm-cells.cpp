@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "layers/calm-cells.hpp"
+
+#include "layers/layer-kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+// A leaf sways to and fro within a second: over this time, what is behind it changes less.
+constexpr float kBase = 0.133F;        // s
+constexpr float kCalmMemory = 0.25F;   // s
+constexpr float kTextureMemory = 2;    // s: a cell that had texture is believed to be flat later
+constexpr float kFollowMemory = 0.55F; // s
+constexpr float kStart = 0.8F;         // calm, but not by much
+constexpr float kRestless = 1.5F;      // where there is texture
+constexpr float kMostChange = 4;       // of a cell in one frame, in units of what is expected
+constexpr float kMostEnergy = 100;     // grey levels squared: a leaf that passes is no evidence
+
+// As far as the rounding of a byte matters, beside the noise.
+float rounding_and(float noise) {
+  return 1 + 1.2F * noise;
+}
+
+// The part of the way to a new value after a time.
+float step_of(float seconds, float memory) {
+  return 1 - std::exp(-seconds / memory);
+}
+
+} // namespace
+
+void CalmCells::forget() {
+  count_ = 0;
+  calm_.values.fill(kStart);
+  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &follows_})
+    map->values.fill(0);
+  at_rest_sum_ = displaced_sum_ = 0;
+}
+
+// Compares the frame with the earlier one, displaced by what was found in between. False: it is not
+// known, or too little to see.
+bool CalmCells::displace(const LayerFrame &frame, const LayerSize &size, const CalmStep &step,
+                         int base) {
+  constexpr float kLeast2 = 1;         // px squared
+  constexpr float kMostOfWidth = 0.6F; // else too little of the crop is left to compare
+  Displacement shift = step.shift;
+  bool is_known = step.has_shift && count_ >= base;
+  for (int i = 1; i < base && is_known; ++i) {
+    shift += past(i).shift;
+    is_known = past(i).has_shift;
+  }
+  const float most = kMostOfWidth * static_cast<float>(size.width);
+  if (!is_known || norm2(shift) <= kLeast2 || norm2(shift) >= most * most)
+    return false;
+  compare_displaced(past(base).smooth, frame.smooth, shift, size, displaced_change_);
+  for_cells(size, [&](int x, int y) {
+    if (!comes_from_inside(x, y, shift, size)) {
+      displaced_change_.at(x, y) = change_.at(x, y);
+    } else if (frame.flat.at(x, y) > 0) {
+      const float rest = std::min(change_.at(x, y), kMostEnergy);
+      const float displaced = std::min(displaced_change_.at(x, y), kMostEnergy);
+      at_rest_energy_.at(x, y) += rest;
+      displaced_energy_.at(x, y) += displaced;
+      at_rest_sum_ += rest;
+      displaced_sum_ += displaced;
+    }
+  });
+  return true;
+}
+
+// y says how much can be seen, z which of the two explanations is better. Where nothing can be
+// seen, the rest of the crop decides, and beyond it the frame.
+void CalmCells::decide_followers(const LayerSize &size, const CalmStep &step) {
+  constexpr float kNothing = 30; // grey levels squared, sum over the memory
+  constexpr float kOfCrop = 20;  // times as much, for the whole crop
+  static const auto kNear = gaussian<3>(1.25F);
+  const float nothing = kNothing * rounding_and(step.noise);
+  const float crop = std::clamp((at_rest_sum_ - displaced_sum_) /
+                                    (at_rest_sum_ + displaced_sum_ + kOfCrop * nothing),
+                                0.0F, 1.0F);
+  CellMap rest = at_rest_energy_;
+  CellMap displaced = displaced_energy_;
+  blur(kNear, size, rest);
+  blur(kNear, size, displaced);
+  for_cells(size, [&](int x, int y) {
+    const float sum = rest.at(x, y) + displaced.at(x, y);
+    const float z = (rest.at(x, y) - displaced.at(x, y)) / (sum + nothing);
+    const float seen = sum / (sum + nothing);
+    const float follows = std::clamp(z + 0.5F * seen + crop * (1 - seen), 0.0F, 1.0F);
+    follows_.at(x, y) = follows + step.frame_moves * (1 - follows);
+  });
+}
+
+void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const CalmStep &step) {
+  const int wanted = static_cast<int>(std::lround(kBase / std::max(step.seconds, 1e-3F)));
+  const int base = std::clamp(wanted, 1, kRing);
+  const int available = std::min(base, count_);
+  Past &now = ring_[static_cast<std::size_t>(count_ % kRing)];
+  if (available > 0) {
+    const Past &old = past(available);
+    compare(old.smooth, frame.smooth, size, change_);
+    pool(frame.steepness, size, steepness_);
+    const float kept = std::exp(-step.seconds / kFollowMemory);
+    for_cells(size, [&](int x, int y) {
+      at_rest_energy_.at(x, y) *= kept;
+      displaced_energy_.at(x, y) *= kept;
+    });
+    at_rest_sum_ *= kept;
+    displaced_sum_ *= kept;
+    const bool is_displaced = displace(frame, size, step, base);
+    decide_followers(size, step);
+    if (is_displaced)
+      for_cells(size, [&](int x, int y) {
+        change_.at(x, y) += follows_.at(x, y) * (displaced_change_.at(x, y) - change_.at(x, y));
+      });
+    const float to_change = step_of(step.seconds, kCalmMemory);
+    const float to_restless = step_of(step.seconds, kTextureMemory);
+    for_cells(size, [&](int x, int y) {
+      float &calm = calm_.at(x, y);
+      if (!(frame.flat.at(x, y) > 0)) {
+        calm += to_restless * (kRestless - calm);
+      } else if (old.flat.at(x, y) > 0) {
+        // A slope that drifts by a pixel changes by its steepness.
+        const float expected =
+            rounding_and(step.noise) + 1.5F * std::max(0.0F, steepness_.at(x, y) - step.noise / 4);
+        calm += to_change * (std::min(kMostChange, change_.at(x, y) / expected) - calm);
+      }
+    });
+  }
+  CellMap near = calm_;
+  blur(kBinomial, size, near);
+  for_cells(size, [&](int x, int y) {
+    background_.at(x, y) = near.at(x, y) > 1 ? 0 : frame.flat.at(x, y);
+  });
+  now.smooth = frame.smooth;
+  now.flat = frame.flat;
+  now.shift = step.shift;
+  now.has_shift = step.has_shift;
+  ++count_;
+}
+
+} // namespace haptic

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The displacement of each pixel of what moves (Lucas and Kanade), with the one of the frame before
+// as the start.
+#pragma once
+
+#include "layers/layer-maps.hpp"
+#include "layers/region-translation.hpp"
+
+namespace haptic {
+
+/// What else is known of the motion.
+struct FlowPrior {
+  Displacement frame;  ///< of pixels that show nothing, px
+  Displacement change; ///< of the region's translation since the frame before, px
+  /// Cells that it explains better than their own start begin with it. `share` 0: not known.
+  ExplainedTranslation region;
+};
+
+/// One instance serves one place of one stream.
+class ForegroundFlow {
+public:
+  /// The flow that follows starts from rest.
+  void forget() { is_cold_ = true; }
+
+  /// Finds the structure of the later frame. Call it once a frame, before step().
+  void prepare(const LayerFrame &later, const LayerSize &size);
+
+  /// One damped step; more if the pixels moved far from their start, or the start is not known.
+  void step(const LayerFrame &earlier, const LayerFrame &later, const FlowPrior &prior, float noise,
+            const LayerSize &size);
+
+  const VectorMap<PixelMap> &flow() const { return flow_; }
+
+  /// g g' of the later frame: the means over cells.
+  const TensorMap<CellMap> &structure() const { return cells_; }
+
+  /// earlier detail displaced by the start - later detail + slope * start, in the last step.
+  const PixelMap &term() const { return term_; }
+
+  /// Mean squared differences of the cells: at the start, and after the steps.
+  const CellMap &energy_before() const { return before_; }
+  const CellMap &energy_after() const { return after_; }
+
+private:
+  void start_from_region(const LayerFrame &earlier, const LayerFrame &later,
+                         const ExplainedTranslation &region, float noise, const LayerSize &size);
+
+  bool is_cold_ = true;
+  VectorMap<PixelMap> flow_;
+  TensorMap<PixelMap> structure_; // within a window
+  TensorMap<CellMap> cells_;
+  PixelMap term_;
+  VectorMap<PixelMap> moment_;
+  CellMap before_;
+  CellMap after_;
+  CellMap region_energy_;
+  VectorMap<CellMap> region_moment_;
+};
+
+} // namespace haptic

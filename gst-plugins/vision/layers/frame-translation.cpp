@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "layers/frame-translation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+// Patches are small: an int holds any offset in them.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "layers/frame-translation.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace haptic::HWY_NAMESPACE {
+namespace {
+
+constexpr int kAcross = FrameTranslation::kWide;
+constexpr int kDown = FrameTranslation::kHigh;
+
+// `view`: the patch with a border of 1 px.
+void TakeSample(const LumaView &view, FrameTranslation::Sample &sample) {
+  float xx[kAcross] = {};
+  float xy[kAcross] = {};
+  float yy[kAcross] = {};
+  for (int y = 0; y < kDown; ++y) {
+    const std::uint8_t *up = view.pixels + y * view.stride + 1;
+    const std::uint8_t *here = up + view.stride;
+    const std::uint8_t *down = here + view.stride;
+    float *HWY_RESTRICT luma = sample.luma.data() + y * kAcross;
+    float *HWY_RESTRICT gx = sample.gx.data() + y * kAcross;
+    float *HWY_RESTRICT gy = sample.gy.data() + y * kAcross;
+    for (int x = 0; x < kAcross; ++x) {
+      luma[x] = here[x];
+      gx[x] = 0.5F * static_cast<float>(here[x + 1] - here[x - 1]);
+      gy[x] = 0.5F * static_cast<float>(down[x] - up[x]);
+      xx[x] += gx[x] * gx[x];
+      xy[x] += gx[x] * gy[x];
+      yy[x] += gy[x] * gy[x];
+    }
+  }
+  constexpr float kPart = 1.0F / (kAcross * kDown);
+  sample.structure = {};
+  for (int x = 0; x < kAcross; ++x)
+    sample.structure += kPart * Tensor{xx[x], xy[x], yy[x]};
+}
+
+// `view`: a pixel more than the patch on its right and below.
+void CompareSample(const LumaView &view, float part_x, float part_y,
+                   const FrameTranslation::Sample &sample,
+                   FrameTranslation::Difference &difference) {
+  float squares[kAcross] = {};
+  float moment_x[kAcross] = {};
+  float moment_y[kAcross] = {};
+  float above[kAcross];
+  for (int y = 0; y <= kDown; ++y) {
+    const std::uint8_t *HWY_RESTRICT from = view.pixels + y * view.stride;
+    float below[kAcross];
+    for (int x = 0; x < kAcross; ++x)
+      below[x] = from[x] + part_x * static_cast<float>(from[x + 1] - from[x]);
+    if (y > 0) {
+      const float *luma = sample.luma.data() + (y - 1) * kAcross;
+      const float *gx = sample.gx.data() + (y - 1) * kAcross;
+      const float *gy = sample.gy.data() + (y - 1) * kAcross;
+      for (int x = 0; x < kAcross; ++x) {
+        const float e = above[x] + part_y * (below[x] - above[x]) - luma[x];
+        squares[x] += e * e;
+        moment_x[x] += gx[x] * e;
+        moment_y[x] += gy[x] * e;
+      }
+    }
+    for (int x = 0; x < kAcross; ++x)
+      above[x] = below[x];
+  }
+  constexpr float kPart = 1.0F / (kAcross * kDown);
+  difference = {};
+  for (int x = 0; x < kAcross; ++x) {
+    difference.energy += kPart * squares[x];
+    difference.moment += kPart * Displacement{moment_x[x], moment_y[x]};
+  }
+}
+
+} // namespace
+} // namespace haptic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptic {
+namespace {
+HWY_EXPORT(TakeSample);
+HWY_EXPORT(CompareSample);
+
+constexpr float kFarthestFrame = 64; // px a frame
+constexpr float kLeastMotion = 0.1F; // px a frame: less is the drift of clouds
+constexpr float kLeastTrace = 2;     // of a patch that can show anything
+constexpr float kPatches = FrameTranslation::kColumns * FrameTranslation::kRows;
+
+void prefetch(const LumaView &view) {
+  if (!view.pixels)
+    return;
+  for (int y = 0; y < view.height; ++y) {
+    __builtin_prefetch(view.pixels + y * view.stride);
+    __builtin_prefetch(view.pixels + y * view.stride + view.width - 1);
+  }
+}
+
+} // namespace
+
+LumaView FrameTranslation::read(const LumaSource &source, const Rectangle &area) {
+  if (const LumaView plane = source.plane(area); plane.pixels)
+    return plane;
+  scratch_.resize(static_cast<std::size_t>(area.width) * static_cast<std::size_t>(area.height));
+  source.convert(area, scratch_.data(), area.width);
+  return {scratch_.data(), area.width, area.height, area.width};
+}
+
+void FrameTranslation::sample(const FramePair &frames) {
+  count_ = 0;
+  motion_.is_unchanged = true;
+  const auto corner = [](int i, int parts, int length, int side) {
+    return (2 * i + 1) * length / (2 * parts) - side / 2;
+  };
+  // The patches lie far from each other in memory: waiting for one after the other takes longer
+  // than all that is computed.
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const int x = corner(column, kColumns, frames.width, kWide);
+      const int y = corner(row, kRows, frames.height, kHigh);
+      if (x >= 1 && y >= 1 && x + kWide < frames.width && y + kHigh < frames.height)
+        for (const LumaSource *source : {&frames.later, &frames.earlier})
+          prefetch(source->plane({x - 1, y - 1, kWide + 2, kHigh + 2}));
+    }
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      Sample &sample = samples_[count_];
+      sample.x = corner(column, kColumns, frames.width, kWide);
+      sample.y = corner(row, kRows, frames.height, kHigh);
+      if (sample.x < 1 || sample.y < 1 || sample.x + kWide >= frames.width ||
+          sample.y + kHigh >= frames.height)
+        continue;
+      const LumaView view = read(frames.later, {sample.x - 1, sample.y - 1, kWide + 2, kHigh + 2});
+      HWY_DYNAMIC_DISPATCH(TakeSample)(view, sample);
+      Difference rest;
+      compare(frames, sample, {}, rest);
+      motion_.is_unchanged = motion_.is_unchanged && rest.energy == 0;
+      sample.at_rest = rest.energy;
+      if (sample.structure.xx + sample.structure.yy < kLeastTrace)
+        continue;
+      ++count_;
+    }
+}
+
+bool FrameTranslation::compare(const FramePair &frames, const Sample &sample, Displacement by,
+                               Difference &difference) {
+  const float left = std::floor(-by.x);
+  const float up = std::floor(-by.y);
+  const Rectangle area{sample.x + static_cast<int>(left), sample.y + static_cast<int>(up),
+                       kWide + 1, kHigh + 1};
+  if (area.x < 0 || area.y < 0 || area.x + area.width > frames.width ||
+      area.y + area.height > frames.height)
+    return false;
+  HWY_DYNAMIC_DISPATCH(CompareSample)
+  (read(frames.earlier, area), -by.x - left, -by.y - up, sample, difference);
+  return true;
+}
+
+// Of what the patches can tell, the share that prefers the displacement to rest. What a residual
+// means in itself, a coder decides; which one is smaller, the motion does.
+FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displacement at,
+                                                 float noise) {
+  constexpr float kHalf = 30;                // trace that counts by half
+  constexpr float kFewest = 0.1F * kPatches; // with few, a thing that moves can pass for the camera
+  if (norm2(at) < kLeastMotion * kLeastMotion)
+    return {at, 0};
+  float moving = 0;
+  float all = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Sample &sample = samples_[i];
+    Difference moved;
+    if (!compare(frames, sample, at, moved))
+      continue;
+    const float trace = sample.structure.xx + sample.structure.yy;
+    const float better = sample.at_rest - moved.energy;
+    const float weight = trace / (trace + kHalf) * std::abs(better) /
+                         (sample.at_rest + moved.energy + 1 + 1.2F * noise);
+    all += weight;
+    moving += better > 0 ? weight : 0;
+  }
+  return {at, all < kFewest ? 0 : moving / all};
+}
+
+FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displacement start,
+                                               float noise) {
+  constexpr int kSteps = 2;
+  constexpr float kMostStep = 1.5F; // px
+  constexpr float kRidge = 2;
+  Displacement at = start;
+  for (int i = 0; i < kSteps; ++i) {
+    Tensor structure;
+    Displacement moment;
+    for (std::size_t k = 0; k < count_; ++k) {
+      const Sample &sample = samples_[k];
+      Difference moved;
+      if (!compare(frames, sample, at, moved))
+        continue;
+      const float trace = sample.structure.xx + sample.structure.yy;
+      const float usual = 4 + 2.4F * noise + 0.1F * trace;
+      const float fits = usual / (usual + moved.energy);
+      const float weight = fits * fits / (1 + 0.02F * trace);
+      structure += weight * sample.structure;
+      moment += weight * moved.moment;
+    }
+    Displacement step = solve(structure, moment, kRidge);
+    const float length = std::sqrt(norm2(step));
+    if (length > kMostStep)
+      step = kMostStep / length * step;
+    at += step;
+    at = {std::clamp(at.x, -kFarthestFrame, kFarthestFrame),
+          std::clamp(at.y, -kFarthestFrame, kFarthestFrame)};
+  }
+  return share_of(frames, at, noise);
+}
+
+FrameMotion FrameTranslation::follow(const FramePair &frames, float noise, Displacement other) {
+  constexpr float kClearly = 0.1F;
+  constexpr float kSame2 = 0.2F * 0.2F; // px squared
+  constexpr float kUp = 0.5F;           // of the way, in a frame
+  constexpr float kDown = 0.3F;
+  sample(frames);
+  Fit fit = refine(frames, motion_.displacement, noise);
+  if (norm2(other - fit.at) > kSame2) {
+    const Fit there = share_of(frames, other, noise);
+    if (there.share > fit.share + kClearly || (fit.share < 0.5F && there.share > fit.share))
+      fit = refine(frames, other, noise);
+  }
+  const float x = std::clamp((fit.share - 0.4F) / 0.2F, 0.0F, 1.0F);
+  const float certain = x * x * (3 - 2 * x);
+  motion_.displacement = fit.at;
+  motion_.certainty += (certain > motion_.certainty ? kUp : kDown) * (certain - motion_.certainty);
+  return motion_;
+}
+
+} // namespace haptic
+#endif
+
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The translation of the whole frame, from small patches spread over it: nothing inside a crop
+// tells a coded sky that moves from one at rest. The cost does not depend on the size of the frame.
+#pragma once
+
+#include "pixels/kept-luma.hpp"
+#include "pixels/tensor.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace haptic {
+
+/// Two frames of one size, whole.
+struct FramePair {
+  const LumaSource &earlier;
+  const LumaSource &later;
+  int width = 0;  ///< px
+  int height = 0; ///< px
+};
+
+struct FrameMotion {
+  Displacement displacement; ///< px
+  /// How surely the whole frame moved by it, 0..1. It rises within a few frames.
+  float certainty = 0;
+  bool is_unchanged = false; ///< no pixel of any patch changed
+};
+
+/// One instance serves one stream. Call it for each pair of consecutive frames.
+class FrameTranslation {
+public:
+  void forget() { motion_ = {}; }
+
+  /// Starts from the translation before. `other`: a second start, px, used if it explains more.
+  /// `noise`: variance of a pixel.
+  FrameMotion follow(const FramePair &frames, float noise, Displacement other);
+
+  /// A patch of the later frame with its gradients.
+  static constexpr int kWide = 16; // px; whole vectors
+  static constexpr int kHigh = 9;
+  static constexpr int kColumns = 8;
+  static constexpr int kRows = 5;
+  struct Sample {
+    int x, y; // its corner in the frame, px
+    std::array<float, kWide * kHigh> luma, gx, gy;
+    Tensor structure; // mean of g g'
+    float at_rest;    // mean squared difference without displacement
+  };
+  /// Compared with the earlier frame.
+  struct Difference {
+    float energy; // mean square
+    Displacement moment;
+  };
+
+private:
+  struct Fit {
+    Displacement at;
+    float share;
+  };
+  void sample(const FramePair &frames);
+  /// The differences at a displacement; false: the patch would lie outside the frame.
+  bool compare(const FramePair &frames, const Sample &sample, Displacement by,
+               Difference &difference);
+  Fit share_of(const FramePair &frames, Displacement at, float noise);
+  Fit refine(const FramePair &frames, Displacement start, float noise);
+  LumaView read(const LumaSource &source, const Rectangle &area);
+
+  FrameMotion motion_;
+  std::size_t count_ = 0;
+  std::array<Sample, static_cast<std::size_t>(kColumns) * kRows> samples_;
+  std::vector<std::uint8_t> scratch_;
+};
+
+} // namespace haptic

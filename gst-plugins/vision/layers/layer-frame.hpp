@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the layers need of one frame.
+#pragma once
+
+#include "layers/layer-maps.hpp"
+#include "pixels/luma-view.hpp"
+
+namespace haptic {
+
+/// Variance that white noise of variance 1 has in `smooth`.
+float smoothed_noise();
+
+/// Fills in the frame from a crop that fits into the size. `noise`: variance of a pixel.
+void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame);
+
+} // namespace haptic

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "layers/region-layers.hpp"
+
+#include "layers/layer-frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+float ramp(float value, float from, float to) {
+  return std::clamp((value - from) / (to - from), 0.0F, 1.0F);
+}
+
+// What noise alone adds to the structure of the background in each direction, in units of its
+// variance: 0.08 by the gradients of the pixels, 0.06 by those of the cells in a second; twice
+// that.
+Tensor beyond_noise(const Tensor &structure, float noise) {
+  constexpr float kOfNoise = 0.28F;
+  const float xx = std::max(0.0F, structure.xx - kOfNoise * noise);
+  const float yy = std::max(0.0F, structure.yy - kOfNoise * noise);
+  const float most = std::sqrt(xx * yy);
+  return {xx, std::clamp(structure.xy, -most, most), yy};
+}
+
+} // namespace
+
+void RegionLayers::forget() {
+  is_cold_ = true;
+  is_lost_ = true;
+  frame_moves_ = 0;
+  region_ = {};
+  translation_.forget();
+  calm_.forget();
+  background_.forget();
+  foreground_.forget();
+}
+
+void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view, bool continues,
+                        float noise) {
+  const LayerSize size = layer_size_of(later_view.width, later_view.height);
+  if (!continues || size != size_ || is_cold_) {
+    forget();
+    size_ = size;
+    prepare(earlier_view, size_, noise, later());
+    calm_.update(later(), size_, {.seconds = 1, .noise = noise, .shift = {}});
+  }
+  now_ ^= 1U;
+  prepare(later_view, size_, noise, later());
+  foreground_.prepare(later(), size_);
+  region_before_ = region_;
+  // It costs as much as the rest of a quiet frame.
+  region_ = frame_moves_ > 0 || is_lost_
+                ? translation_.find(earlier(), later(), foreground_.structure(), noise, size_)
+                : ExplainedTranslation{};
+}
+
+void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise) {
+  constexpr float kCertain = 0.5F;
+  constexpr float kShift = 0.7F; // of the texture, that the region's translation explains
+  constexpr float kSteady = 0.6F;
+  const Displacement prior = frame.certainty * frame.displacement;
+  // Less is the drift of clouds.
+  const float counts = ramp(std::sqrt(norm2(prior)), 0.1F, 0.2F);
+  const bool by_frame = frame.certainty > kCertain;
+  calm_.update(later(), size_,
+               {.seconds = seconds,
+                .noise = noise,
+                .shift = by_frame ? frame.displacement : region_.displacement,
+                .has_shift = by_frame || region_.share >= kShift,
+                .frame_moves = frame.certainty});
+  segmentation_.find_luma(later(), calm_.background(), size_);
+  background_.update(earlier(), later(), segmentation_.luma(), calm_.background(), calm_.follows(),
+                     size_,
+                     {.seconds = seconds, .noise = noise, .prior = prior, .prior_counts = counts});
+  widen(background_.motion().x, size_, background_flow_.x);
+  widen(background_.motion().y, size_, background_flow_.y);
+  segmentation_.divide(later(), noise, size_);
+  const bool is_steady = region_.share > kSteady && region_before_.share > kSteady;
+  foreground_.step(
+      earlier(), later(),
+      {.frame = counts * prior,
+       .change = is_steady ? region_.displacement - region_before_.displacement : Displacement{},
+       .region = region_},
+      noise, size_);
+  const float apart = std::sqrt(norm2(region_.displacement - frame.displacement));
+  blend_ =
+      ramp(region_.share, 0.85F, 0.97F) * frame.certainty * counts * (1 - ramp(apart, 0.15F, 0.3F));
+  frame_moves_ = frame.certainty;
+  noise_used_ = noise;
+  judge(noise);
+  is_cold_ = false;
+}
+
+void RegionLayers::judge(float noise) {
+  constexpr float kHalf = 30; // trace that counts by half
+  float unexplained = 0;
+  float all = 1;
+  float before = 0;
+  float after = 0;
+  std::size_t count = 0;
+  for_cells(size_, [&](int x, int y) {
+    const float trace = foreground_.structure().xx.at(x, y) + foreground_.structure().yy.at(x, y);
+    const float weight = trace / (trace + kHalf);
+    all += weight;
+    if (foreground_.energy_before().at(x, y) > 6 + 2.4F * noise + 0.16F * trace)
+      unexplained += weight;
+    before += foreground_.energy_before().at(x, y);
+    after += foreground_.energy_after().at(x, y);
+    sorted_[count++] = foreground_.energy_after().at(x, y);
+  });
+  is_lost_ = unexplained > 0.5F * all;
+  const auto cells = static_cast<float>(count);
+  // Of two pictures that have nothing in common, the difference has the energy of both.
+  const float expected = earlier().energy + later().energy;
+  is_unrelated_ = expected > 16 + 4 * noise && before > 0.7F * expected * cells &&
+                  after > 0.25F * expected * cells;
+  // Where little moves, or what moves is followed well, noise alone is left. A quarter of the cells
+  // of pure noise have less than 0.54 of its energy (sigma 1 to 4, with the part that the fit
+  // takes).
+  constexpr float kOfQuarter = 0.54F;
+  const auto quarter = sorted_.begin() + static_cast<std::ptrdiff_t>(count / 4);
+  std::nth_element(sorted_.begin(), quarter, sorted_.begin() + static_cast<std::ptrdiff_t>(count));
+  noise_ = *quarter / (kOfQuarter * 2 * smoothed_noise());
+}
+
+void RegionLayers::sum(const Rectangle &region, int columns, int rows,
+                       std::span<LayerTile> tiles) const {
+  // Smoothing correlates the noise of neighbouring pixels: fewer of them are independent.
+  constexpr float kCorrelation = 5;
+  constexpr float kLeastResidual2 = 0.05F; // rounding to 8 bits
+  constexpr float kBackgroundNoise = 1;    // of the mean of a cell, grey levels squared
+  constexpr std::size_t kMostTiles = 64;
+  std::array<TileSums, kMostTiles> sums;
+  const LayerFrame &frame = frames_[now_];
+  sum_tiles(
+      {frame, foreground_.flow(), background_flow_, segmentation_.share(), foreground_.term()},
+      region, columns, rows, sums);
+  const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
+  const float high = static_cast<float>(region.height) / static_cast<float>(rows);
+  const TensorMap<CellMap> &known = background_.structure();
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const auto i = static_cast<std::size_t>(row * columns + column);
+      const TileSums &of = sums[i];
+      const float moving = std::max(of.pixels - of.share, 1e-3F * of.pixels);
+      const auto cell = [](int begin, float at, int cells) {
+        return std::clamp(static_cast<int>((static_cast<float>(begin) + at) / kCellSide), 0,
+                          cells - 1);
+      };
+      const int x = cell(region.x, (static_cast<float>(column) + 0.5F) * wide, size_.columns());
+      const int y = cell(region.y, (static_cast<float>(row) + 0.5F) * high, size_.rows());
+      LayerTile &tile = tiles[i];
+      tile.residual2 = of.leftover / moving;
+      tile.background = of.share / of.pixels;
+      tile.precision =
+          1 / (kCorrelation * std::max(tile.residual2, kLeastResidual2)) * of.structure;
+      tile.precision +=
+          of.share / (kCellSide * kCellSide * kBackgroundNoise) *
+          beyond_noise({known.xx.at(x, y), known.xy.at(x, y), known.yy.at(x, y)}, noise_used_);
+      tile.displacement = 1 / of.pixels * of.motion;
+      tile.displacement += blend_ * (region_.displacement - tile.displacement);
+    }
+}
+
+} // namespace haptic

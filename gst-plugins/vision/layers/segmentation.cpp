@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "layers/segmentation.hpp"
+
+#include "layers/layer-kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic {
+
+void Segmentation::find_luma(const LayerFrame &frame, const CellMap &background,
+                             const LayerSize &size) {
+  constexpr float kLeastWeight = 1e-4F;
+  static const auto kSpread = gaussian<4>(1.5F);
+  weights_ = background;
+  for_cells(size,
+            [&](int x, int y) { sums_.at(x, y) = background.at(x, y) * frame.mean.at(x, y); });
+  blur(kSpread, size, sums_);
+  blur(kSpread, size, weights_);
+  for_cells(size,
+            [&](int x, int y) { sums_.at(x, y) /= std::max(weights_.at(x, y), kLeastWeight); });
+  widen(sums_, size, luma_);
+  widen(weights_, size, known_);
+}
+
+void Segmentation::divide(const LayerFrame &frame, float noise, const LayerSize &size) {
+  constexpr float kLeastKnown = 0.02F;
+  const float least = 10 + 2 * std::sqrt(noise); // grey levels
+  share_background(frame.luma, luma_, known_, kLeastKnown, least, size, share_);
+}
+
+} // namespace haptic

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "layers/frame-translation.hpp"
+
+#include "plane-source.hpp"
+
+#include <gtest/gtest.h>
+#include <memory>
+
+namespace {
+
+using haptic::FrameMotion;
+using test::Frame;
+using test::PlaneSource;
+using test::Shift;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 180;
+
+class FrameTranslationTest : public ::testing::Test {
+protected:
+  FrameMotion follow(const Frame &earlier, const Frame &later, haptic::Displacement other = {}) {
+    const PlaneSource before(earlier);
+    const PlaneSource after(later);
+    return translation->follow({before, after, kWidth, kHeight}, 0, other);
+  }
+
+  // After some frames of a camera that pans by so much in each.
+  FrameMotion pan(Shift by, int frames = 6, haptic::Displacement other = {}) {
+    FrameMotion found;
+    for (int i = 0; i + 1 < frames; ++i)
+      found = follow(scene.frame(kWidth, kHeight, {by.x * i, by.y * i}),
+                     scene.frame(kWidth, kHeight, {by.x * (i + 1), by.y * (i + 1)}), other);
+    return found;
+  }
+
+  test::Texture scene{5, 8};
+  std::unique_ptr<haptic::FrameTranslation> translation =
+      std::make_unique<haptic::FrameTranslation>();
+};
+
+TEST_F(FrameTranslationTest, ACameraThatPansMovesTheFrame) {
+  const FrameMotion found = pan({1.3, -0.4});
+  EXPECT_NEAR(found.displacement.x, 1.3, 0.03);
+  EXPECT_NEAR(found.displacement.y, -0.4, 0.03);
+  EXPECT_GT(found.certainty, 0.9F);
+}
+
+TEST_F(FrameTranslationTest, AFastPanIsFoundFromTheMotionOfARegion) {
+  const FrameMotion found = pan({11, 3}, 6, {11.5F, 2.5F});
+  EXPECT_NEAR(found.displacement.x, 11, 0.05);
+  EXPECT_NEAR(found.displacement.y, 3, 0.05);
+  EXPECT_GT(found.certainty, 0.9F);
+}
+
+TEST_F(FrameTranslationTest, AThingThatMovesDoesNotMoveTheFrame) {
+  FrameMotion found;
+  for (int i = 0; i < 6; ++i) {
+    const auto draw = [&](double x) {
+      Frame frame = scene.frame(kWidth, kHeight, {});
+      test::Texture(6, 8).paint(frame, {x, 0}, 100, 200);
+      return frame;
+    };
+    found = follow(draw(2.0 * i), draw(2.0 * i + 2));
+  }
+  EXPECT_LT(found.certainty, 0.1F);
+}
+
+TEST_F(FrameTranslationTest, ACameraAtRestDoesNotMoveTheFrame) {
+  const FrameMotion found = pan({});
+  EXPECT_EQ(found.certainty, 0);
+  EXPECT_TRUE(found.is_unchanged);
+}
+
+TEST_F(FrameTranslationTest, AFrameSmallerThanAPatchShowsNothing) {
+  const Frame small = scene.frame(10, 10, {});
+  const PlaneSource source(small);
+  EXPECT_EQ(translation->follow({source, source, 10, 10}, 0, {}).certainty, 0);
+}
+
+} // namespace

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What method=layers promises, on drawn films whose motion is known.
+#include "../layers/layer-scene.hpp"
+#include "counted-allocations.hpp"
+#include "instruction-sets.hpp"
+#include "plane-source.hpp"
+#include "tracking/region-tracker.hpp"
+#include "velocity/velocity-estimate.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <memory>
+#include <random>
+#include <vector>
+
+namespace {
+
+using haptic::Finding;
+using haptic::Measurement;
+using haptic::Rectangle;
+using test::Frame;
+using test::PlaneSource;
+using test::Shift;
+
+constexpr int kWidth = 240;
+constexpr int kHeight = 160;
+constexpr Rectangle kRegion{93, 53, 54, 54};
+constexpr std::uint64_t kInterval = 1'000'000'000 / 60; // ns
+
+class LayerTrackerTest : public ::testing::Test {
+protected:
+  LayerTrackerTest() {
+    // Half of the leaf lies in the region.
+    scene.place = {93, 80};
+    scene.radius = 20;
+  }
+
+  // Shows a frame, and compares it with the one before.
+  Finding show(Frame frame, const Rectangle &region = kRegion) {
+    std::swap(earlier, frame_);
+    frame_ = std::move(frame);
+    if (earlier.width == 0)
+      return {};
+    tracker->set_method(haptic::TrackerMethod::layers, haptic::kUsualPatches);
+    tracker->clear_measurement();
+    return tracker->compare(PlaneSource(earlier), PlaneSource(frame_),
+                            tracker->areas(region, frame_.width, frame_.height), kInterval);
+  }
+
+  Frame draw(Shift sky, Shift leaf) const { return scene.draw(kWidth, kHeight, sky, leaf); }
+
+  const Measurement &found() const { return tracker->measurement(); }
+
+  // In px a frame, as velocityavg average=mean has it.
+  haptic::VelocityEstimate mean() const {
+    return haptic::estimate_velocity({.patches = found().view(),
+                                      .candidates = found().candidates,
+                                      .interval = 1,
+                                      .region_width = kRegion.width,
+                                      .region_height = kRegion.height},
+                                     haptic::Average::mean, haptic::ModelChoice::automatic);
+  }
+
+  // The mean over the region of the motion that the scene has.
+  Shift truth(Shift sky, Shift leaf, Shift leaf_place) const {
+    double covered = 0;
+    for (int y = kRegion.y; y < kRegion.y + kRegion.height; ++y)
+      for (int x = kRegion.x; x < kRegion.x + kRegion.width; ++x)
+        covered += scene.cover(x, y, leaf_place) / (kRegion.width * kRegion.height);
+    return {covered * leaf.x + (1 - covered) * sky.x, covered * leaf.y + (1 - covered) * sky.y};
+  }
+
+  test::LayerScene scene;
+  std::unique_ptr<haptic::RegionTracker> tracker = std::make_unique<haptic::RegionTracker>();
+  Frame earlier;
+  Frame frame_;
+};
+
+// The windows of other methods carry the leaf's motion into the sky.
+TEST_F(LayerTrackerTest, ALeafBeforeADriftingSkyIsFeltByTheAreaThatItCovers) {
+  const auto leaf_at = [](int i) { return Shift{6 * std::sin(0.12 * i), 2 * std::cos(0.1 * i)}; };
+  double error = 0;
+  double speed = 0;
+  constexpr int kFirst = 60; // a second, for the drift
+  for (int i = 0; i < kFirst + 60; ++i) {
+    show(draw({0.1 * i, 0}, leaf_at(i)));
+    if (i < kFirst)
+      continue;
+    const Shift leaf{leaf_at(i).x - leaf_at(i - 1).x, leaf_at(i).y - leaf_at(i - 1).y};
+    const Shift is = truth({0.1, 0}, leaf, leaf_at(i));
+    error += std::hypot(static_cast<double>(mean().velocity_x) - is.x,
+                        static_cast<double>(mean().velocity_y) - is.y);
+    speed += std::hypot(is.x, is.y);
+  }
+  EXPECT_LT(error / speed, 0.1);
+}
+
+TEST_F(LayerTrackerTest, TheTilesCoverTheRegionEvenly) {
+  for (int i = 0; i < 20; ++i)
+    show(draw({0.1 * i, 0}, {0.7 * i, 0.2 * i}));
+  ASSERT_EQ(found().count, 16);
+  float area = 0;
+  for (const haptic::Patch &patch : found().view()) {
+    area += patch.width * patch.height;
+    EXPECT_GT(patch.x - patch.width / 2, kRegion.x - 0.01F);
+    EXPECT_LT(patch.x + patch.width / 2, kRegion.x + kRegion.width + 0.01F);
+  }
+  EXPECT_NEAR(area, kRegion.width * kRegion.height, 1);
+  EXPECT_GT(mean().confidence, 0.9F);
+}
+
+// A sky above textured land. Nothing in the region tells a sky that moves from one at rest.
+TEST_F(LayerTrackerTest, AScenePannedByTheCameraMovesAsAWhole) {
+  const test::Texture land(3, 6);
+  for (const Shift by : {Shift{0.5, 0}, Shift{2, -1}, Shift{7, 3}}) {
+    tracker = std::make_unique<haptic::RegionTracker>();
+    frame_ = {};
+    for (int i = 0; i < 16; ++i) {
+      Frame frame = draw({by.x * i, by.y * i}, {by.x * i, by.y * i});
+      const Frame ground = land.frame(kWidth, kHeight, {by.x * i, by.y * i});
+      for (int y = 70 + static_cast<int>(by.y * i); y < kHeight; ++y)
+        std::copy_n(&ground.pixels[static_cast<std::size_t>(y * kWidth)], kWidth, &frame.at(0, y));
+      show(std::move(frame));
+    }
+    EXPECT_NEAR(mean().velocity_x, by.x, 0.02 + 0.02 * by.x);
+    EXPECT_NEAR(mean().velocity_y, by.y, 0.02 + 0.02 * by.x);
+  }
+}
+
+TEST_F(LayerTrackerTest, TwoFramesAreEnough) {
+  show(test::Texture(8).frame(kWidth, kHeight, {}));
+  show(test::Texture(8).frame(kWidth, kHeight, {2, -1}));
+  EXPECT_NEAR(mean().velocity_x, 2, 0.1);
+  EXPECT_NEAR(mean().velocity_y, -1, 0.1);
+}
+
+TEST_F(LayerTrackerTest, NoiseOfACameraAtRestIsStill) {
+  std::mt19937 random(4);
+  const test::Texture scene_at_rest(7);
+  int moved = 0;
+  for (int i = 0; i < 60; ++i) {
+    Frame frame = scene_at_rest.frame(kWidth, kHeight, {});
+    test::add_noise(frame, 2, random);
+    const Finding finding = show(std::move(frame));
+    moved += i >= 10 && (finding.flags & haptic::kMotionStill) == 0;
+  }
+  EXPECT_LE(moved, 2);
+}
+
+TEST_F(LayerTrackerTest, AWallWithoutTextureShowsNothing) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 20; ++i) {
+    Frame frame(kWidth, kHeight, 128);
+    test::add_noise(frame, 1, random);
+    show(std::move(frame));
+    EXPECT_EQ(found().count, 0);
+  }
+}
+
+TEST_F(LayerTrackerTest, OfASlopeInOneDirectionNothingIsKnown) {
+  for (int i = 0; i < 40; ++i) {
+    Frame frame(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      std::fill_n(&frame.at(0, y), kWidth, static_cast<std::uint8_t>(60 + y / 2 + i / 10));
+    show(std::move(frame));
+    EXPECT_EQ(found().count, 0);
+  }
+}
+
+TEST_F(LayerTrackerTest, ACutIsNoMotion) {
+  for (int i = 0; i < 10; ++i)
+    show(test::Texture(8).frame(kWidth, kHeight, {0.5 * i, 0}));
+  const Finding cut = show(test::Texture(9).frame(kWidth, kHeight, {}));
+  EXPECT_TRUE(cut.flags & haptic::kMotionCut);
+  EXPECT_EQ(found().count, 0);
+  for (int i = 1; i < 4; ++i)
+    show(test::Texture(9).frame(kWidth, kHeight, {0.5 * i, 0}));
+  EXPECT_NEAR(mean().velocity_x, 0.5, 0.05) << "the new scene is measured at once";
+}
+
+TEST_F(LayerTrackerTest, APointerThatMovesOverAStillSceneFeelsNothing) {
+  const Frame still = draw({}, {});
+  for (int i = 0; i < 6; ++i) {
+    show(still, {kRegion.x + 3 * i, kRegion.y + i, kRegion.width, kRegion.height});
+    for (const haptic::Patch &patch : found().view())
+      EXPECT_EQ(std::hypot(patch.dx, patch.dy), 0);
+  }
+}
+
+TEST_F(LayerTrackerTest, ALargeRegionIsMeasuredInAReducedFrame) {
+  constexpr Rectangle kLarge{20, 10, 200, 140};
+  for (int i = 0; i < 10; ++i)
+    show(test::Texture(8, 12).frame(kWidth, kHeight, {1.5 * i, -0.7 * i}), kLarge);
+  EXPECT_NEAR(mean().velocity_x, 1.5, 0.06);
+  EXPECT_NEAR(mean().velocity_y, -0.7, 0.06);
+}
+
+TEST_F(LayerTrackerTest, TakesNoMemoryAfterTheFirstFrameOfASize) {
+  std::vector<Frame> film;
+  for (int i = 0; i < 12; ++i)
+    film.push_back(draw({0.1 * i, 0}, {0.9 * i, 0.3 * i}));
+  const auto shown = [&](std::size_t i) {
+    tracker->compare(PlaneSource(film[i - 1]), PlaneSource(film[i]),
+                     tracker->areas(kRegion, kWidth, kHeight), kInterval);
+  };
+  tracker->set_method(haptic::TrackerMethod::layers, haptic::kUsualPatches);
+  shown(1);
+  shown(2);
+  const long before = test::allocations;
+  for (std::size_t i = 3; i < film.size(); ++i)
+    shown(i);
+  EXPECT_EQ(test::allocations, before);
+}
+
+TEST_F(LayerTrackerTest, EachInstructionSetFindsTheSame) {
+  std::vector<Shift> means;
+  test::for_instruction_sets([&](const char *) {
+    tracker = std::make_unique<haptic::RegionTracker>();
+    frame_ = {};
+    for (int i = 0; i < 20; ++i)
+      show(draw({0.1 * i, 0}, {0.9 * i, 0.3 * i}));
+    means.push_back({mean().velocity_x, mean().velocity_y});
+  });
+  for (const Shift &one : means) {
+    EXPECT_NEAR(one.x, means[0].x, 1e-3);
+    EXPECT_NEAR(one.y, means[0].y, 1e-3);
+  }
+}
+
+} // namespace
