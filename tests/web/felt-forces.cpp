@@ -105,7 +105,7 @@ public:
         conditioner_.step(haptic::scale_motion(motion.sample, haptic::kReferenceWidth), 0, 1e-3);
     input.wanted = law_->wrench(conditioned, {}, settings, 1e-3);
     input.measured = motion.measured;
-    input.confidence = motion.sample.confidence;
+    input.trust = haptic::confidence_gate(motion.sample.confidence);
     input.age = motion.age;
     input.interval = motion.interval;
     if (motion.cut)

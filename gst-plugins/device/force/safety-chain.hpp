@@ -4,8 +4,7 @@
 
 #include "force/continuous-force.hpp"
 #include "force/energy-account.hpp"
-#include "samples/force-defaults.hpp"
-#include "share/non-blocking.hpp"
+#include "non-blocking.hpp"
 
 #include <array>
 #include <cstdint>
@@ -93,9 +92,9 @@ struct TouchForce {
   double released = 0; ///< N, by the hand\'s own way out since the step before: not slew-limited
 };
 
-/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, budget for
+/// Order: finite or nothing, holds and staleness (fade), trust, norm clamp, budget for
 /// continuous force, damping, slew limit, norm clamp, energy account, brake of the turning grip.
-/// The slew limit delays what the law, its confidence and the touch say, and no hold, lowered
+/// The slew limit delays what the law, its trust and the touch say, and no hold, lowered
 /// maximum, end of a touch or of the energy. One thread; real-time safe.
 class SafetyChain {
 public:
@@ -109,14 +108,16 @@ public:
   /// A grip that turns faster than this one is braked (docs/force.md#turning).
   static constexpr double kUnbraked = 1;       // rad/s
   static constexpr double kTurnBrake = 7.5e-3; // N·m·s
+  /// The stiffest spring that a hand feels: what a force that has ended still holds, N/m.
+  static constexpr double kStiffestTouch = 200;
 
   struct Input {
     spidar::Wrench wanted;                             ///< N and N·m, from the law
     spidar::Vector3 of_hand = spidar::Vector3::Zero(); ///< N, of it: what the hand's motion changed
     TouchForce touch;                                  ///< beside it
     bool measured = false;                             ///< the newest sample holds a measurement
-    double confidence = 0;                             ///< 0..1, of the newest sample
-    double age = 0;                                    ///< s since the newest sample came
+    double trust = 0;        ///< 0..1 of it is felt, by the confidence of the newest sample
+    double age = 0;          ///< s since the newest sample came
     double interval = 0;     ///< s between the frames it was measured from
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
@@ -133,7 +134,7 @@ public:
     double dt = 0;               ///< s since the step before
     double longest_dt = 0;       ///< s, the longest that may come
 
-    /// What acts beside the law is certain: of the sum, the law fades with its own confidence, and
+    /// What acts beside the law is certain: of the sum, the law fades with its own trust, and
     /// only `share` of it (0..1) is left.
     void make_certain(double share = 1) noexcept;
   };
@@ -199,7 +200,7 @@ private:
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
-  double gate_ = 0;                // 0..1, from the confidence
+  double gate_ = 0;                // 0..1, from the trust
   EnergyAccount account_;
   double credit_ = 0; // J, of the last step
   ContinuousForce continuous_force_;

@@ -404,7 +404,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
   input.of_hand = run_.laws[settings.law]->of_hand();
   input.measured = now.measured;
-  input.confidence = now.sample.confidence;
+  input.trust = confidence_gate(now.sample.confidence);
   input.age = now.age;
   input.interval = now.interval;
   if (settings.touch != TouchMode::off)

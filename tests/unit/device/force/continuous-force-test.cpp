@@ -27,7 +27,7 @@ SafetyChain::Input push(double force, double budget) {
   SafetyChain::Input input;
   input.wanted.force = {force, 0, 0};
   input.measured = true;
-  input.confidence = 1;
+  input.trust = 1;
   input.interval = 1.0 / 30;
   input.max_force = 5;
   input.slew_rate = kSlewRate;

@@ -35,7 +35,7 @@ protected:
     SafetyChain::Input input;
     input.wanted.force.x() = 1;
     input.measured = true;
-    input.confidence = 1;
+    input.trust = 1;
     input.max_force = 1;
     input.slew_rate = 1000;
     input.dt = kTick;
