@@ -3,7 +3,7 @@
 // motors. The clock is driven by hand.
 #pragma once
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 #include "touch/contact-law.hpp"
 
 #include <algorithm>

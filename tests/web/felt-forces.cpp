@@ -5,11 +5,11 @@
 // and z, whether it presses, and the force's x and y.
 #include "field-code/field-codec.hpp"
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
 #include "forms/klv.hpp"
 #include "leaf-fields.hpp"
 #include "motion/motion-interpolator.hpp"
 #include "motion/sample-intake.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

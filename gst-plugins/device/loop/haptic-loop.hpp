@@ -5,9 +5,7 @@
 
 #include "force/carry-law.hpp"
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
 #include "loop/flight-recorder.hpp"
-#include "loop/grip-watch.hpp"
 #include "loop/real-time-thread.hpp"
 #include "loop/suspend-detector.hpp"
 #include "loop/tick-log.hpp"
@@ -15,6 +13,8 @@
 #include "motion/motion-interpolator.hpp"
 #include "motion/pointer-mapping.hpp"
 #include "non-blocking.hpp"
+#include "safety/grip-watch.hpp"
+#include "safety/safety-chain.hpp"
 #include "samples/field-sampler.hpp"
 #include "share/duration-histogram.hpp"
 #include "share/loop-clock.hpp"

@@ -2,7 +2,7 @@
 #include "touch/contact-law.hpp"
 
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The budget for continuous force: the rms over any 60 s, by itself and in the safety chain.
-#include "force/continuous-force.hpp"
+#include "safety/continuous-force.hpp"
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "loop/grip-watch.hpp"
+#include "safety/grip-watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 // The last stage before the device. Every force passes it, whatever law computed it.
 #pragma once
 
-#include "force/continuous-force.hpp"
-#include "force/energy-account.hpp"
 #include "non-blocking.hpp"
+#include "safety/continuous-force.hpp"
+#include "safety/energy-account.hpp"
 
 #include <array>
 #include <cstdint>
