@@ -308,7 +308,7 @@ void SafetyChain::follow(const Input &input) noexcept {
   torque = clamp_norm(torque, torque_limit);
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
-  const double left = account_.share_of_film();
+  const double left = input.limits_work ? account_.share_of_film() : 1;
   note_limit(parts_.limit_force(std::max(input.max_force, parts_.force().norm()) * left),
              kLimitWork);
   torque = clamp_norm(torque, std::max(input.max_torque, torque.norm()) * left);

@@ -6,6 +6,7 @@
 #include "safety/continuous-force.hpp"
 #include "safety/energy-account.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -61,6 +62,9 @@ inline constexpr std::uint32_t kLatches =
     kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
+
+/// So many failed exchanges in a row are a fault.
+inline constexpr int kFailuresToFault = 3;
 
 /// What made the force of a step less than what the law and the touch wanted, as bits.
 enum Limit : std::uint32_t {
@@ -131,6 +135,7 @@ public:
     double max_torque = 0;       ///< N·m
     double slew_rate = 0;        ///< N/s; for the torque at kTorqueArm
     double damping = 0;          ///< N·s/m
+    bool limits_work = true;     ///< of the film on the hand
     double dt = 0;               ///< s since the step before
     double longest_dt = 0;       ///< s, the longest that may come
 
@@ -149,6 +154,12 @@ public:
   /// Whether the torque of the last step, before the brake, turns the grip on in this direction.
   bool drives(const spidar::Vector3 &turning) const noexcept {
     return output_.torque.dot(turning) > 0;
+  }
+  /// N·m that may come with a force unasked: what turns a free grip under no force is no more than
+  /// what minimum tension does in the workspace.
+  static double most_side_torque(const spidar::Vector3 &force, double max_torque) noexcept {
+    constexpr double kAtRest = 0.012; // N·m
+    return std::min(max_torque, kAtRest + kTorqueArm * force.norm());
   }
   /// J that the hand may have back: what it has put in, and a credit, without which the errors of
   /// the tensions would wear a light touch out.
