@@ -48,6 +48,9 @@ static_assert(kDefaults.continuous_force == ForceLimits().continuous_force);
 static_assert(kDefaults.slew_rate == ForceLimits().slew_rate);
 static_assert(kDefaults.damping == ForceLimits().damping);
 
+// A signal handler may release the force.
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
 double seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) * 1e-9;
 }
