@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later
- * Holds the grip at the centre with a spring, for a second. The force begins from zero, also after
- * the guardian has set minimum tension. Example:
+ * Holds the grip at the centre with a spring, for a second, and says what stopped the force if
+ * something did. The library fades the force in, and limits it. Example:
  *   cc -std=c11 hold.c $(pkg-config --cflags --libs spidar) -o hold && ./hold usb */
 #define _POSIX_C_SOURCE 200809L /* NOLINT: POSIX reserves it for this */
 #include <spidar/spidar.h>
@@ -8,8 +8,6 @@
 #include <time.h>
 
 static const double kStiffness = 40;  /* N/m */
-static const double kLargest = 0.5;   /* N per axis */
-static const double kFadeIn = 0.005;  /* of the force per tick: 200 ms */
 static const int kTicks = 1000;       /* one second */
 static const long kPeriod = 1000000L; /* ns */
 
@@ -22,47 +20,40 @@ static void wait_for(struct timespec *next) {
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, next, NULL);
 }
 
-/* `share` of the force that pulls back to the centre; none where the pose is not known. */
-static void spring(const spidar_state *state, double share, double force[3]) {
-  for (int axis = 0; axis < 3; ++axis) {
+/* The force that pulls back to the centre; none where the pose is not known. */
+static void spring(const spidar_state *state, double force[3]) {
+  for (int axis = 0; axis < 3; ++axis)
     force[axis] = state->valid ? -kStiffness * state->position[axis] : 0;
-    if (force[axis] > kLargest)
-      force[axis] = kLargest;
-    if (force[axis] < -kLargest)
-      force[axis] = -kLargest;
-    force[axis] *= share;
-  }
-}
-
-/* Of the force, one tick later. */
-static double faded_in(const spidar_state *state, double share) {
-  if (state->interrupted)
-    return 0;
-  return share + kFadeIn < 1 ? share + kFadeIn : 1;
 }
 
 static int hold(spidar_device *device) {
   const double torque[3] = {0, 0, 0};
   double force[3] = {0, 0, 0};
-  double share = 0;
   spidar_state state = SPIDAR_STATE_INIT;
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  spidar_limits limits = SPIDAR_LIMITS_INIT;
+  limits.force = 0.5; /* N */
+  int code = spidar_set_limits(device, &limits);
   struct timespec next;
   clock_gettime(CLOCK_MONOTONIC, &next);
-  for (int tick = 0; tick < kTicks; ++tick) {
-    int code = spidar_exchange(device, 1000000000LL * next.tv_sec + next.tv_nsec);
+  for (int tick = 0; tick < kTicks && code == SPIDAR_OK; ++tick) {
+    code = spidar_exchange(device, 1000000000LL * next.tv_sec + next.tv_nsec);
     if (code == SPIDAR_OK)
       code = spidar_get_state(device, &state);
     if (code != SPIDAR_OK)
       return code;
-    share = faded_in(&state, share);
-    spring(&state, share, force);
+    spring(&state, force);
     spidar_command(device, force, torque);
     wait_for(&next);
   }
   printf("grip at %.1f %.1f %.1f mm, force %.2f %.2f %.2f N\n", 1e3 * state.position[0],
          1e3 * state.position[1], 1e3 * state.position[2], state.force[0], state.force[1],
          state.force[2]);
-  return SPIDAR_OK;
+  if (code == SPIDAR_OK)
+    code = spidar_get_safety(device, &safety);
+  if (safety.holds)
+    printf("%s\n", spidar_hold_text(safety.holds));
+  return code;
 }
 
 int main(int argc, char **argv) {

@@ -3,6 +3,7 @@
 #include "device-name.hpp"
 #include "fail.hpp"
 #include "spidar/device.hpp"
+#include "spidar/limited-device.hpp"
 #include "spidar/spidar.h"
 
 #include <algorithm>
@@ -10,10 +11,12 @@
 struct spidar_device {
   spidar_device(std::unique_ptr<spidar::Controller> controller, const spidar::Geometry &geometry,
                 double period)
-      : description(controller->description()), device(std::move(controller), geometry, period) {}
+      : description(controller->description()), device(std::move(controller), geometry, period),
+        limited(device, period) {}
 
   std::string description;
   spidar::Device device;
+  spidar::LimitedDevice limited;
 };
 
 namespace {
@@ -24,6 +27,8 @@ using namespace spidar;
 // to read the old struct is needed.
 static_assert(sizeof(void *) < 8 || sizeof(spidar_options) == 40);
 static_assert(sizeof(void *) < 8 || sizeof(spidar_state) == 376);
+static_assert(sizeof(void *) < 8 || sizeof(spidar_limits) == 48);
+static_assert(sizeof(void *) < 8 || sizeof(spidar_safety) == 80);
 
 int code_of(Cause cause) noexcept {
   switch (cause) {
@@ -148,7 +153,7 @@ int spidar_describe(const spidar_device *device, const char **text) {
 int spidar_exchange(spidar_device *device, int64_t now) {
   if (!device)
     return SPIDAR_E_NULL;
-  return device->device.exchange(now) ? SPIDAR_OK : SPIDAR_E_IO;
+  return device->limited.exchange(now) ? SPIDAR_OK : SPIDAR_E_IO;
 }
 
 int spidar_get_state(const spidar_device *device, spidar_state *state) {
@@ -176,7 +181,80 @@ int spidar_get_state(const spidar_device *device, spidar_state *state) {
 int spidar_command(spidar_device *device, const double force[3], const double torque[3]) {
   if (!device || !force || !torque)
     return SPIDAR_E_NULL;
-  device->device.command({Vector3(force), Vector3(torque)});
+  device->limited.command({Vector3(force), Vector3(torque)});
+  return SPIDAR_OK;
+}
+
+int spidar_get_safety(const spidar_device *device, spidar_safety *safety) {
+  if (!device || !safety)
+    return SPIDAR_E_NULL;
+  if (safety->struct_size != sizeof *safety)
+    return SPIDAR_E_VERSION;
+  const LimitedDevice &from = device->limited;
+  copy(from.wrench().force, safety->force);
+  copy(from.wrench().torque, safety->torque);
+  const DeviceState &state = device->device.state();
+  safety->work = state.acted.force.dot(state.moved) + state.acted.torque.dot(state.turned);
+  safety->holds = from.holds();
+  safety->limited_by = from.limited_by();
+  safety->switched_off = from.switched_off();
+  safety->armed = from.armed();
+  return SPIDAR_OK;
+}
+
+const char *spidar_hold_text(uint32_t holds) {
+  static constexpr struct {
+    spidar_hold hold;
+    const char *text;
+  } kTexts[] = {
+      {SPIDAR_HOLD_FAULTED, messages::kHoldFaulted},
+      {SPIDAR_HOLD_LET_GO, messages::kHoldLetGo},
+      {SPIDAR_HOLD_RELEASED, messages::kHoldReleased},
+      {SPIDAR_HOLD_SLIPPED, messages::kHoldSlipped},
+      {SPIDAR_HOLD_NO_POSE, messages::kHoldNoPose},
+      {SPIDAR_HOLD_LATE, messages::kHoldLate},
+      {SPIDAR_HOLD_NOT_FINITE, messages::kHoldNotFinite},
+  };
+  for (const auto &[hold, text] : kTexts)
+    if (holds & hold)
+      return text;
+  return "";
+}
+
+int spidar_set_limits(spidar_device *device, const spidar_limits *limits) {
+  if (!device || !limits)
+    return SPIDAR_E_NULL;
+  if (limits->struct_size != sizeof *limits)
+    return SPIDAR_E_VERSION;
+  const ForceLimits wanted{.force = limits->force,
+                           .torque = limits->torque,
+                           .continuous_force = limits->continuous_force,
+                           .slew_rate = limits->slew_rate,
+                           .damping = limits->damping};
+  if (!wanted.are_possible())
+    return SPIDAR_E_ARGUMENT;
+  device->limited.set_limits(wanted);
+  return SPIDAR_OK;
+}
+
+int spidar_arm(spidar_device *device) {
+  if (!device)
+    return SPIDAR_E_NULL;
+  device->limited.arm();
+  return SPIDAR_OK;
+}
+
+int spidar_release(spidar_device *device) {
+  if (!device)
+    return SPIDAR_E_NULL;
+  device->limited.release();
+  return SPIDAR_OK;
+}
+
+int spidar_switch_off_safety(spidar_device *device, uint32_t parts) {
+  if (!device)
+    return SPIDAR_E_NULL;
+  device->limited.switch_off_safety(parts);
   return SPIDAR_OK;
 }
 

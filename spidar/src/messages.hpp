@@ -67,11 +67,32 @@
   MESSAGE(kCodeNull, "A pointer is null.",                                                         \
           "Give the address of an object; a device is what spidar_open() stored.")                 \
   MESSAGE(kCodeVersion, "A struct has another size than in this libspidar.",                       \
-          "Begin with SPIDAR_OPTIONS_INIT or SPIDAR_STATE_INIT, and compile the program again "    \
-          "with the headers of the installed library.")                                            \
+          "Begin with SPIDAR_OPTIONS_INIT or the like, and compile the program again with the "    \
+          "headers of the installed library.")                                                     \
   MESSAGE(kCodeMemory, "The system has no memory or threads left.", "Close other programs.")       \
   MESSAGE(kCodeUnknown, "This is not a code of libspidar.",                                        \
           "Give a value that one of its functions returned.")                                      \
+  /* Programs that use the library: why there is no force */                                       \
+  MESSAGE(kForceLimits, "A limit of the force is out of its range.",                               \
+          "The header spidar/limited-device.hpp names the ranges.")                                \
+  MESSAGE(kHoldReleased, "The program has released the force.",                                    \
+          "Take the grip, and call spidar_arm().")                                                 \
+  MESSAGE(kHoldLetGo,                                                                              \
+          "The grip moved faster than 1 m/s or turned faster than 3 rad/s, as if it had been let " \
+          "go. The force is off.",                                                                 \
+          "Take the grip, and call spidar_arm().")                                                 \
+  MESSAGE(kHoldFaulted, "The device does not answer. The force is off.",                           \
+          "Check its cable and power. Call spidar_arm(); if spidar_state.connected is 0, close "   \
+          "the device and open it again.")                                                         \
+  MESSAGE(kHoldSlipped, "A string slips or has slipped. The force is off.",                        \
+          "Check the strings, hold the grip in the centre, and call spidar_calibrate().")          \
+  MESSAGE(kHoldNoPose, "The pose of the grip is not known. The force is off.",                     \
+          "Hold the grip still. If that does not help, hold it in the centre and call "            \
+          "spidar_calibrate().")                                                                   \
+  MESSAGE(kHoldLate, "An exchange came more than 10 ms late. The force begins again from zero.",   \
+          "Call spidar_exchange() once a period, from a thread with real-time priority.")          \
+  MESSAGE(kHoldNotFinite, "The command is not a finite number, so it counts as zero.",             \
+          "Check what the program computes from a pose that is not valid.")                        \
   /* Hand scripts */                                                                               \
   MESSAGE(kHandScript, "Hand script '%s': %s.",                                                    \
           "Use hold:X,Y,Z, circle:RADIUS,PERIOD, file:PATH or free. X, Y, Z and RADIUS are from "  \

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <spidar/spidar.h>
 
 namespace spidar_check {
 
@@ -70,22 +71,24 @@ Unit::Unit(std::unique_ptr<spidar::Controller> controller, const spidar::Geometr
     : timer_(std::move(timer)),
       device_(std::make_unique<spidar::Device>(
           std::make_unique<Recorder>(std::move(controller), record_, timer_), geometry)),
-      next_(timer_->now()), exchanged_(next_) {}
+      limited_(std::make_unique<spidar::LimitedDevice>(*device_)), next_(timer_->now()),
+      exchanged_(next_) {}
 
 bool Unit::exchange() {
   const auto now = timer_->now();
   longest_gap_ = std::max(longest_gap_, now - exchanged_);
   exchanged_ = now;
-  const bool answered = device_->exchange(std::chrono::nanoseconds(now.time_since_epoch()).count());
+  const bool answered =
+      limited_->exchange(std::chrono::nanoseconds(now.time_since_epoch()).count());
   const spidar::DeviceState &state = device_->state();
   valid_ticks_ += state.valid ? 1 : 0;
   lowest_ = std::min(lowest_, state.tensions.minCoeff());
   highest_ = std::max(highest_, state.tensions.maxCoeff());
-  let_go_ = let_go_ || (spidar::GentlePull::is_let_go(state) && pull_.norm() > 0);
-  pull_.release_if_unsafe(state);
+  let_go_ = let_go_ || (limited_->holds() & SPIDAR_HOLD_LET_GO);
+  pull_.release_if_unsafe(state, limited_->armed());
   if (state.interrupted) {
     ++interruptions_;
-    device_->command({}); // a next exchange without tick() must not send what was commanded before
+    limited_->command({}); // a next exchange without tick() must not send what was commanded before
   }
   return answered;
 }
@@ -113,7 +116,7 @@ void Unit::tick(const Vector3 &wanted) {
   exchange();
   const bool may_pull = !let_go_ && device_->state().valid;
   pull_.want(may_pull ? wanted : Vector3::Zero());
-  device_->command({pull_.step(elapsed), Vector3::Zero()});
+  limited_->command({pull_.step(elapsed), Vector3::Zero()});
 }
 
 void Unit::run(double seconds, const Vector3 &wanted) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <spidar/device.hpp>
+#include <spidar/limited-device.hpp>
 #include <thread>
 
 namespace spidar_check {
@@ -62,9 +63,9 @@ public:
   Unit(std::unique_ptr<spidar::Controller> controller, const spidar::Geometry &geometry,
        std::shared_ptr<Timer> timer);
 
-  /// Waits for the next millisecond, exchanges, and brings the force closer to `wanted` (N). The
-  /// force goes off when the grip is let go or no pose is known, and begins from zero when the
-  /// guardian has intervened.
+  /// Waits for the next millisecond, exchanges, and brings the force closer to `wanted` (N), within
+  /// the limits of LimitedDevice. The force goes off when the grip is let go or no pose is known,
+  /// and begins from zero when the guardian has intervened.
   void tick(const spidar::Vector3 &wanted);
   /// Ticks for `seconds`. Throws spidar::Error (io) if the device is gone.
   void run(double seconds, const spidar::Vector3 &wanted);
@@ -73,7 +74,7 @@ public:
   /// Exchanges nothing, as a program that hangs. Returns how long.
   Clock::duration pause(Clock::duration time);
   /// Commands what tick() would refuse.
-  void command(const spidar::Wrench &wrench) { device_->command(wrench); }
+  void command(const spidar::Wrench &wrench) { limited_->command(wrench); }
 
   const spidar::DeviceState &state() const { return device_->state(); }
   const spidar::Geometry &geometry() const { return device_->geometry(); }
@@ -89,7 +90,7 @@ public:
   double highest_tension() const { return highest_; } ///< N
   int interruptions() const { return interruptions_; }
   bool let_go() const { return let_go_; }
-  double force() const { return pull_.norm(); } ///< N, as commanded last
+  double force() const { return limited_->wrench().force.norm(); } ///< N, as sent last
   /// Longest time between two exchanges of tick() so far, and since forget_gaps().
   Clock::duration longest_gap() const { return longest_gap_; }
   void forget_gaps();
@@ -98,6 +99,7 @@ private:
   std::shared_ptr<Timer> timer_;
   std::shared_ptr<Record> record_ = std::make_shared<Record>();
   std::unique_ptr<spidar::Device> device_;
+  std::unique_ptr<spidar::LimitedDevice> limited_;
   Clock::time_point next_;
   Clock::time_point exchanged_;
   Clock::duration longest_gap_{};

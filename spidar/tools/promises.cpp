@@ -109,6 +109,7 @@ Finding not_a_number_is_zero(Unit &unit, double force) {
   unit.exchange();
   const spidar::Tensions under_nan = unit.state().tensions;
   unit.command({});
+  unit.exchange();
   const double difference = (unit.state().tensions - under_nan).cwiseAbs().maxCoeff();
   unit.run(kPhase, Vector3::Zero());
   return verdict("a number that is not finite counts as zero", difference <= kOneWord,

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <optional>
 #include <spidar/calibration.hpp>
+#include <spidar/limited-device.hpp>
 #include <thread>
 
 using namespace spidar_tools;
@@ -37,6 +38,7 @@ public:
 
   void pull(const Vector3 &force) {
     const std::lock_guard lock(mutex_);
+    limited_.arm(); // the person has answered
     pull_.want(force);
   }
   /// The geometry has this axis the other way round: pulls the other way from now on.
@@ -72,14 +74,15 @@ private:
       next += kTick;
       std::this_thread::sleep_until(next);
       const std::lock_guard lock(mutex_);
-      silent_ = device_->exchange(spidar::monotonic_time()) ? 0 : silent_ + 1;
-      pull_.release_if_unsafe(device_->state());
-      device_->command({pull_.step(1e-3), Vector3::Zero()});
+      silent_ = limited_.exchange(spidar::monotonic_time()) ? 0 : silent_ + 1;
+      pull_.release_if_unsafe(device_->state(), limited_.armed());
+      limited_.command({pull_.step(1e-3), Vector3::Zero()});
     }
   }
 
   std::mutex mutex_;
   std::unique_ptr<spidar::Device> device_;
+  spidar::LimitedDevice limited_{*device_};
   spidar::GentlePull pull_;
   int silent_ = 0;
   std::jthread thread_;

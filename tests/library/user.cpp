@@ -4,6 +4,7 @@
 // it must print the same.
 #include <cstdio>
 #include <spidar/device.hpp>
+#include <spidar/limited-device.hpp>
 #include <spidar/pose-solver.hpp>
 #include <spidar/simulator.hpp>
 #include <spidar/tension-solver.hpp>
@@ -23,6 +24,7 @@ void print_layouts() {
   print_layout<spidar::Wrench>("Wrench");
   print_layout<spidar::Geometry>("Geometry");
   print_layout<spidar::DeviceState>("DeviceState");
+  print_layout<spidar::ForceLimits>("ForceLimits");
   print_layout<spidar::PoseSolver>("PoseSolver");
   print_layout<spidar::PoseSolver::Result>("PoseSolver::Result");
   print_layout<spidar::TensionSolver>("TensionSolver");

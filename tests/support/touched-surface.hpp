@@ -3,7 +3,7 @@
 // motors. The clock is driven by hand.
 #pragma once
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 #include "touch/contact-law.hpp"
 
 #include <algorithm>
@@ -94,7 +94,7 @@ public:
                    .energy = contact.energy,
                    .released = contact.released};
     input.measured = true;
-    input.confidence = 1;
+    input.trust = 1;
     input.interval = 1.0 / 30;
     input.max_force = 1;
     input.max_torque = 0.02;

@@ -25,7 +25,9 @@ TEST_P(CApi, DrivesTheUnitUntilItIsUnplugged) {
   constexpr double kTorque[3] = {0, 0, 0};
   const spidar::DacWords rest = unit_->words();
   ASSERT_EQ(spidar_command(device, kForce, kTorque), SPIDAR_OK);
-  ASSERT_EQ(spidar_exchange(device, spidar::monotonic_time()), SPIDAR_OK);
+  const std::int64_t begin = spidar::monotonic_time();
+  for (int tick = 0; tick < 50; ++tick) // the force begins from zero
+    ASSERT_EQ(spidar_exchange(device, begin + 1000000 * tick), SPIDAR_OK);
   EXPECT_NE(unit_->words(), rest);
 
   bus_->unplug(device_number_);
@@ -46,7 +48,10 @@ TEST_P(CApi, LeavesTheMotorsAtRest) {
   constexpr double kForce[3] = {0.5, 0, 0};
   constexpr double kTorque[3] = {0, 0, 0};
   spidar_command(device, kForce, kTorque);
-  spidar_exchange(device, spidar::monotonic_time());
+  const std::int64_t begin = spidar::monotonic_time();
+  for (int tick = 0; tick < 50; ++tick)
+    spidar_exchange(device, begin + 1000000 * tick);
+  EXPECT_NE(unit_->words(), rest);
   EXPECT_EQ(spidar_close(device), SPIDAR_OK);
   EXPECT_EQ(unit_->words(), rest);
 }

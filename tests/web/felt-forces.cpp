@@ -5,11 +5,11 @@
 // and z, whether it presses, and the force's x and y.
 #include "field-code/field-codec.hpp"
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
 #include "forms/klv.hpp"
 #include "leaf-fields.hpp"
 #include "motion/motion-interpolator.hpp"
 #include "motion/sample-intake.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -105,7 +105,7 @@ public:
         conditioner_.step(haptic::scale_motion(motion.sample, haptic::kReferenceWidth), 0, 1e-3);
     input.wanted = law_->wrench(conditioned, {}, settings, 1e-3);
     input.measured = motion.measured;
-    input.confidence = motion.sample.confidence;
+    input.trust = haptic::confidence_gate(motion.sample.confidence);
     input.age = motion.age;
     input.interval = motion.interval;
     if (motion.cut)

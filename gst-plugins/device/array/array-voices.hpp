@@ -4,7 +4,7 @@
 #pragma once
 
 #include "array/array-layout.hpp"
-#include "force/continuous-force.hpp"
+#include "safety/continuous-force.hpp"
 
 #include <complex>
 #include <span>

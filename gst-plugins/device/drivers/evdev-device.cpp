@@ -5,8 +5,8 @@
 #include "drivers/force-effect.hpp"
 #include "format-text.hpp"
 #include "messages.hpp"
+#include "non-blocking.hpp"
 #include "share/newest-slot.hpp"
-#include "share/non-blocking.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,13 +7,13 @@
 // It is an aggregator with one pad, because only that class makes live output when input is late.
 #include "array/array-drive.hpp"
 #include "array/array-voices.hpp"
-#include "force/safety-chain.hpp"
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "glue/segment-time.hpp"
 #include "messages.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>

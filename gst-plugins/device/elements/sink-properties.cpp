@@ -25,6 +25,8 @@ std::span<const Property<SinkSettings>> sink_properties() {
   using C = DeviceChoice;
   using L = LoopSettings;
   using W = LawSettings;
+  using F = spidar::ForceLimits;
+  static_assert(F::kMostForce == kHighestForce);
   // clang-format off
   static const Property<SinkSettings> table[] = {
       Rows::text<&S::choice, &C::device>("device", "Device",
@@ -49,18 +51,19 @@ std::span<const Property<SinkSettings>> sink_properties() {
       Rows::number<&S::choice, &C::rate>("rate", "Rate",
           "Force updates per second, Hz", 500, 4000, kReady),
       Rows::number<&S::loop, &L::slew_rate>("slew-rate", "Slew Rate",
-          "How fast the force may change, N/s", 0.1, 1000),
+          "How fast the force may change, N/s", F::kLeastSlewRate, F::kMostSlewRate),
       Rows::number<&S::loop, &L::law_settings, &W::gain_window>("gain-window", "Gain Window",
           "With force-law=linear: the fastest motion of so many seconds gives max-force", 0.1, 600),
       Rows::number<&S::loop, &L::law_settings, &W::max_torque>("max-torque", "Maximum Torque",
-          "The torque that no rotation exceeds, N·m; 0: no torque", 0, 0.1),
+          "The torque that no rotation exceeds, N·m; 0: no torque", 0, F::kMostTorque),
       Rows::number<&S::loop, &L::law_settings, &W::spin_half>("spin-half", "Spin Half",
           "The rotation that gives half of max-torque, rad/s", 0.01, 100),
       Rows::number<&S::loop, &L::law_settings, &W::max_push>("max-push", "Maximum Push",
           "The force towards the user that no approach exceeds, N; 0.5 1/s give half of it, 0: none",
           0, kHighestForce),
       Rows::number<&S::loop, &L::damping>("damping", "Damping",
-          "Against the hand's speed above 0.1 m/s, N·s/m; never more than the force itself", 0, 10),
+          "Against the hand's speed above 0.1 m/s, N·s/m; never more than the force itself", 0,
+          F::kMostDamping),
       Rows::number<&S::loop, &L::continuous_force>("continuous-force", "Continuous Force",
           "The rms of the force over any 60 s, N; a stronger force fades to what keeps it; 0: any",
           0, kHighestForce),

@@ -3,7 +3,7 @@
 // coupling: Colgate, Stanley and Brown 1995). docs/force.md#carry gives the reasons.
 #pragma once
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 #include "samples/held-place.hpp"
 
 #include <spidar/types.hpp>

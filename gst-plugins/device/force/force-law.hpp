@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Force laws: from a motion to a force. Limits, smoothing and silence come after them
-// (safety-chain.hpp), so that no law can be unsafe.
+// (safety-chain.hpp of libspidar), so that no law can be unsafe.
 #pragma once
 
 #include "motion/motion-conditioning.hpp"
@@ -10,18 +10,19 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <spidar/limited-device.hpp>
 #include <spidar/types.hpp>
 
 namespace haptic {
 
 /// Properties of the element that shape the laws.
 struct LawSettings {
-  double max_force = 1.0;       ///< N
-  double alpha = kDefaultAlpha; ///< s/px
-  double gain_window = 10;      ///< s, of the linear law
-  double max_torque = 0.02;     ///< N·m
-  double spin_half = 1;         ///< rad/s that give half of max_torque
-  double max_push = 0;          ///< N along z
+  double max_force = spidar::ForceLimits().force;   ///< N
+  double alpha = kDefaultAlpha;                     ///< s/px
+  double gain_window = 10;                          ///< s, of the linear law
+  double max_torque = spidar::ForceLimits().torque; ///< N·m
+  double spin_half = 1;                             ///< rad/s that give half of max_torque
+  double max_push = 0;                              ///< N along z
   /// N by which the motion of the hand may change the force of a law that knows it
   double most_for_hand = std::numeric_limits<double>::infinity();
 };

@@ -12,9 +12,6 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;                                              // ns
 constexpr std::int64_t kTooLate = std::chrono::nanoseconds(spidar::kLongestSilence).count(); // ns
 constexpr std::int64_t kRetryFaultedDevice = kSecond / 10;                                   // ns
-// A free grip under no force is turned by no more than minimum tension does in the workspace.
-constexpr double kSideTorqueAtRest = 0.012; // N·m
-constexpr int kFailuresToFault = 3;
 // The holds that a tick finds for itself. The others are in holds_.
 constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | kHoldGap |
                                      kHoldStale | kHoldCut | kHoldNonFinite | kHoldDeadMan |
@@ -147,8 +144,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   if (spidar::HapticDevice *device = run_.environment.device) {
     device->let_rest(run_.chain.silent() && (run_.chain.holds() & ~kHoldSpent));
     device->limit_side_torque(
-        std::min(settings_.value().law_settings.max_torque,
-                 kSideTorqueAtRest + SafetyChain::kTorqueArm * wrench.force.norm()));
+        SafetyChain::most_side_torque(wrench.force, settings_.value().law_settings.max_torque));
     device->command(wrench);
     run_.statistics.given_up_force = device->state().given_up.force.norm();
     run_.statistics.given_up_torque = device->state().given_up.torque.norm();
@@ -404,7 +400,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
   input.of_hand = run_.laws[settings.law]->of_hand();
   input.measured = now.measured;
-  input.confidence = now.sample.confidence;
+  input.trust = confidence_gate(now.sample.confidence);
   input.age = now.age;
   input.interval = now.interval;
   if (settings.touch != TouchMode::off)

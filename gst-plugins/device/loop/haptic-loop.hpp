@@ -5,20 +5,20 @@
 
 #include "force/carry-law.hpp"
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
 #include "loop/flight-recorder.hpp"
-#include "loop/grip-watch.hpp"
 #include "loop/real-time-thread.hpp"
 #include "loop/suspend-detector.hpp"
 #include "loop/tick-log.hpp"
 #include "motion/motion-conditioning.hpp"
 #include "motion/motion-interpolator.hpp"
 #include "motion/pointer-mapping.hpp"
+#include "non-blocking.hpp"
+#include "safety/grip-watch.hpp"
+#include "safety/safety-chain.hpp"
 #include "samples/field-sampler.hpp"
 #include "share/duration-histogram.hpp"
 #include "share/loop-clock.hpp"
 #include "share/newest-slot.hpp"
-#include "share/non-blocking.hpp"
 #include "share/running-time.hpp"
 #include "share/sample-ring.hpp"
 #include "share/shared-value.hpp"
@@ -29,6 +29,7 @@
 #include <memory>
 #include <optional>
 #include <spidar/haptic-device.hpp>
+#include <spidar/limited-device.hpp>
 #include <utility>
 #include <vector>
 
@@ -45,10 +46,10 @@ struct LoopSettings {
   std::size_t law = 0; ///< index into force_laws()
   LawSettings law_settings;
   unsigned reference_width = static_cast<unsigned>(kReferenceWidth); ///< px, 0: native
-  double slew_rate = 20;                                             ///< N/s
-  double damping = 1;                                                ///< N·s/m
+  double slew_rate = spidar::ForceLimits().slew_rate;                ///< N/s
+  double damping = spidar::ForceLimits().damping;                    ///< N·s/m
   double smooth_hz = 0;                                              ///< Hz, 0: off
-  double continuous_force = 1;                                       ///< N rms, 0: no limit
+  double continuous_force = spidar::ForceLimits().continuous_force;  ///< N rms, 0: no limit
   double wash_out = 0;                                               ///< 1/s, 0: off
   HoldLaw hold_law = HoldLaw::motion;
   TouchMode touch = TouchMode::off;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "loop/tick-row.hpp"
+#include "non-blocking.hpp"
 #include "share/loop-clock.hpp"
-#include "share/non-blocking.hpp"
 
 #include <atomic>
 #include <cstdio>

@@ -2,9 +2,9 @@
 // Holds a thing of a field track, or what moves about a place where there is none.
 #pragma once
 
+#include "non-blocking.hpp"
 #include "samples/motion-field.hpp"
 #include "samples/pointer-position.hpp"
-#include "share/non-blocking.hpp"
 
 namespace haptic {
 

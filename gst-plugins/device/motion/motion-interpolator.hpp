@@ -5,8 +5,8 @@
 
 #include "motion/field-hold.hpp"
 #include "motion/timed-motion.hpp"
+#include "non-blocking.hpp"
 #include "samples/pointer-position.hpp"
-#include "share/non-blocking.hpp"
 
 #include <array>
 #include <cstddef>

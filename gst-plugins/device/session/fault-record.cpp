@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session/fault-record.hpp"
 
-#include "force/safety-chain.hpp"
 #include "format-text.hpp"
 #include "messages.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <atomic>

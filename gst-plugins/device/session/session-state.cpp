@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session/session-state.hpp"
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <utility>

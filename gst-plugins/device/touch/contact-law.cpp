@@ -2,7 +2,7 @@
 #include "touch/contact-law.hpp"
 
 #include "force/force-law.hpp"
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@ using spidar::Vector3;
 
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
+static_assert(SafetyChain::kStiffestTouch == kStiffestTouch);
 
 constexpr double kDampingTime = 0.005;   // s: damper over spring
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole

@@ -4,7 +4,7 @@
 // docs/force.md#touch gives the reasons.
 #pragma once
 
-#include "share/non-blocking.hpp"
+#include "non-blocking.hpp"
 #include "touch/relief-surface.hpp"
 
 #include <limits>

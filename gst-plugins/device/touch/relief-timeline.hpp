@@ -3,7 +3,7 @@
 #pragma once
 
 #include "motion/timed-motion.hpp"
-#include "share/non-blocking.hpp"
+#include "non-blocking.hpp"
 
 #include <array>
 #include <cstddef>

@@ -29,7 +29,7 @@ void Touch::apply(TouchMode mode, SafetyChain::Input &input) const noexcept {
                  .surface_work = contact.surface_work,
                  .energy = contact.energy,
                  .released = contact.released};
-  input.confidence = 1;
+  input.trust = 1;
   input.age = at_.age;
   input.interval = at_.interval;
 }

@@ -2,7 +2,7 @@
 // What touching adds to a tick of the loop: the surface at this time, and the force of contact.
 #pragma once
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 #include "touch/contact-law.hpp"
 #include "touch/relief-timeline.hpp"
 

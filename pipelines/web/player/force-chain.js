@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// From a motion to the force of hapticsink with its defaults (force-law.cpp, motion-conditioning.cpp and
-// safety-chain.cpp in gst-plugins/device): deadband, equation 5 of the paper, confidence, fades, slew limit, norm clamp.
+// From a motion to the force of hapticsink with its defaults (force-law.cpp and motion-conditioning.cpp in
+// gst-plugins/device, safety-chain.cpp in spidar): deadband, equation 5 of the paper, confidence, fades, slew limit,
+// norm clamp.
 // Without what needs a moving grip: damping, work and the brake of a turning grip.
 
 export const REFERENCE_WIDTH = 352; // px

@@ -5,6 +5,7 @@
 
 #include "spidar/geometry.hpp"
 #include "spidar/haptic-device.hpp"
+#include "spidar/limited-device.hpp"
 
 #include <cstddef>
 
@@ -42,6 +43,9 @@ static_assert(offsetof(DeviceState, moved) == 416);
 static_assert(offsetof(DeviceState, turned) == 440);
 static_assert(offsetof(DeviceState, given_up) == 464);
 static_assert(is<DeviceState>(512));
+
+static_assert(is<ForceLimits>(40));
+static_assert(offsetof(ForceLimits, force) == 0 && offsetof(ForceLimits, damping) == 32);
 
 // From its first number: the size of std::string before it depends on the standard library.
 static_assert(offsetof(Geometry, attachments) - offsetof(Geometry, motors) == 192);

@@ -17,20 +17,17 @@ public:
   }
   /// No force from now on.
   void release() noexcept { force_ = wanted_ = Vector3::Zero(); }
-  /// Call it after each exchange: releases when the guardian has intervened, when the grip was let
-  /// go, and where no pose is known.
-  void release_if_unsafe(const DeviceState &state) noexcept {
+  /// Call it after each exchange: releases when the guardian has intervened, when the device is not
+  /// `armed` (LimitedDevice), and where no pose is known.
+  void release_if_unsafe(const DeviceState &state, bool armed) noexcept {
     without_pose_ = state.valid ? 0 : without_pose_ + 1;
-    if (state.interrupted || is_let_go(state) || without_pose_ >= kMostWithoutPose) {
+    if (state.interrupted || !armed || without_pose_ >= kMostWithoutPose) {
       release();
       ended_ = true;
     }
   }
   /// Whether release_if_unsafe() has released since want().
   bool ended() const noexcept { return ended_; }
-  static bool is_let_go(const DeviceState &state) noexcept {
-    return state.velocity.norm() > kLetGoAt;
-  }
   /// The device's geometry has `axis` the other way round.
   void mirror(int axis) noexcept {
     signs_[axis] *= -1;
@@ -49,7 +46,6 @@ public:
 
 private:
   static constexpr double kRamp = 2;         // N/s
-  static constexpr double kLetGoAt = 1.0;    // m/s
   static constexpr int kMostWithoutPose = 3; // ticks; a single lost reply is no reason
 
   Vector3 wanted_ = Vector3::Zero(); ///< N

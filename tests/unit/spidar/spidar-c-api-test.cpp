@@ -78,6 +78,63 @@ TEST_F(CApi, CountsAForceThatIsNotFiniteAsZero) {
     EXPECT_NEAR(state.tensions[string], zero.tensions[string], 0.01) << string;
 }
 
+TEST_F(CApi, LimitsTheForceAndSaysSo) {
+  open();
+  EXPECT_NEAR(state_under({3, 0, 0}).force[0], 1, 0.02);
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  ASSERT_EQ(spidar_get_safety(device_, &safety), SPIDAR_OK);
+  EXPECT_NEAR(safety.force[0], 1, 1e-9);
+  EXPECT_NEAR(safety.work, 0, 1e-5) << "J: the hand rests";
+  EXPECT_EQ(safety.limited_by, unsigned{SPIDAR_LIMIT_FORCE});
+  EXPECT_EQ(safety.holds, 0U);
+  EXPECT_EQ(safety.armed, 1);
+  spidar_limits limits = SPIDAR_LIMITS_INIT;
+  limits.force = 2;
+  ASSERT_EQ(spidar_set_limits(device_, &limits), SPIDAR_OK);
+  EXPECT_NEAR(state_under({3, 0, 0}).force[0], 2, 0.02);
+  limits.force = 5.5;
+  EXPECT_EQ(spidar_set_limits(device_, &limits), SPIDAR_E_ARGUMENT);
+  EXPECT_NEAR(state_under({3, 0, 0}).force[0], 2, 0.02);
+}
+
+TEST_F(CApi, ReleasesAndArms) {
+  open();
+  state_under({0.5, 0, 0});
+  ASSERT_EQ(spidar_release(device_), SPIDAR_OK);
+  state_under({0.5, 0, 0});
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  ASSERT_EQ(spidar_get_safety(device_, &safety), SPIDAR_OK);
+  EXPECT_EQ(safety.force[0], 0);
+  EXPECT_EQ(safety.armed, 0);
+  EXPECT_EQ(safety.holds, unsigned{SPIDAR_HOLD_RELEASED});
+  EXPECT_NE(std::string(spidar_hold_text(safety.holds)).find("spidar_arm()"), std::string::npos);
+  ASSERT_EQ(spidar_arm(device_), SPIDAR_OK);
+  for (int i = 0; i < 6; ++i)
+    state_under({0.5, 0, 0});
+  ASSERT_EQ(spidar_get_safety(device_, &safety), SPIDAR_OK);
+  EXPECT_NEAR(safety.force[0], 0.5, 1e-9);
+}
+
+TEST_F(CApi, SwitchesTheSafetyOff) {
+  open();
+  ASSERT_EQ(spidar_switch_off_safety(device_, SPIDAR_SAFETY_ALL), SPIDAR_OK);
+  EXPECT_NEAR(state_under({2, 0, 0}).force[0], 2, 0.02);
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  ASSERT_EQ(spidar_get_safety(device_, &safety), SPIDAR_OK);
+  EXPECT_EQ(safety.switched_off, SPIDAR_SAFETY_ALL);
+}
+
+TEST_F(CApi, ExplainsEveryHold) {
+  EXPECT_STREQ(spidar_hold_text(0), "");
+  for (const unsigned hold :
+       {SPIDAR_HOLD_RELEASED, SPIDAR_HOLD_LET_GO, SPIDAR_HOLD_FAULTED, SPIDAR_HOLD_LATE,
+        SPIDAR_HOLD_NO_POSE, SPIDAR_HOLD_NOT_FINITE, SPIDAR_HOLD_SLIPPED})
+    EXPECT_GT(std::string(spidar_hold_text(hold)).size(), 10U) << hold;
+  EXPECT_STREQ(spidar_hold_text(SPIDAR_HOLD_LATE | SPIDAR_HOLD_FAULTED),
+               spidar_hold_text(SPIDAR_HOLD_FAULTED))
+      << "what needs a person comes first";
+}
+
 TEST_F(CApi, CalibratesToTheCentre) {
   open();
   state_under({0, 0, 0});
@@ -104,6 +161,12 @@ TEST_F(CApi, RefusesStructsOfAnotherVersion) {
   state.valid = 42;
   EXPECT_EQ(spidar_get_state(device_, &state), SPIDAR_E_VERSION);
   EXPECT_EQ(state.valid, 42) << "nothing is written to a struct that is not known";
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  safety.struct_size += 8;
+  EXPECT_EQ(spidar_get_safety(device_, &safety), SPIDAR_E_VERSION);
+  spidar_limits limits = SPIDAR_LIMITS_INIT;
+  limits.struct_size = 0;
+  EXPECT_EQ(spidar_set_limits(device_, &limits), SPIDAR_E_VERSION);
 }
 
 TEST_F(CApi, RefusesNullPointers) {
@@ -119,12 +182,21 @@ TEST_F(CApi, RefusesNullPointers) {
   EXPECT_EQ(spidar_describe(nullptr, &text), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_command(nullptr, kNothing, kNothing), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_workspace(nullptr, half), SPIDAR_E_NULL);
+  spidar_safety safety = SPIDAR_SAFETY_INIT;
+  const spidar_limits limits = SPIDAR_LIMITS_INIT;
+  EXPECT_EQ(spidar_get_safety(nullptr, &safety), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_set_limits(nullptr, &limits), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_arm(nullptr), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_release(nullptr), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_switch_off_safety(nullptr, 0), SPIDAR_E_NULL);
   open();
   EXPECT_EQ(spidar_get_state(device_, nullptr), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_describe(device_, nullptr), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_command(device_, nullptr, kNothing), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_command(device_, kNothing, nullptr), SPIDAR_E_NULL);
   EXPECT_EQ(spidar_workspace(device_, nullptr), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_get_safety(device_, nullptr), SPIDAR_E_NULL);
+  EXPECT_EQ(spidar_set_limits(device_, nullptr), SPIDAR_E_NULL);
 }
 
 TEST_F(CApi, NamesWhatIsWrongWithTheOptions) {

@@ -33,7 +33,7 @@ SafetyChain::Input felt(const CarryLaw &law, HoldLaw choice = HoldLaw::carry) {
   SafetyChain::Input input;
   input.wanted.force = {1, 0, 0};
   input.measured = true;
-  input.confidence = 1;
+  input.trust = 1;
   input.interval = 0.033;
   law.apply(choice, input);
   return input;

@@ -2,7 +2,7 @@
 // The states of a session: no other transitions than those that docs/elements/hapticsink.md draws.
 #include "session/session-state.hpp"
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -23,7 +23,7 @@ SafetyChain::Input push(double fx, double fy = 0) {
   SafetyChain::Input input;
   input.wanted.force = {fx, fy, 0};
   input.measured = true;
-  input.confidence = 1;
+  input.trust = 1;
   input.interval = 1.0 / 30;
   input.max_force = 1;
   input.max_torque = 0.02;
@@ -175,7 +175,7 @@ TEST(SafetyChain, TellsWhichLimitActed) {
   EXPECT_EQ(settled(push(0.5)).limits(), 0U) << "none";
   EXPECT_EQ(settled(push(2)).limits(), kLimitForce);
   SafetyChain::Input input = push(0.5);
-  input.confidence = 0.4;
+  input.trust = 0.5;
   EXPECT_EQ(settled(input).limits(), kLimitConfidence);
   input = push(0.5);
   input.wanted.torque = {0, 0, 0.05};
@@ -299,7 +299,7 @@ TEST(SafetyChain, WithoutAMeasurementItFadesIn100Milliseconds) {
   SafetyChain chain = settled(push(1));
   auto gap = push(1);
   gap.measured = false;
-  gap.confidence = 0;
+  gap.trust = 0;
   EXPECT_NEAR(time_to_silence(chain, gap, 1), 0.1, kTick / 2);
   EXPECT_FALSE(chain.follows_sample());
 }
@@ -323,14 +323,10 @@ TEST(SafetyChain, AStalledSourceIsSilentWithin250MillisecondsAndAnInterval) {
   EXPECT_NEAR(silent_at, 0.2, 2 * kTick);
 }
 
-TEST(SafetyChain, ConfidenceOpensAtOnceAndClosesSlowly) {
-  EXPECT_EQ(haptic::confidence_gate(0.2), 0);
-  EXPECT_NEAR(haptic::confidence_gate(0.35), 0.5, 1e-12);
-  EXPECT_EQ(haptic::confidence_gate(0.5), 1);
-
+TEST(SafetyChain, TrustOpensAtOnceAndClosesSlowly) {
   SafetyChain chain = settled(push(0.01));
   auto doubtful = push(0.01);
-  doubtful.confidence = 0.1;
+  doubtful.trust = 0;
   EXPECT_NEAR(steps(chain, doubtful, 100).x(), 0.01 * std::exp(-1), 1e-5);
   EXPECT_NEAR(chain.step(push(0.01)).force.x(), 0.01, 1e-12);
   steps(chain, doubtful, 1000);
@@ -340,7 +336,7 @@ TEST(SafetyChain, ConfidenceOpensAtOnceAndClosesSlowly) {
 TEST(SafetyChain, ADoubtfulMeasurementDecaysTheForceAndDoesNotTurnIt) {
   SafetyChain chain = settled(push(0.5));
   auto doubtful = push(-1, 1);
-  doubtful.confidence = 0.15;
+  doubtful.trust = 0;
   double before = 0.5;
   for (int i = 0; i < 500; ++i) {
     const Vector3 now = chain.step(doubtful).force;
@@ -356,7 +352,7 @@ TEST(SafetyChain, WhatIsNotFiniteIsZeroOnTheSameTick) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (double bad : {nan, infinity, -infinity}) {
     for (auto spoil : {+[](SafetyChain::Input &i, double b) { i.wanted.force.y() = b; },
-                       +[](SafetyChain::Input &i, double b) { i.confidence = b; },
+                       +[](SafetyChain::Input &i, double b) { i.trust = b; },
                        +[](SafetyChain::Input &i, double b) { i.wanted.torque.z() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_velocity.x() = b; },
                        +[](SafetyChain::Input &i, double b) { i.hand_turning.z() = b; },
@@ -409,7 +405,7 @@ TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
   for (int i = 0; i < 200'000; ++i) {
     if (i % 17 == 0) {
       input = push(number(random), number(random));
-      input.confidence = std::abs(number(random)) / 2;
+      input.trust = std::clamp(number(random), 0.0, 1.0);
       input.measured = random() % 8 != 0;
     }
     if (i % 41 == 0)

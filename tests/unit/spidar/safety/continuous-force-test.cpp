@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The budget for continuous force: the rms over any 60 s, by itself and in the safety chain.
-#include "force/continuous-force.hpp"
+#include "safety/continuous-force.hpp"
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ SafetyChain::Input push(double force, double budget) {
   SafetyChain::Input input;
   input.wanted.force = {force, 0, 0};
   input.measured = true;
-  input.confidence = 1;
+  input.trust = 1;
   input.interval = 1.0 / 30;
   input.max_force = 5;
   input.slew_rate = kSlewRate;

@@ -2,11 +2,11 @@
 // The last stage before the device. Every force passes it, whatever law computed it.
 #pragma once
 
-#include "force/continuous-force.hpp"
-#include "force/energy-account.hpp"
-#include "samples/force-defaults.hpp"
-#include "share/non-blocking.hpp"
+#include "non-blocking.hpp"
+#include "safety/continuous-force.hpp"
+#include "safety/energy-account.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -63,6 +63,9 @@ inline constexpr std::uint32_t kLatches =
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 
+/// So many failed exchanges in a row are a fault.
+inline constexpr int kFailuresToFault = 3;
+
 /// What made the force of a step less than what the law and the touch wanted, as bits.
 enum Limit : std::uint32_t {
   kLimitFade = 1 << 0,       ///< a hold, or the way back from one
@@ -93,9 +96,9 @@ struct TouchForce {
   double released = 0; ///< N, by the hand\'s own way out since the step before: not slew-limited
 };
 
-/// Order: finite or nothing, holds and staleness (fade), confidence, norm clamp, budget for
+/// Order: finite or nothing, holds and staleness (fade), trust, norm clamp, budget for
 /// continuous force, damping, slew limit, norm clamp, energy account, brake of the turning grip.
-/// The slew limit delays what the law, its confidence and the touch say, and no hold, lowered
+/// The slew limit delays what the law, its trust and the touch say, and no hold, lowered
 /// maximum, end of a touch or of the energy. One thread; real-time safe.
 class SafetyChain {
 public:
@@ -109,14 +112,16 @@ public:
   /// A grip that turns faster than this one is braked (docs/force.md#turning).
   static constexpr double kUnbraked = 1;       // rad/s
   static constexpr double kTurnBrake = 7.5e-3; // N·m·s
+  /// The stiffest spring that a hand feels: what a force that has ended still holds, N/m.
+  static constexpr double kStiffestTouch = 200;
 
   struct Input {
     spidar::Wrench wanted;                             ///< N and N·m, from the law
     spidar::Vector3 of_hand = spidar::Vector3::Zero(); ///< N, of it: what the hand's motion changed
     TouchForce touch;                                  ///< beside it
     bool measured = false;                             ///< the newest sample holds a measurement
-    double confidence = 0;                             ///< 0..1, of the newest sample
-    double age = 0;                                    ///< s since the newest sample came
+    double trust = 0;        ///< 0..1 of it is felt, by the confidence of the newest sample
+    double age = 0;          ///< s since the newest sample came
     double interval = 0;     ///< s between the frames it was measured from
     std::uint32_t holds = 0; ///< Hold
     spidar::Vector3 hand_velocity = spidar::Vector3::Zero(); ///< m/s
@@ -130,10 +135,11 @@ public:
     double max_torque = 0;       ///< N·m
     double slew_rate = 0;        ///< N/s; for the torque at kTorqueArm
     double damping = 0;          ///< N·s/m
+    bool limits_work = true;     ///< of the film on the hand
     double dt = 0;               ///< s since the step before
     double longest_dt = 0;       ///< s, the longest that may come
 
-    /// What acts beside the law is certain: of the sum, the law fades with its own confidence, and
+    /// What acts beside the law is certain: of the sum, the law fades with its own trust, and
     /// only `share` of it (0..1) is left.
     void make_certain(double share = 1) noexcept;
   };
@@ -148,6 +154,12 @@ public:
   /// Whether the torque of the last step, before the brake, turns the grip on in this direction.
   bool drives(const spidar::Vector3 &turning) const noexcept {
     return output_.torque.dot(turning) > 0;
+  }
+  /// N·m that may come with a force unasked: what turns a free grip under no force is no more than
+  /// what minimum tension does in the workspace.
+  static double most_side_torque(const spidar::Vector3 &force, double max_torque) noexcept {
+    constexpr double kAtRest = 0.012; // N·m
+    return std::min(max_torque, kAtRest + kTorqueArm * force.norm());
   }
   /// J that the hand may have back: what it has put in, and a credit, without which the errors of
   /// the tensions would wear a light touch out.
@@ -199,7 +211,7 @@ private:
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
-  double gate_ = 0;                // 0..1, from the confidence
+  double gate_ = 0;                // 0..1, from the trust
   EnergyAccount account_;
   double credit_ = 0; // J, of the last step
   ContinuousForce continuous_force_;

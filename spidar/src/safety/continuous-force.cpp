@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force/continuous-force.hpp"
+#include "safety/continuous-force.hpp"
 
 #include <algorithm>
 #include <cmath>

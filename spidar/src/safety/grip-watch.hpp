@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <cstdint>
 #include <spidar/haptic-device.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force/safety-chain.hpp"
+#include "safety/safety-chain.hpp"
 
 #include <algorithm>
 #include <array>
@@ -58,7 +58,7 @@ bool is_finite(const SafetyChain::Input &input) {
          std::isfinite(input.touch.energy) && std::isfinite(input.touch.released) &&
          input.acted.force.allFinite() && input.acted.torque.allFinite() &&
          input.hand_velocity.allFinite() && input.hand_turning.allFinite() &&
-         input.moved.allFinite() && input.turned.allFinite() && std::isfinite(input.confidence) &&
+         input.moved.allFinite() && input.turned.allFinite() && std::isfinite(input.trust) &&
          std::isfinite(input.age) && std::isfinite(input.interval) &&
          std::isfinite(input.max_force) && std::isfinite(input.continuous_force) &&
          std::isfinite(input.max_torque) && std::isfinite(input.slew_rate) &&
@@ -110,12 +110,12 @@ double stale_after(double interval) noexcept {
 
 void SafetyChain::Input::make_certain(double share) noexcept {
   const bool fresh = measured && age <= stale_after(interval);
-  share *= fresh ? confidence_gate(confidence) : 0;
+  share *= fresh ? trust : 0;
   wanted.force *= share;
   wanted.torque *= share;
   of_hand *= share;
   measured = true;
-  confidence = 1;
+  trust = 1;
 }
 
 Wrench SafetyChain::step(const Input &input) noexcept {
@@ -137,7 +137,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     holds |= holds_ & kUntilZero;
   follows_sample_ = !(holds & (kHoldGap | kHoldStale));
 
-  const double target = input.measured ? confidence_gate(input.confidence) : 0;
+  const double target = input.measured ? input.trust : 0;
   if (target >= gate_)
     gate_ = target;
   else
@@ -275,7 +275,7 @@ void SafetyChain::follow(const Input &input) noexcept {
   envelope_ = fade_in_ > 0 ? std::min(envelope_ + dt / fade_in_, 1.0) : 1.0;
 
   // A measurement not worth trusting must not turn the force on its way to zero.
-  if (confidence_gate(input.confidence) > 0) {
+  if (input.trust > 0) {
     accepted_ = {.film = input.wanted, .hand = input.of_hand};
     accepted_.film.force -= input.of_hand;
   }
@@ -308,7 +308,7 @@ void SafetyChain::follow(const Input &input) noexcept {
   torque = clamp_norm(torque, torque_limit);
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
-  const double left = account_.share_of_film();
+  const double left = input.limits_work ? account_.share_of_film() : 1;
   note_limit(parts_.limit_force(std::max(input.max_force, parts_.force().norm()) * left),
              kLimitWork);
   torque = clamp_norm(torque, std::max(input.max_torque, torque.norm()) * left);

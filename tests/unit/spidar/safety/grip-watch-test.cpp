@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "loop/grip-watch.hpp"
+#include "safety/grip-watch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ protected:
     SafetyChain::Input input;
     input.wanted.force.x() = 1;
     input.measured = true;
-    input.confidence = 1;
+    input.trust = 1;
     input.max_force = 1;
     input.slew_rate = 1000;
     input.dt = kTick;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "force/energy-account.hpp"
+#include "safety/energy-account.hpp"
 
 #include <gtest/gtest.h>
 
