@@ -27,10 +27,9 @@ constexpr int kBisections = 16;   // of the hand's way in one tick
 
 } // namespace
 
-// A spring k behind a delay T is stable for k T < b.
 double stiffest(const ContactLimits &limits) noexcept {
   return std::min(limits.slew_rate / ContactLaw::kFastestSurface,
-                  kLightestDamping / (kDelayPeriods * limits.longest_dt));
+                  limits.device.stiffest_spring(limits.longest_dt));
 }
 
 void ContactLaw::restart() noexcept {

@@ -43,6 +43,8 @@ static_assert(offsetof(DeviceState, turned) == 440);
 static_assert(offsetof(DeviceState, given_up) == 464);
 static_assert(is<DeviceState>(512));
 
+static_assert(is<DeviceLimits>(136));
+
 // From its first number: the size of std::string before it depends on the standard library.
 static_assert(offsetof(Geometry, attachments) - offsetof(Geometry, motors) == 192);
 static_assert(offsetof(Geometry, metres_per_count) - offsetof(Geometry, motors) == 384);
