@@ -183,7 +183,7 @@ void SafetyChain::restart() noexcept {
   silence();
   holds_ = kHoldGap;
   fade_left_ = 0;
-  fade_in_ = std::max(fade_in_, SafetyChain().fade_in_);
+  fade_in_ = std::max(fade_in_, SafetyChain(device_).fade_in_);
 }
 
 void SafetyChain::begin_run(double acted) noexcept {

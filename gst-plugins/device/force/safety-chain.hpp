@@ -133,7 +133,8 @@ public:
     void make_certain(double share = 1) noexcept;
   };
 
-  explicit SafetyChain(const spidar::DeviceLimits &device = {}) noexcept : device_(device) {}
+  /// Without a device: of DeviceLimits{}.
+  explicit SafetyChain(const spidar::DeviceLimits &device) noexcept : device_(device) {}
   /// The chain goes on with another device.
   void set_device(const spidar::DeviceLimits &device) noexcept { device_ = device; }
 

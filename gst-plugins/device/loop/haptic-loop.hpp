@@ -266,7 +266,7 @@ private:
     MotionConditioner conditioner;
     spidar::DeviceLimits limits; // of the device, or of the one that was lost
     LoopSettings settings;       // as far as the device can do them
-    SafetyChain chain;
+    SafetyChain chain{limits};
     SuspendDetector suspend;
     WashOut wash_out;
     PointerPosition place; // of the hand, as last known
