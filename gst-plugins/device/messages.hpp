@@ -25,8 +25,10 @@
           "Hold the grip in the centre, calibrate (signal calibrate), and re-arm (signal arm).")   \
   MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
           "Check its cable and power, then re-arm (signal arm).")                                  \
+  MESSAGE(kBeyondDevice, "The device (%s) cannot do all that is set. It does at most: %s.",        \
+          "To avoid this message, set these properties to at most these values.")                    \
   MESSAGE(kGripLetGo,                                                                              \
-          "The grip moved faster than 1 m/s or turned faster than 3 rad/s, as if it had been "     \
+          "The grip moved faster than %g m/s or turned faster than %g rad/s, as if it had been "   \
           "let go. The force is off and the video goes on.",                                       \
           "Take the grip and re-arm (signal arm).")                                                \
   MESSAGE(kMachineSlept, "The machine slept. The force is off and the video goes on.",             \

@@ -236,7 +236,7 @@ TEST_F(Faults, F19_ATickMuchTooLateFades) {
 TEST_F(Faults, F21_WrenchesBeyondReachKeepTheTensionsWithinTheirLimits) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> number(-20, 20);
-  const auto &geometry = device_->geometry();
+  const spidar::Geometry geometry = spidar::load_geometry(spidar::kDefaultGeometry);
   for (int i = 0; i < 20'000; ++i) {
     device_->command({.force = {number(random), number(random), number(random)},
                       .torque = 0.01 * spidar::Vector3(number(random), number(random), 1)});

@@ -29,7 +29,7 @@ public:
   void calibrate() noexcept override {}
   const spidar::DeviceState &state() const noexcept override { return state_; }
   const spidar::Vector3 &workspace_half() const noexcept override { return half_; }
-  bool grip_is_free() const noexcept override { return false; }
+  const spidar::DeviceLimits &limits() const noexcept override { return limits_; }
   std::string description() const override { return action_; }
 
 private:
@@ -37,6 +37,7 @@ private:
   std::vector<char> memory_;
   std::mutex mutex_;
   spidar::DeviceState state_;
+  spidar::DeviceLimits limits_;
   spidar::Vector3 half_ = spidar::Vector3::Constant(0.1); // m
 };
 

@@ -74,11 +74,18 @@ Axis axis(const std::string &name, T LoopPoint::*member, const std::vector<T> &v
 Axis geometries() {
   return axis("geometry", &LoopPoint::geometry, spidar::builtin_geometries());
 }
+// At a slew rate that follows the stiffest spring.
+Axis arm() {
+  return {{std::string("geometry=") + kArmName}, [](LoopPoint &point, std::size_t) {
+            point.geometry = kArmName;
+            point.slew_rate = kArm.stiffness * haptic::ContactLaw::kFastestSurface;
+          }};
+}
 Axis hold_laws() {
   return axis("hold-law", &LoopPoint::hold_law, std::vector{HoldLaw::carry, HoldLaw::both});
 }
-Axis max_forces() {
-  return axis("max-force", &LoopPoint::max_force, {1.0, 5.0});
+Axis max_forces(double strongest) {
+  return axis("max-force", &LoopPoint::max_force, {1.0, strongest});
 }
 Axis alphas() {
   return axis("alpha", &LoopPoint::alpha, {0.01, 0.04});
@@ -267,7 +274,7 @@ void lie_down(LoopInHand &held, const LoopPoint &point) {
   constexpr double kFor = 4;         // s
   constexpr double kDeepest = kLiesAt - 0.015;
   const double load = std::min(point.load * point.max_force, kHeaviest);
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   const double begin = held.time();
   double before = begin;
   bool deep = false;
@@ -376,7 +383,7 @@ public:
 
   // What the strings have done on the grip, against what is wanted, mJ.
   Outcome outcome(bool must_work = true) {
-    return {1e3 * (work() - begun_), point_.max_force > 1 ? 0.5 : 0.1,
+    return {1e3 * (work() - begun_), 0.1 * point_.max_force,
             why_idle(held, worked_ > kAtWork || !must_work)};
   }
 
@@ -437,7 +444,7 @@ Outcome paid_back(const LoopPoint &point) {
 
 // m/s, within a second.
 double fastest_when_let_go(LoopInHand &held) {
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   hand.leads = false;
   double fastest = 0;
   for (const double end = held.time() + 1; held.time() < end;) {
@@ -453,7 +460,7 @@ Outcome let_go(const LoopPoint &point) {
   constexpr double kLowest = -0.03; // m
   LoopInHand held(setup_of(point, {0, 0, kHeight + Way::kAbove}));
   held.surface = surface_of(point, kHeight);
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   hand.leads = true;
   held.wait(kFadedIn);
   hand.goal = {0, 0, kLowest};
@@ -584,7 +591,7 @@ Outcome carried(const LoopPoint &point) {
 Outcome let_go_of_thing(const LoopPoint &point) {
   constexpr double kFarthest = 0.022; // m
   LoopInHand held(setup_of(point, {-0.01, 0, 0}));
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   hand.leads = true;
   held.wait(kFadedIn);
   take_thing(held, point, hand.position());
@@ -604,7 +611,7 @@ Outcome let_go_of_thing(const LoopPoint &point) {
 Outcome thing_off(const LoopPoint &point) {
   constexpr double kLongest = 100; // s
   LoopInHand held(setup_of(point, Vector3::Zero()));
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   hand.leads = hand.presses = true;
   held.wait(kFadedIn);
   take_thing(held, point, Vector3::Zero());
@@ -687,7 +694,7 @@ Outcome off(const LoopPoint &point) {
   constexpr double kLongest = 100; // s
   LoopInHand held(setup_of(point, Vector3::Zero()));
   held.frame = LoopInHand::kMs;
-  HandOnStrings &hand = held.hand();
+  HeldGrip &hand = held.hand();
   hand.leads = hand.presses = true;
   hand.speed = 0.1; // m/s
   held.film.x() = 1e5;
@@ -779,73 +786,72 @@ Axis laws_of_the_hand() {
   return axis("law", &LoopPoint::law, std::vector<std::string>{"drag", "inertial"});
 }
 
-const std::vector<LoopRow> &rows() {
-  static const std::vector<LoopRow> all{
+std::vector<LoopRow> rows_of(const Axis &device, const Axis &forces) {
+  return {
       {"still-frame",
        "N peak to peak in the last 5 of 20 s",
-       {geometries(), laws(), alphas(), max_forces(), taps(), hands(), any_paces()},
+       {device, laws(), alphas(), forces, taps(), hands(), any_paces()},
        rest},
       {"surface",
        "N peak to peak in the last 5 of 20 s",
-       {geometries(), touches({TouchMode::surface}), max_forces(), loads(), frictions(), taps(),
-        hands(), any_paces()},
+       {device, touches({TouchMode::surface}), forces, loads(), frictions(), taps(), hands(),
+        any_paces()},
        rest},
       {"surface+law",
        "N peak to peak in the last 5 of 20 s",
-       {geometries(), touches({TouchMode::surface_and_motion}), laws_of_the_hand(), alphas(),
-        max_forces(), loads(), frictions(), taps(), hands(), few_paces()},
+       {device, touches({TouchMode::surface_and_motion}), laws_of_the_hand(), alphas(), forces,
+        loads(), frictions(), taps(), hands(), few_paces()},
        rest},
       {"closed-way",
        "mJ that the strings do on the hand",
-       {geometries(), touches(kTouched), laws_of_the_hand(), max_forces(), frictions(),
-        slew_rates({20, 1000}), depths(), ins(), outs(), accelerations(),
+       {device, touches(kTouched), laws_of_the_hand(), forces, frictions(), slew_rates({20, 1000}),
+        depths(), ins(), outs(), accelerations(),
         axis("sideways", &LoopPoint::sideways, {0.0, 0.01}), pauses(), paces_on_time()},
        closed_way},
       {"closed-way-law",
        "mJ that the strings do on the hand",
-       {geometries(), laws_of_the_hand(), alphas(), max_forces(), slew_rates({20, 1000}), depths(),
-        ins(), outs(), accelerations(), axis("sideways", &LoopPoint::sideways, {0.0, 0.01}),
+       {device, laws_of_the_hand(), alphas(), forces, slew_rates({20, 1000}), depths(), ins(),
+        outs(), accelerations(), axis("sideways", &LoopPoint::sideways, {0.0, 0.01}),
         paces_on_time()},
        closed_way},
       {"late-tick",
        "mJ that the strings do on the hand",
-       {geometries(), touches(kTouched), max_forces(), frictions(), slew_rates({20, 1000}),
-        depths(), ins(), outs(), accelerations(), late_ats(), pauses(), steady_paces()},
+       {device, touches(kTouched), forces, frictions(), slew_rates({20, 1000}), depths(), ins(),
+        outs(), accelerations(), late_ats(), pauses(), steady_paces()},
        late_tick},
       {"paid-back",
        "mJ that the strings do on the hand, after three more ways",
-       {geometries(), touches(kTouched), max_forces(), frictions(), slew_rates({20, 1000}),
-        depths(), ins(), outs(), accelerations(), late_ats(), pauses(), steady_paces()},
+       {device, touches(kTouched), forces, frictions(), slew_rates({20, 1000}), depths(), ins(),
+        outs(), accelerations(), late_ats(), pauses(), steady_paces()},
        paid_back},
       {"let-go",
        "m/s of 0.1 kg",
-       {geometries(), axis("hand", &LoopPoint::hand, std::vector<Hand>{{0.1, 0.5, 0}}),
-        touches(kTouched), max_forces(), frictions(), slew_rates({20, 1000}), ins(), pauses(),
-        paces_on_time()},
+       {device, axis("hand", &LoopPoint::hand, std::vector<Hand>{{0.1, 0.5, 0}}), touches(kTouched),
+        forces, frictions(), slew_rates({20, 1000}), ins(), pauses(), paces_on_time()},
        let_go},
       {"through",
        "mJ that the strings do on the hand",
-       {geometries(), touches(kTouched),
+       {device, touches(kTouched),
         events({"release", "pause", "dead-man", "budget", "max-force", "motion", "interrupted"}),
-        stages({{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}),
-        max_forces(), frictions(), axis("depth", &LoopPoint::depth, {0.005, 0.02}),
+        stages({{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}), forces,
+        frictions(), axis("depth", &LoopPoint::depth, {0.005, 0.02}),
         axis("in", &LoopPoint::in, {0.05, 0.9}), axis("out", &LoopPoint::out, {0.05, 0.9}),
         accelerations(), pauses(), steady_paces()},
        through},
       {"through-calibrate",
        "mJ that the strings do on the hand, more than without a surface",
-       {geometries(), touches(kTouched), stages({{1, 1}, {2, 2}, {3, 3}}), heights(), max_forces(),
-        frictions(), slew_rates({20, 1000}), calibrated_depths(), ins(), outs(), accelerations(),
-        pauses(), steady_paces()},
+       {device, touches(kTouched), stages({{1, 1}, {2, 2}, {3, 3}}), heights(), forces, frictions(),
+        slew_rates({20, 1000}), calibrated_depths(), ins(), outs(), accelerations(), pauses(),
+        steady_paces()},
        through_calibrate},
       {"calibrate",
        "N by which the force jumps within 50 ms",
-       {geometries(), touches(kTouched), heights(), max_forces(), frictions(),
-        slew_rates({20, 1000}), calibrated_depths(), ins(), pauses(), steady_paces()},
+       {device, touches(kTouched), heights(), forces, frictions(), slew_rates({20, 1000}),
+        calibrated_depths(), ins(), pauses(), steady_paces()},
        calibrate_jump},
       {"work",
        "J in 5 s",
-       {geometries(), touches({TouchMode::off, TouchMode::surface_and_motion}),
+       {device, touches({TouchMode::off, TouchMode::surface_and_motion}),
         axis("law", &LoopPoint::law, std::vector<std::string>{"arctan", "arctan-axis", "linear"}),
         axis("alpha", &LoopPoint::alpha, {0.01, 10.0}),
         axis("max-force", &LoopPoint::max_force, {1.0, 2.5, 5.0}), slew_rates({0.1, 1, 20, 1000}),
@@ -854,65 +860,67 @@ const std::vector<LoopRow> &rows() {
        work},
       {"carried",
        "% of the sway, rms, by which the hand is off the thing",
-       {geometries(), axis("hand", &LoopPoint::hand, carried_hands()),
+       {device, axis("hand", &LoopPoint::hand, carried_hands()),
         axis("hold-law", &LoopPoint::hold_law, std::vector{HoldLaw::carry}),
         axis("swing", &LoopPoint::swing, {0.0057}), axis("sway", &LoopPoint::sway, {0.2, 1.0}),
-        max_forces(),
+        forces,
         axis("pace", &LoopPoint::pace,
              std::vector<Pace>{{.rate = 1000}, {.rate = 2000}, {.rate = 4000}})},
        carried},
       {"still-thing",
        "N peak to peak in the last 5 of 20 s",
-       {geometries(), hold_laws(), laws_of_the_hand(), alphas(), max_forces(), taps(), hands(),
-        any_paces()},
+       {device, hold_laws(), laws_of_the_hand(), alphas(), forces, taps(), hands(), any_paces()},
        rest},
       {"closed-way-thing",
        "mJ that the strings do on the hand, less what the thing does",
-       {geometries(), hold_laws(), laws_of_the_hand(), max_forces(), slew_rates({20, 1000}),
-        depths(), ins(), outs(), accelerations(),
-        axis("sideways", &LoopPoint::sideways, {0.0, 0.01}),
+       {device, hold_laws(), laws_of_the_hand(), forces, slew_rates({20, 1000}), depths(), ins(),
+        outs(), accelerations(), axis("sideways", &LoopPoint::sideways, {0.0, 0.01}),
         axis("swing", &LoopPoint::swing, {0.0, 0.003}), pauses(), paces_on_time()},
        closed_way},
       {"late-tick-thing",
        "mJ that the strings do on the hand",
-       {geometries(), hold_laws(), max_forces(), slew_rates({20, 1000}), depths(), ins(), outs(),
+       {device, hold_laws(), forces, slew_rates({20, 1000}), depths(), ins(), outs(),
         accelerations(), late_ats(), pauses(), steady_paces()},
        late_tick},
       {"paid-back-thing",
        "mJ that the strings do on the hand, after three more ways",
-       {geometries(), hold_laws(), max_forces(), slew_rates({20, 1000}), depths(), ins(), outs(),
+       {device, hold_laws(), forces, slew_rates({20, 1000}), depths(), ins(), outs(),
         accelerations(), late_ats(), pauses(), steady_paces()},
        paid_back},
       {"through-thing",
        "mJ that the strings do on the hand",
-       {geometries(), hold_laws(),
+       {device, hold_laws(),
         events({"release", "pause", "dead-man", "budget", "max-force", "interrupted", "none",
                 "about", "hidden", "lost"}),
-        stages({{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}),
-        max_forces(), axis("depth", &LoopPoint::depth, {0.005, 0.02}),
-        axis("in", &LoopPoint::in, {0.05, 0.9}), axis("out", &LoopPoint::out, {0.05, 0.9}),
-        accelerations(), pauses(), steady_paces()},
+        stages({{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}), forces,
+        axis("depth", &LoopPoint::depth, {0.005, 0.02}), axis("in", &LoopPoint::in, {0.05, 0.9}),
+        axis("out", &LoopPoint::out, {0.05, 0.9}), accelerations(), pauses(), steady_paces()},
        through},
       {"let-go-thing",
        "m/s of 0.1 kg",
-       {geometries(), axis("hand", &LoopPoint::hand, std::vector<Hand>{{0.1, 0.5, 0}}), hold_laws(),
-        max_forces(), slew_rates({20, 1000}), ins(), axis("pause", &LoopPoint::pause, {0.1, 0.4}),
+       {device, axis("hand", &LoopPoint::hand, std::vector<Hand>{{0.1, 0.5, 0}}), hold_laws(),
+        forces, slew_rates({20, 1000}), ins(), axis("pause", &LoopPoint::pause, {0.1, 0.4}),
         paces_on_time()},
        let_go_of_thing},
       {"off-thing",
        "ms until the force is zero",
-       {geometries(), hold_laws(),
+       {device, hold_laws(),
         events({"none", "about", "lost", "refused", "max-force", "release", "dead-man", "suspend",
                 "silent", "unplugged", "not-finite"}),
-        max_forces(), slew_rates({2, 20, 1000}), any_paces()},
+        forces, slew_rates({2, 20, 1000}), any_paces()},
        thing_off},
       {"off",
        "ms until the force is zero",
-       {geometries(), touches({TouchMode::off, TouchMode::surface, TouchMode::surface_and_motion}),
-        events(kOffEvents), max_forces(), slew_rates({0.1, 20, 1000}), any_paces()},
+       {device, touches({TouchMode::off, TouchMode::surface, TouchMode::surface_and_motion}),
+        events(kOffEvents), forces, slew_rates({0.1, 20, 1000}), any_paces()},
        off},
   };
-  return all;
+}
+
+const std::vector<LoopRow> &rows(Bench bench) {
+  static const std::vector<LoopRow> on_strings = rows_of(geometries(), max_forces(kSpidar.force));
+  static const std::vector<LoopRow> on_arm = rows_of(arm(), max_forces(kArm.force));
+  return bench == Bench::strings ? on_strings : on_arm;
 }
 
 } // namespace
@@ -964,12 +972,12 @@ std::vector<std::size_t> LoopRow::select(const std::string &only, std::size_t co
   return selected;
 }
 
-std::span<const LoopRow> closed_loop_table() {
-  return rows();
+std::span<const LoopRow> closed_loop_table(Bench bench) {
+  return rows(bench);
 }
 
-const LoopRow &closed_loop_row(const std::string &name) {
-  for (const LoopRow &row : rows())
+const LoopRow &closed_loop_row(const std::string &name, Bench bench) {
+  for (const LoopRow &row : rows(bench))
     if (row.name == name)
       return row;
   throw std::invalid_argument("no row '" + name + "' in the table of the closed loop");

@@ -89,7 +89,9 @@ public:
                                   unsigned seed = 1) const;
 };
 
-std::span<const LoopRow> closed_loop_table();
-const LoopRow &closed_loop_row(const std::string &name);
+/// The same rows on each device: on the strings of the built-in geometries, and on the arm.
+enum class Bench { strings, arm };
+std::span<const LoopRow> closed_loop_table(Bench bench = Bench::strings);
+const LoopRow &closed_loop_row(const std::string &name, Bench bench = Bench::strings);
 
 } // namespace test

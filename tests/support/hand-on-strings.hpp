@@ -3,6 +3,7 @@
 // same words at the same times give the same counts. SI units, frame of spidar/types.hpp.
 #pragma once
 
+#include "held-grip.hpp"
 #include "model/drive-scale.hpp"
 #include "model/string-kinematics.hpp"
 
@@ -19,70 +20,27 @@
 
 namespace test {
 
-/// A mass that a spring and a damper hold.
-struct Hand {
-  double mass = 0.4;    ///< kg, with the grip
-  double damping = 3;   ///< N·s/m, with what the strings have
-  double stiffness = 0; ///< N/m, to the target
-
-  bool operator==(const Hand &) const = default;
-};
-
-/// The same for turning, towards the orientation of the centre.
-struct TurningHand {
-  double inertia = 1.7e-4; ///< kg·m², of the simulator's grip and hand
-  double damping = 0.032;  ///< N·m·s, critical
-  double stiffness = 1.5;  ///< N·m/rad
-};
-
-class HandOnStrings final : public spidar::Controller {
+class HandOnStrings final : public spidar::Controller, public HeldGrip {
 public:
   HandOnStrings(const spidar::Geometry &geometry, const Hand &of, const spidar::Vector3 &start)
-      : hand(of), target(start), goal(start), geometry_(geometry), aimed_at_(start),
-        position_(start) {
-    double nearest = geometry.motors[0].norm();
-    for (const spidar::Vector3 &motor : geometry.motors)
-      nearest = std::min(nearest, motor.norm());
-    reach_ = nearest / 2;
+      : HeldGrip(of, start, reach_of(geometry)), geometry_(geometry) {
     update_strings();
   }
 
-  // What the hand does until the next exchange.
-
-  Hand hand;
-  spidar::Vector3 target; ///< m
-  spidar::Vector3 goal;   ///< m, to which the target moves in a straight line
-  double speed = 0;       ///< m/s, of the target
-  /// m/s², with which it gets that fast after a change of the goal
-  double acceleration = std::numeric_limits<double>::infinity();
-  bool leads = false;                             ///< the grip is at the target, whatever the force
-  bool presses = false;                           ///< the button of the grip
-  std::optional<TurningHand> turning_hand;        ///< none: the orientation is held
-  spidar::Vector3 push = spidar::Vector3::Zero(); ///< N, from outside
-
-  // What the electronics do.
-
-  spidar::Counts slip{};  ///< counts by which each string has slipped
-  bool answers = true;    ///< to exchanges; if not, the words stay at the motors
-  bool plugged_in = true; ///< if not, for good
+  spidar::Counts slip{}; ///< counts by which each string has slipped
   /// The guardian puts the motors at rest.
-  void intervene() noexcept {
+  void intervene() noexcept override {
     tensions_.setConstant(geometry_.tension_min);
     intervened_ = true;
   }
 
   // What is true.
 
-  const spidar::Vector3 &position() const noexcept { return position_; } ///< m
-  const spidar::Vector3 &velocity() const noexcept { return velocity_; } ///< m/s
   const spidar::Matrix3 &rotation() const noexcept { return rotation_; }
   /// N and N·m, of the strings.
-  spidar::Wrench wrench() const noexcept {
+  spidar::Wrench wrench() const noexcept override {
     return spidar::realised_wrench(strings_.pull, tensions_);
   }
-  /// J that the strings have done on the grip. Exact: a constant tension does its product with the
-  /// shortening of the string, whatever the way.
-  double work() const noexcept { return work_; }
 
   void set_time(std::int64_t now) noexcept override {
     elapsed_ = now_ ? static_cast<double>(now - *now_) * 1e-9 : 0;
@@ -109,9 +67,12 @@ public:
   std::string description() const override { return "a hand on strings"; }
 
 private:
-  // Short against the hands: 10 ms is the fastest of them.
-  static constexpr double kLongestStep = 0.00025; // s
-
+  static double reach_of(const spidar::Geometry &geometry) noexcept {
+    double nearest = geometry.motors[0].norm();
+    for (const spidar::Vector3 &motor : geometry.motors)
+      nearest = std::min(nearest, motor.norm());
+    return nearest / 2;
+  }
   static Eigen::Index at(std::size_t i) noexcept { return static_cast<Eigen::Index>(i); }
 
   spidar::Counts counts_of(const spidar::StringLengths &lengths) const noexcept {
@@ -122,42 +83,22 @@ private:
     return counts;
   }
 
+  // The work is exact: a constant tension does its product with the shortening of the string,
+  // whatever the way.
   void update_strings() noexcept {
     const spidar::StringLengths before = strings_.lengths;
-    strings_ = string_kinematics(geometry_, {position_, rotation_});
+    strings_ = string_kinematics(geometry_, {position(), rotation_});
     work_ += tensions_.dot(before - strings_.lengths);
   }
 
   void advance(double elapsed) noexcept {
-    const int steps = static_cast<int>(std::ceil(elapsed / kLongestStep - 1e-9));
-    for (int i = 0; i < steps; ++i)
-      step(elapsed / steps);
-  }
-
-  // Semi-implicit Euler.
-  void step(double dt) noexcept {
-    if (goal != aimed_at_)
-      target_speed_ = 0;
-    aimed_at_ = goal;
-    target_speed_ = std::min(speed, target_speed_ + acceleration * dt);
-    const spidar::Vector3 left = goal - target;
-    target += std::min(1.0, target_speed_ * dt / std::max(left.norm(), 1e-12)) * left;
-    const spidar::Wrench strings = wrench();
-    if (leads) {
-      velocity_ = (target - position_) / dt;
-    } else {
-      velocity_ +=
-          dt / hand.mass *
-          (strings.force + push + hand.stiffness * (target - position_) - hand.damping * velocity_);
-    }
-    position_ += dt * velocity_;
-    if (const double distance = position_.norm(); distance > reach_) {
-      position_ *= reach_ / distance;
-      velocity_.setZero();
-    }
-    if (turning_hand)
-      turn(dt, strings.torque);
-    update_strings();
+    in_steps(elapsed, [this](double dt) {
+      const spidar::Wrench strings = wrench();
+      move(dt, strings.force);
+      if (turning_hand)
+        turn(dt, strings.torque);
+      update_strings();
+    });
   }
 
   void turn(double dt, const spidar::Vector3 &torque) noexcept {
@@ -174,18 +115,12 @@ private:
   }
 
   spidar::Geometry geometry_;
-  double reach_ = 0; // m; the grip cannot get farther from the centre
   spidar::Tensions tensions_ = spidar::Tensions::Zero();
   spidar::StringKinematics strings_{spidar::WrenchMatrix::Zero(), spidar::StringLengths::Zero()};
-  spidar::Vector3 aimed_at_; // the goal, until it changes
-  double target_speed_ = 0;  // m/s
-  spidar::Vector3 position_;
-  spidar::Vector3 velocity_ = spidar::Vector3::Zero();
   spidar::Matrix3 rotation_ = spidar::Matrix3::Identity();
   spidar::Vector3 turning_ = spidar::Vector3::Zero(); // rad/s
   std::optional<std::int64_t> now_;                   // ns
   double elapsed_ = 0;                                // s, that the next exchange advances
-  double work_ = 0;                                   // J
   bool intervened_ = false;                           // not told yet
 };
 

@@ -2,6 +2,7 @@
 // The loop driven by hand, so that a test takes no time and knows every tick.
 #pragma once
 
+#include "hand-on-arm.hpp"
 #include "loop/haptic-loop.hpp"
 
 #include <atomic>
@@ -21,8 +22,17 @@ using haptic::MotionSample;
 
 constexpr std::int64_t kMs = 1'000'000; // ns
 
+// What befalls a device.
+struct Mishaps {
+  bool cut = false;        // the wire
+  bool gone = false;       // for good
+  bool let_go = false;     // the guardian has put the motors at rest, once
+  double thrown_speed = 0; // m/s to the right, from the centre
+  int exchanges = 0;       // so far
+};
+
 // The simulated device behind a wire that can be cut, and whose grip can be thrown.
-class Wire final : public spidar::Controller {
+class Wire final : public spidar::Controller, public Mishaps {
 public:
   explicit Wire(const std::string &hand)
       : geometry_(spidar::load_geometry(spidar::kDefaultGeometry)),
@@ -59,14 +69,9 @@ public:
   bool interrupted() noexcept override { return std::exchange(let_go, false); }
   std::string description() const override { return "a wire"; }
 
-  bool cut = false;
-  bool gone = false;     // for good
-  bool let_go = false;   // the guardian has put the motors at rest, once
   std::int32_t slip = 0; // counts by which the first string has slipped
   haptic::LoopClock *clock = &haptic::machine_clock();
   std::atomic<std::int64_t> stall = 0; // ns, of `clock`; once
-  double thrown_speed = 0;             // m/s to the right, from the centre
-  int exchanges = 0;
   spidar::DacWords last_words{};
 
 private:
@@ -75,6 +80,52 @@ private:
   spidar::Pose thrown_;
   std::optional<std::int64_t> now_; // ns
   double dt_ = 0.001;               // s
+};
+
+// The arm behind such a wire, with the hand of the simulated device.
+class ArmOnWire final : public spidar::HapticDevice, public Mishaps {
+public:
+  explicit ArmOnWire(const std::string &hand)
+      : script_(spidar::parse_hand_script(hand)), arm_(held(), first_target(), 0.001) {}
+
+  bool exchange(std::int64_t now) noexcept override {
+    ++exchanges;
+    arm_.answers = !cut;
+    arm_.plugged_in = !gone;
+    if (std::exchange(let_go, false))
+      arm_.intervene();
+    begun_ = begun_.value_or(now);
+    const double time = static_cast<double>(now - *begun_) * 1e-9;
+    const bool is_held = script_->target(time, arm_.workspace_half(), arm_.target);
+    arm_.goal = arm_.target;
+    arm_.hand = is_held ? held() : Hand{0.1, 0.5, 0};
+    arm_.leads = thrown_speed != 0;
+    if (arm_.leads) {
+      arm_.target = arm_.position();
+      arm_.goal = {1, 0, 0};
+      arm_.speed = thrown_speed;
+    }
+    return arm_.exchange(now);
+  }
+  bool connected() const noexcept override { return !gone; }
+  void command(const spidar::Wrench &wrench) noexcept override { arm_.command(wrench); }
+  void calibrate() noexcept override { arm_.calibrate(); }
+  const spidar::DeviceState &state() const noexcept override { return arm_.state(); }
+  const spidar::Vector3 &workspace_half() const noexcept override { return arm_.workspace_half(); }
+  const spidar::DeviceLimits &limits() const noexcept override { return arm_.limits(); }
+  std::string description() const override { return "an arm on a wire"; }
+
+private:
+  static Hand held() { return {0.4, 40, 1000}; }
+  spidar::Vector3 first_target() const {
+    spidar::Vector3 target = spidar::Vector3::Zero();
+    script_->target(0, spidar::Vector3::Constant(0.025), target);
+    return target;
+  }
+
+  std::unique_ptr<spidar::HandScript> script_;
+  HandOnArm arm_;
+  std::optional<std::int64_t> begun_; // ns
 };
 
 inline MotionSample moving(float vx, float vy) {
@@ -92,8 +143,14 @@ inline MotionSample moving(float vx, float vy) {
 class Loop : public ::testing::Test {
 protected:
   void make_device(const std::string &hand = "hold:0,0,0") {
+    if (on_arm_) {
+      auto arm = std::make_unique<ArmOnWire>(hand);
+      mishaps_ = arm.get();
+      device_ = std::move(arm);
+      return;
+    }
     auto wire = std::make_unique<Wire>(hand);
-    wire_ = wire.get();
+    mishaps_ = wire_ = wire.get();
     device_ = std::make_unique<spidar::Device>(std::move(wire),
                                                spidar::load_geometry(spidar::kDefaultGeometry));
   }
@@ -122,9 +179,20 @@ protected:
   spidar::Vector3 realised() const { return device_->state().realised.force; }
 
   std::int64_t now_ = 1000 * kMs;
-  Wire *wire_ = nullptr;
-  std::unique_ptr<spidar::Device> device_;
+  bool on_arm_ = false;
+  Mishaps *mishaps_ = nullptr; // of the device
+  Wire *wire_ = nullptr;       // the same; null on the arm
+  std::unique_ptr<spidar::HapticDevice> device_;
   HapticLoop loop_;
+};
+
+// The same on each device.
+inline const char *const kLoopDevices[] = {"strings", "arm"};
+template <typename Fixture>
+class OnEachDevice : public Fixture, public ::testing::WithParamInterface<const char *> {
+protected:
+  OnEachDevice() { this->on_arm_ = this->GetParam() == std::string("arm"); }
+  const spidar::DeviceLimits &limits() const { return this->on_arm_ ? kArm : kSpidar; }
 };
 
 } // namespace test

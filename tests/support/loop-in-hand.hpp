@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The loop with a hand on the strings of its device, in virtual time: the film and the surface that
-// it feels, and ticks as the thread of the loop makes them on a machine that is on time or late.
+// The loop with a hand on its device, in virtual time: the film and the surface that it feels, and
+// ticks as the thread of the loop makes them on a machine that is on time or late.
 #pragma once
 
+#include "hand-on-arm.hpp"
 #include "hand-on-strings.hpp"
 #include "loop/haptic-loop.hpp"
 
@@ -72,10 +73,13 @@ private:
   std::mt19937 random_{7};    // the late ones
 };
 
+/// In the place of a geometry: the arm.
+inline constexpr const char *kArmName = "arm";
+
 class LoopInHand {
 public:
   struct Setup {
-    std::string geometry = spidar::kDefaultGeometry;
+    std::string geometry = spidar::kDefaultGeometry; ///< of strings, or kArmName
     Hand hand = {};
     spidar::Vector3 start = spidar::Vector3::Zero(); ///< m
     Pace pace = {};
@@ -87,13 +91,10 @@ public:
   static constexpr std::int64_t kMs = 1'000'000; // ns
 
   explicit LoopInHand(const Setup &setup) : settings(setup.settings), ticks_(setup.pace) {
-    spidar::Geometry geometry = builtin_geometry(setup.geometry);
-    if (!setup.pulls_at_rest)
-      geometry.tension_min = 0.001; // N
-    auto on_strings = std::make_unique<HandOnStrings>(geometry, setup.hand, setup.start);
-    hand_ = on_strings.get();
-    device_ =
-        std::make_unique<spidar::Device>(std::move(on_strings), geometry, 1 / setup.pace.rate);
+    if (setup.geometry == kArmName)
+      take_arm(setup);
+    else
+      take_strings(setup);
     loop.prepare({.device = device_.get(), .rate = setup.pace.rate, .dead_man = setup.dead_man});
     loop.set_settings(settings);
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused | haptic::kLatches);
@@ -141,12 +142,28 @@ public:
 
   double time() const noexcept { return ticks_.time(); }                 ///< s
   spidar::Vector3 force() const noexcept { return loop.wrench().force; } ///< N, as commanded
-  HandOnStrings &hand() noexcept { return *hand_; }
+  HeldGrip &hand() noexcept { return *hand_; }
+  HandOnStrings &on_strings() noexcept { return *on_strings_; } ///< not on the arm
   /// J, that the held thing has done on the strings by its own way.
   double work_of_thing() const noexcept { return work_of_thing_; }
-  const spidar::Device &device() const noexcept { return *device_; }
+  const spidar::HapticDevice &device() const noexcept { return *device_; }
 
 private:
+  void take_arm(const Setup &setup) {
+    auto on_arm = std::make_unique<HandOnArm>(setup.hand, setup.start, 1 / setup.pace.rate);
+    hand_ = on_arm.get();
+    device_ = std::move(on_arm);
+  }
+  void take_strings(const Setup &setup) {
+    spidar::Geometry geometry = builtin_geometry(setup.geometry);
+    if (!setup.pulls_at_rest)
+      geometry.tension_min = 0.001; // N
+    auto on_strings = std::make_unique<HandOnStrings>(geometry, setup.hand, setup.start);
+    hand_ = on_strings_ = on_strings.get();
+    device_ =
+        std::make_unique<spidar::Device>(std::move(on_strings), geometry, 1 / setup.pace.rate);
+  }
+
   void show(std::int64_t now) {
     if (now - shown_ < frame)
       return;
@@ -192,8 +209,9 @@ private:
   double work_of_thing_ = 0;          // J
   std::int64_t shown_ = 0;            // ns, the last frame
   std::unique_ptr<haptic::ReliefPool> reliefs_ = std::make_unique<haptic::ReliefPool>();
-  std::unique_ptr<spidar::Device> device_;
-  HandOnStrings *hand_ = nullptr; // of the device
+  std::unique_ptr<spidar::HapticDevice> device_;
+  HeldGrip *hand_ = nullptr;            // of the device
+  HandOnStrings *on_strings_ = nullptr; // the same; null on the arm
 
 public:
   haptic::HapticLoop loop; ///< last: it uses the others

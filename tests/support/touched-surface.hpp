@@ -3,6 +3,7 @@
 // motors. The clock is driven by hand.
 #pragma once
 
+#include "device-limits.hpp"
 #include "safety/safety-chain.hpp"
 #include "touch/contact-law.hpp"
 
@@ -61,31 +62,45 @@ struct HandModel {
   double damping;   // N·s/m
   double stiffness; // N/m
   int swings;       // ms until it rests where it is led
+  const spidar::DeviceLimits *device = &kSpidar;
+  // N/m, of the surfaces: as stiff as the device holds, at a slew rate that follows them.
+  double stiffest() const noexcept { return device->stiffest_spring(kTick); }
+  double slew_rate() const noexcept { // N/s
+    return stiffest() * haptic::ContactLaw::kFastestSurface;
+  }
 };
 // A grip that lies on the surface (strings alone damp it), an arm that gives way, and the hand of
 // the simulated device.
 constexpr HandModel kLying{"lying", 0.1, 0.5, 20, 2500};
 constexpr HandModel kLight{"light", 0.15, 2.5, 100, 500};
 constexpr HandModel kStiff{"stiff", 0.4, 40, 1000, 500};
+// The same with what the arm of test::kArm has more of mass and damping. It takes b / k longer to
+// rest, and 16 µm are 0.05 N there.
+constexpr HandModel kLyingOnArm{"lying_on_arm", 0.2, 7.5, 20, 3000, &kArm};
+constexpr HandModel kLightOnArm{"light_on_arm", 0.25, 9.5, 100, 1000, &kArm};
+constexpr HandModel kStiffOnArm{"stiff_on_arm", 0.5, 47, 1000, 500, &kArm};
 
 // The loop of a hand that touches: encoder, low-pass of the speed, law, safety chain, and the tick
 // that a command needs to the motors.
 class TouchLoop {
 public:
-  TouchLoop(const HandModel &model, const Vector3 &start) : model_(model), position(start) {}
+  TouchLoop(const HandModel &model, const Vector3 &start)
+      : slew_rate(model.slew_rate()), model_(model), chain_(*model.device), position(start) {}
 
   void tick(const ReliefSurface &surface, const Vector3 &target) {
-    constexpr double kCount = 16.66e-6; // m
+    const double count = model_.device->metres_per_count;
     constexpr double kVelocityTime = 1 / (2 * std::numbers::pi * 35);
-    const Vector3 seen = (position / kCount).array().round() * kCount;
+    const Vector3 seen = (position / count).array().round() * count;
     seen_velocity_ +=
         (1 - std::exp(-kTick / kVelocityTime)) * ((seen - seen_before_) / kTick - seen_velocity_);
     haptic::SafetyChain::Input input;
     input.moved = seen - seen_before_;
     seen_before_ = seen;
     const Vector3 acting = force; // the exchange sends what the tick before has computed
-    const haptic::Contact contact =
-        law.step(surface, seen, {.slew_rate = slew_rate, .energy = chain_.energy_of_hand()}, kTick);
+    const haptic::Contact contact = law.step(
+        surface, seen,
+        {.device = *model_.device, .slew_rate = slew_rate, .energy = chain_.energy_of_hand()},
+        kTick);
     surface_work += std::max(0.0, contact.surface_work);
     input.acted.force = acted_;
     acted_ = acting;
@@ -107,7 +122,7 @@ public:
   }
 
   haptic::ContactLaw law;
-  double slew_rate = 20;           // N/s
+  double slew_rate;                // N/s
   Vector3 force = Vector3::Zero(); // N, as commanded
   double work = 0;                 // J, of the force on the hand
   double surface_work = 0;         // J, that a level surface does by its own movement

@@ -135,7 +135,7 @@ private:
   haptic::MotionInterpolator interpolator_;
   haptic::MotionConditioner conditioner_;
   std::unique_ptr<haptic::ForceLaw> law_ = haptic::force_laws()[0].make();
-  haptic::SafetyChain chain_;
+  haptic::SafetyChain chain_{spidar::DeviceLimits{}}; // no hand
   std::size_t next_ = 0;
 };
 

@@ -6,6 +6,7 @@
 // stiffness and friction; the number of ticks of the finger; each with x and y, the proxy's x and
 // y, and the force.
 #include "depth-scene.hpp"
+#include "device-limits.hpp"
 #include "field-code/field-codec.hpp"
 #include "forms/klv.hpp"
 #include "touch/contact-law.hpp"
@@ -140,7 +141,7 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
     const haptic::SurfacePoint here = surface.at(finger.x(), finger.y());
     finger.z() =
         here.height - kDepth / std::max(surface.normal(finger.x(), finger.y()).z(), kSteepest);
-    const haptic::Contact &contact = law.step(surface, finger, {}, 1e-3);
+    const haptic::Contact &contact = law.step(surface, finger, {.device = test::kSpidar}, 1e-3);
     // With the damper against the surface's own speed, 5 ticks of the spring: its work is k d rise.
     const double stiffness =
         std::min(surface.at(contact.proxy.x(), contact.proxy.y()).stiffness, haptic::stiffest({}));

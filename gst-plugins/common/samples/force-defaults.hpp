@@ -12,7 +12,7 @@ inline constexpr double kReferenceHeight = 288;
 /// Steepness of the force law (paper, equation 5), s/px in a frame kReferenceWidth wide.
 inline constexpr double kDefaultAlpha = 0.01;
 
-/// The highest `max-force`, N: what the motors of a SPIDAR-G can pull.
+/// The highest `max-force`, N: the most that is offered to a hand, whatever the device could do.
 inline constexpr double kHighestForce = 5;
 
 /// The stiffest surface that a hand feels at the defaults of hapticsink, N/m (docs/force.md#touch).

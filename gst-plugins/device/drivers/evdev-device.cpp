@@ -91,6 +91,7 @@ public:
     }
   }
   bool exists() const noexcept { return exists_; }
+  double step() const noexcept { return exists_ ? 1 / half_ : 0; } // of its value
   double value(const libevdev *device) const noexcept {
     if (!exists_)
       return 0;
@@ -145,6 +146,9 @@ public:
                   format_text(messages::kNoForceFeedback, description_of(unit_).c_str()));
     if (!x_.exists())
       throw Error(Cause::argument, format_text(messages::kNoStick, description_of(unit_).c_str()));
+    limits_.force = kFullForce;
+    limits_.degrees_of_freedom = y_.exists() ? 2 : 1;
+    limits_.metres_per_count = kStickHalf * std::max(x_.step(), y_.step());
     if (needs_button && !has_button(device))
       throw Error(Cause::argument, format_text(messages::kNoButton, description_of(unit_).c_str()));
     if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
@@ -200,8 +204,7 @@ public:
   }
   const spidar::DeviceState &state() const noexcept override { return state_; }
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
-  bool grip_is_free() const noexcept override { return false; }
-  bool knows_newtons() const noexcept override { return false; }
+  const spidar::DeviceLimits &limits() const noexcept override { return limits_; }
   std::string description() const override { return description_of(unit_); }
   std::string identity() const override { return unit_.identity; }
 
@@ -306,6 +309,7 @@ private:
   EvdevUnit unit_;
   ForceKind kind_ = ForceKind::constant;
   const spidar::Vector3 workspace_half_ = spidar::Vector3::Constant(kStickHalf);
+  spidar::DeviceLimits limits_; // no stiffness and no damping: its strength is unknown
 
   // Between the two threads.
   NewestSlot<StickState> stick_;      // driver's thread -> loop

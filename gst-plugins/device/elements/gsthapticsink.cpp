@@ -231,6 +231,7 @@ bool start_threads(GstHapticSink *self) {
   const auto entered = [=] { post_status(GST_STREAM_STATUS_TYPE_ENTER); };
   if (!state.session.prepare(
           {.choice = setting_of(self, &SinkSettings::choice),
+           .loop = setting_of(self, &SinkSettings::loop),
            .log_location = setting_of(self, &SinkSettings::log_location),
            .fault_location = haptic::fault_folder(setting_of(self, &SinkSettings::fault_location)),
            .callbacks = {.entered = entered, .keeper = keeper}}))

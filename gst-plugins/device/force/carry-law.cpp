@@ -28,13 +28,14 @@ constexpr double kFades = 0.25; // s back, while the thing is hidden or too fast
 constexpr double kEnds = 0.05;  // s back, when it is let go
 
 double damping_at(const CarryLimits &limits) noexcept {
-  return kShareOfDamping * most_resistance(limits.longest_dt);
+  return kShareOfDamping * limits.device.most_resistance(limits.longest_dt);
 }
 
 double stiffness_at(const CarryLimits &limits) noexcept {
-  const double damping = kLightestDamping + kShareThatCalms * damping_at(limits);
-  return std::min(
-      {kStiffest, limits.slew_rate / kFastestHand, damping / (kDelayPeriods * limits.longest_dt)});
+  const spidar::DeviceLimits &device = limits.device;
+  const double damping = device.physical_damping + kShareThatCalms * damping_at(limits);
+  return std::min({kStiffest, device.stiffness, limits.slew_rate / kFastestHand,
+                   damping / (device.delay * limits.longest_dt)});
 }
 
 // The spring has the force min(k d, F), and its energy is the integral of that.
@@ -99,8 +100,8 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   set_stiffness(share_ * stiffness_at(limits), most);
   damping_ = share_ * damping_at(limits);
   const Vector3 change = way - hand_way;
-  spring_ =
-      clamp_norm(spring_ + change, length_of(SafetyChain::kMostForHand * most, stiffness_, most));
+  spring_ = clamp_norm(spring_ + change,
+                       length_of(limits.device.most_for_hand() * most, stiffness_, most));
   lengthens_ +=
       (1 - std::exp(-2 * std::numbers::pi * kDamperCutoff * dt)) * (change / dt - lengthens_);
 

@@ -17,8 +17,9 @@ enum class HoldLaw {
   both    ///< the sum
 };
 
-/// What the device can hold.
+/// What the device can hold, and what the safety chain lets through.
 struct CarryLimits {
+  const spidar::DeviceLimits &device;
   double max_force = 1;      ///< N
   double slew_rate = 20;     ///< N/s, of the safety chain
   double longest_dt = 0.001; ///< s between two steps

@@ -6,7 +6,6 @@
 #include "motion/motion-conditioning.hpp"
 #include "samples/force-defaults.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <memory>
 #include <span>
@@ -27,19 +26,6 @@ struct LawSettings {
   double most_for_hand = std::numeric_limits<double>::infinity();
 };
 
-/// The most by which a force may follow the hand's speed, N·s/m, at ticks of `period` s. It is a
-/// damper behind the delay of device, hold and low-pass; more of it pumps a light grip up, also
-/// over a still frame. For grips of at least 0.1 kg and up to 35 µm a count: relative-law-test.cpp.
-constexpr double most_resistance(double period) noexcept {
-  constexpr double kOfCoarseCounts = 2; // N·s/m
-  constexpr double kOfSlowTicks = 0.01; // N·s²/m
-  return std::min(kOfCoarseCounts, kOfSlowTicks / period);
-}
-
-/// The lightest hand, a free grip, has this much of the strings, N·s/m.
-inline constexpr double kLightestDamping = 0.5;
-/// Periods of the loop by which device, hold and low-pass delay a force.
-inline constexpr double kDelayPeriods = 2.5;
 /// Low-pass of the speed against which a spring is damped, Hz: a count a tick would be felt.
 inline constexpr double kDamperCutoff = 35;
 

@@ -40,6 +40,17 @@ double seconds(std::int64_t nanoseconds) noexcept {
 
 } // namespace
 
+LoopSettings within(const LoopSettings &settings, const spidar::DeviceLimits &device) noexcept {
+  LoopSettings possible = settings;
+  LawSettings &law = possible.law_settings;
+  law.max_force = std::min(law.max_force, device.force);
+  law.max_torque = std::min(law.max_torque, device.degrees_of_freedom < 6 ? 0 : device.torque);
+  law.max_push = std::min(law.max_push, device.degrees_of_freedom < 3 ? 0 : device.force);
+  if (!device.knows_newtons())
+    possible.damping = 0;
+  return possible;
+}
+
 HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_relief_epoch)
     : device_lost(of.lost), environment(std::move(of)),
       period(std::llround(static_cast<double>(kSecond) / environment.rate)), epoch(at_epoch),
@@ -48,6 +59,11 @@ HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_re
     laws.push_back(law.make());
   if (environment.records)
     recorder = FlightRecorder(environment.rate);
+}
+
+void HapticLoop::Run::adopt_limits() noexcept {
+  limits = environment.device ? environment.device->limits() : spidar::DeviceLimits{};
+  chain.set_device(limits);
 }
 
 HapticLoop::HapticLoop() = default;
@@ -68,6 +84,7 @@ void HapticLoop::prepare(Environment environment) {
   }
   run_ = Run(std::move(environment), epoch_, relief_epoch_);
   run_.chain = chain;
+  run_.adopt_limits();
   run_.rests_since = rests_since;
 }
 
@@ -135,6 +152,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   settings_.refresh();
   receive_submissions(now);
   adopt_replacement();
+  run_.settings = within(settings_.value(), run_.limits);
   exchange(now);
   update_hand(dt);
   update_motion(now);
@@ -144,7 +162,7 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   if (spidar::HapticDevice *device = run_.environment.device) {
     device->let_rest(run_.chain.silent() && (run_.chain.holds() & ~kHoldSpent));
     device->limit_side_torque(
-        SafetyChain::most_side_torque(wrench.force, settings_.value().law_settings.max_torque));
+        run_.chain.most_side_torque(wrench.force, run_.settings.law_settings.max_torque));
     device->command(wrench);
     run_.statistics.given_up_force = device->state().given_up.force.norm();
     run_.statistics.given_up_torque = device->state().given_up.torque.norm();
@@ -221,6 +239,7 @@ void HapticLoop::adopt_replacement() noexcept {
   if (!device)
     return;
   run_.environment.device = device;
+  run_.adopt_limits();
   run_.failed_exchanges = 0;
   run_.retry_at = 0;
   homed_.store(false);
@@ -282,12 +301,12 @@ void HapticLoop::update_hand(double dt) noexcept {
   const spidar::Vector3 &half = device->workspace_half();
   if (state.valid) {
     homed_.store(true);
-    run_.wash_out.step(state.pose.position, state.velocity, half, settings_.value().wash_out, dt);
+    run_.wash_out.step(state.pose.position, state.velocity, half, run_.settings.wash_out, dt);
     run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
     // The button of a dead-man switch says that there may be a force, no more.
     run_.place.pressed = state.pressed && !run_.environment.dead_man;
   }
-  const LoopSettings &settings = settings_.value();
+  const LoopSettings &settings = run_.settings;
   HandPosition hand{.position = state.pose.position,
                     .valid = state.valid,
                     .pressed = state.pressed,
@@ -308,22 +327,23 @@ void HapticLoop::update_motion(std::int64_t now) noexcept {
     return;
   const std::int64_t running = run_.running_time.at(now);
   PointerPosition place = run_.place;
-  if (settings_.value().touch != TouchMode::off)
-    place.z = settings_.value().region_z;
+  if (run_.settings.touch != TouchMode::off)
+    place.z = run_.settings.region_z;
   run_.motion = run_.interpolator.at(running, place);
   run_.touch.update(running);
 }
 
 void HapticLoop::update_touch(double dt) noexcept {
-  const LoopSettings &settings = settings_.value();
+  const LoopSettings &settings = run_.settings;
   const spidar::HapticDevice *device = run_.environment.device;
   if (settings.touch == TouchMode::off || !device || !device->state().valid ||
-      !device->knows_newtons())
+      !run_.limits.knows_newtons())
     return run_.touch.leave();
   if (run_.chain.holds() & ~kHoldsOfFilm)
     run_.touch.hold();
   const spidar::DeviceState &state = device->state();
-  const ContactLimits limits{.slew_rate = settings.slew_rate,
+  const ContactLimits limits{.device = run_.limits,
+                             .slew_rate = settings.slew_rate,
                              .longest_dt = run_.longest_dt,
                              .energy = run_.chain.energy_of_hand()};
   run_.touch.step(state.pose.position, device->workspace_half(), run_.wash_out.shift(), limits, dt);
@@ -332,10 +352,10 @@ void HapticLoop::update_touch(double dt) noexcept {
 // Of a tether that a hold has ended nothing is left: it begins anew where the hand is then. That
 // nothing is measured does not end it; a thing that is hidden comes back.
 void HapticLoop::update_carry(double dt) noexcept {
-  const LoopSettings &settings = settings_.value();
+  const LoopSettings &settings = run_.settings;
   const spidar::HapticDevice *device = run_.environment.device;
   if (settings.hold_law == HoldLaw::motion || settings.touch == TouchMode::surface || !device ||
-      !device->state().valid || !device->knows_newtons() ||
+      !device->state().valid || !run_.limits.knows_newtons() ||
       (run_.chain.holds() & ~(kHoldGap | kHoldSpent)))
     return run_.carry.restart();
   const MotionAt &motion = run_.motion;
@@ -343,7 +363,8 @@ void HapticLoop::update_carry(double dt) noexcept {
   run_.carry.step(fresh ? motion.held.state : HoldState::none,
                   map_way(motion.held.moved, device->workspace_half()),
                   device->state().pose.position,
-                  {.max_force = settings.law_settings.max_force,
+                  {.device = run_.limits,
+                   .max_force = settings.law_settings.max_force,
                    .slew_rate = settings.slew_rate,
                    .longest_dt = run_.longest_dt,
                    .energy = run_.chain.energy_of_hand()},
@@ -356,7 +377,7 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
     holds |= kHoldLate;
   if (run_.flushed) // a flush may begin and end within a tick
     holds |= kHoldFlushing;
-  const TouchMode touch = settings_.value().touch;
+  const TouchMode touch = run_.settings.touch;
   if ((run_.motion.cut && touch != TouchMode::surface) ||
       (run_.touch.cut() && touch != TouchMode::off))
     holds |= kHoldCut;
@@ -370,15 +391,13 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
 }
 
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
-  const LoopSettings &settings = settings_.value();
+  const LoopSettings &settings = run_.settings;
   LawSettings law = settings.law_settings;
   const MotionAt &now = run_.motion;
   SafetyChain::Input input;
   input.holds = holds_of_tick(dt, late);
   PlanarVelocity hand;
-  bool knows_newtons = false;
   if (spidar::HapticDevice *device = run_.environment.device) {
-    knows_newtons = device->knows_newtons();
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;
     input.acted = device->state().acted;
@@ -389,9 +408,8 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   }
   // All of them resist the hand.
   const double resistance = // N·s/m
-      most_resistance(run_.longest_dt) - run_.touch.damping() - run_.carry.damping();
-  law.most_for_hand =
-      knows_newtons ? std::max(resistance, 0.0) * input.hand_velocity.head<2>().norm() : 0;
+      run_.limits.most_resistance(run_.longest_dt) - run_.touch.damping() - run_.carry.damping();
+  law.most_for_hand = std::max(resistance, 0.0) * input.hand_velocity.head<2>().norm();
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();
@@ -412,7 +430,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   input.continuous_force = settings.continuous_force;
   input.max_torque = law.max_torque;
   input.slew_rate = settings.slew_rate;
-  input.damping = knows_newtons ? settings.damping : 0;
+  input.damping = settings.damping;
   input.dt = dt;
   input.longest_dt = run_.longest_dt;
   spidar::Wrench wrench = run_.chain.step(input);

@@ -56,6 +56,10 @@ struct LoopSettings {
   double region_z = 0; ///< -1..1, instead of the hand's z while it touches
 };
 
+/// What of the settings the device can do: it limits force, torque and push, and damps only if it
+/// knows newtons.
+LoopSettings within(const LoopSettings &settings, const spidar::DeviceLimits &device) noexcept;
+
 /// Where the hand is, for the pointer.
 struct HandPosition {
   spidar::Vector3 position = spidar::Vector3::Zero(); ///< m
@@ -242,6 +246,8 @@ private:
     Run() = default;
     Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_relief_epoch);
 
+    void adopt_limits() noexcept;
+
     // Between threads.
     SharedValue<bool> calibrate;
     SharedValue<bool> silent = true;
@@ -259,7 +265,9 @@ private:
     std::vector<std::unique_ptr<ForceLaw>> laws;
     MotionInterpolator interpolator;
     MotionConditioner conditioner;
-    SafetyChain chain;
+    spidar::DeviceLimits limits; // of the device, or of the one that was lost
+    LoopSettings settings;       // as far as the device can do them
+    SafetyChain chain{limits};
     SuspendDetector suspend;
     WashOut wash_out;
     PointerPosition place; // of the hand, as last known

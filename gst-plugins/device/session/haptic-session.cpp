@@ -108,6 +108,26 @@ bool HapticSession::open_log(const std::string &path) {
   return true;
 }
 
+void HapticSession::warn_of_what_is_beyond(const RunSettings &settings) {
+  const spidar::DeviceLimits &limits = device_->limits();
+  const LawSettings &law = settings.loop.law_settings;
+  std::string most;
+  const auto compare = [&](const char *property, double set, double limit, const char *unit) {
+    if (limit > 0 && set > limit) // a device that has no torque at all needs no warning
+      most += (most.empty() ? "" : ", ") + format_text("%s=%g%s", property, limit, unit);
+  };
+  compare("max-force", law.max_force, limits.force, " N");
+  compare("max-torque", law.max_torque, limits.torque, " N·m");
+  compare("max-push", law.max_push, limits.force, " N");
+  compare("rate", settings.choice.rate, limits.rate, " Hz");
+  if (!most.empty())
+    client_.on_notice(
+        {Severity::warning,
+         NoticeCause::settings,
+         format_text(messages::kBeyondDevice, device_->description().c_str(), most.c_str()),
+         {}});
+}
+
 bool HapticSession::prepare(const RunSettings &settings) {
   if (settings.choice != opened_as_) { // a property has changed since open()
     close();
@@ -118,14 +138,18 @@ bool HapticSession::prepare(const RunSettings &settings) {
     return false;
   run_ = Run(fields_, relief_pool_);
   run_.armed = is_armed();
-  run_.reports = SessionReports(settings.fault_location);
+  const spidar::DeviceLimits limits = device_ ? device_->limits() : spidar::DeviceLimits{};
+  run_.reports = SessionReports(settings.fault_location, limits);
   read_description();
+  if (device_)
+    warn_of_what_is_beyond(settings);
+  rate_ = std::min(static_cast<double>(opened_as_.rate), limits.rate);
 
   loop_.prepare({.device = device_.get(),
                  .lost = !device_ && opened_as_.device != "none", // in a run before this one
                  .log = log_.get(),
                  .clock = clock_,
-                 .rate = static_cast<double>(opened_as_.rate),
+                 .rate = rate_,
                  .dead_man = opened_as_.dead_man == DeadMan::button,
                  .records = !settings.fault_location.empty(),
                  .callbacks = settings.callbacks});
@@ -270,7 +294,7 @@ void HapticSession::on_sleep() {
   while (!loop_.silent() && clock_->now() < deadline)
     clock_->wait_until(clock_->now() + kMs);
   // The next exchange sends what the last tick has computed.
-  clock_->wait_until(clock_->now() + 3000 * kMs / opened_as_.rate);
+  clock_->wait_until(clock_->now() + static_cast<std::int64_t>(3000 * kMs / rate_));
 }
 
 void HapticSession::reopen_lost_device(std::int64_t now) {

@@ -49,9 +49,10 @@ public:
   bool open(const DeviceChoice &choice);
 
   struct RunSettings {
-    DeviceChoice choice;                 ///< another one than before: the device is opened anew
-    std::string log_location;            ///< empty: no log
-    std::string fault_location;          ///< folder for write_fault_record(); empty: none
+    DeviceChoice choice;        ///< another one than before: the device is opened anew
+    LoopSettings loop;          ///< of set_settings(), to warn of what the device cannot do
+    std::string log_location;   ///< empty: no log
+    std::string fault_location; ///< folder for write_fault_record(); empty: none
     RealTimeThread::Callbacks callbacks; ///< of the loop's thread
   };
   /// Makes everything ready for a run: device, log, counters. Returns false after an error notice.
@@ -150,6 +151,7 @@ private:
   };
 
   bool open_log(const std::string &path);
+  void warn_of_what_is_beyond(const RunSettings &settings);
   void read_description();
   std::optional<PointerPosition> work(std::int64_t now);
   std::optional<PointerPosition> next_point(std::int64_t now, bool playing);
@@ -165,6 +167,7 @@ private:
   // The thread that changes the state; the pointer thread while it runs and the loop has lost the
   // device.
   DeviceChoice opened_as_;
+  double rate_ = 1000;   // Hz, of the loop
   std::string identity_; // of the device opened last
   std::unique_ptr<spidar::HapticDevice> device_;
   std::unique_ptr<TickLog> log_;

@@ -91,8 +91,12 @@ void SessionReports::report_faults(SessionClient &client, const LoopStatistics &
     const FaultReport &fault = kFaultReports[i];
     const std::uint64_t count = (statistics.*fault.counter).load();
     const std::uint64_t before = std::exchange(reported_[i], count);
-    if (count != before && !(fault.once && before))
-      client.on_notice({Severity::warning, fault.cause, fault.text, fault.detail});
+    if (count == before || (fault.once && before))
+      continue;
+    std::string text = fault.text;
+    if (fault.counter == &LoopStatistics::overspeeds)
+      text = format_text(messages::kGripLetGo, device_.let_go_speed, device_.let_go_turn);
+    client.on_notice({Severity::warning, fault.cause, text, fault.detail});
   }
 }
 

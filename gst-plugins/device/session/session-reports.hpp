@@ -14,9 +14,10 @@ namespace haptic {
 /// Tells the client what happened in a run. Pointer thread; `now` in ns of the monotonic clock.
 class SessionReports {
 public:
-  /// What stopped the force is recorded in `fault_location` (write_fault_record()).
-  explicit SessionReports(std::string fault_location = {})
-      : fault_location_(std::move(fault_location)) {}
+  /// What stopped the force is recorded in `fault_location` (write_fault_record()). `device`: whose
+  /// limits they were.
+  explicit SessionReports(std::string fault_location = {}, const spidar::DeviceLimits &device = {})
+      : fault_location_(std::move(fault_location)), device_(device) {}
 
   /// Once a round, and after the last one. `services` and `log` may be null.
   void report(SessionClient &client, HapticLoop &loop, SystemServices *services, const TickLog *log,
@@ -32,6 +33,7 @@ private:
   void report_log(SessionClient &client, const TickLog *log);
 
   std::string fault_location_;
+  spidar::DeviceLimits device_;
   std::optional<std::int64_t> began_at_;    // ns, monotonic, of the first round
   std::array<std::uint64_t, 5> reported_{}; // of each fault, so far
   bool tracker_found_ = false;

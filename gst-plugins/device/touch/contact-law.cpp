@@ -16,7 +16,6 @@ using spidar::Vector3;
 
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
-static_assert(SafetyChain::kStiffestTouch == kStiffestTouch);
 
 constexpr double kDampingTime = 0.005;   // s: damper over spring
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
@@ -28,10 +27,9 @@ constexpr int kBisections = 16;   // of the hand's way in one tick
 
 } // namespace
 
-// A spring k behind a delay T is stable for k T < b.
 double stiffest(const ContactLimits &limits) noexcept {
   return std::min(limits.slew_rate / ContactLaw::kFastestSurface,
-                  kLightestDamping / (kDelayPeriods * limits.longest_dt));
+                  limits.device.stiffest_spring(limits.longest_dt));
 }
 
 void ContactLaw::restart() noexcept {

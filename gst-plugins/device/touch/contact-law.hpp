@@ -8,12 +8,14 @@
 #include "touch/relief-surface.hpp"
 
 #include <limits>
+#include <spidar/device-limits.hpp>
 #include <spidar/types.hpp>
 
 namespace haptic {
 
-/// What the device can hold.
+/// What the device can hold, and what the safety chain lets through.
 struct ContactLimits {
+  const spidar::DeviceLimits &device;
   double slew_rate = 20;     ///< N/s, of the safety chain
   double longest_dt = 0.001; ///< s between two steps
   /// J that the hand has put into the touch: what acted on it in truth, by the safety chain

@@ -15,6 +15,9 @@
 
 namespace spidar {
 
+/// What a SPIDAR-G of this geometry can do and hold.
+SPIDAR_API DeviceLimits limits_of(const Geometry &geometry) noexcept;
+
 class SPIDAR_API Device final : public HapticDevice {
 public:
   /// Guards the motors (Controller::guard()), and sets minimum tension. The centre is that of
@@ -34,7 +37,7 @@ public:
   void calibrate() noexcept override;
   const DeviceState &state() const noexcept override;
   const Vector3 &workspace_half() const noexcept override;
-  bool grip_is_free() const noexcept override { return true; }
+  const DeviceLimits &limits() const noexcept override;
   std::string description() const override;
   std::string remark() const override;
   std::string identity() const override;

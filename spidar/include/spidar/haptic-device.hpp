@@ -3,6 +3,7 @@
 // types.hpp.
 #pragma once
 
+#include "spidar/device-limits.hpp"
 #include "spidar/export.hpp"
 #include "spidar/types.hpp"
 
@@ -85,13 +86,8 @@ public:
   /// m from the centre; equation 1 maps it to the frame.
   virtual const Vector3 &workspace_half() const noexcept = 0;
 
-  /// Whether a released grip can move freely, so that a grip that is too fast must lose its force.
-  /// A stick on a joint cannot.
-  virtual bool grip_is_free() const noexcept = 0;
-
-  /// Whether a commanded force is one in newtons. A stick's strength is unknown to software, so
-  /// that no stiffness and no damping is safe on it.
-  virtual bool knows_newtons() const noexcept { return true; }
+  /// What it can do and hold. Laws, loop and safety chain go by it; it stays the same.
+  virtual const DeviceLimits &limits() const noexcept = 0;
 
   /// Whether nothing is to be felt for now. Exactly no force needs unequal tensions off the centre,
   /// and these turn a grip that nobody holds. So a SPIDAR-G then goes to minimum tension within

@@ -36,6 +36,19 @@ constexpr double kLongestSettling = 1; // s
 constexpr std::int32_t kSettledCounts = 3;
 constexpr int kMostSilentTicks = 10; // while starting
 
+// The lightest hand is a free grip, which its strings alone damp. No unit's mass, damping and
+// inertia are published; these are those of the simulator, and the smallest of its hands.
+constexpr double kGripMass = 0.1;      // kg
+constexpr double kStringDamping = 0.5; // N·s/m
+// More damping pumps a light grip up, also over a still frame: relative-law-test.cpp, of counts of
+// up to 35 µm.
+constexpr double kMostDamping = 2;    // N·s/m
+constexpr double kFastestRate = 4000; // Hz, that was tried
+// Against a grip of 2e-5 kg m² (docs/force.md#turning).
+constexpr double kTurnBrake = 7.5e-3; // N·m·s
+// A free grip under no force is turned by no more than minimum tension does in the workspace.
+constexpr double kSideTorque = 0.012; // N·m
+
 double seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) * 1e-9;
 }
@@ -53,9 +66,30 @@ bool can_reach(const Pose &from, const Pose &to, double grip_radius, double time
 
 } // namespace
 
+// One motor pulls a force, and a couple of them a torque. The damping of the strings holds what it
+// does at the fastest rate.
+DeviceLimits limits_of(const Geometry &geometry) noexcept {
+  DeviceLimits limits;
+  limits.force = geometry.tension_max;
+  limits.torque = 2 * geometry.tension_max * geometry.grip_radius;
+  limits.rate = kFastestRate;
+  limits.degrees_of_freedom = 6;
+  for (const double count : geometry.metres_per_count)
+    limits.metres_per_count = std::max(limits.metres_per_count, std::abs(count));
+  limits.physical_damping = kStringDamping;
+  limits.damping = kMostDamping;
+  limits.mass = kGripMass;
+  limits.stiffness = kStringDamping * kFastestRate / limits.delay;
+  limits.grip_is_free = true;
+  limits.turn_brake = kTurnBrake;
+  limits.side_torque = kSideTorque;
+  return limits;
+}
+
 struct Device::Implementation {
   std::unique_ptr<Controller> controller;
   Geometry geometry;
+  DeviceLimits limits;
   double period;
   PoseSolver pose_solver;
   TensionSolver tension_solver;
@@ -81,8 +115,9 @@ struct Device::Implementation {
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
       : controller(std::move(the_controller)), geometry(std::move(the_geometry)),
-        period(the_period), pose_solver(geometry), tension_solver(geometry),
-        slip(geometry.grip_radius), home_lengths(string_lengths(geometry, {})) {
+        limits(limits_of(geometry)), period(the_period), pose_solver(geometry),
+        tension_solver(geometry), slip(geometry.grip_radius),
+        home_lengths(string_lengths(geometry, {})) {
     relax();
     at_rest = at_motors = acting = state.tensions;
     controller->guard(words);
@@ -324,6 +359,10 @@ const Geometry &Device::geometry() const noexcept {
 
 const Vector3 &Device::workspace_half() const noexcept {
   return implementation_->geometry.workspace_half;
+}
+
+const DeviceLimits &Device::limits() const noexcept {
+  return implementation_->limits;
 }
 
 std::string Device::description() const {

@@ -14,10 +14,6 @@ using spidar::Wrench;
 // The force goes down over the last of the work, so that running out of it is no step.
 constexpr double kWorkToFade = 0.25; // J
 
-// A command is computed, sent one tick later, and acts until the one after that; half a tick is the
-// margin for a hand that becomes faster.
-constexpr double kTicksOfCommand = 2.5;
-
 // A tick that is later than any before it, as late as holds no force yet, costs no more than this.
 constexpr double kLateTick = std::chrono::duration<double>(spidar::kLongestSilence).count(); // s
 constexpr double kCreditOfLateTick = 8e-4;                                                   // J
@@ -49,22 +45,21 @@ double EnergyAccount::share_of_film() const noexcept {
   return std::clamp(film_ / kWorkToFade, 0.0, 1.0);
 }
 
-// |F . v| 2.5 T <= E, v of the low-pass or of the last tick: a hand that presses in may turn round
-// before the force does. While it presses in, it pays a debt.
+// |F . v| T <= E, T of the delay, v of the low-pass or of the last tick: a hand that presses in may
+// turn round before the force does. While it presses in, it pays a debt.
 Vector3 EnergyAccount::affordable(const Vector3 &force, const Motion &hand) const noexcept {
   const double slow = force.dot(hand.velocity);
   const double last = hand.time > 0 ? force.dot(hand.moved) / hand.time : 0;
   const double pushes = std::max({slow, last, 0.0});   // W
   const double resists = -std::min({slow, last, 0.0}); // W
   const double held = std::max(hand_, 0.0);
-  const double delay = kTicksOfCommand * hand.longest_time;
   double share = 1;
   const auto limit = [&](double price, double purse) {
     if (price > purse)
       share = std::min(share, purse / price);
   };
-  limit(pushes * delay, std::max(hand_ + hand.lent, 0.0));
-  limit(resists * delay, held + hand.credit);
+  limit(pushes * hand.delay, std::max(hand_ + hand.lent, 0.0));
+  limit(resists * hand.delay, held + hand.credit);
   limit(std::max(pushes, resists) * kLateTick, held + kCreditOfLateTick);
   return share * force;
 }

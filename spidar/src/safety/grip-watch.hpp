@@ -19,7 +19,7 @@ public:
     std::uint32_t holds = dead_man && !(device && device->state().pressed) ? kHoldDeadMan : 0U;
     if (device && !device->state().valid)
       holds |= kHoldNoPose;
-    else if (device && device->grip_is_free() && is_let_go(device->state(), chain, dt))
+    else if (device && device->limits().grip_is_free && is_let_go(*device, chain, dt))
       holds |= kHoldOverspeed;
     if (device && (device->state().slipping || device->state().slipped))
       holds |= kHoldSlipped;
@@ -27,18 +27,18 @@ public:
   }
 
 private:
-  static constexpr double kLetGo = 1.0;       // m/s
-  static constexpr double kTurnedOn = 3;      // rad/s, while the torque drives it
-  static constexpr double kWhirls = 10;       // rad/s, whatever drives it
   static constexpr double kTurnsFor = 0.0045; // s, as the speed's low-pass of 35 Hz
 
   // Without a force the grip may move and turn as fast as the hand likes.
-  bool is_let_go(const spidar::DeviceState &state, const SafetyChain &chain, double dt) noexcept {
+  bool is_let_go(const spidar::HapticDevice &device, const SafetyChain &chain, double dt) noexcept {
+    const spidar::DeviceState &state = device.state();
+    const spidar::DeviceLimits &limits = device.limits();
     const double turning = state.angular_velocity.norm();
-    const bool turns =
-        turning > kWhirls || (turning > kTurnedOn && chain.drives(state.angular_velocity));
+    const bool turns = turning > limits.whirl ||
+                       (turning > limits.let_go_turn && chain.drives(state.angular_velocity));
     turns_for_ = turns ? turns_for_ + dt : 0;
-    return !chain.silent() && (state.velocity.norm() > kLetGo || turns_for_ >= kTurnsFor);
+    return !chain.silent() &&
+           (state.velocity.norm() > limits.let_go_speed || turns_for_ >= kTurnsFor);
   }
 
   double turns_for_ = 0; // s, faster than a hand that is in control of the grip

@@ -67,7 +67,7 @@ struct LimitedDevice::Implementation {
   std::optional<Wrench> wanted;
   Wrench sent;
   std::atomic<std::uint32_t> latches = 0;
-  haptic::SafetyChain chain;
+  haptic::SafetyChain chain{device.limits()};
   haptic::GripWatch grip;
   std::optional<std::int64_t> exchanged_at; // ns
   double elapsed;                           // s, between the last two exchanges
@@ -86,6 +86,7 @@ struct LimitedDevice::Implementation {
 
   haptic::SafetyChain::Input input(bool late) noexcept {
     const DeviceState &state = device.state();
+    const DeviceLimits &of_device = device.limits();
     haptic::SafetyChain::Input input;
     input.wanted = *wanted;
     input.measured = true;
@@ -96,11 +97,12 @@ struct LimitedDevice::Implementation {
     input.acted = state.acted;
     input.moved = state.moved;
     input.turned = state.turned;
-    input.max_force = limits.force;
-    input.max_torque = limits.torque;
+    input.max_force = std::min(limits.force, of_device.force);
+    input.max_torque =
+        of_device.degrees_of_freedom < 6 ? 0 : std::min(limits.torque, of_device.torque);
     input.continuous_force = limits.continuous_force;
     input.slew_rate = switched_off & kSlew ? kNoSlewLimit : limits.slew_rate;
-    input.damping = device.knows_newtons() ? limits.damping : 0;
+    input.damping = of_device.knows_newtons() ? limits.damping : 0;
     input.limits_work = !(switched_off & kWork);
     input.dt = elapsed;
     input.longest_dt = std::max(elapsed, period);
@@ -112,7 +114,7 @@ struct LimitedDevice::Implementation {
     if (latches & haptic::kHoldFaulted)
       return device.rest(); // it may accept that even if it does not answer
     device.let_rest(chain.silent() && (chain.holds() & kHoldsThatRest));
-    device.limit_side_torque(haptic::SafetyChain::most_side_torque(sent.force, limits.torque));
+    device.limit_side_torque(chain.most_side_torque(sent.force, limits.torque));
     device.command(sent);
   }
 

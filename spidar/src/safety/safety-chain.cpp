@@ -38,15 +38,15 @@ constexpr double kStaleIntervals = 3;
 constexpr double kStaleShortest = 0.1; // s
 constexpr double kStaleLongest = 2;    // s
 
-// A lowered maximum takes the force off at least so fast, whatever the slew rate: 5 N, the most
-// that is offered, in 50 ms. A step would be felt as a blow.
-constexpr double kMaximumFalls = 100; // N/s; for the torque at kTorqueArm
+// A lowered maximum takes the whole force of the device off within this time, whatever the slew
+// rate. A step would be felt as a blow.
+constexpr double kMaximumFalls = 0.05; // s; the torque falls as this force at kTorqueArm
 // A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
 constexpr double kCredit = 5e-5; // J per N of max_force
 // The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
 constexpr double kTrickle = 2e-5; // W per N of max_force
-// A law that resists the hand keeps what it may need at 1 m/s.
-constexpr double kMostForLaw = 2.5e-3; // J per N of max_force
+// A law that resists the hand keeps what it may need at the fastest hand, and at this period.
+constexpr double kUsualPeriod = 0.001; // s
 // The budget for continuous force spares motors and hand over a minute, and has time.
 constexpr double kBudgetFalls = 20; // N/s
 
@@ -81,15 +81,16 @@ Vector3 damping_of(const Vector3 &force, const SafetyChain::Input &input) {
   return -brake / speed * input.hand_velocity;
 }
 
-// tau' = tau - min(b (|w| - w_0), |tau| + r |F|) w / |w| for |w| > w_0 = kUnbraked, with
-// b = kTurnBrake and r = kTorqueArm: away from the centre a force turns the grip, too. It is not
-// slew-limited: a free grip turns up within milliseconds.
-Vector3 braked_torque(const Wrench &wrench, const SafetyChain::Input &input) {
+// tau' = tau - min(b (|w| - w_0), |tau| + r |F|) w / |w| for |w| > w_0, with the device's brake b
+// and calm turn w_0, and r = kTorqueArm: away from the centre a force turns the grip, too. It is
+// not slew-limited: a free grip turns up within milliseconds.
+Vector3 braked_torque(const Wrench &wrench, const SafetyChain::Input &input,
+                      const spidar::DeviceLimits &device) {
   const double speed = input.hand_turning.norm();
-  if (speed <= SafetyChain::kUnbraked)
+  if (speed <= device.calm_turn)
     return wrench.torque;
   const double most = wrench.torque.norm() + SafetyChain::kTorqueArm * wrench.force.norm();
-  const double brake = std::min(SafetyChain::kTurnBrake * (speed - SafetyChain::kUnbraked), most);
+  const double brake = std::min(device.turn_brake * (speed - device.calm_turn), most);
   return clamp_norm(wrench.torque - brake / speed * input.hand_turning,
                     std::max(input.max_torque, wrench.torque.norm()));
 }
@@ -156,15 +157,16 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     follow(input);
   credit_ = kCredit * input.max_force;
   const double of_hand = parts_.hand.norm();
-  parts_.hand = account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
-                                                  .moved = input.moved,
-                                                  .time = dt,
-                                                  .longest_time = std::max(input.longest_dt, dt),
-                                                  .credit = credit_,
-                                                  .lent = lent(input)});
+  parts_.hand =
+      account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
+                                        .moved = input.moved,
+                                        .time = dt,
+                                        .delay = device_.delay * std::max(input.longest_dt, dt),
+                                        .credit = credit_,
+                                        .lent = lent(input)});
   note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
-  braked_ = {.force = output_.force, .torque = braked_torque(output_, input)};
+  braked_ = {.force = output_.force, .torque = braked_torque(output_, input, device_)};
   return braked_;
 }
 
@@ -181,11 +183,11 @@ void SafetyChain::restart() noexcept {
   silence();
   holds_ = kHoldGap;
   fade_left_ = 0;
-  fade_in_ = std::max(fade_in_, SafetyChain().fade_in_);
+  fade_in_ = std::max(fade_in_, SafetyChain(device_).fade_in_);
 }
 
 void SafetyChain::begin_run(double acted) noexcept {
-  SafetyChain anew;
+  SafetyChain anew(device_);
   anew.account_ = account_;
   anew.continuous_force_ = continuous_force_;
   anew.continuous_force_.step(output_.force.norm(), acted);
@@ -231,9 +233,12 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
 
 // The device sends a command at the next exchange, and it acts until the one after that.
 void SafetyChain::account_for_energy(const Input &input) noexcept {
-  const double of_law = accepted_.hand.isZero(0) ? 0 : kMostForLaw * input.max_force;
+  const double most_for_law = device_.let_go_speed * device_.delay * kUsualPeriod; // J per N
+  const double of_law = accepted_.hand.isZero(0) ? 0 : most_for_law * input.max_force;
   // Of a touch that has ended the force still acts, with its energy.
-  const double fading = parts_.hand.squaredNorm() / (2 * kStiffestTouch);
+  double fading = 0;
+  if (!parts_.hand.isZero(0))
+    fading = parts_.hand.squaredNorm() / (2 * device_.stiffest_spring(kUsualPeriod));
   account_.charge({.acted = input.acted,
                    .film = acting_.film,
                    .by_hand = !acting_.hand.isZero(0),
@@ -243,7 +248,7 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .surface_work = input.touch.surface_work,
                    .carried = input.touch.carried.value_or(Vector3::Zero()),
                    .most = std::min(std::max(input.touch.energy, fading) + of_law + lent(input),
-                                    kMostForHand * input.max_force),
+                                    device_.most_for_hand() * input.max_force),
                    .time = input.dt});
 }
 
@@ -294,7 +299,7 @@ void SafetyChain::follow(const Input &input) noexcept {
   (wanted.hand.isZero(0) ? wanted.film.force : wanted.hand) += damping_of(wanted.force(), input);
 
   const double step = input.slew_rate * dt;
-  const double fall = std::max(input.slew_rate, kMaximumFalls) * dt;
+  const double fall = std::max(input.slew_rate * dt, device_.force / kMaximumFalls * dt);
   const double budget_fall = std::max(input.slew_rate, kBudgetFalls) * dt;
   const double before = output_.force.norm();
   const double most = std::min(std::max(input.max_force, before - fall),

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <spidar/device-limits.hpp>
 #include <spidar/types.hpp>
 #include <string>
 
@@ -104,16 +105,8 @@ class SafetyChain {
 public:
   /// Hand speeds up to this one are not damped, so that a hand that points feels the frame alone.
   static constexpr double kUndamped = 0.1; // m/s
-  /// About the grip's radius: torques count as forces there.
+  /// Where fingers hold a grip: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
-  /// What a hand may have back at most, J per N of max_force: a grip of 0.1 kg that is let go with
-  /// it reaches 0.36 m/s at 1 N and 0.8 m/s at 5 N.
-  static constexpr double kMostForHand = 6.4e-3;
-  /// A grip that turns faster than this one is braked (docs/force.md#turning).
-  static constexpr double kUnbraked = 1;       // rad/s
-  static constexpr double kTurnBrake = 7.5e-3; // N·m·s
-  /// The stiffest spring that a hand feels: what a force that has ended still holds, N/m.
-  static constexpr double kStiffestTouch = 200;
 
   struct Input {
     spidar::Wrench wanted;                             ///< N and N·m, from the law
@@ -144,9 +137,14 @@ public:
     void make_certain(double share = 1) noexcept;
   };
 
+  /// Without a device: of DeviceLimits{}.
+  explicit SafetyChain(const spidar::DeviceLimits &device) noexcept : device_(device) {}
+  /// The chain goes on with another device.
+  void set_device(const spidar::DeviceLimits &device) noexcept { device_ = device; }
+
   /// Returns the wrench to command. Never more than max_force and max_torque; a lowered maximum is
-  /// reached at 100 N/s, or at the slew rate if that is faster. An input that is not finite yields
-  /// zero on this very step.
+  /// reached as fast as the whole force of the device falls in 50 ms, or at the slew rate if that
+  /// is faster. An input that is not finite yields zero on this very step.
   spidar::Wrench step(const Input &input) noexcept HAPTIC_NONBLOCKING;
 
   /// Returns the result of the last step.
@@ -157,9 +155,8 @@ public:
   }
   /// N·m that may come with a force unasked: what turns a free grip under no force is no more than
   /// what minimum tension does in the workspace.
-  static double most_side_torque(const spidar::Vector3 &force, double max_torque) noexcept {
-    constexpr double kAtRest = 0.012; // N·m
-    return std::min(max_torque, kAtRest + kTorqueArm * force.norm());
+  double most_side_torque(const spidar::Vector3 &force, double max_torque) const noexcept {
+    return std::min(max_torque, device_.side_torque + kTorqueArm * force.norm());
   }
   /// J that the hand may have back: what it has put in, and a credit, without which the errors of
   /// the tensions would wear a light touch out.
@@ -202,6 +199,7 @@ private:
   void account_for_energy(const Input &input) noexcept;
   void note_limit(bool acted, Limit limit) noexcept { limits_ |= acted ? limit : 0U; }
 
+  spidar::DeviceLimits device_;
   Parts parts_;                    // of the last step
   Parts acting_;                   // of the step before it: what the device exerts until the next
   spidar::Wrench output_;          // sum of parts_

@@ -15,7 +15,9 @@
 namespace {
 
 constexpr const char *kUsage =
-    "Usage: closed-loop [--row NAME] [--only WORDS] [--sample N] [--seed N] [--points] [--jobs N]\n"
+    "Usage: closed-loop [--arm] [--row NAME] [--only WORDS] [--sample N] [--seed N] [--points] "
+    "[--jobs N]\n"
+    "  --arm         on the simulated arm instead of the strings\n"
     "  --row NAME    only this row of the table\n"
     "  --only WORDS  only the points that have each of these words, as \"law=drag alpha=0.04\"\n"
     "  --sample N    of each row N points by chance\n"
@@ -25,6 +27,7 @@ constexpr const char *kUsage =
     "Exits with 1 if a point does not keep what is wanted.\n";
 
 struct Options {
+  test::Bench bench = test::Bench::strings;
   std::string row;
   std::string only;
   std::size_t sample = 0;
@@ -39,6 +42,10 @@ Options options_of(const std::vector<std::string> &words) {
     const std::string &word = words[i];
     if (word == "--points") {
       options.points = true;
+      continue;
+    }
+    if (word == "--arm") {
+      options.bench = test::Bench::arm;
       continue;
     }
     const std::string value = words.at(++i);
@@ -114,7 +121,7 @@ int main(int argc, char **argv) {
   try {
     const Options options = options_of(words);
     bool kept = true;
-    for (const test::LoopRow &row : test::closed_loop_table())
+    for (const test::LoopRow &row : test::closed_loop_table(options.bench))
       if (options.row.empty() || options.row == row.name)
         kept = report(row, options) && kept;
     return kept ? EXIT_SUCCESS : EXIT_FAILURE;

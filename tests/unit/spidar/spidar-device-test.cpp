@@ -164,6 +164,31 @@ TEST_P(DeviceOf, EveryWordOnTheWireIsWithinTheTensionLimits) {
   }
 }
 
+TEST(DeviceLimits, OfASpidarComeFromItsGeometry) {
+  Geometry geometry = load_geometry(kDefaultGeometry);
+  const DeviceLimits usual = limits_of(geometry);
+  EXPECT_DOUBLE_EQ(usual.force, geometry.tension_max);
+  EXPECT_DOUBLE_EQ(usual.stiffest_spring(0.001), 200);
+  EXPECT_DOUBLE_EQ(usual.stiffest_spring(0.00025), 800);
+  EXPECT_DOUBLE_EQ(usual.most_for_hand(), 6.4e-3);
+  geometry.tension_max = 2;
+  geometry.metres_per_count[3] = -1e-4; // coarse, and the other way round
+  const DeviceLimits weak = limits_of(geometry);
+  EXPECT_DOUBLE_EQ(weak.force, 2);
+  EXPECT_LT(weak.torque, usual.torque);
+  EXPECT_DOUBLE_EQ(weak.metres_per_count, 1e-4);
+  EXPECT_DOUBLE_EQ(usual.most_resistance(0.001), 2);
+  EXPECT_LT(weak.most_resistance(0.001), 1) << "each count would be felt";
+}
+
+TEST(DeviceLimits, OfAnUnknownDeviceLetNothingFollowTheHand) {
+  constexpr DeviceLimits unknown;
+  EXPECT_FALSE(unknown.knows_newtons());
+  EXPECT_EQ(unknown.stiffest_spring(0.001), 0);
+  EXPECT_EQ(unknown.most_resistance(0.001), 0);
+  EXPECT_EQ(unknown.most_for_hand(), 0);
+}
+
 TEST(Device, KeepsWordsWithinTheConverterEvenBelowTheTensionCeiling) {
   Geometry geometry = load_geometry(kDefaultGeometry);
   geometry.dac_limit = 200; // 1.3 N

@@ -79,7 +79,7 @@ TEST_F(Evdev, TheStickIsThePointer) {
   VirtualJoystick stick;
   const auto device = open_evdev(stick.path());
   EXPECT_TRUE(device->state().valid);
-  EXPECT_FALSE(device->knows_newtons());
+  EXPECT_FALSE(device->limits().knows_newtons());
   EXPECT_EQ(device->state().pose.position.norm(), 0);
   stick.move(0.5, 1); // right and towards the user, which is down on the screen
   ASSERT_TRUE(eventually([&] {

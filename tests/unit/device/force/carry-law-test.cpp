@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "force/carry-law.hpp"
 
+#include "device-limits.hpp"
+
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -23,7 +25,7 @@ CarryLaw carried(double speed, bool along = false) {
     const Vector3 moved(speed * kTick, 0, 0);
     if (along)
       hand += moved;
-    law.step(HoldState::held, moved, hand, {.energy = 1}, kTick);
+    law.step(HoldState::held, moved, hand, {.device = test::kSpidar, .energy = 1}, kTick);
   }
   return law;
 }
@@ -64,8 +66,8 @@ TEST(CarryLaw, WhatHardlyCarriesIsFeltAsMotionForTheRest) {
 
 TEST(CarryLaw, ANumberThatIsNotFiniteEndsIt) {
   CarryLaw law = carried(0.05);
-  law.step(HoldState::held, {std::numeric_limits<double>::quiet_NaN(), 0, 0}, Vector3::Zero(), {},
-           kTick);
+  law.step(HoldState::held, {std::numeric_limits<double>::quiet_NaN(), 0, 0}, Vector3::Zero(),
+           {.device = test::kSpidar}, kTick);
   EXPECT_EQ(law.stiffness(), 0);
   EXPECT_EQ(felt(law).touch.force.norm(), 0);
   EXPECT_EQ(felt(law).wanted.force.norm(), 1);
@@ -74,7 +76,8 @@ TEST(CarryLaw, ANumberThatIsNotFiniteEndsIt) {
 TEST(CarryLaw, WithoutAForceTheSpringHasNone) {
   CarryLaw law;
   for (int i = 0; i < 200; ++i)
-    law.step(HoldState::held, {0.0001, 0, 0}, Vector3::Zero(), {.max_force = 0}, kTick);
+    law.step(HoldState::held, {0.0001, 0, 0}, Vector3::Zero(),
+             {.device = test::kSpidar, .max_force = 0}, kTick);
   EXPECT_NEAR(felt(law).touch.force.x(), law.damping() * 0.1, 1e-9); // which the chain clamps
 }
 

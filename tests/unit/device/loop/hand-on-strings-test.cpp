@@ -86,7 +86,7 @@ TEST_P(OnStrings, TheDeviceSeesTheGripWithinACount) {
   at.hand().leads = true;
   at.wait(0.2);
   EXPECT_LE((at.device().state().pose.position - kStart).norm(), count);
-  at.hand().slip[3] = 100;
+  at.on_strings().slip[3] = 100;
   at.wait(0.2);
   EXPECT_GT((at.device().state().pose.position - kStart).norm(), 10 * count);
 }

@@ -30,7 +30,11 @@ using test::Loop;
 using test::moving;
 using test::Wire;
 
-TEST_F(Loop, TheDevicePullsWithTheForceOfEquation5) {
+using EachLoop = test::OnEachDevice<Loop>;
+INSTANTIATE_TEST_SUITE_P(Devices, EachLoop, testing::ValuesIn(test::kLoopDevices),
+                         [](const auto &of) { return of.param; });
+
+TEST_P(EachLoop, TheDevicePullsWithTheForceOfEquation5) {
   open();
   play();
   play_motion(100, 0, 1000);
@@ -40,14 +44,14 @@ TEST_F(Loop, TheDevicePullsWithTheForceOfEquation5) {
   EXPECT_NEAR(realised().y(), 0.5, 0.02);
 }
 
-TEST_F(Loop, ExertsNothingBeforeItPlays) {
+TEST_P(EachLoop, ExertsNothingBeforeItPlays) {
   open();
   play_motion(100, 0, 500);
   EXPECT_EQ(force_max(), 0);
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(Loop, FlushedSamplesAreForgotten) {
+TEST_P(EachLoop, FlushedSamplesAreForgotten) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -62,7 +66,7 @@ TEST_F(Loop, FlushedSamplesAreForgotten) {
   EXPECT_FALSE(loop_.silent());
 }
 
-TEST_F(Loop, AFlushThatIsOverWithinATickStillFadesToZeroAndBack) {
+TEST_P(EachLoop, AFlushThatIsOverWithinATickStillFadesToZeroAndBack) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -76,7 +80,7 @@ TEST_F(Loop, AFlushThatIsOverWithinATickStillFadesToZeroAndBack) {
   EXPECT_NEAR(realised().x(), 0.25, 0.02);
 }
 
-TEST_F(Loop, AStalledSourceFadesOut) {
+TEST_P(EachLoop, AStalledSourceFadesOut) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -84,7 +88,7 @@ TEST_F(Loop, AStalledSourceFadesOut) {
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(Loop, AGapFadesOut) {
+TEST_P(EachLoop, AGapFadesOut) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -93,11 +97,11 @@ TEST_F(Loop, AGapFadesOut) {
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(Loop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
+TEST_P(EachLoop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
   open();
   play();
   play_motion(100, 0, 500);
-  wire_->cut = true;
+  mishaps_->cut = true;
   ticks(2);
   EXPECT_FALSE(is_held(haptic::kHoldFaulted));
   ticks(1);
@@ -105,7 +109,7 @@ TEST_F(Loop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
   EXPECT_TRUE(loop_.silent());
   EXPECT_EQ(loop_.statistics().device_faults, 1U);
 
-  wire_->cut = false;
+  mishaps_->cut = false;
   play_motion(100, 0, 1000);
   EXPECT_TRUE(loop_.silent()); // it answers again, but nobody armed it
   loop_.unhold(haptic::kLatches);
@@ -147,14 +151,14 @@ TEST_F(Loop, LateTicksDoNotMakeAHandTooFast) {
   EXPECT_FALSE(loop_.silent());
 }
 
-TEST_F(Loop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
+TEST_P(EachLoop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
   open();
   play();
-  wire_->cut = true;
+  mishaps_->cut = true;
   ticks(10);
-  const int before = wire_->exchanges;
+  const int before = mishaps_->exchanges;
   ticks(1000);
-  EXPECT_NEAR(wire_->exchanges - before, 10, 1);
+  EXPECT_NEAR(mishaps_->exchanges - before, 10, 1);
 }
 
 TEST_F(Loop, AFaultedDeviceIsSentZeroOnTheNextTickEvenIfItDoesNotAnswer) {
@@ -168,12 +172,12 @@ TEST_F(Loop, AFaultedDeviceIsSentZeroOnTheNextTickEvenIfItDoesNotAnswer) {
   EXPECT_LT(*std::max_element(wire_->last_words.begin(), wire_->last_words.end()), 60);
 }
 
-TEST_F(Loop, AnUnpluggedDeviceIsLetGoOnTheSameTickAndItsSuccessorComesDisarmed) {
+TEST_P(EachLoop, AnUnpluggedDeviceIsLetGoOnTheSameTickAndItsSuccessorComesDisarmed) {
   open();
   play();
   play_motion(100, 0, 500);
   EXPECT_FALSE(loop_.device_lost());
-  wire_->gone = true;
+  mishaps_->gone = true;
   ticks(1);
   EXPECT_TRUE(loop_.device_lost());
   EXPECT_TRUE(is_held(haptic::kHoldFaulted));
@@ -197,11 +201,11 @@ TEST_F(Loop, AnUnpluggedDeviceIsLetGoOnTheSameTickAndItsSuccessorComesDisarmed) 
   EXPECT_NEAR(realised().x(), 0.5, 0.02);
 }
 
-TEST_F(Loop, AForceThatTheGuardianTookAwayComesBackFromZeroAndSlowly) {
+TEST_P(EachLoop, AForceThatTheGuardianTookAwayComesBackFromZeroAndSlowly) {
   open();
   play();
   play_motion(100, 0, 500);
-  wire_->let_go = true;
+  mishaps_->let_go = true;
   ticks(1);
   EXPECT_LT(loop_.wrench().force.norm(), 0.021); // one tick of the slew rate
   double before = 0;
@@ -215,26 +219,26 @@ TEST_F(Loop, AForceThatTheGuardianTookAwayComesBackFromZeroAndSlowly) {
   EXPECT_EQ(loop_.statistics().device_faults, 0U);
 }
 
-TEST_F(Loop, ASingleFailedExchangeChangesNothingToSpeakOf) {
+TEST_P(EachLoop, ASingleFailedExchangeChangesNothingToSpeakOf) {
   open();
   play();
   play_motion(100, 0, 500);
-  wire_->cut = true;
+  mishaps_->cut = true;
   ticks(1);
-  wire_->cut = false;
+  mishaps_->cut = false;
   ticks(5);
   EXPECT_FALSE(loop_.silent());
   EXPECT_EQ(loop_.statistics().device_faults, 0U);
 }
 
-TEST_F(Loop, AGripThatFliesOffIsLetGoUntilArmed) {
+TEST_P(EachLoop, AGripThatFliesOffIsLetGoUntilArmed) {
   open();
   play();
   play_motion(100, 0, 500);
-  wire_->thrown_speed = 1.5;
+  mishaps_->thrown_speed = 1.5;
   ticks(12);
   EXPECT_TRUE(is_held(haptic::kHoldOverspeed));
-  wire_->thrown_speed = 0; // caught again
+  mishaps_->thrown_speed = 0; // caught again
   ticks(50);
   EXPECT_TRUE(loop_.silent());
   EXPECT_EQ(loop_.statistics().overspeeds, 1U);
@@ -245,15 +249,15 @@ TEST_F(Loop, AGripThatFliesOffIsLetGoUntilArmed) {
   EXPECT_NEAR(realised().x(), 0.5, 0.02);
 }
 
-TEST_F(Loop, AGripThatIsMovedFastWithoutAForceStaysArmed) {
+TEST_P(EachLoop, AGripThatIsMovedFastWithoutAForceStaysArmed) {
   open();
   play();
-  wire_->thrown_speed = 1.5;
+  mishaps_->thrown_speed = 1.5;
   ticks(12);
   EXPECT_FALSE(is_held(haptic::kHoldOverspeed));
 }
 
-TEST_F(Loop, ATickMuchTooLateFadesAndIsCounted) {
+TEST_P(EachLoop, ATickMuchTooLateFadesAndIsCounted) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -267,7 +271,7 @@ TEST_F(Loop, ATickMuchTooLateFadesAndIsCounted) {
   EXPECT_FALSE(loop_.silent());
 }
 
-TEST_F(Loop, SettingsThatAreNotFiniteGiveZeroAndAreCounted) {
+TEST_P(EachLoop, SettingsThatAreNotFiniteGiveZeroAndAreCounted) {
   open();
   play();
   play_motion(100, 0, 500);
@@ -279,7 +283,7 @@ TEST_F(Loop, SettingsThatAreNotFiniteGiveZeroAndAreCounted) {
   EXPECT_EQ(loop_.statistics().non_finite, 1U);
 }
 
-TEST_F(Loop, TellsWhereTheHandIs) {
+TEST_P(EachLoop, TellsWhereTheHandIs) {
   open("hold:0.5,-0.5,0");
   ticks(50);
   const auto hand = loop_.hand();
@@ -288,7 +292,7 @@ TEST_F(Loop, TellsWhereTheHandIs) {
   EXPECT_NEAR(hand.position.y(), -0.0125, 0.0005);
 }
 
-TEST_F(Loop, CalibrateMakesThePresentPositionTheCentre) {
+TEST_P(EachLoop, CalibrateMakesThePresentPositionTheCentre) {
   open("hold:0.5,0,0");
   ticks(50);
   loop_.calibrate();
@@ -296,7 +300,7 @@ TEST_F(Loop, CalibrateMakesThePresentPositionTheCentre) {
   EXPECT_NEAR(loop_.hand().position.x(), 0, 0.0005);
 }
 
-TEST_F(Loop, AWashOutShiftsTheFrameUnderTheHandUntilItIsCalibrated) {
+TEST_P(EachLoop, AWashOutShiftsTheFrameUnderTheHandUntilItIsCalibrated) {
   open("circle:0.8,1");
   ticks(2000);
   EXPECT_EQ(loop_.hand().shift.x, 0);
@@ -340,7 +344,7 @@ TEST_F(Loop, ARunBeginsWithoutTheMaximumOfTheOneBefore) {
   }
 }
 
-TEST_F(Loop, ACalibrationThatWasNotDoneIsNotDoneInTheNextRun) {
+TEST_P(EachLoop, ACalibrationThatWasNotDoneIsNotDoneInTheNextRun) {
   open("hold:0.5,0,0");
   ticks(50);
   loop_.calibrate();
@@ -349,7 +353,7 @@ TEST_F(Loop, ACalibrationThatWasNotDoneIsNotDoneInTheNextRun) {
   EXPECT_NEAR(loop_.hand().position.x(), 0.0125, 0.0005);
 }
 
-TEST_F(Loop, StatisticsBeginAnewAndTheUsersReleaseDoesNot) {
+TEST_P(EachLoop, StatisticsBeginAnewAndTheUsersReleaseDoesNot) {
   open();
   play();
   play_motion(100, 0, 500);

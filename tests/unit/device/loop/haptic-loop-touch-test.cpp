@@ -11,7 +11,7 @@ namespace {
 using haptic::TouchMode;
 using test::kMs;
 
-class TouchingLoop : public test::Loop {
+class TouchingLoop : public test::OnEachDevice<test::Loop> {
 protected:
   // The loop outlives the pool here, and must have given everything back.
   void TearDown() override {
@@ -45,7 +45,24 @@ protected:
   haptic::ReliefField plane_ = test::relief_of(test::flat(0.003));
 };
 
-TEST_F(TouchingLoop, AHandBeneathASurfaceIsPushedOutOfIt) {
+INSTANTIATE_TEST_SUITE_P(Devices, TouchingLoop, testing::ValuesIn(test::kLoopDevices),
+                         [](const auto &of) { return of.param; });
+
+TEST_P(TouchingLoop, TheStiffestSurfaceIsAsStiffAsTheDeviceHolds) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  haptic::LoopSettings settings;
+  settings.touch = TouchMode::surface;
+  settings.law_settings.max_force = 5;
+  settings.slew_rate = 1000; // N/s: follows any of them
+  settings.continuous_force = 0;
+  loop_.set_settings(settings);
+  touch_for(test::relief_of(test::flat(0.003), 1e5), 2000);
+  const double stiffness = on_arm_ ? 3000 : 200; // N/m
+  // Against the 1000 N/m of the hand.
+  EXPECT_NEAR(force().z(), stiffness * 0.003 * 1000 / (1000 + stiffness), 0.05);
+}
+
+TEST_P(TouchingLoop, AHandBeneathASurfaceIsPushedOutOfIt) {
   open_touching(TouchMode::surface, "hold:0,0,0");
   touch_for(plane_, 1000, 100);
   // 200 N/m against the 1000 N/m of the hand, and no motion.
@@ -53,20 +70,20 @@ TEST_F(TouchingLoop, AHandBeneathASurfaceIsPushedOutOfIt) {
   EXPECT_NEAR(force().head<2>().norm(), 0, 0.005);
 }
 
-TEST_F(TouchingLoop, SurfaceAndMotionAddUp) {
+TEST_P(TouchingLoop, SurfaceAndMotionAddUp) {
   open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
   touch_for(plane_, 1000, 100);
   EXPECT_NEAR(force().z(), 200 * 0.003 * 1000 / 1200, 0.01);
   EXPECT_NEAR(force().x(), 0.5, 0.01);
 }
 
-TEST_F(TouchingLoop, WithoutTouchReliefsAreFeltAsNothing) {
+TEST_P(TouchingLoop, WithoutTouchReliefsAreFeltAsNothing) {
   open_touching(TouchMode::off, "hold:0,0,0");
   touch_for(plane_, 300);
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(TouchingLoop, AFilmThatLosesItsDepthFadesAndTheMotionStays) {
+TEST_P(TouchingLoop, AFilmThatLosesItsDepthFadesAndTheMotionStays) {
   open_touching(TouchMode::surface, "hold:0,0,0");
   touch_for(plane_, 500);
   ticks(300);
@@ -79,20 +96,20 @@ TEST_F(TouchingLoop, AFilmThatLosesItsDepthFadesAndTheMotionStays) {
   EXPECT_NEAR(force().x(), 0.5, 0.01);
 }
 
-TEST_F(TouchingLoop, AHandThatATouchBeginsUnderIsNotThrown) {
+TEST_P(TouchingLoop, AHandThatATouchBeginsUnderIsNotThrown) {
   open_touching(TouchMode::surface, "free");
   touch_for(test::relief_of(test::flat(0.02)), 1500);
   EXPECT_FALSE(is_held(haptic::kHoldOverspeed));
   EXPECT_LE(force_max(), 1);
 }
 
-TEST_F(TouchingLoop, MillimetresTakenForMetresAreNoSurface) {
+TEST_P(TouchingLoop, MillimetresTakenForMetresAreNoSurface) {
   open_touching(TouchMode::surface, "hold:0,0,0");
   touch_for(test::relief_of(test::flat(0.8)), 500);
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(TouchingLoop, AFlushDiscardsTheSurface) {
+TEST_P(TouchingLoop, AFlushDiscardsTheSurface) {
   open_touching(TouchMode::surface, "hold:0,0,0");
   touch_for(plane_, 500);
   loop_.drop_samples();
@@ -100,7 +117,7 @@ TEST_F(TouchingLoop, AFlushDiscardsTheSurface) {
   EXPECT_TRUE(loop_.silent());
 }
 
-TEST_F(TouchingLoop, AFlushOfTheReliefsAloneDiscardsThemAndTheMotionStays) {
+TEST_P(TouchingLoop, AFlushOfTheReliefsAloneDiscardsThemAndTheMotionStays) {
   open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
   plane_.interval = 500 * kMs; // it stays for 1.5 s
   touch_for(plane_, 500, 100);
@@ -116,7 +133,7 @@ TEST_F(TouchingLoop, AFlushOfTheReliefsAloneDiscardsThemAndTheMotionStays) {
   EXPECT_NEAR(force().x(), 0.5, 0.01);
 }
 
-TEST_F(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
+TEST_P(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
   open_touching(TouchMode::surface, "hold:0,0,0.5");
   ticks(10);
   EXPECT_EQ(loop_.hand().region_z, 0);
@@ -125,7 +142,7 @@ TEST_F(TouchingLoop, WhileItTouchesTheRegionHasItsOwnSize) {
   EXPECT_FALSE(loop_.hand().region_z);
 }
 
-TEST_F(TouchingLoop, TakesNothingFromTheHeap) {
+TEST_P(TouchingLoop, TakesNothingFromTheHeap) {
   open_touching(TouchMode::surface_and_motion, "circle:0.5,1");
   plane_.interval = 1000 * kMs;
   touch_for(plane_, 100, 100);

@@ -85,6 +85,11 @@ INSTANTIATE_TEST_SUITE_P(Cases, RelativeLaw,
                                          Case{"spidar-g6x3r", "inertial", 0.04, 5, 1000, 10},
                                          Case{"spidar-g6x4", "inertial", 0.01, 5, 1000},
                                          Case{"spidar-g6x4", "inertial", 0.04, 5, 1000},
-                                         Case{"spidar-g6x5r", "inertial", 0.04, 5, 1000}));
+                                         Case{"spidar-g6x5r", "inertial", 0.04, 5, 1000},
+                                         Case{test::kArmName, "drag", 0.01, 1, 1000},
+                                         Case{test::kArmName, "drag", 0.04, 12, 1000},
+                                         Case{test::kArmName, "drag", 0.04, 12, 1000, 10},
+                                         Case{test::kArmName, "inertial", 0.04, 12, 1000},
+                                         Case{test::kArmName, "inertial", 0.04, 12, 500}));
 
 } // namespace

@@ -17,7 +17,7 @@ protected:
   }
   void slip(double metres) {
     const double count = test::builtin_geometry(GetParam()).metres_per_count[2];
-    held_.hand().slip[2] += static_cast<std::int32_t>(metres / count);
+    held_.on_strings().slip[2] += static_cast<std::int32_t>(metres / count);
   }
   double force() const { return held_.force().norm(); }
 

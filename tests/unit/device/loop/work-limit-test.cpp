@@ -68,6 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Rounds, WorkLimit,
                                          Round{"spidar-g6x3r", 1, 20, 0.9, 0.05},
                                          Round{"spidar-g6x3l", 5, 1000, 0.9, 0.03},
                                          Round{"spidar-g6x4", 5, 100, 0.9, 0.05},
-                                         Round{"spidar-g6x5r", 5, 100, 0.9, 0.05}));
+                                         Round{"spidar-g6x5r", 5, 100, 0.9, 0.05},
+                                         Round{test::kArmName, 12, 100, 0.9, 0.05},
+                                         Round{test::kArmName, 1, 20, 0.9, 0.05}));
 
 } // namespace

@@ -38,10 +38,12 @@ struct Bench {
   bool answers = true;
   bool plugged = true;
   bool pressed = false;
-  spidar::Vector3 hand = spidar::Vector3::Zero(); // m
+  spidar::Vector3 hand = spidar::Vector3::Zero();     // m
+  spidar::Vector3 velocity = spidar::Vector3::Zero(); // m/s
   spidar::Wrench commanded;
   int alive = 0; // devices that exist
   std::string remark;
+  spidar::DeviceLimits limits{.grip_is_free = true};
 };
 
 class FakeDevice final : public spidar::HapticDevice {
@@ -54,6 +56,7 @@ public:
     state_.valid = connected_ && bench_.answers;
     if (state_.valid)
       state_.pose.position = bench_.hand;
+    state_.velocity = bench_.velocity;
     state_.pressed = state_.valid && bench_.pressed;
     return state_.valid;
   }
@@ -62,7 +65,7 @@ public:
   void calibrate() noexcept override {}
   const spidar::DeviceState &state() const noexcept override { return state_; }
   const spidar::Vector3 &workspace_half() const noexcept override { return workspace_half_; }
-  bool grip_is_free() const noexcept override { return true; }
+  const spidar::DeviceLimits &limits() const noexcept override { return bench_.limits; }
   std::string description() const override { return "a fake"; }
   std::string identity() const override { return "the fake"; }
   std::string remark() const override { return bench_.remark; }
@@ -153,6 +156,46 @@ TEST_F(Session, WarnsOfWhatTheDeviceRemarks) {
   ASSERT_EQ(notices_.size(), 1U);
   EXPECT_EQ(notices_[0].severity, Severity::warning);
   EXPECT_EQ(notices_[0].text, bench_.remark);
+}
+
+TEST_F(Session, SaysOnceWhatTheDeviceCannotDoAndNeverCommandsMore) {
+  bench_.limits.force = 0.3;
+  begin();
+  run(1000, 1e5F);
+  EXPECT_NEAR(force(), 0.3, 0.001);
+  EXPECT_LE(force(), 0.3);
+  haptic::LoopSettings settings;
+  settings.law_settings.max_force = 5;
+  session_->set_settings(settings);
+  run(1000, 1e5F);
+  EXPECT_NEAR(force(), 0.3, 0.001);
+  EXPECT_LE(force(), 0.3);
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_EQ(notices_[0].severity, Severity::warning);
+  EXPECT_NE(notices_[0].text.find("(a fake) cannot do all that is set. It does at most: "
+                                  "max-force=0.3 N."),
+            std::string::npos)
+      << notices_[0].text;
+}
+
+TEST_F(Session, TicksNoFasterThanTheDeviceAnswers) {
+  bench_.limits.rate = 500;
+  begin();
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].text.find("rate=500 Hz"), std::string::npos) << notices_[0].text;
+  run(1);
+  EXPECT_NEAR(session_->loop().impulse().time, 0.002, 1e-9);
+}
+
+TEST_F(Session, AGripIsLetGoAtTheSpeedOfItsDevice) {
+  bench_.limits.let_go_speed = 0.7;
+  begin();
+  run(500);
+  bench_.velocity.x() = 0.8; // m/s
+  run(20);
+  EXPECT_FALSE(session_->is_armed());
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].text.find("faster than 0.7 m/s"), std::string::npos) << notices_[0].text;
 }
 
 TEST_F(Session, IsFeltAfterItPlaysAndUntilItIsReleased) {

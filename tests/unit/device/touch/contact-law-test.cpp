@@ -18,7 +18,7 @@ using spidar::Vector3;
 using test::kTick;
 
 constexpr double kStiffness = haptic::kStiffestTouch;
-const haptic::ContactLimits kLimits;
+const haptic::ContactLimits kLimits{.device = test::kSpidar};
 
 // Leads the hand in small steps along a line, then lets it rest.
 Contact led(ContactLaw &law, const ReliefField &relief, const Vector3 &from, const Vector3 &to) {
@@ -144,9 +144,10 @@ TEST(ContactLaw, RestsOnARampFlatterThanTheAngleOfFriction) {
 }
 
 TEST(ContactLaw, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
-  EXPECT_DOUBLE_EQ(haptic::stiffest({}), haptic::kStiffestTouch) << "of haptic-track compare";
-  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 5}), 50);
-  EXPECT_DOUBLE_EQ(haptic::stiffest({.slew_rate = 1000, .longest_dt = 0.01}), 20);
+  EXPECT_DOUBLE_EQ(haptic::stiffest(kLimits), haptic::kStiffestTouch) << "of haptic-track compare";
+  EXPECT_DOUBLE_EQ(haptic::stiffest({.device = test::kSpidar, .slew_rate = 5}), 50);
+  EXPECT_DOUBLE_EQ(
+      haptic::stiffest({.device = test::kSpidar, .slew_rate = 1000, .longest_dt = 0.01}), 20);
   const ReliefField relief = test::relief_of(test::flat(), 1e5);
   expect_force(pressed(relief, {0, 0, -0.001}, {0, 0, 0.01}), 0.001, {0, 0, 1});
 }
@@ -193,8 +194,9 @@ TEST(ContactLaw, OnTheWayOutTheSpringHoldsNoMoreThanTheHandHasPutIn) {
   const ReliefField relief = test::relief_of(test::flat());
   ContactLaw law;
   led(law, relief, {0, 0, 0.002}, {0, 0, -0.004});
-  const Contact contact = law.step(test::surface_of(relief), {0, 0, -0.00399},
-                                   {.energy = kStiffness * 0.001 * 0.001 / 2}, kTick);
+  const Contact contact =
+      law.step(test::surface_of(relief), {0, 0, -0.00399},
+               {.device = test::kSpidar, .energy = kStiffness * 0.001 * 0.001 / 2}, kTick);
   EXPECT_NEAR(contact.proxy.z(), -0.00299, 1e-5);
   EXPECT_DOUBLE_EQ(contact.energy, kStiffness * 0.001 * 0.001 / 2);
 }

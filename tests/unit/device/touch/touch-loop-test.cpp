@@ -7,6 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -17,26 +18,31 @@ using test::kTick;
 using test::TouchLoop;
 
 class Hands : public ::testing::TestWithParam<test::HandModel> {};
-INSTANTIATE_TEST_SUITE_P(Touch, Hands, testing::Values(test::kLying, test::kLight, test::kStiff),
+INSTANTIATE_TEST_SUITE_P(Touch, Hands,
+                         testing::Values(test::kLying, test::kLight, test::kStiff,
+                                         test::kLyingOnArm, test::kLightOnArm, test::kStiffOnArm),
                          [](const auto &of) { return of.param.name; });
 
 // 5 mm up or down with each frame, on half of them at once.
 TEST_P(Hands, ASurfaceThatJumpsKeepsTheSlewRateAndGivesNoMoreThanItsOwnWork) {
   std::mt19937 random(7);
   double height = 0;
-  ReliefField from = test::relief_of(test::flat(0), 200, 0.3, 8);
+  const double stiffness = GetParam().stiffest();
+  const double slew_rate = GetParam().slew_rate();
+  ReliefField from = test::relief_of(test::flat(0), stiffness, 0.3, 8);
   ReliefField to = from;
   TouchLoop loop(GetParam(), {0, 0, 0.001});
   for (int frame = 0; frame < 300; ++frame) {
     height += (random() % 2 ? 0.005 : -0.005) * (std::abs(height) < 0.015 ? 1 : 0);
     height = std::clamp(height, -0.0125, 0.0125);
     from = to;
-    to = test::relief_of(test::flat(height), 200, 0.3, 8);
+    to = test::relief_of(test::flat(height), stiffness, 0.3, 8);
     for (int ms = 0; ms < 33; ++ms) {
       const Vector3 force = loop.force;
       loop.tick({from, to, frame % 2 ? 1 : ms / 33.0, test::kHalf}, {0, 0, -0.004});
-      ASSERT_LE(loop.force.norm() - force.norm(), 20 * kTick + 1e-12);
-      ASSERT_LE((loop.force - force).norm(), 100 * kTick) << "what the hand has not put in goes";
+      ASSERT_LE(loop.force.norm() - force.norm(), slew_rate * kTick + 1e-12);
+      ASSERT_LE((loop.force - force).norm(), 5 * slew_rate * kTick)
+          << "what the hand has not put in goes";
     }
   }
   EXPECT_LE(loop.work, loop.surface_work);
@@ -72,13 +78,16 @@ TEST_P(Hands, NeitherGainEnergyNorTrembleOnRandomSurfaces) {
   constexpr int kLed = 300;    // ms
   constexpr int kLooked = 200; // ms
   const int touch = kLed + GetParam().swings + kLooked;
-  const double most_work = GetParam().swings > 1000 ? 0.0025 : 1e-6; // J
+  const double stiffest = GetParam().stiffest();
+  // J; while it touches the arm, the hand gets 20 µW (docs/force.md#energy), and uses some of it.
+  const double of_touch = GetParam().device == &test::kArm ? 2e-8 * touch : 1e-6;
+  const double most_work = GetParam().swings > 1000 ? 1 / (2 * stiffest) : of_touch;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
   ReliefField relief;
   for (int n = 0; n < kTicks / touch; ++n) {
     if (n % 8 == 0)
-      relief = test::relief_of(random_shape(random), 125 + 75 * uniform(random),
+      relief = test::relief_of(random_shape(random), stiffest * (0.625 + 0.375 * uniform(random)),
                                n % 3 ? 0.4 + 0.4 * uniform(random) : 0);
     const auto surface = test::surface_of(relief);
     const Vector3 from(0.02 * uniform(random), 0.02 * uniform(random), 0.02);
@@ -101,7 +110,13 @@ TEST_P(Hands, NeitherGainEnergyNorTrembleOnRandomSurfaces) {
 
 // An explorer presses with 0.15 N, moves to the right, and takes the place where the force first
 // differs by 0.08 N from what it was: more than hands need.
-TEST(Touch, AStepOfTwoMillimetresIsFoundWithinOneByTheForceAlone) {
+class Explorers : public ::testing::TestWithParam<std::pair<test::HandModel, test::HandModel>> {};
+INSTANTIATE_TEST_SUITE_P(Touch, Explorers,
+                         testing::Values(std::pair(test::kStiff, test::kLight),
+                                         std::pair(test::kStiffOnArm, test::kLightOnArm)),
+                         [](const auto &of) { return of.param.first.name; });
+
+TEST_P(Explorers, FindAStepOfTwoMillimetresWithinOneByTheForceAlone) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
   constexpr int kTrials = 100;
@@ -110,10 +125,10 @@ TEST(Touch, AStepOfTwoMillimetresIsFoundWithinOneByTheForceAlone) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const double edge = 0.01 * uniform(random);
     const double step = trial % 2 ? 0.002 : -0.002;
-    const double stiffness = 150 + 50 * uniform(random);
+    const test::HandModel &hand = trial % 4 < 2 ? GetParam().first : GetParam().second;
+    const double stiffness = hand.stiffest() * (0.75 + 0.25 * uniform(random));
     const ReliefField relief =
         test::relief_of([&](double x, double) { return x < edge ? 0 : step; }, stiffness, 0.2);
-    const test::HandModel &hand = trial % 4 < 2 ? test::kStiff : test::kLight;
     const double press = 0.15 / hand.stiffness + 0.15 / stiffness; // m
     TouchLoop loop(hand, {-0.02, 0, 0.001});
     Vector3 usual = Vector3::Zero();

@@ -2,6 +2,7 @@
 // The budget for continuous force: the rms over any 60 s, by itself and in the safety chain.
 #include "safety/continuous-force.hpp"
 
+#include "device-limits.hpp"
 #include "safety/safety-chain.hpp"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ SafetyChain::Input push(double force, double budget) {
 
 // The forces of a chain, 1000 a second, N. No step may exceed the slew limit.
 std::vector<double> run(const Demand &demand, double budget, int seconds) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   std::vector<double> forces;
   double before = 0;
   for (int ms = 0; ms < seconds * 1000; ++ms) {
@@ -110,7 +111,7 @@ TEST(ContinuousForceBudget, OffItLimitsNothing) {
 }
 
 TEST(ContinuousForceBudget, SetUnderAForceItFadesAtTheSlewRate) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   for (int ms = 0; ms < 60'000; ++ms)
     chain.step(push(5, 0));
   double before = 5;
@@ -123,7 +124,7 @@ TEST(ContinuousForceBudget, SetUnderAForceItFadesAtTheSlewRate) {
 }
 
 TEST(ContinuousForceBudget, ARestartOfTheChainGivesNothingBack) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   std::vector<double> forces;
   for (int ms = 0; ms < 60'000; ++ms) {
     if (ms % 3000 == 0)
@@ -165,7 +166,7 @@ TEST(ContinuousForceBudget, TellsTheRmsAndTheShareThatIsUsed) {
 }
 
 TEST(ContinuousForceBudget, TheHoldsOfTheChainSayWhenItLimits) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   for (int ms = 0; ms < 500; ++ms)
     chain.step(push(2, 1));
   EXPECT_EQ(chain.holds(), 0U);

@@ -2,6 +2,7 @@
 #include "safety/energy-account.hpp"
 
 #include <gtest/gtest.h>
+#include <spidar/device-limits.hpp>
 
 namespace {
 
@@ -9,6 +10,7 @@ using haptic::EnergyAccount;
 using spidar::Vector3;
 
 constexpr double kTick = 0.001; // s
+constexpr double kDelay = spidar::DeviceLimits{}.delay;
 
 // A force of the hand's part, up, on a grip that moves up by so many mm.
 EnergyAccount::Charge pushed(double force, double moved) {
@@ -20,7 +22,7 @@ EnergyAccount::Charge pushed(double force, double moved) {
 }
 
 EnergyAccount::Motion going(double speed) {
-  return {.velocity = {0, 0, speed}, .time = kTick, .longest_time = kTick};
+  return {.velocity = {0, 0, speed}, .time = kTick, .delay = kDelay * kTick};
 }
 
 double affordable(const EnergyAccount &account, double force, const EnergyAccount::Motion &hand) {
@@ -102,7 +104,7 @@ TEST(EnergyAccount, PaysInAdvanceUntilTheCommandHasActed) {
   EXPECT_DOUBLE_EQ(affordable(account, 1, going(0.16)), 1);
   EXPECT_DOUBLE_EQ(affordable(account, 1, going(0.8)), 0.225) << "a tick may be 10 ms late";
   EnergyAccount::Motion slow_ticks = going(0.1);
-  slow_ticks.longest_time = 0.008;
+  slow_ticks.delay = kDelay * 0.008;
   EXPECT_DOUBLE_EQ(affordable(account, 1, slow_ticks), 0.5) << "1 mJ in 2.5 ticks of 8 ms";
 }
 
@@ -116,7 +118,7 @@ TEST(EnergyAccount, ByTheLastTickIfTheSpeedIsLate) {
 
 TEST(EnergyAccount, AHandThatSlidesAlongPaysNothing) {
   EnergyAccount account;
-  EXPECT_EQ(affordable(account, 1, {.velocity = {1, 0, 0}, .time = kTick, .longest_time = kTick}),
+  EXPECT_EQ(affordable(account, 1, {.velocity = {1, 0, 0}, .time = kTick, .delay = kDelay * kTick}),
             1);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "safety/grip-watch.hpp"
 
+#include "device-limits.hpp"
+
 #include <gtest/gtest.h>
 
 namespace {
@@ -18,11 +20,11 @@ public:
   void calibrate() noexcept override {}
   const spidar::DeviceState &state() const noexcept override { return now; }
   const spidar::Vector3 &workspace_half() const noexcept override { return half_; }
-  bool grip_is_free() const noexcept override { return is_free; }
+  const spidar::DeviceLimits &limits() const noexcept override { return of_grip; }
   std::string description() const override { return "a grip"; }
 
   spidar::DeviceState now;
-  bool is_free = true;
+  spidar::DeviceLimits of_grip{.grip_is_free = true};
 
 private:
   spidar::Vector3 half_ = spidar::Vector3::Ones();
@@ -48,7 +50,7 @@ protected:
   }
 
   Grip grip_;
-  SafetyChain chain_;
+  SafetyChain chain_{test::kSpidar};
   GripWatch watch_;
 };
 
@@ -70,7 +72,9 @@ TEST_F(Watch, AFastGripWasLetGoOnlyWithAForceOnIt) {
   EXPECT_EQ(holds(), 0U);
   exert_force();
   EXPECT_EQ(holds(), haptic::kHoldOverspeed);
-  grip_.is_free = false;
+  grip_.of_grip.let_go_speed = 1.2;
+  EXPECT_EQ(holds(), 0U);
+  grip_.of_grip = {.grip_is_free = false};
   EXPECT_EQ(holds(), 0U);
 }
 

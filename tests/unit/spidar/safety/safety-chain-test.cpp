@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "safety/safety-chain.hpp"
 
+#include "device-limits.hpp"
+
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -41,7 +43,7 @@ Vector3 steps(SafetyChain &chain, const SafetyChain::Input &input, int n) {
 }
 
 SafetyChain settled(const SafetyChain::Input &input) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   steps(chain, input, 2000);
   return chain;
 }
@@ -62,7 +64,7 @@ public:
   /// N and N·m, until the next step.
   const spidar::Wrench &acting() const { return acting_; }
 
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
 
 private:
   spidar::Wrench sent_;
@@ -138,7 +140,7 @@ TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
 }
 
 TEST(SafetyChain, LetsATrustedForceThroughExactly) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   EXPECT_EQ(steps(chain, push(0.3, -0.4), 1000), Vector3(0.3, -0.4, 0));
   EXPECT_TRUE(chain.follows_sample());
 }
@@ -165,7 +167,7 @@ TEST(SafetyChain, AReversalOfTheFullForceTakesTheSlewRatesTime) {
 }
 
 TEST(SafetyChain, NeverExceedsTheMaximumForce) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   EXPECT_NEAR(steps(chain, push(4, 3), 1000).norm(), 1, 1e-12);
   EXPECT_NEAR(chain.step(push(4, 3)).force.x(), 0.8, 1e-12); // the direction is kept
 }
@@ -182,7 +184,7 @@ TEST(SafetyChain, TellsWhichLimitActed) {
   EXPECT_EQ(settled(input).limits(), kLimitTorque);
   input = push(0.5);
   input.continuous_force = 0.1;
-  SafetyChain spent;
+  SafetyChain spent{test::kSpidar};
   steps(spent, input, 120'000);
   EXPECT_EQ(spent.limits(), kLimitBudget);
   SafetyChain chain = settled(push(0.5));
@@ -200,7 +202,7 @@ TEST(SafetyChain, ALoweredMaximumTakesTheForceOffIn50MillisecondsWithoutAStep) {
     input.wanted.torque = {0, 0, 0.1};
     input.max_torque = 0.1;
     input.slew_rate = slew_rate;
-    SafetyChain chain;
+    SafetyChain chain{test::kSpidar};
     steps(chain, input, 51'000);
     ASSERT_NEAR(chain.wrench().force.norm(), 5, 1e-9);
     input.max_force = 0;
@@ -399,7 +401,7 @@ TEST(SafetyChain, ALateTickFadesToZeroBeforeTheForceComesBack) {
 TEST(SafetyChain, RandomHoldsAndSamplesNeverBreakALimit) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-2, 2);
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   Vector3 before = Vector3::Zero();
   auto input = push(0);
   for (int i = 0; i < 200'000; ++i) {
@@ -480,7 +482,7 @@ TEST(SafetyChain, AHandThatIsCarriedAlongIsBrakedAndAHandThatPointsIsNot) {
 TEST(SafetyChain, WithoutAForceThereIsNoDamping) {
   auto input = push(0);
   input.hand_velocity = {0.9, -0.9, 0};
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   EXPECT_TRUE(steps(chain, input, 1000).isZero(0));
 }
 
@@ -560,7 +562,7 @@ TEST(SafetyChain, AGripThatTurnsIsBrakedAtOnceAndAHandThatTurnsItSlowlyIsNot) {
   SafetyChain chain = settled(input);
   EXPECT_EQ(chain.step(input).torque.z(), 0.02);
   input.hand_turning = {0, 0, 3};
-  EXPECT_NEAR(chain.step(input).torque.z(), 0.02 - 2 * SafetyChain::kTurnBrake, 1e-12);
+  EXPECT_NEAR(chain.step(input).torque.z(), 0.02 - 2 * test::kSpidar.turn_brake, 1e-12);
   input.hand_turning = {0, 0, 100};
   EXPECT_NEAR(chain.step(input).torque.z(), 0, 1e-12); // it takes the torque, and no more
   input.hand_turning.setZero();
@@ -570,7 +572,7 @@ TEST(SafetyChain, AGripThatTurnsIsBrakedAtOnceAndAHandThatTurnsItSlowlyIsNot) {
 TEST(SafetyChain, WithoutATorqueOrAForceThereIsNoBrake) {
   auto input = turn(0);
   input.hand_turning = {9, -9, 9};
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   for (int i = 0; i < 100; ++i)
     ASSERT_TRUE(chain.step(input).torque.isZero(0));
 }
@@ -609,7 +611,7 @@ TEST(SafetyChain, ARestartBeginsFromZeroAndGivesNoWorkBack) {
 }
 
 TEST(SafetyChain, AHandThatHoldsStillGetsTheWholeForceForEver) {
-  SafetyChain chain;
+  SafetyChain chain{test::kSpidar};
   EXPECT_EQ(steps(chain, push(0.8), 100'000).x(), 0.8);
 }
 
