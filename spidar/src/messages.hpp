@@ -24,8 +24,8 @@
   MESSAGE(kGeometryVector,                                                                         \
           "%s: [%s] %s must be three numbers with ';' between them, but is '%s'.",                 \
           "Write the numbers in metres, such as 0.1;0;-0.1.")                                      \
-  MESSAGE(kGeometryLimit, "%s: [%s] dac-limit must be a whole number from 1 to 32767.",            \
-          "Correct the number. 4095 fits a D/A of 12 bits.")                                       \
+  MESSAGE(kGeometryWhole, "%s: [%s] %s must be a whole number from %d to %d.",                     \
+          "Correct the number. docs/formats/geometry.md explains every key.")                      \
   MESSAGE(kGeometryValue, "Geometry %s: %s %s.",                                                   \
           "Correct the value. docs/formats/geometry.md explains every key.")                       \
   MESSAGE(kGeometryClosure,                                                                        \

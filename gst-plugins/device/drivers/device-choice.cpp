@@ -80,8 +80,7 @@ OpenedDevice open_device(const DeviceChoice &choice) {
   }
   const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
   auto controller = open_controller(choice, geometry, opened.simulated_instead);
-  // Which of a SPIDAR-G's input pins is a button, and its polarity, is not known.
-  if (needs_button && choice.device != "sim" && !opened.simulated_instead)
+  if (needs_button && !geometry.button && choice.device != "sim" && !opened.simulated_instead)
     refuse_without_button(controller->description());
   opened.device =
       std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
