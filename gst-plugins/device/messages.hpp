@@ -48,7 +48,8 @@
           "counted (stats).",                                                                      \
           "End programs that keep the processors busy.")                                           \
   MESSAGE(kNoButton, "dead-man=button needs a button, but no button of %s is known.",              \
-          "Set dead-man=none, or choose a joystick or the simulated device.")                      \
+          "Set dead-man=none, name the button in the geometry (button-bit and button-pressed), "   \
+          "or choose a joystick or the simulated device.")                                         \
   MESSAGE(kNoRealTime,                                                                             \
           "A busy machine may delay the force: real-time priority %s, loop object and stack "      \
           "locked: %s.",                                                                           \

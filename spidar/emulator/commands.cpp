@@ -21,6 +21,7 @@ const char *const kCommandHelp =
     "  thaw                 all counters count again\n"
     "  jump STRING COUNTS   the counter of string 0..7 jumps by COUNTS\n"
     "  id N                 the rotary switch is set to N, 0 to 15\n"
+    "  input PIN 0|1        input pin 0..3 reads 0 or 1 from now on\n"
     "  wrap                 every counter stands just below an end of its range\n"
     "  garbage              counters anywhere and replies nobody asked for, as after power-on\n";
 
@@ -119,6 +120,11 @@ Act parse(const std::string &line, Words &words) {
   if (command == "id") {
     const int number = words.number(0, 15);
     return [number](Unit &unit, Time, auto &) { unit.firmware().set_rotary_switch(number); };
+  }
+  if (command == "input") {
+    const int pin = words.number(0, 3);
+    const bool level = words.number(0, 1) == 1;
+    return [pin, level](Unit &unit, Time, auto &) { unit.firmware().set_input(pin, level); };
   }
   if (command == "wrap")
     return [](Unit &unit, Time now, auto &) { unit.firmware().near_wrap(now); };

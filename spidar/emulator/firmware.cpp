@@ -129,10 +129,16 @@ Bytes Firmware::make_reply() {
       put(packet, 16 + 2 * i, counter, 2);
     }
   }
-  // The lower half of the byte is for buttons [1.B].
   std::uint8_t &byte = packet[model_ == Model::simple ? 24 : 48];
-  byte = static_cast<std::uint8_t>(rotary_switch_ << 4 | (byte & 0x0f));
+  byte =
+      static_cast<std::uint8_t>(static_cast<unsigned>(rotary_switch_) << 4 | (inputs(byte) & 0x0f));
   return packet;
+}
+
+/// The lower half of the byte is for buttons [1.B]. A pin is `unknown` if nothing is wired to it.
+unsigned Firmware::inputs(unsigned unknown) const noexcept {
+  const unsigned wired = (unknown & ~unsigned{plant_.wired()}) | plant_.inputs();
+  return (wired & ~set_inputs_) | levels_;
 }
 
 void Firmware::queue_reply(Time now) {
@@ -184,6 +190,12 @@ void Firmware::freeze(std::size_t string, Time now) {
 
 void Firmware::jump(std::size_t string, std::int32_t counts) {
   counters_[string] = (counters_[string] + static_cast<std::uint32_t>(counts)) % counter_range();
+}
+
+void Firmware::set_input(int pin, bool level) noexcept {
+  const unsigned bit = 1U << pin;
+  set_inputs_ |= bit;
+  levels_ = level ? levels_ | bit : levels_ & ~bit;
 }
 
 void Firmware::near_wrap(Time now) {

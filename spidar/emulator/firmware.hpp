@@ -11,12 +11,13 @@
 //   OUT 51                         latches the counters: one reply
 //   OUT A2 1A mm                   bit i of mm: counter i counts as the geometry does
 //   OUT A2 19 mm                   bit i of mm: clears counter i
-//   IN  bytes 3i..3i+2             counter i, 24 bit; byte 24: bits 7..4 rotary switch
+//   IN  bytes 3i..3i+2             counter i, 24 bit; byte 24: bits 7..4 rotary switch,
+//                                  bits 3..0 input pins
 //
 // USB2.0 SH4, 0cec:0205 [1.C], 512 bytes each way:
 //   OUT 01 0E d0L d0H .. d7L d7H   sets all D/A words, and latches the counters: one reply
 //   IN  bytes 0..15                the D/A words; bytes 16+2i, 17+2i: counter i, 16 bit, counts
-//                                  against the geometry; byte 48: bits 7..4 rotary switch
+//                                  against the geometry; byte 48 as byte 24 above
 //
 // Where the real firmware is not known [9], the model behaves so that a host cannot rely on it:
 // bytes without a known meaning are random; counters start at random values; a USB2.0 Simple counts
@@ -107,6 +108,8 @@ public:
   void freeze(std::size_t string, Time now); ///< its counter stands still
   void thaw() { frozen_ = {}; }              ///< all counters continue with their true values
   void jump(std::size_t string, std::int32_t counts);
+  /// Input pin 0..3 reads `level` from now on, whatever the hand does.
+  void set_input(int pin, bool level) noexcept;
   void near_wrap(Time now); ///< every counter one step below an end of its range
   void garbage(Time now);   ///< random counters, and three random replies
 
@@ -117,6 +120,7 @@ private:
   void set_words(std::span<const std::uint8_t> bytes, Time now);
   void queue_reply(Time now);
   Bytes make_reply();
+  unsigned inputs(unsigned unknown) const noexcept;
   Bytes random_packet();
   void randomise_counters();
   void update_counters(Time now);
@@ -132,6 +136,8 @@ private:
   std::array<std::uint32_t, spidar::kStrings> counters_{};
   std::array<std::optional<std::uint32_t>, spidar::kStrings> frozen_;
   std::uint8_t directions_ = 0; ///< bit i: counter i counts as the geometry does
+  unsigned set_inputs_ = 0;     ///< the pins of set_input(),
+  unsigned levels_ = 0;         ///< and their levels
   std::deque<Reply> replies_;
   Faults faults_;
 };

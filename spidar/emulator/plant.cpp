@@ -20,6 +20,7 @@ constexpr auto kLongestGap = std::chrono::milliseconds(20);
 
 Plant::Plant(const spidar::Geometry &geometry, std::unique_ptr<spidar::HandScript> hand, Pace pace)
     : pace_(pace), dac_limit_(geometry.dac_limit),
+      wired_(geometry.button ? static_cast<std::uint16_t>(1U << geometry.button->bit) : 0),
       simulator_(std::make_unique<spidar::Simulator>(
           geometry, std::move(hand),
           Seconds(pace == Pace::question ? Seconds(kQuestionStep) : Seconds(kStep)).count())) {}

@@ -29,6 +29,10 @@ public:
   /// Encoder counts in the geometry's direction, with an arbitrary origin.
   const spidar::Counts &counts(Time now);
 
+  /// The input pins that the button of the geometry is wired to, and what the hand makes of them.
+  std::uint16_t wired() const noexcept { return wired_; }
+  std::uint16_t inputs() const noexcept { return simulator_->inputs(); }
+
   /// The true pose of the grip.
   const spidar::Pose &pose() const noexcept { return simulator_->pose(); }
 
@@ -37,6 +41,7 @@ private:
 
   Pace pace_;
   int dac_limit_;
+  std::uint16_t wired_;
   std::unique_ptr<spidar::Simulator> simulator_;
   bool started_ = false;
   Time simulated_{};

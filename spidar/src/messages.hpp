@@ -24,8 +24,8 @@
   MESSAGE(kGeometryVector,                                                                         \
           "%s: [%s] %s must be three numbers with ';' between them, but is '%s'.",                 \
           "Write the numbers in metres, such as 0.1;0;-0.1.")                                      \
-  MESSAGE(kGeometryLimit, "%s: [%s] dac-limit must be a whole number from 1 to 32767.",            \
-          "Correct the number. 4095 fits a D/A of 12 bits.")                                       \
+  MESSAGE(kGeometryWhole, "%s: [%s] %s must be a whole number from %d to %d.",                     \
+          "Correct the number. docs/formats/geometry.md explains every key.")                      \
   MESSAGE(kGeometryValue, "Geometry %s: %s %s.",                                                   \
           "Correct the value. docs/formats/geometry.md explains every key.")                       \
   MESSAGE(kGeometryClosure,                                                                        \
@@ -182,6 +182,8 @@
   MESSAGE(kToolExists, "%s exists already.", "Choose another name, or overwrite it with --force.") \
   /* spidar-check */                                                                               \
   MESSAGE(kCheckForce, "--force must be from 0.05 to 1 N.", "0.2 N is felt and harmless.")         \
+  MESSAGE(kCheckSeconds, "--seconds must be from 0.1 to 3600 s.",                                  \
+          "10 s show what happens every few seconds.")                                             \
   MESSAGE(kCheckReport, "The report %s cannot be written: %s.",                                    \
           "Choose another place with --report.")                                                   \
   MESSAGE(kCheckPose, "The string lengths fit no pose.",                                           \
@@ -201,6 +203,15 @@
   MESSAGE(                                                                                         \
       kCheckDefect, "This breaks a promise of libspidar.",                                         \
       "Do not use this device with a force. Report it with the output of spidar-check --report.")  \
+  /* The machine: a verdict, when, and what follows */                                             \
+  MESSAGE(kMachineNoPriority, "%s: %s without real-time priority came %.1f ms late, %s.",          \
+          "Install rtkit, or allow real-time priority with the line \"@plugdev - rtprio 60\" in "  \
+          "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
+  MESSAGE(kMachineLate, "%s: %s with real-time priority came %.1f ms late, %s.",                   \
+          "Switch power saving off, choose a kernel with PREEMPT, and do not use a virtual "       \
+          "machine.")                                                                              \
+  MESSAGE(kMachineSlowUsb, "%s: an exchange with the device takes %.1f ms, %s.",                   \
+          "Plug the device into a port of the machine itself, without a hub or a network.")        \
   /* spidar-emulator */                                                                            \
   MESSAGE(kEmulatorOption, "%s.", "See --help.")                                                   \
   MESSAGE(kEmulatorArgument, "'%s' is not an option.", "See --help.")                              \

@@ -58,7 +58,7 @@ void Output::add(const Finding &finding) {
   line(formatted("%-12s  %s: %s", kNames[verdict], finding.promise, finding.figure.c_str()));
 }
 
-void Output::describe_machine(const std::string &settings) {
+void Output::describe_machine() {
   std::array<char, 32> time{};
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -68,6 +68,9 @@ void Output::describe_machine(const std::string &settings) {
   uname(&system);
   line(formatted("spidar-check %s, libspidar %s, %s, %s %s %s", SPIDAR_VERSION, spidar_version(),
                  time.data(), system.sysname, system.release, system.machine));
+}
+
+void Output::describe_settings(const std::string &settings) {
   line(formatted("%s, longest exchange %lld ms, real-time priority %s", settings.c_str(),
                  static_cast<long long>(spidar::usb_exchange_timeout().count()),
                  sched_getscheduler(0) == SCHED_FIFO ? "yes" : "no"));

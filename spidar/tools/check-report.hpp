@@ -14,7 +14,9 @@ public:
   void line(const std::string &text);
   void add(const Finding &finding);
   /// Versions, kernel, time.
-  void describe_machine(const std::string &settings);
+  void describe_machine();
+  /// How the device is driven.
+  void describe_settings(const std::string &settings);
   /// The controller, what to know of its guardian, and the constants of its geometry.
   void describe_unit(const Unit &unit);
   void summary();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // spidar-check: walks through the promises of docs/safety.md on one device, and writes a report.
 #include "check-guardian.hpp"
+#include "check-machine.hpp"
 #include "check-report.hpp"
 #include "device-name.hpp"
 #include "tool.hpp"
@@ -18,8 +19,9 @@ namespace {
 
 constexpr double kLeastForce = 0.05; // N
 constexpr double kMostForce = 1;
-constexpr double kDrive = 30;         // s; a second process is killed long before
-constexpr int kRealTimePriority = 50; // as the loop of hapticsink
+constexpr double kDrive = 30;     // s; a second process is killed long before
+constexpr double kShortest = 0.1; // s, of a measurement of the machine
+constexpr double kLongest = 3600;
 
 enum Status { kAllWell = 0, kFailed = 1, kWrongOptions = 2 };
 
@@ -28,7 +30,9 @@ struct Settings {
   double force = 0.2; ///< N
   bool may_pull = false;
   bool interactive = false;
-  std::string report; ///< file, or empty
+  bool machine = false;
+  double seconds = 10; ///< of each measurement of the machine
+  std::string report;  ///< file, or empty
 
   bool simulated() const { return choice.device == "sim"; }
 };
@@ -201,7 +205,8 @@ Status check(const Settings &settings) {
   const sched_param priority{.sched_priority = kRealTimePriority};
   if (!settings.simulated())
     sched_setscheduler(0, SCHED_FIFO, &priority); // without it, it may be late
-  output.describe_machine(
+  output.describe_machine();
+  output.describe_settings(
       spidar::formatted("device %s, force %.2f N", settings.choice.device.c_str(), settings.force));
   try {
     check_all(settings, output, report);
@@ -217,6 +222,58 @@ Status check(const Settings &settings) {
   return output.failed() ? kFailed : kAllWell;
 }
 
+// ---- The machine
+
+std::string figures(const TimedTicks &ticks) {
+  std::string text =
+      spidar::formatted("99.9 %% of the ticks began up to %.3f ms late, the latest %.3f ms",
+                        1e3 * ticks.lateness.usual, 1e3 * ticks.lateness.worst);
+  if (ticks.round_trip)
+    text += spidar::formatted(", and 99.9 %% of the exchanges took up to %.3f ms",
+                              1e3 * *ticks.round_trip);
+  return text;
+}
+
+/// The device at minimum tension, or nothing if there is none.
+std::unique_ptr<spidar::Device> open_at_rest(const Settings &settings, Output &output) {
+  try {
+    auto device = spidar_tools::open_device(settings.choice);
+    device->rest();
+    output.line(device->description());
+    return device;
+  } catch (const spidar::Error &error) {
+    if (settings.choice.device_named || error.cause() == spidar::Cause::argument)
+      throw;
+    output.line(std::string("No exchange was measured. ") + error.what());
+    return nullptr;
+  }
+}
+
+Status check_machine(const Settings &settings) {
+  Output output;
+  output.describe_machine();
+  const auto device = open_at_rest(settings, output);
+  std::function<void()> exchange;
+  if (device && !settings.simulated())
+    exchange = [&] { device->exchange(spidar::monotonic_time()); };
+  const TimedTicks idle = time_ticks(settings.seconds, exchange);
+  output.line(spidar::formatted("real-time priority: %s", idle.priority ? "yes" : "no"));
+  output.line(spidar::formatted("idle for %g s: %s", settings.seconds, figures(idle).c_str()));
+  const BusyProcessors busy;
+  const TimedTicks loaded = time_ticks(settings.seconds, exchange);
+  output.line(spidar::formatted("%zu processors busy for %g s: %s", busy.count(), settings.seconds,
+                                figures(loaded).c_str()));
+  const spidar::MachineVerdict verdict = spidar::judge_machine(
+      {.priority = idle.priority && loaded.priority,
+       .lateness = idle.lateness,
+       .loaded = loaded.lateness,
+       .round_trip = exchange ? std::max(idle.round_trip, loaded.round_trip) : std::nullopt});
+  output.line(verdict.text);
+  if (!settings.report.empty())
+    output.save(settings.report);
+  return verdict.fitness == spidar::Fitness::unfit ? kFailed : kAllWell;
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
@@ -224,12 +281,19 @@ int main(int argc, char **argv) {
   const char *report = nullptr;
   gboolean yes = FALSE;
   gboolean interactive = FALSE;
+  gboolean machine = FALSE;
   const GOptionEntry own[] = {
       {"force", 'f', 0, G_OPTION_ARG_DOUBLE, &settings.force,
        "how much the device pulls, 0.05 to 1 N (default: 0.2)", "N"},
       {"yes", 'y', 0, G_OPTION_ARG_NONE, &yes, "pull without asking first", nullptr},
       {"ask", 'a', 0, G_OPTION_ARG_NONE, &interactive,
        "also check what needs a person: moving the grip, pulling the cable", nullptr},
+      {"machine", 'm', 0, G_OPTION_ARG_NONE, &machine,
+       "check the machine instead: whether its ticks are in time, also while all processors are "
+       "busy. It pulls with minimum tension only",
+       nullptr},
+      {"seconds", 's', 0, G_OPTION_ARG_DOUBLE, &settings.seconds,
+       "with --machine: how long it measures each time, 0.1 to 3600 s (default: 10)", "S"},
       {"report", 'r', 0, G_OPTION_ARG_FILENAME, &report, "also write the report to this file",
        "FILE"},
       {}};
@@ -237,17 +301,22 @@ int main(int argc, char **argv) {
       "",
       "Checks on one SPIDAR-G what docs/safety.md promises, at a low force, and says for each "
       "promise: pass, FAIL or not testable.\n\nExample: spidar-check --device sim --yes",
-      own, "Exit status: 0 no promise failed, 1 one failed, 2 wrong options.");
+      own,
+      "Exit status: 0 no promise failed and the machine is fit, 1 one failed or the machine is not "
+      "fit, 2 wrong options.");
   if (!options.parse(argc, argv))
     return kWrongOptions;
   settings.choice = options.choice();
   settings.may_pull = yes != FALSE;
   settings.interactive = interactive != FALSE;
+  settings.machine = machine != FALSE;
   settings.report = report ? report : "";
   try {
     if (!(settings.force >= kLeastForce && settings.force <= kMostForce))
       spidar::fail(spidar::Cause::argument, messages::kCheckForce);
-    return check(settings);
+    if (!(settings.seconds >= kShortest && settings.seconds <= kLongest))
+      spidar::fail(spidar::Cause::argument, messages::kCheckSeconds);
+    return settings.machine ? check_machine(settings) : check(settings);
   } catch (const std::exception &error) {
     std::fprintf(stderr, "%s\n", error.what());
     return kWrongOptions;

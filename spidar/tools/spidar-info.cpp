@@ -65,7 +65,8 @@ void show(double time, const spidar::Device &device) {
   std::printf("  counts  ");
   for (const std::int32_t count : state.counts)
     std::printf(" %9d", count);
-  std::printf("\n  inputs   0x%04x\n", device.inputs());
+  std::printf("\n  inputs   0x%04x%s\n", device.inputs(),
+              device.geometry().button ? state.pressed ? "  pressed" : "  not pressed" : "");
   show("lengths", "mm", state.lengths, 1e3);
   show("tensions", "N", state.tensions, 1);
   std::fflush(stdout);

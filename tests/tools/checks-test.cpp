@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What spidar-check finds out about a good device, and about one for each way to break a promise.
 #include "check-guardian.hpp"
+#include "check-machine.hpp"
 #include "check-report.hpp"
 #include "promises.hpp"
 
@@ -486,6 +487,20 @@ TEST_F(Killed, APersonWhoStillFeelsThePullMakesItFail) {
   const Finding found = finding([](const std::string &) { return false; });
   EXPECT_EQ(found.verdict, Verdict::fail);
   EXPECT_NE(found.figure.find("has not taken the force off"), std::string::npos) << found.figure;
+}
+
+TEST(TimedTicks, TimeAnExchangeInEachTick) {
+  int exchanges = 0;
+  const TimedTicks ticks = time_ticks(0.05, [&] {
+    ++exchanges;
+    std::this_thread::sleep_for(300us);
+  });
+  EXPECT_GE(exchanges, 1);
+  EXPECT_LE(exchanges, 50);
+  ASSERT_TRUE(ticks.round_trip);
+  EXPECT_GE(*ticks.round_trip, 300e-6);
+  EXPECT_GE(ticks.lateness.worst, ticks.lateness.usual);
+  EXPECT_FALSE(time_ticks(0.01, nullptr).round_trip);
 }
 
 TEST_F(Killed, AProgramThatCannotDriveIsNotTestable) {

@@ -15,6 +15,12 @@ expect 1 '0 to 15' "$info" --device usb:16
 expect 2 "No geometry 'nothing'" "$info" --device sim --geometry nothing
 expect 0 'position 12.' "$info" --device sim --sim-hand hold:0.5,0,0 --seconds 0.05
 expect 0 'tensions' "$info" --device sim
+sed 's/^\[device\]/&\nbutton-bit=2\nbutton-pressed=1/' "$SPIDAR_GEOMETRY_PATH/spidar-g6x3r.ini" >"$work/button.ini"
+for pressed in 0 1; do
+  echo "0,0,0,0,$pressed" >"$work/hand"
+  [ "$pressed" = 1 ] && shown='0x0004  pressed' || shown='0x0000  not pressed'
+  expect 0 "inputs   $shown" "$info" --device sim --geometry "$work/button.ini" --sim-hand "file:$work/hand"
+done
 # `interrupted COMMAND...`: Ctrl-C once it has printed something.
 interrupted() {
   local process

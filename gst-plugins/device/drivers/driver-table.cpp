@@ -46,8 +46,7 @@ Opened open_simulated(const std::string & /*id*/, const DeviceChoice &choice) {
 Opened open_spidar(const std::string &id, const DeviceChoice &choice) {
   const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
   auto controller = spidar::open_usb(id);
-  // Which of a SPIDAR-G's input pins is a button, and its polarity, is not known.
-  if (choice.dead_man == DeadMan::button)
+  if (choice.dead_man == DeadMan::button && !geometry.button)
     refuse_without_button(controller->description());
   return std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
 }

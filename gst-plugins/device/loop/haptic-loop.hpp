@@ -164,6 +164,8 @@ public:
   /// Returns the last command; only for the thread that ticks.
   const spidar::Wrench &wrench() const noexcept { return run_.chain.wrench(); }
   bool silent() const noexcept { return run_.silent.load(); }
+  /// s, between two ticks.
+  double period() const noexcept { return static_cast<double>(run_.period) * 1e-9; }
   const LoopStatistics &statistics() const noexcept { return run_.statistics; }
   /// Relates the clocks: for the log, and for samples with a time.
   void set_running_time(std::int64_t monotonic, std::int64_t running) noexcept {

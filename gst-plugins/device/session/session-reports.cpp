@@ -5,6 +5,7 @@
 #include "messages.hpp"
 #include "session/fault-record.hpp"
 
+#include <spidar/machine.hpp>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +13,11 @@ namespace haptic {
 namespace {
 
 constexpr std::int64_t kTrackerGrace = 1'000'000'000; // ns
+// A pipeline that begins to play keeps the processors busy, and the priority comes with a delay.
+constexpr std::int64_t kSettles = 1'000'000'000; // ns
+constexpr std::int64_t kJudged = 5'000'000'000;  // ns, after that
+static_assert(spidar::kStableStiffness == kLightestDamping / kDelayPeriods);
+static_assert(spidar::stiffest_touch(1e-6) == kStiffestTouch);
 
 // A warning whenever its counter has changed, or once.
 struct FaultReport {
@@ -45,6 +51,7 @@ void SessionReports::report(SessionClient &client, HapticLoop &loop, SystemServi
   began_at_ = began_at_.value_or(now);
   report_priority(client, loop.thread(), services);
   report_faults(client, loop.statistics());
+  report_timing(client, loop, now);
   report_record(client, loop.recorder());
   report_log(client, log);
 }
@@ -75,6 +82,7 @@ void SessionReports::report_priority(SessionClient &client, const RealTimeThread
     }
   }
   priority_reported_ = true;
+  has_priority_ = error == 0;
   const int memory_error = thread.memory_error();
   if (error == 0 && memory_error == 0)
     client.note(Severity::debug,
@@ -98,6 +106,34 @@ void SessionReports::report_faults(SessionClient &client, const LoopStatistics &
       text = format_text(messages::kGripLetGo, device_.let_go_speed, device_.let_go_turn);
     client.on_notice({Severity::warning, fault.cause, text, fault.detail});
   }
+}
+
+// As spidar-check --machine, once, and only if the first seconds of the force show that the machine
+// is not fit or has limits.
+void SessionReports::report_timing(SessionClient &client, const HapticLoop &loop,
+                                   std::int64_t now) {
+  if (timing_reported_)
+    return;
+  if (loop.holds() & kHoldPaused) {
+    playing_since_.reset();
+    return;
+  }
+  const std::int64_t played = now - *(playing_since_ = playing_since_.value_or(now));
+  const DurationHistogram &lateness = loop.statistics().lateness;
+  if (played < kSettles)
+    settled_ = lateness.counts();
+  if (played < kSettles + kJudged)
+    return;
+  timing_reported_ = true;
+  const spidar::MachineVerdict verdict =
+      spidar::judge_machine({.period = loop.period(),
+                             .priority = has_priority_,
+                             .lateness = {.usual = 1e-6 * lateness.percentile_us(0.999, settled_),
+                                          .worst = 1e-6 * lateness.percentile_us(1, settled_)}});
+  if (verdict.fitness == spidar::Fitness::fit)
+    client.note(Severity::info, verdict.text);
+  else
+    client.on_notice({Severity::info, NoticeCause::failed, verdict.text, {}});
 }
 
 // Not a warning: the fault itself is one.

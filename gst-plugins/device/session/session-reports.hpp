@@ -29,6 +29,7 @@ private:
   void report_faults(SessionClient &client, const LoopStatistics &statistics);
   void report_priority(SessionClient &client, const RealTimeThread &thread,
                        SystemServices *services);
+  void report_timing(SessionClient &client, const HapticLoop &loop, std::int64_t now);
   void report_record(SessionClient &client, FlightRecorder &recorder);
   void report_log(SessionClient &client, const TickLog *log);
 
@@ -40,6 +41,10 @@ private:
   bool tracker_reported_ = false;
   bool priority_requested_ = false;
   bool priority_reported_ = false;
+  bool has_priority_ = false;
+  bool timing_reported_ = false;
+  std::optional<std::int64_t> playing_since_; // ns, monotonic
+  DurationHistogram::Counts settled_{};       // of the lateness
   bool log_reported_ = false;
 };
 

@@ -45,7 +45,8 @@ public:
   /// own; real-time safe.
   virtual void set_time(std::int64_t /*now*/) noexcept {}
 
-  /// Whether a button of the grip is pressed, as of the last exchange. Real-time safe.
+  /// Whether a button of the grip is pressed, as of the last exchange. A USB controller does not
+  /// know which of its inputs() that is: the geometry does. Real-time safe.
   virtual bool pressed() const noexcept { return false; }
 
   /// What finds this unit again among others after it was unplugged: a USB controller has no serial
@@ -53,7 +54,8 @@ public:
   virtual std::string identity() const { return {}; }
 
   /// The input pins as of the last exchange that succeeded, bit 0 first: 0 to 3 of both USB
-  /// controllers, 8 to 15 of "USB2.0 SH4" alone. What is wired to them is not known.
+  /// controllers, 8 to 15 of "USB2.0 SH4" alone. What is wired to them is not known, but for the
+  /// button that a geometry names.
   /// Real-time safe.
   virtual std::uint16_t inputs() const noexcept { return 0; }
 };

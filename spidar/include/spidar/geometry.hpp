@@ -6,10 +6,20 @@
 #include "spidar/export.hpp"
 #include "spidar/types.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace spidar {
+
+/// A button of the grip, wired to an input pin of the controller.
+struct GripButton {
+  int bit = 0;         ///< of Controller::inputs(), 0 to 3: both USB controllers have these
+  bool pressed = true; ///< what the bit is while the button is pressed
+
+  bool is_pressed(std::uint16_t inputs) const noexcept { return (inputs >> bit & 1) == pressed; }
+};
 
 struct Geometry {
   std::string name;
@@ -24,6 +34,7 @@ struct Geometry {
   double grip_radius = 0.0225; ///< m, scales rotation against translation
   Vector3 workspace_half = {0.025, 0.025,
                             0.025}; ///< m from the centre; equation 1 maps it to the frame
+  std::optional<GripButton> button; ///< none is known
 };
 
 /// Name of the geometry used when none is given.

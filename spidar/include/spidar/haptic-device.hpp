@@ -27,7 +27,9 @@ struct DeviceState {
   bool slipping = false;                ///< a string has just slipped: pose and wrench are wrong
   bool slipped = false;                 ///< and it was so for 0.2 s; until calibrate()
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace
-  bool pressed = false;                       ///< a button of the grip or stick
+  /// A button of the grip or stick. On a SPIDAR-G on USB the geometry names it, and it counts once
+  /// it was seen released, so that a wrong pin that never changes is no button.
+  bool pressed = false;
 
   // What happened to the grip since the last valid pose before this exchange: normally between the
   // last two exchanges, else over the whole gap. acted·moved + acted·turned is the work that the

@@ -58,6 +58,7 @@ static_assert(offsetof(Geometry, tension_min) - offsetof(Geometry, motors) == 52
 static_assert(offsetof(Geometry, tension_max) - offsetof(Geometry, motors) == 536);
 static_assert(offsetof(Geometry, grip_radius) - offsetof(Geometry, motors) == 544);
 static_assert(offsetof(Geometry, workspace_half) - offsetof(Geometry, motors) == 552);
-static_assert(is<Geometry>(offsetof(Geometry, motors) + 576));
+static_assert(offsetof(Geometry, button) - offsetof(Geometry, motors) == 576);
+static_assert(is<Geometry>(offsetof(Geometry, motors) + 592));
 
 } // namespace spidar::layout

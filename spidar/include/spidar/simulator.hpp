@@ -45,6 +45,8 @@ public:
   bool home(Counts &counts) const noexcept override;
   std::string description() const override;
   bool pressed() const noexcept override;
+  /// The button of the geometry, if it names one; the other pins are 0.
+  std::uint16_t inputs() const noexcept override;
 
   /// The true pose of the simulated grip, for tests.
   const Pose &pose() const noexcept;

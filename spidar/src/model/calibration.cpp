@@ -88,6 +88,9 @@ void save_geometry(const Geometry &geometry, const std::string &path) {
        << "\ntension-max=" << shortest(geometry.tension_max)
        << "\ngrip-radius=" << shortest(geometry.grip_radius)
        << "\nworkspace-half=" << shortest(geometry.workspace_half) << "\n";
+  if (geometry.button)
+    file << "button-bit=" << geometry.button->bit << "\nbutton-pressed=" << geometry.button->pressed
+         << "\n";
   for (std::size_t i = 0; i < kStrings; ++i)
     file << "\n[string-" << i << "]"
          << "\nmotor=" << shortest(geometry.motors[i])

@@ -110,7 +110,8 @@ struct Device::Implementation {
   Tensions impulse = Tensions::Zero();      ///< N·s, since the last valid pose
   double balanced = 0;                      ///< 0..1 of the pull that minimum tension has here
   bool rests = false;
-  bool tracked = false; ///< a pose was accepted since start()
+  bool tracked = false;         ///< a pose was accepted since start()
+  bool button_released = false; ///< once at least
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
@@ -234,7 +235,7 @@ struct Device::Implementation {
     state.interrupted = controller->interrupted();
     if (state.interrupted)
       balanced = 0;
-    state.pressed = answered && controller->pressed();
+    state.pressed = answered && (controller->pressed() || button_is_pressed());
     note_words();
     if (!answered) {
       reject();
@@ -245,6 +246,14 @@ struct Device::Implementation {
     state.slipping = slip.slipping();
     state.slipped = slip.slipped();
     return true;
+  }
+
+  bool button_is_pressed() noexcept {
+    if (!geometry.button)
+      return false;
+    const bool pressed = geometry.button->is_pressed(controller->inputs());
+    button_released = button_released || !pressed;
+    return pressed && button_released;
   }
 
   void calibrate() noexcept {

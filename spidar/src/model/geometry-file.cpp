@@ -34,14 +34,14 @@ public:
     geometry.name = name;
     group_ = "device";
     geometry.digits_per_volt = number("digits-per-volt");
-    const double limit = number("dac-limit");
-    if (limit != std::floor(limit) || std::abs(limit) > 32767)
-      fail(Cause::geometry, messages::kGeometryLimit, where_.c_str(), group_.c_str());
-    geometry.dac_limit = static_cast<int>(limit);
+    geometry.dac_limit = whole("dac-limit", 1, 32767);
     geometry.tension_min = number("tension-min");
     geometry.tension_max = number("tension-max");
     geometry.grip_radius = number("grip-radius");
     geometry.workspace_half = vector("workspace-half");
+    if (has("button-bit") || has("button-pressed"))
+      geometry.button = {.bit = whole("button-bit", 0, 3),
+                         .pressed = whole("button-pressed", 0, 1) == 1};
     for (std::size_t i = 0; i < kStrings; ++i) {
       group_ = "string-" + std::to_string(i);
       geometry.motors[i] = vector("motor");
@@ -54,6 +54,10 @@ public:
   }
 
 private:
+  bool has(const char *key) const {
+    return g_key_file_has_key(file_.get(), group_.c_str(), key, nullptr) != 0;
+  }
+
   std::string text(const char *key) {
     known_.insert(group_ + "/" + key);
     const std::unique_ptr<char, Unref> value(
@@ -74,6 +78,14 @@ private:
   }
 
   double number(const char *key) { return parse(key, text(key).c_str()); }
+
+  int whole(const char *key, int least, int most) {
+    const double value = number(key);
+    if (value != std::floor(value) || value < least || value > most)
+      fail(Cause::geometry, messages::kGeometryWhole, where_.c_str(), group_.c_str(), key, least,
+           most);
+    return static_cast<int>(value);
+  }
 
   Vector3 vector(const char *key) {
     std::string value = text(key);

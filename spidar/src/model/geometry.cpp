@@ -25,6 +25,8 @@ public:
             "must be smaller than tension-max");
     require(geometry_.grip_radius > 0 && geometry_.grip_radius < kLargest, "grip-radius",
             "must be more than 0 m and less than 10 m");
+    require(!geometry_.button || (geometry_.button->bit >= 0 && geometry_.button->bit <= 3),
+            "button-bit", "must be 0 to 3");
   }
 
   void workspace() const {

@@ -167,6 +167,11 @@ bool Simulator::pressed() const noexcept {
   return state_->hand->presses(state_->time);
 }
 
+std::uint16_t Simulator::inputs() const noexcept {
+  const std::optional<GripButton> &button = state_->geometry.button;
+  return button && pressed() == button->pressed ? static_cast<std::uint16_t>(1U << button->bit) : 0;
+}
+
 const Pose &Simulator::pose() const noexcept {
   return state_->pose;
 }

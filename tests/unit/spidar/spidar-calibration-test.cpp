@@ -105,7 +105,8 @@ TEST(Calibration, AMirroredGeometryPullsTheOtherWayAndNoOther) {
 
 TEST(Calibration, WhatIsSavedIsWhatIsLoaded) {
   const std::string path = std::filesystem::temp_directory_path() / "spidar-calibration-test.ini";
-  const Geometry geometry = mirrored(scaled(load_geometry("spidar-g6x5r"), 1.0 / 3), 1);
+  Geometry geometry = mirrored(scaled(load_geometry("spidar-g6x5r"), 1.0 / 3), 1);
+  geometry.button = {.bit = 2, .pressed = false};
   save_geometry(geometry, path);
   const Geometry loaded = load_geometry(path);
   EXPECT_EQ(loaded.motors, geometry.motors);
@@ -115,6 +116,9 @@ TEST(Calibration, WhatIsSavedIsWhatIsLoaded) {
   EXPECT_EQ(loaded.tension_max, geometry.tension_max);
   EXPECT_EQ(loaded.dac_limit, geometry.dac_limit);
   EXPECT_EQ(loaded.workspace_half, geometry.workspace_half);
+  ASSERT_TRUE(loaded.button);
+  EXPECT_EQ(loaded.button->bit, 2);
+  EXPECT_FALSE(loaded.button->pressed);
   std::filesystem::remove(path);
 }
 

@@ -2,12 +2,14 @@
 #include "commands.hpp"
 #include "session.hpp"
 #include "spidar/error.hpp"
+#include "temporary-folder.hpp"
 #include "usb/usb-protocol.hpp"
 
 #include <cerrno>
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <limits>
+#include <optional>
 #include <random>
 
 using namespace emulator;
@@ -18,12 +20,15 @@ namespace {
 
 constexpr Time kStart = Time(1h);
 
-Units make_units(const std::vector<Model> &models) {
-  const auto geometry = spidar::load_geometry(spidar::kDefaultGeometry);
+Units make_units(const std::vector<Model> &models,
+                 const std::optional<spidar::GripButton> &button = std::nullopt,
+                 const std::string &hand = "hold:0,0,0") {
+  auto geometry = spidar::load_geometry(spidar::kDefaultGeometry);
+  geometry.button = button;
   Units units;
   for (const Model model : models) {
     const int number = static_cast<int>(units.size()) + 1;
-    Firmware firmware(model, number + 8, Plant(geometry, spidar::parse_hand_script("hold:0,0,0")),
+    Firmware firmware(model, number + 8, Plant(geometry, spidar::parse_hand_script(hand)),
                       static_cast<unsigned>(number));
     units.push_back(std::make_unique<Unit>(number, std::move(firmware)));
     units.back()->plug(kStart);
@@ -498,6 +503,40 @@ TEST(Faults, GarbageAfterPowerOn) {
   EXPECT_TRUE(host.say(in(3)).empty());
 }
 
+TEST(Inputs, APinThatIsSetStaysThatWayAndTheOthersAreRandom) {
+  Units units = make_units({Model::sh4});
+  command(units, "input 1 1");
+  command(units, "input 2 0");
+  Host host(units);
+  unsigned seen_high = 0;
+  unsigned seen_low = 0;
+  for (int i = 0; i < 100; ++i) {
+    const unsigned inputs = host.ask_sh4().inputs;
+    seen_high |= inputs;
+    seen_low |= ~inputs;
+    ASSERT_EQ(inputs & 0x6, 0x2U);
+  }
+  EXPECT_EQ(seen_high & seen_low & 0x9, 0x9U);
+  command(units, "input 1 0");
+  EXPECT_EQ(host.ask_sh4().inputs & 0x6, 0U);
+}
+
+TEST(Inputs, AHandThatPressesTheButtonOfTheGeometryDrivesItsPin) {
+  const test::TemporaryFolder folder;
+  const std::string script = folder.write("hand.csv", "0,0,0,0\n0.01,0,0,0,1\n");
+  for (const bool level : {true, false}) {
+    Units units = make_units({Model::simple}, spidar::GripButton{.bit = 3, .pressed = level},
+                             "file:" + script);
+    Host host(units);
+    EXPECT_EQ(host.ask_simple().inputs >> 3, !level);
+    for (int i = 0; i < 20; ++i) { // longer than 20 ms without a question the hand stands still
+      host.now += 1ms;
+      host.ask_simple();
+    }
+    EXPECT_EQ(host.ask_simple().inputs >> 3, level);
+  }
+}
+
 TEST(Faults, AnotherRotarySwitchOfOneUnit) {
   Units units = make_units({Model::simple, Model::simple});
   command(units, "id 15 @1");
@@ -509,9 +548,9 @@ TEST(Faults, AnotherRotarySwitchOfOneUnit) {
 
 TEST(Faults, BadCommandsNameWhatIsKnownAndDoNothing) {
   Units units = make_units({Model::simple});
-  for (const char *line :
-       {"unplugged", "stall", "stall up", "late", "late -1", "late 1x", "freeze 8", "jump 1",
-        "jump 1 2 3", "id 16", "unplug @2", "unplug @x", "unplug @", "@1", "wrap 1"}) {
+  for (const char *line : {"unplugged", "stall", "stall up", "late", "late -1", "late 1x",
+                           "freeze 8", "jump 1", "jump 1 2 3", "id 16", "input 4 1", "input 1 2",
+                           "input 1", "unplug @2", "unplug @x", "unplug @", "@1", "wrap 1"}) {
     try {
       command(units, line);
       ADD_FAILURE() << line;

@@ -270,6 +270,24 @@ TEST_F(GeometryFile, EveryKeyIsNeeded) {
   EXPECT_EQ(tried, 6 + 8 * 4);
 }
 
+TEST_F(GeometryFile, TheButtonIsNamedByPinAndLevelTogetherOrNotAtAll) {
+  const std::string whole = as_file(load_geometry(kDefaultGeometry));
+  EXPECT_FALSE(load_geometry(write("unit.ini", whole)).button);
+  const auto with = [&](const std::string &keys) {
+    return replaced(whole, "[device]\n", "[device]\n" + keys);
+  };
+  const Geometry named = load_geometry(write("unit.ini", with("button-bit=3\nbutton-pressed=0\n")));
+  ASSERT_TRUE(named.button);
+  EXPECT_TRUE(named.button->is_pressed(0x7));
+  EXPECT_FALSE(named.button->is_pressed(0x8));
+  for (const auto &[keys, reason] :
+       {std::pair{"button-bit=1\n", "button-pressed is missing"},
+        {"button-pressed=1\n", "button-bit is missing"},
+        {"button-bit=4\nbutton-pressed=1\n", "button-bit must be a whole number from 0 to 3"},
+        {"button-bit=0\nbutton-pressed=0.5\n", "button-pressed must be a whole number"}})
+    EXPECT_NE(refusal(with(keys)).find(reason), std::string::npos) << keys;
+}
+
 TEST_F(GeometryFile, AMisspeltKeyIsRefused) {
   const std::string whole = as_file(load_geometry(kDefaultGeometry));
   EXPECT_NE(refusal(whole + "tension-max=1\n").find("[string-7] tension-max is not a key"),

@@ -433,6 +433,48 @@ TEST_F(Session, ADeviceThatDoesNotAnswerDoesNotCountAsPressed) {
   EXPECT_TRUE(session_->silent());
 }
 
+// ---- the machine --------------------------------------------------------------------------------
+
+TEST_F(Session, SaysNothingOfAMachineThatIsInTime) {
+  begin();
+  session_->loop().tick(now_ - 30 * kMs, now_); // while the pipeline begins
+  run(8000);
+  EXPECT_TRUE(notices_.empty());
+}
+
+TEST_F(Session, TellsOnceThatTheMachineIsNotFit) {
+  begin();
+  run(1500);
+  now_ += kMs;
+  session_->loop().tick(now_ - 15 * kMs, now_);
+  run(4000);
+  EXPECT_TRUE(notices_.empty());
+  run(1000);
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_EQ(notices_[0].severity, Severity::info);
+  EXPECT_NE(notices_[0].text.find("not fit for a force"), std::string::npos) << notices_[0].text;
+  EXPECT_NE(notices_[0].text.find("15.0 ms"), std::string::npos) << notices_[0].text;
+  session_->loop().tick(now_ - 15 * kMs, now_);
+  run(8000);
+  EXPECT_EQ(notices_.size(), 1U);
+}
+
+TEST_F(Session, JudgesTheMachineWhileItPlaysAlone) {
+  begin();
+  run(1500);
+  session_->pause();
+  run(10'000);
+  EXPECT_TRUE(notices_.empty());
+  session_->play();
+  run(1500);
+  now_ += kMs;
+  session_->loop().tick(now_ - 3 * kMs, now_);
+  run(5000);
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].text.find("50 N/m instead of 200 N/m"), std::string::npos)
+      << notices_[0].text;
+}
+
 // ---- states -------------------------------------------------------------------------------------
 
 TEST_F(Session, TheStatesOfASessionAreReportedInOrderWithTheirReasons) {

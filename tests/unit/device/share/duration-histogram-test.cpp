@@ -48,6 +48,17 @@ TEST_F(Histogram, TakesDurationsOfEverySize) {
   EXPECT_GT(histogram_->max_us(), 1e15);
 }
 
+TEST_F(Histogram, LeavesOutWhatItHadCountedBefore) {
+  for (int i = 0; i < 100; ++i)
+    histogram_->record(9000);
+  const auto before = histogram_->counts();
+  EXPECT_EQ(histogram_->percentile_us(1, before), 0);
+  histogram_->record(15);
+  histogram_->record(17);
+  EXPECT_NEAR(histogram_->percentile_us(0.5, before), 0.015, 1e-12);
+  EXPECT_NEAR(histogram_->percentile_us(1, before), 0.017, 1e-12);
+}
+
 TEST_F(Histogram, ForgetsOnReset) {
   histogram_->record(1000);
   *histogram_ = {};
