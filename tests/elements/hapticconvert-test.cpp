@@ -447,10 +447,17 @@ TEST_F(HapticConvert, RtpCarriesMpegHapticsInPiecesAndWithLoss) {
   GstElement *pay = gst_bin_get_by_name(GST_BIN(pipeline.get()), "pay");
   GstPad *pad = gst_element_get_static_pad(pay, "src");
   gst_pad_add_probe(
-      pad, GST_PAD_PROBE_TYPE_BUFFER,
-      [](GstPad *, GstPadProbeInfo *, gpointer) {
+      pad, GST_PAD_PROBE_TYPE_BUFFER_LIST,
+      [](GstPad *, GstPadProbeInfo *info, gpointer) {
         static int count = 0;
-        return ++count % 20 == 10 ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
+        auto *list = gst_buffer_list_make_writable(GST_PAD_PROBE_INFO_BUFFER_LIST(info));
+        for (guint i = 0; i < gst_buffer_list_length(list);)
+          if (++count % 20 == 10)
+            gst_buffer_list_remove(list, i, 1);
+          else
+            ++i;
+        GST_PAD_PROBE_INFO_DATA(info) = list;
+        return gst_buffer_list_length(list) == 0 ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
       },
       nullptr, nullptr);
   gst_object_unref(pad);
