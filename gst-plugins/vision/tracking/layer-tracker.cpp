@@ -159,8 +159,10 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   const Rectangle region{(pair.region.x - pair.crop.x) >> count,
                          (pair.region.y - pair.crop.y) >> count, pair.region.width >> count,
                          pair.region.height >> count};
-  // A strip along a border of the frame may have become too narrow.
-  if (std::min(region.width, region.height) < kSmallestRegion / 2) {
+  // A strip along a border of the frame may have become too narrow, and a crop may have the margin
+  // of another tracker.
+  if (std::min(region.width, region.height) < kSmallestRegion / 2 ||
+      std::max(pair.crop.width, pair.crop.height) >> count > kLayerSide) {
     has_last_ = false;
     return;
   }

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fast tracker and the elements around it cost. Run by hand on an idle machine:
-//   meson devenv -C BUILD tests/measure/benchmarks/tracker-cost [FRAMES|field|formats]
-// Region of 30 px.
+//   meson devenv -C BUILD tests/measure/benchmarks/tracker-cost [FRAMES|field|formats|layers]
+// Region of 30 px; `layers`: of 60 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
 // twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements
 // 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240 frames a
-// second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice I420.
+// second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice I420;
+// layers 60 us, with the patches of the frame.
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
+#include "plane-source.hpp"
 #include "processor.hpp"
 #include "tracking/patch-tracker.hpp"
+#include "tracking/region-tracker.hpp"
 #include "tracking/region.hpp"
 #include "velocity/velocity-estimate.hpp"
 #include "video-harness.hpp"
@@ -109,6 +112,44 @@ void compare_instruction_sets(Frames &still, Frames &moving, Frames &two) {
       std::printf(" %10.2f   ", percentile(times, 0.5));
     }
     std::printf("\n");
+  });
+}
+
+// The whole of method=layers, in frames of 640x360 whose upper half is a smooth sky.
+void measure_layers() {
+  constexpr int kWidth = 640;
+  constexpr int kHeight = 360;
+  constexpr haptic::Rectangle kLarge{290, 150, 60, 60};
+  constexpr int kCount = 4000;
+  const test::Texture clouds(1, 60, 12);
+  const test::Texture leaves(2);
+  Frames film;
+  for (int i = 0; i < kFrames; ++i) {
+    test::Frame &frame = film.emplace_back(clouds.frame(kWidth, kHeight, {0.1 * i, 0}));
+    const test::Frame lower = leaves.frame(kWidth, kHeight, {0.8 * i, 0.3 * i});
+    std::copy(lower.pixels.begin() + kWidth * kHeight / 2, lower.pixels.end(),
+              frame.pixels.begin() + kWidth * kHeight / 2);
+  }
+  std::printf("\nlayers, region of 60 px, us per frame\n");
+  test::for_instruction_sets([&](const char *name) {
+    haptic::RegionTracker tracker;
+    tracker.set_method(haptic::TrackerMethod::layers, haptic::kUsualPatches);
+    const haptic::Areas areas = tracker.areas(kLarge, kWidth, kHeight);
+    std::vector<double> times;
+    int at = 0;
+    int step = 1;
+    for (int i = 0; i < kCount; ++i) {
+      if (at + step < 0 || at + step >= kFrames)
+        step = -step;
+      const test::PlaneSource earlier(film[static_cast<std::size_t>(at)]);
+      const test::PlaneSource later(film[static_cast<std::size_t>(at + step)]);
+      const auto begin = Clock::now();
+      tracker.compare(earlier, later, areas, GST_SECOND / 60);
+      times.push_back(microseconds_since(begin));
+      at += step;
+    }
+    std::printf("%-14s median %6.1f, 99 %% below %6.1f, 99.9 %% below %6.1f\n", name,
+                percentile(times, 0.5), percentile(times, 0.99), percentile(times, 0.999));
   });
 }
 
@@ -323,6 +364,10 @@ int main(int argc, char **argv) {
   if (argc > 1 && std::string(argv[1]) == "formats") {
     compare_formats(1920, 1080);
     compare_formats(3840, 2160);
+    return EXIT_SUCCESS;
+  }
+  if (argc > 1 && std::string(argv[1]) == "layers") {
+    measure_layers();
     return EXIT_SUCCESS;
   }
   const int count = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
