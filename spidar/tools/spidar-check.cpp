@@ -95,6 +95,7 @@ void list_others(const Report &report) {
                  "nothing measurable",
                  kOfSink},
                 {"the grip is let go", kOfSink},
+                {"a law shakes the hand", kOfSink},
                 {"release", kOfSink},
                 {"three exchanges fail", kFault},
                 {"counts jump", kFault},

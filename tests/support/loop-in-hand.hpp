@@ -81,6 +81,7 @@ public:
     Pace pace = {};
     haptic::LoopSettings settings = {};
     bool dead_man = false;
+    bool bounds_hand = true;   ///< HapticLoop::Environment
     bool pulls_at_rest = true; ///< the strings have minimum tension, which pulls off the centre
   };
 
@@ -94,7 +95,10 @@ public:
     hand_ = on_strings.get();
     device_ =
         std::make_unique<spidar::Device>(std::move(on_strings), geometry, 1 / setup.pace.rate);
-    loop.prepare({.device = device_.get(), .rate = setup.pace.rate, .dead_man = setup.dead_man});
+    loop.prepare({.device = device_.get(),
+                  .rate = setup.pace.rate,
+                  .dead_man = setup.dead_man,
+                  .bounds_hand = setup.bounds_hand});
     loop.set_settings(settings);
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused | haptic::kLatches);
   }
