@@ -31,7 +31,7 @@ case ${1:-} in
   ;;
 -*) fail "unknown option '$1'; see --help" ;;
 esac
-[ $# -gt 0 ] || fail "which command? See --help"
+[ $# -gt 0 ] || fail "there is no command; name one, see --help"
 
 [ "$(uname -m)" = x86_64 ] || skip "the virtual machine is for x86_64"
 for program in qemu-system-x86_64 busybox cpio depmod; do

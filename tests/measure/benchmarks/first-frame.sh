@@ -9,7 +9,7 @@
 source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 [[ ${1:-} != --help && ${1:-} != -h ]] || { show_help && exit; }
-[ -f "${1:-}" ] || fail "which film? See --help"
+[ -f "${1:-}" ] || fail "there is no film; name one, see --help"
 video=$1 feeling_wind=${2:-feeling-wind}
 command -v "$feeling_wind" >/dev/null || fail "'$feeling_wind' is not there; install the package, or name a build's program"
 

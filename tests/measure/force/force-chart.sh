@@ -13,7 +13,7 @@ source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 case ${1:-} in
 --help | -h) show_help && exit ;;
 esac
-[[ $# =~ ^[12]$ ]] || fail "which picture is to be written? See --help"
+[[ $# =~ ^[12]$ ]] || fail "there is no picture to write; name one, see --help"
 picture=${*: -1}
 trace=$build/tests/measure/force/force-trace
 [ -x "$trace" ] ||

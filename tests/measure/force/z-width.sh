@@ -12,7 +12,7 @@ source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 case ${1:-} in
 --help | -h) show_help && exit ;;
 esac
-[ $# = 1 ] || fail "which picture is to be written? See --help"
+[ $# = 1 ] || fail "there is no picture to write; name one, see --help"
 program=$build/tests/measure/force/z-width
 [ -x "$program" ] ||
   fail "'$program' is not built: meson configure $build -Dtests=enabled && meson compile -C $build"
