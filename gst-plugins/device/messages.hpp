@@ -31,6 +31,11 @@
           "The grip moved faster than %g m/s or turned faster than %g rad/s, as if it had been "   \
           "let go. The force is off and the video goes on.",                                       \
           "Take the grip and re-arm (signal arm).")                                                \
+  MESSAGE(                                                                                         \
+      kForceShook,                                                                                 \
+      "The force followed the hand so strongly that both shook. The force is off and the "         \
+      "video goes on.",                                                                            \
+      "Hold the grip firmly, lower alpha or choose force-law=arctan, and re-arm (signal arm).")    \
   MESSAGE(kMachineSlept, "The machine slept. The force is off and the video goes on.",             \
           "Take the grip and re-arm (signal arm).")                                                \
   MESSAGE(kSampleDamaged,                                                                          \

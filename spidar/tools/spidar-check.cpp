@@ -96,6 +96,7 @@ void list_others(const Report &report) {
                  "nothing measurable",
                  kOfSink},
                 {"the grip is let go", kOfLibrary},
+                {"a law shakes the hand", kOfSink},
                 {"release", kOfLibrary},
                 {"three exchanges fail", kFault},
                 {"counts jump", kFault},

@@ -85,6 +85,7 @@ public:
     Pace pace = {};
     haptic::LoopSettings settings = {};
     bool dead_man = false;
+    bool bounds_hand = true;   ///< HapticLoop::Environment
     bool pulls_at_rest = true; ///< the strings have minimum tension, which pulls off the centre
   };
 
@@ -95,7 +96,10 @@ public:
       take_arm(setup);
     else
       take_strings(setup);
-    loop.prepare({.device = device_.get(), .rate = setup.pace.rate, .dead_man = setup.dead_man});
+    loop.prepare({.device = device_.get(),
+                  .rate = setup.pace.rate,
+                  .dead_man = setup.dead_man,
+                  .bounds_hand = setup.bounds_hand});
     loop.set_settings(settings);
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused | haptic::kLatches);
   }

@@ -390,6 +390,22 @@ std::uint32_t HapticLoop::holds_of_tick(double dt, bool late) noexcept {
   return holds | of_grip;
 }
 
+// First halves what the law makes of the hand's motion, then stops the force.
+void HapticLoop::calm_law(SafetyChain::Input &input, double dt) noexcept {
+  if (run_.chain.silent())
+    return;
+  constexpr double kUsualPeriod = 1e-3; // s
+  const double share = run_.shake.step(input.of_hand, input.hand_velocity,
+                                       run_.limits.most_resistance(kUsualPeriod), dt);
+  input.wanted.force -= (1 - share) * input.of_hand;
+  input.of_hand *= share;
+  if (!run_.shake.stops() || (holds_.load() & kHoldShaking))
+    return;
+  run_.shake = {};
+  hold(kHoldShaking);
+  add<std::uint64_t>(run_.statistics.shakes);
+}
+
 spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   const LoopSettings &settings = run_.settings;
   LawSettings law = settings.law_settings;
@@ -409,7 +425,8 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   // All of them resist the hand.
   const double resistance = // N·s/m
       run_.limits.most_resistance(run_.longest_dt) - run_.touch.damping() - run_.carry.damping();
-  law.most_for_hand = std::max(resistance, 0.0) * input.hand_velocity.head<2>().norm();
+  if (run_.environment.bounds_hand)
+    law.most_for_hand = std::max(resistance, 0.0) * input.hand_velocity.head<2>().norm();
 
   if (!now.measured)
     run_.conditioner.restart_low_pass();
@@ -417,6 +434,7 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
                                                settings.smooth_hz, dt);
   input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
   input.of_hand = run_.laws[settings.law]->of_hand();
+  calm_law(input, dt);
   input.measured = now.measured;
   input.trust = confidence_gate(now.sample.confidence);
   input.age = now.age;

@@ -5,6 +5,7 @@
 
 #include "force/carry-law.hpp"
 #include "force/force-law.hpp"
+#include "force/shake-watch.hpp"
 #include "loop/flight-recorder.hpp"
 #include "loop/real-time-thread.hpp"
 #include "loop/suspend-detector.hpp"
@@ -88,6 +89,7 @@ struct LoopStatistics {
   SharedValue<std::uint64_t> overspeeds;    ///< grip let go: too fast with a force on it
   SharedValue<std::uint64_t> non_finite;    ///< ticks silenced by a NaN or an infinity
   SharedValue<std::uint64_t> suspends;      ///< times that the machine slept
+  SharedValue<std::uint64_t> shakes; ///< times that a law shook the hand until it was stopped
   SharedValue<std::uint64_t> log_rows_lost;
   SharedValue<std::uint64_t> samples_lost; ///< by submit(), which writes this one
   SharedValue<std::uint64_t> samples_used;
@@ -105,7 +107,7 @@ struct LoopStatistics {
   DurationHistogram body;
 
   std::uint64_t faults() const noexcept {
-    return device_faults + overspeeds + suspends + non_finite + interruptions;
+    return device_faults + overspeeds + suspends + shakes + non_finite + interruptions;
   }
 };
 
@@ -124,6 +126,7 @@ public:
     double rate = 1000;                     ///< Hz
     bool dead_man = false;                  ///< force only while a button of the grip is pressed
     bool records = false;                   ///< keep the last ticks for recorder()
+    bool bounds_hand = true;                ///< false: for the tests of ShakeWatch alone
     RealTimeThread::Callbacks callbacks;
   };
 
@@ -287,6 +290,7 @@ private:
     std::int64_t retry_at = 0;    // ns, while faulted
     int failed_exchanges = 0;
     GripWatch grip;
+    ShakeWatch shake;
     std::optional<std::int64_t> log_start; // ns, monotonic; of the first row
     bool row_had_force = false;
     FlightRecorder recorder;          // the pointer thread's, once it has kept something
@@ -306,6 +310,7 @@ private:
   void update_touch(double dt) noexcept;
   void update_carry(double dt) noexcept;
   std::uint32_t holds_of_tick(double dt, bool late) noexcept;
+  void calm_law(SafetyChain::Input &input, double dt) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void record_tick(const TickRow &row, bool late) noexcept;
   void log_tick(std::int64_t now, TickRow row) noexcept;

@@ -34,6 +34,8 @@ constexpr std::array kFaultReports = {
                 "latched until re-armed"},
     FaultReport{&LoopStatistics::suspends, false, NoticeCause::failed, messages::kMachineSlept,
                 "latched until re-armed"},
+    FaultReport{&LoopStatistics::shakes, false, NoticeCause::failed, messages::kForceShook,
+                "latched until re-armed"},
     FaultReport{&LoopStatistics::non_finite, true, std::nullopt,
                 "a force that was not finite counted as zero", ""},
     FaultReport{&LoopStatistics::samples_lost, true, NoticeCause::failed, messages::kSamplesLost,

@@ -36,7 +36,7 @@ private:
   std::string fault_location_;
   spidar::DeviceLimits device_;
   std::optional<std::int64_t> began_at_;    // ns, monotonic, of the first round
-  std::array<std::uint64_t, 5> reported_{}; // of each fault, so far
+  std::array<std::uint64_t, 6> reported_{}; // of each fault, so far
   bool tracker_found_ = false;
   bool tracker_reported_ = false;
   bool priority_requested_ = false;

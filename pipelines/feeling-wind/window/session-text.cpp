@@ -27,6 +27,7 @@ constexpr std::array kHeld = {
 };
 constexpr std::array kFaults = {
     Words{"overspeed", "Force off: the grip was let go. Take it and press s"},
+    Words{"shaking", "Force off: it shook the hand. Hold the grip firmly and press s"},
     Words{"suspended", "Force off: the machine slept. Take the grip and press s"},
     Words{"faulted", "Force off: the device does not answer. Check its cable and press s"},
 };

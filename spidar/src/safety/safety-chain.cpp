@@ -25,7 +25,7 @@ constexpr std::array kFadeTimes = {
     FadeTimes{kHoldNoPose, 0.05, 0.2},    FadeTimes{kHoldGap, 0.1, 0.05},
     FadeTimes{kHoldStale, 0.1, 0.05},     FadeTimes{kHoldCut, 0.05, 0.05},
     FadeTimes{kHoldSuspended, 0.05, 0.5}, FadeTimes{kHoldDeadMan, 0.05, 0.2},
-    FadeTimes{kHoldSlipped, 0.05, 0.2},
+    FadeTimes{kHoldSlipped, 0.05, 0.2},   FadeTimes{kHoldShaking, 0.05, 0.5},
 };
 
 // These may last for one tick only; the fade must still reach zero.

@@ -36,6 +36,7 @@ enum Hold : std::uint32_t {
   kHoldDeadMan = 1 << 14,   ///< `dead-man` is on and its button is not pressed
   kHoldSpent = 1 << 15,     ///< the budget for continuous force limits the force (set by the chain)
   kHoldSlipped = 1 << 16,   ///< a string slips, or has slipped: until it is calibrated
+  kHoldShaking = 1 << 17,   ///< a law shook the hand; until `arm`
 };
 
 struct NamedBit {
@@ -52,7 +53,7 @@ inline constexpr std::array kHoldNames = {
     NamedBit{kHoldStale, "stale"},         NamedBit{kHoldCut, "cut"},
     NamedBit{kHoldSuspended, "suspended"}, NamedBit{kHoldNonFinite, "non-finite"},
     NamedBit{kHoldDeadMan, "dead-man"},    NamedBit{kHoldSpent, "spent"},
-    NamedBit{kHoldSlipped, "slipped"},
+    NamedBit{kHoldSlipped, "slipped"},     NamedBit{kHoldShaking, "shaking"},
 };
 
 /// The names of these holds, with commas between them.
@@ -60,7 +61,7 @@ std::string names_of_holds(std::uint32_t holds);
 
 /// The holds that only `arm` ends.
 inline constexpr std::uint32_t kLatches =
-    kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended;
+    kHoldReleased | kHoldOverspeed | kHoldFaulted | kHoldSuspended | kHoldShaking;
 /// Those of them that the user did not ask for.
 inline constexpr std::uint32_t kFaults = kLatches & ~kHoldReleased;
 

@@ -67,7 +67,7 @@ TEST(SessionState, EveryReasonHasAName) {
   std::uint32_t named = 0;
   for (const auto &hold : haptic::kHoldNames)
     named |= hold.bit;
-  EXPECT_EQ(named, 2 * haptic::kHoldSlipped - 1); // the last one
+  EXPECT_EQ(named, 2 * haptic::kHoldShaking - 1); // the last one
 }
 
 TEST(SessionState, WhateverHappensOnlyTheTransitionsOfTheTableHappen) {
@@ -75,7 +75,7 @@ TEST(SessionState, WhateverHappensOnlyTheTransitionsOfTheTableHappen) {
   SessionStateMachine machine;
   SessionState before = machine.state();
   for (int i = 0; i < 20'000; ++i) {
-    const std::uint32_t holds = random() & random() & (2 * haptic::kHoldSlipped - 1);
+    const std::uint32_t holds = random() & random() & (2 * haptic::kHoldShaking - 1);
     const bool homed = random() % 4 != 0;
     const auto cause = [&] { return haptic::SessionCause{holds, homed}; };
     machine.update(cause, [&](const SessionStatus &status) {

@@ -120,6 +120,7 @@ TEST(SafetyChain, FadesInTheTimesOnThePageOfHapticsink) {
       {"A string", haptic::kHoldSlipped},
       {"`release`, or the machine", haptic::kHoldReleased},
       {"`dead-man=button`", haptic::kHoldDeadMan},
+      {"A law [shakes]", haptic::kHoldShaking},
       {"Three failed exchanges", haptic::kHoldFaulted},
   };
   auto input = push(1);
