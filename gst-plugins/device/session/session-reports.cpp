@@ -16,7 +16,6 @@ constexpr std::int64_t kTrackerGrace = 1'000'000'000; // ns
 // A pipeline that begins to play keeps the processors busy, and the priority comes with a delay.
 constexpr std::int64_t kSettles = 1'000'000'000; // ns
 constexpr std::int64_t kJudged = 5'000'000'000;  // ns, after that
-static_assert(spidar::kStableStiffness == kLightestDamping / kDelayPeriods);
 static_assert(spidar::stiffest_touch(1e-6) == kStiffestTouch);
 
 // A warning whenever its counter has changed, or once.

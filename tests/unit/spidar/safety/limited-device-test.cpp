@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The door for programs that command a device themselves: what it lets through, and what it says.
+#include "device-limits.hpp"
 #include "safety/safety-chain.hpp"
 #include "spidar/limited-device.hpp"
 #include "spidar/spidar.h"
@@ -39,7 +40,7 @@ public:
   void calibrate() noexcept override {}
   const DeviceState &state() const noexcept override { return now; }
   const Vector3 &workspace_half() const noexcept override { return half_; }
-  bool grip_is_free() const noexcept override { return true; }
+  const spidar::DeviceLimits &limits() const noexcept override { return test::kSpidar; }
   void limit_side_torque(double limit) noexcept override { side_torque = limit; }
   void let_rest(bool rests) noexcept override { is_at_rest = rests; }
   std::string description() const override { return "a grip"; }
@@ -257,7 +258,7 @@ TEST(LimitedSimulator, SendsWhatTheSafetyChainSays) {
       geometry);
   LimitedDevice device(simulated);
   device.set_limits({.force = 5});
-  haptic::SafetyChain chain;
+  haptic::SafetyChain chain{simulated.limits()};
   for (std::int64_t tick = 1; tick <= 5000; ++tick) {
     const DeviceState &state = simulated.state();
     const Wrench wanted{5 * state.velocity.stableNormalized(), {0, 0, 0.01}};
