@@ -130,6 +130,7 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
   haptic::ReliefDecoder decoder;
   decoder.push(packets.front().bytes);
   const haptic::ReliefSurface surface(decoder.field(), decoder.field(), 1, kHalf);
+  const haptic::ContactLimits limits{.device = test::kSpidar};
   haptic::ContactLaw law;
   constexpr int kTicks = 6000;
   put(kTicks);
@@ -141,10 +142,10 @@ void put_finger(const std::vector<haptic::CodedField> &packets) {
     const haptic::SurfacePoint here = surface.at(finger.x(), finger.y());
     finger.z() =
         here.height - kDepth / std::max(surface.normal(finger.x(), finger.y()).z(), kSteepest);
-    const haptic::Contact &contact = law.step(surface, finger, {.device = test::kSpidar}, 1e-3);
+    const haptic::Contact &contact = law.step(surface, finger, limits, 1e-3);
     // With the damper against the surface's own speed, 5 ticks of the spring: its work is k d rise.
-    const double stiffness =
-        std::min(surface.at(contact.proxy.x(), contact.proxy.y()).stiffness, haptic::stiffest({}));
+    const double stiffness = std::min(surface.at(contact.proxy.x(), contact.proxy.y()).stiffness,
+                                      haptic::stiffest(limits));
     const Vector3 spring = contact.proxy - finger;
     const double depth = std::max(spring.norm(), 1e-9);
     const double damper =
