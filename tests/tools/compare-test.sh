@@ -51,6 +51,7 @@ promise '30 ms of delay are not felt' compares 0 'B is 30 ms later' a.csv late.c
 promise '300 ms are' compares 1 'were allowed' a.csv later.csv --at-most 50
 promise 'and are named' compares 0 'B is 300 ms earlier than A, which is felt' later.csv a.csv
 promise 'unless they are taken off' compares 0 'shift            none' a.csv later.csv --offset -0.3
+promise 'or are said to be none: what differs is felt' compares 1 'shift            none' a.csv later.csv --shift 0 --at-most 50
 promise 'a fifth more force' compares 1 'were allowed' a.csv strong.csv --at-most 50
 promise 'half of the time' compares 1 'were allowed' a.csv half.csv --at-most 40
 promise 'which is nothing in the first half' compares 0 'distinguishable  0.0 %' a.csv half.csv --to 2.5 --at-most 0

@@ -129,7 +129,7 @@ for group in "${groups[@]}"; do
       for alpha in 0.01 0.04; do
         for said in "$work/said"/*; do
           truth=$(basename "$said")
-          haptic_track compare --json --alpha $alpha "$films/$name/${truth%.*}.txt" "$said"
+          haptic_track compare --json --shift 0 --alpha $alpha "$films/$name/${truth%.*}.txt" "$said"
         done | awk -F '[:,]' -v line="$group,$name,$method,$alpha" -v us="$us" '
           { sum += $2 }
           END { printf "%s,%.1f,%s\n", line, 100 * sum / NR, us }'

@@ -159,16 +159,17 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   check_times(a, b);
   const bool touched = a.has_reliefs() || b.has_reliefs();
   SignalsAt signals = [&](std::size_t hand) { return SignalPair(a.signal(hand), b.signal(hand)); };
-  double shift = 0;
+  double shift = options.shift.value_or(0);
   if (touched && hands.path.empty()) {
     // A hand at rest follows both surfaces, so that its forces do not say how they are shifted.
-    shift = best_shift(hands.count(), [&](std::size_t hand) {
-      return SignalPair(height_signal(a.surface(hand)), height_signal(b.surface(hand)));
-    });
+    if (!options.shift)
+      shift = best_shift(hands.count(), [&](std::size_t hand) {
+        return SignalPair(height_signal(a.surface(hand)), height_signal(b.surface(hand)));
+      });
     signals = [&](std::size_t hand) {
       return touch_signals(a.surface(hand), b.surface(hand), options.law.max_force, shift);
     };
-  } else {
+  } else if (!options.shift) {
     shift = best_shift(hands.count(), signals);
   }
   const Comparison result = compare_at(shift, hands.count(), signals, start.has_value());

@@ -13,10 +13,11 @@ struct CompareOptions {
   ForceLaw law;
   unsigned columns = 0; ///< of the grid of places; 0: not given
   unsigned rows = 0;
-  std::string hand;   ///< a log whose hand feels the fields or reliefs
-  std::string stream; ///< of both files; empty: the first haptic one
-  std::string plot;   ///< a .png to draw
-  double offset = 0;  ///< s, added to the times of the second file
+  std::string hand;            ///< a log whose hand feels the fields or reliefs
+  std::string stream;          ///< of both files; empty: the first haptic one
+  std::string plot;            ///< a .png to draw
+  double offset = 0;           ///< s, added to the times of the second file
+  std::optional<double> shift; ///< s, by which the second file is late; none: what fits best
   bool json = false;
   std::optional<double> at_most; ///< percent of the time
   std::optional<double> from;    ///< s

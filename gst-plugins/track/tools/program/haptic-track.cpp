@@ -204,6 +204,8 @@ void read_option(const std::string &option, const std::string &text, Arguments &
     compare.at_most = parse_number(option, text, 0, 100);
   else if (option == "--offset")
     compare.offset = parse_number(option, text, -1e6, 1e6);
+  else if (option == "--shift")
+    compare.shift = parse_number(option, text, -2, 2);
   else if (option == "--alpha")
     arguments.vibration.alpha = compare.law.alpha = parse_number(option, text, 0.0001, 10);
   else if (option == "--max-force")

@@ -84,6 +84,7 @@ Usage: haptic-track compare [OPTION...] A B
   --from S           begins here, in seconds of A (default: at the beginning)
   --to S             ends here, in seconds of A (default: at the end)
   --offset S         seconds that are added to the times of B (default: 0)
+  --shift S          how late B is, -2 to 2 s (default: what fits best)
   --places CxR       for fields and reliefs: columns and rows of the compared places, 1 to 32
                      (default: 5x3)
   --hand LOG         for fields and reliefs: compares under the hand of this log of hapticsink
