@@ -39,11 +39,12 @@ OpenedDevice open_device(const DeviceChoice &choice) {
   return {named(simulated ? "sim" : "usb").driver.open("", choice), simulated};
 }
 
-// Under the same name there may be another one now.
+// A device that the user has named is whichever has that name.
 std::unique_ptr<spidar::HapticDevice> reopen_device(const DeviceChoice &choice,
                                                     const std::string &identity) {
   auto [driver, id] = named(choice.device == "auto" ? "usb" : choice.device);
-  const bool has_one = driver.find && !identity.empty(); // else a run before never had it
+  // Without an identity, a run before this one never had it.
+  const bool has_one = driver.find && id.empty() && !identity.empty();
   const auto away = [&] {
     return spidar::Error(spidar::Cause::not_found,
                          format_text(messages::kDeviceIsAway, identity.c_str()));

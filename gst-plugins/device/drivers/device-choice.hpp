@@ -34,9 +34,9 @@ struct OpenedDevice {
 /// with Cause::argument for an unknown `device`.
 OpenedDevice open_device(const DeviceChoice &choice);
 
-/// Opens a device again that open_device() has opened and that has gone since. Only that with this
-/// HapticDevice::identity() will do, wherever it is plugged in; a simulated device does not replace
-/// a real one. Throws spidar::Error; not_found while it is away.
+/// Opens a device again that open_device() has opened and that has gone since. Where the choice
+/// names none (auto, usb, evdev), only that with this HapticDevice::identity() will do; a simulated
+/// device does not replace a real one. Throws spidar::Error; not_found while it is away.
 std::unique_ptr<spidar::HapticDevice> reopen_device(const DeviceChoice &choice,
                                                     const std::string &identity);
 
