@@ -84,9 +84,15 @@ struct LimitedDevice::Implementation {
     return of_grip | latches | (late ? haptic::kHoldLate : 0U);
   }
 
+  // N·m
+  double most_torque() const noexcept {
+    const DeviceLimits &most = device.limits();
+    return std::min(limits.torque, most.degrees_of_freedom < 6 ? 0 : most.torque);
+  }
+
   haptic::SafetyChain::Input input(bool late) noexcept {
     const DeviceState &state = device.state();
-    const DeviceLimits &of_device = device.limits();
+    const DeviceLimits &most = device.limits();
     haptic::SafetyChain::Input input;
     input.wanted = *wanted;
     input.measured = true;
@@ -97,12 +103,11 @@ struct LimitedDevice::Implementation {
     input.acted = state.acted;
     input.moved = state.moved;
     input.turned = state.turned;
-    input.max_force = std::min(limits.force, of_device.force);
-    input.max_torque =
-        of_device.degrees_of_freedom < 6 ? 0 : std::min(limits.torque, of_device.torque);
+    input.max_force = std::min(limits.force, most.force);
+    input.max_torque = most_torque();
     input.continuous_force = limits.continuous_force;
     input.slew_rate = switched_off & kSlew ? kNoSlewLimit : limits.slew_rate;
-    input.damping = of_device.knows_newtons() ? limits.damping : 0;
+    input.damping = most.knows_newtons() ? limits.damping : 0;
     input.limits_work = !(switched_off & kWork);
     input.dt = elapsed;
     input.longest_dt = std::max(elapsed, period);
@@ -114,7 +119,7 @@ struct LimitedDevice::Implementation {
     if (latches & haptic::kHoldFaulted)
       return device.rest(); // it may accept that even if it does not answer
     device.let_rest(chain.silent() && (chain.holds() & kHoldsThatRest));
-    device.limit_side_torque(chain.most_side_torque(sent.force, limits.torque));
+    device.limit_side_torque(chain.most_side_torque(sent.force, most_torque()));
     device.command(sent);
   }
 

@@ -3,6 +3,7 @@
 #include "spidar/machine.hpp"
 
 #include <gtest/gtest.h>
+#include <spidar/device.hpp>
 #include <string>
 
 namespace {
@@ -24,6 +25,11 @@ void expect_verdict(const MachineTiming &timing, Fitness fitness,
   for (const char *word : words)
     EXPECT_NE(verdict.text.find(word), std::string::npos) << word << " in " << verdict.text;
   EXPECT_EQ(verdict.text.find('\n'), std::string::npos);
+}
+
+TEST(Machine, IsJudgedByTheSpringThatASpidarBears) {
+  const spidar::DeviceLimits limits = limits_of(spidar::load_geometry(spidar::kDefaultGeometry));
+  EXPECT_DOUBLE_EQ(spidar::kStableStiffness, limits.physical_damping / limits.delay);
 }
 
 TEST(MachineVerdict, AMachineWhoseTicksComeWithinAPeriodIsFit) {
