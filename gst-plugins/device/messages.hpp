@@ -26,7 +26,7 @@
   MESSAGE(kDeviceSilent, "The device does not answer. The force is off and the video goes on.",    \
           "Check its cable and power, then re-arm (signal arm).")                                  \
   MESSAGE(kBeyondDevice, "The device (%s) cannot do all that is set. It does at most: %s.",        \
-          "To avoid this message, set these properties to at most these values.")                    \
+          "To avoid this message, set these properties to at most these values.")                  \
   MESSAGE(kGripLetGo,                                                                              \
           "The grip moved faster than %g m/s or turned faster than %g rad/s, as if it had been "   \
           "let go. The force is off and the video goes on.",                                       \

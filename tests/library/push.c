@@ -17,7 +17,8 @@ int main(int argc, char **argv) {
   options.sim_hand = argc > 1 ? argv[1] : NULL;
   limits.force = 5;
   limits.slew_rate = 1000;
-  if (spidar_open(&options, &device) != SPIDAR_OK || spidar_set_limits(device, &limits) != SPIDAR_OK)
+  if (spidar_open(&options, &device) != SPIDAR_OK ||
+      spidar_set_limits(device, &limits) != SPIDAR_OK)
     return 1;
   for (int ms = 1; ms <= 5000; ++ms) {
     const spidar_safety before = safety;
@@ -38,6 +39,7 @@ int main(int argc, char **argv) {
     strongest = fmax(strongest, sqrt(square));
     fastest = fmax(fastest, 1e3 * sqrt(change));
   }
-  printf("%.3f N, %.2f N/s, %.3f J. %s\n", strongest, fastest, work, spidar_hold_text(safety.holds));
+  printf("%.3f N, %.2f N/s, %.3f J. %s\n", strongest, fastest, work,
+         spidar_hold_text(safety.holds));
   return spidar_close(device);
 }
