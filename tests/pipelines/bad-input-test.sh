@@ -47,7 +47,7 @@ refuses "SPIDAR" demo.sh --video "$work/clip.mkv" --device usb
 refuses "unknown option '--speed'" demo.sh --speed 3
 
 for script in play-file.sh play-file-with-display.sh; do
-  refuses "which video file" "$script"
+  refuses "there is no video; name a file" "$script"
   refuses "no file" "$script" "$work/missing.mp4"
   refuses "one input" "$script" "$work/clip.mkv" device=sim
 done
@@ -69,12 +69,12 @@ refuses "is empty" paper/moving-picture.sh "$work/empty.mp4" "$work/never.webp"
 refuses "not a video" paper/moving-picture.sh "$work/noise.avi" "$work/never.webp"
 promise "nor does an animation" test ! -e "$work/never.webp"
 refuses "unknown option '--bogus'" send.sh --bogus
-refuses "which video" record.sh
+refuses "no video to record" record.sh
 refuses "no file to record into" record.sh "$work/clip.mkv"
 refuses "end in .ts or .mkv" record.sh "$work/clip.mkv" "$work/out.mp4"
 refuses "no file" record.sh "$work/missing.mp4" "$work/out.ts"
 refuses "no file" play-track.sh "$work/missing.ts"
-refuses "which video" send.sh
+refuses "no video to send" send.sh
 refuses "no file" send.sh "$work/missing.mp4"
 refuses "more than one input" send.sh "$work/clip.mkv" "$work/clip.mkv"
 cp "$work/clip.mkv" "$work/kept.mkv"
@@ -98,7 +98,7 @@ refuses "motion, carry or both" hold.sh --law pull "$work/clip.mkv"
 refuses "not both" hold.sh --at 0.5,0.5 --grip "$work/clip.mkv"
 refuses "no camera" camera.sh /dev/video99
 refuses "not a camera" camera.sh /dev/null
-refuses "which video" field-multicast.sh
+refuses "no video to send" field-multicast.sh
 refuses "no file" field-multicast.sh "$work/missing.mp4"
 refuses "no camera" field-multicast.sh /dev/video99
 refuses "239.0.0.0" field-multicast.sh --group 10.0.0.1 --test-source
