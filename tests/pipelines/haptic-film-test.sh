@@ -28,7 +28,7 @@ for verb in demo play camera record send receive 'touch colour' 'touch depth' st
   promise "$verb shows its usage" grep -q '^Usage: ' "$work/said"
 done
 promise "an unknown verb says what to do" says 'see haptic-film --help' paint
-promise "touch says what it needs" says 'Give colour or depth' touch
+promise "touch says what it needs" says 'touch needs colour or depth' touch
 
 clip film.mkv 352 288 30 1 uniform:40,-20
 promise "a file is felt" film play film.mkv -- device=sim log-location=play.csv
