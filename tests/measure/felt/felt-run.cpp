@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Runs a method of the lab, as it is shipped, on the region of roitracker at places of a film:
+// Runs a method on the region of roitracker at places of a film:
 //
 //   felt-run METHOD FOLDER PLACES < film.y4m
 //
-// METHOD is a name of the lab, such as Farneback; PLACES are "X,Y X,Y ...", 0 to 1 from the top
-// left. FOLDER gets a text track X-Y.txt for each place. Prints the median of the processor time
-// of a frame, in µs.
+// METHOD is one of roitracker (fast, opencv or layers), or one that the lab ships, such as
+// Farneback. PLACES are "X,Y X,Y ...", 0 to 1 from the top left. FOLDER gets a text track X-Y.txt
+// for each place. Prints the median of the processor time of a frame, in µs.
 #include "cpu-time.hpp"
 #include "methods/methods.hpp"
+#include "plane-source.hpp"
+#include "tracking/region-tracker.hpp"
 #include "tracking/region.hpp"
 #include "y4m-reader.hpp"
 
@@ -27,7 +29,54 @@ struct Place {
   std::string lines;
 };
 
+// What roitracker and velocityavg do with a frame, for its time: what a hand gets has the elements.
+class Live final : public lab::Method {
+public:
+  explicit Live(haptic::TrackerMethod method) {
+    tracker_.set_method(method, haptic::kUsualPatches);
+  }
+
+  lab::Reading measure(const lab::Task &task) override {
+    constexpr std::uint64_t kInterval = 16'666'667; // ns
+    constexpr double kSeconds = 1e-9 * kInterval;
+    const int width = task.current.cols;
+    const int height = task.current.rows;
+    const auto source = [](const cv::Mat &luma) {
+      return test::PlaneSource(
+          {luma.data, luma.cols, luma.rows, static_cast<std::ptrdiff_t>(luma.step)});
+    };
+    const haptic::Rectangle region =
+        haptic::region_at(task.pointer.x, task.pointer.y, task.side, width, height);
+    tracker_.compare(source(task.previous), source(task.current),
+                     tracker_.areas(region, width, height), kInterval);
+    const haptic::VelocityEstimate estimate =
+        haptic::estimate_velocity({.patches = tracker_.measurement().view(),
+                                   .candidates = tracker_.measurement().candidates,
+                                   .pointer_x = static_cast<float>(task.pointer.x * width),
+                                   .pointer_y = static_cast<float>(task.pointer.y * height),
+                                   .interval = kSeconds,
+                                   .region_x = static_cast<float>(region.x),
+                                   .region_y = static_cast<float>(region.y),
+                                   .region_width = static_cast<float>(region.width),
+                                   .region_height = static_cast<float>(region.height)},
+                                  haptic::Average::model, haptic::ModelChoice::automatic, history_);
+    history_ = estimate.history;
+    return {.velocity = lab::Vector(estimate.velocity_x, estimate.velocity_y) * kSeconds,
+            .confidence = estimate.confidence};
+  }
+
+private:
+  haptic::RegionTracker tracker_;
+  haptic::ModelHistory history_;
+};
+
 lab::Configuration shipped(const std::string &name) {
+  using haptic::TrackerMethod;
+  for (const auto &[own, method] : {std::pair{"fast", TrackerMethod::fast},
+                                    {"opencv", TrackerMethod::opencv},
+                                    {"layers", TrackerMethod::layers}})
+    if (name == own)
+      return {name, "", false, true, [method] { return std::make_unique<Live>(method); }};
   auto list = lab::configurations(true);
   const auto found = std::ranges::find_if(
       list, [&](const auto &one) { return one.is_default && one.method == name; });

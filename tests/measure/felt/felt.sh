@@ -7,7 +7,7 @@
 #   --set SET          judge (default), or tuning, whose films may be looked at
 #   --films FOLDER     where the films are kept (~/.cache/feeling-wind/felt)
 #   --only GROUP       a group of films: wind, rest, sky, flat, light, grass, pan, shake, still. May be repeated
-#   --method METHOD    fast, opencv, each also with :mean or :pointed for average=; or a peer. May be repeated
+#   --method METHOD    fast, layers, opencv, each also with :mean or :pointed for average=; or a peer. May be repeated
 #   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer (wind only)
 #   --output FILE      a line for each film and method: group,film,method,alpha,told (%),time (µs)
 #
@@ -43,7 +43,7 @@ esac
 [ ${#groups[@]} -gt 0 ] || groups=(wind rest sky flat light grass pan shake still)
 run=$build/tests/measure/felt/felt-run
 if [ ${#methods[@]} = 0 ]; then
-  methods=(fast fast:mean fast:pointed opencv)
+  methods=(fast layers:mean opencv)
   [ ! -x "$run" ] || methods+=(Farneback "DIS medium" "PyrLK crop")
 fi
 command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"
@@ -82,7 +82,7 @@ films_of() {
   done
 }
 
-# `ask METHOD FILM`: a method of the lab; prints its time.
+# `ask METHOD FILM`: without the elements; prints the time of a frame.
 ask() {
   ffmpeg -nostdin -v error -i "$2" -fps_mode passthrough -pix_fmt yuv420p -f yuv4mpegpipe - | "$run" "$1" "$work/said" "${places# }"
 }
@@ -90,10 +90,7 @@ ask() {
 track_live() {
   local method=${1%%:*} average=${1#*:} place branches=''
   [ "$average" != "$1" ] || average=model
-  [ ! -x "$run" ] || case $method in
-  fast) ask fast "$2" ;;
-  *) ask "method=$method" "$2" ;;
-  esac
+  [ ! -x "$run" ] || ask "$method" "$2"
   rm -f "$work/said"/*
   for place in $places; do
     branches+=" t. ! roitracker method=$method pointer-source=property pointer-x=${place%,*} pointer-y=${place#*,}"
