@@ -46,9 +46,10 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
         !comes_from_inside(x, y, region.displacement, size))
       return;
     is_any = true;
+    const std::ptrdiff_t left = std::ptrdiff_t{x} * kCellSide;
     for (int row = y * kCellSide; row < (y + 1) * kCellSide; ++row) {
-      std::fill_n(flow_.x.row(row) + x * kCellSide, kCellSide, region.displacement.x);
-      std::fill_n(flow_.y.row(row) + x * kCellSide, kCellSide, region.displacement.y);
+      std::fill_n(flow_.x.row(row) + left, kCellSide, region.displacement.x);
+      std::fill_n(flow_.y.row(row) + left, kCellSide, region.displacement.y);
     }
   });
   if (is_any)

@@ -43,7 +43,7 @@ public:
   static constexpr int kRows = 5;
   struct Sample {
     int x, y; // its corner in the frame, px
-    std::array<float, kWide * kHigh> luma, gx, gy;
+    std::array<float, std::size_t{kWide} * kHigh> luma, gx, gy;
     Tensor structure; // mean of g g'
     float at_rest;    // mean squared difference without displacement
   };

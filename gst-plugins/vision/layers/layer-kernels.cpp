@@ -460,7 +460,7 @@ void Linearise(const LayerFrame &earlier, const LayerFrame &later, const VectorM
     float *HWY_RESTRICT bx = moment.x.row(y);
     float *HWY_RESTRICT by = moment.y.row(y);
     float *HWY_RESTRICT e2 = squares.row();
-    const float fy = static_cast<float>(y);
+    const auto fy = static_cast<float>(y);
     // In three passes, of which the one that gathers is short: compilers vectorise each.
     alignas(64) int at[kLayerSide];
     alignas(64) PixelRow part_x, part_y, above, above_next, below, below_next;
@@ -580,7 +580,7 @@ HWY_INLINE void read_row(const LayerSum &layers, int y, int left, int width,
 
 // The part of pixel i that lies in [begin, end).
 HWY_INLINE float part_in(int i, float begin, float end) {
-  const float first = static_cast<float>(i);
+  const auto first = static_cast<float>(i);
   return std::max(0.0F, std::min(first + 1, end) - std::max(first, begin));
 }
 
@@ -611,11 +611,11 @@ void SumTiles(const LayerSum &layers, const Rectangle &region, int columns, int 
         for (int quantity = 0; quantity < kQuantities; ++quantity)
           of[quantity] += part * sums[quantity][x];
       }
-      tiles[static_cast<std::size_t>(row * columns + column)] = {wide * high,
-                                                                 {of[kMotionX], of[kMotionY]},
-                                                                 {of[kXx], of[kXy], of[kYy]},
-                                                                 of[kShare],
-                                                                 of[kLeftover]};
+      tiles[tile_at(row, columns, column)] = {wide * high,
+                                              {of[kMotionX], of[kMotionY]},
+                                              {of[kXx], of[kXy], of[kYy]},
+                                              of[kShare],
+                                              of[kLeftover]};
     }
   }
 }

@@ -102,6 +102,12 @@ float solve_flow(const TensorMap<PixelMap> &structure, const VectorMap<PixelMap>
 void leftover(const PixelMap &term, const LayerFrame &later, const VectorMap<PixelMap> &flow,
               const LayerSize &size, CellMap &energy);
 
+/// Index of a tile where tiles lie row after row.
+inline std::size_t tile_at(int row, int columns, int column) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+         static_cast<std::size_t>(column);
+}
+
 /// Sums over a tile, each pixel weighted by its part in the tile.
 struct TileSums {
   float pixels = 0;

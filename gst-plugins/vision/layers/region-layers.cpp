@@ -142,7 +142,7 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   const TensorMap<CellMap> &known = background_.structure();
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      const auto i = static_cast<std::size_t>(row * columns + column);
+      const std::size_t i = tile_at(row, columns, column);
       const TileSums &of = sums[i];
       const float moving = std::max(of.pixels - of.share, 1e-3F * of.pixels);
       const auto cell = [](int begin, float at, int cells) {

@@ -95,7 +95,8 @@ void LayerTracker::keep(const LumaView &view) {
   last_.height = view.height;
   last_.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
   for (int y = 0; y < view.height; ++y)
-    std::copy_n(view.pixels + y * view.stride, view.width, last_.pixels.data() + y * view.width);
+    std::copy_n(view.pixels + y * view.stride, view.width,
+                last_.pixels.data() + std::ptrdiff_t{y} * view.width);
   has_last_ = true;
 }
 
@@ -120,7 +121,7 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
   while ((columns + 1) * (columns + 1) <= max_points_)
     ++columns;
   const int rows = columns;
-  const auto tiles = std::span(tiles_).first(static_cast<std::size_t>(columns * rows));
+  const auto tiles = std::span(tiles_).first(tile_at(rows, columns, 0));
   layers_.sum(region, columns, rows, tiles);
   Tensor all;
   float background = 0;
@@ -136,7 +137,7 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      const LayerTile &tile = tiles[static_cast<std::size_t>(row * columns + column)];
+      const LayerTile &tile = tiles[tile_at(row, columns, column)];
       Tensor precision = tile.precision;
       if (precision.xx + precision.yy < kUnseen) {
         if (tile.background < 0.5F)
