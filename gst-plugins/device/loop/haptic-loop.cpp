@@ -44,8 +44,8 @@ LoopSettings within(const LoopSettings &settings, const spidar::DeviceLimits &de
   LoopSettings possible = settings;
   LawSettings &law = possible.law_settings;
   law.max_force = std::min(law.max_force, device.force);
-  law.max_torque = std::min(law.max_torque, device.degrees_of_freedom < 6 ? 0 : device.torque);
-  law.max_push = std::min(law.max_push, device.degrees_of_freedom < 3 ? 0 : device.force);
+  law.max_torque = std::min(law.max_torque, device.strongest_torque());
+  law.max_push = std::min(law.max_push, device.strongest_push());
   if (!device.knows_newtons())
     possible.damping = 0;
   return possible;

@@ -117,8 +117,8 @@ void HapticSession::warn_of_what_is_beyond(const RunSettings &settings) {
       most += (most.empty() ? "" : ", ") + format_text("%s=%g%s", property, limit, unit);
   };
   compare("max-force", law.max_force, limits.force, " N");
-  compare("max-torque", law.max_torque, limits.torque, " N·m");
-  compare("max-push", law.max_push, limits.force, " N");
+  compare("max-torque", law.max_torque, limits.strongest_torque(), " N·m");
+  compare("max-push", law.max_push, limits.strongest_push(), " N");
   compare("rate", settings.choice.rate, limits.rate, " Hz");
   if (!most.empty())
     client_.on_notice(

@@ -228,11 +228,14 @@ private:
   int width_;
 };
 
-void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy) {
+// Energies of the differences between the rows that `row_of(y)` gives and those of a map.
+template <class RowOf>
+HWY_INLINE void sum_squares(const PixelMap &map, const LayerSize &size, CellMap &energy,
+                            RowOf row_of) {
   CellSums sums(size.width);
   for (int y = 0; y < size.height; ++y) {
-    const float *HWY_RESTRICT a = one.row(y);
-    const float *HWY_RESTRICT b = other.row(y);
+    const float *HWY_RESTRICT a = row_of(y);
+    const float *HWY_RESTRICT b = map.row(y);
     float *HWY_RESTRICT to = sums.row();
     for (int x = 0; x < size.width; ++x) {
       const float difference = a[x] - b[x];
@@ -241,6 +244,10 @@ void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, 
     if (y % kCellSide == kCellSide - 1)
       sums.store(size.columns(), energy.row(y / kCellSide));
   }
+}
+
+void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy) {
+  sum_squares(other, size, energy, [&](int y) HWY_ATTR { return one.row(y); });
 }
 
 // Reads rows of a map that is displaced by a constant.
@@ -281,19 +288,11 @@ private:
 void CompareDisplaced(const PixelMap &earlier, const PixelMap &later, Displacement by,
                       const LayerSize &size, CellMap &energy) {
   DisplacedRows rows(earlier, by, size);
-  CellSums sums(size.width);
-  for (int y = 0; y < size.height; ++y) {
-    alignas(64) PixelRow a;
-    rows.read(y, a);
-    const float *HWY_RESTRICT b = later.row(y);
-    float *HWY_RESTRICT to = sums.row();
-    for (int x = 0; x < size.width; ++x) {
-      const float difference = a[x] - b[x];
-      to[x] += difference * difference;
-    }
-    if (y % kCellSide == kCellSide - 1)
-      sums.store(size.columns(), energy.row(y / kCellSide));
-  }
+  alignas(64) PixelRow row;
+  sum_squares(later, size, energy, [&](int y) HWY_ATTR {
+    rows.read(y, row);
+    return static_cast<const float *>(row);
+  });
 }
 
 void CompareDetails(const LayerFrame &earlier, const LayerFrame &later, Displacement by,

@@ -39,6 +39,10 @@ struct DeviceLimits {
   double turn_brake = 0;     ///< N·m·s, of this brake
   double side_torque = 0;    ///< N·m, which may come without a force: what turns no free grip up
 
+  /// N·m; 0 for a device that only moves.
+  double strongest_torque() const noexcept { return degrees_of_freedom < 6 ? 0 : torque; }
+  /// N, in z; 0 for a device of the plane.
+  double strongest_push() const noexcept { return degrees_of_freedom < 3 ? 0 : force; }
   /// Whether a commanded force is one in newtons.
   bool knows_newtons() const noexcept { return stiffness > 0; }
   /// N/m at ticks of `period` s, of a spring that a free grip bears: k T < b.

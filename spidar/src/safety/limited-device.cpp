@@ -84,10 +84,8 @@ struct LimitedDevice::Implementation {
     return of_grip | latches | (late ? haptic::kHoldLate : 0U);
   }
 
-  // N·m
   double most_torque() const noexcept {
-    const DeviceLimits &most = device.limits();
-    return std::min(limits.torque, most.degrees_of_freedom < 6 ? 0 : most.torque);
+    return std::min(limits.torque, device.limits().strongest_torque());
   }
 
   haptic::SafetyChain::Input input(bool late) noexcept {

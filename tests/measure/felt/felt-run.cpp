@@ -7,6 +7,7 @@
 // Farneback. PLACES are "X,Y X,Y ...", 0 to 1 from the top left. FOLDER gets a text track X-Y.txt
 // for each place. Prints the median of the processor time of a frame, in µs.
 #include "cpu-time.hpp"
+#include "forms/text-line.hpp"
 #include "methods/methods.hpp"
 #include "plane-source.hpp"
 #include "tracking/region-tracker.hpp"
@@ -14,7 +15,6 @@
 #include "y4m-reader.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 #include <fstream>
@@ -38,7 +38,6 @@ public:
 
   lab::Reading measure(const lab::Task &task) override {
     constexpr std::uint64_t kInterval = 16'666'667; // ns
-    constexpr double kSeconds = 1e-9 * kInterval;
     const int width = task.current.cols;
     const int height = task.current.rows;
     const auto source = [](const cv::Mat &luma) {
@@ -49,20 +48,7 @@ public:
         haptic::region_at(task.pointer.x, task.pointer.y, task.side, width, height);
     tracker_.compare(source(task.previous), source(task.current),
                      tracker_.areas(region, width, height), kInterval);
-    const haptic::VelocityEstimate estimate =
-        haptic::estimate_velocity({.patches = tracker_.measurement().view(),
-                                   .candidates = tracker_.measurement().candidates,
-                                   .pointer_x = static_cast<float>(task.pointer.x * width),
-                                   .pointer_y = static_cast<float>(task.pointer.y * height),
-                                   .interval = kSeconds,
-                                   .region_x = static_cast<float>(region.x),
-                                   .region_y = static_cast<float>(region.y),
-                                   .region_width = static_cast<float>(region.width),
-                                   .region_height = static_cast<float>(region.height)},
-                                  haptic::Average::model, haptic::ModelChoice::automatic, history_);
-    history_ = estimate.history;
-    return {.velocity = lab::Vector(estimate.velocity_x, estimate.velocity_y) * kSeconds,
-            .confidence = estimate.confidence};
+    return lab::estimate(tracker_.measurement(), region, task, {}, history_);
   }
 
 private:
@@ -101,15 +87,25 @@ std::vector<Place> read_places(const std::string &text, const lab::Configuration
 void write_line(Place &place, int number, double seconds, const cv::Mat &frame,
                 const lab::Reading &reading) {
   const lab::Vector velocity = reading.velocity / seconds;
-  const double side = haptic::default_region_side(frame.cols);
-  std::array<char, 400> line;
-  std::snprintf(line.data(), line.size(),
-                "hv1 point t=%.9f d=%.9f i=%.9f vx=%.9g vy=%.9g spin=0 div=0 x=%.9g y=%.9g w=%.9g "
-                "h=%.9g conf=%g pic=%dx%d par=1:1 n=1 model=translation\n",
-                number * seconds, seconds, seconds, velocity.x, velocity.y, place.pointer.x,
-                place.pointer.y, side / frame.cols, side / frame.rows, reading.confidence,
-                frame.cols, frame.rows);
-  place.lines += line.data();
+  const auto side = static_cast<float>(haptic::default_region_side(frame.cols));
+  const auto interval = static_cast<std::uint64_t>(std::llround(1e9 * seconds));
+  haptic::TrackSample sample;
+  sample.time = static_cast<std::uint64_t>(number) * interval;
+  sample.duration = interval;
+  haptic::MotionSample &motion = sample.motion;
+  motion.velocity_x = static_cast<float>(velocity.x);
+  motion.velocity_y = static_cast<float>(velocity.y);
+  motion.pointer_x = static_cast<float>(place.pointer.x);
+  motion.pointer_y = static_cast<float>(place.pointer.y);
+  motion.region_width = side / static_cast<float>(frame.cols);
+  motion.region_height = side / static_cast<float>(frame.rows);
+  motion.confidence = static_cast<float>(reading.confidence);
+  motion.interval = interval;
+  motion.frame_width = static_cast<std::uint32_t>(frame.cols);
+  motion.frame_height = static_cast<std::uint32_t>(frame.rows);
+  motion.points = 1;
+  motion.model = haptic::MotionModel::translation;
+  place.lines += haptic::write_text_line(sample) + "\n";
 }
 
 void run(std::vector<Place> &places) {

@@ -55,12 +55,34 @@ void add_opencv(std::vector<Configuration> &list, int points) {
 
 } // namespace
 
+Reading estimate(const haptic::Measurement &measurement, const haptic::Rectangle &region,
+                 const Task &task, const Estimator &estimator, haptic::ModelHistory &history) {
+  constexpr double kInterval = 1.0 / 30;
+  const haptic::VelocityEstimate estimate = haptic::estimate_velocity(
+      {.patches = measurement.view(),
+       .candidates = measurement.candidates,
+       .pointer_x = static_cast<float>(task.pointer.x * task.current.cols),
+       .pointer_y = static_cast<float>(task.pointer.y * task.current.rows),
+       .interval = kInterval,
+       .region_x = static_cast<float>(region.x),
+       .region_y = static_cast<float>(region.y),
+       .region_width = static_cast<float>(region.width),
+       .region_height = static_cast<float>(region.height),
+       .parts = estimator.parts},
+      estimator.average, estimator.choice, history);
+  history = estimate.history;
+  return {.velocity = Vector(estimate.velocity_x, estimate.velocity_y) * kInterval,
+          .confidence = estimate.confidence,
+          .spin = estimate.spin * kInterval,
+          .divergence = estimate.divergence * kInterval,
+          .model = estimate.model};
+}
+
 TrackerMethod::TrackerMethod(std::unique_ptr<haptic::PatchTracker> tracker,
                              const Estimator &estimator)
     : tracker_(std::move(tracker)), estimator_(estimator) {}
 
 Reading TrackerMethod::measure(const Task &task) {
-  constexpr double kInterval = 1.0 / 30;
   const int width = task.previous.cols;
   const int height = task.previous.rows;
   const haptic::Rectangle region =
@@ -80,24 +102,7 @@ Reading TrackerMethod::measure(const Task &task) {
     history_ = {.current = haptic::MotionModel::still};
     return {.confidence = 1, .model = haptic::MotionModel::still};
   }
-  const haptic::VelocityEstimate estimate =
-      haptic::estimate_velocity({.patches = measurement_.view(),
-                                 .candidates = measurement_.candidates,
-                                 .pointer_x = static_cast<float>(task.pointer.x * width),
-                                 .pointer_y = static_cast<float>(task.pointer.y * height),
-                                 .interval = kInterval,
-                                 .region_x = static_cast<float>(region.x),
-                                 .region_y = static_cast<float>(region.y),
-                                 .region_width = static_cast<float>(region.width),
-                                 .region_height = static_cast<float>(region.height),
-                                 .parts = estimator_.parts},
-                                estimator_.average, estimator_.choice, history_);
-  history_ = estimate.history;
-  return {.velocity = Vector(estimate.velocity_x, estimate.velocity_y) * kInterval,
-          .confidence = estimate.confidence,
-          .spin = estimate.spin * kInterval,
-          .divergence = estimate.divergence * kInterval,
-          .model = estimate.model};
+  return estimate(measurement_, region, task, estimator_, history_);
 }
 
 std::unique_ptr<Method> make_default() {

@@ -58,6 +58,10 @@ struct Estimator {
   bool has_history = true; ///< of the choice of the model
 };
 
+/// What velocityavg makes of the patches of a frame.
+Reading estimate(const haptic::Measurement &measurement, const haptic::Rectangle &region,
+                 const Task &task, const Estimator &estimator, haptic::ModelHistory &history);
+
 /// A tracker of the project and the average over its patches, as in the elements.
 class TrackerMethod final : public Method {
 public:
