@@ -62,7 +62,7 @@ lab::Configuration shipped(const std::string &name) {
                                     {"opencv", TrackerMethod::opencv},
                                     {"layers", TrackerMethod::layers}})
     if (name == own)
-      return {name, "", false, true, [method] { return std::make_unique<Live>(method); }};
+      return {name, "", false, true, [method = method] { return std::make_unique<Live>(method); }};
   auto list = lab::configurations(true);
   const auto found = std::ranges::find_if(
       list, [&](const auto &one) { return one.is_default && one.method == name; });
