@@ -241,6 +241,9 @@
           "the film stood still for %d s, because too many frames have no sound beside them.", \
           "Let the sound begin and end with the frames, or leave the sound out (ffmpeg -i IN " \
           "-map 0:v -c copy OUT).") \
+  MESSAGE(kNameIsNotUtf8, \
+          "\"%s\": this name is not in UTF-8, so no plan can hold it.", \
+          "Rename the file or folder (convmv -t UTF-8).") \
   MESSAGE(kPlanIsWrong, \
           "\"%s\": this is not a plan, or it was changed.", \
           "Make one with haptic-track author --plan VIDEO... > plan.json.") \

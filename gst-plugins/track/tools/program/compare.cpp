@@ -3,6 +3,7 @@
 
 #include "felt/felt-file.hpp"
 #include "felt/perception.hpp"
+#include "json.hpp"
 #include "plot/compare-plot.hpp"
 #include "track-error.hpp"
 
@@ -119,25 +120,25 @@ void print_text(const FeltFile &a, const FeltFile &b, const Hands &hands,
   std::printf("\n");
 }
 
-void print_numbers(const PlaceComparison &numbers) {
-  std::printf(R"("distinguishable": %.6f, "felt": %.6f, "force_rms_n": %.6f)",
-              numbers.distinguishable, numbers.felt, numbers.force_rms);
+Json json_of(const PlaceComparison &numbers) {
+  return {{"distinguishable", rounded(numbers.distinguishable, 1e6)},
+          {"felt", rounded(numbers.felt, 1e6)},
+          {"force_rms_n", rounded(numbers.force_rms, 1e6)}};
 }
 
 // `fitted`: s, by which the times of an unknown start are apart before the shift.
 void print_json(const Hands &hands, const Comparison &result, double fitted) {
-  std::printf("{");
-  print_numbers(result.all);
-  std::printf(R"(, "start_known": %s, "shift_ms": %.0f, "seconds": %.3f, "places": [)",
-              result.is_start_known ? "true" : "false", 1e3 * (result.shift + fitted),
-              static_cast<double>(result.end - result.first) * kForceStep);
+  Json json = json_of(result.all);
+  json["start_known"] = result.is_start_known;
+  json["shift_ms"] = std::llround(1e3 * (result.shift + fitted));
+  json["seconds"] = rounded(static_cast<double>(result.end - result.first) * kForceStep, 1e3);
+  json["places"] = Json::array();
   for (std::size_t i = 0; i < hands.resting.size() && result.places.size() > 1; ++i) {
-    std::printf("%s\n  {\"x\": %.4f, \"y\": %.4f, ", i > 0 ? "," : "", hands.resting[i].x,
-                hands.resting[i].y);
-    print_numbers(result.places[i]);
-    std::printf("}");
+    Json place = {{"x", rounded(hands.resting[i].x, 1e4)}, {"y", rounded(hands.resting[i].y, 1e4)}};
+    place.update(json_of(result.places[i]));
+    json["places"].push_back(std::move(place));
   }
-  std::printf("]}\n");
+  std::puts(json.dump().c_str());
 }
 
 } // namespace
