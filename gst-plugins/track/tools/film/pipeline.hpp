@@ -5,11 +5,19 @@
 #include "glue/gst-raii.hpp"
 #include "track-error.hpp"
 
+#include <atomic>
 #include <cstring>
+#include <functional>
 #include <gst/gst.h>
 #include <string>
 
 namespace haptic {
+
+/// Called some times a second while a pipeline runs. What it throws ends the work.
+using Poll = std::function<void()>;
+
+inline constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
+inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
 inline ElementPtr make_pipeline() {
   return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
@@ -56,5 +64,38 @@ inline std::string error_of(GstMessage *message) {
   g_error_free(error);
   return text;
 }
+
+/// Returns the first message of these types. Throws TrackFileError with the error of the pipeline
+/// instead.
+MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll);
+
+/// Notices when nothing flows any more: damaged files let some elements wait for ever.
+class Flow {
+public:
+  /// What passes this pad is progress.
+  void watch(GstPad *pad);
+  /// To be called by each Poll. Throws the sentence, with the s in it, after so long without
+  /// progress. Polls are counted, not seconds: a process that was stopped does not poll.
+  void check(const char *sentence, GstClockTime longest = kLongestStandstill);
+
+private:
+  std::atomic<std::size_t> flowed_ = 0; // buffers
+  std::size_t before_ = 0;
+  GstClockTime still_ = 0;
+};
+
+/// Lets a pipeline run until this goes.
+class Running {
+public:
+  explicit Running(GstElement *pipeline, GstState state = GST_STATE_PLAYING) : pipeline_(pipeline) {
+    gst_element_set_state(pipeline_, state);
+  }
+  ~Running() { gst_element_set_state(pipeline_, GST_STATE_NULL); }
+  Running(const Running &) = delete;
+  Running &operator=(const Running &) = delete;
+
+private:
+  GstElement *pipeline_;
+};
 
 } // namespace haptic

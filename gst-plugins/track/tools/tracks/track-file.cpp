@@ -31,8 +31,7 @@ namespace {
 
 constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size of the first box
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
-constexpr std::size_t kMostSamples = 3'000'000; // 27 hours of 30 a second, 300 MB
+constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -357,15 +356,6 @@ void push_sample(GstSample *sample, StreamTrack &track) {
               GST_BUFFER_DURATION(buffer)});
 }
 
-// Reads the bus: an error becomes `failure`. Returns true at the end.
-bool read_messages(GstBus *bus, std::string &failure) {
-  const MessagePtr message(gst_bus_timed_pop_filtered(
-      bus, GST_MSECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
-  if (message && GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
-    failure = error_of(message.get());
-  return message != nullptr;
-}
-
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
                     TrackFile &track, const std::string &wanted) {
   const ElementPtr pipeline = make_pipeline();
@@ -382,21 +372,24 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   container.wanted = wanted;
   StreamTrack stream(std::move(form), track);
   g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
-  const BusPtr bus(gst_element_get_bus(pipeline.get()));
-  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  Flow flow;
+  flow.watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
   const auto pull = [&] {
     while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)))
       push_sample(sample.get(), stream);
   };
-  // Without a track nothing reaches the appsink: the end is on the bus.
   std::string failure;
-  for (bool over = false; !over;) {
+  try {
+    const Running running(pipeline.get());
+    wait_for(pipeline.get(), GST_MESSAGE_EOS, [&] {
+      pull();
+      check_length(path, track);
+      flow.check(messages::kFileStandsStill);
+    });
     pull();
-    over = read_messages(bus.get(), failure) || is_too_long(track) ||
-           (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink.get())));
+  } catch (const TrackFileError &error) {
+    failure = error.what();
   }
-  pull();
-  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   stream.finish();
   track.film_begin = container.film_begin;
   check_length(path, track);
@@ -408,7 +401,7 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   if (!container.has_track)
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
   if (!failure.empty() && track.empty())
-    throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+    throw TrackFileError(about(path, failure));
   if (!failure.empty())
     track.remarks.push_back("the file ends early: " + failure);
   compare_with_film(container, track);
@@ -547,17 +540,13 @@ void play_track(const std::string &path, const TrackFile &track, const std::stri
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   if (prepare)
     prepare(made);
-  gst_element_set_state(made, GST_STATE_PLAYING);
-  push_track(in.get(), track);
-  const BusPtr bus(gst_element_get_bus(made));
-  MessagePtr message;
-  while (!message && !is_interrupted())
-    message.reset(gst_bus_timed_pop_filtered(
-        bus.get(), kPollTime, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
-  gst_element_set_state(made, GST_STATE_NULL);
-  throw_if_interrupted();
-  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
-    throw TrackFileError(about(path, error_of(message.get())));
+  try {
+    const Running running(made);
+    push_track(in.get(), track);
+    wait_for(made, GST_MESSAGE_EOS, throw_if_interrupted);
+  } catch (const TrackFileError &failure) {
+    throw TrackFileError(is_interrupted() ? failure.what() : about(path, failure.what()));
+  }
 }
 
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
