@@ -2,8 +2,8 @@
 #include "author/author-manifest.hpp"
 
 #include "json.hpp"
+#include "part-file.hpp"
 #include "track-error.hpp"
-#include "tracks/track-file.hpp"
 
 #include <fstream>
 

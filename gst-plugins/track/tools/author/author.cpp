@@ -36,10 +36,6 @@ int status_of_failure() {
   return is_interrupted() ? kInterrupted : EXIT_FAILURE;
 }
 
-void print_error(const std::string &text) {
-  std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
-}
-
 void print_warnings(const PlannedFilm &film) {
   for (const std::string &warning : film.index.warnings)
     std::fprintf(stderr, "\"%s\": %s\n", film.path.c_str(), warning.c_str());

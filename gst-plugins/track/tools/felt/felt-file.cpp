@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace haptic {
 namespace {
@@ -60,8 +59,7 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
     return;
   }
   track_ = read_track_file(path, stream);
-  for (const auto &remark : track_.remarks)
-    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+  print_remarks(path, track_.remarks);
   leave_reliefs_out(path, track_);
 }
 

@@ -139,15 +139,4 @@ void discard_stream(GstPad *pad) {
       [](GstPad *, GstPadProbeInfo *, gpointer) { return GST_PAD_PROBE_DROP; }, nullptr, nullptr);
 }
 
-GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer) {
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstClockTime time =
-      GST_BUFFER_PTS_IS_VALID(buffer) ? GST_BUFFER_PTS(buffer) : GST_BUFFER_DTS(buffer);
-  if (!event || !GST_CLOCK_TIME_IS_VALID(time))
-    return GST_CLOCK_TIME_NONE;
-  const GstSegment *segment = nullptr;
-  gst_event_parse_segment(event.get(), &segment);
-  return gst_segment_to_running_time(segment, GST_FORMAT_TIME, time);
-}
-
 } // namespace haptic

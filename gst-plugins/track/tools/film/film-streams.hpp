@@ -65,8 +65,4 @@ void read_to_end(const FilmStreams &film, GstPad *pad);
 /// a frame, which waits for that thread.
 void discard_stream(GstPad *pad);
 
-/// Returns the running time of a frame (ns), or GST_CLOCK_TIME_NONE. In AVI, frames that depend on
-/// others have a decoding time only.
-GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
-
 } // namespace haptic

@@ -4,6 +4,34 @@
 #include <gst/pbutils/pbutils.h>
 
 namespace haptic {
+namespace {
+
+GstClockTime time_of(const GstBuffer *buffer) {
+  return GST_BUFFER_PTS_IS_VALID(buffer) ? GST_BUFFER_PTS(buffer) : GST_BUFFER_DTS(buffer);
+}
+
+} // namespace
+
+std::optional<GstSegment> segment_of(GstPad *pad) {
+  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
+  if (!event)
+    return std::nullopt;
+  const GstSegment *segment = nullptr;
+  gst_event_parse_segment(event.get(), &segment);
+  return *segment;
+}
+
+GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer) {
+  const auto segment = segment_of(pad);
+  return segment ? gst_segment_to_running_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
+                 : GST_CLOCK_TIME_NONE;
+}
+
+GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer) {
+  const auto segment = segment_of(pad);
+  return segment ? gst_segment_to_stream_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
+                 : GST_CLOCK_TIME_NONE;
+}
 
 MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll) {
   const BusPtr bus(gst_element_get_bus(pipeline));

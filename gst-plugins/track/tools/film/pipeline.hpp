@@ -9,6 +9,7 @@
 #include <cstring>
 #include <functional>
 #include <gst/gst.h>
+#include <optional>
 #include <string>
 
 namespace haptic {
@@ -63,6 +64,22 @@ inline std::string error_of(GstMessage *message) {
   g_free(details);
   g_error_free(error);
   return text;
+}
+
+/// Returns the segment in which the buffers of the pad are, or nothing before the first one.
+std::optional<GstSegment> segment_of(GstPad *pad);
+
+// Both return the time of a frame (ns), or GST_CLOCK_TIME_NONE. In AVI, frames that depend on
+// others have a decoding time only.
+GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
+GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer);
+
+/// Returns the caps of a caps event, or null.
+inline GstCaps *caps_in(GstEvent *event) {
+  GstCaps *caps = nullptr;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    gst_event_parse_caps(event, &caps);
+  return caps;
 }
 
 /// Returns the first message of these types. Throws TrackFileError with the error of the pipeline

@@ -43,10 +43,9 @@ Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &opti
     throw_error(messages::kPlacesAreGiven);
   if (!options.hand.empty() || !both) {
     const FeltFile &other = a.has_places() ? b : a;
-    auto path = options.hand.empty() ? other.hand() : read_force_log(options.hand).places;
+    auto path = options.hand.empty() ? other.hand() : read_hand(options.hand);
     if (path.empty())
-      throw_error(messages::kHandIsMissing,
-                  options.hand.empty() ? other.path().c_str() : options.hand.c_str());
+      throw_error(messages::kHandIsMissing, other.path().c_str());
     return {{}, std::move(path)};
   }
   return {options.columns > 0 ? grid(options.columns, options.rows) : grid(kColumns, kRows), {}};
@@ -184,8 +183,7 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   const double percent = 100 * result.all.distinguishable;
   if (!options.at_most || percent <= *options.at_most)
     return EXIT_SUCCESS;
-  std::fprintf(stderr, "haptic-track: %s\n",
-               format_text(messages::kShareIsAbove, percent, *options.at_most).c_str());
+  print_error(format_text(messages::kShareIsAbove, percent, *options.at_most));
   return EXIT_FAILURE;
 }
 

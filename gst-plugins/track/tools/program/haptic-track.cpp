@@ -251,11 +251,6 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   return arguments;
 }
 
-void print_remarks(const std::string &path, const TrackFile &track) {
-  for (const auto &remark : track.remarks)
-    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
-}
-
 void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples) {
   const double length = seconds(last) - seconds(first);
   std::printf("  time       %.3f to %.3f s", seconds(first), seconds(last));
@@ -425,18 +420,11 @@ void check_output(const Arguments &arguments) {
 TrackFile read_some(const Arguments &arguments) {
   const std::string &path = arguments.files[0];
   TrackFile track = haptic::read_track_file(path, arguments.compare.stream);
-  print_remarks(path, track);
+  haptic::print_remarks(path, track.remarks);
   if (track.holds_nothing())
     throw_error(messages::kTrackIsEmpty, path.c_str());
   haptic::leave_reliefs_out(path, track);
   return track;
-}
-
-std::vector<haptic::TimedPlace> read_hand(const std::string &log) {
-  auto hand = haptic::read_force_log(log).places;
-  if (hand.empty())
-    throw_error(messages::kHandIsMissing, log.c_str());
-  return hand;
 }
 
 void write(const std::string &output, const TrackFile &track,
@@ -454,7 +442,8 @@ void convert(const Arguments &arguments) {
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
-    track.samples = haptic::samples_at_hand(track.fields, read_hand(arguments.compare.hand));
+    track.samples =
+        haptic::samples_at_hand(track.fields, haptic::read_hand(arguments.compare.hand));
     track.fields.clear();
   }
   // A track beside its video begins with the video, whose copy in a recording begins later.
@@ -475,14 +464,13 @@ void cut(const Arguments &arguments) {
       static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
-    TrackFile left;
     try {
-      left.remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
-                                      arguments.files[1], haptic::throw_if_interrupted);
+      haptic::print_remarks(arguments.files[0],
+                            haptic::cut_film(arguments.files[0], std::move(track), from, to,
+                                             arguments.files[1], haptic::throw_if_interrupted));
     } catch (const TrackFileError &error) {
       throw TrackFileError(haptic::about(arguments.files[0], error.what()));
     }
-    print_remarks(arguments.files[0], left);
     return;
   }
   haptic::cut_track(track, from, to);
@@ -496,7 +484,7 @@ void plot(const Arguments &arguments) {
   const std::string &file = arguments.files[0];
   haptic::PlotOptions options = arguments.plot;
   if (!arguments.compare.hand.empty())
-    options.hand = read_hand(arguments.compare.hand);
+    options.hand = haptic::read_hand(arguments.compare.hand);
   haptic::plot_track(file, read_some(arguments), options, arguments.files[1]);
 }
 
@@ -543,7 +531,7 @@ int run(const Arguments &arguments) {
       try {
         info(file, arguments.compare.stream);
       } catch (const TrackFileError &error) {
-        std::fprintf(stderr, "haptic-track: %s\n", error.what());
+        haptic::print_error(error.what());
         ++failures;
       }
     return failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
@@ -571,7 +559,7 @@ int main(int argc, char **argv) {
   try {
     return run(parse_arguments(words));
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "haptic-track: %s\n", error.what());
+    haptic::print_error(error.what());
     return haptic::is_interrupted() ? haptic::kInterrupted : EXIT_FAILURE;
   }
 }

@@ -68,35 +68,6 @@ void count_remark(TrackFile &track, std::size_t count, const std::string &what) 
     track.remarks.push_back(std::to_string(count) + " " + what);
 }
 
-// Appends an item of KLV. Returns whether it is a sample or a field.
-bool append_item(const KlvItem &item, TrackFile &track) {
-  if (item.kind == KlvKind::motion)
-    track.samples.push_back(item.sample);
-  else if (item.kind == KlvKind::field)
-    track.fields.push_back(coded_field_of(item));
-  return item.kind == KlvKind::motion || item.kind == KlvKind::field;
-}
-
-// The same for a line of text.
-bool append_line(TextLine &&line, TrackFile &track) {
-  if (line.sample)
-    track.samples.push_back(*line.sample);
-  else if (line.field)
-    track.fields.push_back(std::move(*line.field));
-  return line.sample || line.field;
-}
-
-// The same for a buffer that holds one set or one line.
-bool append_bytes(GstBuffer *buffer, TrackFile &track) {
-  const ReadableBuffer readable(buffer);
-  const auto bytes = readable.bytes();
-  if (begins_with(bytes, kTextName))
-    return append_line(read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()}),
-                       track);
-  const auto item = KlvReader(bytes).next();
-  return item && append_item(*item, track);
-}
-
 // A unit of some bytes may last for hours, and containers have any size.
 bool is_too_long(const TrackFile &track) {
   return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
@@ -107,43 +78,39 @@ void check_length(const std::string &path, const TrackFile &track) {
     throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
 }
 
-void read_klv_file(const std::string &path, TrackFile &track) {
+// Reads a file of sets, or of lines, whose samples have their own times. Of what is damaged some is
+// named.
+void read_bare_file(const std::string &path, TrackForm &form, bool has_lines, TrackFile &track) {
+  constexpr std::size_t kNamed = 5;
+  constexpr std::size_t kMostDamaged = 20; // sets
   const auto bytes = read_bytes(path);
-  KlvReader reader(bytes);
+  std::span<const std::uint8_t> rest(bytes);
   std::size_t damaged = 0;
   std::size_t others = 0;
-  while (const auto item = reader.next()) {
-    if (append_item(*item, track))
-      continue;
-    if (item->kind == KlvKind::damaged)
-      track.remarks.push_back("damage at byte " + std::to_string(item->offset) + ": " +
-                              item->error),
-          ++damaged;
-    else
-      ++others;
-    if (damaged > 20)
+  for (std::size_t line = 1; !rest.empty(); ++line) {
+    const auto end = has_lines ? std::ranges::find(rest, '\n') : rest.end();
+    const std::span packet(rest.begin(), end);
+    std::vector<TrackItem> items;
+    form.read({packet}, items);
+    rest = rest.subspan(std::min(packet.size() + 1, rest.size()));
+    for (TrackItem &item : items)
+      if (const auto *sample = std::get_if<TimedSample>(&item))
+        track.samples.push_back(sample->sample);
+      else if (auto *field = std::get_if<TimedField>(&item))
+        track.fields.push_back(std::move(field->field));
+      else if (const auto &problem = std::get<TrackProblem>(item);
+               problem.kind != TrackProblemKind::damaged &&
+               problem.kind != TrackProblemKind::foreign_text)
+        ++others;
+      else if (++damaged <= kNamed)
+        track.remarks.push_back((has_lines ? "line " + std::to_string(line) : "damaged") + ": " +
+                                problem.details);
+    if (damaged > kMostDamaged && !has_lines)
       throw_error(messages::kTrackFileIsDamaged, path.c_str());
   }
+  if (damaged > kNamed)
+    count_remark(track, damaged - kNamed, "further ones were left out");
   count_remark(track, others, "sets of other origin, version or kind were passed over");
-}
-
-void read_text_file(const std::string &path, TrackFile &track) {
-  const auto bytes = read_bytes(path);
-  std::string_view text(reinterpret_cast<const char *>(bytes.data()), bytes.size());
-  std::size_t wrong = 0;
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const auto end = std::min(text.find('\n'), text.size());
-    const auto line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos)
-      continue;
-    auto read = read_text_line(line);
-    const std::string error = read.error;
-    if (!append_line(std::move(read), track) && ++wrong <= 5)
-      track.remarks.push_back("line " + std::to_string(number) + ": " + error);
-  }
-  if (wrong > 5)
-    count_remark(track, wrong - 5, "further lines were left out");
 }
 
 void add_left_out(TrackFile &track, const std::string &what) {
@@ -227,8 +194,11 @@ bool is_own_track(GstBuffer *buffer) {
 namespace {
 
 bool has_reliefs(GstBuffer *buffer) {
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
   TrackFile track;
-  append_bytes(buffer, track);
+  StreamTrack(begins_with(bytes, kTextName) ? make_text_form() : make_klv_form(), track)
+      .push({bytes, 0});
   return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
 }
 
@@ -262,13 +232,7 @@ GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
 }
 
 GstPadProbeReturn watch_film(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstSegment *segment = nullptr;
-  if (!event)
-    return GST_PAD_PROBE_OK;
-  gst_event_parse_segment(event.get(), &segment);
-  const GstClockTime time = gst_segment_to_stream_time(
-      segment, GST_FORMAT_TIME, GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
+  const GstClockTime time = stream_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
   auto &container = *static_cast<Container *>(data);
   if (GST_CLOCK_TIME_IS_VALID(time)) {
     container.film_begin = std::min<GstClockTime>(container.film_begin, time);
@@ -467,10 +431,10 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   if (std::ranges::equal(std::span(head).first(std::min(head.size(), kKlvDesignator.size())),
                          kKlvDesignator)) {
     track.form = "KLV";
-    read_klv_file(path, track);
+    read_bare_file(path, *make_klv_form(), false, track);
   } else if (begins_with(head, kTextName)) {
     track.form = "text lines";
-    read_text_file(path, track);
+    read_bare_file(path, *make_text_form(), true, track);
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
     read_hmpg_file(path, track);
@@ -509,8 +473,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
 void leave_reliefs_out(const std::string &path, TrackFile &track) {
   if (track.empty() || track.reliefs.empty())
     return;
-  std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs beside the motion were left out\n",
-               path.c_str(), track.reliefs.size());
+  print_remark(path,
+               std::to_string(track.reliefs.size()) + " reliefs beside the motion were left out");
   track.reliefs.clear();
 }
 
@@ -558,14 +522,6 @@ void write_container(const std::string &path, const TrackFile &track, const std:
     if (prepare)
       prepare(pipeline);
   });
-  part.keep_as(path);
-}
-
-void write_bytes(const std::string &path, std::string_view bytes) {
-  PartFile part(path + ".part");
-  std::ofstream file(part.path(), std::ios::binary | std::ios::trunc);
-  if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())) || !file.flush())
-    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
   part.keep_as(path);
 }
 
