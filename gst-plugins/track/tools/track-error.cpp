@@ -2,6 +2,8 @@
 #include "track-error.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <unistd.h>
 
 namespace haptic {
 
@@ -15,6 +17,16 @@ void throw_error(const char *format, ...) {
   const std::string text = format_list(format, arguments);
   va_end(arguments);
   throw TrackFileError(text);
+}
+
+void check_readable(const std::string &path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    throw_error(messages::kFileIsMissing, path.c_str());
+  if (!std::filesystem::is_regular_file(path, error))
+    throw_error(messages::kFileIsNone, path.c_str());
+  if (access(path.c_str(), R_OK) != 0)
+    throw_error(messages::kFileIsForbidden, path.c_str());
 }
 
 void print_error(const std::string &text) {

@@ -22,6 +22,9 @@ std::string about(const std::string &path, const std::string &text);
 /// Throws a TrackFileError with the text that printf() would write.
 [[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);
 
+/// Throws a TrackFileError unless this is a file that can be read.
+void check_readable(const std::string &path);
+
 /// Prints an error.
 void print_error(const std::string &text);
 

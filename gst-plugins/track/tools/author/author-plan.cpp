@@ -12,7 +12,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace haptic {
 namespace {
@@ -34,13 +33,9 @@ struct FileState {
 };
 
 FileState state_of(const std::string &path) {
+  check_readable(path);
   struct stat status = {};
-  if (stat(path.c_str(), &status) != 0)
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!S_ISREG(status.st_mode))
-    throw_error(messages::kFileIsNone, path.c_str());
-  if (access(path.c_str(), R_OK) != 0)
-    throw_error(messages::kFileIsForbidden, path.c_str());
+  stat(path.c_str(), &status);
   return {static_cast<std::uint64_t>(status.st_size),
           status.st_mtim.tv_sec * std::int64_t{1'000'000'000} + status.st_mtim.tv_nsec};
 }

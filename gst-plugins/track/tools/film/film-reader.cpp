@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <exception>
-#include <filesystem>
 #include <gst/app/gstappsink.h>
 #include <gst/pbutils/pbutils.h>
 #include <mutex>
@@ -320,11 +319,7 @@ GstFlowReturn Reading::pull(GstAppSink *sink) {
 } // namespace
 
 FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!std::filesystem::is_regular_file(path, error))
-    throw_error(messages::kFileIsNone, path.c_str());
+  check_readable(path);
   if (!orientation_in(path).empty())
     throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
   try {

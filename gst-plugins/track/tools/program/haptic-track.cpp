@@ -282,6 +282,25 @@ void info_of_grid(const haptic::Field<Cell> &field, const char *known, double sh
               field.pixel_aspect_n, field.pixel_aspect_d);
 }
 
+// What was measured at some places.
+struct Speeds {
+  std::size_t count = 0;
+  double sum = 0; // px/s
+  double fastest = 0;
+
+  void add(double x, double y) {
+    const double speed = std::hypot(x, y);
+    ++count;
+    sum += speed;
+    fastest = std::max(fastest, speed);
+  }
+  void print() const {
+    if (count > 0)
+      std::printf("  speed      %.1f px/s on average, %.1f at most\n",
+                  sum / static_cast<double>(count), fastest);
+  }
+};
+
 void info_of_reliefs(const std::vector<CodedField> &reliefs) {
   std::printf("  reliefs    %zu\n", reliefs.size());
   info_of_code(reliefs);
@@ -325,10 +344,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   std::size_t decoded = 0;
   std::set<std::uint16_t> things; // of the field before
   std::size_t things_begun = 0;
-  double measured = 0;
+  Speeds measured;
   double cells = 0;
-  double sum = 0;
-  double fastest = 0;
   haptic::MotionField first;
   haptic::for_each_field(fields, [&](const haptic::MotionField &field, std::uint64_t) {
     if (decoded++ == 0)
@@ -338,49 +355,36 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     for (const auto &thing : field.things)
       things_begun += now.insert(thing.id).second && !things.contains(thing.id);
     things = std::move(now);
-    for (const auto &cell : field.cells) {
-      if (!(cell.confidence > 0))
-        continue;
-      const double speed = std::hypot(cell.velocity_x, cell.velocity_y);
-      ++measured;
-      sum += speed;
-      fastest = std::max(fastest, speed);
-    }
+    for (const auto &cell : field.cells)
+      if (cell.confidence > 0)
+        measured.add(cell.velocity_x, cell.velocity_y);
   });
   if (decoded == 0)
     return;
-  info_of_grid(first, "measured", measured / cells);
+  info_of_grid(first, "measured", static_cast<double>(measured.count) / cells);
   if (things_begun > 0)
     std::printf("  things     %zu\n", things_begun);
-  if (measured > 0)
-    std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
+  measured.print();
 }
 
 void info_of_samples(const std::vector<TrackSample> &samples) {
   const auto &first = samples.front();
-  std::size_t measured = 0;
-  double fastest = 0;
+  Speeds measured;
   double strongest = 0;
-  double sum = 0;
   for (const auto &sample : samples) {
     const auto &s = sample.motion;
     if (!(s.confidence > 0))
       continue;
-    ++measured;
-    const double speed = std::hypot(s.velocity_x, s.velocity_y);
+    measured.add(s.velocity_x, s.velocity_y);
     const auto force = haptic::force_of_motion(s);
-    sum += speed;
-    fastest = std::max(fastest, speed);
     strongest = std::max(strongest, std::hypot(force.x, force.y));
   }
   info_of_times(first.time, samples.back().time, samples.size());
   std::printf("  measured   %.1f %% of the samples\n",
-              100.0 * static_cast<double>(measured) / static_cast<double>(samples.size()));
+              100.0 * static_cast<double>(measured.count) / static_cast<double>(samples.size()));
   std::printf("  frame      %u x %u px, pixels %u:%u\n", first.motion.frame_width,
               first.motion.frame_height, first.motion.pixel_aspect_n, first.motion.pixel_aspect_d);
-  if (measured > 0)
-    std::printf("  speed      %.1f px/s on average, %.1f at most\n",
-                sum / static_cast<double>(measured), fastest);
+  measured.print();
   std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
 }
 

@@ -43,14 +43,8 @@ std::vector<std::uint8_t> read_bytes(const std::string &path) {
 }
 
 std::vector<std::uint8_t> first_bytes(const std::string &path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!std::filesystem::is_regular_file(path, error))
-    throw_error(messages::kFileIsNone, path.c_str());
+  check_readable(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw_error(messages::kFileIsForbidden, path.c_str());
   std::vector<std::uint8_t> bytes(4096);
   file.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
