@@ -175,6 +175,16 @@ gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer) {
   return std::ranges::find(kWhole, name_of(caps)) == std::end(kWhole);
 }
 
+GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path) {
+  GstElement *mux = add_element(pipeline, factory);
+  GstElement *mark = add_element(pipeline, "hapticmark");
+  GstElement *sink = add_element(pipeline, "filesink");
+  g_object_set(sink, "location", path.c_str(), "async", FALSE, nullptr);
+  link_elements(mux, mark);
+  link_elements(mark, sink);
+  return mux;
+}
+
 void link_elements(GstElement *from, GstElement *to) {
   if (!gst_element_link(from, to))
     throw_error(messages::kStreamDoesNotFit, GST_ELEMENT_NAME(from), GST_ELEMENT_NAME(to));

@@ -146,12 +146,8 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   PartFile file(output + ".part");
   FilmStreams film(path, FilmUse::copy, poll);
   part.video = film.video();
-  GstElement *mux = add_element(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux");
-  GstElement *sink = add_element(film.pipeline(), "filesink");
-  g_object_set(sink, "location", file.path().c_str(), "async", FALSE, nullptr);
-  GstElement *mark = add_element(film.pipeline(), "hapticmark");
-  link_elements(mux, mark);
-  link_elements(mark, sink);
+  GstElement *mux =
+      add_muxer(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux", file.path());
   std::vector<std::string> remarks;
   if (scan.tracks.size() > 1)
     remarks.emplace_back("further haptic tracks were left out");
