@@ -47,25 +47,40 @@ constexpr GstClockTime kPatience = 100 * GST_MSECOND;
 
 // Lists of other files or addresses, in every form that an element of GStreamer follows.
 constexpr std::string_view kLists[] = {
-    "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nhttp://127.0.0.1:9/named.ts\n"
-    "#EXT-X-ENDLIST\n",
-    "#EXTM3U\n#EXT-X-STREAM-INF:BANDWIDTH=100000\nfile:///named/film.m3u8\n",
-    "<?xml version=\"1.0\"?>\n<MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\" type=\"static\" "
-    "mediaPresentationDuration=\"PT2S\" minBufferTime=\"PT1S\" "
-    "profiles=\"urn:mpeg:dash:profile:isoff-on-demand:2011\"><BaseURL>http://127.0.0.1:9/</BaseURL>"
-    "<Period><AdaptationSet mimeType=\"video/mp4\"><Representation id=\"1\" bandwidth=\"1000\">"
-    "<BaseURL>named.mp4</BaseURL></Representation></AdaptationSet></Period></MPD>",
-    "<?xml version=\"1.0\"?>\n<SmoothStreamingMedia MajorVersion=\"2\" MinorVersion=\"0\" "
-    "Duration=\"20000000\"><StreamIndex Type=\"video\" Chunks=\"1\" "
-    "Url=\"http://127.0.0.1:9/named({bitrate})({start time})\"><QualityLevel Bitrate=\"100000\" "
-    "FourCC=\"H264\" CodecPrivateData=\"\"/><c "
-    "d=\"20000000\"/></StreamIndex></SmoothStreamingMedia>",
-    "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=named\nc=IN IP4 127.0.0.1\nt=0 0\nm=video 9 RTP/AVP 96\n"
-    "a=rtpmap:96 H264/90000\n",
+    R"(#EXTM3U
+#EXT-X-VERSION:3
+#EXT-X-TARGETDURATION:2
+#EXTINF:2,
+http://127.0.0.1:9/named.ts
+#EXT-X-ENDLIST
+)",
+    R"(#EXTM3U
+#EXT-X-STREAM-INF:BANDWIDTH=100000
+file:///named/film.m3u8
+)",
+    R"(<?xml version="1.0"?>
+<MPD xmlns="urn:mpeg:dash:schema:mpd:2011" type="static" mediaPresentationDuration="PT2S"
+ minBufferTime="PT1S" profiles="urn:mpeg:dash:profile:isoff-on-demand:2011">
+<BaseURL>http://127.0.0.1:9/</BaseURL><Period><AdaptationSet mimeType="video/mp4">
+<Representation id="1" bandwidth="1000"><BaseURL>named.mp4</BaseURL></Representation>
+</AdaptationSet></Period></MPD>)",
+    R"xml(<?xml version="1.0"?>
+<SmoothStreamingMedia MajorVersion="2" MinorVersion="0" Duration="20000000"><StreamIndex
+ Type="video" Chunks="1" Url="http://127.0.0.1:9/named({bitrate})({start time})"><QualityLevel
+ Bitrate="100000" FourCC="H264" CodecPrivateData=""/><c d="20000000"/></StreamIndex>
+</SmoothStreamingMedia>)xml",
+    R"(v=0
+o=- 0 0 IN IP4 127.0.0.1
+s=named
+c=IN IP4 127.0.0.1
+t=0 0
+m=video 9 RTP/AVP 96
+a=rtpmap:96 H264/90000
+)",
     "RTSPtextRTSP://127.0.0.1:9/named\n",
     "[playlist]\nFile1=http://127.0.0.1:9/named.mp4\nNumberOfEntries=1\n",
-    "<asx version=\"3.0\"><entry><ref href=\"http://127.0.0.1:9/named.wmv\"/></entry></asx>",
-    "<smil><body><video src=\"http://127.0.0.1:9/named.mp4\"/></body></smil>",
+    R"(<asx version="3.0"><entry><ref href="http://127.0.0.1:9/named.wmv"/></entry></asx>)",
+    R"(<smil><body><video src="http://127.0.0.1:9/named.mp4"/></body></smil>)",
     "http://127.0.0.1:9/named.mp4\n"};
 
 // Films, as far as their elements are there.
