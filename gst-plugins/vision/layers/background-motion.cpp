@@ -97,7 +97,7 @@ Displacement BackgroundMotion::remember(const LayerFrame &earlier, const LayerFr
 }
 
 void BackgroundMotion::update(const LayerFrame &earlier, const LayerFrame &later,
-                              const PixelMap &luma, const CellMap &background,
+                              const CellMap &luma, const CellMap &background,
                               const CellMap &follows, const LayerSize &size,
                               const BackgroundStep &step) {
   static const auto kNear = gaussian<3>(1.25F);

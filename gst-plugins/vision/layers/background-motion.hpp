@@ -22,7 +22,7 @@ public:
   void forget();
 
   /// `luma`: of the background. `background` and `follows` are those of CalmCells.
-  void update(const LayerFrame &earlier, const LayerFrame &later, const PixelMap &luma,
+  void update(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
               const CellMap &background, const CellMap &follows, const LayerSize &size,
               const BackgroundStep &step);
 

@@ -101,7 +101,6 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   if (available > 0) {
     const Past &old = past(available);
     compare(old.smooth, frame.smooth, size, change_);
-    pool(frame.steepness, size, steepness_);
     const float kept = std::exp(-step.seconds / kFollowMemory);
     for_cells(size, [&](int x, int y) {
       at_rest_energy_.at(x, y) *= kept;
@@ -123,8 +122,8 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
         calm += to_restless * (kRestless - calm);
       } else if (old.flat.at(x, y) > 0) {
         // A slope that drifts by a pixel changes by its steepness.
-        const float expected =
-            rounding_and(step.noise) + 1.5F * std::max(0.0F, steepness_.at(x, y) - step.noise / 4);
+        const float expected = rounding_and(step.noise) +
+                               1.5F * std::max(0.0F, frame.steepness.at(x, y) - step.noise / 4);
         calm += to_change * (std::min(kMostChange, change_.at(x, y) / expected) - calm);
       }
     });
@@ -134,7 +133,8 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   for_cells(size, [&](int x, int y) {
     background_.at(x, y) = near.at(x, y) > 1 ? 0 : frame.flat.at(x, y);
   });
-  now.smooth = frame.smooth;
+  for (int y = 0; y < size.height; ++y)
+    std::copy_n(frame.smooth.row(y), size.width, now.smooth.row(y));
   now.flat = frame.flat;
   now.shift = step.shift;
   now.has_shift = step.has_shift;

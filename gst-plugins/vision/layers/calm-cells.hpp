@@ -57,7 +57,6 @@ private:
   float displaced_sum_ = 0;
   CellMap change_;
   CellMap displaced_change_;
-  CellMap steepness_;
   CellMap background_;
   CellMap follows_;
 };

@@ -22,20 +22,14 @@ public:
   /// The flow that follows starts from rest.
   void forget() { is_cold_ = true; }
 
-  /// Finds the structure of the later frame. Call it once a frame, before step().
-  void prepare(const LayerFrame &later, const LayerSize &size);
-
   /// One damped step; more if the pixels moved far from their start, or the start is not known.
   void step(const LayerFrame &earlier, const LayerFrame &later, const FlowPrior &prior, float noise,
             const LayerSize &size);
 
   const VectorMap<PixelMap> &flow() const { return flow_; }
 
-  /// g g' of the later frame: the means over cells.
-  const TensorMap<CellMap> &structure() const { return cells_; }
-
-  /// earlier detail displaced by the start - later detail + slope * start, in the last step.
-  const PixelMap &term() const { return term_; }
+  /// What the last step leaves of the differences between the frames.
+  const PixelMap &rest() const { return rest_; }
 
   /// Mean squared differences of the cells: at the start, and after the steps.
   const CellMap &energy_before() const { return before_; }
@@ -47,11 +41,9 @@ private:
 
   bool is_cold_ = true;
   VectorMap<PixelMap> flow_;
-  TensorMap<PixelMap> structure_; // within a window
-  TensorMap<CellMap> cells_;
-  PixelMap term_;
-  VectorMap<PixelMap> moment_;
+  PixelMap rest_;
   CellMap before_;
+  CellMap between_; // of later steps
   CellMap after_;
   CellMap region_energy_;
   VectorMap<CellMap> region_moment_;

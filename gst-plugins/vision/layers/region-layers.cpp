@@ -48,11 +48,10 @@ void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view
   }
   now_ ^= 1U;
   prepare(later_view, size_, noise, later());
-  foreground_.prepare(later(), size_);
   region_before_ = region_;
   // It costs as much as the rest of a quiet frame.
   region_ = frame_moves_ > 0 || is_lost_
-                ? translation_.find(earlier(), later(), foreground_.structure(), noise, size_)
+                ? translation_.find(earlier(), later(), later().cell_structure, noise, size_)
                 : ExplainedTranslation{};
 }
 
@@ -74,8 +73,6 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
   background_.update(earlier(), later(), segmentation_.luma(), calm_.background(), calm_.follows(),
                      size_,
                      {.seconds = seconds, .noise = noise, .prior = prior, .prior_counts = counts});
-  widen(background_.motion().x, size_, background_flow_.x);
-  widen(background_.motion().y, size_, background_flow_.y);
   segmentation_.divide(later(), noise, size_);
   const bool is_steady = region_.share > kSteady && region_before_.share > kSteady;
   foreground_.step(
@@ -101,7 +98,7 @@ void RegionLayers::judge(float noise) {
   float after = 0;
   std::size_t count = 0;
   for_cells(size_, [&](int x, int y) {
-    const float trace = foreground_.structure().xx.at(x, y) + foreground_.structure().yy.at(x, y);
+    const float trace = later().cell_structure.xx.at(x, y) + later().cell_structure.yy.at(x, y);
     const float weight = trace / (trace + kHalf);
     all += weight;
     if (foreground_.energy_before().at(x, y) > 6 + 2.4F * noise + 0.16F * trace)
@@ -135,8 +132,8 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   std::array<TileSums, kMostTiles> sums;
   const LayerFrame &frame = frames_[now_];
   sum_tiles(
-      {frame, foreground_.flow(), background_flow_, segmentation_.share(), foreground_.term()},
-      region, columns, rows, sums);
+      {frame, foreground_.flow(), background_.motion(), segmentation_.share(), foreground_.rest()},
+      size_, region, columns, rows, sums);
   const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
   const TensorMap<CellMap> &known = background_.structure();

@@ -73,8 +73,8 @@ private:
   Segmentation segmentation_;
   BackgroundMotion background_;
   ForegroundFlow foreground_;
-  VectorMap<PixelMap> background_flow_;
-  std::array<float, static_cast<std::size_t>(CellMap::kStride) * CellMap::kStride> sorted_;
+  std::array<float, static_cast<std::size_t>(kLayerSide / kCellSide) * (kLayerSide / kCellSide)>
+      sorted_;
 };
 
 } // namespace haptic

@@ -23,7 +23,6 @@ protected:
     for (int i = 1; i < frames; ++i) {
       const haptic::LayerFrame later =
           test::prepared(texture.frame(kCropSide, kCropSide, place_of(i)));
-      flow->prepare(later, kCropSize);
       flow->step(earlier, later, prior, 0, kCropSize);
       earlier = later;
     }
