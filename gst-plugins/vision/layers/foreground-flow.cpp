@@ -29,17 +29,16 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
   constexpr float kResidual = 2;
   if (region.share <= kExplains || norm2(region.displacement) <= kMoves2)
     return;
-  compare_flow(earlier, later, flow_, size, before_);
+  compare_flow(earlier, later, blocks_, size, before_);
   compare_details(earlier, later, region.displacement, size, region_energy_, region_moment_);
   for_cells(size, [&](int x, int y) {
     const float own = before_.at(x, y);
     if (own <= kResidual + 1.2F * noise || region_energy_.at(x, y) >= kBetter * own ||
         !comes_from_inside(x, y, region.displacement, size))
       return;
-    const std::ptrdiff_t left = std::ptrdiff_t{x} * kCellSide;
-    for (int row = y * kCellSide; row < (y + 1) * kCellSide; ++row) {
-      std::fill_n(flow_.x.row(row) + left, kCellSide, region.displacement.x);
-      std::fill_n(flow_.y.row(row) + left, kCellSide, region.displacement.y);
+    for (int i = 0; i < 4; ++i) {
+      blocks_.x.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.x;
+      blocks_.y.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.y;
     }
   });
 }
@@ -57,21 +56,22 @@ void ForegroundFlow::step(const LayerFrame &earlier, const LayerFrame &later,
   const Displacement usual =
       is_cold_ && prior.region.share > kIsOne ? prior.region.displacement : prior.frame;
   if (is_cold_) {
-    flow_.x.values.fill(usual.x);
-    flow_.y.values.fill(usual.y);
+    blocks_.x.values.fill(usual.x);
+    blocks_.y.values.fill(usual.y);
     is_cold_ = false;
   } else {
-    damp(later.structure, prior.frame, prior.change, kDamping, size, flow_);
+    damp(later.structure, prior.frame, prior.change, kDamping, size, blocks_);
   }
   start_from_region(earlier, later, prior.region, noise, size);
   CellMap *before = &before_;
   for (int i = 0; i < most; ++i) {
-    const float moved = step_flow(earlier, later, foreground_window(), usual, kRidge, size, flow_,
-                                  rest_, *before, after_);
+    const float moved = step_flow(earlier, later, foreground_window(), usual, kRidge, size, blocks_,
+                                  rest_, *before);
     if (moved < near)
       break;
-    before = &between_;
+    before = &after_;
   }
+  finish_flow(later, blocks_, size, flow_, rest_, after_);
 }
 
 } // namespace haptic

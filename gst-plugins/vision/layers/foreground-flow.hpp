@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The displacement of each pixel of what moves (Lucas and Kanade), with the one of the frame before
-// as the start.
+// The displacement of what moves (Lucas and Kanade), with the one of the frame before as the start.
+// A window of 9 px makes it so smooth that it is solved for blocks of 2x2 pixels alone.
 #pragma once
 
 #include "layers/layer-maps.hpp"
@@ -40,10 +40,10 @@ private:
                          const ExplainedTranslation &region, float noise, const LayerSize &size);
 
   bool is_cold_ = true;
+  VectorMap<HalfMap> blocks_; // the flow
   VectorMap<PixelMap> flow_;
   PixelMap rest_;
   CellMap before_;
-  CellMap between_; // of later steps
   CellMap after_;
   CellMap region_energy_;
   VectorMap<CellMap> region_moment_;

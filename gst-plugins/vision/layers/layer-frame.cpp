@@ -14,7 +14,8 @@ const HalfKernel<1> &small_blur() {
 } // namespace
 
 const HalfKernel<kWindowRadius> &foreground_window() {
-  static const auto kernel = gaussian<kWindowRadius>(1.9F);
+  // With the mean over a block, the variance of a Gaussian of sigma 1.9 px that ends after 4 px.
+  static const auto kernel = gaussian<kWindowRadius>(0.87F);
   return kernel;
 }
 

@@ -74,16 +74,14 @@ HWY_INLINE void repeat_ends(float *row, int width) {
 }
 
 // The latest rows of a map, of which a filter needs no more.
-template <int kCount>
+template <typename Map, int kCount>
 class LatestRows {
 public:
-  HWY_INLINE float *row(int y) {
-    return values_ + (y % kCount) * PixelMap::kStride + PixelMap::kMargin;
-  }
+  HWY_INLINE float *row(int y) { return values_ + (y % kCount) * Map::kStride + Map::kMargin; }
   HWY_INLINE const float *near(int y, int rows) { return row(near_row(y, rows)); }
 
 private:
-  alignas(64) float values_[kCount * PixelMap::kStride];
+  alignas(64) float values_[kCount * Map::kStride];
 };
 
 template <int kRadius>
@@ -94,18 +92,20 @@ HWY_INLINE Vec blur_across(const float *kernel, const float *at) {
   return sum;
 }
 
-// kCount rows below one another. `rows`: 2 * kRadius + kCount.
-template <int kRadius, int kCount>
-HWY_INLINE void blur_down(const float *kernel, const float *const *rows, int x, Vec *to) {
-  Vec values[2 * kRadius + kCount];
-  for (int i = 0; i < 2 * kRadius + kCount; ++i)
-    values[i] = load(rows[i] + x);
-  for (int row = 0; row < kCount; ++row) {
-    const Vec *middle = values + kRadius + row;
-    to[row] = all(kernel[0]) * middle[0];
-    for (int i = 1; i <= kRadius; ++i)
-      to[row] += all(kernel[i]) * (middle[-i] + middle[i]);
-  }
+// `rows`: 2 * kRadius + 1.
+template <int kRadius>
+HWY_INLINE Vec blur_down(const float *kernel, const float *const *rows, int x) {
+  Vec sum = all(kernel[0]) * load(rows[kRadius] + x);
+  for (int i = 1; i <= kRadius; ++i)
+    sum += all(kernel[i]) * (load(rows[kRadius - i] + x) + load(rows[kRadius + i] + x));
+  return sum;
+}
+
+// The sums of each two values that follow one another.
+HWY_INLINE Vec sums_of_pairs(const float *values) {
+  Vec first, second;
+  hn::LoadInterleaved2(kTag, values, first, second);
+  return first + second;
 }
 
 // Rows of cells with their ends repeated on both sides.
@@ -138,9 +138,7 @@ HWY_INLINE void blur_cells(const float *kernel, const LayerSize &size, CellMap &
     for (int i = 0; i <= 2 * kRadius; ++i)
       rows[i] = near_row(across, y + i - kRadius, size.rows());
     for_vectors(size.columns(), [&](int x) HWY_ATTR {
-      Vec blurred;
-      blur_down<kRadius, 1>(kernel, rows, x, &blurred);
-      store(blurred, map.row(y) + x);
+      store(blur_down<kRadius>(kernel, rows, x), map.row(y) + x);
     });
   }
 }
@@ -158,26 +156,32 @@ void BlurCells(std::span<const float> kernel, const LayerSize &size, CellMap &ma
   }
 }
 
-// Means over cells of what is added for the vectors of each row.
+// Means over cells of kSide x kSide values of what is added for the vectors of each row.
+template <int kSide>
 class CellMeans {
 public:
   HWY_INLINE void add(int x, Vec values) { store(load(sums_ + x) + values, sums_ + x); }
-  // Call it after each row of pixels.
+  // Call it after each row.
   HWY_INLINE void end_row(int y, const LayerSize &size, CellMap &cells) {
-    if (y % kCellSide != kCellSide - 1)
+    if (y % kSide != kSide - 1)
       return;
     for_vectors(size.columns(), [&](int x) HWY_ATTR {
       Vec a, b, c, d;
-      hn::LoadInterleaved4(kTag, sums_ + kCellSide * x, a, b, c, d);
-      store(all(1.0F / (kCellSide * kCellSide)) * ((a + b) + (c + d)),
-            cells.row(y / kCellSide) + x);
+      if constexpr (kSide == 2) {
+        hn::LoadInterleaved2(kTag, sums_ + kSide * x, a, b);
+        c = d = hn::Zero(kTag);
+      } else {
+        hn::LoadInterleaved4(kTag, sums_ + kSide * x, a, b, c, d);
+      }
+      store(all(1.0F / (kSide * kSide)) * ((a + b) + (c + d)), cells.row(y / kSide) + x);
     });
-    for_vectors(size.width, [&](int x) HWY_ATTR { store(hn::Zero(kTag), sums_ + x); });
+    for_vectors(kSide * size.columns(), [&](int x) HWY_ATTR { store(hn::Zero(kTag), sums_ + x); });
   }
 
 private:
-  alignas(64) float sums_[kCellSide * CellMap::kStride] = {};
+  alignas(64) float sums_[kSide * CellMap::kStride] = {};
 };
+using PixelMeans = CellMeans<kCellSide>;
 
 // Bilinear interpolation between the middles of the cells.
 class WideCells {
@@ -221,7 +225,7 @@ private:
 void LoadLuma(const LumaView &view, const LayerSize &size, LayerFrame &frame) {
   const hn::Rebind<std::uint8_t, Tag> bytes;
   const hn::Rebind<std::int32_t, Tag> integers;
-  CellMeans means;
+  PixelMeans means;
   for (int y = 0; y < size.height; ++y) {
     // A vector must not read beyond the last row of a frame.
     std::uint8_t copy[kLayerSide + kVectorFloats];
@@ -248,23 +252,25 @@ public:
 
   void run() {
     constexpr int kSlopeLag = 2;
-    constexpr int kProductLag = kSlopeLag + 1;
-    constexpr int kAcrossLag = kProductLag + 1;
-    constexpr int kDownLag = kAcrossLag + kWindowRadius + kCellSide - 1;
+    constexpr int kFlatLag = kSlopeLag + 2;
+    constexpr int kProductLag = kSlopeLag + 2; // of two rows
+    constexpr int kAcrossLag = kProductLag + 2;
+    constexpr int kDownLag = kAcrossLag + 2 * kWindowRadius;
     const auto has = [&](int y) { return y >= 0 && y < size_.height; };
+    const auto has_pair = [&](int y) { return has(y) && y % 2 == 0; };
     for (int y = 0; y < size_.height + kDownLag; ++y) {
       if (has(y))
         smooth(y);
       if (has(y - kSlopeLag))
         find_slope(y - kSlopeLag);
-      if (has(y - kProductLag))
-        multiply(y - kProductLag);
-      if (has(y - kAcrossLag)) {
-        window_across(y - kAcrossLag);
-        find_flat(y - kAcrossLag);
-      }
-      if (has(y - kDownLag) && (y - kDownLag) % kCellSide == 0)
-        window_down(y - kDownLag);
+      if (has(y - kFlatLag))
+        find_flat(y - kFlatLag);
+      if (has_pair(y - kProductLag))
+        multiply((y - kProductLag) / 2);
+      if (has_pair(y - kAcrossLag))
+        window_across((y - kAcrossLag) / 2);
+      if (has_pair(y - kDownLag))
+        window_down((y - kDownLag) / 2);
     }
     frame_.energy = total(energy_) / static_cast<float>(size_.width * size_.height);
   }
@@ -326,50 +332,49 @@ private:
     repeat_ends(steep, size_.width);
   }
 
-  HWY_INLINE void multiply(int y) {
-    const float *slope_x = frame_.slope.x.row(y);
-    const float *slope_y = frame_.slope.y.row(y);
-    const float *steep = steep_.row(y);
-    for_vectors(size_.width, [&](int x) HWY_ATTR {
-      const Vec gx = load(slope_x + x);
-      const Vec gy = load(slope_y + x);
-      const Vec products[] = {gx * gx, gx * gy, gy * gy};
-      for (int i = 0; i < 3; ++i) {
-        store(products[i], products_[i].row(y) + x);
-        means_[i].add(x, products[i]);
+  HWY_INLINE void multiply(int block) {
+    for_vectors(size_.width / 2, [&](int x) HWY_ATTR {
+      alignas(64) float sums[3][2 * kVectorFloats];
+      for (int i = 0; i < 2 * lanes(); i += lanes()) {
+        const Vec gx = load(frame_.slope.x.row(2 * block) + 2 * x + i);
+        const Vec gy = load(frame_.slope.y.row(2 * block) + 2 * x + i);
+        const Vec next_gx = load(frame_.slope.x.row(2 * block + 1) + 2 * x + i);
+        const Vec next_gy = load(frame_.slope.y.row(2 * block + 1) + 2 * x + i);
+        store(gx * gx + next_gx * next_gx, sums[0] + i);
+        store(gx * gy + next_gx * next_gy, sums[1] + i);
+        store(gy * gy + next_gy * next_gy, sums[2] + i);
       }
-      steep_means_.add(x, load(steep + x));
+      for (int i = 0; i < 3; ++i) {
+        const Vec mean = all(0.25F) * sums_of_pairs(sums[i]);
+        store(mean, products_[i].row(block) + x);
+        means_[i].add(x, mean);
+      }
     });
     for (auto &rows : products_)
-      repeat_ends(rows.row(y), size_.width);
-    means_[0].end_row(y, size_, frame_.cell_structure.xx);
-    means_[1].end_row(y, size_, frame_.cell_structure.xy);
-    means_[2].end_row(y, size_, frame_.cell_structure.yy);
-    steep_means_.end_row(y, size_, frame_.steepness);
+      repeat_ends(rows.row(block), size_.width / 2);
+    means_[0].end_row(block, size_, frame_.cell_structure.xx);
+    means_[1].end_row(block, size_, frame_.cell_structure.xy);
+    means_[2].end_row(block, size_, frame_.cell_structure.yy);
   }
 
-  HWY_INLINE void window_across(int y) {
+  HWY_INLINE void window_across(int block) {
     for (int i = 0; i < 3; ++i) {
-      const float *from = products_[i].row(y);
-      float *to = across_[i].row(y);
-      for_vectors(size_.width, [&](int x) HWY_ATTR {
+      const float *from = products_[i].row(block);
+      float *to = across_[i].row(block);
+      for_vectors(size_.width / 2, [&](int x) HWY_ATTR {
         store(blur_across<kWindowRadius>(kernels_.window.data(), from + x), to + x);
       });
     }
   }
 
-  // Of a row of cells.
-  HWY_INLINE void window_down(int y) {
-    PixelMap *to[] = {&frame_.structure.xx, &frame_.structure.xy, &frame_.structure.yy};
+  HWY_INLINE void window_down(int block) {
+    HalfMap *to[] = {&frame_.structure.xx, &frame_.structure.xy, &frame_.structure.yy};
     for (int i = 0; i < 3; ++i) {
-      const float *rows[2 * kWindowRadius + kCellSide];
-      for (int k = 0; k < 2 * kWindowRadius + kCellSide; ++k)
-        rows[k] = across_[i].near(y + k - kWindowRadius, size_.height);
-      for_vectors(size_.width, [&](int x) HWY_ATTR {
-        Vec values[kCellSide];
-        blur_down<kWindowRadius, kCellSide>(kernels_.window.data(), rows, x, values);
-        for (int k = 0; k < kCellSide; ++k)
-          store(values[k], to[i]->row(y + k) + x);
+      const float *rows[2 * kWindowRadius + 1];
+      for (int k = 0; k <= 2 * kWindowRadius; ++k)
+        rows[k] = across_[i].near(block + k - kWindowRadius, size_.height / 2);
+      for_vectors(size_.width / 2, [&](int x) HWY_ATTR {
+        store(blur_down<kWindowRadius>(kernels_.window.data(), rows, x), to[i]->row(block) + x);
       });
     }
   }
@@ -386,7 +391,9 @@ private:
       };
       const Vec value = all(0.5F) * column(x) + all(0.25F) * (column(x - 1) + column(x + 1));
       store(is_first ? value : hn::Max(value, load(most_ + x)), most_ + x);
+      steep_means_.add(x, load(here + x));
     });
+    steep_means_.end_row(y, size_, frame_.steepness);
     if (y % kCellSide == kCellSide - 1)
       for_vectors(size_.columns(), [&](int x) HWY_ATTR {
         Vec a, b, c, d;
@@ -407,11 +414,11 @@ private:
   LayerFrame &frame_;
   const WideCells slow_;
   Vec energy_ = hn::Zero(kTag);
-  LatestRows<4> steep_;
-  LatestRows<2> products_[3];
-  LatestRows<16> across_[3];
-  CellMeans means_[3];
-  CellMeans steep_means_;
+  LatestRows<PixelMap, 4> steep_;
+  LatestRows<HalfMap, 2> products_[3];
+  LatestRows<HalfMap, 8> across_[3];
+  CellMeans<kCellSide / 2> means_[3];
+  PixelMeans steep_means_;
   alignas(64) float most_[kCellSide * CellMap::kStride] = {};
 };
 
@@ -421,7 +428,7 @@ void Describe(const CellMap &slow, const DescriptionKernels &kernels, float flat
 }
 
 void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy) {
-  CellMeans means;
+  PixelMeans means;
   for (int y = 0; y < size.height; ++y) {
     const float *a = one.row(y);
     const float *b = other.row(y);
@@ -470,7 +477,7 @@ private:
 void CompareDisplaced(const PixelMap &earlier, const PixelMap &later, Displacement by,
                       const LayerSize &size, CellMap &energy) {
   const DisplacedMap displaced(earlier, by, size);
-  CellMeans means;
+  PixelMeans means;
   for (int y = 0; y < size.height; ++y) {
     const float *here = later.row(y);
     displaced.for_row(y, [&](int x, Vec there) HWY_ATTR {
@@ -484,7 +491,7 @@ void CompareDisplaced(const PixelMap &earlier, const PixelMap &later, Displaceme
 void CompareDetails(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
                     const LayerSize &size, CellMap &energy, VectorMap<CellMap> &moment) {
   const DisplacedMap displaced(earlier.detail, by, size);
-  CellMeans squares, means_x, means_y;
+  PixelMeans squares, means_x, means_y;
   for (int y = 0; y < size.height; ++y) {
     const float *here = later.detail.row(y);
     const float *gx = later.slope.x.row(y);
@@ -505,7 +512,7 @@ void SumBackground(const LayerFrame &earlier, const LayerFrame &later, const Cel
                    Displacement by, const BackgroundLimits &limits, const LayerSize &size,
                    TensorMap<CellMap> &structure, VectorMap<CellMap> &moment) {
   const WideCells wide(luma, size);
-  CellMeans xx, xy, yy, bx, by_;
+  PixelMeans xx, xy, yy, bx, by_;
   const Vec last = all(static_cast<float>(size.width) - 1.5F);
   for (int y = 0; y < size.height; ++y) {
     const float *a = earlier.smooth.row(y);
@@ -552,8 +559,8 @@ void ShareBackground(const PixelMap &luma, const CellMap &background_luma, const
   constexpr float kOfLargest = 0.55F;
   const WideCells background(background_luma, size);
   const WideCells is_known(known, size);
-  LatestRows<8> differences;
-  LatestRows<8> largest_across;
+  LatestRows<PixelMap, 8> differences;
+  LatestRows<PixelMap, 8> largest_across;
   const auto compare = [&](int y) HWY_ATTR {
     const WideCells::Row usual = background.row(y);
     const float *from = luma.row(y);
@@ -600,55 +607,79 @@ void ShareBackground(const PixelMap &luma, const CellMap &background_luma, const
   }
 }
 
-void Damp(const TensorMap<PixelMap> &structure, Displacement prior, Displacement more,
-          float damping, const LayerSize &size, VectorMap<PixelMap> &flow) {
+void Damp(const TensorMap<HalfMap> &structure, Displacement prior, Displacement more, float damping,
+          const LayerSize &size, VectorMap<HalfMap> &flow) {
   const Displacement from = more - prior;
-  for (int y = 0; y < size.height; ++y) {
+  for (int y = 0; y < size.height / 2; ++y) {
     const float *xx = structure.xx.row(y);
     const float *yy = structure.yy.row(y);
     float *ux = flow.x.row(y);
     float *uy = flow.y.row(y);
-    for_vectors(size.width, [&](int x) HWY_ATTR {
+    for_vectors(size.width / 2, [&](int x) HWY_ATTR {
       const Vec trace = load(xx + x) + load(yy + x);
       const Vec kept = trace / (trace + all(damping));
       store(all(prior.x) + (load(ux + x) + all(from.x)) * kept, ux + x);
       store(all(prior.y) + (load(uy + x) + all(from.y)) * kept, uy + x);
     });
+    repeat_ends(ux, size.width / 2);
+    repeat_ends(uy, size.width / 2);
   }
 }
 
-// Samples a map where the flow comes from, clamped into the crop.
-class Warp {
+// Bilinear interpolation between the middles of blocks of 2x2 pixels, for a row of pixels.
+HWY_INLINE void widen_row(const HalfMap &map, int y, const LayerSize &size, float *to) {
+  const Vec most = all(0.75F);
+  const Vec least = all(0.25F);
+  const float *near = map.row(y / 2);
+  const float *far = near_row(map, y % 2 == 0 ? y / 2 - 1 : y / 2 + 1, size.height / 2);
+  for_vectors(size.width / 2, [&](int x) HWY_ATTR {
+    const auto column = [&](int i)
+                            HWY_ATTR { return most * load(near + i) + least * load(far + i); };
+    const Vec here = column(x);
+    hn::StoreInterleaved2(most * here + least * column(x - 1), most * here + least * column(x + 1),
+                          kTag, to + 2 * x);
+  });
+}
+
+// Samples a map where a row of the flow comes from, clamped into the crop.
+class WarpedRow {
 public:
-  Warp(const PixelMap &map, const VectorMap<PixelMap> &flow, const LayerSize &size)
-      : map_(map), flow_(flow), size_(size), most_x_(static_cast<float>(size.width) - 1.001F),
+  WarpedRow(const PixelMap &map, const LayerSize &size)
+      : map_(map), size_(size), most_x_(static_cast<float>(size.width) - 1.001F),
         most_y_(static_cast<float>(size.height) - 1.001F) {}
+
+  HWY_INLINE void begin(const VectorMap<HalfMap> &flow, int y) {
+    y_ = y;
+    widen_row(flow.x, y, size_, ux_);
+    widen_row(flow.y, y, size_, uy_);
+  }
+  HWY_INLINE Vec ux(int x) const { return load(ux_ + x); }
+  HWY_INLINE Vec uy(int x) const { return load(uy_ + x); }
 
   // The pixels of a vector come from nearly the same displacement. Where all of them come from
   // within a pixel of the one in the middle, the sum over nine neighbours, each weighted by its
   // nearness, needs no look-up of single pixels.
-  HWY_INLINE Vec at(int x, int y) const {
+  HWY_INLINE Vec at(int x) const {
     const auto last = static_cast<float>(size_.width - 1);
     const Vec column = hn::Min(hn::Iota(kTag, static_cast<float>(x)), all(last));
-    const Vec at_x = clamped(column - load(flow_.x.row(y) + x), most_x_);
-    const Vec at_y = clamped(all(static_cast<float>(y)) - load(flow_.y.row(y) + x), most_y_);
+    const Vec at_x = clamped(column - ux(x), most_x_);
+    const Vec at_y = clamped(all(static_cast<float>(y_)) - uy(x), most_y_);
     const int middle = std::min(x + lanes() / 2, size_.width - 1);
     const auto nearest = [](int from, float by, float most) HWY_ATTR {
-      return static_cast<int>(std::min(std::max(static_cast<float>(from) - by, 0.0F), most) +
-                              0.5F) -
-             from;
+      const float place = std::min(std::max(static_cast<float>(from) - by, 0.0F), most);
+      return static_cast<int>(place + 0.5F) - from;
     };
-    const int base_x = nearest(middle, flow_.x.row(y)[middle], most_x_);
-    const int base_y = nearest(y, flow_.y.row(y)[middle], most_y_);
+    const int base_x = nearest(middle, ux_[middle], most_x_);
+    const int base_y = nearest(y_, uy_[middle], most_y_);
     const Vec beside = at_x - column - all(static_cast<float>(base_x));
-    const Vec below = at_y - all(static_cast<float>(y + base_y));
+    const Vec below = at_y - all(static_cast<float>(y_ + base_y));
     if (HWY_UNLIKELY(!hn::AllTrue(kTag, hn::Max(hn::Abs(beside), hn::Abs(below)) <= all(1))))
       return look_up(at_x, at_y);
     const Vec left = hn::Max(all(0) - beside, all(0));
     const Vec right = hn::Max(beside, all(0));
     const Vec here = all(1) - hn::Abs(beside);
     const auto row = [&](int i) HWY_ATTR {
-      const float *from = near_row(map_, y + base_y + i, size_.height) + x + base_x;
+      const float *from = near_row(map_, y_ + base_y + i, size_.height) + x + base_x;
       return left * load(from - 1) + here * load(from) + right * load(from + 1);
     };
     return hn::Max(all(0) - below, all(0)) * row(-1) + (all(1) - hn::Abs(below)) * row(0) +
@@ -679,20 +710,23 @@ private:
   }
 
   const PixelMap &map_;
-  const VectorMap<PixelMap> &flow_;
   const LayerSize size_;
   const float most_x_; // less than a whole pixel from the last one, so that its neighbour exists
   const float most_y_;
+  int y_ = 0;
+  alignas(64) float ux_[kLayerSide + kVectorFloats];
+  alignas(64) float uy_[kLayerSide + kVectorFloats];
 };
 
-void CompareFlow(const LayerFrame &earlier, const LayerFrame &later,
-                 const VectorMap<PixelMap> &flow, const LayerSize &size, CellMap &energy) {
-  const Warp warp(earlier.detail, flow, size);
-  CellMeans means;
+void CompareFlow(const LayerFrame &earlier, const LayerFrame &later, const VectorMap<HalfMap> &flow,
+                 const LayerSize &size, CellMap &energy) {
+  WarpedRow warped(earlier.detail, size);
+  PixelMeans means;
   for (int y = 0; y < size.height; ++y) {
     const float *here = later.detail.row(y);
+    warped.begin(flow, y);
     for_vectors(size.width, [&](int x) HWY_ATTR {
-      const Vec difference = warp.at(x, y) - load(here + x);
+      const Vec difference = warped.at(x) - load(here + x);
       means.add(x, difference * difference);
     });
     means.end_row(y, size, energy);
@@ -700,103 +734,121 @@ void CompareFlow(const LayerFrame &earlier, const LayerFrame &later,
 }
 
 float StepFlow(const LayerFrame &earlier, const LayerFrame &later, std::span<const float> window,
-               Displacement prior, float ridge, const LayerSize &size, VectorMap<PixelMap> &flow,
-               PixelMap &rest, CellMap &before, CellMap &after) {
+               Displacement prior, float ridge, const LayerSize &size, VectorMap<HalfMap> &flow,
+               PixelMap &term, CellMap &energy) {
   constexpr float kTexture = 30; // trace of the structure that counts by half
-  const Warp warp(earlier.detail, flow, size);
-  LatestRows<2> moments_x, moments_y;
-  LatestRows<16> across_x, across_y;
-  CellMeans squares_before, squares_after;
+  WarpedRow warped(earlier.detail, size);
+  alignas(64) float sums_x[kLayerSide + kVectorFloats];
+  alignas(64) float sums_y[kLayerSide + kVectorFloats];
+  LatestRows<HalfMap, 2> moments_x, moments_y;
+  LatestRows<HalfMap, 8> across_x, across_y;
+  PixelMeans squares;
   Vec moved = hn::Zero(kTag);
   Vec weights = hn::Zero(kTag);
-  // rest <- earlier detail displaced by the flow - later detail + slope * flow
   const auto linearise = [&](int y) HWY_ATTR {
-    const float *ux = flow.x.row(y);
-    const float *uy = flow.y.row(y);
     const float *slope_x = later.slope.x.row(y);
     const float *slope_y = later.slope.y.row(y);
     const float *here = later.detail.row(y);
-    float *to = rest.row(y);
-    float *moment_x = moments_x.row(y);
-    float *moment_y = moments_y.row(y);
+    float *to = term.row(y);
+    const bool is_second = y % 2 == 1;
+    warped.begin(flow, y);
     for_vectors(size.width, [&](int x) HWY_ATTR {
-      const Vec difference = warp.at(x, y) - load(here + x);
+      const Vec difference = warped.at(x) - load(here + x);
       const Vec gx = load(slope_x + x);
       const Vec gy = load(slope_y + x);
-      const Vec sum = difference + gx * load(ux + x) + gy * load(uy + x);
-      squares_before.add(x, difference * difference);
+      const Vec sum = difference + gx * warped.ux(x) + gy * warped.uy(x);
+      squares.add(x, difference * difference);
       store(sum, to + x);
-      store(gx * sum, moment_x + x);
-      store(gy * sum, moment_y + x);
+      store(is_second ? load(sums_x + x) + gx * sum : gx * sum, sums_x + x);
+      store(is_second ? load(sums_y + x) + gy * sum : gy * sum, sums_y + x);
     });
-    repeat_ends(moment_x, size.width);
-    repeat_ends(moment_y, size.width);
-    squares_before.end_row(y, size, before);
+    squares.end_row(y, size, energy);
   };
-  const auto window_across = [&](int y) HWY_ATTR {
-    const float *from_x = moments_x.row(y);
-    const float *from_y = moments_y.row(y);
-    float *to_x = across_x.row(y);
-    float *to_y = across_y.row(y);
-    for_vectors(size.width, [&](int x) HWY_ATTR {
+  const auto halve = [&](int block) HWY_ATTR {
+    float *to_x = moments_x.row(block);
+    float *to_y = moments_y.row(block);
+    for_vectors(size.width / 2, [&](int x) HWY_ATTR {
+      store(all(0.25F) * sums_of_pairs(sums_x + 2 * x), to_x + x);
+      store(all(0.25F) * sums_of_pairs(sums_y + 2 * x), to_y + x);
+    });
+    repeat_ends(to_x, size.width / 2);
+    repeat_ends(to_y, size.width / 2);
+  };
+  const auto window_across = [&](int block) HWY_ATTR {
+    const float *from_x = moments_x.row(block);
+    const float *from_y = moments_y.row(block);
+    float *to_x = across_x.row(block);
+    float *to_y = across_y.row(block);
+    for_vectors(size.width / 2, [&](int x) HWY_ATTR {
       store(blur_across<kWindowRadius>(window.data(), from_x + x), to_x + x);
       store(blur_across<kWindowRadius>(window.data(), from_y + x), to_y + x);
     });
   };
-  const auto solve_pixels = [&](int x, int y, Vec moment_x, Vec moment_y) HWY_ATTR {
-    const Vec a = load(later.structure.xx.row(y) + x) + all(ridge);
-    const Vec b = load(later.structure.xy.row(y) + x);
-    const Vec c = load(later.structure.yy.row(y) + x) + all(ridge);
-    const Vec right_x = moment_x + all(ridge * prior.x);
-    const Vec right_y = moment_y + all(ridge * prior.y);
-    const Vec inverse = all(1) / (a * c - b * b);
-    const Vec new_x = (c * right_x - b * right_y) * inverse;
-    const Vec new_y = (a * right_y - b * right_x) * inverse;
-    const Vec trace = a + c - all(2 * ridge);
-    const Vec weight =
-        hn::IfThenElseZero(hn::FirstN(kTag, static_cast<std::size_t>(size.width - x)),
-                           trace / (trace + all(kTexture)));
-    float *ux = flow.x.row(y) + x;
-    float *uy = flow.y.row(y) + x;
-    float *left = rest.row(y) + x;
-    weights += weight;
-    moved += weight * (hn::Abs(new_x - load(ux)) + hn::Abs(new_y - load(uy)));
-    const Vec remains = load(left) - load(later.slope.x.row(y) + x) * new_x -
-                        load(later.slope.y.row(y) + x) * new_y;
-    squares_after.add(x, remains * remains);
-    store(new_x, ux);
-    store(new_y, uy);
-    store(remains, left);
-  };
-  // Of a row of cells.
-  const auto solve_rows = [&](int y) HWY_ATTR {
-    constexpr int kRows = 2 * kWindowRadius + kCellSide;
-    const float *rows_x[kRows];
-    const float *rows_y[kRows];
-    for (int i = 0; i < kRows; ++i) {
-      rows_x[i] = across_x.near(y + i - kWindowRadius, size.height);
-      rows_y[i] = across_y.near(y + i - kWindowRadius, size.height);
+  const auto solve_row = [&](int block) HWY_ATTR {
+    const float *rows_x[2 * kWindowRadius + 1];
+    const float *rows_y[2 * kWindowRadius + 1];
+    for (int i = 0; i <= 2 * kWindowRadius; ++i) {
+      rows_x[i] = across_x.near(block + i - kWindowRadius, size.height / 2);
+      rows_y[i] = across_y.near(block + i - kWindowRadius, size.height / 2);
     }
-    for_vectors(size.width, [&](int x) HWY_ATTR {
-      Vec moment_x[kCellSide];
-      Vec moment_y[kCellSide];
-      blur_down<kWindowRadius, kCellSide>(window.data(), rows_x, x, moment_x);
-      blur_down<kWindowRadius, kCellSide>(window.data(), rows_y, x, moment_y);
-      for (int i = 0; i < kCellSide; ++i)
-        solve_pixels(x, y + i, moment_x[i], moment_y[i]);
+    float *ux = flow.x.row(block);
+    float *uy = flow.y.row(block);
+    for_vectors(size.width / 2, [&](int x) HWY_ATTR {
+      const Vec a = load(later.structure.xx.row(block) + x) + all(ridge);
+      const Vec b = load(later.structure.xy.row(block) + x);
+      const Vec c = load(later.structure.yy.row(block) + x) + all(ridge);
+      const Vec right_x = blur_down<kWindowRadius>(window.data(), rows_x, x) + all(ridge * prior.x);
+      const Vec right_y = blur_down<kWindowRadius>(window.data(), rows_y, x) + all(ridge * prior.y);
+      const Vec inverse = all(1) / (a * c - b * b);
+      const Vec new_x = (c * right_x - b * right_y) * inverse;
+      const Vec new_y = (a * right_y - b * right_x) * inverse;
+      const Vec trace = a + c - all(2 * ridge);
+      const Vec weight =
+          hn::IfThenElseZero(hn::FirstN(kTag, static_cast<std::size_t>(size.width / 2 - x)),
+                             trace / (trace + all(kTexture)));
+      weights += weight;
+      moved += weight * (hn::Abs(new_x - load(ux + x)) + hn::Abs(new_y - load(uy + x)));
+      store(new_x, ux + x);
+      store(new_y, uy + x);
     });
-    squares_after.end_row(y + kCellSide - 1, size, after);
+    repeat_ends(ux, size.width / 2);
+    repeat_ends(uy, size.width / 2);
   };
-  constexpr int kLag = 1 + kWindowRadius + kCellSide - 1;
-  for (int y = 0; y < size.height + kLag; ++y) {
-    if (y < size.height)
-      linearise(y);
-    if (y >= 1 && y - 1 < size.height)
-      window_across(y - 1);
-    if (y >= kLag && (y - kLag) % kCellSide == 0)
-      solve_rows(y - kLag);
+  const int blocks = size.height / 2;
+  constexpr int kLag = 1 + kWindowRadius;
+  for (int block = 0; block < blocks + kLag; ++block) {
+    if (block < blocks) {
+      linearise(2 * block);
+      linearise(2 * block + 1);
+      halve(block);
+    }
+    if (block >= 1 && block - 1 < blocks)
+      window_across(block - 1);
+    if (block >= kLag)
+      solve_row(block - kLag);
   }
-  return total(moved) / (1 + total(weights));
+  return total(moved) / (1.0F / 4 + total(weights));
+}
+
+void FinishFlow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
+                VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy) {
+  PixelMeans squares;
+  for (int y = 0; y < size.height; ++y) {
+    float *ux = pixel_flow.x.row(y);
+    float *uy = pixel_flow.y.row(y);
+    widen_row(flow.x, y, size, ux);
+    widen_row(flow.y, y, size, uy);
+    const float *slope_x = later.slope.x.row(y);
+    const float *slope_y = later.slope.y.row(y);
+    float *to = term.row(y);
+    for_vectors(size.width, [&](int x) HWY_ATTR {
+      const Vec rest =
+          load(to + x) - load(slope_x + x) * load(ux + x) - load(slope_y + x) * load(uy + x);
+      squares.add(x, rest * rest);
+      store(rest, to + x);
+    });
+    squares.end_row(y, size, energy);
+  }
 }
 
 // The part of pixel i that lies in [begin, end).
@@ -882,6 +934,7 @@ HWY_EXPORT(ShareBackground);
 HWY_EXPORT(Damp);
 HWY_EXPORT(CompareFlow);
 HWY_EXPORT(StepFlow);
+HWY_EXPORT(FinishFlow);
 HWY_EXPORT(SumTiles);
 } // namespace
 
@@ -925,21 +978,26 @@ void share_background(const PixelMap &luma, const CellMap &background_luma, cons
   (luma, background_luma, known, least_known, least, size, share);
 }
 
-void damp(const TensorMap<PixelMap> &structure, Displacement prior, Displacement more,
-          float damping, const LayerSize &size, VectorMap<PixelMap> &flow) {
+void damp(const TensorMap<HalfMap> &structure, Displacement prior, Displacement more, float damping,
+          const LayerSize &size, VectorMap<HalfMap> &flow) {
   HWY_DYNAMIC_DISPATCH(Damp)(structure, prior, more, damping, size, flow);
 }
 
 void compare_flow(const LayerFrame &earlier, const LayerFrame &later,
-                  const VectorMap<PixelMap> &flow, const LayerSize &size, CellMap &energy) {
+                  const VectorMap<HalfMap> &flow, const LayerSize &size, CellMap &energy) {
   HWY_DYNAMIC_DISPATCH(CompareFlow)(earlier, later, flow, size, energy);
 }
 
 float step_flow(const LayerFrame &earlier, const LayerFrame &later, std::span<const float> window,
-                Displacement prior, float ridge, const LayerSize &size, VectorMap<PixelMap> &flow,
-                PixelMap &rest, CellMap &before, CellMap &after) {
-  return HWY_DYNAMIC_DISPATCH(StepFlow)(earlier, later, window, prior, ridge, size, flow, rest,
-                                        before, after);
+                Displacement prior, float ridge, const LayerSize &size, VectorMap<HalfMap> &flow,
+                PixelMap &term, CellMap &energy) {
+  return HWY_DYNAMIC_DISPATCH(StepFlow)(earlier, later, window, prior, ridge, size, flow, term,
+                                        energy);
+}
+
+void finish_flow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
+                 VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy) {
+  HWY_DYNAMIC_DISPATCH(FinishFlow)(later, flow, size, pixel_flow, term, energy);
 }
 
 void sum_tiles(const LayerSum &layers, const LayerSize &size, const Rectangle &region, int columns,

@@ -32,8 +32,8 @@ HalfKernel<kRadius> gaussian(float sigma) {
 
 inline constexpr HalfKernel<1> kBinomial = {0.5F, 0.25F};
 
-/// Of the window in which the pixels share a displacement, px.
-inline constexpr int kWindowRadius = 4;
+/// Of the window in which the pixels share a displacement, in blocks of 2x2 pixels.
+inline constexpr int kWindowRadius = 2;
 
 /// Fills in the luma and its means. The last column and row are repeated up to the size.
 void load_luma(const LumaView &view, const LayerSize &size, LayerFrame &frame);
@@ -82,22 +82,26 @@ void share_background(const PixelMap &luma, const CellMap &background_luma, cons
                       float least_known, float least, const LayerSize &size, PixelMap &share);
 
 /// flow <- prior + (flow + more - prior) * t / (t + damping), with the trace t of the structure.
-void damp(const TensorMap<PixelMap> &structure, Displacement prior, Displacement more,
-          float damping, const LayerSize &size, VectorMap<PixelMap> &flow);
+void damp(const TensorMap<HalfMap> &structure, Displacement prior, Displacement more, float damping,
+          const LayerSize &size, VectorMap<HalfMap> &flow);
 
 /// Mean squared difference of each cell between the earlier detail displaced by the flow and the
 /// later one.
 void compare_flow(const LayerFrame &earlier, const LayerFrame &later,
-                  const VectorMap<PixelMap> &flow, const LayerSize &size, CellMap &energy);
+                  const VectorMap<HalfMap> &flow, const LayerSize &size, CellMap &energy);
 
 /// One step of least squares within a window, from the flow as it is:
 /// flow <- (structure + ridge)^-1 (mean of slope * term + ridge * prior)
 /// with term = earlier detail displaced by flow - later detail + slope * flow.
-/// `rest` = term - slope * new flow. `before`, `after`: mean squared differences of the cells.
-/// Returns the mean of |change of the flow| where there is texture, px.
+/// `energy`: mean squared differences of the cells before it. Returns the mean of |change of the
+/// flow| where there is texture, px.
 float step_flow(const LayerFrame &earlier, const LayerFrame &later, std::span<const float> window,
-                Displacement prior, float ridge, const LayerSize &size, VectorMap<PixelMap> &flow,
-                PixelMap &rest, CellMap &before, CellMap &after);
+                Displacement prior, float ridge, const LayerSize &size, VectorMap<HalfMap> &flow,
+                PixelMap &term, CellMap &energy);
+
+/// The flow of each pixel, and term - slope * flow in the place of the term, with its mean squares.
+void finish_flow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
+                 VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy);
 
 /// Index of a tile where tiles lie row after row.
 inline std::size_t tile_at(int row, int columns, int column) {
@@ -120,7 +124,7 @@ struct LayerSum {
   const VectorMap<PixelMap> &flow;
   const VectorMap<CellMap> &background;
   const PixelMap &share;
-  const PixelMap &rest; ///< of step_flow()
+  const PixelMap &rest; ///< of finish_flow()
 };
 
 /// Tiles of equal size, columns x rows, that cover the region; row by row.

@@ -53,6 +53,7 @@ struct alignas(64) LayerMap {
 };
 
 using PixelMap = LayerMap<kLayerSide, kVectorFloats>;
+using HalfMap = LayerMap<kLayerSide / 2, kVectorFloats>; ///< of blocks of 2x2 pixels
 using CellMap = LayerMap<kLayerSide / kCellSide, 0>;
 
 template <typename Map>
@@ -91,7 +92,7 @@ struct LayerFrame {
   PixelMap smooth;                   ///< luma after a small blur
   PixelMap detail;                   ///< smooth without the slow changes of light
   VectorMap<PixelMap> slope;         ///< gradient of detail, grey levels/px
-  TensorMap<PixelMap> structure;     ///< g g' of the slopes within a window
+  TensorMap<HalfMap> structure;      ///< g g' of the slopes within a window
   TensorMap<CellMap> cell_structure; ///< means over the cells of g g'
   CellMap steepness;                 ///< mean squared gradient of smooth
   CellMap mean;                      ///< of luma
