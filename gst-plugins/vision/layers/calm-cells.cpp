@@ -80,10 +80,10 @@ void CalmCells::decide_followers(const LayerSize &size, const CalmStep &step) {
   const float crop = std::clamp((at_rest_sum_ - displaced_sum_) /
                                     (at_rest_sum_ + displaced_sum_ + kOfCrop * nothing),
                                 0.0F, 1.0F);
-  CellMap rest = at_rest_energy_;
-  CellMap displaced = displaced_energy_;
-  blur(kNear, size, rest);
-  blur(kNear, size, displaced);
+  CellMap rest;
+  CellMap displaced;
+  blur(kNear, size, at_rest_energy_, rest);
+  blur(kNear, size, displaced_energy_, displaced);
   for_cells(size, [&](int x, int y) {
     const float sum = rest.at(x, y) + displaced.at(x, y);
     const float z = (rest.at(x, y) - displaced.at(x, y)) / (sum + nothing);
@@ -128,8 +128,8 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
       }
     });
   }
-  CellMap near = calm_;
-  blur(kBinomial, size, near);
+  CellMap near;
+  blur(kBinomial, size, calm_, near);
   for_cells(size, [&](int x, int y) {
     background_.at(x, y) = near.at(x, y) > 1 ? 0 : frame.flat.at(x, y);
   });

@@ -210,6 +210,7 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
                                                float noise) {
   constexpr int kSteps = 2;
   constexpr float kMostStep = 1.5F; // px
+  constexpr float kArrived2 = 0.01F * 0.01F;
   constexpr float kRidge = 2;
   Displacement at = start;
   for (int i = 0; i < kSteps; ++i) {
@@ -234,6 +235,8 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
     at += step;
     at = {std::clamp(at.x, -kFarthestFrame, kFarthestFrame),
           std::clamp(at.y, -kFarthestFrame, kFarthestFrame)};
+    if (norm2(step) < kArrived2)
+      break;
   }
   return share_of(frames, at, noise);
 }

@@ -29,8 +29,8 @@ void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFram
   static const auto kSlow = gaussian<4>(1.5F); // cells
   static const DescriptionKernels kKernels = {small_blur(), foreground_window()};
   load_luma(view, size, frame);
-  CellMap slow = frame.mean;
-  blur(kSlow, size, slow);
+  CellMap slow;
+  blur(kSlow, size, frame.mean, slow);
   describe(slow, kKernels, 9 + 1.2F * noise, size, frame);
 }
 

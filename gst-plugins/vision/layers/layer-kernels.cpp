@@ -126,33 +126,40 @@ private:
 };
 
 template <int kRadius>
-HWY_INLINE void blur_cells(const float *kernel, const LayerSize &size, CellMap &map) {
-  PaddedCells cells(map, size);
-  CellMap across;
-  for (int y = 0; y < size.rows(); ++y)
-    for_vectors(size.columns(), [&](int x) HWY_ATTR {
-      store(blur_across<kRadius>(kernel, cells.row(y) + x), across.row(y) + x);
-    });
-  for (int y = 0; y < size.rows(); ++y) {
-    const float *rows[2 * kRadius + 1];
-    for (int i = 0; i <= 2 * kRadius; ++i)
-      rows[i] = near_row(across, y + i - kRadius, size.rows());
-    for_vectors(size.columns(), [&](int x) HWY_ATTR {
-      store(blur_down<kRadius>(kernel, rows, x), map.row(y) + x);
-    });
+HWY_INLINE void blur_cells(const float *kernel, const LayerSize &size, const CellMap &from,
+                           CellMap &to) {
+  alignas(64) float blurred[2][CellMap::kStride + 2 * kVectorFloats];
+  for (int y = 0; y <= size.rows(); ++y) {
+    if (y < size.rows()) {
+      const float *rows[2 * kRadius + 1];
+      for (int i = 0; i <= 2 * kRadius; ++i)
+        rows[i] = near_row(from, y + i - kRadius, size.rows());
+      float *row = blurred[y % 2] + kVectorFloats;
+      for_vectors(size.columns(),
+                  [&](int x) HWY_ATTR { store(blur_down<kRadius>(kernel, rows, x), row + x); });
+      fill(row - kVectorFloats, row[0]);
+      fill(row + size.columns(), row[size.columns() - 1]);
+    }
+    if (y > 0) {
+      const float *row = blurred[(y - 1) % 2] + kVectorFloats;
+      for_vectors(size.columns(), [&](int x) HWY_ATTR {
+        store(blur_across<kRadius>(kernel, row + x), to.row(y - 1) + x);
+      });
+    }
   }
 }
 
-void BlurCells(std::span<const float> kernel, const LayerSize &size, CellMap &map) {
+void BlurCells(std::span<const float> kernel, const LayerSize &size, const CellMap &from,
+               CellMap &to) {
   switch (kernel.size()) {
   case 2:
-    return blur_cells<1>(kernel.data(), size, map);
+    return blur_cells<1>(kernel.data(), size, from, to);
   case 4:
-    return blur_cells<3>(kernel.data(), size, map);
+    return blur_cells<3>(kernel.data(), size, from, to);
   case 5:
-    return blur_cells<4>(kernel.data(), size, map);
+    return blur_cells<4>(kernel.data(), size, from, to);
   default:
-    return blur_cells<5>(kernel.data(), size, map);
+    return blur_cells<5>(kernel.data(), size, from, to);
   }
 }
 
@@ -510,7 +517,7 @@ void CompareDetails(const LayerFrame &earlier, const LayerFrame &later, Displace
 
 void SumBackground(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
                    Displacement by, const BackgroundLimits &limits, const LayerSize &size,
-                   TensorMap<CellMap> &structure, VectorMap<CellMap> &moment) {
+                   BackgroundCells &means) {
   const WideCells wide(luma, size);
   PixelMeans xx, xy, yy, bx, by_;
   const Vec last = all(static_cast<float>(size.width) - 1.5F);
@@ -545,12 +552,95 @@ void SumBackground(const LayerFrame &earlier, const LayerFrame &later, const Cel
       bx.add(x, used_x * change);
       by_.add(x, used_y * change);
     });
-    xx.end_row(y, size, structure.xx);
-    xy.end_row(y, size, structure.xy);
-    yy.end_row(y, size, structure.yy);
-    bx.end_row(y, size, moment.x);
-    by_.end_row(y, size, moment.y);
+    xx.end_row(y, size, means.structure.xx);
+    xy.end_row(y, size, means.structure.xy);
+    yy.end_row(y, size, means.structure.yy);
+    bx.end_row(y, size, means.moment.x);
+    by_.end_row(y, size, means.moment.y);
   }
+}
+
+void Remember(const LayerFrame &earlier, const LayerFrame &later, const BackgroundCells &instant,
+              const CellMap &background, const CellMap &follows, const MemoryStep &step,
+              const LayerSize &size, BackgroundCells &memory, Tensor &structure,
+              Displacement &moment) {
+  constexpr float kRise = 1.0F / (2 * 2 * kCellSide); // over two cells, in the sum of two frames
+  CellMap flats;
+  CellMap sums;
+  alignas(64) float scales[CellMap::kStride];
+  for (int y = 0; y < size.rows(); ++y)
+    for_vectors(size.columns(), [&](int x) HWY_ATTR {
+      store(load(earlier.flat.row(y) + x) * load(later.flat.row(y) + x), flats.row(y) + x);
+      store(load(earlier.mean.row(y) + x) + load(later.mean.row(y) + x), sums.row(y) + x);
+    });
+  PaddedCells flat(flats, size);
+  PaddedCells sum(sums, size);
+  // At the border, the next cell on one side is the cell itself.
+  std::fill_n(scales, CellMap::kStride, kRise);
+  scales[0] = scales[size.columns() - 1] = 2 * kRise;
+  Vec totals[5] = {hn::Zero(kTag), hn::Zero(kTag), hn::Zero(kTag), hn::Zero(kTag), hn::Zero(kTag)};
+  for (int y = 0; y < size.rows(); ++y) {
+    const int up = std::max(y - 1, 0);
+    const int down = std::min(y + 1, size.rows() - 1);
+    const Vec scale_y = all(down - up == 2 ? kRise : 2 * kRise);
+    for_vectors(size.columns(), [&](int x) HWY_ATTR {
+      const auto slope = [&](const float *rise, const float *fall, const float *is_rise_flat,
+                             const float *is_fall_flat) HWY_ATTR {
+        return load(is_rise_flat) * load(is_fall_flat) * (load(rise) - load(fall));
+      };
+      const Vec gx = load(scales + x) * slope(sum.row(y) + x + 1, sum.row(y) + x - 1,
+                                              flat.row(y) + x + 1, flat.row(y) + x - 1);
+      const Vec gy =
+          scale_y * slope(sum.row(down) + x, sum.row(up) + x, flat.row(down) + x, flat.row(up) + x);
+      const Vec change = load(earlier.mean.row(y) + x) - load(later.mean.row(y) + x);
+      const Vec trace =
+          load(instant.structure.xx.row(y) + x) + load(instant.structure.yy.row(y) + x);
+      const Vec enough = hn::Min(trace * all(1 / step.enough), all(1));
+      const Vec stays = all(1) - all(step.following) * load(follows.row(y) + x);
+      const auto is_flat = load(flat.row(y) + x) > all(0);
+      const Vec old =
+          hn::IfThenElse(is_flat, stays * all(step.kept) * (all(1) - enough), all(step.forgotten));
+      const Vec now = hn::IfThenElseZero(is_flat, stays);
+      const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(size.columns() - x));
+      const Vec is_background = load(background.row(y) + x);
+      CellMap *maps[] = {&memory.structure.xx, &memory.structure.xy, &memory.structure.yy,
+                         &memory.moment.x, &memory.moment.y};
+      const Vec values[] = {gx * gx, gx * gy, gy * gy, gx * change, gy * change};
+      for (int i = 0; i < 5; ++i) {
+        float *to = maps[i]->row(y) + x;
+        const Vec value = old * load(to) + now * values[i];
+        store(value, to);
+        totals[i] += hn::IfThenElseZero(inside, is_background * value);
+      }
+    });
+  }
+  structure = {total(totals[0]), total(totals[1]), total(totals[2])};
+  moment = {total(totals[3]), total(totals[4])};
+}
+
+void SolveBackground(const BackgroundCells &instant, const CellMap &follows,
+                     const BackgroundPrior &prior, const LayerSize &size, BackgroundCells &sums,
+                     VectorMap<CellMap> &motion) {
+  for (int y = 0; y < size.rows(); ++y)
+    for_vectors(size.columns(), [&](int x) HWY_ATTR {
+      const auto add = [&](CellMap &map, const CellMap &more) HWY_ATTR {
+        const Vec sum = load(map.row(y) + x) + load(more.row(y) + x);
+        store(sum, map.row(y) + x);
+        return sum;
+      };
+      const Vec ridge = all(prior.ridge);
+      const Vec a = add(sums.structure.xx, instant.structure.xx) + ridge;
+      const Vec b = add(sums.structure.xy, instant.structure.xy);
+      const Vec c = add(sums.structure.yy, instant.structure.yy) + ridge;
+      const Vec right_x = add(sums.moment.x, instant.moment.x) + ridge * all(prior.drift.x);
+      const Vec right_y = add(sums.moment.y, instant.moment.y) + ridge * all(prior.drift.y);
+      const Vec inverse = all(1) / (a * c - b * b);
+      const Vec own_x = (c * right_x - b * right_y) * inverse;
+      const Vec own_y = (a * right_y - b * right_x) * inverse;
+      const Vec with_frame = all(prior.frame_counts) * load(follows.row(y) + x);
+      store(own_x + with_frame * (all(prior.frame.x) - own_x), motion.x.row(y) + x);
+      store(own_y + with_frame * (all(prior.frame.y) - own_y), motion.y.row(y) + x);
+    });
 }
 
 void ShareBackground(const PixelMap &luma, const CellMap &background_luma, const CellMap &known,
@@ -930,6 +1020,8 @@ HWY_EXPORT(Compare);
 HWY_EXPORT(CompareDisplaced);
 HWY_EXPORT(CompareDetails);
 HWY_EXPORT(SumBackground);
+HWY_EXPORT(Remember);
+HWY_EXPORT(SolveBackground);
 HWY_EXPORT(ShareBackground);
 HWY_EXPORT(Damp);
 HWY_EXPORT(CompareFlow);
@@ -947,8 +1039,9 @@ void describe(const CellMap &slow, const DescriptionKernels &kernels, float flat
   HWY_DYNAMIC_DISPATCH(Describe)(slow, kernels, flat_limit, size, frame);
 }
 
-void blur(std::span<const float> half_kernel, const LayerSize &size, CellMap &map) {
-  HWY_DYNAMIC_DISPATCH(BlurCells)(half_kernel, size, map);
+void blur(std::span<const float> half_kernel, const LayerSize &size, const CellMap &from,
+          CellMap &to) {
+  HWY_DYNAMIC_DISPATCH(BlurCells)(half_kernel, size, from, to);
 }
 
 void compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy) {
@@ -967,9 +1060,22 @@ void compare_details(const LayerFrame &earlier, const LayerFrame &later, Displac
 
 void sum_background(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
                     Displacement by, const BackgroundLimits &limits, const LayerSize &size,
-                    TensorMap<CellMap> &structure, VectorMap<CellMap> &moment) {
-  HWY_DYNAMIC_DISPATCH(SumBackground)
-  (earlier, later, luma, by, limits, size, structure, moment);
+                    BackgroundCells &means) {
+  HWY_DYNAMIC_DISPATCH(SumBackground)(earlier, later, luma, by, limits, size, means);
+}
+
+void remember(const LayerFrame &earlier, const LayerFrame &later, const BackgroundCells &instant,
+              const CellMap &background, const CellMap &follows, const MemoryStep &step,
+              const LayerSize &size, BackgroundCells &memory, Tensor &structure,
+              Displacement &moment) {
+  HWY_DYNAMIC_DISPATCH(Remember)
+  (earlier, later, instant, background, follows, step, size, memory, structure, moment);
+}
+
+void solve_background(const BackgroundCells &instant, const CellMap &follows,
+                      const BackgroundPrior &prior, const LayerSize &size, BackgroundCells &sums,
+                      VectorMap<CellMap> &motion) {
+  HWY_DYNAMIC_DISPATCH(SolveBackground)(instant, follows, prior, size, sums, motion);
 }
 
 void share_background(const PixelMap &luma, const CellMap &background_luma, const CellMap &known,

@@ -49,7 +49,8 @@ void describe(const CellMap &slow, const DescriptionKernels &kernels, float flat
               const LayerSize &size, LayerFrame &frame);
 
 /// Convolves with a kernel of radius 1, 3, 4 or 5 in both directions; borders are repeated.
-void blur(std::span<const float> half_kernel, const LayerSize &size, CellMap &map);
+void blur(std::span<const float> half_kernel, const LayerSize &size, const CellMap &from,
+          CellMap &to);
 
 /// The mean squared difference of each cell.
 void compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy);
@@ -69,11 +70,45 @@ struct BackgroundLimits {
   float change = 0;    ///< grey levels, from frame to frame and from the background's luma
 };
 
+/// Normal equations of each cell.
+struct BackgroundCells {
+  TensorMap<CellMap> structure;
+  VectorMap<CellMap> moment;
+};
+
 /// The means over the cells of g g' and g (earlier - later), with the gradient g of `smooth`. A
 /// pixel beyond a limit counts as zero; it may also have changed as a motion by `by` makes it.
 void sum_background(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
                     Displacement by, const BackgroundLimits &limits, const LayerSize &size,
-                    TensorMap<CellMap> &structure, VectorMap<CellMap> &moment);
+                    BackgroundCells &means);
+
+/// How a frame changes the memory of cells.
+struct MemoryStep {
+  float kept = 0;      ///< of cells that are flat in both frames
+  float enough = 0;    ///< trace of the instant structure at which nothing is kept
+  float following = 0; ///< what goes, too, where all of the cell follows the frame
+  float forgotten = 0; ///< kept of other cells
+};
+
+/// Adds g g' and g (earlier - later) to the memory, with the gradient g between the means of cells
+/// that are flat in both frames. `structure`, `moment`: the sums over the background.
+void remember(const LayerFrame &earlier, const LayerFrame &later, const BackgroundCells &instant,
+              const CellMap &background, const CellMap &follows, const MemoryStep &step,
+              const LayerSize &size, BackgroundCells &memory, Tensor &structure,
+              Displacement &moment);
+
+/// What is known of the motion of the background without a cell's own pixels.
+struct BackgroundPrior {
+  float ridge = 0;        ///< how much `drift` counts, (grey levels/px)^2
+  Displacement drift;     ///< of all of the background, px
+  Displacement frame;     ///< px
+  float frame_counts = 0; ///< 0..1, where all of a cell follows the frame
+};
+
+/// Adds `instant` to the sums and solves them for the motion of each cell.
+void solve_background(const BackgroundCells &instant, const CellMap &follows,
+                      const BackgroundPrior &prior, const LayerSize &size, BackgroundCells &sums,
+                      VectorMap<CellMap> &motion);
 
 /// The share of the background in each pixel, 0..1: 1 where its luma is near that of the
 /// background, in units of the largest difference around it, and at least `least` grey levels; 0

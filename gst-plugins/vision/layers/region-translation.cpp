@@ -83,8 +83,8 @@ Displacement RegionTranslation::search(const LayerFrame &earlier, const LayerFra
   constexpr int kReach = 5; // cells
   static const auto kSlow = gaussian<4>(1.5F);
   const auto detail_of = [&](const CellMap &mean) {
-    CellMap slow = mean;
-    blur(kSlow, size, slow);
+    CellMap slow;
+    blur(kSlow, size, mean, slow);
     for_cells(size, [&](int x, int y) { slow.at(x, y) = mean.at(x, y) - slow.at(x, y); });
     return slow;
   };

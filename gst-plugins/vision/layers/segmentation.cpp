@@ -12,11 +12,10 @@ void Segmentation::find_luma(const LayerFrame &frame, const CellMap &background,
                              const LayerSize &size) {
   constexpr float kLeastWeight = 1e-4F;
   static const auto kSpread = gaussian<4>(1.5F);
-  weights_ = background;
-  for_cells(size,
-            [&](int x, int y) { luma_.at(x, y) = background.at(x, y) * frame.mean.at(x, y); });
-  blur(kSpread, size, luma_);
-  blur(kSpread, size, weights_);
+  CellMap sums;
+  for_cells(size, [&](int x, int y) { sums.at(x, y) = background.at(x, y) * frame.mean.at(x, y); });
+  blur(kSpread, size, sums, luma_);
+  blur(kSpread, size, background, weights_);
   for_cells(size,
             [&](int x, int y) { luma_.at(x, y) /= std::max(weights_.at(x, y), kLeastWeight); });
 }
