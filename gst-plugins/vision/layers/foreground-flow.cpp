@@ -30,7 +30,7 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
   if (region.share <= kExplains || norm2(region.displacement) <= kMoves2)
     return;
   compare_flow(earlier, later, blocks_, size, before_);
-  compare_details(earlier, later, region.displacement, size, region_energy_, region_moment_);
+  fit_translation(earlier, later, region.displacement, noise, size, region_energy_);
   for_cells(size, [&](int x, int y) {
     const float own = before_.at(x, y);
     if (own <= kResidual + 1.2F * noise || region_energy_.at(x, y) >= kBetter * own ||

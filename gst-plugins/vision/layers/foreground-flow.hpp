@@ -46,7 +46,6 @@ private:
   CellMap before_;
   CellMap after_;
   CellMap region_energy_;
-  VectorMap<CellMap> region_moment_;
 };
 
 } // namespace haptic

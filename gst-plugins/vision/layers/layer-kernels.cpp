@@ -170,8 +170,11 @@ public:
   HWY_INLINE void add(int x, Vec values) { store(load(sums_ + x) + values, sums_ + x); }
   // Call it after each row.
   HWY_INLINE void end_row(int y, const LayerSize &size, CellMap &cells) {
-    if (y % kSide != kSide - 1)
-      return;
+    if (y % kSide == kSide - 1)
+      end_cells(y / kSide, size, cells);
+  }
+  // Call it after each row of cells.
+  HWY_INLINE void end_cells(int row, const LayerSize &size, CellMap &cells) {
     for_vectors(size.columns(), [&](int x) HWY_ATTR {
       Vec a, b, c, d;
       if constexpr (kSide == 2) {
@@ -180,7 +183,7 @@ public:
       } else {
         hn::LoadInterleaved4(kTag, sums_ + kSide * x, a, b, c, d);
       }
-      store(all(1.0F / (kSide * kSide)) * ((a + b) + (c + d)), cells.row(y / kSide) + x);
+      store(all(1.0F / (kSide * kSide)) * ((a + b) + (c + d)), cells.row(row) + x);
     });
     for_vectors(kSide * size.columns(), [&](int x) HWY_ATTR { store(hn::Zero(kTag), sums_ + x); });
   }
@@ -436,14 +439,16 @@ void Describe(const CellMap &slow, const DescriptionKernels &kernels, float flat
 
 void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, CellMap &energy) {
   PixelMeans means;
-  for (int y = 0; y < size.height; ++y) {
-    const float *a = one.row(y);
-    const float *b = other.row(y);
+  for (int row = 0; row < size.rows(); ++row) {
     for_vectors(size.width, [&](int x) HWY_ATTR {
-      const Vec difference = load(a + x) - load(b + x);
-      means.add(x, difference * difference);
+      Vec squares = hn::Zero(kTag);
+      for (int y = kCellSide * row; y < kCellSide * (row + 1); ++y) {
+        const Vec difference = load(one.row(y) + x) - load(other.row(y) + x);
+        squares += difference * difference;
+      }
+      means.add(x, squares);
     });
-    means.end_row(y, size, energy);
+    means.end_cells(row, size, energy);
   }
 }
 
@@ -451,29 +456,48 @@ void Compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, 
 class DisplacedMap {
 public:
   DisplacedMap(const PixelMap &map, Displacement by, const LayerSize &size)
-      : map_(map), size_(size), left_(static_cast<int>(std::floor(-by.x))),
+      : map_(map), by_(by), size_(size), left_(static_cast<int>(std::floor(-by.x))),
         up_(static_cast<int>(std::floor(-by.y))), part_x_(-by.x - static_cast<float>(left_)),
         part_y_(-by.y - static_cast<float>(up_)) {}
 
-  // Calls body(x, values) for the vectors of row y.
+  // Calls body(x, read) for the vectors of a row of cells; read(next) calls next(y, values) for
+  // each row of pixels.
   template <class Body>
-  HWY_INLINE void for_row(int y, Body &&body) const {
-    const float *above = near_row(map_, y + up_, size_.height) + left_;
-    const float *below = near_row(map_, y + up_ + 1, size_.height) + left_;
+  HWY_INLINE void for_cells(int row, Body &&body) const {
+    const float *rows[kCellSide + 1];
+    for (int i = 0; i <= kCellSide; ++i)
+      rows[i] = near_row(map_, kCellSide * row + up_ + i, size_.height) + left_;
     for_vectors(size_.width, [&](int x) HWY_ATTR {
       if (x + left_ < -PixelMap::kMargin || x + left_ + lanes() >= kLayerSide + PixelMap::kMargin)
         return;
-      const auto across = [&](const float *row) HWY_ATTR {
-        const Vec first = load(row + x);
-        return first + all(part_x_) * (load(row + x + 1) - first);
-      };
-      const Vec upper = across(above);
-      body(x, upper + all(part_y_) * (across(below) - upper));
+      body(x, [&](auto &&next) HWY_ATTR {
+        const auto across = [&](int i) HWY_ATTR {
+          const Vec first = load(rows[i] + x);
+          return first + all(part_x_) * (load(rows[i] + x + 1) - first);
+        };
+        Vec above = across(0);
+        for (int i = 0; i < kCellSide; ++i) {
+          const Vec below = across(i + 1);
+          next(kCellSide * row + i, above + all(part_y_) * (below - above));
+          above = below;
+        }
+      });
     });
+  }
+
+  // Whether all of a cell was inside the crop before.
+  HWY_INLINE bool is_row_inside(int row) const {
+    const float top = static_cast<float>(kCellSide * row) - by_.y;
+    return top >= 0 && top + kCellSide <= static_cast<float>(size_.height);
+  }
+  HWY_INLINE hn::Mask<Tag> are_inside(int column) const {
+    const Vec left = all(kCellSide) * hn::Iota(kTag, static_cast<float>(column)) - all(by_.x);
+    return hn::And(left >= all(0), left <= all(static_cast<float>(size_.width - kCellSide)));
   }
 
 private:
   const PixelMap &map_;
+  const Displacement by_;
   const LayerSize size_;
   int left_;
   int up_;
@@ -485,78 +509,123 @@ void CompareDisplaced(const PixelMap &earlier, const PixelMap &later, Displaceme
                       const LayerSize &size, CellMap &energy) {
   const DisplacedMap displaced(earlier, by, size);
   PixelMeans means;
-  for (int y = 0; y < size.height; ++y) {
-    const float *here = later.row(y);
-    displaced.for_row(y, [&](int x, Vec there) HWY_ATTR {
-      const Vec difference = there - load(here + x);
-      means.add(x, difference * difference);
+  for (int row = 0; row < size.rows(); ++row) {
+    displaced.for_cells(row, [&](int x, auto &&read) HWY_ATTR {
+      Vec squares = hn::Zero(kTag);
+      read([&](int y, Vec there) HWY_ATTR {
+        const Vec difference = there - load(later.row(y) + x);
+        squares += difference * difference;
+      });
+      means.add(x, squares);
     });
-    means.end_row(y, size, energy);
+    means.end_cells(row, size, energy);
   }
 }
 
-void CompareDetails(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
-                    const LayerSize &size, CellMap &energy, VectorMap<CellMap> &moment) {
+TranslationFit FitTranslation(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
+                              float noise, const LayerSize &size, CellMap &energy) {
+  constexpr float kHalf = 30; // trace that counts by half
   const DisplacedMap displaced(earlier.detail, by, size);
   PixelMeans squares, means_x, means_y;
-  for (int y = 0; y < size.height; ++y) {
-    const float *here = later.detail.row(y);
-    const float *gx = later.slope.x.row(y);
-    const float *gy = later.slope.y.row(y);
-    displaced.for_row(y, [&](int x, Vec there) HWY_ATTR {
-      const Vec difference = there - load(here + x);
-      squares.add(x, difference * difference);
-      means_x.add(x, load(gx + x) * difference);
-      means_y.add(x, load(gy + x) * difference);
+  CellMap moment_x, moment_y;
+  Vec sums[7];
+  for (Vec &sum : sums)
+    sum = hn::Zero(kTag);
+  for (int row = 0; row < size.rows(); ++row) {
+    displaced.for_cells(row, [&](int x, auto &&read) HWY_ATTR {
+      Vec square = hn::Zero(kTag);
+      Vec sum_x = hn::Zero(kTag);
+      Vec sum_y = hn::Zero(kTag);
+      read([&](int y, Vec there) HWY_ATTR {
+        const Vec difference = there - load(later.detail.row(y) + x);
+        square += difference * difference;
+        sum_x += load(later.slope.x.row(y) + x) * difference;
+        sum_y += load(later.slope.y.row(y) + x) * difference;
+      });
+      squares.add(x, square);
+      means_x.add(x, sum_x);
+      means_y.add(x, sum_y);
     });
-    squares.end_row(y, size, energy);
-    means_x.end_row(y, size, moment.x);
-    means_y.end_row(y, size, moment.y);
+    squares.end_cells(row, size, energy);
+    means_x.end_cells(row, size, moment_x);
+    means_y.end_cells(row, size, moment_y);
+    for_vectors(displaced.is_row_inside(row) ? size.columns() : 0, [&](int x) HWY_ATTR {
+      const Vec xx = load(later.cell_structure.xx.row(row) + x);
+      const Vec xy = load(later.cell_structure.xy.row(row) + x);
+      const Vec yy = load(later.cell_structure.yy.row(row) + x);
+      const Vec left = load(energy.row(row) + x);
+      const Vec trace = xx + yy;
+      // What noise, and half a tenth of a pixel on texture, leave.
+      const Vec usual = all(3 + 1.2F * noise) + all(0.08F) * trace;
+      const Vec fits = usual / (usual + left);
+      const Vec weight = fits * fits / (all(1) + all(0.02F) * trace);
+      const Vec seen = trace / (trace + all(kHalf));
+      const Vec values[] = {weight * xx,
+                            weight * xy,
+                            weight * yy,
+                            weight * load(moment_x.row(row) + x),
+                            weight * load(moment_y.row(row) + x),
+                            hn::IfThenElseZero(left <= usual, seen),
+                            seen};
+      const auto counts = hn::And(displaced.are_inside(x),
+                                  hn::FirstN(kTag, static_cast<std::size_t>(size.columns() - x)));
+      for (int i = 0; i < 7; ++i)
+        sums[i] += hn::IfThenElseZero(counts, values[i]);
+    });
   }
+  return {{total(sums[0]), total(sums[1]), total(sums[2])},
+          {total(sums[3]), total(sums[4])},
+          total(sums[5]),
+          total(sums[6])};
 }
 
 void SumBackground(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
                    Displacement by, const BackgroundLimits &limits, const LayerSize &size,
                    BackgroundCells &means) {
   const WideCells wide(luma, size);
-  PixelMeans xx, xy, yy, bx, by_;
+  PixelMeans pixels[5];
+  CellMap *cells[] = {&means.structure.xx, &means.structure.xy, &means.structure.yy,
+                      &means.moment.x, &means.moment.y};
   const Vec last = all(static_cast<float>(size.width) - 1.5F);
-  for (int y = 0; y < size.height; ++y) {
-    const float *a = earlier.smooth.row(y);
-    const float *b = later.smooth.row(y);
-    const float *a_up = near_row(earlier.smooth, y - 1, size.height);
-    const float *b_up = near_row(later.smooth, y - 1, size.height);
-    const float *a_down = near_row(earlier.smooth, y + 1, size.height);
-    const float *b_down = near_row(later.smooth, y + 1, size.height);
-    const WideCells::Row background = wide.row(y);
-    // The outermost rows have no gradient across.
-    const bool is_inside = y > 0 && y < size.height - 1;
-    for_vectors(is_inside ? size.width : 0, [&](int x) HWY_ATTR {
-      const Vec now = load(b + x);
-      const Vec change = load(a + x) - now;
-      const Vec gx =
-          all(0.25F) * ((load(a + x + 1) - load(a + x - 1)) + (load(b + x + 1) - load(b + x - 1)));
-      const Vec gy =
-          all(0.25F) * ((load(a_down + x) - load(a_up + x)) + (load(b_down + x) - load(b_up + x)));
-      const Vec left = hn::Min(hn::Abs(change), hn::Abs(change - gx * all(by.x) - gy * all(by.y)));
-      const Vec most = hn::Max(left, hn::Abs(now - background.at(x)));
+  for (int row = 0; row < size.rows(); ++row) {
+    // The outermost pixels have no gradient across.
+    const int first_y = std::max(kCellSide * row, 1);
+    const int end_y = std::min(kCellSide * (row + 1), size.height - 1);
+    for_vectors(size.width, [&](int x) HWY_ATTR {
+      Vec sums[5];
+      for (Vec &sum : sums)
+        sum = hn::Zero(kTag);
       const Vec column = hn::Iota(kTag, static_cast<float>(x));
-      const auto counts =
-          hn::And(hn::And(gx * gx + gy * gy <= all(limits.steepness), most <= all(limits.change)),
-                  hn::And(column > all(0.5F), column < last));
-      const Vec used_x = hn::IfThenElseZero(counts, gx);
-      const Vec used_y = hn::IfThenElseZero(counts, gy);
-      xx.add(x, used_x * gx);
-      xy.add(x, used_x * gy);
-      yy.add(x, used_y * gy);
-      bx.add(x, used_x * change);
-      by_.add(x, used_y * change);
+      const auto is_inside = hn::And(column > all(0.5F), column < last);
+      for (int y = first_y; y < end_y; ++y) {
+        const float *a = earlier.smooth.row(y) + x;
+        const float *b = later.smooth.row(y) + x;
+        const auto rise = [&](int to) HWY_ATTR {
+          return all(0.25F) * ((load(a + to) - load(a - to)) + (load(b + to) - load(b - to)));
+        };
+        const Vec now = load(b);
+        const Vec change = load(a) - now;
+        const Vec gx = rise(1);
+        const Vec gy = rise(PixelMap::kStride);
+        const Vec left =
+            hn::Min(hn::Abs(change), hn::Abs(change - gx * all(by.x) - gy * all(by.y)));
+        const Vec most = hn::Max(left, hn::Abs(now - wide.row(y).at(x)));
+        const auto counts =
+            hn::And(hn::And(gx * gx + gy * gy <= all(limits.steepness), most <= all(limits.change)),
+                    is_inside);
+        const Vec used_x = hn::IfThenElseZero(counts, gx);
+        const Vec used_y = hn::IfThenElseZero(counts, gy);
+        sums[0] += used_x * gx;
+        sums[1] += used_x * gy;
+        sums[2] += used_y * gy;
+        sums[3] += used_x * change;
+        sums[4] += used_y * change;
+      }
+      for (int i = 0; i < 5; ++i)
+        pixels[i].add(x, sums[i]);
     });
-    xx.end_row(y, size, means.structure.xx);
-    xy.end_row(y, size, means.structure.xy);
-    yy.end_row(y, size, means.structure.yy);
-    bx.end_row(y, size, means.moment.x);
-    by_.end_row(y, size, means.moment.y);
+    for (int i = 0; i < 5; ++i)
+      pixels[i].end_cells(row, size, *cells[i]);
   }
 }
 
@@ -1018,7 +1087,7 @@ HWY_EXPORT(Describe);
 HWY_EXPORT(BlurCells);
 HWY_EXPORT(Compare);
 HWY_EXPORT(CompareDisplaced);
-HWY_EXPORT(CompareDetails);
+HWY_EXPORT(FitTranslation);
 HWY_EXPORT(SumBackground);
 HWY_EXPORT(Remember);
 HWY_EXPORT(SolveBackground);
@@ -1053,9 +1122,9 @@ void compare_displaced(const PixelMap &earlier, const PixelMap &later, Displacem
   HWY_DYNAMIC_DISPATCH(CompareDisplaced)(earlier, later, by, size, energy);
 }
 
-void compare_details(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
-                     const LayerSize &size, CellMap &energy, VectorMap<CellMap> &moment) {
-  HWY_DYNAMIC_DISPATCH(CompareDetails)(earlier, later, by, size, energy, moment);
+TranslationFit fit_translation(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
+                               float noise, const LayerSize &size, CellMap &energy) {
+  return HWY_DYNAMIC_DISPATCH(FitTranslation)(earlier, later, by, noise, size, energy);
 }
 
 void sum_background(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,

@@ -60,9 +60,17 @@ void compare(const PixelMap &one, const PixelMap &other, const LayerSize &size, 
 void compare_displaced(const PixelMap &earlier, const PixelMap &later, Displacement by,
                        const LayerSize &size, CellMap &energy);
 
-/// The same of `detail`, with the means of slope * (earlier displaced - later).
-void compare_details(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
-                     const LayerSize &size, CellMap &energy, VectorMap<CellMap> &moment);
+/// What a translation leaves of the cells that come from inside the crop.
+struct TranslationFit {
+  Tensor structure;    ///< weighted by how well the translation fits the cell
+  Displacement moment; ///< of the differences, weighted so
+  float explained = 0; ///< sum over the cells that it explains, weighted by their texture
+  float all = 0;       ///< the same over all of them
+};
+
+/// The same as compare_displaced() of `detail`, with its fit. `noise`: variance of a pixel.
+TranslationFit fit_translation(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
+                               float noise, const LayerSize &size, CellMap &energy);
 
 /// Limits for pixels of the background.
 struct BackgroundLimits {

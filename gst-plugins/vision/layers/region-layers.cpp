@@ -50,9 +50,8 @@ void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view
   prepare(later_view, size_, noise, later());
   region_before_ = region_;
   // It costs as much as the rest of a quiet frame.
-  region_ = frame_moves_ > 0 || is_lost_
-                ? translation_.find(earlier(), later(), later().cell_structure, noise, size_)
-                : ExplainedTranslation{};
+  region_ = frame_moves_ > 0 || is_lost_ ? translation_.find(earlier(), later(), noise, size_)
+                                         : ExplainedTranslation{};
 }
 
 void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise) {
