@@ -29,7 +29,7 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
   constexpr float kResidual = 2;
   if (region.share <= kExplains || norm2(region.displacement) <= kMoves2)
     return;
-  compare_flow(earlier, later, blocks_, size, before_);
+  compare_flow(earlier, later, flow_, size, before_);
   fit_translation(earlier, later, region.displacement, noise, size, region_energy_);
   for_cells(size, [&](int x, int y) {
     const float own = before_.at(x, y);
@@ -37,8 +37,8 @@ void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFra
         !comes_from_inside(x, y, region.displacement, size))
       return;
     for (int i = 0; i < 4; ++i) {
-      blocks_.x.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.x;
-      blocks_.y.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.y;
+      flow_.x.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.x;
+      flow_.y.at(2 * x + i % 2, 2 * y + i / 2) = region.displacement.y;
     }
   });
 }
@@ -56,22 +56,22 @@ void ForegroundFlow::step(const LayerFrame &earlier, const LayerFrame &later,
   const Displacement usual =
       is_cold_ && prior.region.share > kIsOne ? prior.region.displacement : prior.frame;
   if (is_cold_) {
-    blocks_.x.values.fill(usual.x);
-    blocks_.y.values.fill(usual.y);
+    flow_.x.values.fill(usual.x);
+    flow_.y.values.fill(usual.y);
     is_cold_ = false;
   } else {
-    damp(later.structure, prior.frame, prior.change, kDamping, size, blocks_);
+    damp(later.structure, prior.frame, prior.change, kDamping, size, flow_);
   }
   start_from_region(earlier, later, prior.region, noise, size);
   CellMap *before = &before_;
   for (int i = 0; i < most; ++i) {
-    const float moved = step_flow(earlier, later, foreground_window(), usual, kRidge, size, blocks_,
-                                  rest_, *before);
+    const float moved =
+        step_flow(earlier, later, foreground_window(), usual, kRidge, size, flow_, term_, *before);
     if (moved < near)
       break;
     before = &after_;
   }
-  finish_flow(later, blocks_, size, flow_, rest_, after_);
+  leftover(later, flow_, term_, size, after_);
 }
 
 } // namespace haptic

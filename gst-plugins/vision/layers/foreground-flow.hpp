@@ -26,10 +26,11 @@ public:
   void step(const LayerFrame &earlier, const LayerFrame &later, const FlowPrior &prior, float noise,
             const LayerSize &size);
 
-  const VectorMap<PixelMap> &flow() const { return flow_; }
+  /// px, of blocks of 2x2 pixels.
+  const VectorMap<HalfMap> &flow() const { return flow_; }
 
-  /// What the last step leaves of the differences between the frames.
-  const PixelMap &rest() const { return rest_; }
+  /// earlier detail displaced by the start - later detail + slope * start, in the last step.
+  const PixelMap &term() const { return term_; }
 
   /// Mean squared differences of the cells: at the start, and after the steps.
   const CellMap &energy_before() const { return before_; }
@@ -40,9 +41,8 @@ private:
                          const ExplainedTranslation &region, float noise, const LayerSize &size);
 
   bool is_cold_ = true;
-  VectorMap<HalfMap> blocks_; // the flow
-  VectorMap<PixelMap> flow_;
-  PixelMap rest_;
+  VectorMap<HalfMap> flow_;
+  PixelMap term_;
   CellMap before_;
   CellMap after_;
   CellMap region_energy_;

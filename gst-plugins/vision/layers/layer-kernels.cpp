@@ -800,6 +800,16 @@ HWY_INLINE void widen_row(const HalfMap &map, int y, const LayerSize &size, floa
   });
 }
 
+// The flow of a row of pixels.
+struct FlowRow {
+  HWY_INLINE void widen(const VectorMap<HalfMap> &flow, int row, const LayerSize &size) {
+    widen_row(flow.x, row, size, x);
+    widen_row(flow.y, row, size, y);
+  }
+  alignas(64) float x[kLayerSide + 2 * kVectorFloats];
+  alignas(64) float y[kLayerSide + 2 * kVectorFloats];
+};
+
 // Samples a map where a row of the flow comes from, clamped into the crop.
 class WarpedRow {
 public:
@@ -809,11 +819,10 @@ public:
 
   HWY_INLINE void begin(const VectorMap<HalfMap> &flow, int y) {
     y_ = y;
-    widen_row(flow.x, y, size_, ux_);
-    widen_row(flow.y, y, size_, uy_);
+    flow_.widen(flow, y, size_);
   }
-  HWY_INLINE Vec ux(int x) const { return load(ux_ + x); }
-  HWY_INLINE Vec uy(int x) const { return load(uy_ + x); }
+  HWY_INLINE Vec ux(int x) const { return load(flow_.x + x); }
+  HWY_INLINE Vec uy(int x) const { return load(flow_.y + x); }
 
   // The pixels of a vector come from nearly the same displacement. Where all of them come from
   // within a pixel of the one in the middle, the sum over nine neighbours, each weighted by its
@@ -828,8 +837,8 @@ public:
       const float place = std::min(std::max(static_cast<float>(from) - by, 0.0F), most);
       return static_cast<int>(place + 0.5F) - from;
     };
-    const int base_x = nearest(middle, ux_[middle], most_x_);
-    const int base_y = nearest(y_, uy_[middle], most_y_);
+    const int base_x = nearest(middle, flow_.x[middle], most_x_);
+    const int base_y = nearest(y_, flow_.y[middle], most_y_);
     const Vec beside = at_x - column - all(static_cast<float>(base_x));
     const Vec below = at_y - all(static_cast<float>(y_ + base_y));
     if (HWY_UNLIKELY(!hn::AllTrue(kTag, hn::Max(hn::Abs(beside), hn::Abs(below)) <= all(1))))
@@ -873,8 +882,7 @@ private:
   const float most_x_; // less than a whole pixel from the last one, so that its neighbour exists
   const float most_y_;
   int y_ = 0;
-  alignas(64) float ux_[kLayerSide + kVectorFloats];
-  alignas(64) float uy_[kLayerSide + kVectorFloats];
+  FlowRow flow_;
 };
 
 void CompareFlow(const LayerFrame &earlier, const LayerFrame &later, const VectorMap<HalfMap> &flow,
@@ -989,22 +997,16 @@ float StepFlow(const LayerFrame &earlier, const LayerFrame &later, std::span<con
   return total(moved) / (1.0F / 4 + total(weights));
 }
 
-void FinishFlow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
-                VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy) {
+void Leftover(const LayerFrame &later, const VectorMap<HalfMap> &flow, const PixelMap &term,
+              const LayerSize &size, CellMap &energy) {
   PixelMeans squares;
+  FlowRow u;
   for (int y = 0; y < size.height; ++y) {
-    float *ux = pixel_flow.x.row(y);
-    float *uy = pixel_flow.y.row(y);
-    widen_row(flow.x, y, size, ux);
-    widen_row(flow.y, y, size, uy);
-    const float *slope_x = later.slope.x.row(y);
-    const float *slope_y = later.slope.y.row(y);
-    float *to = term.row(y);
+    u.widen(flow, y, size);
     for_vectors(size.width, [&](int x) HWY_ATTR {
-      const Vec rest =
-          load(to + x) - load(slope_x + x) * load(ux + x) - load(slope_y + x) * load(uy + x);
+      const Vec rest = load(term.row(y) + x) - load(later.slope.x.row(y) + x) * load(u.x + x) -
+                       load(later.slope.y.row(y) + x) * load(u.y + x);
       squares.add(x, rest * rest);
-      store(rest, to + x);
     });
     squares.end_row(y, size, energy);
   }
@@ -1024,38 +1026,38 @@ void SumTiles(const LayerSum &layers, const LayerSize &size, const Rectangle &re
   const WideCells background_y(layers.background.y, size);
   const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
+  FlowRow u;
   for (int row = 0; row < rows; ++row) {
     const float top = high * static_cast<float>(row);
     const float bottom = top + high;
     const int first = static_cast<int>(top);
     const int last = std::min(static_cast<int>(std::ceil(bottom)), region.height);
-    alignas(64) float sums[kQuantities][kLayerSide + kVectorFloats];
-    for_vectors(region.width, [&](int x) HWY_ATTR {
-      Vec of[kQuantities];
-      for (Vec &sum : of)
-        sum = hn::Zero(kTag);
-      for (int i = first; i < last; ++i) {
-        const int y = region.y + i;
+    alignas(64) float sums[kQuantities][kLayerSide + kVectorFloats] = {};
+    for (int i = first; i < last; ++i) {
+      const int y = region.y + i;
+      const Vec part = all(part_in(i, top, bottom));
+      u.widen(layers.flow, y, size);
+      for_vectors(region.width, [&](int x) HWY_ATTR {
         const int at = region.x + x;
-        const Vec part = all(part_in(i, top, bottom));
         const Vec gx = load(layers.frame.slope.x.row(y) + at);
         const Vec gy = load(layers.frame.slope.y.row(y) + at);
-        const Vec ux = load(layers.flow.x.row(y) + at);
-        const Vec uy = load(layers.flow.y.row(y) + at);
-        const Vec rest = load(layers.rest.row(y) + at);
+        const Vec ux = load(u.x + at);
+        const Vec uy = load(u.y + at);
+        const Vec rest = load(layers.term.row(y) + at) - gx * ux - gy * uy;
         const Vec share = part * load(layers.share.row(y) + at);
         const Vec moving = part - share;
-        of[kMotionX] += moving * ux + share * background_x.row(y).at(at);
-        of[kMotionY] += moving * uy + share * background_y.row(y).at(at);
-        of[kXx] += moving * gx * gx;
-        of[kXy] += moving * gx * gy;
-        of[kYy] += moving * gy * gy;
-        of[kShare] += share;
-        of[kLeftover] += moving * rest * rest;
-      }
-      for (int quantity = 0; quantity < kQuantities; ++quantity)
-        store(of[quantity], sums[quantity] + x);
-    });
+        const auto add = [&](TileQuantity quantity, Vec value) HWY_ATTR {
+          store(load(sums[quantity] + x) + value, sums[quantity] + x);
+        };
+        add(kMotionX, moving * ux + share * background_x.row(y).at(at));
+        add(kMotionY, moving * uy + share * background_y.row(y).at(at));
+        add(kXx, moving * gx * gx);
+        add(kXy, moving * gx * gy);
+        add(kYy, moving * gy * gy);
+        add(kShare, share);
+        add(kLeftover, moving * rest * rest);
+      });
+    }
     for (int column = 0; column < columns; ++column) {
       const float left = wide * static_cast<float>(column);
       const float right = left + wide;
@@ -1095,7 +1097,7 @@ HWY_EXPORT(ShareBackground);
 HWY_EXPORT(Damp);
 HWY_EXPORT(CompareFlow);
 HWY_EXPORT(StepFlow);
-HWY_EXPORT(FinishFlow);
+HWY_EXPORT(Leftover);
 HWY_EXPORT(SumTiles);
 } // namespace
 
@@ -1170,9 +1172,9 @@ float step_flow(const LayerFrame &earlier, const LayerFrame &later, std::span<co
                                         energy);
 }
 
-void finish_flow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
-                 VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy) {
-  HWY_DYNAMIC_DISPATCH(FinishFlow)(later, flow, size, pixel_flow, term, energy);
+void leftover(const LayerFrame &later, const VectorMap<HalfMap> &flow, const PixelMap &term,
+              const LayerSize &size, CellMap &energy) {
+  HWY_DYNAMIC_DISPATCH(Leftover)(later, flow, term, size, energy);
 }
 
 void sum_tiles(const LayerSum &layers, const LayerSize &size, const Rectangle &region, int columns,

@@ -142,9 +142,9 @@ float step_flow(const LayerFrame &earlier, const LayerFrame &later, std::span<co
                 Displacement prior, float ridge, const LayerSize &size, VectorMap<HalfMap> &flow,
                 PixelMap &term, CellMap &energy);
 
-/// The flow of each pixel, and term - slope * flow in the place of the term, with its mean squares.
-void finish_flow(const LayerFrame &later, const VectorMap<HalfMap> &flow, const LayerSize &size,
-                 VectorMap<PixelMap> &pixel_flow, PixelMap &term, CellMap &energy);
+/// Mean squared term - slope * flow of each cell.
+void leftover(const LayerFrame &later, const VectorMap<HalfMap> &flow, const PixelMap &term,
+              const LayerSize &size, CellMap &energy);
 
 /// Index of a tile where tiles lie row after row.
 inline std::size_t tile_at(int row, int columns, int column) {
@@ -164,10 +164,10 @@ struct TileSums {
 /// What the tiles add up.
 struct LayerSum {
   const LayerFrame &frame;
-  const VectorMap<PixelMap> &flow;
+  const VectorMap<HalfMap> &flow;
   const VectorMap<CellMap> &background;
   const PixelMap &share;
-  const PixelMap &rest; ///< of finish_flow()
+  const PixelMap &term; ///< of step_flow()
 };
 
 /// Tiles of equal size, columns x rows, that cover the region; row by row.

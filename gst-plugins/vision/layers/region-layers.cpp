@@ -131,7 +131,7 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   std::array<TileSums, kMostTiles> sums;
   const LayerFrame &frame = frames_[now_];
   sum_tiles(
-      {frame, foreground_.flow(), background_.motion(), segmentation_.share(), foreground_.rest()},
+      {frame, foreground_.flow(), background_.motion(), segmentation_.share(), foreground_.term()},
       size_, region, columns, rows, sums);
   const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
