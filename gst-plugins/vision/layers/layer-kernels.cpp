@@ -120,6 +120,7 @@ public:
     }
   }
   HWY_INLINE float *row(int y) { return values_[y] + kVectorFloats; }
+  HWY_INLINE const float *row(int y) const { return values_[y] + kVectorFloats; }
 
 private:
   alignas(64) float values_[kLayerSide / kCellSide][CellMap::kStride + 2 * kVectorFloats];
@@ -579,6 +580,37 @@ TranslationFit FitTranslation(const LayerFrame &earlier, const LayerFrame &later
           total(sums[6])};
 }
 
+Displacement SearchCells(const CellMap &before, const CellMap &after, int reach,
+                         const LayerSize &size) {
+  float least = 1e9F;
+  Displacement best;
+  const int columns = size.columns();
+  // Rows with room on both sides, so that a shift by cells reads within them.
+  const PaddedCells shifted(before, size);
+  for (int dy = -reach; dy <= reach; ++dy)
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const int top = std::max(0, dy);
+      const int bottom = std::min(size.rows(), size.rows() + dy);
+      const Vec first = all(static_cast<float>(std::max(0, dx)));
+      const Vec end = all(static_cast<float>(std::min(columns, columns + dx)));
+      Vec sum = hn::Zero(kTag);
+      for_vectors(columns, [&](int x) HWY_ATTR {
+        const Vec column = hn::Iota(kTag, static_cast<float>(x));
+        const auto is_inside = hn::And(column >= first, column < end);
+        for (int y = top; y < bottom; ++y) {
+          const Vec difference = load(shifted.row(y - dy) + x - dx) - load(after.row(y) + x);
+          sum += hn::IfThenElseZero(is_inside, hn::Abs(difference));
+        }
+      });
+      const auto count = static_cast<float>((bottom - top) * (columns - std::abs(dx)));
+      if (const float mean = total(sum) / count; count > 0 && mean < least) {
+        least = mean;
+        best = {static_cast<float>(dx * kCellSide), static_cast<float>(dy * kCellSide)};
+      }
+    }
+  return best;
+}
+
 void SumBackground(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
                    Displacement by, const BackgroundLimits &limits, const LayerSize &size,
                    BackgroundCells &means) {
@@ -834,8 +866,9 @@ public:
     const Vec at_y = clamped(all(static_cast<float>(y_)) - uy(x), most_y_);
     const int middle = std::min(x + lanes() / 2, size_.width - 1);
     const auto nearest = [](int from, float by, float most) HWY_ATTR {
+      constexpr float kHalf = 0.5F;
       const float place = std::min(std::max(static_cast<float>(from) - by, 0.0F), most);
-      return static_cast<int>(place + 0.5F) - from;
+      return static_cast<int>(place + kHalf) - from;
     };
     const int base_x = nearest(middle, flow_.x[middle], most_x_);
     const int base_y = nearest(y_, flow_.y[middle], most_y_);
@@ -1090,6 +1123,7 @@ HWY_EXPORT(BlurCells);
 HWY_EXPORT(Compare);
 HWY_EXPORT(CompareDisplaced);
 HWY_EXPORT(FitTranslation);
+HWY_EXPORT(SearchCells);
 HWY_EXPORT(SumBackground);
 HWY_EXPORT(Remember);
 HWY_EXPORT(SolveBackground);
@@ -1127,6 +1161,11 @@ void compare_displaced(const PixelMap &earlier, const PixelMap &later, Displacem
 TranslationFit fit_translation(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
                                float noise, const LayerSize &size, CellMap &energy) {
   return HWY_DYNAMIC_DISPATCH(FitTranslation)(earlier, later, by, noise, size, energy);
+}
+
+Displacement search_cells(const CellMap &before, const CellMap &after, int reach,
+                          const LayerSize &size) {
+  return HWY_DYNAMIC_DISPATCH(SearchCells)(before, after, reach, size);
 }
 
 void sum_background(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,

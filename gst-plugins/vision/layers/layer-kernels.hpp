@@ -72,6 +72,10 @@ struct TranslationFit {
 TranslationFit fit_translation(const LayerFrame &earlier, const LayerFrame &later, Displacement by,
                                float noise, const LayerSize &size, CellMap &energy);
 
+/// The displacement by whole cells, at most `reach`, after which the cells differ least.
+Displacement search_cells(const CellMap &before, const CellMap &after, int reach,
+                          const LayerSize &size);
+
 /// Limits for pixels of the background.
 struct BackgroundLimits {
   float steepness = 0; ///< squared gradient

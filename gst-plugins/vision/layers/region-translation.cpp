@@ -52,25 +52,7 @@ Displacement RegionTranslation::search(const LayerFrame &earlier, const LayerFra
     for_cells(size, [&](int x, int y) { slow.at(x, y) = mean.at(x, y) - slow.at(x, y); });
     return slow;
   };
-  const CellMap before = detail_of(earlier.mean);
-  const CellMap after = detail_of(later.mean);
-  float least = 1e9F;
-  Displacement best;
-  for (int dy = -kReach; dy <= kReach; ++dy)
-    for (int dx = -kReach; dx <= kReach; ++dx) {
-      float sum = 0;
-      int count = 0;
-      for (int y = std::max(0, dy); y < std::min(size.rows(), size.rows() + dy); ++y)
-        for (int x = std::max(0, dx); x < std::min(size.columns(), size.columns() + dx); ++x) {
-          sum += std::abs(before.at(x - dx, y - dy) - after.at(x, y));
-          ++count;
-        }
-      if (count > 0 && sum < least * static_cast<float>(count)) {
-        least = sum / static_cast<float>(count);
-        best = {static_cast<float>(dx * kCellSide), static_cast<float>(dy * kCellSide)};
-      }
-    }
-  return best;
+  return search_cells(detail_of(earlier.mean), detail_of(later.mean), kReach, size);
 }
 
 ExplainedTranslation RegionTranslation::find(const LayerFrame &earlier, const LayerFrame &later,
