@@ -34,7 +34,7 @@ float step_of(float seconds, float memory) {
 void CalmCells::forget() {
   count_ = 0;
   calm_.values.fill(kStart);
-  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &follows_})
+  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &rests_, &follows_})
     map->values.fill(0);
   at_rest_sum_ = displaced_sum_ = 0;
 }
@@ -114,6 +114,13 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
       for_cells(size, [&](int x, int y) {
         change_.at(x, y) += follows_.at(x, y) * (displaced_change_.at(x, y) - change_.at(x, y));
       });
+    constexpr float kTexture = 10;   // squared gradient
+    constexpr float kMoved2 = 0.15F; // px squared, over the base
+    for_cells(size, [&](int x, int y) {
+      const float steep = frame.steepness.at(x, y);
+      const bool is_changed = change_.at(x, y) > 2 * rounding_and(step.noise) + kMoved2 * steep;
+      rests_.at(x, y) = steep < kTexture ? 0 : is_changed ? -1 : 1;
+    });
     const float to_change = step_of(step.seconds, kCalmMemory);
     const float to_restless = step_of(step.seconds, kTextureMemory);
     for_cells(size, [&](int x, int y) {

@@ -33,6 +33,7 @@ void RegionLayers::forget() {
   region_ = {};
   translation_.forget();
   calm_.forget();
+  things_.forget();
   background_.forget();
   foreground_.forget();
 }
@@ -68,7 +69,12 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
                 .shift = by_frame ? frame.displacement : region_.displacement,
                 .has_shift = by_frame || region_.share >= kShift,
                 .frame_moves = frame.certainty});
-  segmentation_.find_luma(later(), calm_.background(), size_);
+  things_.find(later(), calm_.rests(), size_, seconds);
+  background_cells_ = calm_.background();
+  for_cells(size_, [&](int x, int y) {
+    background_cells_.at(x, y) = std::max(background_cells_.at(x, y), things_.cells().at(x, y));
+  });
+  segmentation_.find_luma(later(), background_cells_, size_);
   background_.update(earlier(), later(), segmentation_.luma(), calm_.background(), calm_.follows(),
                      size_,
                      {.seconds = seconds, .noise = noise, .prior = prior, .prior_counts = counts});
@@ -80,6 +86,8 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
        .change = is_steady ? region_.displacement - region_before_.displacement : Displacement{},
        .region = region_},
       noise, size_);
+  background_motion_ = background_.motion();
+  things_.move(foreground_.flow(), later().cell_structure, size_, background_motion_);
   const float apart = std::sqrt(norm2(region_.displacement - frame.displacement));
   blend_ =
       ramp(region_.share, 0.85F, 0.97F) * frame.certainty * counts * (1 - ramp(apart, 0.15F, 0.3F));
@@ -131,7 +139,7 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   std::array<TileSums, kMostTiles> sums;
   const LayerFrame &frame = frames_[now_];
   sum_tiles(
-      {frame, foreground_.flow(), background_.motion(), segmentation_.share(), foreground_.term()},
+      {frame, foreground_.flow(), background_motion_, segmentation_.share(), foreground_.term()},
       size_, region, columns, rows, sums);
   const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
