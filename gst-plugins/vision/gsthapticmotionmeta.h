@@ -18,12 +18,15 @@ G_BEGIN_DECLS
  * was measured and the velocity of before goes on
  * @GST_HAPTIC_MOTION_CUT: another scene began
  * @GST_HAPTIC_MOTION_DISCONTINUITY: there was no earlier frame to compare with
+ * @GST_HAPTIC_MOTION_TILED: the patches cover the region evenly, and each displacement is the mean
+ * over the pixels of its patch
  */
 typedef enum {
   GST_HAPTIC_MOTION_STILL = 1 << 0,
   GST_HAPTIC_MOTION_DUPLICATE = 1 << 1,
   GST_HAPTIC_MOTION_CUT = 1 << 2,
   GST_HAPTIC_MOTION_DISCONTINUITY = 1 << 3,
+  GST_HAPTIC_MOTION_TILED = 1 << 8,
 } GstHapticMotionFlags;
 
 /**

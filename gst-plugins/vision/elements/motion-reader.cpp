@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elements/motion-reader.hpp"
 
+#include "patches/measurement.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <span>
@@ -17,6 +19,8 @@ static_assert(equal(GST_HAPTIC_MOTION_STILL, kMotionStill));
 static_assert(equal(GST_HAPTIC_MOTION_DUPLICATE, kMotionDuplicate));
 static_assert(equal(GST_HAPTIC_MOTION_CUT, kMotionCut));
 static_assert(equal(GST_HAPTIC_MOTION_DISCONTINUITY, kMotionDiscontinuity));
+
+static_assert(static_cast<int>(GST_HAPTIC_MOTION_TILED) == kTiled);
 
 constexpr bool equal(GstHapticHold of_metadata, HoldState of_sample) {
   return static_cast<int>(of_metadata) == static_cast<int>(of_sample);
@@ -125,6 +129,7 @@ MotionSample MotionReader::read(const GstHapticMotionMeta &meta, const GstVideoI
         .region_y = meta.region_y,
         .region_width = meta.region_width,
         .region_height = meta.region_height,
+        .is_tiled = (meta.flags & GST_HAPTIC_MOTION_TILED) != 0,
     };
     const VelocityEstimate estimate = estimate_velocity(set, average, choice, history_);
     history_ = estimate.history;

@@ -3,6 +3,7 @@
 // second shows how fast they drift.
 #pragma once
 
+#include "layers/layer-kernels.hpp"
 #include "layers/layer-maps.hpp"
 
 namespace haptic {
@@ -22,7 +23,7 @@ public:
   void forget();
 
   /// `luma`: of the background. `background` and `follows` are those of CalmCells.
-  void update(const LayerFrame &earlier, const LayerFrame &later, const PixelMap &luma,
+  void update(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,
               const CellMap &background, const CellMap &follows, const LayerSize &size,
               const BackgroundStep &step);
 
@@ -30,19 +31,13 @@ public:
   const VectorMap<CellMap> &motion() const { return motion_; }
 
   /// The normal equations behind it, per pixel, summed over the memory.
-  const TensorMap<CellMap> &structure() const { return structure_; }
+  const TensorMap<CellMap> &structure() const { return sums_.structure; }
 
 private:
-  Displacement remember(const LayerFrame &earlier, const LayerFrame &later,
-                        const CellMap &background, const CellMap &follows, const LayerSize &size,
-                        const BackgroundStep &step);
-
-  TensorMap<CellMap> memory_; // of cells without texture
-  VectorMap<CellMap> moment_;
-  TensorMap<CellMap> instant_; // of all pixels that can be background
-  VectorMap<CellMap> instant_moment_;
-  VectorMap<CellMap> near_moment_;
-  TensorMap<CellMap> structure_;
+  BackgroundCells memory_;  // of cells without texture
+  BackgroundCells means_;   // of all pixels that can be background
+  BackgroundCells instant_; // the same, within a window
+  BackgroundCells sums_;
   VectorMap<CellMap> motion_;
 };
 

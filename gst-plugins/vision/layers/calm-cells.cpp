@@ -34,7 +34,7 @@ float step_of(float seconds, float memory) {
 void CalmCells::forget() {
   count_ = 0;
   calm_.values.fill(kStart);
-  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &follows_})
+  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &rests_, &follows_})
     map->values.fill(0);
   at_rest_sum_ = displaced_sum_ = 0;
 }
@@ -80,10 +80,10 @@ void CalmCells::decide_followers(const LayerSize &size, const CalmStep &step) {
   const float crop = std::clamp((at_rest_sum_ - displaced_sum_) /
                                     (at_rest_sum_ + displaced_sum_ + kOfCrop * nothing),
                                 0.0F, 1.0F);
-  CellMap rest = at_rest_energy_;
-  CellMap displaced = displaced_energy_;
-  blur(kNear, size, rest);
-  blur(kNear, size, displaced);
+  CellMap rest;
+  CellMap displaced;
+  blur(kNear, size, at_rest_energy_, rest);
+  blur(kNear, size, displaced_energy_, displaced);
   for_cells(size, [&](int x, int y) {
     const float sum = rest.at(x, y) + displaced.at(x, y);
     const float z = (rest.at(x, y) - displaced.at(x, y)) / (sum + nothing);
@@ -101,7 +101,6 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   if (available > 0) {
     const Past &old = past(available);
     compare(old.smooth, frame.smooth, size, change_);
-    pool(frame.steepness, size, steepness_);
     const float kept = std::exp(-step.seconds / kFollowMemory);
     for_cells(size, [&](int x, int y) {
       at_rest_energy_.at(x, y) *= kept;
@@ -115,6 +114,13 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
       for_cells(size, [&](int x, int y) {
         change_.at(x, y) += follows_.at(x, y) * (displaced_change_.at(x, y) - change_.at(x, y));
       });
+    constexpr float kTexture = 10;   // squared gradient
+    constexpr float kMoved2 = 0.15F; // px squared, over the base
+    for_cells(size, [&](int x, int y) {
+      const float steep = frame.steepness.at(x, y);
+      const bool is_changed = change_.at(x, y) > 2 * rounding_and(step.noise) + kMoved2 * steep;
+      rests_.at(x, y) = steep < kTexture ? 0 : is_changed ? -1 : 1;
+    });
     const float to_change = step_of(step.seconds, kCalmMemory);
     const float to_restless = step_of(step.seconds, kTextureMemory);
     for_cells(size, [&](int x, int y) {
@@ -123,18 +129,19 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
         calm += to_restless * (kRestless - calm);
       } else if (old.flat.at(x, y) > 0) {
         // A slope that drifts by a pixel changes by its steepness.
-        const float expected =
-            rounding_and(step.noise) + 1.5F * std::max(0.0F, steepness_.at(x, y) - step.noise / 4);
+        const float expected = rounding_and(step.noise) +
+                               1.5F * std::max(0.0F, frame.steepness.at(x, y) - step.noise / 4);
         calm += to_change * (std::min(kMostChange, change_.at(x, y) / expected) - calm);
       }
     });
   }
-  CellMap near = calm_;
-  blur(kBinomial, size, near);
+  CellMap near;
+  blur(kBinomial, size, calm_, near);
   for_cells(size, [&](int x, int y) {
     background_.at(x, y) = near.at(x, y) > 1 ? 0 : frame.flat.at(x, y);
   });
-  now.smooth = frame.smooth;
+  for (int y = 0; y < size.height; ++y)
+    std::copy_n(frame.smooth.row(y), size.width, now.smooth.row(y));
   now.flat = frame.flat;
   now.shift = step.shift;
   now.has_shift = step.has_shift;

@@ -33,6 +33,10 @@ public:
   /// How far each cell moves with the frame, 0..1: flat cells do not show it in one pair of frames.
   const CellMap &follows() const { return follows_; }
 
+  /// 1 for cells whose texture is at rest or moves with the frame, -1 for cells whose texture
+  /// moves, 0 for cells without texture.
+  const CellMap &rests() const { return rests_; }
+
 private:
   static constexpr int kRing = 8; // frames; 0.133 s at 60 a second
 
@@ -57,8 +61,8 @@ private:
   float displaced_sum_ = 0;
   CellMap change_;
   CellMap displaced_change_;
-  CellMap steepness_;
   CellMap background_;
+  CellMap rests_;
   CellMap follows_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The displacement of each pixel of what moves (Lucas and Kanade), with the one of the frame before
-// as the start.
+// The displacement of what moves (Lucas and Kanade), with the one of the frame before as the start.
+// A window of 9 px makes it so smooth that it is solved for blocks of 2x2 pixels alone.
 #pragma once
 
 #include "layers/layer-maps.hpp"
@@ -22,17 +22,12 @@ public:
   /// The flow that follows starts from rest.
   void forget() { is_cold_ = true; }
 
-  /// Finds the structure of the later frame. Call it once a frame, before step().
-  void prepare(const LayerFrame &later, const LayerSize &size);
-
   /// One damped step; more if the pixels moved far from their start, or the start is not known.
   void step(const LayerFrame &earlier, const LayerFrame &later, const FlowPrior &prior, float noise,
             const LayerSize &size);
 
-  const VectorMap<PixelMap> &flow() const { return flow_; }
-
-  /// g g' of the later frame: the means over cells.
-  const TensorMap<CellMap> &structure() const { return cells_; }
+  /// px, of blocks of 2x2 pixels.
+  const VectorMap<HalfMap> &flow() const { return flow_; }
 
   /// earlier detail displaced by the start - later detail + slope * start, in the last step.
   const PixelMap &term() const { return term_; }
@@ -46,15 +41,11 @@ private:
                          const ExplainedTranslation &region, float noise, const LayerSize &size);
 
   bool is_cold_ = true;
-  VectorMap<PixelMap> flow_;
-  TensorMap<PixelMap> structure_; // within a window
-  TensorMap<CellMap> cells_;
+  VectorMap<HalfMap> flow_;
   PixelMap term_;
-  VectorMap<PixelMap> moment_;
   CellMap before_;
   CellMap after_;
   CellMap region_energy_;
-  VectorMap<CellMap> region_moment_;
 };
 
 } // namespace haptic

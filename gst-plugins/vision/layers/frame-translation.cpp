@@ -17,68 +17,83 @@ HWY_BEFORE_NAMESPACE();
 namespace haptic::HWY_NAMESPACE {
 namespace {
 
+namespace hn = hwy::HWY_NAMESPACE;
+
 constexpr int kAcross = FrameTranslation::kWide;
 constexpr int kDown = FrameTranslation::kHigh;
+constexpr float kPart = 1.0F / (kAcross * kDown);
+
+using Tag = hn::CappedTag<float, kAcross>;
+using Vec = hn::Vec<Tag>;
+using Integers = hn::Vec<hn::Rebind<std::int32_t, Tag>>;
+constexpr Tag kTag;
+
+HWY_INLINE Integers load(const std::uint8_t *from) {
+  const hn::Rebind<std::uint8_t, Tag> bytes;
+  return hn::PromoteTo(hn::Rebind<std::int32_t, Tag>(), hn::LoadU(bytes, from));
+}
+
+HWY_INLINE float mean(Vec sum) {
+  return kPart * hn::GetLane(hn::SumOfLanes(kTag, sum));
+}
 
 // `view`: the patch with a border of 1 px.
 void TakeSample(const LumaView &view, FrameTranslation::Sample &sample) {
-  float xx[kAcross] = {};
-  float xy[kAcross] = {};
-  float yy[kAcross] = {};
-  for (int y = 0; y < kDown; ++y) {
-    const std::uint8_t *up = view.pixels + y * view.stride + 1;
-    const std::uint8_t *here = up + view.stride;
-    const std::uint8_t *down = here + view.stride;
-    float *HWY_RESTRICT luma = sample.luma.data() + y * kAcross;
-    float *HWY_RESTRICT gx = sample.gx.data() + y * kAcross;
-    float *HWY_RESTRICT gy = sample.gy.data() + y * kAcross;
-    for (int x = 0; x < kAcross; ++x) {
-      luma[x] = here[x];
-      gx[x] = 0.5F * static_cast<float>(here[x + 1] - here[x - 1]);
-      gy[x] = 0.5F * static_cast<float>(down[x] - up[x]);
-      xx[x] += gx[x] * gx[x];
-      xy[x] += gx[x] * gy[x];
-      yy[x] += gy[x] * gy[x];
-    }
-  }
-  constexpr float kPart = 1.0F / (kAcross * kDown);
+  const Vec half = hn::Set(kTag, 0.5F);
   sample.structure = {};
-  for (int x = 0; x < kAcross; ++x)
-    sample.structure += kPart * Tensor{xx[x], xy[x], yy[x]};
+  for (int x = 0; x < kAcross; x += static_cast<int>(hn::Lanes(kTag))) {
+    Vec xx = hn::Zero(kTag);
+    Vec xy = hn::Zero(kTag);
+    Vec yy = hn::Zero(kTag);
+    const std::uint8_t *here = view.pixels + view.stride + x + 1;
+    Integers up = load(here - view.stride);
+    Integers middle = load(here);
+    for (int y = 0; y < kDown; ++y, here += view.stride) {
+      const Integers down = load(here + view.stride);
+      const Vec gx = half * hn::ConvertTo(kTag, load(here + 1) - load(here - 1));
+      const Vec gy = half * hn::ConvertTo(kTag, down - up);
+      const int at = y * kAcross + x;
+      hn::StoreU(hn::ConvertTo(kTag, middle), kTag, sample.luma.data() + at);
+      hn::StoreU(gx, kTag, sample.gx.data() + at);
+      hn::StoreU(gy, kTag, sample.gy.data() + at);
+      xx += gx * gx;
+      xy += gx * gy;
+      yy += gy * gy;
+      up = middle;
+      middle = down;
+    }
+    sample.structure += {mean(xx), mean(xy), mean(yy)};
+  }
 }
 
 // `view`: a pixel more than the patch on its right and below.
 void CompareSample(const LumaView &view, float part_x, float part_y,
                    const FrameTranslation::Sample &sample,
                    FrameTranslation::Difference &difference) {
-  float squares[kAcross] = {};
-  float moment_x[kAcross] = {};
-  float moment_y[kAcross] = {};
-  float above[kAcross];
-  for (int y = 0; y <= kDown; ++y) {
-    const std::uint8_t *HWY_RESTRICT from = view.pixels + y * view.stride;
-    float below[kAcross];
-    for (int x = 0; x < kAcross; ++x)
-      below[x] = from[x] + part_x * static_cast<float>(from[x + 1] - from[x]);
-    if (y > 0) {
-      const float *luma = sample.luma.data() + (y - 1) * kAcross;
-      const float *gx = sample.gx.data() + (y - 1) * kAcross;
-      const float *gy = sample.gy.data() + (y - 1) * kAcross;
-      for (int x = 0; x < kAcross; ++x) {
-        const float e = above[x] + part_y * (below[x] - above[x]) - luma[x];
-        squares[x] += e * e;
-        moment_x[x] += gx[x] * e;
-        moment_y[x] += gy[x] * e;
-      }
-    }
-    for (int x = 0; x < kAcross; ++x)
-      above[x] = below[x];
-  }
-  constexpr float kPart = 1.0F / (kAcross * kDown);
   difference = {};
-  for (int x = 0; x < kAcross; ++x) {
-    difference.energy += kPart * squares[x];
-    difference.moment += kPart * Displacement{moment_x[x], moment_y[x]};
+  for (int x = 0; x < kAcross; x += static_cast<int>(hn::Lanes(kTag))) {
+    const auto across = [&](int y) HWY_ATTR {
+      const std::uint8_t *from = view.pixels + y * view.stride + x;
+      const Integers first = load(from);
+      return hn::MulAdd(hn::Set(kTag, part_x), hn::ConvertTo(kTag, load(from + 1) - first),
+                        hn::ConvertTo(kTag, first));
+    };
+    Vec squares = hn::Zero(kTag);
+    Vec moment_x = hn::Zero(kTag);
+    Vec moment_y = hn::Zero(kTag);
+    Vec above = across(0);
+    for (int y = 0; y < kDown; ++y) {
+      const Vec below = across(y + 1);
+      const int at = y * kAcross + x;
+      const Vec e = hn::MulAdd(hn::Set(kTag, part_y), below - above, above) -
+                    hn::LoadU(kTag, sample.luma.data() + at);
+      squares += e * e;
+      moment_x += hn::LoadU(kTag, sample.gx.data() + at) * e;
+      moment_y += hn::LoadU(kTag, sample.gy.data() + at) * e;
+      above = below;
+    }
+    difference.energy += mean(squares);
+    difference.moment += {mean(moment_x), mean(moment_y)};
   }
 }
 
@@ -195,6 +210,7 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
                                                float noise) {
   constexpr int kSteps = 2;
   constexpr float kMostStep = 1.5F; // px
+  constexpr float kArrived2 = 0.01F * 0.01F;
   constexpr float kRidge = 2;
   Displacement at = start;
   for (int i = 0; i < kSteps; ++i) {
@@ -219,6 +235,8 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
     at += step;
     at = {std::clamp(at.x, -kFarthestFrame, kFarthestFrame),
           std::clamp(at.y, -kFarthestFrame, kFarthestFrame)};
+    if (norm2(step) < kArrived2)
+      break;
   }
   return share_of(frames, at, noise);
 }

@@ -41,9 +41,9 @@ public:
   static constexpr int kHigh = 9;
   static constexpr int kColumns = 8;
   static constexpr int kRows = 5;
-  struct Sample {
-    int x, y; // its corner in the frame, px
+  struct alignas(64) Sample { // whole vectors
     std::array<float, std::size_t{kWide} * kHigh> luma, gx, gy;
+    int x, y;         // its corner in the frame, px
     Tensor structure; // mean of g g'
     float at_rest;    // mean squared difference without displacement
   };

@@ -13,6 +13,12 @@ const HalfKernel<1> &small_blur() {
 
 } // namespace
 
+const HalfKernel<kWindowRadius> &foreground_window() {
+  // With the mean over a block, the variance of a Gaussian of sigma 1.9 px that ends after 4 px.
+  static const auto kernel = gaussian<kWindowRadius>(0.87F);
+  return kernel;
+}
+
 float smoothed_noise() {
   const HalfKernel<1> &kernel = small_blur();
   const float row = kernel[0] * kernel[0] + 2 * kernel[1] * kernel[1];
@@ -21,16 +27,11 @@ float smoothed_noise() {
 
 void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame) {
   static const auto kSlow = gaussian<4>(1.5F); // cells
-  load_luma(view, size, frame.luma);
-  pool(frame.luma, size, frame.mean);
-  CellMap slow = frame.mean;
-  blur(kSlow, size, slow);
-  PixelMap slow_pixels;
-  widen(slow, size, slow_pixels);
-  frame.smooth = frame.luma;
-  blur(small_blur(), size, frame.smooth);
-  find_slope(slow_pixels, size, frame);
-  find_flat_cells(9 + 1.2F * noise, size, frame);
+  static const DescriptionKernels kKernels = {small_blur(), foreground_window()};
+  load_luma(view, size, frame);
+  CellMap slow;
+  blur(kSlow, size, frame.mean, slow);
+  describe(slow, kKernels, 9 + 1.2F * noise, size, frame);
 }
 
 } // namespace haptic

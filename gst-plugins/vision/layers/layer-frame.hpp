@@ -2,6 +2,7 @@
 // What the layers need of one frame.
 #pragma once
 
+#include "layers/layer-kernels.hpp"
 #include "layers/layer-maps.hpp"
 #include "pixels/luma-view.hpp"
 
@@ -9,6 +10,9 @@ namespace haptic {
 
 /// Variance that white noise of variance 1 has in `smooth`.
 float smoothed_noise();
+
+/// The window in which the pixels that move share a displacement.
+const HalfKernel<kWindowRadius> &foreground_window();
 
 /// Fills in the frame from a crop that fits into the size. `noise`: variance of a pixel.
 void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame);

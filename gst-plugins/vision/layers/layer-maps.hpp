@@ -33,19 +33,28 @@ inline LayerSize layer_size_of(int width, int height) {
   return {up(width), up(height)};
 }
 
-template <int kRowStride>
-struct alignas(64) LayerMap {
-  static constexpr int kStride = kRowStride;
-  std::array<float, static_cast<std::size_t>(kStride) * kStride> values; ///< not initialised
+/// Of the widest vector that the kernels use.
+inline constexpr int kVectorFloats = 16;
 
-  float *row(int y) { return values.data() + static_cast<std::ptrdiff_t>(y) * kStride; }
-  const float *row(int y) const { return values.data() + static_cast<std::ptrdiff_t>(y) * kStride; }
+/// Rows of whole vectors, with room for kBeside values before and behind each.
+template <int kSide, int kBeside>
+struct alignas(64) LayerMap {
+  static constexpr int kMargin = kBeside;
+  static constexpr int kStride =
+      (kSide + 2 * kBeside + kVectorFloats - 1) / kVectorFloats * kVectorFloats;
+  std::array<float, static_cast<std::size_t>(kSide) * kStride> values; ///< not initialised
+
+  float *row(int y) { return values.data() + static_cast<std::ptrdiff_t>(y) * kStride + kMargin; }
+  const float *row(int y) const {
+    return values.data() + static_cast<std::ptrdiff_t>(y) * kStride + kMargin;
+  }
   float &at(int x, int y) { return row(y)[x]; }
   float at(int x, int y) const { return row(y)[x]; }
 };
 
-using PixelMap = LayerMap<kLayerSide>;
-using CellMap = LayerMap<kLayerSide / kCellSide>;
+using PixelMap = LayerMap<kLayerSide, kVectorFloats>;
+using HalfMap = LayerMap<kLayerSide / 2, kVectorFloats>; ///< of blocks of 2x2 pixels
+using CellMap = LayerMap<kLayerSide / kCellSide, 0>;
 
 template <typename Map>
 struct VectorMap {
@@ -80,13 +89,15 @@ inline bool comes_from_inside(int column, int row, Displacement by, const LayerS
 /// One frame of the crop, as the layers need it.
 struct LayerFrame {
   PixelMap luma;
-  PixelMap smooth;           ///< luma after a small blur
-  PixelMap detail;           ///< smooth without the slow changes of light
-  VectorMap<PixelMap> slope; ///< gradient of detail, grey levels/px
-  PixelMap steepness;        ///< squared gradient of smooth
-  CellMap mean;              ///< of luma
-  CellMap flat;              ///< 1 where there is neither edge nor texture, else 0
-  float energy;              ///< mean square of detail
+  PixelMap smooth;                   ///< luma after a small blur
+  PixelMap detail;                   ///< smooth without the slow changes of light
+  VectorMap<PixelMap> slope;         ///< gradient of detail, grey levels/px
+  TensorMap<HalfMap> structure;      ///< g g' of the slopes within a window
+  TensorMap<CellMap> cell_structure; ///< means over the cells of g g'
+  CellMap steepness;                 ///< mean squared gradient of smooth
+  CellMap mean;                      ///< of luma
+  CellMap flat;                      ///< 1 where there is neither edge nor texture, else 0
+  float energy;                      ///< mean square of detail
 };
 
 } // namespace haptic

@@ -33,6 +33,7 @@ void RegionLayers::forget() {
   region_ = {};
   translation_.forget();
   calm_.forget();
+  things_.forget();
   background_.forget();
   foreground_.forget();
 }
@@ -48,12 +49,10 @@ void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view
   }
   now_ ^= 1U;
   prepare(later_view, size_, noise, later());
-  foreground_.prepare(later(), size_);
   region_before_ = region_;
   // It costs as much as the rest of a quiet frame.
-  region_ = frame_moves_ > 0 || is_lost_
-                ? translation_.find(earlier(), later(), foreground_.structure(), noise, size_)
-                : ExplainedTranslation{};
+  region_ = frame_moves_ > 0 || is_lost_ ? translation_.find(earlier(), later(), noise, size_)
+                                         : ExplainedTranslation{};
 }
 
 void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise) {
@@ -70,12 +69,15 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
                 .shift = by_frame ? frame.displacement : region_.displacement,
                 .has_shift = by_frame || region_.share >= kShift,
                 .frame_moves = frame.certainty});
-  segmentation_.find_luma(later(), calm_.background(), size_);
+  things_.find(later(), calm_.rests(), size_, seconds);
+  background_cells_ = calm_.background();
+  for_cells(size_, [&](int x, int y) {
+    background_cells_.at(x, y) = std::max(background_cells_.at(x, y), things_.cells().at(x, y));
+  });
+  segmentation_.find_luma(later(), background_cells_, size_);
   background_.update(earlier(), later(), segmentation_.luma(), calm_.background(), calm_.follows(),
                      size_,
                      {.seconds = seconds, .noise = noise, .prior = prior, .prior_counts = counts});
-  widen(background_.motion().x, size_, background_flow_.x);
-  widen(background_.motion().y, size_, background_flow_.y);
   segmentation_.divide(later(), noise, size_);
   const bool is_steady = region_.share > kSteady && region_before_.share > kSteady;
   foreground_.step(
@@ -84,6 +86,8 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
        .change = is_steady ? region_.displacement - region_before_.displacement : Displacement{},
        .region = region_},
       noise, size_);
+  background_motion_ = background_.motion();
+  things_.move(foreground_.flow(), later().cell_structure, size_, background_motion_);
   const float apart = std::sqrt(norm2(region_.displacement - frame.displacement));
   blend_ =
       ramp(region_.share, 0.85F, 0.97F) * frame.certainty * counts * (1 - ramp(apart, 0.15F, 0.3F));
@@ -101,7 +105,7 @@ void RegionLayers::judge(float noise) {
   float after = 0;
   std::size_t count = 0;
   for_cells(size_, [&](int x, int y) {
-    const float trace = foreground_.structure().xx.at(x, y) + foreground_.structure().yy.at(x, y);
+    const float trace = later().cell_structure.xx.at(x, y) + later().cell_structure.yy.at(x, y);
     const float weight = trace / (trace + kHalf);
     all += weight;
     if (foreground_.energy_before().at(x, y) > 6 + 2.4F * noise + 0.16F * trace)
@@ -135,8 +139,8 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   std::array<TileSums, kMostTiles> sums;
   const LayerFrame &frame = frames_[now_];
   sum_tiles(
-      {frame, foreground_.flow(), background_flow_, segmentation_.share(), foreground_.term()},
-      region, columns, rows, sums);
+      {frame, foreground_.flow(), background_motion_, segmentation_.share(), foreground_.term()},
+      size_, region, columns, rows, sums);
   const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
   const float high = static_cast<float>(region.height) / static_cast<float>(rows);
   const TensorMap<CellMap> &known = background_.structure();

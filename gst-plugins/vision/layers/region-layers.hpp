@@ -5,6 +5,7 @@
 
 #include "layers/background-motion.hpp"
 #include "layers/calm-cells.hpp"
+#include "layers/flat-things.hpp"
 #include "layers/foreground-flow.hpp"
 #include "layers/frame-translation.hpp"
 #include "layers/layer-kernels.hpp"
@@ -70,11 +71,14 @@ private:
   ExplainedTranslation region_before_;
   RegionTranslation translation_;
   CalmCells calm_;
+  FlatThings things_;
   Segmentation segmentation_;
   BackgroundMotion background_;
   ForegroundFlow foreground_;
-  VectorMap<PixelMap> background_flow_;
-  std::array<float, static_cast<std::size_t>(CellMap::kStride) * CellMap::kStride> sorted_;
+  CellMap background_cells_;
+  VectorMap<CellMap> background_motion_;
+  std::array<float, static_cast<std::size_t>(kLayerSide / kCellSide) * (kLayerSide / kCellSide)>
+      sorted_;
 };
 
 } // namespace haptic

@@ -13,67 +13,31 @@ constexpr float kMostStep = 1.5F; // px, of one Gauss-Newton step
 constexpr float kFarthest = 26;   // px
 constexpr float kLittle = 0.5F;   // of the texture
 
-// Mean squared residual that noise, and half a tenth of a pixel on texture, leave.
-float usual_energy(float trace, float noise) {
-  return 3 + 1.2F * noise + 0.08F * trace;
-}
-
 Displacement clamped(Displacement d) {
   return {std::clamp(d.x, -kFarthest, kFarthest), std::clamp(d.y, -kFarthest, kFarthest)};
 }
 
 } // namespace
 
-float RegionTranslation::explained(const TensorMap<CellMap> &structure, float noise,
-                                   const LayerSize &size, Displacement by) const {
-  constexpr float kHalf = 30; // trace that counts by half
-  constexpr float kFewest = 2;
-  float seen = 0;
-  float all = 0;
-  for_cells(size, [&](int x, int y) {
-    if (!comes_from_inside(x, y, by, size))
-      return;
-    const float trace = structure.xx.at(x, y) + structure.yy.at(x, y);
-    const float weight = trace / (trace + kHalf);
-    all += weight;
-    if (energy_.at(x, y) <= usual_energy(trace, noise))
-      seen += weight;
-  });
-  return all > kFewest ? seen / all : 0;
-}
-
 ExplainedTranslation RegionTranslation::refine(const LayerFrame &earlier, const LayerFrame &later,
-                                               const TensorMap<CellMap> &structure, float noise,
-                                               const LayerSize &size, Displacement start,
-                                               int steps) {
+                                               float noise, const LayerSize &size,
+                                               Displacement start, int steps) {
   constexpr float kArrived2 = 0.01F * 0.01F;
   constexpr float kRidge = 1;
+  constexpr float kFewest = 2; // cells
   Displacement at = start;
-  compare_details(earlier, later, at, size, energy_, moment_);
+  TranslationFit fit = fit_translation(earlier, later, at, noise, size, energy_);
   for (int i = 0; i < steps; ++i) {
-    Tensor sum;
-    Displacement right;
-    for_cells(size, [&](int x, int y) {
-      if (!comes_from_inside(x, y, at, size))
-        return;
-      const Tensor cell{structure.xx.at(x, y), structure.xy.at(x, y), structure.yy.at(x, y)};
-      const float trace = cell.xx + cell.yy;
-      const float usual = usual_energy(trace, noise);
-      const float fits = usual / (usual + energy_.at(x, y));
-      const float weight = fits * fits / (1 + 0.02F * trace);
-      sum += weight * cell;
-      right += weight * Displacement{moment_.x.at(x, y), moment_.y.at(x, y)};
-    });
-    Displacement step = solve(sum, right, kRidge);
+    Displacement step = solve(fit.structure, fit.moment, kRidge);
     const float length = std::sqrt(norm2(step));
     if (length > kMostStep)
       step = kMostStep / length * step;
     at = clamped(at + step);
-    compare_details(earlier, later, at, size, energy_, moment_);
+    fit = fit_translation(earlier, later, at, noise, size, energy_);
     if (norm2(step) < kArrived2)
       break;
   }
-  return {at, explained(structure, noise, size, at)};
+  return {at, fit.all > kFewest ? fit.explained / fit.all : 0};
 }
 
 // The displacement by whole cells after which the means of the cells fit best, without the slow
@@ -83,40 +47,21 @@ Displacement RegionTranslation::search(const LayerFrame &earlier, const LayerFra
   constexpr int kReach = 5; // cells
   static const auto kSlow = gaussian<4>(1.5F);
   const auto detail_of = [&](const CellMap &mean) {
-    CellMap slow = mean;
-    blur(kSlow, size, slow);
+    CellMap slow;
+    blur(kSlow, size, mean, slow);
     for_cells(size, [&](int x, int y) { slow.at(x, y) = mean.at(x, y) - slow.at(x, y); });
     return slow;
   };
-  const CellMap before = detail_of(earlier.mean);
-  const CellMap after = detail_of(later.mean);
-  float least = 1e9F;
-  Displacement best;
-  for (int dy = -kReach; dy <= kReach; ++dy)
-    for (int dx = -kReach; dx <= kReach; ++dx) {
-      float sum = 0;
-      int count = 0;
-      for (int y = std::max(0, dy); y < std::min(size.rows(), size.rows() + dy); ++y)
-        for (int x = std::max(0, dx); x < std::min(size.columns(), size.columns() + dx); ++x) {
-          sum += std::abs(before.at(x - dx, y - dy) - after.at(x, y));
-          ++count;
-        }
-      if (count > 0 && sum < least * static_cast<float>(count)) {
-        least = sum / static_cast<float>(count);
-        best = {static_cast<float>(dx * kCellSide), static_cast<float>(dy * kCellSide)};
-      }
-    }
-  return best;
+  return search_cells(detail_of(earlier.mean), detail_of(later.mean), kReach, size);
 }
 
 ExplainedTranslation RegionTranslation::find(const LayerFrame &earlier, const LayerFrame &later,
-                                             const TensorMap<CellMap> &structure, float noise,
-                                             const LayerSize &size) {
+                                             float noise, const LayerSize &size) {
   constexpr int kFewSteps = 2;
   constexpr int kManySteps = 5;
   constexpr float kClearly = 0.1F; // of the texture
   const auto from = [&](Displacement start, int steps) {
-    return refine(earlier, later, structure, noise, size, start, steps);
+    return refine(earlier, later, noise, size, start, steps);
   };
   ExplainedTranslation best = from(found_.displacement, kFewSteps);
   if (best.share < kLittle) {

@@ -12,21 +12,18 @@ void Segmentation::find_luma(const LayerFrame &frame, const CellMap &background,
                              const LayerSize &size) {
   constexpr float kLeastWeight = 1e-4F;
   static const auto kSpread = gaussian<4>(1.5F);
-  weights_ = background;
+  CellMap sums;
+  for_cells(size, [&](int x, int y) { sums.at(x, y) = background.at(x, y) * frame.mean.at(x, y); });
+  blur(kSpread, size, sums, luma_);
+  blur(kSpread, size, background, weights_);
   for_cells(size,
-            [&](int x, int y) { sums_.at(x, y) = background.at(x, y) * frame.mean.at(x, y); });
-  blur(kSpread, size, sums_);
-  blur(kSpread, size, weights_);
-  for_cells(size,
-            [&](int x, int y) { sums_.at(x, y) /= std::max(weights_.at(x, y), kLeastWeight); });
-  widen(sums_, size, luma_);
-  widen(weights_, size, known_);
+            [&](int x, int y) { luma_.at(x, y) /= std::max(weights_.at(x, y), kLeastWeight); });
 }
 
 void Segmentation::divide(const LayerFrame &frame, float noise, const LayerSize &size) {
   constexpr float kLeastKnown = 0.02F;
   const float least = 10 + 2 * std::sqrt(noise); // grey levels
-  share_background(frame.luma, luma_, known_, kLeastKnown, least, size, share_);
+  share_background(frame.luma, luma_, weights_, kLeastKnown, least, size, share_);
 }
 
 } // namespace haptic

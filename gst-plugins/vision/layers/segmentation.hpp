@@ -16,16 +16,14 @@ public:
   void divide(const LayerFrame &frame, float noise, const LayerSize &size);
 
   /// Of the background, grey levels.
-  const PixelMap &luma() const { return luma_; }
+  const CellMap &luma() const { return luma_; }
 
   /// Of the background in each pixel, 0..1; 0 far from any of it.
   const PixelMap &share() const { return share_; }
 
 private:
-  CellMap sums_;
+  CellMap luma_;
   CellMap weights_;
-  PixelMap luma_;
-  PixelMap known_;
   PixelMap share_;
 };
 

@@ -16,13 +16,15 @@ using Patch = GstHapticPatch;
 
 inline constexpr int kMaxPatches = GST_HAPTIC_MOTION_META_MAX_PATCHES;
 
-/// The MotionFlags that a tracker sets.
+/// What a tracker says of all patches.
 inline constexpr std::uint16_t kStill = kMotionStill; ///< the displacement is exactly zero
 inline constexpr std::uint16_t kCut = kMotionCut;     ///< the frames do not show the same scene
+/// The patches cover the region, each with the mean over its pixels. Not a MotionFlag.
+inline constexpr std::uint16_t kTiled = 1 << 8;
 
 /// The result of a tracker. Patch centres are in frame coordinates.
 struct Measurement {
-  std::uint16_t flags = 0; ///< kStill or kCut
+  std::uint16_t flags = 0; ///< kStill, kCut or kTiled
   int candidates = 0;      ///< patches looked at; those that cannot be trusted are not in the list
   int count = 0;
   std::array<Patch, kMaxPatches> patches;

@@ -150,6 +150,7 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
                        precision.yy, std::sqrt(tile.residual2), 0});
     }
   measurement.candidates = measurement.count;
+  measurement.flags = kTiled;
 }
 
 void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {

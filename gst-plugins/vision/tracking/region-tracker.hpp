@@ -27,7 +27,7 @@ struct Areas {
 
 /// The result for one frame.
 struct Finding {
-  std::uint16_t flags = 0;       ///< of kFrameFlags
+  std::uint16_t flags = 0;       ///< of kFrameFlags, and kTiled
   std::uint64_t interval = 0;    ///< ns
   bool becomes_reference = true; ///< the next frame is compared with this one
   /// From the frames to the patches, with the conversion to luma. Nothing: the tracker did not run.

@@ -315,6 +315,15 @@ Motion mean(const Points &points) {
   return {sum.x0 / count, sum.y0 / count};
 }
 
+// Of tiles the model says only how they turn and spread.
+void take_mean(const Points &points, Answer &answer) {
+  answer.felt = answer.first;
+  answer.first = mean(points);
+  answer.felt.x0 = answer.first.x0;
+  answer.felt.y0 = answer.first.y0;
+  answer.second.reset();
+}
+
 // Where the tracker gave each point one of two displacements and counted the pixels of each, there
 // is nothing left to find. Returns false elsewhere.
 bool follow_two(const Points &points, Answer &answer) {
@@ -362,7 +371,10 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
     if (set.parts.second_motion && follow_two(points, answer))
       return answer;
     explain(set, points, history, answer);
-    count_shares(set, points, answer);
+    if (set.is_tiled)
+      take_mean(points, answer);
+    else
+      count_shares(set, points, answer);
     return answer;
   }
   if (average == Average::median)
@@ -383,6 +395,8 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
 float pixel_confidence(const PatchSet &set, const Answer &answer) {
   constexpr float kDoubtful = 0.7F;
   constexpr float kDisagreement = 0.7F; // px
+  if (set.is_tiled)
+    return 1;
   if (answer.is_mixture)
     return kDoubtful * std::exp(-answer.disagreement / kDisagreement);
   if (answer.model != MotionModel::still)
@@ -511,7 +525,7 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.points = support.points;
   estimate.confidence =
       fade(known_part(support.precision, estimate), kGoodDeviation, kBadDeviation) *
-      (average == Average::model ? fade(support.misfit, 1.5F, 3.5F) : 1) *
+      (average == Average::model && !set.is_tiled ? fade(support.misfit, 1.5F, 3.5F) : 1) *
       fade(support.share * tracked, 0.7F, 0.3F) *
       (set.parts.pixel_confidence ? pixel_confidence(set, answer) : 1);
   return is_plausible(estimate) ? estimate : VelocityEstimate{};

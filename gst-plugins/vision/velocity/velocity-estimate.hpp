@@ -37,6 +37,9 @@ struct PatchSet {
   float region_x = 0, region_y = 0;        ///< px, top left of the region of interest
   /// px; 0: the region is the box about the centres of the patches.
   float region_width = 0, region_height = 0;
+  /// The patches cover the region, each with the mean over its pixels: their mean is the velocity,
+  /// whatever the model.
+  bool is_tiled = false;
   EstimateParts parts = {};
 };
 

@@ -43,7 +43,7 @@ esac
 [ ${#groups[@]} -gt 0 ] || groups=(wind rest sky flat light grass pan shake still)
 run=$build/tests/measure/felt/felt-run
 if [ ${#methods[@]} = 0 ]; then
-  methods=(fast layers:mean opencv)
+  methods=(fast layers opencv)
   [ ! -x "$run" ] || methods+=(Farneback "DIS medium" "PyrLK crop")
 fi
 command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"

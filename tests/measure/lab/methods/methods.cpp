@@ -68,6 +68,7 @@ Reading estimate(const haptic::Measurement &measurement, const haptic::Rectangle
        .region_y = static_cast<float>(region.y),
        .region_width = static_cast<float>(region.width),
        .region_height = static_cast<float>(region.height),
+       .is_tiled = (measurement.flags & haptic::kTiled) != 0,
        .parts = estimator.parts},
       estimator.average, estimator.choice, history);
   history = estimate.history;

@@ -531,6 +531,25 @@ TEST(Shares, DoNotChangeOneMotion) {
   EXPECT_FLOAT_EQ(found.confidence, 1);
 }
 
+// Twelve that move and eight at rest, half of them hardly known.
+TEST(Tiles, MoveTheRegionByTheirMeanWithoutDoubt) {
+  auto patches = two_motions();
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    patches[i].dx = patches[i].dx > 0 ? 2 : 0;
+    patches[i].dy = 0;
+    if (i % 2 == 0) {
+      patches[i].precision_xx /= 100;
+      patches[i].precision_yy /= 100;
+    }
+  }
+  const VelocityEstimate found =
+      estimate_velocity({.patches = patches, .candidates = 20, .interval = 1, .is_tiled = true},
+                        Average::model, ModelChoice::automatic);
+  EXPECT_FLOAT_EQ(found.velocity_x, 2 * 12.0F / 20);
+  EXPECT_FLOAT_EQ(found.velocity_y, 0);
+  EXPECT_GT(found.confidence, 0.9F);
+}
+
 TEST(VelocityEstimate, RestIsDoubtfulWhereMuchOfTheRegionChanged) {
   std::vector<GstHapticPatch> patches;
   for (int i = 0; i < 20; ++i) {
