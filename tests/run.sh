@@ -295,6 +295,7 @@ run_referees() {
   check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
   check "It builds for arm64, and its tests pass in an emulator" tests/referees/arm64.sh || true
   check "Other programs read and play what haptic-track writes" tests/referees/players.sh || true
+  check "Damaged files open nothing, and each command ends" tests/referees/hostile-files.sh || true
   check "It builds with each option on and off" tests/referees/options.sh || true
 }
 

@@ -237,10 +237,16 @@
           "so there are few chunks.", \
           "Encode it with a key frame every few seconds (ffmpeg -g 250) if more machines are to " \
           "share it.") \
+  MESSAGE(kFileStandsStill, \
+          "nothing was read from this file for %d s.", \
+          "It is damaged or lies on a disk that does not answer. Check whether gst-play-1.0 plays it.") \
   MESSAGE(kFilmStandsStill, \
           "the film stood still for %d s, because too many frames have no sound beside them.", \
           "Let the sound begin and end with the frames, or leave the sound out (ffmpeg -i IN " \
           "-map 0:v -c copy OUT).") \
+  MESSAGE(kNameIsNotUtf8, \
+          "\"%s\": this name is not in UTF-8, so no plan can hold it.", \
+          "Rename the file or folder (convmv -t UTF-8).") \
   MESSAGE(kPlanIsWrong, \
           "\"%s\": this is not a plan, or it was changed.", \
           "Make one with haptic-track author --plan VIDEO... > plan.json.") \

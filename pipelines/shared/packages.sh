@@ -34,7 +34,7 @@ build_packages=(
   libcairo2-dev
   libglib2.0-dev # D-Bus: real-time priority, a moment before the machine sleeps
   libevdev-dev # joysticks with force feedback
-  rapidjson-dev # MPEG haptics as JSON
+  nlohmann-json3-dev # plans, MPEG haptics, patterns for telephones
   esbuild # the web player in one file
 )
 

@@ -127,6 +127,10 @@ promise "a plan with other columns than there are is refused" says 1 'this is no
 touch -d 1969-01-01 in/sparse.mp4
 author --plan --output out in/sparse.mp4 >old.json
 promise "a plan of a film that is older than 1970 is read" says 1 'there is no chunk 9 in this plan' author --chunk 9 old.json
+cp in/sparse.mp4 $'in/f\xfcr.mp4'
+promise "a name that no plan can hold is refused" says 1 'this name is not in UTF-8' \
+  author --plan --output out $'in/f\xfcr.mp4'
+rm $'in/f\xfcr.mp4'
 
 # Far more key frames are read than were measured.
 ffmpeg -v error -f lavfi -i testsrc=size=64x48:rate=30:duration=40 -c:v libx264 -preset ultrafast -g 1 -pix_fmt yuv420p in/intra.mp4

@@ -33,7 +33,7 @@ same() {
   local said
   said=$("$haptic_track" compare --json --at-most 0.1 "$1" "$2") || { echo "$said"; return 1; }
   head -n 1 <<<"$said"
-  grep -qF "\"start_known\": $3," <<<"$said"
+  grep -qF "\"start_known\":$3," <<<"$said"
 }
 for copy in copy.ts moved.ts; do
   promise "$copy is as the original" same "$ts" "$copy" true

@@ -44,7 +44,7 @@ in_chroot() {
 }
 
 # What runs on the building machine, and what is linked or loaded.
-here=(g++-aarch64-linux-gnu pkg-config meson ninja-build qemu-user ccache gettext python3 libeigen3-dev rapidjson-dev
+here=(g++-aarch64-linux-gnu pkg-config meson ninja-build qemu-user ccache gettext python3 libeigen3-dev nlohmann-json3-dev
   dbus-daemon)
 there=(libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev libopencv-video-dev
   libopencv-imgcodecs-dev libopencv-calib3d-dev libhwy-dev libusb-1.0-0-dev libgtest-dev libcairo2-dev libevdev-dev

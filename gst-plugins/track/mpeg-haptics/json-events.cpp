@@ -1,187 +1,119 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "mpeg-haptics/json-events.hpp"
 
-#include <cmath>
-#include <cstdint>
-#include <glib.h>
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
 namespace haptic {
 namespace {
 
-struct BrokenAssertion {};
-
-// RapidJSON must not end the process, whatever it reads. parse_json() makes an error of this.
-[[noreturn]] void throw_broken_assertion() {
-  throw BrokenAssertion();
-}
-
-} // namespace
-} // namespace haptic
-
-#define RAPIDJSON_ASSERT(condition)                                                                \
-  ((condition) ? static_cast<void>(0) : haptic::throw_broken_assertion())
-#include <rapidjson/reader.h>
-
-namespace haptic {
-namespace {
-
-// The longest escape of one byte is \u00XX. With this bound RapidJSON's buffer is bounded, too.
-constexpr std::size_t kLongestEscapedText = 6 * kLongestJsonText;
-
-// The bytes as RapidJSON takes them. The text ends early where a text or a number is too long.
-class BoundedStream {
+// A place in the text that the parser has reached. The copies of one share it.
+class CountedPlace {
 public:
-  using Ch = char;
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char *;
+  using reference = const char &;
 
-  explicit BoundedStream(std::string_view text) : text_(text) {}
-
-  char Peek() const { return too_long_ || at_ >= text_.size() ? '\0' : text_[at_]; }
-  char Take() {
-    const char c = Peek();
-    if (too_long_ || at_ >= text_.size())
-      return c;
-    ++at_;
-    measure(c);
-    return c;
-  }
-  std::size_t Tell() const { return at_; }
-
-  // RapidJSON asks for these where it parses in place, which it does not here.
-  char *PutBegin() { throw_broken_assertion(); }
-  void Put(char) { throw_broken_assertion(); }
-  void Flush() { throw_broken_assertion(); }
-  std::size_t PutEnd(char *) { throw_broken_assertion(); }
-
-  const char *too_long() const { return too_long_; }
-  bool is_at_end() const { return at_ == text_.size(); }
-  /// A line break or another control byte stands within a text.
-  bool is_text_broken() const {
-    return in_text_ && at_ < text_.size() && static_cast<unsigned char>(Peek()) < 0x20;
-  }
+  explicit CountedPlace(const char *&at) : at_(&at) {}
+  reference operator*() const { return **at_; }
+  CountedPlace &operator++() { return ++*at_, *this; }
+  bool operator==(const CountedPlace &other) const { return *at_ == *other.at_; }
 
 private:
-  void measure(char c) {
-    if (in_text_) {
-      const bool ends = c == '"' && !escaped_;
-      escaped_ = c == '\\' && !escaped_;
-      in_text_ = !ends;
-      if (!ends && ++length_ > kLongestEscapedText)
-        too_long_ = "a text is too long";
-    } else if (c == '"') {
-      in_text_ = true;
-      escaped_ = false;
-      length_ = 0;
-    } else if (std::string_view("{}[],: \t\r\n").find(c) != std::string_view::npos) {
-      length_ = 0;
-    } else if (++length_ > kLongestJsonWord) {
-      too_long_ = "a number is too long";
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::size_t length_ = 0; // bytes of the text or the word so far
-  bool in_text_ = false;
-  bool escaped_ = false; // the byte before was a backslash
-  const char *too_long_ = nullptr;
+  const char **at_;
 };
 
-// Hands RapidJSON's events to a JsonHandler and keeps its objection.
-class EventForwarder {
+// What the library says that is wrong, in our words; the first one that its sentence contains.
+constexpr std::pair<std::string_view, const char *> kObjections[] = {
+    {"; expected end of input", "there is more behind the end"},
+    {"missing closing quote", "a text does not end"},
+    {"control character", "a text does not end"},
+    {"ill-formed UTF-8", "a text is not UTF-8"},
+    {"invalid string", "an escape is wrong"},
+    {"invalid number", "a number is expected"},
+    {"number overflow", "a number is expected"},
+    {"", "this is not JSON"}};
+
+// Hands the library's events to a JsonHandler and keeps the first objection.
+class EventForwarder final : public nlohmann::json::json_sax_t {
 public:
-  using Ch = char;
+  // `at`: what the parser has read up to.
+  EventForwarder(JsonHandler &handler, const char *const &at)
+      : handler_(handler), at_(at), done_(at) {}
 
-  explicit EventForwarder(JsonHandler &handler) : handler_(handler) {}
-
-  bool Null() { return accept(handler_.word()); }
-  bool Bool(bool) { return accept(handler_.word()); }
-  bool RawNumber(const char *text, rapidjson::SizeType length, bool) {
-    const double value = g_ascii_strtod(std::string(text, length).c_str(), nullptr);
-    return accept(std::isfinite(value) ? handler_.number(value) : "a number is expected");
+  bool null() override { return accept(handler_.word()); }
+  bool boolean(bool) override { return accept(handler_.word()); }
+  bool number_integer(number_integer_t value) override {
+    return accept(handler_.number(static_cast<double>(value)));
   }
-  // RapidJSON asks for these where it reads numbers itself, which it does not here.
-  bool Int(int) { throw_broken_assertion(); }
-  bool Uint(unsigned) { throw_broken_assertion(); }
-  bool Int64(std::int64_t) { throw_broken_assertion(); }
-  bool Uint64(std::uint64_t) { throw_broken_assertion(); }
-  bool Double(double) { throw_broken_assertion(); }
-  bool String(const char *text, rapidjson::SizeType length, bool) {
-    return is_short(length) && accept(handler_.text({text, length}));
+  bool number_unsigned(number_unsigned_t value) override {
+    return accept(handler_.number(static_cast<double>(value)));
   }
-  bool Key(const char *text, rapidjson::SizeType length, bool) {
-    return is_short(length) && accept(handler_.key({text, length}));
+  bool number_float(number_float_t value, const string_t &text) override {
+    return accept(text.size() > kLongestJsonWord ? "a number is too long" : handler_.number(value));
   }
-  bool StartObject() { return descend() && accept(handler_.begin_object()); }
-  bool EndObject(rapidjson::SizeType) { return --depth_, accept(handler_.end_object()); }
-  bool StartArray() { return descend() && accept(handler_.begin_array()); }
-  bool EndArray(rapidjson::SizeType) { return --depth_, accept(handler_.end_array()); }
+  bool string(string_t &text) override {
+    return accept(is_long(text) ? kLongText : handler_.text(text));
+  }
+  bool key(string_t &text) override {
+    return accept(is_long(text) ? kLongText : handler_.key(text));
+  }
+  bool binary(binary_t &) override { return accept("this is not JSON"); }
+  bool start_object(std::size_t) override { return descend() && accept(handler_.begin_object()); }
+  bool end_object() override { return --depth_, accept(handler_.end_object()); }
+  bool start_array(std::size_t) override { return descend() && accept(handler_.begin_array()); }
+  bool end_array() override { return --depth_, accept(handler_.end_array()); }
+  bool parse_error(std::size_t, const std::string &,
+                   const nlohmann::json::exception &error) override {
+    for (const auto &[part, objection] : kObjections)
+      if (!objection_ && std::string_view(error.what()).find(part) != std::string_view::npos)
+        objection_ = objection;
+    done_ = at_;
+    return false;
+  }
 
   const char *objection() const { return objection_; }
+  // What was read and right. What was objected to comes next.
+  const char *done() const { return done_; }
 
 private:
+  static constexpr char kLongText[] = "a text is too long";
+
+  static bool is_long(const std::string &text) { return text.size() > kLongestJsonText; }
   bool accept(const char *objection) {
     objection_ = objection;
+    if (!objection)
+      done_ = at_;
     return objection == nullptr;
-  }
-  bool is_short(std::size_t length) {
-    return length <= kLongestJsonText || accept("a text is too long");
   }
   bool descend() { return ++depth_ <= kDeepestJson || accept("nested too deeply"); }
 
   JsonHandler &handler_;
+  const char *const &at_;
+  const char *done_;
   int depth_ = 0;
   const char *objection_ = nullptr;
 };
 
-const char *text_of(rapidjson::ParseErrorCode code) {
-  switch (code) {
-  case rapidjson::kParseErrorDocumentEmpty:
-    return "there is nothing in it";
-  case rapidjson::kParseErrorDocumentRootNotSingular:
-    return "there is more behind the end";
-  case rapidjson::kParseErrorStringUnicodeEscapeInvalidHex:
-  case rapidjson::kParseErrorStringUnicodeSurrogateInvalid:
-  case rapidjson::kParseErrorStringEscapeInvalid:
-    return "an escape is wrong";
-  case rapidjson::kParseErrorStringMissQuotationMark:
-  case rapidjson::kParseErrorStringInvalidEncoding:
-    return "a text does not end";
-  case rapidjson::kParseErrorNumberTooBig:
-  case rapidjson::kParseErrorNumberMissFraction:
-  case rapidjson::kParseErrorNumberMissExponent:
-    return "a number is expected";
-  default:
-    return "this is not JSON";
-  }
-}
-
 } // namespace
 
 std::optional<JsonError> parse_json(std::string_view text, JsonHandler &handler) {
-  // Iterative: nesting costs no stack of the process. As strings: RapidJSON 1.1 rounds numbers to
-  // the nearest only by a function whose behaviour is undefined for zeros.
-  constexpr unsigned kFlags =
-      rapidjson::kParseIterativeFlag | rapidjson::kParseNumbersAsStringsFlag;
-  BoundedStream stream(text);
-  EventForwarder events(handler);
-  try {
-    rapidjson::Reader reader;
-    const rapidjson::ParseResult result = reader.Parse<kFlags>(stream, events);
-    if (events.objection())
-      return JsonError{events.objection(), result.Offset()};
-    if (stream.too_long())
-      return JsonError{stream.too_long(), stream.Tell()};
-    if (stream.is_text_broken())
-      return JsonError{"a text does not end", stream.Tell()};
-    if (result.IsError())
-      return JsonError{text_of(result.Code()), result.Offset()};
-  } catch (const BrokenAssertion &) {
-    return JsonError{"this is not JSON", stream.Tell()};
-  }
-  if (!stream.is_at_end()) // RapidJSON takes a zero byte for the end
-    return JsonError{"there is more behind the end", stream.Tell()};
+  // The library takes a zero byte for the end.
+  const std::string_view whole = text.substr(0, text.find('\0'));
+  const char *at = whole.data();
+  const char *end = at + whole.size();
+  EventForwarder events(handler, at);
+  nlohmann::json::sax_parse(CountedPlace(at), CountedPlace(end), &events);
+  const auto done = static_cast<std::size_t>(events.done() - whole.data());
+  const std::size_t offset = std::min(whole.find_first_not_of(" \t\r\n:,", done), whole.size());
+  if (events.objection())
+    return JsonError{events.objection(), offset};
+  if (whole.size() < text.size())
+    return JsonError{"there is more behind the end", offset};
   return std::nullopt;
 }
 

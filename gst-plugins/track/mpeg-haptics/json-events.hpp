@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads JSON (RFC 8259) from front to back with RapidJSON's SAX reader, and builds no tree: a file
-// may be large.
+// Reads JSON (RFC 8259) from front to back with the SAX reader of nlohmann-json, and builds no
+// tree: a file may be large.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ struct JsonError {
 };
 
 /// Returns the first error, or nothing if the text is one JSON value and the handler objected to
-/// none of it. Memory is bounded by the limits above, and so is the depth of calls.
+/// none of it. Memory is bounded by the longest text or number in it, and the depth of calls too.
 std::optional<JsonError> parse_json(std::string_view text, JsonHandler &handler);
 
 } // namespace haptic

@@ -3,6 +3,7 @@
 
 #include "track-error.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 namespace haptic {
 
@@ -47,15 +49,42 @@ PartFile::~PartFile() {
   close(fd_);
 }
 
+void PartFile::write(std::span<const std::uint8_t> bytes) {
+  bool good = std::exchange(begun_, true) || ftruncate(fd_, 0) == 0; // of a process that died
+  while (good && !bytes.empty()) {
+    const ssize_t count = ::write(fd_, bytes.data(), bytes.size());
+    good = count > 0 || (count < 0 && errno == EINTR);
+    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  }
+  if (!good)
+    throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
+}
+
 void PartFile::keep_as(const std::string &path) {
-  if (fsync(fd_) != 0 || std::rename(path_.c_str(), path.c_str()) != 0)
+  if (fsync(fd_) != 0)
     throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
+  rename_on_disk(path_, path);
   kept_ = true;
-  const std::string folder = std::filesystem::path(path).parent_path().string();
+}
+
+void rename_on_disk(const std::string &from, const std::string &to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0)
+    throw_error(messages::kOutputFails, to.c_str(), std::strerror(errno));
+  const std::string folder = std::filesystem::path(to).parent_path().string();
   if (const int fd = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC); fd >= 0) {
     fsync(fd);
     close(fd);
   }
+}
+
+void write_bytes(const std::string &path, std::span<const std::uint8_t> bytes) {
+  PartFile part(path + ".part");
+  part.write(bytes);
+  part.keep_as(path);
+}
+
+void write_bytes(const std::string &path, std::string_view text) {
+  write_bytes(path, {reinterpret_cast<const std::uint8_t *>(text.data()), text.size()});
 }
 
 } // namespace haptic

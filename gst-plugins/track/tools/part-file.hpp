@@ -2,7 +2,10 @@
 // A file that appears under its name only when it is whole and on the disk.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace haptic {
 
@@ -17,6 +20,9 @@ public:
 
   const std::string &path() const noexcept { return path_; }
 
+  /// Appends to it, from its begin on.
+  void write(std::span<const std::uint8_t> bytes);
+
   /// Writes the content to the disk before it renames the file, and then the name.
   void keep_as(const std::string &path);
 
@@ -24,6 +30,14 @@ private:
   std::string path_;
   int fd_ = -1;
   bool kept_ = false;
+  bool begun_ = false;
 };
+
+/// Renames a file or folder and writes the name to the disk. Throws TrackFileError.
+void rename_on_disk(const std::string &from, const std::string &to);
+
+/// Writes a file that appears under its name when it is whole. Throws TrackFileError.
+void write_bytes(const std::string &path, std::span<const std::uint8_t> bytes);
+void write_bytes(const std::string &path, std::string_view text);
 
 } // namespace haptic

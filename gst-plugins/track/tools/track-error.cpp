@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "track-error.hpp"
 
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
 namespace haptic {
 
 std::string about(const std::string &path, const std::string &text) {
@@ -13,6 +17,29 @@ void throw_error(const char *format, ...) {
   const std::string text = format_list(format, arguments);
   va_end(arguments);
   throw TrackFileError(text);
+}
+
+void check_readable(const std::string &path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    throw_error(messages::kFileIsMissing, path.c_str());
+  if (!std::filesystem::is_regular_file(path, error))
+    throw_error(messages::kFileIsNone, path.c_str());
+  if (access(path.c_str(), R_OK) != 0)
+    throw_error(messages::kFileIsForbidden, path.c_str());
+}
+
+void print_error(const std::string &text) {
+  std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
+}
+
+void print_remark(const std::string &path, const std::string &remark) {
+  print_error('"' + path + "\": " + remark);
+}
+
+void print_remarks(const std::string &path, const std::vector<std::string> &remarks) {
+  for (const std::string &remark : remarks)
+    print_remark(path, remark);
 }
 
 } // namespace haptic

@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace haptic {
 
@@ -20,5 +21,15 @@ std::string about(const std::string &path, const std::string &text);
 
 /// Throws a TrackFileError with the text that printf() would write.
 [[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);
+
+/// Throws a TrackFileError unless this is a file that can be read.
+void check_readable(const std::string &path);
+
+/// Prints an error.
+void print_error(const std::string &text);
+
+/// Prints what was left out of a file, or is remarkable in it.
+void print_remark(const std::string &path, const std::string &remark);
+void print_remarks(const std::string &path, const std::vector<std::string> &remarks);
 
 } // namespace haptic

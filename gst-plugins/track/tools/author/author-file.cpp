@@ -3,6 +3,7 @@
 
 #include "core/track-buffer.hpp"
 #include "field-code/field-codec.hpp"
+#include "film/big-endian.hpp"
 #include "film/copied-stream.hpp"
 #include "film/matroska-track.hpp"
 #include "film/pipeline.hpp"
@@ -132,10 +133,10 @@ std::size_t find_picture(std::span<const std::uint8_t> bytes, const CodedForm &f
     }
     if (at + head < bytes.size() && is_first_slice(bytes.subspan(at + head), form.is_h265))
       return at;
-    std::size_t length = 0;
-    for (std::size_t i = 0; i < form.length_size && at + i < bytes.size(); ++i)
-      length = length << 8 | bytes[at + i];
-    at += head + length;
+    if (form.length_size > 0)
+      read_unit(bytes, at, head);
+    else
+      at += head;
   }
   return bytes.size();
 }
@@ -211,13 +212,8 @@ PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool i
 void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
            const std::string &part, std::string &mark) {
   const bool is_matroska = planned.index.ending == kMatroska;
-  GstElement *mux = add_element(film.pipeline(), muxer_of(planned.index.ending));
+  GstElement *mux = add_muxer(film.pipeline(), muxer_of(planned.index.ending), part);
   make_output_deterministic(planned, mux);
-  GstElement *sink = add_element(film.pipeline(), "filesink");
-  g_object_set(sink, "location", part.c_str(), "async", FALSE, nullptr);
-  GstElement *container_mark = add_element(film.pipeline(), "hapticmark");
-  link_elements(mux, container_mark);
-  link_elements(container_mark, sink);
   const PadPtr video = keep_stream(film, film.video(), mux, is_matroska, planned.index.lead);
   if (!planned.index.rotation.empty() && orientation_in(planned.path).empty())
     gst_pad_add_probe(video.get(), GST_PAD_PROBE_TYPE_BUFFER, turn_picture,

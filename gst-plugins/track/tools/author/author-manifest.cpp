@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/author-manifest.hpp"
 
+#include "json.hpp"
+#include "part-file.hpp"
 #include "track-error.hpp"
-#include "tracks/track-file.hpp"
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
-#include <iterator>
-#include <rapidjson/document.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 
 namespace haptic {
 namespace {
-
-// The columns of the table, and the names in JSON.
-constexpr const char *kTexts[] = {"video", "video-sha256", "copy", "copy-sha256"};
-constexpr const char *kNumbers[] = {"bytes", "seconds", "frames", "kbit/s", "confidence"};
-constexpr char kWarnings[] = "warnings";
 
 std::string csv_quoted(const std::string &text) {
   std::string field = "\"";
@@ -28,12 +18,8 @@ std::string csv_quoted(const std::string &text) {
 }
 
 std::string table_of(const std::vector<ManifestRow> &rows) {
-  std::string table;
-  for (const char *name : kTexts)
-    table += std::string(name) + ',';
-  for (const char *name : kNumbers)
-    table += std::string(name) + ',';
-  table += std::string(kWarnings) + "\r\n";
+  std::string table = "video,video-sha256,copy,copy-sha256,bytes,seconds,frames,kbit/s,confidence,"
+                      "warnings\r\n";
   for (const ManifestRow &row : rows) {
     for (const std::string *text : {&row.video, &row.video_hash, &row.copy, &row.copy_hash})
       table += csv_quoted(*text) + ',';
@@ -48,89 +34,44 @@ std::string table_of(const std::vector<ManifestRow> &rows) {
   return table;
 }
 
-std::string json_of(const std::vector<ManifestRow> &rows) {
-  rapidjson::StringBuffer text;
-  rapidjson::PrettyWriter json(text);
-  json.SetIndent(' ', 1);
-  json.SetMaxDecimalPlaces(3);
-  json.StartArray();
-  for (const ManifestRow &row : rows) {
-    json.StartObject();
-    const std::string *const texts[] = {&row.video, &row.video_hash, &row.copy, &row.copy_hash};
-    for (std::size_t i = 0; i < std::size(texts); ++i) {
-      json.Key(kTexts[i]);
-      json.String(texts[i]->c_str());
-    }
-    json.Key(kNumbers[0]);
-    json.Uint64(row.size);
-    json.Key(kNumbers[1]);
-    json.Double(row.duration);
-    json.Key(kNumbers[2]);
-    json.Uint64(row.frames);
-    json.Key(kNumbers[3]);
-    json.Double(row.kilobits);
-    json.Key(kNumbers[4]);
-    json.Double(row.confidence);
-    json.Key(kWarnings);
-    json.StartArray();
-    for (const std::string &warning : row.warnings)
-      json.String(warning.c_str());
-    json.EndArray();
-    json.EndObject();
-  }
-  json.EndArray();
-  return std::string(text.GetString(), text.GetSize()) + "\n";
+Json json_of(const ManifestRow &row) {
+  return {{"video", row.video},
+          {"video-sha256", row.video_hash},
+          {"copy", row.copy},
+          {"copy-sha256", row.copy_hash},
+          {"bytes", row.size},
+          {"seconds", rounded(row.duration, 1e3)},
+          {"frames", row.frames},
+          {"kbit/s", rounded(row.kilobits, 1e3)},
+          {"confidence", rounded(row.confidence, 1e3)},
+          {"warnings", row.warnings}};
 }
 
-ManifestRow row_of(const rapidjson::Value &json) {
-  ManifestRow row;
-  const auto text = [&](std::size_t i, std::string &value) {
-    const auto found = json.FindMember(kTexts[i]);
-    if (found != json.MemberEnd() && found->value.IsString())
-      value = found->value.GetString();
-  };
-  const auto count = [&](std::size_t i) {
-    const auto found = json.FindMember(kNumbers[i]);
-    return found != json.MemberEnd() && found->value.IsUint64() ? found->value.GetUint64() : 0;
-  };
-  const auto number = [&](std::size_t i) {
-    const auto found = json.FindMember(kNumbers[i]);
-    return found != json.MemberEnd() && found->value.IsNumber() ? found->value.GetDouble() : 0.0;
-  };
-  text(0, row.video);
-  text(1, row.video_hash);
-  text(2, row.copy);
-  text(3, row.copy_hash);
-  row.size = count(0);
-  row.duration = number(1);
-  row.frames = count(2);
-  row.kilobits = number(3);
-  row.confidence = number(4);
-  if (const auto found = json.FindMember(kWarnings);
-      found != json.MemberEnd() && found->value.IsArray())
-    for (const auto &warning : found->value.GetArray())
-      if (warning.IsString())
-        row.warnings.emplace_back(warning.GetString());
-  return row;
+ManifestRow row_of(const Json &json) {
+  return {json.at("video"),      json.at("video-sha256"), json.at("copy"),   json.at("copy-sha256"),
+          json.at("bytes"),      json.at("seconds"),      json.at("frames"), json.at("kbit/s"),
+          json.at("confidence"), json.at("warnings")};
 }
 
 } // namespace
 
 std::vector<ManifestRow> read_manifest(const std::string &path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  rapidjson::Document document;
-  document.Parse<rapidjson::kParseIterativeFlag>(text.c_str(), text.size());
   std::vector<ManifestRow> rows;
-  if (!document.HasParseError() && document.IsArray())
-    for (const auto &row : document.GetArray())
-      if (row.IsObject())
-        rows.push_back(row_of(row));
+  try {
+    for (const Json &row : Json::parse(file))
+      rows.push_back(row_of(row));
+  } catch (const Json::exception &) { // as if there were none
+    rows.clear();
+  }
   return rows;
 }
 
 void write_manifest(const std::string &stem, const std::vector<ManifestRow> &rows) {
-  write_bytes(stem + ".json", json_of(rows));
+  Json json = Json::array();
+  for (const ManifestRow &row : rows)
+    json.push_back(json_of(row));
+  write_bytes(stem + ".json", json.dump(1) + "\n");
   write_bytes(stem + ".csv", table_of(rows));
 }
 

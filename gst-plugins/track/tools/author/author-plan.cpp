@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/author-plan.hpp"
 
+#include "json.hpp"
 #include "samples/motion-field.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
@@ -8,20 +9,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <rapidjson/document.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 #include <sstream>
+#include <stdexcept>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace haptic {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = rapidjson::Value;
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
 // What a field depends on beside the film and the columns.
 constexpr char kRules[] = "spans 2 columns ";
@@ -38,13 +33,9 @@ struct FileState {
 };
 
 FileState state_of(const std::string &path) {
+  check_readable(path);
   struct stat status = {};
-  if (stat(path.c_str(), &status) != 0)
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!S_ISREG(status.st_mode))
-    throw_error(messages::kFileIsNone, path.c_str());
-  if (access(path.c_str(), R_OK) != 0)
-    throw_error(messages::kFileIsForbidden, path.c_str());
+  stat(path.c_str(), &status);
   return {static_cast<std::uint64_t>(status.st_size),
           status.st_mtim.tv_sec * std::int64_t{1'000'000'000} + status.st_mtim.tv_nsec};
 }
@@ -117,209 +108,130 @@ std::string chunk_mark(const PlannedFilm &film, SpanRange spans, const AuthorOpt
 
 namespace {
 
-void write_text(Writer &json, const char *key, const std::string &text) {
-  json.Key(key);
-  json.String(text.c_str(), static_cast<rapidjson::SizeType>(text.size()));
+Json json_of(const PlannedFilm &film) {
+  Json spans = Json::array();
+  for (const Span &span : film.index.spans)
+    spans.push_back({{"begin", span.begin}, {"decode-from", span.decode_from}});
+  return {{"video", film.path},
+          {"size", film.size},
+          {"modified", film.modified},
+          {"sha256", film.hash},
+          {"ending", film.index.ending},
+          {"rotation", film.index.rotation},
+          {"duration", film.index.duration},
+          {"lead", film.index.lead},
+          {"warnings", film.index.warnings},
+          {"spans", spans}};
 }
 
-void write_number(Writer &json, const char *key, std::uint64_t number) {
-  json.Key(key);
-  json.Uint64(number);
+Json json_of(const PlannedChunk &chunk) {
+  return {{"input", chunk.film}, {"first-span", chunk.spans.begin}, {"end-span", chunk.spans.end}};
 }
 
-void write_film(Writer &json, const PlannedFilm &film) {
-  json.StartObject();
-  write_text(json, "video", film.path);
-  write_number(json, "size", film.size);
-  json.Key("modified");
-  json.Int64(film.modified);
-  write_text(json, "sha256", film.hash);
-  write_text(json, "ending", film.index.ending);
-  write_text(json, "rotation", film.index.rotation);
-  write_number(json, "duration", film.index.duration);
-  write_number(json, "lead", film.index.lead);
-  json.Key("warnings");
-  json.StartArray();
-  for (const std::string &warning : film.index.warnings)
-    json.String(warning.c_str());
-  json.EndArray();
-  json.Key("spans");
-  json.StartArray();
-  for (const Span &span : film.index.spans) {
-    json.StartObject();
-    write_number(json, "begin", span.begin);
-    write_number(json, "decode-from", span.decode_from);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
+// Members of a JSON object. What is missing or of another kind throws an exception of the library.
+std::uint64_t number_of(const Json &json, const char *key) {
+  return json.at(key).get_ref<const Json::number_unsigned_t &>();
+}
+const Json::array_t &list_of(const Json &json, const char *key) {
+  return json.at(key).get_ref<const Json::array_t &>();
 }
 
-void write_chunk(Writer &json, const PlannedChunk &chunk) {
-  json.StartObject();
-  write_number(json, "input", chunk.film);
-  write_number(json, "first-span", chunk.spans.begin);
-  write_number(json, "end-span", chunk.spans.end);
-  json.EndObject();
+HoldOptions hold_of(const Json &json) {
+  HoldOptions hold;
+  hold.chooses = json.value("hold", "") == "auto";
+  std::istringstream words(json.value("hold-points", ""));
+  for (std::string word; words >> word;)
+    hold.points.push_back(read_hold_point(word).value());
+  return hold;
 }
 
-// Members of a JSON object. What is missing or of another kind throws.
-class Members {
-public:
-  Members(const Json &json, const std::string &path) : json_(json), path_(path) {
-    require(json.IsObject());
-  }
-
-  std::string text(const char *key) const {
-    const Json &value = member(key);
-    require(value.IsString());
-    return value.GetString();
-  }
-  std::uint64_t number(const char *key) const {
-    const Json &value = member(key);
-    require(value.IsUint64());
-    return value.GetUint64();
-  }
-  std::int64_t signed_number(const char *key) const {
-    const Json &value = member(key);
-    require(value.IsInt64());
-    return value.GetInt64();
-  }
-  const Json &list(const char *key) const {
-    const Json &value = member(key);
-    require(value.IsArray());
-    return value;
-  }
-  bool has(const char *key) const { return json_.HasMember(key); }
-  void require(bool is_right) const {
-    if (!is_right)
-      throw_error(messages::kPlanIsWrong, path_.c_str());
-  }
-
-private:
-  const Json &member(const char *key) const {
-    const auto found = json_.FindMember(key);
-    require(found != json_.MemberEnd());
-    return found->value;
-  }
-
-  const Json &json_;
-  const std::string &path_;
-};
-
-void read_hold(const Members &members, HoldOptions &hold) {
-  hold.chooses = members.has("hold") && members.text("hold") == "auto";
-  std::istringstream words(members.has("hold-points") ? members.text("hold-points") : "");
-  for (std::string word; words >> word;) {
-    const auto point = read_hold_point(word);
-    members.require(point.has_value());
-    hold.points.push_back(*point);
-  }
-  members.require(hold.points.size() <= kMostFieldThings);
-}
-
-PlannedFilm read_film(const Json &json, const std::string &path) {
-  const Members members(json, path);
+PlannedFilm film_of(const Json &json) {
   PlannedFilm film;
-  film.path = members.text("video");
-  film.size = members.number("size");
-  film.modified = members.signed_number("modified");
-  film.hash = members.text("sha256");
-  film.index.ending = members.text("ending");
-  film.index.rotation = members.text("rotation");
-  film.index.duration = members.number("duration");
-  film.index.lead = members.number("lead");
-  for (const Json &warning : members.list("warnings").GetArray()) {
-    members.require(warning.IsString());
-    film.index.warnings.emplace_back(warning.GetString());
-  }
-  for (const Json &span : members.list("spans").GetArray()) {
-    const Members times(span, path);
-    film.index.spans.push_back({times.number("begin"), times.number("decode-from")});
-  }
-  members.require(!film.index.spans.empty() &&
-                  (film.index.ending == kTransportStream || film.index.ending == kMatroska));
+  film.path = json.at("video");
+  film.size = number_of(json, "size");
+  film.modified = json.at("modified").get_ref<const Json::number_integer_t &>();
+  film.hash = json.at("sha256");
+  film.index.ending = json.at("ending");
+  film.index.rotation = json.at("rotation");
+  film.index.duration = number_of(json, "duration");
+  film.index.lead = number_of(json, "lead");
+  film.index.warnings = json.at("warnings");
+  for (const Json &span : list_of(json, "spans"))
+    film.index.spans.push_back({number_of(span, "begin"), number_of(span, "decode-from")});
   return film;
 }
 
-PlannedChunk read_chunk(const Json &json, const Plan &plan, const std::string &path) {
-  const Members members(json, path);
-  const PlannedChunk chunk = {members.number("input"),
-                              {members.number("first-span"), members.number("end-span")}};
-  members.require(chunk.film < plan.films.size() && chunk.spans.begin < chunk.spans.end &&
-                  chunk.spans.end <= plan.films[chunk.film].index.spans.size());
-  return chunk;
+Plan plan_of(const Json &json) {
+  Plan plan;
+  plan.options.folder = json.at("output");
+  plan.options.columns =
+      static_cast<unsigned>(std::min<std::uint64_t>(number_of(json, "columns"), kMostColumns + 1));
+  plan.options.hold = hold_of(json);
+  for (const Json &film : list_of(json, "inputs"))
+    plan.films.push_back(film_of(film));
+  for (const Json &chunk : list_of(json, "chunks"))
+    plan.chunks.push_back({number_of(chunk, "input"),
+                           {number_of(chunk, "first-span"), number_of(chunk, "end-span")}});
+  return plan;
 }
 
-// Throws unless the chunks cover each film once, in order.
-void check_cover(const Plan &plan, const std::string &path) {
+bool is_right(const AuthorOptions &options) {
+  return options.hold.points.size() <= kMostFieldThings && options.columns <= kMostColumns &&
+         (options.columns == 0 || options.columns >= kFewestColumns);
+}
+
+// Whether it can be copied, and the chunks cover each film once, in order.
+bool is_right(const Plan &plan) {
   std::size_t film = 0;
   std::size_t span = 0;
-  bool is_right = true;
-  for (const PlannedChunk &chunk : plan.chunks) {
-    is_right = is_right && chunk.film == film && chunk.spans.begin == span;
-    span = chunk.spans.end;
-    if (is_right && span == plan.films[film].index.spans.size()) {
+  for (const auto &[of, spans] : plan.chunks) {
+    if (of != film || film == plan.films.size() || spans.begin != span || spans.end <= span ||
+        spans.end > plan.films[film].index.spans.size())
+      return false;
+    span = spans.end;
+    if (span == plan.films[film].index.spans.size()) {
       ++film;
       span = 0;
     }
   }
-  if (!is_right || film != plan.films.size())
-    throw_error(messages::kPlanIsWrong, path.c_str());
+  return is_right(plan.options) && film == plan.films.size() &&
+         std::ranges::all_of(plan.films, [](const PlannedFilm &one) {
+           return one.index.ending == kTransportStream || one.index.ending == kMatroska;
+         });
 }
 
 } // namespace
 
 std::string write_plan(const Plan &plan) {
-  rapidjson::StringBuffer text;
-  Writer json(text);
-  json.SetIndent(' ', 1);
-  json.StartObject();
-  write_text(json, "version", VERSION);
-  write_text(json, "output", plan.options.folder);
-  write_number(json, "columns", plan.options.columns);
+  Json json = {
+      {"version", VERSION}, {"output", plan.options.folder}, {"columns", plan.options.columns}};
   if (plan.options.hold.chooses)
-    write_text(json, "hold", "auto");
+    json["hold"] = "auto";
   if (!plan.options.hold.points.empty())
-    write_text(json, "hold-points", write_hold_points(plan.options.hold.points));
-  json.Key("inputs");
-  json.StartArray();
-  for (const PlannedFilm &film : plan.films)
-    write_film(json, film);
-  json.EndArray();
-  json.Key("chunks");
-  json.StartArray();
-  for (const PlannedChunk &chunk : plan.chunks)
-    write_chunk(json, chunk);
-  json.EndArray();
-  json.EndObject();
-  return std::string(text.GetString(), text.GetSize()) + "\n";
+    json["hold-points"] = write_hold_points(plan.options.hold.points);
+  for (Json &films = json["inputs"] = Json::array(); const PlannedFilm &film : plan.films)
+    films.push_back(json_of(film));
+  for (Json &chunks = json["chunks"] = Json::array(); const PlannedChunk &chunk : plan.chunks)
+    chunks.push_back(json_of(chunk));
+  return json.dump(1) + "\n"; // a key a line, as schedulers count them
 }
 
 Plan read_plan(const std::string &path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw_error(messages::kFileIsMissing, path.c_str());
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  rapidjson::Document document;
-  document.Parse<rapidjson::kParseIterativeFlag>(text.c_str(), text.size());
-  if (document.HasParseError())
-    throw_error(messages::kPlanIsWrong, path.c_str());
-  const Members members(document, path);
-  if (const std::string version = members.text("version"); version != VERSION)
-    throw_error(messages::kPlanIsOfOtherVersion, path.c_str(), version.c_str(), VERSION);
-  Plan plan;
-  plan.options.folder = members.text("output");
-  const std::uint64_t columns = members.number("columns");
-  members.require(columns == 0 || (columns >= kFewestColumns && columns <= kMostColumns));
-  plan.options.columns = static_cast<unsigned>(columns);
-  read_hold(members, plan.options.hold);
-  for (const Json &film : members.list("inputs").GetArray())
-    plan.films.push_back(read_film(film, path));
-  for (const Json &chunk : members.list("chunks").GetArray())
-    plan.chunks.push_back(read_chunk(chunk, plan, path));
-  check_cover(plan, path);
-  return plan;
+  try {
+    const Json json = Json::parse(file);
+    if (const std::string version = json.at("version"); version != VERSION)
+      throw_error(messages::kPlanIsOfOtherVersion, path.c_str(), version.c_str(), VERSION);
+    Plan plan = plan_of(json);
+    if (is_right(plan))
+      return plan;
+  } catch (const TrackFileError &) {
+    throw;
+  } catch (const std::exception &) { // what is no plan is refused as a wrong one is
+  }
+  throw_error(messages::kPlanIsWrong, path.c_str());
 }
 
 } // namespace haptic

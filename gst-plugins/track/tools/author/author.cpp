@@ -36,10 +36,6 @@ int status_of_failure() {
   return is_interrupted() ? kInterrupted : EXIT_FAILURE;
 }
 
-void print_error(const std::string &text) {
-  std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
-}
-
 void print_warnings(const PlannedFilm &film) {
   for (const std::string &warning : film.index.warnings)
     std::fprintf(stderr, "\"%s\": %s\n", film.path.c_str(), warning.c_str());
@@ -241,6 +237,12 @@ private:
   const Clock::time_point begun_ = Clock::now();
 };
 
+// JSON holds no other names.
+void check_name(const std::string &path) {
+  if (!g_utf8_validate(path.c_str(), -1, nullptr))
+    throw_error(messages::kNameIsNotUtf8, path.c_str());
+}
+
 // ---- merging ------------------------------------------------------------------------------------
 
 std::string manifest_stem(const std::string &plan_path, const Plan &plan) {
@@ -337,10 +339,12 @@ int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &o
   stop_when_interrupted();
   if (!options.folder.empty())
     plan.options.folder = fs::absolute(options.folder).lexically_normal().string();
+  check_name(plan.options.folder);
   double minutes = 0;
   for (const std::string &path : different)
     succeeds(path, [&] {
       PlannedFilm film = identify(path);
+      check_name(film.path);
       find_copy(film, plan.options); // throws where another file has its name
       film.index = index_film(film.path, throw_if_interrupted);
       print_warnings(film);

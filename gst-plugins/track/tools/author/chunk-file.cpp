@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/chunk-file.hpp"
 
-#include "track-error.hpp"
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <sstream>
 #include <string_view>
 #include <sys/mman.h>
@@ -23,18 +19,12 @@ constexpr std::size_t kHashedAtOnce = 1 << 20; // bytes
 // ---- writing ------------------------------------------------------------------------------------
 
 ChunkWriter::ChunkWriter(std::string path, std::string mark)
-    : path_(std::move(path)), mark_(std::move(mark)), part_(path_ + ".part"),
-      file_(part_.path(), std::ios::binary | std::ios::trunc) {}
-
-void ChunkWriter::write(const void *bytes, std::size_t size) {
-  if (!file_.write(static_cast<const char *>(bytes), static_cast<std::streamsize>(size)))
-    throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
-}
+    : path_(std::move(path)), mark_(std::move(mark)), part_(path_ + ".part") {}
 
 void ChunkWriter::add(const CodedField &field) {
   const std::vector<std::uint8_t> set = write_klv(field);
   hash_.add(set.data(), set.size());
-  write(set.data(), set.size());
+  part_.write(set);
 }
 
 void ChunkWriter::finish(const ChunkStats &stats) {
@@ -42,9 +32,7 @@ void ChunkWriter::finish(const ChunkStats &stats) {
   line << kLastLine << mark_ << ' ' << stats.frames << ' ' << stats.confidence << ' '
        << hash_.digits() << '\n';
   const std::string text = line.str();
-  write(text.data(), text.size());
-  if (!file_.flush())
-    throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
+  part_.write({reinterpret_cast<const std::uint8_t *>(text.data()), text.size()});
   part_.keep_as(path_);
 }
 

@@ -8,7 +8,6 @@
 #include "tracks/source-mark.hpp"
 
 #include <cstdint>
-#include <fstream>
 #include <glib.h>
 #include <memory>
 #include <string>
@@ -29,12 +28,9 @@ public:
   void finish(const ChunkStats &stats);
 
 private:
-  void write(const void *bytes, std::size_t size);
-
   std::string path_;
   std::string mark_;
   PartFile part_;
-  std::ofstream file_;
   ContentHash hash_;
 };
 

@@ -73,11 +73,9 @@ GstPadProbeReturn note_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
     scan.keys.push_back({time, scan.frames});
   ++scan.frames;
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstSegment *segment = nullptr;
-  if (!event || !GST_BUFFER_PTS_IS_VALID(buffer))
+  const auto segment = segment_of(pad);
+  if (!segment || !GST_BUFFER_PTS_IS_VALID(buffer))
     return GST_PAD_PROBE_OK;
-  gst_event_parse_segment(event.get(), &segment);
   scan.begin = segment->start;
   if (GST_BUFFER_PTS(buffer) < segment->start) {
     scan.lead = std::max(scan.lead, segment->start - GST_BUFFER_PTS(buffer));
@@ -217,11 +215,9 @@ GstPadProbeReturn watch_size(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
       watch.position = seconds(time);
     return GST_PAD_PROBE_OK;
   }
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
+  const GstCaps *caps = caps_in(GST_PAD_PROBE_INFO_EVENT(info));
+  if (!caps)
     return GST_PAD_PROBE_OK;
-  GstCaps *caps = nullptr;
-  gst_event_parse_caps(event, &caps);
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
   gint width = 0;
   gint height = 0;

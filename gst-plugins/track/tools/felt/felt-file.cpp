@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -41,12 +41,6 @@ void append_along(const std::vector<TimedPlace> &path, const MotionField &before
 }
 
 template <typename Timed>
-void erase_outside(std::vector<Timed> &all, const TimeRange &range) {
-  std::erase_if(all,
-                [&](const Timed &one) { return one.time < range.from || one.time >= range.to; });
-}
-
-template <typename Timed>
 void add_to_times(std::vector<Timed> &all, double offset) {
   for (Timed &one : all)
     one.time += offset;
@@ -60,8 +54,7 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
     return;
   }
   track_ = read_track_file(path, stream);
-  for (const auto &remark : track_.remarks)
-    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
+  print_remarks(path, track_.remarks);
   leave_reliefs_out(path, track_);
 }
 
@@ -111,23 +104,18 @@ void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &ra
     for (const auto &sample : track_.samples)
       append(motions, felt_motion(sample.motion, sample.time));
   }
-  add_to_times(log_.forces, offset_);
-  erase_outside(log_.forces, range);
-  for (auto &motions : motions_) {
-    add_to_times(motions, offset_);
-    erase_outside(motions, range);
-  }
-  for (auto &surfaces : surfaces_) {
-    add_to_times(surfaces, offset_);
-    erase_outside(surfaces, range);
-  }
-  if (!log_.forces.empty())
-    set_times(log_.forces.front().time, log_.forces.back().time);
-  else if (!motions_.empty() && !motions_.front().empty())
-    set_times(motions_.front().front().time, motions_.front().back().time);
-  else if (!surfaces_.empty() && !surfaces_.front().empty())
-    set_times(surfaces_.front().front().time, surfaces_.front().back().time);
-  else
+  bool holds_any = false;
+  const auto place = [&](auto &all) {
+    add_to_times(all, offset_);
+    std::erase_if(all,
+                  [&](const auto &one) { return one.time < range.from || one.time >= range.to; });
+    if (!all.empty() && !std::exchange(holds_any, true))
+      set_times(all.front().time, all.back().time);
+  };
+  place(log_.forces);
+  std::ranges::for_each(motions_, place);
+  std::ranges::for_each(surfaces_, place);
+  if (!holds_any)
     throw_error(messages::kNothingToCompare, path_.c_str());
 }
 

@@ -157,4 +157,11 @@ ForceLog read_force_log(const std::string &path) {
   return LogReader(path).read();
 }
 
+std::vector<TimedPlace> read_hand(const std::string &path) {
+  auto hand = read_force_log(path).places;
+  if (hand.empty())
+    throw_error(messages::kHandIsMissing, path.c_str());
+  return hand;
+}
+
 } // namespace haptic

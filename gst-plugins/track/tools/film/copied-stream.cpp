@@ -72,11 +72,8 @@ CapsPtr without_cut_data(const GstCaps *caps) {
 
 GstPadProbeReturn leave_cut_data_out(GstPad *, GstPadProbeInfo *info, gpointer) {
   GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
-    return GST_PAD_PROBE_OK;
-  GstCaps *caps = nullptr;
-  gst_event_parse_caps(event, &caps);
-  if (const CapsPtr whole = without_cut_data(caps)) {
+  const GstCaps *caps = caps_in(event);
+  if (const CapsPtr whole = caps ? without_cut_data(caps) : nullptr) {
     GST_PAD_PROBE_INFO_DATA(info) = gst_event_new_caps(whole.get());
     gst_event_unref(event);
   }
@@ -117,11 +114,8 @@ bool is_unknown_aac(const GstCaps *caps) {
 // The muxer gets nothing that it cannot place, and waits for the first frame instead.
 GstPadProbeReturn drop_early(GstPad *pad, GstPadProbeInfo *info, gpointer) {
   GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
-    GstCaps *caps = nullptr;
-    gst_event_parse_caps(event, &caps);
+  if (const GstCaps *caps = caps_in(event))
     return is_unknown_aac(caps) ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
-  }
   if (GST_EVENT_TYPE(event) != GST_EVENT_GAP)
     return GST_PAD_PROBE_OK;
   const EventPtr segment(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
@@ -179,6 +173,16 @@ GstElement *add_queue(GstElement *pipeline, guint bytes) {
 gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer) {
   constexpr std::string_view kWhole[] = {"application/x-ass", "application/x-ssa"};
   return std::ranges::find(kWhole, name_of(caps)) == std::end(kWhole);
+}
+
+GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path) {
+  GstElement *mux = add_element(pipeline, factory);
+  GstElement *mark = add_element(pipeline, "hapticmark");
+  GstElement *sink = add_element(pipeline, "filesink");
+  g_object_set(sink, "location", path.c_str(), "async", FALSE, nullptr);
+  link_elements(mux, mark);
+  link_elements(mark, sink);
+  return mux;
 }
 
 void link_elements(GstElement *from, GstElement *to) {

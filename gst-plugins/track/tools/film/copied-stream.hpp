@@ -5,6 +5,7 @@
 #include "glue/gst-raii.hpp"
 
 #include <gst/gst.h>
+#include <string>
 
 namespace haptic {
 
@@ -23,7 +24,9 @@ gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer);
 /// Adds a queue with a limit of bytes alone.
 GstElement *add_queue(GstElement *pipeline, guint bytes);
 
-// These three throw TrackFileError.
+// These four throw TrackFileError.
+/// Adds a muxer that writes to a file, with the marks of hapticmark.
+GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path);
 void link_elements(GstElement *from, GstElement *to);
 void link_pad(GstPad *pad, GstElement *to);
 /// Links the stream of `from`, in the same bin, to the muxer: only its form changes. Returns the

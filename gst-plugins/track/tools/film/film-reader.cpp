@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/film-reader.hpp"
 
+#include "film/big-endian.hpp"
 #include "film/copied-stream.hpp"
 #include "film/film-streams.hpp"
 #include "film/pipeline.hpp"
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <exception>
-#include <filesystem>
 #include <gst/app/gstappsink.h>
 #include <gst/pbutils/pbutils.h>
 #include <mutex>
@@ -38,21 +38,6 @@ constexpr unsigned kFiller = 12;
 
 unsigned type_of_unit(Bytes unit) {
   return unit.empty() ? 0 : unit[0] & 0x1FU;
-}
-
-std::uint32_t read_number(Bytes bytes, std::size_t &at, std::size_t size) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < size && at < bytes.size(); ++i)
-    number = number << 8 | bytes[at++];
-  return number;
-}
-
-// Returns what stands behind a length of `size` bytes, as much as there is.
-Bytes read_unit(Bytes bytes, std::size_t &at, std::size_t size) {
-  const std::size_t length = read_number(bytes, at, size);
-  const Bytes unit = bytes.subspan(at, std::min(length, bytes.size() - at));
-  at += unit.size();
-  return unit;
 }
 
 // Reads the parameter sets of AVCDecoderConfigurationRecord (ISO/IEC 14496-15, 5.3.3.1). Returns
@@ -268,11 +253,8 @@ void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
         type == kFiller)
       continue;
     frame.is_idr = frame.is_idr || type == kIdr;
-    auto out = frame.bytes.size();
-    frame.bytes.resize(out + 4 + unit.size());
-    for (const unsigned shift : {24U, 16U, 8U, 0U})
-      frame.bytes[out++] = static_cast<std::uint8_t>(unit.size() >> shift);
-    std::ranges::copy(unit, &frame.bytes[out]);
+    put_number(frame.bytes, unit.size(), 4);
+    frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
   }
   if (!frame.bytes.empty())
     call_(std::move(frame));
@@ -320,11 +302,7 @@ GstFlowReturn Reading::pull(GstAppSink *sink) {
 } // namespace
 
 FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!std::filesystem::is_regular_file(path, error))
-    throw_error(messages::kFileIsNone, path.c_str());
+  check_readable(path);
   if (!orientation_in(path).empty())
     throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
   try {

@@ -2,10 +2,8 @@
 #include "film/film-streams.hpp"
 
 #include "film/copied-stream.hpp"
-#include "film/pipeline.hpp"
 #include "glue/content-only.hpp"
 
-#include <gst/pbutils/pbutils.h>
 #include <string_view>
 
 namespace haptic {
@@ -13,7 +11,6 @@ namespace {
 
 constexpr gint64 kLongestShow =
     gint64{10} * G_USEC_PER_SEC; // us, from the first stream to the last
-constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
 
 } // namespace
 
@@ -30,7 +27,9 @@ void FilmStreams::set_up_element(GstBin *, GstBin *, GstElement *element, gpoint
     g_object_set(element, "config-interval", -1, nullptr);
 }
 
-FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll) : use_(use) {
+FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll,
+                         GstClockTime longest_standstill)
+    : use_(use) {
   gst_init(nullptr, nullptr);
   pipeline_ = make_pipeline();
   GstElement *source = add_element(pipeline_.get(), "filesrc");
@@ -38,6 +37,7 @@ FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll)
   g_object_set(source, "location", path.c_str(), nullptr);
   open_content_only(parse, messages::kFileNamesOthers);
   link_elements(source, parse);
+  flow_.watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
   g_signal_connect(parse, "pad-added", G_CALLBACK(block), this);
   g_signal_connect(parse, "autoplug-continue", G_CALLBACK(is_parsed_further), nullptr);
   g_signal_connect(parse, "unknown-type",
@@ -48,7 +48,7 @@ FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll)
   g_signal_connect(pipeline_.get(), "deep-element-added", G_CALLBACK(set_up_element), this);
   try {
     gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
-    wait_for_streams(poll);
+    wait_for_streams(poll, longest_standstill);
     sort();
   } catch (...) {
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
@@ -93,33 +93,13 @@ void FilmStreams::sort() {
                 unknown_.empty() ? "" : (" that is understood, only " + unknown_).c_str());
 }
 
-// Returns the first message of this type. Throws the error of the pipeline instead.
-MessagePtr FilmStreams::wait_for(GstMessageType wanted, const Poll &poll) {
-  const BusPtr bus(gst_element_get_bus(pipeline_.get()));
-  std::string missing;
-  for (;;) {
-    const MessagePtr message(gst_bus_timed_pop_filtered(
-        bus.get(), kPollTime,
-        static_cast<GstMessageType>(wanted | GST_MESSAGE_ERROR | GST_MESSAGE_ELEMENT)));
+// parsebin posts the number of streams and then adds a pad for each. It drops the error of a
+// demuxer that finds the damage while it starts, and nothing more is read.
+void FilmStreams::wait_for_streams(const Poll &poll, GstClockTime longest) {
+  const MessagePtr message = wait_for(pipeline_.get(), GST_MESSAGE_STREAM_COLLECTION, [&] {
     poll();
-    if (!message)
-      continue;
-    const GstMessageType type = GST_MESSAGE_TYPE(message.get());
-    const bool is_own = GST_MESSAGE_SRC(message.get()) == GST_OBJECT(pipeline_.get());
-    if (type == GST_MESSAGE_ERROR)
-      throw TrackFileError(missing.empty() || is_own ? error_of(message.get()) : missing);
-    if ((type & wanted) != 0)
-      return MessagePtr(gst_message_ref(message.get()));
-    if (gst_is_missing_plugin_message(message.get())) {
-      const GCharPtr what(gst_missing_plugin_message_get_description(message.get()));
-      missing = format_text(messages::kDecoderIsMissing, what.get());
-    }
-  }
-}
-
-// parsebin posts the number of streams and then adds a pad for each.
-void FilmStreams::wait_for_streams(const Poll &poll) {
-  const MessagePtr message = wait_for(GST_MESSAGE_STREAM_COLLECTION, poll);
+    flow_.check(messages::kFileStandsStill, longest);
+  });
   GstStreamCollection *collection = nullptr;
   gst_message_parse_stream_collection(message.get(), &collection);
   const std::size_t count = gst_stream_collection_get_size(collection);
@@ -131,39 +111,20 @@ void FilmStreams::wait_for_streams(const Poll &poll) {
     throw_error(messages::kStreamsAreUnclear);
 }
 
-void FilmStreams::watch(GstPad *pad) {
-  const auto count = [](GstPad *, GstPadProbeInfo *, gpointer data) {
-    ++*static_cast<std::atomic<std::size_t> *>(data);
-    return GST_PAD_PROBE_OK;
-  };
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, count, &flowed_, nullptr);
-}
-
 void FilmStreams::play(const Poll &poll, GstClockTime longest_standstill) {
   gst_bin_sync_children_states(GST_BIN(pipeline_.get()));
   for (const auto &[pad, probe] : streams_) {
-    watch(pad.get());
+    flow_.watch(pad.get());
     gst_pad_remove_probe(pad.get(), probe);
   }
+  const Running running(pipeline_.get());
   // A muxer may wait for sound, the full queue of the video for the muxer, and the demuxer for that
-  // queue. Polls are counted, not seconds: a process that was stopped does not poll.
-  int polls = 0;
-  std::size_t flowed = 0;
-  const auto poll_flow = [&] {
-    poll();
-    polls = flowed == flowed_ ? polls + 1 : 0;
-    flowed = flowed_;
-    if (polls * kPollTime > longest_standstill)
-      throw_error(messages::kFilmStandsStill, static_cast<int>(longest_standstill / GST_SECOND));
-  };
-  gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
-  try {
-    wait_for(static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION), poll_flow);
-  } catch (...) {
-    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-    throw;
-  }
-  gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  // queue.
+  wait_for(pipeline_.get(), static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION),
+           [&] {
+             poll();
+             flow_.check(messages::kFilmStandsStill, longest_standstill);
+           });
 }
 
 void read_to_end(const FilmStreams &film, GstPad *pad) {
@@ -176,17 +137,6 @@ void discard_stream(GstPad *pad) {
   gst_pad_add_probe(
       pad, GST_PAD_PROBE_TYPE_BUFFER,
       [](GstPad *, GstPadProbeInfo *, gpointer) { return GST_PAD_PROBE_DROP; }, nullptr, nullptr);
-}
-
-GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer) {
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstClockTime time =
-      GST_BUFFER_PTS_IS_VALID(buffer) ? GST_BUFFER_PTS(buffer) : GST_BUFFER_DTS(buffer);
-  if (!event || !GST_CLOCK_TIME_IS_VALID(time))
-    return GST_CLOCK_TIME_NONE;
-  const GstSegment *segment = nullptr;
-  gst_event_parse_segment(event.get(), &segment);
-  return gst_segment_to_running_time(segment, GST_FORMAT_TIME, time);
 }
 
 } // namespace haptic

@@ -2,21 +2,15 @@
 // The coded streams of a film, held in a pipeline until each has its place.
 #pragma once
 
-#include "glue/gst-raii.hpp"
+#include "film/pipeline.hpp"
 
 #include <atomic>
-#include <functional>
 #include <gst/gst.h>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace haptic {
-
-/// Called some times a second while a pipeline runs. What it throws ends the work.
-using Poll = std::function<void()>;
-
-inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
 /// What the streams are for. A decoder may begin at any key frame: the parameter sets are repeated
 /// there.
@@ -25,8 +19,9 @@ enum class FilmUse { copy, decode };
 class FilmStreams {
 public:
   /// Opens the film and waits until all its streams are known. None flows before play(). Throws
-  /// TrackFileError. Initializes GStreamer.
-  FilmStreams(const std::string &path, FilmUse use, const Poll &poll);
+  /// TrackFileError, also where nothing is read for so long. Initializes GStreamer.
+  FilmStreams(const std::string &path, FilmUse use, const Poll &poll,
+              GstClockTime longest_standstill = kLongestStandstill);
   ~FilmStreams();
   FilmStreams(const FilmStreams &) = delete;
   FilmStreams &operator=(const FilmStreams &) = delete;
@@ -39,7 +34,7 @@ public:
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 
   /// What passes this pad is progress, too: decoding goes on when all is read.
-  void watch(GstPad *pad);
+  void watch(GstPad *pad) { flow_.watch(pad); }
   /// Lets the streams flow, each of which is linked, to their end or until an application message.
   /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline, or
   /// because nothing flowed for so long.
@@ -48,8 +43,7 @@ public:
 private:
   static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);
   static void block(GstElement *, GstPad *pad, gpointer data);
-  MessagePtr wait_for(GstMessageType wanted, const Poll &poll);
-  void wait_for_streams(const Poll &poll);
+  void wait_for_streams(const Poll &poll, GstClockTime longest);
   void sort();
 
   FilmUse use_;
@@ -57,8 +51,8 @@ private:
   // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
-  std::atomic<std::size_t> flowed_ = 0; // buffers of all pads that are watched
-  std::string unknown_;                 // caps of a stream that no parser knows
+  Flow flow_;           // of what is read, then of all streams and what else is watched
+  std::string unknown_; // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
   std::vector<GstPad *> audio_;
   std::vector<GstPad *> others_;
@@ -70,9 +64,5 @@ void read_to_end(const FilmStreams &film, GstPad *pad);
 /// Drops what comes from the pad. A sink would hold the thread of the demuxer until the decoder has
 /// a frame, which waits for that thread.
 void discard_stream(GstPad *pad);
-
-/// Returns the running time of a frame (ns), or GST_CLOCK_TIME_NONE. In AVI, frames that depend on
-/// others have a decoding time only.
-GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
 
 } // namespace haptic

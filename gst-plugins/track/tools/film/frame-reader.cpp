@@ -51,31 +51,29 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
   const ElementPtr decoder(gst_bin_get_by_name(GST_BIN(made), "decoder"));
   open_content_only(decoder.get(), messages::kFileNamesOthers);
   g_object_set(in.get(), "location", path.c_str(), nullptr);
-  gst_element_set_state(made, GST_STATE_PAUSED);
-  if (gst_element_get_state(made, nullptr, nullptr, kPatience) == GST_STATE_CHANGE_SUCCESS) {
-    gst_element_set_state(made, GST_STATE_PLAYING);
-    GstClockTime now = 0;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      if (times[i] > now + 2 * kBeforeAKey)
-        gst_element_seek_simple(made, GST_FORMAT_TIME,
-                                static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH |
-                                                          GST_SEEK_FLAG_KEY_UNIT |
-                                                          GST_SEEK_FLAG_SNAP_BEFORE),
-                                static_cast<gint64>(times[i] - kBeforeAKey));
-      while (GstSample *sample = gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), kPatience)) {
-        now = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                         GST_BUFFER_PTS(gst_sample_get_buffer(sample)));
-        const bool is_wanted = now + GST_MSECOND >= times[i];
-        if (is_wanted)
-          frames[i] = frame_of(sample, 3 * static_cast<std::size_t>(width),
-                               static_cast<std::size_t>(height));
-        gst_sample_unref(sample);
-        if (is_wanted)
-          break;
-      }
-    }
+  const Running running(made, GST_STATE_PAUSED);
+  if (gst_element_get_state(made, nullptr, nullptr, kPatience) != GST_STATE_CHANGE_SUCCESS)
+    return frames;
+  gst_element_set_state(made, GST_STATE_PLAYING);
+  GstClockTime now = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i] > now + 2 * kBeforeAKey)
+      gst_element_seek_simple(made, GST_FORMAT_TIME,
+                              static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH |
+                                                        GST_SEEK_FLAG_KEY_UNIT |
+                                                        GST_SEEK_FLAG_SNAP_BEFORE),
+                              static_cast<gint64>(times[i] - kBeforeAKey));
+    SamplePtr sample;
+    do {
+      sample.reset(gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), kPatience));
+      if (!sample)
+        return frames;
+      now = gst_segment_to_stream_time(gst_sample_get_segment(sample.get()), GST_FORMAT_TIME,
+                                       GST_BUFFER_PTS(gst_sample_get_buffer(sample.get())));
+    } while (now + GST_MSECOND < times[i]);
+    frames[i] = frame_of(sample.get(), 3 * static_cast<std::size_t>(width),
+                         static_cast<std::size_t>(height));
   }
-  gst_element_set_state(made, GST_STATE_NULL);
   return frames;
 }
 

@@ -5,11 +5,20 @@
 #include "glue/gst-raii.hpp"
 #include "track-error.hpp"
 
+#include <atomic>
 #include <cstring>
+#include <functional>
 #include <gst/gst.h>
+#include <optional>
 #include <string>
 
 namespace haptic {
+
+/// Called some times a second while a pipeline runs. What it throws ends the work.
+using Poll = std::function<void()>;
+
+inline constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
+inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
 inline ElementPtr make_pipeline() {
   return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
@@ -56,5 +65,54 @@ inline std::string error_of(GstMessage *message) {
   g_error_free(error);
   return text;
 }
+
+/// Returns the segment in which the buffers of the pad are, or nothing before the first one.
+std::optional<GstSegment> segment_of(GstPad *pad);
+
+// Both return the time of a frame (ns), or GST_CLOCK_TIME_NONE. In AVI, frames that depend on
+// others have a decoding time only.
+GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
+GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer);
+
+/// Returns the caps of a caps event, or null.
+inline GstCaps *caps_in(GstEvent *event) {
+  GstCaps *caps = nullptr;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    gst_event_parse_caps(event, &caps);
+  return caps;
+}
+
+/// Returns the first message of these types. Throws TrackFileError with the error of the pipeline
+/// instead.
+MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll);
+
+/// Notices when nothing flows any more: damaged files let some elements wait for ever.
+class Flow {
+public:
+  /// What passes this pad is progress.
+  void watch(GstPad *pad);
+  /// To be called by each Poll. Throws the sentence, with the s in it, after so long without
+  /// progress. Polls are counted, not seconds: a process that was stopped does not poll.
+  void check(const char *sentence, GstClockTime longest = kLongestStandstill);
+
+private:
+  std::atomic<std::size_t> flowed_ = 0; // buffers
+  std::size_t before_ = 0;
+  GstClockTime still_ = 0;
+};
+
+/// Lets a pipeline run until this goes.
+class Running {
+public:
+  explicit Running(GstElement *pipeline, GstState state = GST_STATE_PLAYING) : pipeline_(pipeline) {
+    gst_element_set_state(pipeline_, state);
+  }
+  ~Running() { gst_element_set_state(pipeline_, GST_STATE_NULL); }
+  Running(const Running &) = delete;
+  Running &operator=(const Running &) = delete;
+
+private:
+  GstElement *pipeline_;
+};
 
 } // namespace haptic

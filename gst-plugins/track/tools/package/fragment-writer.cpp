@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/fragment-writer.hpp"
 
+#include "film/big-endian.hpp"
+
 #include <algorithm>
 #include <span>
 #include <string_view>
@@ -39,10 +41,7 @@ public:
     });
   }
 
-  void number(std::uint64_t value, unsigned size) {
-    for (unsigned i = size; i-- > 0;)
-      out_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
+  void number(std::uint64_t value, unsigned size) { put_number(out_, value, size); }
   void numbers(unsigned size, std::initializer_list<std::uint64_t> values) {
     for (const std::uint64_t value : values)
       number(value, size);

@@ -3,6 +3,7 @@
 
 #include "part-file.hpp"
 #include "track-error.hpp"
+#include "tracks/source-mark.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,8 +12,6 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <sys/file.h>
 #include <unistd.h>
@@ -25,26 +24,6 @@ namespace fs = std::filesystem;
 constexpr char kWork[] = ".package"; // hidden: a web server need not show it
 constexpr char kPage[] = "index.html";
 
-[[noreturn]] void fail_to_write(const std::string &path) {
-  throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
-}
-
-std::string read_whole(const fs::path &path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void sync_folder(const std::string &path) {
-  if (const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC); fd >= 0) {
-    fsync(fd);
-    close(fd);
-  }
-}
-
-std::span<const std::uint8_t> bytes_of(const std::string &text) {
-  return {reinterpret_cast<const std::uint8_t *>(text.data()), text.size()};
-}
-
 // Returns whether package() makes folders of such names: ts-0123456789abcdef.
 bool is_name_of_rate(const std::string &name) {
   const std::size_t digits = name.find('-') + 1;
@@ -55,41 +34,21 @@ bool is_name_of_rate(const std::string &name) {
 
 } // namespace
 
-void write_whole(const std::string &path, std::span<const std::uint8_t> bytes) {
-  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  bool good = fd >= 0;
-  while (good && !bytes.empty()) {
-    const ssize_t count = ::write(fd, bytes.data(), bytes.size());
-    good = count > 0 || (count < 0 && errno == EINTR);
-    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-  }
-  good = good && fsync(fd) == 0;
-  const int reason = errno;
-  if (fd >= 0)
-    close(fd);
-  errno = reason;
-  if (!good)
-    fail_to_write(path);
-}
-
-void write_whole(const std::string &path, const std::string &text) {
-  write_whole(path, bytes_of(text));
-}
-
 PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
                              const std::string &mark)
     : path_(std::move(path)), player_(std::move(player)),
       work_((fs::path(path_) / kWork).string()) {
   std::error_code error;
   if (has(kPage) && !has(mark) &&
-      read_whole(fs::path(path_) / kPage) != read_whole(fs::path(player_) / page))
+      hash_of_file((fs::path(path_) / kPage).string()) !=
+          hash_of_file((fs::path(player_) / page).string()))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
   fs::create_directories(work_, error);
   if (error)
     throw_error(messages::kOutputFails, path_.c_str(), error.message().c_str());
   lock_ = open(work_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0)
-    fail_to_write(work_);
+    throw_error(messages::kOutputFails, work_.c_str(), std::strerror(errno));
   if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     close(lock_);
     throw_error(messages::kFileIsBeingWritten, path_.c_str());
@@ -116,22 +75,13 @@ std::string PackageFolder::begin(const std::string &name) {
 }
 
 void PackageFolder::publish(const std::string &name) {
-  const std::string part = (fs::path(work_) / name).string();
-  const std::string whole = (fs::path(path_) / name).string();
-  sync_folder(part);
-  if (std::rename(part.c_str(), whole.c_str()) != 0)
-    fail_to_write(whole);
-  sync_folder(path_);
+  rename_on_disk((fs::path(work_) / name).string(), (fs::path(path_) / name).string());
 }
 
 void PackageFolder::write(const std::string &name, std::span<const std::uint8_t> bytes) {
   PartFile part((fs::path(work_) / "file").string());
-  write_whole(part.path(), bytes);
+  part.write(bytes);
   part.keep_as((fs::path(path_) / name).string());
-}
-
-void PackageFolder::copy(const std::string &from, const std::string &to) {
-  write(to, bytes_of(read_whole(fs::path(path_) / from)));
 }
 
 void PackageFolder::copy_in(const std::string &path, const std::string &name) {
@@ -156,7 +106,7 @@ void PackageFolder::copy_player() {
         fs::create_directories(fs::path(path_) / name, error);
     } else if (entry->is_regular_file(error) && name != kSinglePage &&
                !entry->path().filename().string().starts_with(".")) {
-      write(name, bytes_of(read_whole(entry->path())));
+      copy_in(entry->path().string(), name);
     }
   }
   if (error)
@@ -164,7 +114,7 @@ void PackageFolder::copy_player() {
 }
 
 void PackageFolder::finish(const std::string &playlist, const std::vector<std::string> &names) {
-  write(kMainPlaylist, bytes_of(playlist));
+  write(kMainPlaylist, {reinterpret_cast<const std::uint8_t *>(playlist.data()), playlist.size()});
   std::error_code error;
   std::vector<fs::path> old;
   for (const auto &entry : fs::directory_iterator(path_, error))

@@ -14,10 +14,6 @@ inline constexpr char kMainPlaylist[] = "film.m3u8";
 /// The page of a single film, among the player's files.
 inline constexpr char kSinglePage[] = "single.html";
 
-/// Writes a file to the disk. Throws TrackFileError.
-void write_whole(const std::string &path, std::span<const std::uint8_t> bytes);
-void write_whole(const std::string &path, const std::string &text);
-
 class PackageFolder {
 public:
   /// Makes the folder and locks it against other processes. Throws TrackFileError, also where it
@@ -39,8 +35,6 @@ public:
   void publish(const std::string &name);
   /// Writes a file, or over it.
   void write(const std::string &name, std::span<const std::uint8_t> bytes);
-  /// Copies a file of the folder.
-  void copy(const std::string &from, const std::string &to);
   void copy_player();
   /// Copies a file into the folder, however large it is.
   void copy_in(const std::string &path, const std::string &name);

@@ -8,6 +8,7 @@
 #include "package/package-folder.hpp"
 #include "package/poster.hpp"
 #include "package/transport-stream.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "tracks/source-mark.hpp"
 #include "tracks/track-file.hpp"
@@ -50,10 +51,6 @@ struct Rate {
   FilmPlan plan;
   std::string name; // of its folder
 };
-
-void print_remark(const std::string &path, const std::string &remark) {
-  std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
-}
 
 // ---- the films ----------------------------------------------------------------------------------
 
@@ -112,8 +109,7 @@ std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
   if (!holds_track(path))
     return std::nullopt;
   TrackFile track = read_track_file(path);
-  for (const std::string &remark : track.remarks)
-    print_remark(path, remark);
+  print_remarks(path, track.remarks);
   // Motion and surface may be streams of their own.
   for (const std::string &stream : track.others) {
     TrackFile other = read_track_file(path, stream);
@@ -235,14 +231,14 @@ void write_segments(const Rate &rate, const PackageOptions &options,
       video += frame.bytes.size();
     for (const SegmentField &field : segment.fields)
       ++(field.kind == FieldKind::relief ? reliefs : fields);
-    write_whole((fs::path(folder) / segment_name(segment.number, options.carriage)).string(),
+    write_bytes((fs::path(folder) / segment_name(segment.number, options.carriage)).string(),
                 writer.write(segment));
     // The first frames of many films are black.
     if (segment.number == rate.plan.starts.size() / 3)
-      write_whole((fs::path(folder) / kPoster).string(),
+      write_bytes((fs::path(folder) / kPoster).string(),
                   poster_of(rate.plan.format, segment.frames[0]));
   });
-  write_whole((fs::path(folder) / kPlaylist).string(), playlist_of(rate.plan, options.carriage));
+  write_bytes((fs::path(folder) / kPlaylist).string(), playlist_of(rate.plan, options.carriage));
   const double length = seconds(rate.plan.end);
   const auto kilobits = [&](std::size_t bytes) {
     return 8e-3 * static_cast<double>(bytes) / length;
@@ -262,7 +258,7 @@ void write_rate(const Rate &rate, const PackageOptions &options, std::span<const
   try {
     if (options.carriage == Carriage::fragments) {
       FragmentWriter writer(rate.plan.format);
-      write_whole((fs::path(part) / kHead).string(), writer.head());
+      write_bytes((fs::path(part) / kHead).string(), writer.head());
       write_segments(rate, options, track, part, writer);
     } else {
       TransportStreamWriter writer(rate.plan.format, rate.plan.reordering);
@@ -396,7 +392,7 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
     names.push_back(rate.name);
   }
   folder.copy_player();
-  folder.copy(names[0] + '/' + kPoster, kPoster);
+  folder.copy_in((fs::path(folder.path()) / names[0] / kPoster).string(), kPoster);
   folder.finish(playlist, names);
   std::printf("Open %s from a web server; docs/web.md has the configuration.\n",
               (fs::path(folder.path()) / "index.html").c_str());

@@ -3,7 +3,7 @@
 
 #include "core/track-buffer.hpp"
 #include "film/pipeline.hpp"
-#include "glue/gst-raii.hpp"
+#include "interruption.hpp"
 #include "package/transport-stream.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -28,31 +28,24 @@ std::vector<std::uint8_t> poster_of(const FilmFormat &format, const SegmentFrame
     throw_error(messages::kPosterFails, error->message);
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  gst_element_set_state(made, GST_STATE_PLAYING);
+  const Running running(made, GST_STATE_PAUSED);
   gst_app_src_push_buffer(GST_APP_SRC(in.get()),
                           make_buffer(byte_stream_of(format, frame), 0, GST_SECOND).release());
   gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
-  // An error leaves the sink without a sample and without an end.
-  const BusPtr bus(gst_element_get_bus(made));
-  SamplePtr sample;
-  std::string failure;
-  while (!sample && failure.empty()) {
-    sample.reset(gst_app_sink_try_pull_sample(GST_APP_SINK(out.get()), 10 * GST_MSECOND));
-    const MessagePtr message(gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR));
-    if (message)
-      failure = error_of(message.get());
-    else if (!sample && gst_app_sink_is_eos(GST_APP_SINK(out.get())))
-      failure = "its frames are damaged";
+  try {
+    Flow none;
+    wait_for(made, GST_MESSAGE_ASYNC_DONE, [&] {
+      throw_if_interrupted();
+      none.check(messages::kFileStandsStill);
+    });
+  } catch (const TrackFileError &failure) {
+    throw_error(messages::kPosterFails, failure.what());
   }
-  std::vector<std::uint8_t> bytes;
-  if (sample)
-    if (const ReadableBuffer readable(gst_sample_get_buffer(sample.get())); readable)
-      bytes.assign(readable.bytes().begin(), readable.bytes().end());
-  sample.reset();
-  gst_element_set_state(made, GST_STATE_NULL);
-  if (bytes.empty())
-    throw_error(messages::kPosterFails, failure.c_str());
-  return bytes;
+  const SamplePtr sample(gst_app_sink_try_pull_preroll(GST_APP_SINK(out.get()), 0));
+  if (!sample)
+    throw_error(messages::kPosterFails, "its frames are damaged");
+  const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
+  return {readable.bytes().begin(), readable.bytes().end()};
 }
 
 } // namespace haptic

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/transport-stream.hpp"
 
+#include "film/big-endian.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -20,11 +22,6 @@ constexpr std::size_t kSoundUnit = 2600;
 constexpr std::uint8_t kH264 = 0x1B; // stream types
 constexpr std::uint8_t kAac = 0x0F;
 constexpr std::uint8_t kPrivate = 0x06;
-
-void put_number(std::vector<std::uint8_t> &bytes, std::uint64_t number, unsigned size) {
-  for (unsigned i = size; i-- > 0;)
-    bytes.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
-}
 
 // ISO/IEC 13818-1, annex A: polynomial 0x04C11DB7.
 std::uint32_t check_of(std::span<const std::uint8_t> bytes) {
@@ -58,12 +55,8 @@ std::vector<std::uint8_t> byte_stream_of(const FilmFormat &format, const Segment
     for (const auto *sets : {&format.sequence_sets, &format.picture_sets})
       for (const auto &set : *sets)
         put(set);
-  for (std::span<const std::uint8_t> rest = frame.bytes; rest.size() >= 4;) {
-    const std::size_t size = std::size_t{rest[0]} << 24 | std::size_t{rest[1]} << 16 |
-                             std::size_t{rest[2]} << 8 | rest[3];
-    put(rest.subspan(4, size));
-    rest = rest.subspan(4 + size);
-  }
+  for (std::size_t at = 0; at < frame.bytes.size();)
+    put(read_unit(frame.bytes, at, 4));
   return coded;
 }
 

@@ -3,6 +3,7 @@
 
 #include "felt/felt-file.hpp"
 #include "felt/perception.hpp"
+#include "json.hpp"
 #include "plot/compare-plot.hpp"
 #include "track-error.hpp"
 
@@ -42,10 +43,9 @@ Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &opti
     throw_error(messages::kPlacesAreGiven);
   if (!options.hand.empty() || !both) {
     const FeltFile &other = a.has_places() ? b : a;
-    auto path = options.hand.empty() ? other.hand() : read_force_log(options.hand).places;
+    auto path = options.hand.empty() ? other.hand() : read_hand(options.hand);
     if (path.empty())
-      throw_error(messages::kHandIsMissing,
-                  options.hand.empty() ? other.path().c_str() : options.hand.c_str());
+      throw_error(messages::kHandIsMissing, other.path().c_str());
     return {{}, std::move(path)};
   }
   return {options.columns > 0 ? grid(options.columns, options.rows) : grid(kColumns, kRows), {}};
@@ -119,25 +119,25 @@ void print_text(const FeltFile &a, const FeltFile &b, const Hands &hands,
   std::printf("\n");
 }
 
-void print_numbers(const PlaceComparison &numbers) {
-  std::printf(R"("distinguishable": %.6f, "felt": %.6f, "force_rms_n": %.6f)",
-              numbers.distinguishable, numbers.felt, numbers.force_rms);
+Json json_of(const PlaceComparison &numbers) {
+  return {{"distinguishable", rounded(numbers.distinguishable, 1e6)},
+          {"felt", rounded(numbers.felt, 1e6)},
+          {"force_rms_n", rounded(numbers.force_rms, 1e6)}};
 }
 
 // `fitted`: s, by which the times of an unknown start are apart before the shift.
 void print_json(const Hands &hands, const Comparison &result, double fitted) {
-  std::printf("{");
-  print_numbers(result.all);
-  std::printf(R"(, "start_known": %s, "shift_ms": %.0f, "seconds": %.3f, "places": [)",
-              result.is_start_known ? "true" : "false", 1e3 * (result.shift + fitted),
-              static_cast<double>(result.end - result.first) * kForceStep);
+  Json json = json_of(result.all);
+  json["start_known"] = result.is_start_known;
+  json["shift_ms"] = std::llround(1e3 * (result.shift + fitted));
+  json["seconds"] = rounded(static_cast<double>(result.end - result.first) * kForceStep, 1e3);
+  json["places"] = Json::array();
   for (std::size_t i = 0; i < hands.resting.size() && result.places.size() > 1; ++i) {
-    std::printf("%s\n  {\"x\": %.4f, \"y\": %.4f, ", i > 0 ? "," : "", hands.resting[i].x,
-                hands.resting[i].y);
-    print_numbers(result.places[i]);
-    std::printf("}");
+    Json place = {{"x", rounded(hands.resting[i].x, 1e4)}, {"y", rounded(hands.resting[i].y, 1e4)}};
+    place.update(json_of(result.places[i]));
+    json["places"].push_back(std::move(place));
   }
-  std::printf("]}\n");
+  std::puts(json.dump().c_str());
 }
 
 } // namespace
@@ -183,8 +183,7 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   const double percent = 100 * result.all.distinguishable;
   if (!options.at_most || percent <= *options.at_most)
     return EXIT_SUCCESS;
-  std::fprintf(stderr, "haptic-track: %s\n",
-               format_text(messages::kShareIsAbove, percent, *options.at_most).c_str());
+  print_error(format_text(messages::kShareIsAbove, percent, *options.at_most));
   return EXIT_FAILURE;
 }
 

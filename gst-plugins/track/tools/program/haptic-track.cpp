@@ -251,11 +251,6 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
   return arguments;
 }
 
-void print_remarks(const std::string &path, const TrackFile &track) {
-  for (const auto &remark : track.remarks)
-    std::fprintf(stderr, "haptic-track: \"%s\": %s\n", path.c_str(), remark.c_str());
-}
-
 void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples) {
   const double length = seconds(last) - seconds(first);
   std::printf("  time       %.3f to %.3f s", seconds(first), seconds(last));
@@ -286,6 +281,25 @@ void info_of_grid(const haptic::Field<Cell> &field, const char *known, double sh
   std::printf("  frame      %u x %u px, pixels %u:%u\n", field.frame_width, field.frame_height,
               field.pixel_aspect_n, field.pixel_aspect_d);
 }
+
+// What was measured at some places.
+struct Speeds {
+  std::size_t count = 0;
+  double sum = 0; // px/s
+  double fastest = 0;
+
+  void add(double x, double y) {
+    const double speed = std::hypot(x, y);
+    ++count;
+    sum += speed;
+    fastest = std::max(fastest, speed);
+  }
+  void print() const {
+    if (count > 0)
+      std::printf("  speed      %.1f px/s on average, %.1f at most\n",
+                  sum / static_cast<double>(count), fastest);
+  }
+};
 
 void info_of_reliefs(const std::vector<CodedField> &reliefs) {
   std::printf("  reliefs    %zu\n", reliefs.size());
@@ -330,10 +344,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   std::size_t decoded = 0;
   std::set<std::uint16_t> things; // of the field before
   std::size_t things_begun = 0;
-  double measured = 0;
+  Speeds measured;
   double cells = 0;
-  double sum = 0;
-  double fastest = 0;
   haptic::MotionField first;
   haptic::for_each_field(fields, [&](const haptic::MotionField &field, std::uint64_t) {
     if (decoded++ == 0)
@@ -343,49 +355,36 @@ void info_of_fields(const std::vector<CodedField> &fields) {
     for (const auto &thing : field.things)
       things_begun += now.insert(thing.id).second && !things.contains(thing.id);
     things = std::move(now);
-    for (const auto &cell : field.cells) {
-      if (!(cell.confidence > 0))
-        continue;
-      const double speed = std::hypot(cell.velocity_x, cell.velocity_y);
-      ++measured;
-      sum += speed;
-      fastest = std::max(fastest, speed);
-    }
+    for (const auto &cell : field.cells)
+      if (cell.confidence > 0)
+        measured.add(cell.velocity_x, cell.velocity_y);
   });
   if (decoded == 0)
     return;
-  info_of_grid(first, "measured", measured / cells);
+  info_of_grid(first, "measured", static_cast<double>(measured.count) / cells);
   if (things_begun > 0)
     std::printf("  things     %zu\n", things_begun);
-  if (measured > 0)
-    std::printf("  speed      %.1f px/s on average, %.1f at most\n", sum / measured, fastest);
+  measured.print();
 }
 
 void info_of_samples(const std::vector<TrackSample> &samples) {
   const auto &first = samples.front();
-  std::size_t measured = 0;
-  double fastest = 0;
+  Speeds measured;
   double strongest = 0;
-  double sum = 0;
   for (const auto &sample : samples) {
     const auto &s = sample.motion;
     if (!(s.confidence > 0))
       continue;
-    ++measured;
-    const double speed = std::hypot(s.velocity_x, s.velocity_y);
+    measured.add(s.velocity_x, s.velocity_y);
     const auto force = haptic::force_of_motion(s);
-    sum += speed;
-    fastest = std::max(fastest, speed);
     strongest = std::max(strongest, std::hypot(force.x, force.y));
   }
   info_of_times(first.time, samples.back().time, samples.size());
   std::printf("  measured   %.1f %% of the samples\n",
-              100.0 * static_cast<double>(measured) / static_cast<double>(samples.size()));
+              100.0 * static_cast<double>(measured.count) / static_cast<double>(samples.size()));
   std::printf("  frame      %u x %u px, pixels %u:%u\n", first.motion.frame_width,
               first.motion.frame_height, first.motion.pixel_aspect_n, first.motion.pixel_aspect_d);
-  if (measured > 0)
-    std::printf("  speed      %.1f px/s on average, %.1f at most\n",
-                sum / static_cast<double>(measured), fastest);
+  measured.print();
   std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
 }
 
@@ -425,18 +424,11 @@ void check_output(const Arguments &arguments) {
 TrackFile read_some(const Arguments &arguments) {
   const std::string &path = arguments.files[0];
   TrackFile track = haptic::read_track_file(path, arguments.compare.stream);
-  print_remarks(path, track);
+  haptic::print_remarks(path, track.remarks);
   if (track.holds_nothing())
     throw_error(messages::kTrackIsEmpty, path.c_str());
   haptic::leave_reliefs_out(path, track);
   return track;
-}
-
-std::vector<haptic::TimedPlace> read_hand(const std::string &log) {
-  auto hand = haptic::read_force_log(log).places;
-  if (hand.empty())
-    throw_error(messages::kHandIsMissing, log.c_str());
-  return hand;
 }
 
 void write(const std::string &output, const TrackFile &track,
@@ -454,7 +446,8 @@ void convert(const Arguments &arguments) {
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
-    track.samples = haptic::samples_at_hand(track.fields, read_hand(arguments.compare.hand));
+    track.samples =
+        haptic::samples_at_hand(track.fields, haptic::read_hand(arguments.compare.hand));
     track.fields.clear();
   }
   // A track beside its video begins with the video, whose copy in a recording begins later.
@@ -475,14 +468,13 @@ void cut(const Arguments &arguments) {
       static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
-    TrackFile left;
     try {
-      left.remarks = haptic::cut_film(arguments.files[0], std::move(track), from, to,
-                                      arguments.files[1], haptic::throw_if_interrupted);
+      haptic::print_remarks(arguments.files[0],
+                            haptic::cut_film(arguments.files[0], std::move(track), from, to,
+                                             arguments.files[1], haptic::throw_if_interrupted));
     } catch (const TrackFileError &error) {
       throw TrackFileError(haptic::about(arguments.files[0], error.what()));
     }
-    print_remarks(arguments.files[0], left);
     return;
   }
   haptic::cut_track(track, from, to);
@@ -496,7 +488,7 @@ void plot(const Arguments &arguments) {
   const std::string &file = arguments.files[0];
   haptic::PlotOptions options = arguments.plot;
   if (!arguments.compare.hand.empty())
-    options.hand = read_hand(arguments.compare.hand);
+    options.hand = haptic::read_hand(arguments.compare.hand);
   haptic::plot_track(file, read_some(arguments), options, arguments.files[1]);
 }
 
@@ -543,7 +535,7 @@ int run(const Arguments &arguments) {
       try {
         info(file, arguments.compare.stream);
       } catch (const TrackFileError &error) {
-        std::fprintf(stderr, "haptic-track: %s\n", error.what());
+        haptic::print_error(error.what());
         ++failures;
       }
     return failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
@@ -571,7 +563,7 @@ int main(int argc, char **argv) {
   try {
     return run(parse_arguments(words));
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "haptic-track: %s\n", error.what());
+    haptic::print_error(error.what());
     return haptic::is_interrupted() ? haptic::kInterrupted : EXIT_FAILURE;
   }
 }

@@ -38,21 +38,6 @@ std::string id_of(GstPad *pad) {
   return id ? id.get() : "";
 }
 
-std::uint64_t stream_time_of(GstPad *pad, const GstBuffer *buffer, std::int64_t *start = nullptr) {
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstClockTime time =
-      GST_BUFFER_PTS_IS_VALID(buffer) ? GST_BUFFER_PTS(buffer) : GST_BUFFER_DTS(buffer);
-  if (!event || !GST_CLOCK_TIME_IS_VALID(time))
-    return kNoEnd;
-  const GstSegment *segment = nullptr;
-  gst_event_parse_segment(event.get(), &segment);
-  const std::uint64_t stream = gst_segment_to_stream_time(segment, GST_FORMAT_TIME, time);
-  const std::uint64_t running = gst_segment_to_running_time(segment, GST_FORMAT_TIME, time);
-  if (start && stream != kNoEnd && running != kNoEnd)
-    *start = static_cast<std::int64_t>(stream) - static_cast<std::int64_t>(running);
-  return stream;
-}
-
 GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   auto &scan = *static_cast<CutScan *>(data);
   GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
@@ -65,8 +50,10 @@ GstPadProbeReturn note_buffer(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   }
   if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT))
     return GST_PAD_PROBE_OK;
-  if (const auto time = stream_time_of(pad, buffer, &scan.start); time != kNoEnd) {
+  if (const auto time = stream_time_of(pad, buffer); time != kNoEnd) {
     scan.keys.push_back(time);
+    if (const auto running = running_time_of(pad, buffer); running != kNoEnd)
+      scan.start = static_cast<std::int64_t>(time) - static_cast<std::int64_t>(running);
     if (GST_BUFFER_DTS_IS_VALID(buffer) && GST_BUFFER_PTS_IS_VALID(buffer) &&
         GST_BUFFER_PTS(buffer) > GST_BUFFER_DTS(buffer))
       scan.delay = std::max(scan.delay, GST_BUFFER_PTS(buffer) - GST_BUFFER_DTS(buffer));
@@ -159,12 +146,8 @@ std::vector<std::string> cut_film(const std::string &path, TrackFile track, std:
   PartFile file(output + ".part");
   FilmStreams film(path, FilmUse::copy, poll);
   part.video = film.video();
-  GstElement *mux = add_element(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux");
-  GstElement *sink = add_element(film.pipeline(), "filesink");
-  g_object_set(sink, "location", file.path().c_str(), "async", FALSE, nullptr);
-  GstElement *mark = add_element(film.pipeline(), "hapticmark");
-  link_elements(mux, mark);
-  link_elements(mark, sink);
+  GstElement *mux =
+      add_muxer(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux", file.path());
   std::vector<std::string> remarks;
   if (scan.tracks.size() > 1)
     remarks.emplace_back("further haptic tracks were left out");

@@ -31,8 +31,7 @@ namespace {
 
 constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size of the first box
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
-constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
-constexpr std::size_t kMostSamples = 3'000'000; // 27 hours of 30 a second, 300 MB
+constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -44,14 +43,8 @@ std::vector<std::uint8_t> read_bytes(const std::string &path) {
 }
 
 std::vector<std::uint8_t> first_bytes(const std::string &path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw_error(messages::kFileIsMissing, path.c_str());
-  if (!std::filesystem::is_regular_file(path, error))
-    throw_error(messages::kFileIsNone, path.c_str());
+  check_readable(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw_error(messages::kFileIsForbidden, path.c_str());
   std::vector<std::uint8_t> bytes(4096);
   file.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
@@ -69,35 +62,6 @@ void count_remark(TrackFile &track, std::size_t count, const std::string &what) 
     track.remarks.push_back(std::to_string(count) + " " + what);
 }
 
-// Appends an item of KLV. Returns whether it is a sample or a field.
-bool append_item(const KlvItem &item, TrackFile &track) {
-  if (item.kind == KlvKind::motion)
-    track.samples.push_back(item.sample);
-  else if (item.kind == KlvKind::field)
-    track.fields.push_back(coded_field_of(item));
-  return item.kind == KlvKind::motion || item.kind == KlvKind::field;
-}
-
-// The same for a line of text.
-bool append_line(TextLine &&line, TrackFile &track) {
-  if (line.sample)
-    track.samples.push_back(*line.sample);
-  else if (line.field)
-    track.fields.push_back(std::move(*line.field));
-  return line.sample || line.field;
-}
-
-// The same for a buffer that holds one set or one line.
-bool append_bytes(GstBuffer *buffer, TrackFile &track) {
-  const ReadableBuffer readable(buffer);
-  const auto bytes = readable.bytes();
-  if (begins_with(bytes, kTextName))
-    return append_line(read_text_line({reinterpret_cast<const char *>(bytes.data()), bytes.size()}),
-                       track);
-  const auto item = KlvReader(bytes).next();
-  return item && append_item(*item, track);
-}
-
 // A unit of some bytes may last for hours, and containers have any size.
 bool is_too_long(const TrackFile &track) {
   return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
@@ -108,43 +72,39 @@ void check_length(const std::string &path, const TrackFile &track) {
     throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
 }
 
-void read_klv_file(const std::string &path, TrackFile &track) {
+// Reads a file of sets, or of lines, whose samples have their own times. Of what is damaged some is
+// named.
+void read_bare_file(const std::string &path, TrackForm &form, bool has_lines, TrackFile &track) {
+  constexpr std::size_t kNamed = 5;
+  constexpr std::size_t kMostDamaged = 20; // sets
   const auto bytes = read_bytes(path);
-  KlvReader reader(bytes);
+  std::span<const std::uint8_t> rest(bytes);
   std::size_t damaged = 0;
   std::size_t others = 0;
-  while (const auto item = reader.next()) {
-    if (append_item(*item, track))
-      continue;
-    if (item->kind == KlvKind::damaged)
-      track.remarks.push_back("damage at byte " + std::to_string(item->offset) + ": " +
-                              item->error),
-          ++damaged;
-    else
-      ++others;
-    if (damaged > 20)
+  for (std::size_t line = 1; !rest.empty(); ++line) {
+    const auto end = has_lines ? std::ranges::find(rest, '\n') : rest.end();
+    const std::span packet(rest.begin(), end);
+    std::vector<TrackItem> items;
+    form.read({packet}, items);
+    rest = rest.subspan(std::min(packet.size() + 1, rest.size()));
+    for (TrackItem &item : items)
+      if (const auto *sample = std::get_if<TimedSample>(&item))
+        track.samples.push_back(sample->sample);
+      else if (auto *field = std::get_if<TimedField>(&item))
+        track.fields.push_back(std::move(field->field));
+      else if (const auto &problem = std::get<TrackProblem>(item);
+               problem.kind != TrackProblemKind::damaged &&
+               problem.kind != TrackProblemKind::foreign_text)
+        ++others;
+      else if (++damaged <= kNamed)
+        track.remarks.push_back((has_lines ? "line " + std::to_string(line) : "damaged") + ": " +
+                                problem.details);
+    if (damaged > kMostDamaged && !has_lines)
       throw_error(messages::kTrackFileIsDamaged, path.c_str());
   }
+  if (damaged > kNamed)
+    count_remark(track, damaged - kNamed, "further ones were left out");
   count_remark(track, others, "sets of other origin, version or kind were passed over");
-}
-
-void read_text_file(const std::string &path, TrackFile &track) {
-  const auto bytes = read_bytes(path);
-  std::string_view text(reinterpret_cast<const char *>(bytes.data()), bytes.size());
-  std::size_t wrong = 0;
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const auto end = std::min(text.find('\n'), text.size());
-    const auto line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos)
-      continue;
-    auto read = read_text_line(line);
-    const std::string error = read.error;
-    if (!append_line(std::move(read), track) && ++wrong <= 5)
-      track.remarks.push_back("line " + std::to_string(number) + ": " + error);
-  }
-  if (wrong > 5)
-    count_remark(track, wrong - 5, "further lines were left out");
 }
 
 void add_left_out(TrackFile &track, const std::string &what) {
@@ -228,8 +188,11 @@ bool is_own_track(GstBuffer *buffer) {
 namespace {
 
 bool has_reliefs(GstBuffer *buffer) {
+  const ReadableBuffer readable(buffer);
+  const auto bytes = readable.bytes();
   TrackFile track;
-  append_bytes(buffer, track);
+  StreamTrack(begins_with(bytes, kTextName) ? make_text_form() : make_klv_form(), track)
+      .push({bytes, 0});
   return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
 }
 
@@ -263,13 +226,7 @@ GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
 }
 
 GstPadProbeReturn watch_film(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  const GstSegment *segment = nullptr;
-  if (!event)
-    return GST_PAD_PROBE_OK;
-  gst_event_parse_segment(event.get(), &segment);
-  const GstClockTime time = gst_segment_to_stream_time(
-      segment, GST_FORMAT_TIME, GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
+  const GstClockTime time = stream_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
   auto &container = *static_cast<Container *>(data);
   if (GST_CLOCK_TIME_IS_VALID(time)) {
     container.film_begin = std::min<GstClockTime>(container.film_begin, time);
@@ -357,15 +314,6 @@ void push_sample(GstSample *sample, StreamTrack &track) {
               GST_BUFFER_DURATION(buffer)});
 }
 
-// Reads the bus: an error becomes `failure`. Returns true at the end.
-bool read_messages(GstBus *bus, std::string &failure) {
-  const MessagePtr message(gst_bus_timed_pop_filtered(
-      bus, GST_MSECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
-  if (message && GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
-    failure = error_of(message.get());
-  return message != nullptr;
-}
-
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
                     TrackFile &track, const std::string &wanted) {
   const ElementPtr pipeline = make_pipeline();
@@ -382,21 +330,24 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   container.wanted = wanted;
   StreamTrack stream(std::move(form), track);
   g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
-  const BusPtr bus(gst_element_get_bus(pipeline.get()));
-  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  Flow flow;
+  flow.watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
   const auto pull = [&] {
     while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)))
       push_sample(sample.get(), stream);
   };
-  // Without a track nothing reaches the appsink: the end is on the bus.
   std::string failure;
-  for (bool over = false; !over;) {
+  try {
+    const Running running(pipeline.get());
+    wait_for(pipeline.get(), GST_MESSAGE_EOS, [&] {
+      pull();
+      check_length(path, track);
+      flow.check(messages::kFileStandsStill);
+    });
     pull();
-    over = read_messages(bus.get(), failure) || is_too_long(track) ||
-           (container.has_track && gst_app_sink_is_eos(GST_APP_SINK(sink.get())));
+  } catch (const TrackFileError &error) {
+    failure = error.what();
   }
-  pull();
-  gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   stream.finish();
   track.film_begin = container.film_begin;
   check_length(path, track);
@@ -408,7 +359,7 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   if (!container.has_track)
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
   if (!failure.empty() && track.empty())
-    throw_error("\"%s\": %s", path.c_str(), failure.c_str());
+    throw TrackFileError(about(path, failure));
   if (!failure.empty())
     track.remarks.push_back("the file ends early: " + failure);
   compare_with_film(container, track);
@@ -474,10 +425,10 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   if (std::ranges::equal(std::span(head).first(std::min(head.size(), kKlvDesignator.size())),
                          kKlvDesignator)) {
     track.form = "KLV";
-    read_klv_file(path, track);
+    read_bare_file(path, *make_klv_form(), false, track);
   } else if (begins_with(head, kTextName)) {
     track.form = "text lines";
-    read_text_file(path, track);
+    read_bare_file(path, *make_text_form(), true, track);
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
     read_hmpg_file(path, track);
@@ -516,8 +467,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
 void leave_reliefs_out(const std::string &path, TrackFile &track) {
   if (track.empty() || track.reliefs.empty())
     return;
-  std::fprintf(stderr, "haptic-track: \"%s\": %zu reliefs beside the motion were left out\n",
-               path.c_str(), track.reliefs.size());
+  print_remark(path,
+               std::to_string(track.reliefs.size()) + " reliefs beside the motion were left out");
   track.reliefs.clear();
 }
 
@@ -547,17 +498,13 @@ void play_track(const std::string &path, const TrackFile &track, const std::stri
   const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
   if (prepare)
     prepare(made);
-  gst_element_set_state(made, GST_STATE_PLAYING);
-  push_track(in.get(), track);
-  const BusPtr bus(gst_element_get_bus(made));
-  MessagePtr message;
-  while (!message && !is_interrupted())
-    message.reset(gst_bus_timed_pop_filtered(
-        bus.get(), kPollTime, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR)));
-  gst_element_set_state(made, GST_STATE_NULL);
-  throw_if_interrupted();
-  if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR)
-    throw TrackFileError(about(path, error_of(message.get())));
+  try {
+    const Running running(made);
+    push_track(in.get(), track);
+    wait_for(made, GST_MESSAGE_EOS, throw_if_interrupted);
+  } catch (const TrackFileError &failure) {
+    throw TrackFileError(is_interrupted() ? failure.what() : about(path, failure.what()));
+  }
 }
 
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
@@ -569,14 +516,6 @@ void write_container(const std::string &path, const TrackFile &track, const std:
     if (prepare)
       prepare(pipeline);
   });
-  part.keep_as(path);
-}
-
-void write_bytes(const std::string &path, std::string_view bytes) {
-  PartFile part(path + ".part");
-  std::ofstream file(part.path(), std::ios::binary | std::ios::trunc);
-  if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())) || !file.flush())
-    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
   part.keep_as(path);
 }
 

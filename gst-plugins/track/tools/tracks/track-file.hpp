@@ -61,9 +61,6 @@ void play_track(const std::string &path, const TrackFile &track, const std::stri
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
                      const std::function<void(GstElement *pipeline)> &prepare = {});
 
-/// Writes a file that appears under its name when it is whole. Throws TrackFileError.
-void write_bytes(const std::string &path, std::string_view bytes);
-
 /// Removes what is not within [from, to) (ns). What is left begins at 0.
 void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "vibration/ahap.hpp"
 
+#include "json.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 #include <vector>
 
 namespace haptic {
 
 namespace {
 
-using Json = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+constexpr double kUnits = 1e4; // a second, and of an intensity of 1
 
 double intensity_of(const Intensity &one) {
   return std::sqrt(one.amplitude);
@@ -43,77 +43,52 @@ std::vector<Intensity> simplify(std::span<const Intensity> all) {
   return kept;
 }
 
-void write_parameter(Json &json, const char *name, double value) {
-  json.StartObject();
-  json.Key("ParameterID");
-  json.String(name);
-  json.Key("ParameterValue");
-  json.Double(value);
-  json.EndObject();
+Json parameter(const char *name, double value) {
+  return {{"ParameterID", name}, {"ParameterValue", rounded(value, kUnits)}};
 }
 
-void write_event(Json &json, const char *type, double time, double duration, double intensity) {
+Json event(const char *type, double time, double duration, double intensity) {
   constexpr double kSharpness = 0.5;
-  json.StartObject();
-  json.Key("Event");
-  json.StartObject();
-  json.Key("EventType");
-  json.String(type);
-  json.Key("Time");
-  json.Double(time);
-  if (duration > 0) {
-    json.Key("EventDuration");
-    json.Double(duration);
-  }
-  json.Key("EventParameters");
-  json.StartArray();
-  write_parameter(json, "HapticIntensity", intensity);
-  write_parameter(json, "HapticSharpness", kSharpness);
-  json.EndArray();
-  json.EndObject();
-  json.EndObject();
+  Json event = {{"EventType", type}, {"Time", rounded(time, kUnits)}};
+  if (duration > 0)
+    event["EventDuration"] = rounded(duration, kUnits);
+  event["EventParameters"] = {parameter("HapticIntensity", intensity),
+                              parameter("HapticSharpness", kSharpness)};
+  return {{"Event", event}};
 }
 
-void write_curve(Json &json, std::span<const Intensity> points) {
+Json curve(std::span<const Intensity> points) {
   const double begin = points.front().time;
-  json.StartObject();
-  json.Key("ParameterCurve");
-  json.StartObject();
-  json.Key("ParameterID");
-  json.String("HapticIntensityControl");
-  json.Key("Time");
-  json.Double(begin);
-  json.Key("ParameterCurveControlPoints");
-  json.StartArray();
-  for (const Intensity &point : points) {
-    json.StartObject();
-    json.Key("Time");
-    json.Double(point.time - begin);
-    json.Key("ParameterValue");
-    json.Double(intensity_of(point));
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  json.EndObject();
+  Json all = Json::array();
+  for (const Intensity &point : points)
+    all.push_back({{"Time", rounded(point.time - begin, kUnits)},
+                   {"ParameterValue", rounded(intensity_of(point), kUnits)}});
+  return {{"ParameterCurve",
+           {{"ParameterID", "HapticIntensityControl"},
+            {"Time", rounded(begin, kUnits)},
+            {"ParameterCurveControlPoints", all}}}};
+}
+
+void write(std::string &pattern, const Json &item) {
+  pattern += (pattern.empty() ? "\n" : ",\n") + item.dump();
 }
 
 // What is felt from `felt.front()` to `felt.back()`.
-void write_stretch(Json &json, std::span<const Intensity> felt) {
+void write_stretch(std::string &pattern, std::span<const Intensity> felt) {
   constexpr double kShortest = 0.05;  // s
   constexpr std::size_t kPoints = 16; // of a curve
   const double begin = felt.front().time;
   const double duration = felt.back().time - begin;
   if (duration < kShortest) {
-    write_event(json, "HapticTransient", begin, 0,
-                intensity_of(*std::ranges::max_element(felt, {}, &Intensity::amplitude)));
+    write(pattern, event("HapticTransient", begin, 0,
+                         intensity_of(*std::ranges::max_element(felt, {}, &Intensity::amplitude))));
     return;
   }
-  write_event(json, "HapticContinuous", begin, duration, 1);
+  write(pattern, event("HapticContinuous", begin, duration, 1));
   const std::vector<Intensity> points = simplify(felt);
   // The last point of a curve is the first of the next.
   for (std::size_t at = 0; at + 1 < points.size(); at += kPoints - 1)
-    write_curve(json, std::span(points).subspan(at, std::min(kPoints, points.size() - at)));
+    write(pattern, curve(std::span(points).subspan(at, std::min(kPoints, points.size() - at))));
 }
 
 } // namespace
@@ -139,14 +114,7 @@ void IntensityMeter::push(std::span<const float> samples) {
 std::string write_ahap(std::span<const Intensity> all) {
   constexpr double kLongest = 30; // s, of an event
   constexpr double kSilent = 0.005;
-  rapidjson::StringBuffer text;
-  Json json(text);
-  json.SetMaxDecimalPlaces(4);
-  json.StartObject();
-  json.Key("Version");
-  json.Double(1);
-  json.Key("Pattern");
-  json.StartArray();
+  std::string pattern; // its items, one a line
   for (std::size_t from = 0; from < all.size();) {
     if (all[from].amplitude < kSilent) {
       ++from;
@@ -156,14 +124,12 @@ std::string write_ahap(std::span<const Intensity> all) {
     while (to < all.size() && all[to - 1].amplitude >= kSilent &&
            all[to].time - all[from].time <= kLongest)
       ++to;
-    write_stretch(json, all.subspan(from, to - from));
+    write_stretch(pattern, all.subspan(from, to - from));
     // A longer one goes on in the next event without a gap.
     const bool goes_on = to < all.size() && all[to - 1].amplitude >= kSilent;
     from = goes_on ? to - 1 : to;
   }
-  json.EndArray();
-  json.EndObject();
-  return std::string(text.GetString(), text.GetSize()) + "\n";
+  return R"({"Version": 1.0, "Pattern": [)" + pattern + "]}\n";
 }
 
 } // namespace haptic

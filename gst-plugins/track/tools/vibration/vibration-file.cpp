@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "vibration/vibration-file.hpp"
 
-#include "glue/gst-raii.hpp"
+#include "film/pipeline.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "vibration/ahap.hpp"
 
@@ -36,11 +37,9 @@ struct SoundLimit {
 // Before the first byte is written.
 GstPadProbeReturn refuse_large(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   const auto &limit = *static_cast<const SoundLimit *>(data);
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
-  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
+  const GstCaps *caps = caps_in(GST_PAD_PROBE_INFO_EVENT(info));
+  if (!caps)
     return GST_PAD_PROBE_OK;
-  GstCaps *caps = nullptr;
-  gst_event_parse_caps(event, &caps);
   gint rate = 0;
   gint channels = 0;
   gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate);

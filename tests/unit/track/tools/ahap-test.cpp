@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <numbers>
-#include <rapidjson/document.h>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,15 +37,14 @@ public:
     // In pieces, as they come.
     for (std::size_t at = 0; at < samples.size(); at += 1000)
       meter.push(std::span(samples).subspan(at, std::min<std::size_t>(1000, samples.size() - at)));
-    document_.Parse(haptic::write_ahap(meter.intensities()).c_str());
-    EXPECT_FALSE(document_.HasParseError());
-    EXPECT_EQ(document_["Version"].GetDouble(), 1);
-    for (const auto &item : document_["Pattern"].GetArray()) {
-      EXPECT_EQ(item.MemberCount(), 1U);
-      if (item.HasMember("Event"))
-        add_event(item["Event"]);
+    const auto document = nlohmann::json::parse(haptic::write_ahap(meter.intensities()));
+    EXPECT_EQ(document.at("Version"), 1.0);
+    for (const auto &item : document.at("Pattern")) {
+      EXPECT_EQ(item.size(), 1U);
+      if (item.contains("Event"))
+        add_event(item.at("Event"));
       else
-        add_curve(item["ParameterCurve"]);
+        add_curve(item.at("ParameterCurve"));
     }
   }
 
@@ -70,43 +69,42 @@ public:
   }
 
 private:
-  void add_event(const rapidjson::Value &event) {
-    const std::string type = event["EventType"].GetString();
-    const double time = event["Time"].GetDouble();
+  void add_event(const nlohmann::json &event) {
+    const std::string type = event.at("EventType");
+    const double time = event.at("Time");
     EXPECT_GE(time, 0);
-    for (const auto &parameter : event["EventParameters"].GetArray()) {
-      EXPECT_GE(parameter["ParameterValue"].GetDouble(), 0);
-      EXPECT_LE(parameter["ParameterValue"].GetDouble(), 1);
+    for (const auto &parameter : event.at("EventParameters")) {
+      EXPECT_GE(parameter.at("ParameterValue"), 0);
+      EXPECT_LE(parameter.at("ParameterValue"), 1);
     }
     if (type == "HapticTransient") {
       ++transient;
-      for (const auto &parameter : event["EventParameters"].GetArray())
-        if (parameter["ParameterID"] == "HapticIntensity")
-          strongest = std::max(strongest, parameter["ParameterValue"].GetDouble());
-      EXPECT_FALSE(event.HasMember("EventDuration"));
+      for (const auto &parameter : event.at("EventParameters"))
+        if (parameter.at("ParameterID") == "HapticIntensity")
+          strongest = std::max(strongest, parameter.at("ParameterValue").get<double>());
+      EXPECT_FALSE(event.contains("EventDuration"));
       return;
     }
     EXPECT_EQ(type, "HapticContinuous");
     ++continuous;
-    const double duration = event["EventDuration"].GetDouble();
+    const double duration = event.at("EventDuration");
     EXPECT_GT(duration, 0);
     EXPECT_LE(duration, 30);
     events_.emplace_back(time, time + duration);
   }
-  void add_curve(const rapidjson::Value &curve) {
-    EXPECT_STREQ(curve["ParameterID"].GetString(), "HapticIntensityControl");
-    const auto points = curve["ParameterCurveControlPoints"].GetArray();
-    EXPECT_GE(points.Size(), 2U);
-    EXPECT_LE(points.Size(), 16U);
+  void add_curve(const nlohmann::json &curve) {
+    EXPECT_EQ(curve.at("ParameterID"), "HapticIntensityControl");
+    const auto &points = curve.at("ParameterCurveControlPoints");
+    EXPECT_GE(points.size(), 2U);
+    EXPECT_LE(points.size(), 16U);
     for (const auto &point : points) {
-      EXPECT_GE(point["ParameterValue"].GetDouble(), 0);
-      EXPECT_LE(point["ParameterValue"].GetDouble(), 1);
-      points_.emplace_back(curve["Time"].GetDouble() + point["Time"].GetDouble(),
-                           point["ParameterValue"].GetDouble());
+      const double value = point.at("ParameterValue");
+      EXPECT_GE(value, 0);
+      EXPECT_LE(value, 1);
+      points_.emplace_back(curve.at("Time").get<double>() + point.at("Time").get<double>(), value);
     }
   }
 
-  rapidjson::Document document_;
   std::vector<std::pair<double, double>> events_;
   std::vector<std::pair<double, double>> points_; // of all curves
 };

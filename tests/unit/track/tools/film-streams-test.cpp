@@ -6,8 +6,47 @@
 #include "track-pipeline.hpp"
 
 #include <gtest/gtest.h>
+#include <string>
+
+// A demuxer that reads all and finds no stream, as some do in damaged files.
+struct SilentDemuxer {
+  GstElement element;
+};
+struct SilentDemuxerClass {
+  GstElementClass element_class;
+};
+G_DEFINE_TYPE(SilentDemuxer, silent_demuxer, GST_TYPE_ELEMENT)
+
+static GstStaticPadTemplate silent_sink = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("application/x-silent"));
+
+static void silent_demuxer_class_init(SilentDemuxerClass *klass) {
+  gst_element_class_add_static_pad_template(&klass->element_class, &silent_sink);
+  gst_element_class_set_static_metadata(&klass->element_class, "Silent demuxer", "Codec/Demuxer",
+                                        "Finds no stream", "tests");
+}
+
+static void silent_demuxer_init(SilentDemuxer *demuxer) {
+  GstPad *sink = gst_pad_new_from_static_template(&silent_sink, "sink");
+  gst_pad_set_chain_function(sink, [](GstPad *, GstObject *, GstBuffer *buffer) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  });
+  gst_pad_set_event_function(sink, [](GstPad *, GstObject *, GstEvent *event) -> gboolean {
+    gst_event_unref(event);
+    return TRUE;
+  });
+  gst_element_add_pad(&demuxer->element, sink);
+}
 
 namespace {
+
+void find_silent(GstTypeFind *find, gpointer) {
+  const guint8 *head = gst_type_find_peek(find, 0, 6);
+  if (head && std::string_view(reinterpret_cast<const char *>(head), 6) == "silent")
+    gst_type_find_suggest_simple(find, GST_TYPE_FIND_MAXIMUM, "application/x-silent", nullptr,
+                                 nullptr);
+}
 
 // A film that is read at once, and whose frames then take half a second each.
 void play_slowly(bool watched) {
@@ -37,6 +76,24 @@ TEST(FilmStreams, WorkThatGoesOnWhenAllIsReadIsProgress) {
     GTEST_SKIP() << "an element is missing";
   EXPECT_THROW(play_slowly(false), haptic::TrackFileError);
   EXPECT_NO_THROW(play_slowly(true));
+}
+
+TEST(FilmStreams, AFileFromWhichNothingComesIsRefused) {
+  gst_init(nullptr, nullptr);
+  gst_type_find_register(nullptr, "silent", GST_RANK_PRIMARY, find_silent, nullptr, nullptr,
+                         nullptr, nullptr);
+  gst_element_register(nullptr, "silentdemux", GST_RANK_PRIMARY, silent_demuxer_get_type());
+  const test::ScratchFolder folder;
+  const std::string path = folder.file("film.silent");
+  std::ofstream(path) << "silent" << std::string(10'000, 'x');
+  try {
+    const haptic::FilmStreams film(
+        path, haptic::FilmUse::copy, [] {}, GST_SECOND);
+    FAIL() << "it was opened";
+  } catch (const haptic::TrackFileError &error) {
+    EXPECT_EQ(std::string(error.what()),
+              haptic::format_text(haptic::messages::kFileStandsStill, 1));
+  }
 }
 
 } // namespace
