@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <Eigen/Geometry>
+#include <spidar/limited-device.hpp>
 #include <spidar/usb.hpp>
 #include <thread>
 
@@ -80,15 +81,16 @@ ExitStatus watch(const Choice &choice, double seconds) {
   action.sa_handler = [](int) { interrupted = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  spidar::LimitedDevice limited(*device);
   const auto begin = std::chrono::steady_clock::now();
   int silent = 0;
   for (long tick = 0; !interrupted && (seconds <= 0 || static_cast<double>(tick) < seconds * 1e3);
        ++tick) {
     std::this_thread::sleep_until(begin + tick * kTick);
-    silent = device->exchange(spidar::monotonic_time()) ? 0 : silent + 1;
+    silent = limited.exchange(spidar::monotonic_time()) ? 0 : silent + 1;
     if (!device->connected() || silent >= 100)
       spidar::fail(spidar::Cause::io, messages::kToolSilent);
-    device->command({});
+    limited.command({});
     if (tick % kTicksPerLine == 0)
       show(static_cast<double>(tick) * 1e-3, *device);
   }
