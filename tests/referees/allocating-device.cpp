@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One tick of the loop with a device that does what the loop must never do: RealtimeSanitizer must
-// report it. Usage: allocating-device heap | mutex | sleep | nothing
+// One tick of the loop, or of the door for programs, with a device that does what neither may do:
+// RealtimeSanitizer must report it. Usage: allocating-device loop|limits heap|mutex|sleep|nothing
 #include "loop/haptic-loop.hpp"
 
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <spidar/limited-device.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -44,7 +45,15 @@ private:
 } // namespace
 
 int main(int argc, char **argv) {
-  Forbidden device(argc > 1 ? argv[1] : "nothing");
+  if (argc != 3)
+    return 1;
+  Forbidden device(argv[2]);
+  if (argv[1] == std::string("limits")) {
+    spidar::LimitedDevice limited(device);
+    limited.command({});
+    limited.exchange(1'000'000); // ns
+    return 0;
+  }
   haptic::HapticLoop loop;
   loop.prepare({.device = &device});
   loop.tick(1'000'000, 1'000'000); // ns

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Checks that the 1 kHz loop never allocates, locks or waits: builds its tests with Clang's RealtimeSanitizer, which
-# reports each such call in a function that is marked HAPTIC_NONBLOCKING, and runs them. The exceptions stand in
-# tests/suppressions/rtsan.supp.
+# Checks that the 1 kHz loop and LimitedDevice never allocate, lock or wait: builds their tests with Clang's
+# RealtimeSanitizer, which reports each such call in a function that is marked HAPTIC_NONBLOCKING, and runs them. The
+# exceptions stand in tests/suppressions/rtsan.supp.
 #
 # Usage: tests/referees/real-time-sanitizer.sh
 #
@@ -26,23 +26,26 @@ find_compiler() {
   skip "no clang of version 20 or newer has RealtimeSanitizer here (clang-22, libclang-rt-22-dev)"
 }
 
-# Every test that ticks the loop or runs a part of it that is marked.
+# Every test that ticks the loop or LimitedDevice, or runs a part of them that is marked.
 unit_tests=(
-  contact-law continuous-force evdev-device force-smoothness haptic-loop haptic-session motion-interpolator
-  safety-chain tick-log turning-grip
+  contact-law continuous-force evdev-device force-smoothness haptic-loop haptic-session limited-device
+  motion-interpolator safety-chain tick-log turning-grip
 )
 # The device of this one sleeps on purpose.
 export GTEST_FILTER=-LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped
 
 # A referee that no longer sees what it must report would pass everything.
 check_that_it_sees() {
-  local action status
-  for action in heap mutex sleep; do
-    status=0
-    tests/referees/allocating-device "$action" >/dev/null 2>&1 || status=$?
-    # 43: the sanitizer ended it.
-    [ $status = 43 ] ||
-      fail "a device whose exchange uses the $action was not reported; HapticLoop::tick must be HAPTIC_NONBLOCKING"
+  local door action status
+  for door in loop limits; do
+    for action in heap mutex sleep; do
+      status=0
+      tests/referees/allocating-device "$door" "$action" >/dev/null 2>&1 || status=$?
+      # 43: the sanitizer ended it.
+      [ $status = 43 ] ||
+        fail "a device whose exchange uses the $action was not reported through the $door;" \
+          "HapticLoop::tick and LimitedDevice's exchange must be HAPTIC_NONBLOCKING"
+    done
   done
 }
 
@@ -57,7 +60,8 @@ cd "$folder"
 symbolizer=$(command -v llvm-symbolizer || command -v addr2line)
 export RTSAN_OPTIONS=external_symbolizer_path=$symbolizer:suppressions=$root/tests/suppressions/rtsan.supp:print_suppressions=0
 export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry SPIDAR_GUARDIAN=$folder/spidar/spidar-guardian
-judge tests/referees/allocating-device nothing
+judge tests/referees/allocating-device loop nothing
+judge tests/referees/allocating-device limits nothing
 check_that_it_sees
 for unit in "${unit_tests[@]}"; do
   judge "tests/unit/unit-$unit"

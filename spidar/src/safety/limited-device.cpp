@@ -2,6 +2,7 @@
 #include "spidar/limited-device.hpp"
 
 #include "fail.hpp"
+#include "non-blocking.hpp"
 #include "safety/grip-watch.hpp"
 #include "safety/safety-chain.hpp"
 #include "spidar/spidar.h"
@@ -128,7 +129,7 @@ struct LimitedDevice::Implementation {
     device.command(sent);
   }
 
-  bool exchange(std::int64_t now) noexcept {
+  bool exchange(std::int64_t now) noexcept HAPTIC_NONBLOCKING {
     const double since = exchanged_at ? std::max(seconds(now - *exchanged_at), 0.0) : period;
     if (wanted && switched_off == kAll)
       command_as_it_is();
