@@ -23,6 +23,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "glue/segment-time.hpp"
+#include "glue/stream-lock.hpp"
 #include "messages.hpp"
 #include "mpeg-haptics/hmpg-form.hpp"
 #include "network/key-requests.hpp"
@@ -467,6 +468,7 @@ gboolean start(GstBaseTransform *trans) {
 }
 
 gboolean stop(GstBaseTransform *trans) {
+  const haptic::StreamLock stream(trans);
   State &state = state_of(trans);
   state.reader.reset();
   state.writer.reset();

@@ -14,6 +14,7 @@
 #include "glue/element-class.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
+#include "glue/stream-lock.hpp"
 
 #include <gst/base/gstbasetransform.h>
 #include <span>
@@ -71,6 +72,7 @@ static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
                    CONTAINERS);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   transform_class->stop = [](GstBaseTransform *trans) -> gboolean {
+    const haptic::StreamLock stream(trans);
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;
     return TRUE;
   };

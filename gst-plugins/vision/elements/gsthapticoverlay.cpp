@@ -18,6 +18,7 @@
 #include "glue/property-table.hpp"
 #include "glue/relief-pad.hpp"
 #include "glue/segment-time.hpp"
+#include "glue/stream-lock.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 #include "overlay/frame-blending.hpp"
@@ -383,6 +384,7 @@ static void gst_haptic_overlay_class_init(GstHapticOverlayClass *klass) {
   }>;
   transform_class->stop = kGuarded<[](GstHapticOverlay *self) {
     self->state->relief_pad.set_running(false);
+    const haptic::StreamLock stream(self);
     self->state->reader = {};
     self->state->trail.forget();
     return TRUE;

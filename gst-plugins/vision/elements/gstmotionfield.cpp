@@ -16,6 +16,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
 #include "glue/segment-time.hpp"
+#include "glue/stream-lock.hpp"
 #include "hold/followed-things.hpp"
 #include "messages.hpp"
 #include "samples/motion-field.hpp"
@@ -453,6 +454,7 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
   };
   transform_class->propose_allocation = kGuarded<haptic::accept_any_strides>;
   transform_class->stop = kGuarded<[](GstMotionField *self) {
+    const haptic::StreamLock stream(self);
     self->state->forget_frames();
     self->state->points_read.reset();
     self->state->timeline.report_faults_again();

@@ -5,6 +5,7 @@
 #include "frames/mapped-frame.hpp"
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
+#include "glue/stream-lock.hpp"
 #include "messages.hpp"
 #include "samples/motion-sample.hpp"
 
@@ -101,6 +102,7 @@ gboolean start(GstBaseTransform *trans) {
 }
 
 gboolean stop(GstBaseTransform *trans) {
+  const haptic::StreamLock stream(trans);
   ReliefMaker &state = state_of(trans);
   state.timeline.forget();
   state.timeline.report_faults_again();

@@ -18,6 +18,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/pointer-event.hpp"
 #include "glue/property-table.hpp"
+#include "glue/stream-lock.hpp"
 #include "gsthapticmotionmeta.h"
 #include "hold/held-thing.hpp"
 #include "messages.hpp"
@@ -518,6 +519,7 @@ gboolean start(GstRoiTracker *self) {
 }
 
 gboolean stop(GstRoiTracker *self) {
+  const haptic::StreamLock stream(self);
   State &state = *self->state;
   state.forget_frames();
   state.region_size = {};

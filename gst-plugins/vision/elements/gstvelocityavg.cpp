@@ -13,6 +13,7 @@
 #include "glue/exception-barrier.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/property-table.hpp"
+#include "glue/stream-lock.hpp"
 #include "gsthapticmotionmeta.h"
 #include "messages.hpp"
 
@@ -132,6 +133,7 @@ GstFlowReturn prepare_output_buffer(GstVelocityAvg *, GstBuffer *in, GstBuffer *
 }
 
 gboolean stop(GstVelocityAvg *self) {
+  const haptic::StreamLock stream(self);
   self->state->reader = {};
   self->state->warned_of_metadata = false;
   return TRUE;
