@@ -29,28 +29,30 @@ void FlatThings::forget() {
 // Numbers the cells of an area.
 void FlatThings::fill(const LayerFrame &frame, const LayerSize &size, int x, int y, int number) {
   constexpr float kAlike = 12; // grey levels, between neighbours
-  std::array<std::pair<int, int>, kCells> found;
+  struct Cell {
+    int x, y;
+  };
+  std::array<Cell, kCells> found;
   std::size_t count = 0;
-  const auto add = [&](int cell_x, int cell_y) {
-    area_of_[tile_of(cell_x, cell_y)] = number;
-    found[count++] = {cell_x, cell_y};
+  const auto add = [&](Cell cell) {
+    area_of_[tile_of(cell.x, cell.y)] = number;
+    found[count++] = cell;
   };
   area(number) = {};
-  add(x, y);
+  add({x, y});
   for (std::size_t i = 0; i < count; ++i)
     for (const auto &[right, down] : kSides) {
-      const int next_x = found[i].first + right;
-      const int next_y = found[i].second + down;
+      const int next_x = found[i].x + right;
+      const int next_y = found[i].y + down;
       if (!is_inside(next_x, next_y, size)) {
         ++area(number).open;
         continue;
       }
-      const float step =
-          frame.mean.at(next_x, next_y) - frame.mean.at(found[i].first, found[i].second);
+      const float step = frame.mean.at(next_x, next_y) - frame.mean.at(found[i].x, found[i].y);
       if (!(frame.flat.at(next_x, next_y) > 0))
         ++area(number).closed;
       else if (area_of(next_x, next_y) == kNone && std::abs(step) <= kAlike)
-        add(next_x, next_y);
+        add({next_x, next_y});
     }
 }
 
@@ -88,34 +90,35 @@ void FlatThings::find(const LayerFrame &frame, const CellMap &rests, const Layer
     if (frame.flat.at(x, y) > 0 && area_of(x, y) == kNone)
       fill(frame, size, x, y, count_++);
   });
-  const auto for_borders = [&](auto &&body) {
-    for_cells(size, [&](int x, int y) {
-      for (const auto &[right, down] : kSides)
-        if (area_of(x, y) != kNone && is_inside(x + right, y + down, size) &&
-            area_of(x + right, y + down) == kNone)
-          body(x, y, look(rests, size, x, y, right, down));
-    });
-  };
-  for_borders([&](int x, int y, float vote) { area(area_of(x, y)).moving += vote > 0; });
-  // Nothing is learned, nor forgotten, while a thing rests at the turn of its sway.
-  const auto is_seen = [&](int x, int y) { return area(area_of(x, y)).moving >= kSeen; };
+  CellMap votes;
+  CellMap weights;
   for_cells(size, [&](int x, int y) {
-    if (area_of(x, y) == kNone || !is_seen(x, y))
+    if (area_of(x, y) == kNone)
       return;
-    votes_.at(x, y) *= kept;
-    weights_.at(x, y) *= kept;
-  });
-  for_borders([&](int x, int y, float vote) {
-    if (!is_seen(x, y))
-      return;
-    votes_.at(x, y) += vote;
-    weights_.at(x, y) += std::abs(vote);
+    float sum = 0;
+    float weight = 0;
+    for (const auto &[right, down] : kSides) {
+      if (!is_inside(x + right, y + down, size) || area_of(x + right, y + down) != kNone)
+        continue;
+      const float vote = look(rests, size, x, y, right, down);
+      area(area_of(x, y)).moving += vote > 0;
+      sum += vote;
+      weight += std::abs(vote);
+    }
+    votes.at(x, y) = sum;
+    weights.at(x, y) = weight;
   });
   for_cells(size, [&](int x, int y) {
     if (area_of(x, y) == kNone)
       return;
-    area(area_of(x, y)).votes += votes_.at(x, y);
-    area(area_of(x, y)).weight += weights_.at(x, y);
+    Area &of = area(area_of(x, y));
+    // Nothing is learned, nor forgotten, while a thing rests at the turn of its sway.
+    if (of.moving >= kSeen) {
+      votes_.at(x, y) = kept * votes_.at(x, y) + votes.at(x, y);
+      weights_.at(x, y) = kept * weights_.at(x, y) + weights.at(x, y);
+    }
+    of.votes += votes_.at(x, y);
+    of.weight += weights_.at(x, y);
   });
   // What leaves the crop on most of its sides is what is behind.
   for (int i = 0; i < count_; ++i)

@@ -29,14 +29,14 @@ public:
 
 private:
   static constexpr std::size_t kCells =
-      static_cast<std::size_t>(CellMap::kStride) * CellMap::kStride;
+      static_cast<std::size_t>(kLayerSide / kCellSide) * CellMap::kStride;
   static constexpr int kNone = -1;
 
   /// Neighbouring flat cells of about one luma.
   struct Area {
     int open = 0;   // sides of cells at the border of the crop
     int closed = 0; // sides of cells at what is not flat
-    int moving = 0; // of the closed ones, those where something moves
+    int moving = 0; // of the closed ones, those whose look speaks for a thing
     float votes = 0;
     float weight = 0;
     Tensor structure; // of the border
