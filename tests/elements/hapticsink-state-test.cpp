@@ -14,20 +14,24 @@ namespace {
 using namespace std::chrono_literals;
 using namespace test;
 
-// Ends the program when a case hangs, and names the case.
+// Ends the program when a case hangs, and names the case and what it was waiting for.
 class Watchdog {
 public:
-  explicit Watchdog(std::string what)
-      : thread_([this, what = std::move(what)](const std::stop_token &stop) {
+  explicit Watchdog(std::string name)
+      : thread_([this, name = std::move(name)](const std::stop_token &stop) {
           std::unique_lock lock(mutex_);
           wake_.wait_for(lock, stop, 60s, [] { return false; });
           if (stop.stop_requested())
             return;
-          std::fprintf(stderr, "deadlock: %s\n", what.c_str());
+          std::fprintf(stderr, "%s: for a minute this did not come: %s\n", name.c_str(),
+                       awaited_.load());
           std::_Exit(1);
         }) {}
 
+  void waits_for(const char *what) { awaited_ = what; }
+
 private:
+  std::atomic<const char *> awaited_ = "the device's force";
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::jthread thread_;
@@ -187,7 +191,12 @@ protected:
       GST_BUFFER_PTS(buffer) = pts_;
       push(buffer);
     }
-    push_motion(1000, 0, callback.provocation == Provocation::end ? 0.1 : 20);
+    // To and fro: a grip that reached its stop while the machine stood still flies off later.
+    if (callback.provocation == Provocation::end)
+      push_motion(1000, 0, 0.1);
+    else
+      for (int n = 0; n < 40; ++n)
+        push_motion(n % 2 == 0 ? 1000 : -1000, 0, 0.5);
     if (callback.provocation == Provocation::end)
       push_end();
     gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
@@ -204,7 +213,7 @@ protected:
     const std::string name = std::string(callback.name) + " -> " +
                              gst_element_state_get_name(state) + (meanwhile ? ", meanwhile" : "");
     SCOPED_TRACE(name);
-    const Watchdog watchdog(name);
+    Watchdog watchdog(name);
     build(callback.properties);
     ASSERT_TRUE(sink_);
     pts_ = 0;
@@ -213,7 +222,9 @@ protected:
     Change &change = changes.emplace_back(callback, pipeline_.get(), sink_.get(), state, meanwhile);
     change.connect();
     provoke(callback);
+    watchdog.waits_for("the callback");
     EXPECT_TRUE(eventually([&] { return change.begun.load(); }));
+    watchdog.waits_for("the end of the changes of state");
     if (meanwhile) {
       change.stopping = true;
       change.stopping.notify_all();
@@ -223,6 +234,7 @@ protected:
     change.disconnect();
     stop();
     EXPECT_FALSE(armed());
+    watchdog.waits_for("ticks after the next start");
     expect_usable(callback);
   }
 
