@@ -43,11 +43,20 @@ record() {
   (IFS=$'\t' && printf '%s\n' "$*") >>"$results"
 }
 
+end_background() {
+  [ -n "$background" ] || return 0
+  kill -- "-$background" 2>/dev/null || true
+  wait "$background" 2>/dev/null || true
+  # A compiler's half written file is removed first.
+  while kill -0 -- "-$background" 2>/dev/null; do sleep 0.1; done
+  background=
+}
+
 # However the script ends, the closing line is printed, and an early end counts as a failure.
 finish() {
   trap - EXIT
   [ "$1" = 0 ] || record failed "tests/run.sh" 0 "it ended early with status $1"
-  [ -z "$background" ] || kill -- "-$background" 2>/dev/null || true
+  end_background
   local status=0
   if command -v python3 >/dev/null; then
     python3 tests/summary.py close "$size" "$results" "$outputs" || status=1
@@ -108,12 +117,12 @@ configure() {
     "$@" >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log"; return 1; }
 }
 
-# `compile FOLDER TARGET...`
+# `compile FOLDER TARGET...`, with $at_once compilers if it is set.
 compile() {
   local folder=$1
   shift
   # Other commands were still running when one failed: its message is not the last.
-  ninja -C "$folder" "$@" >>"$folder/build.log" 2>&1 ||
+  ninja -C "$folder" ${at_once:+-j "$at_once"} "$@" >>"$folder/build.log" 2>&1 ||
     { grep -A 30 '^FAILED:' "$folder/build.log" || tail -n 40 "$folder/build.log"; return 1; }
 }
 
@@ -156,10 +165,17 @@ build_sanitized() {
     compile build-sanitized "${programs[@]}"
 }
 
-# With the processor time that the tests leave.
+# `in_idle_time LOG COMMAND...` runs a command in the background, with the processor time that the tests leave.
 in_idle_time() {
-  chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
-  "$@"
+  local log=$1
+  shift
+  set -m # it gets a process group, which ends with this script
+  (
+    chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
+    "$@"
+  ) >"$log" 2>&1 &
+  background=$!
+  set +m
 }
 
 # Cases that repeat for statistics or for hours what others check once, or that only measure time. A sanitizer
@@ -194,7 +210,8 @@ run_meson_tests() {
   record waited "$prefix$folder" $((processes * (SECONDS - start) - $(processor_time) + used)) ''
 }
 
-# Most of them need the processor all the time. Those of real time one at a time, so that they are not late.
+# Most of them need the processor all the time. Those of real time one at a time, so that they are not late. They mostly
+# wait, while one compiler already works on the next build.
 run_plain_tests() {
   local player=()
   [ "$size" != quick ] || player=(--no-suite web)
@@ -202,7 +219,9 @@ run_plain_tests() {
   run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 --no-suite realtime --no-suite hil --no-suite long \
     --no-suite lab "${player[@]}"
   step "Tests in real time"
+  [ "$size" = quick ] || at_once=1 in_idle_time /dev/null build_sanitized
   run_meson_tests '' build-tests 1 --timeout-multiplier 10 --suite realtime --no-suite long
+  [ "$size" = quick ] || end_background
 }
 
 # The films and programs of these wait.
@@ -300,10 +319,7 @@ check "clang-tidy finds nothing" check_style || true
 [ "$size" = all ] || exit 0
 
 run_referees
-set -m # the background gets a process group, which ends with this script
-in_idle_time check_in_background >build-tests/background.log 2>&1 &
-background=$!
-set +m
+in_idle_time build-tests/background.log check_in_background
 run_long_tests
 check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
 check "The demonstration runs as a user starts it" check_demonstration || true
