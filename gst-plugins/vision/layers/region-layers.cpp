@@ -31,6 +31,7 @@ void RegionLayers::forget() {
   is_lost_ = true;
   frame_moves_ = 0;
   region_ = {};
+  light_.forget();
   translation_.forget();
   calm_.forget();
   things_.forget();
@@ -48,7 +49,9 @@ void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view
     calm_.update(later(), size_, {.seconds = 1, .noise = noise, .shift = {}});
   }
   now_ ^= 1U;
-  prepare(later_view, size_, noise, later());
+  load_luma(later_view, size_, later());
+  light_.take_out(earlier().mean, frame_moves_ == 0, size_, later());
+  find_structure(size_, noise, later());
   region_before_ = region_;
   // It costs as much as the rest of a quiet frame.
   region_ = frame_moves_ > 0 || is_lost_ ? translation_.find(earlier(), later(), noise, size_)

@@ -10,6 +10,7 @@
 #include "layers/frame-translation.hpp"
 #include "layers/layer-kernels.hpp"
 #include "layers/layer-maps.hpp"
+#include "layers/light-change.hpp"
 #include "layers/region-translation.hpp"
 #include "layers/segmentation.hpp"
 
@@ -69,6 +70,7 @@ private:
   float blend_ = 0;      // how far the region is one translation, with the frame
   ExplainedTranslation region_;
   ExplainedTranslation region_before_;
+  LightChange light_;
   RegionTranslation translation_;
   CalmCells calm_;
   FlatThings things_;
