@@ -92,6 +92,7 @@ vm_packages=(
   kmod   # depmod, modprobe
   usbip
   usbutils # lsusb
+  v4l-utils # v4l2-ctl
 )
 
 # Optional for the lab.
