@@ -34,7 +34,7 @@ inline constexpr char kTransportStream[] = ".ts";
 inline constexpr char kMatroska[] = ".mkv";
 
 /// Reads the whole film without decoding it. Throws TrackFileError if it cannot be authored.
-FilmIndex index_film(const std::string &path, const Poll &poll);
+FilmIndex index_film(const std::string &path);
 
 /// Returns the name of the muxer of such a copy.
 const char *muxer_of(const std::string &ending);

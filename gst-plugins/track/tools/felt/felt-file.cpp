@@ -63,12 +63,7 @@ std::optional<double> FeltFile::film_begin() const {
 }
 
 double FeltFile::track_begin() const {
-  std::uint64_t first = kNoTime;
-  for (const auto &sample : track_.samples)
-    first = std::min(first, sample.time);
-  for (const auto &coded : track_.coded())
-    first = std::min(first, coded.time);
-  return first == kNoTime ? 0 : seconds(first);
+  return track_.holds_nothing() ? 0 : seconds(times_of(track_).first);
 }
 
 std::vector<TimedPlace> FeltFile::hand() const {

@@ -7,7 +7,6 @@
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
-#include "interruption.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,10 +23,6 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr char kSideways[] = "frames that lie on their side";
-
-// Sampling rates of AAC by their index, Hz (ISO/IEC 14496-3, table 1.18).
-constexpr std::array<int, 13> kRates = {96000, 88200, 64000, 48000, 44100, 32000, 24000,
-                                        22050, 16000, 12000, 11025, 8000,  7350};
 
 // Types of NAL units (ITU-T H.264, table 7-1).
 constexpr unsigned kIdr = 5;
@@ -98,7 +93,7 @@ std::string unplayable(const GstStructure *caps) {
 class Reading {
 public:
   Reading(const std::string &path, const std::function<void(FilmFrame &&)> &call)
-      : path_(path), film_(path, FilmUse::copy, throw_if_interrupted), call_(call) {}
+      : path_(path), call_(call), film_(path, FilmUse::copy) {}
 
   FilmFormat run() {
     link_video();
@@ -106,7 +101,7 @@ public:
     for (GstPad *pad : film_.others())
       leave_out(pad);
     try {
-      film_.play(throw_if_interrupted);
+      film_.play();
     } catch (const TrackFileError &) {
       if (!failure_)
         throw;
@@ -117,19 +112,18 @@ public:
   }
 
 private:
-  static GstPadProbeReturn refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data);
+  void refuse_rotation(GstEvent *event) const;
   void link_video();
   void link_sound();
   void leave_out(GstPad *pad);
   GstElement *link_sink(GstPad *pad, const char *parser, const char *form);
-  void read_video_format(const GstStructure *caps);
-  void read_sound_format(const GstStructure *caps);
+  void read_video_format(GstCaps *all);
+  void read_sound_format(GstCaps *caps);
   void push_video(GstBuffer *buffer, std::int64_t time);
   void push(GstSample *sample, bool is_sound);
   GstFlowReturn pull(GstAppSink *sink);
 
   const std::string path_;
-  FilmStreams film_;
   const std::function<void(FilmFrame &&)> &call_;
   GstElement *sound_sink_ = nullptr;
   // Of the streaming threads, one at a time.
@@ -138,6 +132,7 @@ private:
   std::size_t length_size_ = 4; // bytes
   std::vector<std::uint8_t> configuration_;
   std::exception_ptr failure_;
+  FilmStreams film_;
 };
 
 // What a person calls the stream.
@@ -146,6 +141,12 @@ std::string description_of(const GstCaps *caps) {
   const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
                                                : nullptr);
   return codec ? codec.get() : name_of(caps);
+}
+
+// Returns the name of the codec (RFC 6381).
+std::string mime_of(GstCaps *caps) {
+  const GCharPtr name(gst_codec_utils_caps_get_mime_codec(caps));
+  return name ? name.get() : "";
 }
 
 GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form) {
@@ -164,21 +165,18 @@ GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form
 }
 
 // A browser shows no rotation of these containers.
-GstPadProbeReturn Reading::refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  auto &reading = *static_cast<Reading *>(data);
-  const std::string rotation = rotation_of(GST_PAD_PROBE_INFO_EVENT(info));
+void Reading::refuse_rotation(GstEvent *event) const {
+  const std::string rotation = rotation_of(event);
   if (!rotation.empty() && rotation != "rotate-0")
-    GST_ELEMENT_ERROR(reading.film_.pipeline(), STREAM, FORMAT,
-                      (messages::kBrowserLacksVideo, reading.path_.c_str(), kSideways), (nullptr));
-  return GST_PAD_PROBE_OK;
+    GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
+                      (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
 }
 
 void Reading::link_video() {
   const CapsPtr caps = caps_of(film_.video());
   if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
     throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
-  gst_pad_add_probe(film_.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_rotation, this,
-                    nullptr);
+  watch_events(film_.video(), [this](GstPad *, GstEvent *event) { refuse_rotation(event); });
   // What an edit list hides before the first shown frame, this frame depends on.
   gst_base_sink_set_drop_out_of_segment(
       GST_BASE_SINK(
@@ -203,10 +201,11 @@ void Reading::link_sound() {
 void Reading::leave_out(GstPad *pad) {
   if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
     format_.left_out.push_back(name);
-  read_to_end(film_, pad);
+  read_to_end(film_.pipeline(), pad);
 }
 
-void Reading::read_video_format(const GstStructure *caps) {
+void Reading::read_video_format(GstCaps *all) {
+  const GstStructure *caps = gst_caps_get_structure(all, 0);
   const auto data = codec_data_of(caps);
   if (data == configuration_)
     return;
@@ -218,6 +217,7 @@ void Reading::read_video_format(const GstStructure *caps) {
   length_size_ = read_configuration(configuration_, format_);
   if (length_size_ == 0)
     throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
+  format_.video_codec = mime_of(all);
   gst_structure_get_int(caps, "width", &format_.width);
   gst_structure_get_int(caps, "height", &format_.height);
   gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
@@ -228,16 +228,18 @@ void Reading::read_video_format(const GstStructure *caps) {
     format_.frame_rate = static_cast<double>(n) / d;
 }
 
-void Reading::read_sound_format(const GstStructure *caps) {
-  format_.sound = codec_data_of(caps);
-  gst_structure_get_int(caps, "channels", &format_.sound_channels);
+void Reading::read_sound_format(GstCaps *caps) {
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  format_.sound = codec_data_of(structure);
+  format_.sound_codec = mime_of(caps);
+  gst_structure_get_int(structure, "channels", &format_.sound_channels);
   // A frame in a transport stream has room for a known rate and number of channels only.
-  const std::size_t rate = format_.sound.size() < 2
-                               ? kRates.size()
-                               : (format_.sound[0] & 7U) << 1 | format_.sound[1] >> 7;
-  if (rate >= kRates.size() || (format_.sound[1] >> 3 & 0xFU) == 0)
+  const guint8 *data = format_.sound.data();
+  const auto size = static_cast<guint>(format_.sound.size());
+  if (size >= 2 && (data[0] & 7U) != 7 && gst_codec_utils_aac_get_channels(data, size) > 0)
+    format_.sound_rate = static_cast<int>(gst_codec_utils_aac_get_sample_rate(data, size));
+  if (format_.sound_rate == 0)
     throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
-  format_.sound_rate = kRates.at(rate);
 }
 
 void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
@@ -262,11 +264,10 @@ void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
 
 void Reading::push(GstSample *sample, bool is_sound) {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
-  const GstStructure *caps = gst_caps_get_structure(gst_sample_get_caps(sample), 0);
   if (!is_sound)
-    read_video_format(caps);
+    read_video_format(gst_sample_get_caps(sample));
   else if (format_.sound.empty())
-    read_sound_format(caps);
+    read_sound_format(gst_sample_get_caps(sample));
   const GstSegment *segment = gst_sample_get_segment(sample);
   if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
       GST_BUFFER_PTS(buffer) >= segment->stop)
@@ -310,13 +311,6 @@ FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame
   } catch (const TrackFileError &failure) {
     throw TrackFileError(about(path, failure.what()));
   }
-}
-
-std::string codecs_of(const FilmFormat &format) {
-  const auto &set = format.sequence_sets.at(0); // its header, profile, constraints, level
-  const unsigned object = format.sound.empty() ? 0U : format.sound[0] >> 3;
-  const std::string video = format_text("avc1.%02X%02X%02X", set[1], set[2], set[3]);
-  return format.sound.empty() ? video : video + format_text(",mp4a.40.%u", object);
 }
 
 } // namespace haptic

@@ -3,7 +3,6 @@
 
 #include "core/track-buffer.hpp"
 #include "film/pipeline.hpp"
-#include "interruption.hpp"
 #include "package/transport-stream.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -34,10 +33,7 @@ std::vector<std::uint8_t> poster_of(const FilmFormat &format, const SegmentFrame
   gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
   try {
     Flow none;
-    wait_for(made, GST_MESSAGE_ASYNC_DONE, [&] {
-      throw_if_interrupted();
-      none.check(messages::kFileStandsStill);
-    });
+    wait_for(made, GST_MESSAGE_ASYNC_DONE, [&] { none.check(messages::kFileStandsStill); });
   } catch (const TrackFileError &failure) {
     throw_error(messages::kPosterFails, failure.what());
   }

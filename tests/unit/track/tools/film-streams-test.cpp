@@ -55,7 +55,7 @@ void play_slowly(bool watched) {
   test::run("videotestsrc num-buffers=10 ! video/x-raw,width=64,height=48,framerate=10/1 "
             "! jpegenc ! matroskamux ! filesink location=" +
             path);
-  haptic::FilmStreams film(path, haptic::FilmUse::decode, [] {});
+  haptic::FilmStreams film(path, haptic::FilmUse::decode);
   GstElement *queue = haptic::add_queue(film.pipeline(), 1 << 20);
   GstElement *slow = haptic::add_element(film.pipeline(), "identity");
   GstElement *sink = haptic::add_element(film.pipeline(), "fakesink");
@@ -67,7 +67,7 @@ void play_slowly(bool watched) {
   const haptic::PadPtr end(gst_element_get_static_pad(sink, "sink"));
   if (watched)
     film.watch(end.get());
-  film.play([] {}, 2 * GST_SECOND);
+  film.play({}, 2 * GST_SECOND);
 }
 
 TEST(FilmStreams, WorkThatGoesOnWhenAllIsReadIsProgress) {
@@ -87,8 +87,7 @@ TEST(FilmStreams, AFileFromWhichNothingComesIsRefused) {
   const std::string path = folder.file("film.silent");
   std::ofstream(path) << "silent" << std::string(10'000, 'x');
   try {
-    const haptic::FilmStreams film(
-        path, haptic::FilmUse::copy, [] {}, GST_SECOND);
+    const haptic::FilmStreams film(path, haptic::FilmUse::copy, GST_SECOND);
     FAIL() << "it was opened";
   } catch (const haptic::TrackFileError &error) {
     EXPECT_EQ(std::string(error.what()),
