@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/film-index.hpp"
 
-#include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "seconds.hpp"
@@ -224,10 +223,6 @@ void refuse_other_size(GstElement *pipeline, GstPad *pad) {
                       (nullptr));
     return false;
   });
-}
-
-const char *muxer_of(const std::string &ending) {
-  return ending == kMatroska ? "matroskamux" : "mpegtsmux";
 }
 
 FilmIndex index_film(const std::string &path) {

@@ -36,6 +36,13 @@ struct FrameSize {
 };
 FrameSize size_in(const GstCaps *caps);
 
+/// Endings of what copies of streams go into, and its muxer.
+inline constexpr char kTransportStream[] = ".ts";
+inline constexpr char kMatroska[] = ".mkv";
+inline const char *muxer_of(const std::string &ending) {
+  return ending == kMatroska ? "matroskamux" : "mpegtsmux";
+}
+
 /// Returns whether the muxer has a place for the stream of the pad, in whatever form.
 bool has_place(const char *mux, GstPad *pad);
 

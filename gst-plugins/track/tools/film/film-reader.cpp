@@ -90,6 +90,20 @@ std::string unplayable(const GstStructure *caps) {
   return {};
 }
 
+// What a person calls the stream.
+std::string description_of(const GstCaps *caps) {
+  // Of caps that a parser has yet to complete there is no description.
+  const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
+                                               : nullptr);
+  return codec ? codec.get() : name_of(caps);
+}
+
+// Returns the name of the codec (RFC 6381).
+std::string mime_of(GstCaps *caps) {
+  const GCharPtr name(gst_codec_utils_caps_get_mime_codec(caps));
+  return name ? name.get() : "";
+}
+
 class Reading {
 public:
   Reading(const std::string &path, const std::function<void(FilmFrame &&)> &call)
@@ -112,16 +126,157 @@ public:
   }
 
 private:
-  void refuse_rotation(GstEvent *event) const;
-  void link_video();
-  void link_sound();
-  void leave_out(GstPad *pad);
-  GstElement *link_sink(GstPad *pad, const char *parser, const char *form);
-  void read_video_format(GstCaps *all);
-  void read_sound_format(GstCaps *caps);
-  void push_video(GstBuffer *buffer, std::int64_t time);
-  void push(GstSample *sample, bool is_sound);
-  GstFlowReturn pull(GstAppSink *sink);
+  GstElement *link_sink(GstPad *pad, const char *parser, const char *form) {
+    GstElement *parse = add_element(film_.pipeline(), parser);
+    GstElement *sink = add_element(film_.pipeline(), "appsink");
+    const CapsPtr caps(gst_caps_from_string(form));
+    g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+    GstAppSinkCallbacks callbacks = {};
+    callbacks.new_sample = [](GstAppSink *from, gpointer data) {
+      return static_cast<Reading *>(data)->pull(from);
+    };
+    gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
+    link_elements(parse, sink);
+    link_pad(pad, parse);
+    return sink;
+  }
+
+  // A browser shows no rotation of these containers.
+  void refuse_rotation(GstEvent *event) const {
+    const std::string rotation = rotation_of(event);
+    if (!rotation.empty() && rotation != "rotate-0")
+      GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
+                        (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
+  }
+
+  void link_video() {
+    const CapsPtr caps = caps_of(film_.video());
+    if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
+    watch_events(film_.video(), [this](GstPad *, GstEvent *event) { refuse_rotation(event); });
+    // What an edit list hides before the first shown frame, this frame depends on.
+    gst_base_sink_set_drop_out_of_segment(
+        GST_BASE_SINK(
+            link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
+        FALSE);
+  }
+
+  // The first sound is read.
+  void link_sound() {
+    const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
+    for (GstPad *pad : film_.audio()) {
+      const CapsPtr caps = caps_of(pad);
+      if (sound_sink_)
+        leave_out(pad);
+      else if (gst_caps_can_intersect(caps.get(), aac.get()))
+        sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
+      else
+        throw_error(messages::kBrowserLacksSound, path_.c_str(),
+                    description_of(caps.get()).c_str());
+    }
+  }
+
+  void leave_out(GstPad *pad) {
+    if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
+      format_.left_out.push_back(name);
+    read_to_end(film_.pipeline(), pad);
+  }
+
+  void read_video_format(GstCaps *all) {
+    const GstStructure *caps = gst_caps_get_structure(all, 0);
+    const auto data = codec_data_of(caps);
+    if (data == configuration_)
+      return;
+    if (!configuration_.empty())
+      throw_error(messages::kFilmChanges, path_.c_str());
+    if (const std::string what = unplayable(caps); !what.empty())
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), what.c_str());
+    configuration_ = data;
+    length_size_ = read_configuration(configuration_, format_);
+    if (length_size_ == 0)
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
+    format_.video_codec = mime_of(all);
+    gst_structure_get_int(caps, "width", &format_.width);
+    gst_structure_get_int(caps, "height", &format_.height);
+    gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
+                               &format_.pixel_aspect_d);
+    gint n = 0;
+    gint d = 1;
+    if (gst_structure_get_fraction(caps, "framerate", &n, &d) && d > 0)
+      format_.frame_rate = static_cast<double>(n) / d;
+  }
+
+  void read_sound_format(GstCaps *caps) {
+    const GstStructure *structure = gst_caps_get_structure(caps, 0);
+    format_.sound = codec_data_of(structure);
+    format_.sound_codec = mime_of(caps);
+    gst_structure_get_int(structure, "channels", &format_.sound_channels);
+    // A frame in a transport stream has room for a known rate and number of channels only.
+    const guint8 *data = format_.sound.data();
+    const auto size = static_cast<guint>(format_.sound.size());
+    if (size >= 2 && (data[0] & 7U) != 7 && gst_codec_utils_aac_get_channels(data, size) > 0)
+      format_.sound_rate = static_cast<int>(gst_codec_utils_aac_get_sample_rate(data, size));
+    if (format_.sound_rate == 0)
+      throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
+  }
+
+  void push_video(GstBuffer *buffer, std::int64_t time) {
+    const ReadableBuffer readable(buffer);
+    if (!readable)
+      return;
+    FilmFrame frame;
+    frame.time = time;
+    for (std::size_t at = 0; at < readable.bytes().size();) {
+      const Bytes unit = read_unit(readable.bytes(), at, length_size_);
+      const unsigned type = type_of_unit(unit);
+      if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
+          type == kFiller)
+        continue;
+      frame.is_idr = frame.is_idr || type == kIdr;
+      put_number(frame.bytes, unit.size(), 4);
+      frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
+    }
+    if (!frame.bytes.empty())
+      call_(std::move(frame));
+  }
+
+  void push(GstSample *sample, bool is_sound) {
+    GstBuffer *buffer = gst_sample_get_buffer(sample);
+    if (!is_sound)
+      read_video_format(gst_sample_get_caps(sample));
+    else if (format_.sound.empty())
+      read_sound_format(gst_sample_get_caps(sample));
+    const GstSegment *segment = gst_sample_get_segment(sample);
+    if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
+        GST_BUFFER_PTS(buffer) >= segment->stop)
+      return;
+    guint64 time = 0;
+    const gint sign = GST_BUFFER_PTS_IS_VALID(buffer)
+                          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME,
+                                                            GST_BUFFER_PTS(buffer), &time)
+                          : 0;
+    if (sign == 0)
+      throw_error(messages::kFilmHasNoTimes, path_.c_str());
+    const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
+    if (!is_sound)
+      return push_video(buffer, signed_time);
+    if (const ReadableBuffer readable(buffer); readable)
+      call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
+  }
+
+  GstFlowReturn pull(GstAppSink *sink) {
+    const SamplePtr sample(gst_app_sink_pull_sample(sink));
+    const std::lock_guard lock(mutex_);
+    if (!sample || failure_)
+      return GST_FLOW_EOS;
+    try {
+      push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
+    } catch (...) {
+      failure_ = std::current_exception();
+      return GST_FLOW_ERROR; // the element before posts an error, which ends the work
+    }
+    return GST_FLOW_OK;
+  }
 
   const std::string path_;
   const std::function<void(FilmFrame &&)> &call_;
@@ -134,171 +289,6 @@ private:
   std::exception_ptr failure_;
   FilmStreams film_;
 };
-
-// What a person calls the stream.
-std::string description_of(const GstCaps *caps) {
-  // Of caps that a parser has yet to complete there is no description.
-  const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
-                                               : nullptr);
-  return codec ? codec.get() : name_of(caps);
-}
-
-// Returns the name of the codec (RFC 6381).
-std::string mime_of(GstCaps *caps) {
-  const GCharPtr name(gst_codec_utils_caps_get_mime_codec(caps));
-  return name ? name.get() : "";
-}
-
-GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form) {
-  GstElement *parse = add_element(film_.pipeline(), parser);
-  GstElement *sink = add_element(film_.pipeline(), "appsink");
-  const CapsPtr caps(gst_caps_from_string(form));
-  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
-  GstAppSinkCallbacks callbacks = {};
-  callbacks.new_sample = [](GstAppSink *from, gpointer data) {
-    return static_cast<Reading *>(data)->pull(from);
-  };
-  gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
-  link_elements(parse, sink);
-  link_pad(pad, parse);
-  return sink;
-}
-
-// A browser shows no rotation of these containers.
-void Reading::refuse_rotation(GstEvent *event) const {
-  const std::string rotation = rotation_of(event);
-  if (!rotation.empty() && rotation != "rotate-0")
-    GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
-                      (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
-}
-
-void Reading::link_video() {
-  const CapsPtr caps = caps_of(film_.video());
-  if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
-  watch_events(film_.video(), [this](GstPad *, GstEvent *event) { refuse_rotation(event); });
-  // What an edit list hides before the first shown frame, this frame depends on.
-  gst_base_sink_set_drop_out_of_segment(
-      GST_BASE_SINK(
-          link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
-      FALSE);
-}
-
-// The first sound is read.
-void Reading::link_sound() {
-  const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
-  for (GstPad *pad : film_.audio()) {
-    const CapsPtr caps = caps_of(pad);
-    if (sound_sink_)
-      leave_out(pad);
-    else if (gst_caps_can_intersect(caps.get(), aac.get()))
-      sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
-    else
-      throw_error(messages::kBrowserLacksSound, path_.c_str(), description_of(caps.get()).c_str());
-  }
-}
-
-void Reading::leave_out(GstPad *pad) {
-  if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
-    format_.left_out.push_back(name);
-  read_to_end(film_.pipeline(), pad);
-}
-
-void Reading::read_video_format(GstCaps *all) {
-  const GstStructure *caps = gst_caps_get_structure(all, 0);
-  const auto data = codec_data_of(caps);
-  if (data == configuration_)
-    return;
-  if (!configuration_.empty())
-    throw_error(messages::kFilmChanges, path_.c_str());
-  if (const std::string what = unplayable(caps); !what.empty())
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), what.c_str());
-  configuration_ = data;
-  length_size_ = read_configuration(configuration_, format_);
-  if (length_size_ == 0)
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
-  format_.video_codec = mime_of(all);
-  gst_structure_get_int(caps, "width", &format_.width);
-  gst_structure_get_int(caps, "height", &format_.height);
-  gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
-                             &format_.pixel_aspect_d);
-  gint n = 0;
-  gint d = 1;
-  if (gst_structure_get_fraction(caps, "framerate", &n, &d) && d > 0)
-    format_.frame_rate = static_cast<double>(n) / d;
-}
-
-void Reading::read_sound_format(GstCaps *caps) {
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  format_.sound = codec_data_of(structure);
-  format_.sound_codec = mime_of(caps);
-  gst_structure_get_int(structure, "channels", &format_.sound_channels);
-  // A frame in a transport stream has room for a known rate and number of channels only.
-  const guint8 *data = format_.sound.data();
-  const auto size = static_cast<guint>(format_.sound.size());
-  if (size >= 2 && (data[0] & 7U) != 7 && gst_codec_utils_aac_get_channels(data, size) > 0)
-    format_.sound_rate = static_cast<int>(gst_codec_utils_aac_get_sample_rate(data, size));
-  if (format_.sound_rate == 0)
-    throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
-}
-
-void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
-  const ReadableBuffer readable(buffer);
-  if (!readable)
-    return;
-  FilmFrame frame;
-  frame.time = time;
-  for (std::size_t at = 0; at < readable.bytes().size();) {
-    const Bytes unit = read_unit(readable.bytes(), at, length_size_);
-    const unsigned type = type_of_unit(unit);
-    if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
-        type == kFiller)
-      continue;
-    frame.is_idr = frame.is_idr || type == kIdr;
-    put_number(frame.bytes, unit.size(), 4);
-    frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
-  }
-  if (!frame.bytes.empty())
-    call_(std::move(frame));
-}
-
-void Reading::push(GstSample *sample, bool is_sound) {
-  GstBuffer *buffer = gst_sample_get_buffer(sample);
-  if (!is_sound)
-    read_video_format(gst_sample_get_caps(sample));
-  else if (format_.sound.empty())
-    read_sound_format(gst_sample_get_caps(sample));
-  const GstSegment *segment = gst_sample_get_segment(sample);
-  if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
-      GST_BUFFER_PTS(buffer) >= segment->stop)
-    return;
-  guint64 time = 0;
-  const gint sign =
-      GST_BUFFER_PTS_IS_VALID(buffer)
-          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer), &time)
-          : 0;
-  if (sign == 0)
-    throw_error(messages::kFilmHasNoTimes, path_.c_str());
-  const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
-  if (!is_sound)
-    return push_video(buffer, signed_time);
-  if (const ReadableBuffer readable(buffer); readable)
-    call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
-}
-
-GstFlowReturn Reading::pull(GstAppSink *sink) {
-  const SamplePtr sample(gst_app_sink_pull_sample(sink));
-  const std::lock_guard lock(mutex_);
-  if (!sample || failure_)
-    return GST_FLOW_EOS;
-  try {
-    push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
-  } catch (...) {
-    failure_ = std::current_exception();
-    return GST_FLOW_ERROR; // the element before posts an error, which ends the work
-  }
-  return GST_FLOW_OK;
-}
 
 } // namespace
 

@@ -46,7 +46,7 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
     return frames;
   gst_bin_add(GST_BIN(file.get()), rest);
   link_when_added(file.reader(), rest);
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(rest), "out"));
+  const ElementPtr out = element_in(rest, "out");
   gst_element_set_state(file.get(), GST_STATE_PAUSED);
   if (gst_element_get_state(file.get(), nullptr, nullptr, kPatience) != GST_STATE_CHANGE_SUCCESS)
     return frames;

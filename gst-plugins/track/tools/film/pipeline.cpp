@@ -3,6 +3,7 @@
 
 #include "film/copied-stream.hpp"
 #include "glue/content-only.hpp"
+#include "glue/segment-time.hpp"
 #include "interruption.hpp"
 
 #include <cstring>
@@ -41,6 +42,19 @@ GstElement *add_element(GstElement *pipeline, const char *factory) {
   return owned.get();
 }
 
+ElementPtr make_pipeline(const std::string &line) {
+  GError *wrong = nullptr;
+  ElementPtr pipeline(gst_parse_launch(line.c_str(), &wrong));
+  const ErrorPtr error(wrong);
+  if (!pipeline || error)
+    throw TrackFileError(error ? error->message : "unknown");
+  return pipeline;
+}
+
+ElementPtr element_in(GstElement *pipeline, const char *name) {
+  return ElementPtr(gst_bin_get_by_name(GST_BIN(pipeline), name));
+}
+
 std::string rotation_of(GstEvent *event) {
   if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
     return "";
@@ -63,14 +77,12 @@ std::optional<GstSegment> segment_of(GstPad *pad) {
 
 GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer) {
   const auto segment = segment_of(pad);
-  return segment ? gst_segment_to_running_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
-                 : GST_CLOCK_TIME_NONE;
+  return segment ? running_time_of(*segment, time_of(buffer)) : GST_CLOCK_TIME_NONE;
 }
 
 GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer) {
   const auto segment = segment_of(pad);
-  return segment ? gst_segment_to_stream_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
-                 : GST_CLOCK_TIME_NONE;
+  return segment ? stream_time_of(*segment, time_of(buffer)) : GST_CLOCK_TIME_NONE;
 }
 
 GstCaps *caps_in(GstEvent *event) {

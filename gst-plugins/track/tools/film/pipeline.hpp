@@ -26,6 +26,11 @@ ElementPtr make_element(const char *factory);
 /// The pipeline owns it.
 GstElement *add_element(GstElement *pipeline, const char *factory);
 
+/// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.
+ElementPtr make_pipeline(const std::string &line);
+/// Returns the element of this name, or null.
+ElementPtr element_in(GstElement *pipeline, const char *name);
+
 /// The tag image-orientation of an event; empty if the event has none.
 std::string rotation_of(GstEvent *event);
 

@@ -106,8 +106,8 @@ void keep_stream(Part &part, const FilmStreams &film, GstPad *pad, GstElement *m
 std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint64_t from,
                              std::uint64_t to, const std::string &output) {
   const std::string ending = std::filesystem::path(output).extension().string();
-  const bool is_matroska = ending == ".mkv";
-  if (!is_matroska && ending != ".ts")
+  const bool is_matroska = ending == kMatroska;
+  if (!is_matroska && ending != kTransportStream)
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
   CutScan scan;
   scan_film(path, scan);
@@ -128,8 +128,7 @@ std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint
   PartFile file(output + ".part");
   FilmStreams film(path, FilmUse::copy);
   part.video = film.video();
-  GstElement *mux =
-      add_muxer(film.pipeline(), is_matroska ? "matroskamux" : "mpegtsmux", file.path());
+  GstElement *mux = add_muxer(film.pipeline(), muxer_of(ending), file.path());
   if (scan.tracks.size() > 1)
     part.remarks.push_back(remark(FileRemark::further_tracks));
   // The clock and the tables of a transport stream go with its first stream.

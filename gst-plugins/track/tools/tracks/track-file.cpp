@@ -9,6 +9,7 @@
 #include "forms/klv.hpp"
 #include "forms/text-line.hpp"
 #include "glue/gst-raii.hpp"
+#include "glue/segment-time.hpp"
 #include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
@@ -282,8 +283,7 @@ void push_sample(GstSample *sample, StreamTrack &track) {
   if (!readable)
     return;
   track.push({readable.bytes(),
-              gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                         GST_BUFFER_PTS(buffer)),
+              stream_time_of(*gst_sample_get_segment(sample), GST_BUFFER_PTS(buffer)),
               GST_BUFFER_DURATION(buffer)});
 }
 
@@ -436,22 +436,15 @@ void begin_at_zero(TrackFile &track) {
 
 void play_track(const std::string &path, const TrackFile &track, const std::string &line,
                 const std::function<void(GstElement *pipeline)> &prepare) {
-  GError *wrong = nullptr;
-  const std::string whole = "appsrc name=in format=time caps=\"" +
-                            std::string(caps_of_track(!track.coded().empty())) +
-                            "\" ! hapticconvert ! " + line;
-  GstElement *made = gst_parse_launch(whole.c_str(), &wrong);
-  const ErrorPtr error(wrong);
-  const ElementPtr pipeline(made);
-  if (!made || error)
-    throw_error("\"%s\": %s", path.c_str(), error ? error->message : "unknown");
-  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
+  const ElementPtr pipeline = make_pipeline("appsrc name=in format=time caps=\"" +
+                                            std::string(caps_of_track(!track.coded().empty())) +
+                                            "\" ! hapticconvert ! " + line);
   if (prepare)
-    prepare(made);
+    prepare(pipeline.get());
   try {
-    const Running running(made);
-    push_track(in.get(), track);
-    wait_for(made, GST_MESSAGE_EOS);
+    const Running running(pipeline.get());
+    push_track(element_in(pipeline.get(), "in").get(), track);
+    wait_for(pipeline.get(), GST_MESSAGE_EOS);
   } catch (const TrackFileError &failure) {
     throw TrackFileError(is_interrupted() ? failure.what() : about(path, failure.what()));
   }
@@ -461,7 +454,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
                      const std::function<void(GstElement *pipeline)> &prepare) {
   PartFile part(path + ".part");
   play_track(path, track, line + " ! filesink name=out", [&](GstElement *pipeline) {
-    const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+    const ElementPtr out = element_in(pipeline, "out");
     g_object_set(out.get(), "location", part.path().c_str(), nullptr);
     if (prepare)
       prepare(pipeline);

@@ -22,7 +22,7 @@ double length_of(const TrackFile &track) {
 // Returns the hapticarray of a pipeline with its properties set: not in the text of the pipeline,
 // where a word with "!" would be another element.
 ElementPtr array_of(GstElement *pipeline, const TrackFile &track, const VibrationOptions &options) {
-  ElementPtr array(gst_bin_get_by_name(GST_BIN(pipeline), "array"));
+  ElementPtr array = element_in(pipeline, "array");
   GParamSpec *map = g_object_class_find_property(G_OBJECT_GET_CLASS(array.get()), "map");
   GEnumClass *words = G_PARAM_SPEC_ENUM(map)->enum_class;
   const GEnumValue *chosen = g_enum_get_value_by_nick(words, options.map.c_str());
@@ -90,7 +90,7 @@ std::string ahap_of(const std::string &path, const TrackFile &track, VibrationOp
                  " ! appsink name=out sync=false",
              [&](GstElement *pipeline) {
                array_of(pipeline, track, options);
-               const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+               const ElementPtr out = element_in(pipeline, "out");
                GstAppSinkCallbacks callbacks = {};
                callbacks.new_sample = measure;
                gst_app_sink_set_callbacks(GST_APP_SINK(out.get()), &callbacks, &meter, nullptr);
