@@ -31,6 +31,7 @@ cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
 # A checkout has new files of known content, and precompiled headers.
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,pch_defines,time_macros}
+ccache=$(command -v ccache >/dev/null && echo 'ccache ' || true)
 scratch=$(mktemp -d)
 results=$scratch/results # the lines that summary.py counts
 outputs=$scratch/outputs # what each failed test printed
@@ -43,11 +44,20 @@ record() {
   (IFS=$'\t' && printf '%s\n' "$*") >>"$results"
 }
 
+end_background() {
+  [ -n "$background" ] || return 0
+  kill -- "-$background" 2>/dev/null || true
+  wait "$background" 2>/dev/null || true
+  # A compiler's half written file is removed first.
+  while kill -0 -- "-$background" 2>/dev/null; do sleep 0.1; done
+  background=
+}
+
 # However the script ends, the closing line is printed, and an early end counts as a failure.
 finish() {
   trap - EXIT
   [ "$1" = 0 ] || record failed "tests/run.sh" 0 "it ended early with status $1"
-  [ -z "$background" ] || kill -- "-$background" 2>/dev/null || true
+  end_background
   local status=0
   if command -v python3 >/dev/null; then
     python3 tests/summary.py close "$size" "$results" "$outputs" || status=1
@@ -89,6 +99,7 @@ set_up() {
   install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${test_packages[@]}"
   echo "tree.avi: $(tree_video)"
   echo "aloe: $(opencv_file aloeGT.png)"
+  [ "$size" = quick ] || (install_packages "${clang_packages[@]}") || install_packages clang-tidy
   [ "$size" = all ] || return 0
   # The tests that need these are skipped without them.
   (install_packages "${vm_packages[@]}") || true
@@ -108,12 +119,12 @@ configure() {
     "$@" >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log"; return 1; }
 }
 
-# `compile FOLDER TARGET...`
+# `compile FOLDER TARGET...`, with $at_once compilers if it is set.
 compile() {
   local folder=$1
   shift
   # Other commands were still running when one failed: its message is not the last.
-  ninja -C "$folder" "$@" >>"$folder/build.log" 2>&1 ||
+  ninja -C "$folder" ${at_once:+-j "$at_once"} "$@" >>"$folder/build.log" 2>&1 ||
     { grep -A 30 '^FAILED:' "$folder/build.log" || tail -n 40 "$folder/build.log"; return 1; }
 }
 
@@ -148,18 +159,29 @@ else:
             print(*(os.path.relpath(name, folder) for name in target["filename"]), sep="\n")' "$@"
 }
 
-# Less optimised, which halves the time to compile. Only what its tests need.
+# Clang needs a third of GCC's time, if it can link with the sanitizers. Less optimised, which halves the time again. Only
+# what its tests need.
 build_sanitized() {
   local programs
+  if echo 'int main() {}' | clang++-22 -fsanitize=address,undefined -x c++ -o /dev/null - 2>/dev/null; then
+    local -x CC=${ccache}clang-22 CXX=${ccache}clang++-22
+  fi
   configure build-sanitized "${unity[@]}" -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 \
     -Dbenchmarks=disabled -Dview=disabled && mapfile -t programs < <(of_suites programs build-sanitized "${sanitized_suites[@]}") &&
     compile build-sanitized "${programs[@]}"
 }
 
-# With the processor time that the tests leave.
+# `in_idle_time LOG COMMAND...` runs a command in the background, with the processor time that the tests leave.
 in_idle_time() {
-  chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
-  "$@"
+  local log=$1
+  shift
+  set -m # it gets a process group, which ends with this script
+  (
+    chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 "$BASHPID" >/dev/null
+    "$@"
+  ) >"$log" 2>&1 &
+  background=$!
+  set +m
 }
 
 # Cases that repeat for statistics or for hours what others check once, or that only measure time. A sanitizer
@@ -194,7 +216,8 @@ run_meson_tests() {
   record waited "$prefix$folder" $((processes * (SECONDS - start) - $(processor_time) + used)) ''
 }
 
-# Most of them need the processor all the time. Those of real time one at a time, so that they are not late.
+# Most of them need the processor all the time. Those of real time one at a time, so that they are not late. They mostly
+# wait, while one compiler already works on the next build.
 run_plain_tests() {
   local player=()
   [ "$size" != quick ] || player=(--no-suite web)
@@ -202,7 +225,9 @@ run_plain_tests() {
   run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 --no-suite realtime --no-suite hil --no-suite long \
     --no-suite lab "${player[@]}"
   step "Tests in real time"
+  [ "$size" = quick ] || at_once=1 in_idle_time /dev/null build_sanitized
   run_meson_tests '' build-tests 1 --timeout-multiplier 10 --suite realtime --no-suite long
+  [ "$size" = quick ] || end_background
 }
 
 # The films and programs of these wait.
@@ -300,10 +325,7 @@ check "clang-tidy finds nothing" check_style || true
 [ "$size" = all ] || exit 0
 
 run_referees
-set -m # the background gets a process group, which ends with this script
-in_idle_time check_in_background >build-tests/background.log 2>&1 &
-background=$!
-set +m
+in_idle_time build-tests/background.log check_in_background
 run_long_tests
 check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
 check "The demonstration runs as a user starts it" check_demonstration || true

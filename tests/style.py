@@ -14,10 +14,12 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
 FOLDERS = ('gst-plugins', 'pipelines', 'spidar')
+CLANG_TIDY = 'clang-tidy-22' if shutil.which('clang-tidy-22') else 'clang-tidy'
 ENDINGS = {'.c', '.cpp', '.h', '.hpp'}
 
 
@@ -67,7 +69,7 @@ def to_read(sources, base):
 
 
 def tidy(build, source):
-    ran = subprocess.run(('clang-tidy', '-quiet', '-p', build, source), capture_output=True, text=True)
+    ran = subprocess.run((CLANG_TIDY, '-quiet', '-p', build, source), capture_output=True, text=True)
     return source, ran.returncode, ran.stdout + ran.stderr
 
 
