@@ -53,6 +53,7 @@ void FilmStreams::block(GstElement *, GstPad *pad, gpointer data) {
 
 std::vector<GstPad *> FilmStreams::all() const {
   std::vector<GstPad *> pads;
+  pads.reserve(streams_.size());
   for (const auto &[pad, probe] : streams_)
     pads.push_back(pad.get());
   return pads;
