@@ -9,14 +9,17 @@
 #include "samples/relief-field.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <functional>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 #include <gtest/gtest.h>
 #include <memory>
 #include <random>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <utility>
@@ -30,6 +33,8 @@ struct Victim {
   const char *factory;
   std::vector<const char *> input;  // caps
   std::vector<const char *> output; // caps, one a seed; any if there are none
+  const char *sink = "sink";
+  const char *control = nullptr; // what it shows, if it is of GStreamer itself
 };
 
 #define HAPTICS HAPTIC_MOTION_CAPS, HAPTIC_FIELD_CAPS, HAPTIC_RELIEF_CAPS
@@ -60,6 +65,18 @@ const Victim kVictims[] = {
     {"hapticarray", {HAPTIC_MOTION_CAPS, HAPTIC_FIELD_CAPS}, {}},
     {"hapticsink", {HAPTICS}, {}},
 };
+
+// The same with elements of GStreamer: the control run of each exception that the test makes for a
+// base class of GStreamer 1.22. tests/referees/thread-sanitizer.sh runs them.
+constexpr const char *kRtpAudio =
+    "application/x-rtp, media=audio, encoding-name=L16, clock-rate=8000, channels=1, payload=96";
+const Victim kControls[] = {
+    {"mpegtsmux", {kKlv}, {}, "sink_%d", "ClipsByASegmentInBytes"},
+    {"mpegtsmux", {kKlv}, {}, "sink_%d", "WaitsForEver"},
+    {"rtpL16depay", {kRtpAudio}, {}, "sink", "TakesASegmentInBytesForTime"},
+};
+
+constexpr std::size_t kThreads = 28; // four of each of the seven ways to attack
 
 int from_environment(const char *name, int usual) {
   const char *value = std::getenv(name);
@@ -120,12 +137,45 @@ std::vector<std::uint8_t> content(GstCaps *caps, Random &random) {
   return noise(random, 1 + below(random, 400));
 }
 
+struct Teardown {
+  void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
+};
+using HarnessPtr = std::unique_ptr<GstHarness, Teardown>;
+
 class Torture : public testing::TestWithParam<Victim> {
 protected:
-  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
-  void SetUp() override {
-    g_log_set_always_fatal(
-        static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK | G_LOG_LEVEL_CRITICAL)); // each test anew
+  static void SetUpTestSuite() {
+    gst_init(nullptr, nullptr);
+    g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK | G_LOG_LEVEL_CRITICAL));
+  }
+  void TearDown() override { g_test_log_set_fatal_handler(nullptr, nullptr); }
+
+  // Whether this base class of GStreamer is spared what it cannot bear; a control is not.
+  bool spares(const char *base) const {
+    return !GetParam().control &&
+           g_type_is_a(G_OBJECT_TYPE(element()), g_type_from_name(base)) != FALSE;
+  }
+  bool spares_aggregator() const { return spares("GstAggregator"); }
+
+  // The one critical warning of its base class that an element survives: GstAggregator clips a gap
+  // event by every segment, GstRTPBaseDepayload takes every segment for one of time, also when none
+  // has come.
+  const char *forgiven() const {
+    if (spares_aggregator())
+      return "gst_segment_clip: assertion 'segment->format == format' failed";
+    if (spares("GstRTPBaseDepayload"))
+      return "gst_segment_to_running_time: assertion 'segment->format == format' failed";
+    return nullptr;
+  }
+
+  void judge_critical_warnings() {
+    forgiven_ = forgiven();
+    const GTestLogFatalFunc is_fatal = [](const char *, GLogLevelFlags, const char *message,
+                                          gpointer test) -> gboolean {
+      const auto &self = *static_cast<const Torture *>(test);
+      return !GetParam().control && g_strcmp0(message, self.forgiven_) != 0;
+    };
+    g_test_log_set_fatal_handler(is_fatal, this);
   }
 
   // One attacker: a function that a thread calls again and again.
@@ -172,11 +222,22 @@ protected:
     }
   }
 
-  static void push_event(GstPad *from, Random &random) {
+  // If a flush ends amid a deactivation, a thread may wait for ever in GstAggregator. A seek holds
+  // the lock of the state while it flushes.
+  void flush(GstPad *from) const {
+    const bool as_a_seek = spares_aggregator();
+    if (as_a_seek)
+      GST_STATE_LOCK(element());
+    gst_pad_push_event(from, gst_event_new_flush_start());
+    gst_pad_push_event(from, gst_event_new_flush_stop(TRUE));
+    if (as_a_seek)
+      GST_STATE_UNLOCK(element());
+  }
+
+  void push_event(GstPad *from, Random &random) const {
     switch (below(random, 5)) {
     case 0:
-      gst_pad_push_event(from, gst_event_new_flush_start());
-      gst_pad_push_event(from, gst_event_new_flush_stop(TRUE));
+      flush(from);
       break;
     case 1:
       gst_pad_push_event(from, gst_event_new_gap(GST_SECOND, GST_SECOND / 30));
@@ -218,16 +279,20 @@ protected:
 
   void query(Random &random) const {
     const haptic::CapsPtr caps(gst_caps_from_string(GetParam().input.front()));
-    // Not the position: GstBaseTransform 1.22 reads its segment for it without a lock.
-    const std::function<GstQuery *()> makers[] = {
+    std::vector<std::function<GstQuery *()>> makers{
         [] { return gst_query_new_latency(); },
         [] { return gst_query_new_seeking(GST_FORMAT_TIME); },
         [] { return gst_query_new_caps(nullptr); },
-        [&] { return gst_query_new_accept_caps(caps.get()); },
-        [&] { return gst_query_new_allocation(caps.get(), TRUE); },
-        [] { return gst_query_new_drain(); },
-    };
-    const haptic::QueryPtr query(makers[below(random, std::size(makers))]());
+        [&] { return gst_query_new_accept_caps(caps.get()); }};
+    // GstBaseTransform reads its segment for the position without a lock.
+    if (!spares("GstBaseTransform"))
+      makers.emplace_back([] { return gst_query_new_position(GST_FORMAT_TIME); });
+    // GstAggregator uses a serialised query on when a flush has given it back.
+    if (!spares_aggregator()) {
+      makers.emplace_back([&] { return gst_query_new_allocation(caps.get(), TRUE); });
+      makers.emplace_back([] { return gst_query_new_drain(); });
+    }
+    const haptic::QueryPtr query(makers[below(random, static_cast<guint>(makers.size()))]());
     if (below(random, 2) || GST_QUERY_TYPE(query.get()) == GST_QUERY_DRAIN)
       gst_pad_peer_query(harness_->srcpad, query.get());
     else
@@ -297,11 +362,9 @@ protected:
 
   GstElement *element() const { return harness_->element; }
 
-  struct Teardown {
-    void operator()(GstHarness *harness) const { gst_harness_teardown(harness); }
-  };
   std::size_t seed_ = 0;
-  std::unique_ptr<GstHarness, Teardown> harness_;
+  const char *forgiven_ = nullptr;
+  HarnessPtr harness_;
   std::vector<std::unique_ptr<Attack>> attacks_;
   std::vector<GstHarnessThread *> threads_;
   std::atomic<guint> acts_ = 0;
@@ -314,20 +377,18 @@ TEST_P(Torture, AnElementSurvivesAllAtOnce) {
     GTEST_SKIP() << victim.factory << " is not built";
   g_object_set(made.get(), g_str_equal(victim.factory, "hapticsink") ? "device" : "name",
                g_str_equal(victim.factory, "hapticsink") ? "none" : "victim", nullptr);
-  // GstRTPBaseDepayload 1.22 takes every segment for one of time, also when none has come;
-  // GstAggregator clips a gap event by it, and may end a stream that has no number yet.
-  if (g_str_equal(victim.factory, "rtphmpgdepay") || g_str_equal(victim.factory, "hapticarray"))
-    g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK));
   const int seeds = from_environment("FEELING_WIND_SEEDS", 1);
   for (seed_ = 1; seed_ <= static_cast<std::size_t>(seeds); ++seed_) {
     std::printf("%s, seed %zu\n", victim.factory, seed_);
     std::fflush(stdout); // before it crashes
     const bool is_sink = GST_OBJECT_FLAG_IS_SET(made.get(), GST_ELEMENT_FLAG_SINK);
-    harness_.reset(gst_harness_new_with_element(made.get(), "sink", is_sink ? nullptr : "src"));
+    harness_.reset(
+        gst_harness_new_with_element(made.get(), victim.sink, is_sink ? nullptr : "src"));
     const haptic::BusPtr bus(gst_bus_new());
     gst_bus_set_sync_handler(
         bus.get(), [](GstBus *, GstMessage *, gpointer) { return GST_BUS_DROP; }, nullptr, nullptr);
     gst_element_set_bus(element(), bus.get());
+    judge_critical_warnings();
     if (is_sink)
       g_object_set(element(), "sync", FALSE, nullptr);
     else
@@ -336,16 +397,19 @@ TEST_P(Torture, AnElementSurvivesAllAtOnce) {
       gst_harness_set_sink_caps_str(harness_.get(), victim.output[seed_ % victim.output.size()]);
     GstPadTemplate *relief = gst_element_get_pad_template(element(), "relief");
 
-    for (int i = 0; i < 2; ++i) {
-      attack([&](Random &random) { push_stream(harness_->srcpad, victim.input, random); });
-      attack([&](Random &random) { push_event(harness_->srcpad, random); });
-      attack([&](Random &random) { send_upstream(random); });
-      attack([&](Random &random) { query(random); });
-      attack([&](Random &random) { set_property(random); });
-      attack([&](Random &random) { emit(random); });
-      if (relief)
-        attack([&, relief](Random &random) { use_request_pad(relief, random); });
-    }
+    std::vector<std::function<void(Random &)>> ways{
+        [&](Random &random) { push_stream(harness_->srcpad, victim.input, random); },
+        [&](Random &random) { push_event(harness_->srcpad, random); },
+        [&](Random &random) { send_upstream(random); },
+        [&](Random &random) { query(random); },
+        [&](Random &random) { set_property(random); },
+        [&](Random &random) { emit(random); }};
+    if (g_strcmp0(victim.control, "WaitsForEver") == 0)
+      ways.resize(2); // it does within seconds
+    if (relief)
+      ways.emplace_back([&, relief](Random &random) { use_request_pad(relief, random); });
+    while (attacks_.size() < kThreads)
+      attack(ways[attacks_.size() % ways.size()]);
     change_states(from_environment("FEELING_WIND_TORTURE", 20));
     gst_element_set_state(element(), GST_STATE_NULL); // and nothing waits any longer
     for (GstHarnessThread *thread : std::exchange(threads_, {}))
@@ -360,5 +424,85 @@ TEST_P(Torture, AnElementSurvivesAllAtOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, Torture, testing::ValuesIn(kVictims),
                          [](const auto &victim) { return std::string(victim.param.factory); });
+INSTANTIATE_TEST_SUITE_P(DISABLED_Controls, Torture, testing::ValuesIn(kControls),
+                         [](const auto &control) { return std::string(control.param.control); });
+
+// The controls of two exceptions that need no chance.
+
+// Holds a thread inside GStreamer until another one goes on: for 5 s, if that one waits.
+class Hold {
+public:
+  void stay() {
+    is_inside_ = true;
+    came_.release();
+    (void)may_go_.try_acquire_for(std::chrono::seconds(5));
+    is_inside_ = false;
+  }
+  void await() { came_.acquire(); }
+  void release() { may_go_.release(); }
+  bool is_inside() const { return is_inside_; }
+
+private:
+  std::binary_semaphore came_{0}, may_go_{0};
+  std::atomic<bool> is_inside_ = false;
+};
+
+std::atomic<Hold *> hold_of_stream_time;
+
+struct DISABLED_Controls : testing::Test {
+  static void SetUpTestSuite() { gst_init(nullptr, nullptr); }
+};
+
+TEST_F(DISABLED_Controls, ASegmentIsReplacedWhileItIsReadForThePosition) {
+  const HarnessPtr harness(gst_harness_new("capsfilter"));
+  gst_harness_set_src_caps_str(harness.get(), kSmall); // and a segment of time
+  Hold hold;
+  hold_of_stream_time = &hold;
+  const std::jthread replaces([&] {
+    hold.await();
+    GstSegment bytes;
+    gst_segment_init(&bytes, GST_FORMAT_BYTES);
+    gst_pad_push_event(harness->srcpad, gst_event_new_segment(&bytes));
+    hold.release();
+  });
+  g_test_expect_message("GStreamer", G_LOG_LEVEL_CRITICAL, "*segment->format == format*");
+  const haptic::QueryPtr position(gst_query_new_position(GST_FORMAT_TIME));
+  gst_pad_peer_query(harness->srcpad, position.get());
+  hold_of_stream_time = nullptr;
+  g_test_assert_expected_messages();
+}
+
+TEST_F(DISABLED_Controls, AQueryIsGivenBackWhileItIsUsed) {
+  const HarnessPtr harness(gst_harness_new_with_padnames("mpegtsmux", "sink_%d", "src"));
+  Hold hold;
+  gst_pad_set_query_function_full(
+      harness->sinkpad,
+      [](GstPad *pad, GstObject *parent, GstQuery *query) -> gboolean {
+        if (GST_QUERY_TYPE(query) != GST_QUERY_DRAIN)
+          return gst_pad_query_default(pad, parent, query);
+        static_cast<Hold *>(pad->querydata)->stay();
+        return TRUE;
+      },
+      &hold, nullptr);
+  gst_harness_play(harness.get());
+  gst_pad_push_event(harness->srcpad, gst_event_new_stream_start("control"));
+  const std::jthread flushes([&] {
+    hold.await();
+    gst_pad_push_event(harness->srcpad, gst_event_new_flush_start());
+  });
+  const haptic::QueryPtr drain(gst_query_new_drain());
+  gst_pad_peer_query(harness->srcpad, drain.get());
+  EXPECT_TRUE(hold.is_inside());
+  hold.release();
+}
 
 } // namespace
+
+// GstBaseTransform calls this one. (A program's functions come before those of the libraries.)
+guint64 gst_segment_to_stream_time(const GstSegment *segment, GstFormat format, guint64 position) {
+  if (Hold *hold = hold_of_stream_time)
+    hold->stay();
+  static const auto next = reinterpret_cast<decltype(&gst_segment_to_stream_time)>(
+      dlsym(RTLD_NEXT, "gst_segment_to_stream_time"));
+  return next(segment, format, position);
+}

@@ -159,9 +159,6 @@ if [ $# = 4 ]; then
   choose() {
     xdotool key ctrl+a
     xdotool type "$1"
-    choose_typed "$2"
-  }
-  choose_typed() {
     confirmed() {
       xdotool key Return
       for _ in {1..20}; do
@@ -170,14 +167,31 @@ if [ $# = 4 ]; then
       done
       return 1
     }
-    until_true confirmed "$1"
+    until_true confirmed "$2"
   }
-  # Beside the main window and the dialog.
+  # Beside the main window; beside the dialog, too.
+  dialog_shown() {
+    [ "$(xdotool search --onlyvisible --class feeling-wind | wc -l)" -gt "$(wc -l <<<"$windows")" ]
+  }
   completions_shown() {
     [ "$(xdotool search --onlyvisible --class feeling-wind | wc -l)" -gt $(($(wc -l <<<"$windows") + 1)) ]
   }
-  no_completions_shown() {
-    ! completions_shown
+  # The list of completions takes Return for itself, so Escape closes it first; if it has just gone by itself, Escape
+  # closes the dialog.
+  refused() {
+    ! grep -q 'There is a file .*taken.mkv. Choose another name' said || return 0
+    if ! dialog_shown; then
+      xdotool windowfocus "$window" key ctrl+r
+      dialog
+      xdotool key ctrl+a
+      xdotool type "$PWD/taken"
+      sleep 1 # until the list is shown
+    fi
+    ! completions_shown || xdotool key Escape
+    sleep 0.2
+    ! dialog_shown || xdotool key Return
+    sleep 0.2
+    return 1
   }
   # A recording has film and track; seeking ends it.
   record() {
@@ -191,15 +205,7 @@ if [ $# = 4 ]; then
     xdotool windowfocus "$window"
     sleep 1 # of film
     press Home 'Recorded into'
-    xdotool key ctrl+r
-    dialog
-    xdotool key ctrl+a
-    xdotool type "$PWD/taken"
-    # The list of completions would take Return for itself.
-    until_true completions_shown
-    xdotool key Escape
-    until_true no_completions_shown
-    choose_typed 'There is a file .*taken.mkv. Choose another name'
+    until_true refused
     xdotool windowfocus "$window" key q
     ended
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Shows ThreadSanitizer the order that GLib makes: GMutex and GCond wait by futex in a library that
-// the sanitizer does not see into, and so do counted references. To be linked into a program, whose
-// functions come before those of the libraries; each calls the one behind it.
+// the sanitizer does not see into, and so do counted references and pools of threads. To be linked
+// into a program, whose functions come before those of the libraries; each calls the one behind it.
 #if defined(__SANITIZE_THREAD__)
 #include <dlfcn.h>
 #include <glib-object.h>
@@ -14,6 +14,12 @@ template <typename Function>
 Function *behind(Function *, const char *name) {
   return reinterpret_cast<Function *>(dlsym(RTLD_NEXT, name));
 }
+
+// What the thread of a pool calls, with what was pushed.
+struct PoolFunction {
+  GFunc call;
+  gpointer user_data;
+};
 
 } // namespace
 
@@ -65,6 +71,28 @@ void gst_mini_object_unref(GstMiniObject *object) {
   __tsan_release(object);
   __tsan_acquire(object);
   BEHIND(gst_mini_object_unref)(object);
+}
+
+// GStreamer frees what it counts in functions of its own. Who gave a reference back came before.
+void __sanitizer_free_hook(const volatile void *memory) {
+  __tsan_acquire(const_cast<void *>(memory));
+}
+
+// The program keeps a function for each pool that it makes.
+GThreadPool *g_thread_pool_new(GFunc call, gpointer user_data, gint threads, gboolean exclusive,
+                               GError **error) {
+  const GFunc in_order = [](gpointer data, gpointer function) {
+    __tsan_acquire(data);
+    const auto &of_pool = *static_cast<const PoolFunction *>(function);
+    of_pool.call(data, of_pool.user_data);
+  };
+  BEHIND(g_thread_pool_new);
+  return next(in_order, new PoolFunction{call, user_data}, threads, exclusive, error);
+}
+gboolean g_thread_pool_push(GThreadPool *pool, gpointer data, GError **error) {
+  __tsan_release(data);
+  BEHIND(g_thread_pool_push);
+  return next(pool, data, error);
 }
 
 } // extern "C"

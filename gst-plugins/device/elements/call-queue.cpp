@@ -25,7 +25,8 @@ CallQueue::Time &CallQueue::machine_time() {
 // The limit is one for each call: it begins anew when another thread has begun a further one. What
 // drain() has once waited for in vain it does not wait for again.
 void CallQueue::wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait) {
-  const auto is_free = [this] { return calling_ == 0; };
+  // A call that has begun after its last one has waited for that one.
+  const auto is_free = [&] { return calling_ == 0 || (wait && begun_ > wait->last); };
   if (!wait) {
     changed_.wait(lock, is_free);
     return;
@@ -44,7 +45,7 @@ void CallQueue::wait_until_free(std::unique_lock<std::mutex> &lock, Wait *wait) 
 std::optional<CallQueue::Call> CallQueue::next(Wait *wait) {
   std::unique_lock lock(mutex_);
   wait_until_free(lock, wait);
-  if (calls_.empty()) {
+  if (calls_.empty() || (wait && begun_ >= wait->last)) {
     if (!wait) {
       in_pool_ = false;
       changed_.notify_all();
@@ -89,6 +90,10 @@ void CallQueue::add(Call call) {
 void CallQueue::drain() {
   const bool within_call = making_calls_of == this; // whose handler has changed the state
   Wait wait{.limit = within_call ? Clock::duration::zero() : kLimit};
+  {
+    const std::lock_guard lock(mutex_);
+    wait.last = begun_ + calls_.size();
+  }
   make_calls(&wait);
 }
 

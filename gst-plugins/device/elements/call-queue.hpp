@@ -40,7 +40,7 @@ public:
   void add(Call call);
   /// Makes the calls that are left, in the present thread, after those that another thread makes.
   /// It waits for each of those at most a tenth of a second, since a handler may itself wait for
-  /// the present thread.
+  /// the present thread. Calls that are added meanwhile are the pool's: they cannot hold it up.
   void drain();
   /// The same, and waits at most as long again until the pool's thread makes none.
   void finish();
@@ -49,6 +49,7 @@ private:
   // How long drain() waits for a call of another thread, and until when for the one of that number.
   struct Wait {
     Clock::duration limit;
+    std::uint64_t last = 0; // the number of the last call that drain() is for
     std::uint64_t number = 0;
     Clock::time_point deadline;
   };

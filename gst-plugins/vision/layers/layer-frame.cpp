@@ -25,13 +25,17 @@ float smoothed_noise() {
   return row * row;
 }
 
-void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame) {
+void find_structure(const LayerSize &size, float noise, LayerFrame &frame) {
   static const auto kSlow = gaussian<4>(1.5F); // cells
   static const DescriptionKernels kKernels = {small_blur(), foreground_window()};
-  load_luma(view, size, frame);
   CellMap slow;
   blur(kSlow, size, frame.mean, slow);
   describe(slow, kKernels, 9 + 1.2F * noise, size, frame);
+}
+
+void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame) {
+  load_luma(view, size, frame);
+  find_structure(size, noise, frame);
 }
 
 } // namespace haptic

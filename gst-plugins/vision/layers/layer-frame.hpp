@@ -14,6 +14,9 @@ float smoothed_noise();
 /// The window in which the pixels that move share a displacement.
 const HalfKernel<kWindowRadius> &foreground_window();
 
+/// Fills in what luma and mean, which load_luma() fills in, say. `noise`: variance of a pixel.
+void find_structure(const LayerSize &size, float noise, LayerFrame &frame);
+
 /// Fills in the frame from a crop that fits into the size. `noise`: variance of a pixel.
 void prepare(const LumaView &view, const LayerSize &size, float noise, LayerFrame &frame);
 

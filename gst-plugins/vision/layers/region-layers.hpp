@@ -10,6 +10,7 @@
 #include "layers/frame-translation.hpp"
 #include "layers/layer-kernels.hpp"
 #include "layers/layer-maps.hpp"
+#include "layers/light-change.hpp"
 #include "layers/region-translation.hpp"
 #include "layers/segmentation.hpp"
 
@@ -55,20 +56,23 @@ public:
 private:
   LayerFrame &earlier() { return frames_[now_ ^ 1U]; }
   LayerFrame &later() { return frames_[now_]; }
+  void follow_flat_parts(float seconds, float frame_moves);
   void judge(float noise);
 
   LayerSize size_;
   std::array<LayerFrame, 2> frames_;
   unsigned now_ = 0;
   bool is_cold_ = true;
-  bool is_lost_ = true;   // the pair before was hardly explained
-  float frame_moves_ = 0; // of the pair before
+  bool is_lost_ = true;       // the pair before was hardly explained
+  float frame_moves_ = 0;     // of the pair before
+  float flat_parts_move_ = 0; // how surely flat parts belong to the texture that moves, 0..1
   bool is_unrelated_ = false;
   float noise_ = 0;      // of this pair
   float noise_used_ = 0; // as it was known before
   float blend_ = 0;      // how far the region is one translation, with the frame
   ExplainedTranslation region_;
   ExplainedTranslation region_before_;
+  LightChange light_;
   RegionTranslation translation_;
   CalmCells calm_;
   FlatThings things_;

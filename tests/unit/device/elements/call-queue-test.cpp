@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <gtest/gtest.h>
 #include <thread>
@@ -95,6 +96,33 @@ TEST_F(Calls, ACallThatDoesNotEndIsOvertakenByAllThatAreLeft) {
   EXPECT_EQ(made.size(), 20U);
   EXPECT_TRUE(std::ranges::is_sorted(made));
   EXPECT_EQ(time_.now() - begin, 100ms) << "once for all";
+  time_.waits_in_vain = false;
+  may_end.set_value();
+  ended.get_future().wait();
+  queue_.finish();
+}
+
+// Threads that go on arming and releasing would otherwise hold up a change of the state for ever.
+TEST_F(Calls, OnlyTheCallsThatAreThereAtTheBeginningAreDrained) {
+  std::promise<void> begun;
+  std::promise<void> may_end;
+  std::promise<void> ended;
+  std::atomic<int> made = 0;
+  queue_.add([&] {
+    begun.set_value();
+    may_end.get_future().wait();
+  });
+  begun.get_future().wait();
+  time_.waits_in_vain = true;
+  const std::function<void()> add_another = [&] {
+    if (++made < 100)
+      queue_.add(add_another);
+    else
+      ended.set_value();
+  };
+  queue_.add(add_another);
+  queue_.drain();
+  EXPECT_EQ(made, 1);
   time_.waits_in_vain = false;
   may_end.set_value();
   ended.get_future().wait();

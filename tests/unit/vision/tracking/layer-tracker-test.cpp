@@ -10,6 +10,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -94,6 +95,61 @@ TEST_F(LayerTrackerTest, ALeafBeforeADriftingSkyIsFeltByTheAreaThatItCovers) {
     speed += std::hypot(is.x, is.y);
   }
   EXPECT_LT(error / speed, 0.1);
+}
+
+// The lamp of a scene at rest, but for the leaf.
+TEST_F(LayerTrackerTest, AChangeOfLightIsNoMotion) {
+  const auto leaf_at = [](int i) { return Shift{6 * std::sin(0.12 * i), 2 * std::cos(0.1 * i)}; };
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> rounding(0, 1);
+  double error = 0;
+  double speed = 0;
+  for (int i = 0; i < 90; ++i) {
+    Frame frame = draw({}, leaf_at(i));
+    const double light = 0.95 + 0.05 * std::cos(2 * std::numbers::pi * i / 60);
+    for (std::uint8_t &pixel : frame.pixels) // a camera's noise: else whole areas are rounded alike
+      pixel = static_cast<std::uint8_t>(light * pixel + rounding(random));
+    show(std::move(frame));
+    if (i < 30)
+      continue;
+    const Shift leaf{leaf_at(i).x - leaf_at(i - 1).x, leaf_at(i).y - leaf_at(i - 1).y};
+    const Shift is = truth({}, leaf, leaf_at(i));
+    error += std::hypot(static_cast<double>(felt().velocity_x) - is.x,
+                        static_cast<double>(felt().velocity_y) - is.y);
+    speed += std::hypot(is.x, is.y);
+  }
+  EXPECT_LT(error / speed, 0.25);
+}
+
+// Between its blades a meadow is flat, and as bright as they are on average. Waves run through it.
+TEST_F(LayerTrackerTest, TheFlatPartsOfAMeadowMoveWithIt) {
+  constexpr int kBladesFrom = 105; // grey levels of the texture that says where they are
+  constexpr int kBand = 8;         // px, that sways as one
+  const test::Texture blades(3, 4);
+  const test::Texture tufts(9, 24);
+  const auto sway = [](int left, int i) { return 4 * std::sin(0.1 * i - 0.03 * left); };
+  double product = 0;
+  double square = 0;
+  for (int i = 0; i < 120; ++i) {
+    Frame frame(kWidth, kHeight);
+    Frame is_tuft(kWidth, kHeight);
+    for (int left = 0; left < kWidth; left += kBand) {
+      blades.paint(frame, {sway(left, i), 0}, left, left + kBand);
+      tufts.paint(is_tuft, {sway(left, i), 0}, left, left + kBand);
+    }
+    for (std::size_t at = 0; at < frame.pixels.size(); ++at)
+      if (is_tuft.pixels[at] < kBladesFrom)
+        frame.pixels[at] = 128;
+    show(std::move(frame));
+    if (i < 60)
+      continue;
+    double is = 0;
+    for (int x = kRegion.x; x < kRegion.x + kRegion.width; ++x)
+      is += (sway(x / kBand * kBand, i) - sway(x / kBand * kBand, i - 1)) / kRegion.width;
+    product += is * static_cast<double>(felt().velocity_x);
+    square += is * is;
+  }
+  EXPECT_NEAR(product / square, 1, 0.15);
 }
 
 TEST_F(LayerTrackerTest, TheTilesCoverTheRegionEvenly) {
