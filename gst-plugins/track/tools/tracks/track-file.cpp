@@ -207,6 +207,8 @@ GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) 
   const PadPtr before(gst_pad_get_peer(pad));
   const ElementPtr fakesink(gst_pad_get_parent_element(before.get()));
   gst_pad_unlink(pad, before.get());
+  // The pipeline may be changing its state and with it those of what is in it.
+  gst_element_set_locked_state(fakesink.get(), TRUE);
   gst_element_set_state(fakesink.get(), GST_STATE_NULL);
   gst_bin_remove(GST_BIN(container.file.get()), fakesink.get());
   gst_bin_add(GST_BIN(container.file.get()), container.sink.get());
