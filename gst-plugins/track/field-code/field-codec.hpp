@@ -141,8 +141,10 @@ public:
   using State = CodedGrid<Field, typename Cells::Cell>;
 
   /// `key_interval` in ns.
-  explicit GridEncoder(std::uint64_t key_interval = kKeyInterval) : key_interval_(key_interval) {
-    state_.sequence = kFirstSequence - 1;
+  explicit GridEncoder(std::uint64_t key_interval = kKeyInterval,
+                       std::uint8_t first_sequence = kFirstSequence)
+      : key_interval_(key_interval) {
+    state_.sequence = static_cast<std::uint8_t>(first_sequence - 1);
   }
   std::uint64_t key_interval() const noexcept { return key_interval_; }
 
