@@ -43,7 +43,7 @@ test_packages=(
 
 # The sanitizers and clang-tidy: each four times as fast as in the default version of Debian 12, and RealtimeSanitizer.
 clang_packages=(
-  clang-22 libclang-rt-22-dev
+  clang-22 libclang-rt-22-dev llvm-22 # with the names in reports, by which suppressions go
   clang-tidy-22
 )
 

@@ -44,7 +44,7 @@ done
 for track in bare.klv alone.mkv; do
   promise "$track has no video, and its start is fitted" same "$ts" "$track" false
 done
-promise "which is said" grep -q "^shift  *unknown, since only one of them has a video" \
+promise "which is said" grep -q "^shift  *unknown, since nothing ties one of them to a video" \
   <("$haptic_track" compare "$ts" bare.klv)
 
 # A track that is late beside its film is felt.

@@ -54,6 +54,9 @@ untied() {
   cat "$work/shift"
   grep -q '^0 samples' "$work/shift" && grep -q 'has lost its time stamps, so nothing ties it' "$work/shift"
 }
+start_unknown() {
+  haptic_track compare --json "$original" "$1" | tee "$work/said" && grep -q '"start_known":false' "$work/said"
+}
 
 clip "$work/clip.mkv" 160 120 30 8 uniform:37,11
 for film in film.mp4 reel.mkv; do
@@ -102,6 +105,7 @@ promise "says that the track is lost" no_track "$work/merged.mkv"
 for cut in 0 5.3; do
   promise "ffmpeg, from $cut s of a TS without mark" quiet_ffmpeg -ss $cut -i "$work/gst.ts" -map 0 -c copy "$work/untied.ts"
   promise "says that nothing ties it" untied "$work/untied.ts"
+  promise "and compare says that its start is unknown" start_unknown "$work/untied.ts"
 done
 
 original=$work/reel.haptic.mkv

@@ -33,13 +33,4 @@ void print_error(const std::string &text) {
   std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
 }
 
-void print_remark(const std::string &path, const std::string &remark) {
-  print_error('"' + path + "\": " + remark);
-}
-
-void print_remarks(const std::string &path, const std::vector<std::string> &remarks) {
-  for (const std::string &remark : remarks)
-    print_remark(path, remark);
-}
-
 } // namespace haptic

@@ -7,7 +7,6 @@
 
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace haptic {
 
@@ -27,9 +26,5 @@ void check_readable(const std::string &path);
 
 /// Prints an error.
 void print_error(const std::string &text);
-
-/// Prints what was left out of a file, or is remarkable in it.
-void print_remark(const std::string &path, const std::string &remark);
-void print_remarks(const std::string &path, const std::vector<std::string> &remarks);
 
 } // namespace haptic

@@ -30,6 +30,7 @@ void RegionLayers::forget() {
   is_cold_ = true;
   is_lost_ = true;
   frame_moves_ = 0;
+  flat_parts_move_ = 0;
   region_ = {};
   light_.forget();
   translation_.forget();
@@ -73,6 +74,7 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
                 .has_shift = by_frame || region_.share >= kShift,
                 .frame_moves = frame.certainty});
   things_.find(later(), calm_.rests(), size_, seconds);
+  follow_flat_parts(seconds, frame.certainty);
   background_cells_ = calm_.background();
   for_cells(size_, [&](int x, int y) {
     background_cells_.at(x, y) = std::max(background_cells_.at(x, y), things_.cells().at(x, y));
@@ -81,7 +83,7 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
   background_.update(earlier(), later(), segmentation_.luma(), calm_.background(), calm_.follows(),
                      size_,
                      {.seconds = seconds, .noise = noise, .prior = prior, .prior_counts = counts});
-  segmentation_.divide(later(), noise, size_);
+  segmentation_.divide(later(), noise, 1 - flat_parts_move_, size_);
   const bool is_steady = region_.share > kSteady && region_before_.share > kSteady;
   foreground_.step(
       earlier(), later(),
@@ -98,6 +100,37 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
   noise_used_ = noise;
   judge(noise);
   is_cold_ = false;
+}
+
+// Grass has flat parts, which look like a background. But they are as bright as its texture, there
+// are fewer of them, and the texture moves. A pan moves all texture.
+void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
+  constexpr float kMemory = 0.5F;     // s
+  constexpr float kLeastVariance = 1; // grey levels squared
+  struct Brightness {
+    float count = 0;
+    float sum = 0;
+    float squares = 0;
+    void add(float luma) {
+      ++count;
+      sum += luma;
+      squares += luma * luma;
+    }
+    float mean() const { return sum / std::max(count, 1.0F); }
+    float variance() const { return squares / std::max(count, 1.0F) - mean() * mean(); }
+  } moving, flat;
+  for_cells(size_, [&](int x, int y) {
+    const float luma = later().mean.at(x, y);
+    if (calm_.rests().at(x, y) < 0)
+      moving.add(luma);
+    if (calm_.background().at(x, y) > 0)
+      flat.add(luma);
+  });
+  const float share = moving.count / std::max(moving.count + flat.count, 1.0F);
+  const float spread = std::sqrt(std::max(moving.variance() + flat.variance(), kLeastVariance));
+  const float apart = std::abs(moving.mean() - flat.mean()) / spread;
+  const float move = ramp(share, 0.5F, 0.6F) * (1 - ramp(apart, 0.6F, 1)) * (1 - frame_moves);
+  flat_parts_move_ += (1 - std::exp(-seconds / kMemory)) * (move - flat_parts_move_);
 }
 
 void RegionLayers::judge(float noise) {

@@ -56,14 +56,16 @@ public:
 private:
   LayerFrame &earlier() { return frames_[now_ ^ 1U]; }
   LayerFrame &later() { return frames_[now_]; }
+  void follow_flat_parts(float seconds, float frame_moves);
   void judge(float noise);
 
   LayerSize size_;
   std::array<LayerFrame, 2> frames_;
   unsigned now_ = 0;
   bool is_cold_ = true;
-  bool is_lost_ = true;   // the pair before was hardly explained
-  float frame_moves_ = 0; // of the pair before
+  bool is_lost_ = true;       // the pair before was hardly explained
+  float frame_moves_ = 0;     // of the pair before
+  float flat_parts_move_ = 0; // how surely flat parts belong to the texture that moves, 0..1
   bool is_unrelated_ = false;
   float noise_ = 0;      // of this pair
   float noise_used_ = 0; // as it was known before

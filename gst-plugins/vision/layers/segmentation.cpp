@@ -20,10 +20,14 @@ void Segmentation::find_luma(const LayerFrame &frame, const CellMap &background,
             [&](int x, int y) { luma_.at(x, y) /= std::max(weights_.at(x, y), kLeastWeight); });
 }
 
-void Segmentation::divide(const LayerFrame &frame, float noise, const LayerSize &size) {
+void Segmentation::divide(const LayerFrame &frame, float noise, float most, const LayerSize &size) {
   constexpr float kLeastKnown = 0.02F;
   const float least = 10 + 2 * std::sqrt(noise); // grey levels
   share_background(frame.luma, luma_, weights_, kLeastKnown, least, size, share_);
+  if (most == 1)
+    return;
+  for (int y = 0; y < size.height; ++y)
+    std::for_each(share_.row(y), share_.row(y) + size.width, [=](float &share) { share *= most; });
 }
 
 } // namespace haptic

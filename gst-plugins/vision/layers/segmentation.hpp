@@ -12,13 +12,14 @@ public:
   /// Spreads the luma of the background's cells over the crop.
   void find_luma(const LayerFrame &frame, const CellMap &background, const LayerSize &size);
 
-  /// Finds the shares. Call find_luma() before. `noise`: variance of a pixel.
-  void divide(const LayerFrame &frame, float noise, const LayerSize &size);
+  /// Finds the shares. Call find_luma() before. `noise`: variance of a pixel. `most`: the share of
+  /// a pixel that is as bright as the background.
+  void divide(const LayerFrame &frame, float noise, float most, const LayerSize &size);
 
   /// Of the background, grey levels.
   const CellMap &luma() const { return luma_; }
 
-  /// Of the background in each pixel, 0..1; 0 far from any of it.
+  /// Of the background in each pixel, 0..most; 0 far from any of it.
   const PixelMap &share() const { return share_; }
 
 private:

@@ -5,7 +5,6 @@
 #include "field-code/field-codec.hpp"
 #include "film/big-endian.hpp"
 #include "film/copied-stream.hpp"
-#include "film/matroska-track.hpp"
 #include "film/pipeline.hpp"
 #include "forms/klv.hpp"
 #include "glue/display-orientation.hpp"
@@ -63,32 +62,17 @@ void push_next(GstAppSrc *in, guint, gpointer data) {
     track.chunks[track.next - 1].forget();
   track.decoder.push(field.bytes);
   const bool is_usual = field.duration == kNoTime && track.decoder.field().interval > 0;
-  BufferPtr buffer = make_buffer(write_klv(field), field.time + track.lead,
-                                 is_usual ? track.decoder.field().interval : field.duration);
-  if (!is_key_field(field.bytes))
-    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
-  gst_app_src_push_buffer(in, buffer.release());
-}
-
-// Returns a buffer with other bytes in place of this one, which it takes.
-GstBuffer *replaced(GstBuffer *buffer, const std::vector<std::uint8_t> &bytes) {
-  GstBuffer *other = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  gst_buffer_copy_into(
-      other, buffer,
-      static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
-      static_cast<gsize>(-1));
-  gst_buffer_unref(buffer);
-  return other;
+  gst_app_src_push_buffer(
+      in, make_field_buffer(field, field.time + track.lead,
+                            is_usual ? track.decoder.field().interval : field.duration)
+              .release());
 }
 
 // Puts the mark into the first field.
 GstPadProbeReturn mark_first(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  const auto &mark = *static_cast<const std::string *>(data);
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  std::vector<std::uint8_t> field(gst_buffer_get_size(buffer));
-  gst_buffer_extract(buffer, 0, field.data(), field.size());
-  insert_mark(field, mark);
-  GST_PAD_PROBE_INFO_DATA(info) = replaced(buffer, field);
+  edit_buffer<std::vector<std::uint8_t>>(info, [&](std::vector<std::uint8_t> &field) {
+    insert_mark(field, *static_cast<const std::string *>(data));
+  });
   return GST_PAD_PROBE_REMOVE;
 }
 
@@ -146,17 +130,15 @@ GstPadProbeReturn turn_picture(GstPad *pad, GstPadProbeInfo *info, gpointer data
   const CodedForm form = form_of(pad);
   const auto unit =
       orientation_unit(static_cast<const PlannedFilm *>(data)->index.rotation, form.is_h265);
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  std::vector<std::uint8_t> bytes(gst_buffer_get_size(buffer));
-  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
-  const std::size_t at = find_picture(bytes, form);
-  if (at == bytes.size())
-    return GST_PAD_PROBE_OK;
-  std::vector<std::uint8_t> message(form.length_size > 0 ? form.length_size : 3);
-  message.back() = form.length_size > 0 ? static_cast<std::uint8_t>(unit.size()) : 1;
-  message.insert(message.end(), unit.begin(), unit.end());
-  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), message.begin(), message.end());
-  GST_PAD_PROBE_INFO_DATA(info) = replaced(buffer, bytes);
+  edit_buffer<std::vector<std::uint8_t>>(info, [&](std::vector<std::uint8_t> &bytes) {
+    const std::size_t at = find_picture(bytes, form);
+    if (at == bytes.size())
+      return;
+    std::vector<std::uint8_t> message(form.length_size > 0 ? form.length_size : 3);
+    message.back() = form.length_size > 0 ? static_cast<std::uint8_t>(unit.size()) : 1;
+    message.insert(message.end(), unit.begin(), unit.end());
+    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), message.begin(), message.end());
+  });
   return GST_PAD_PROBE_OK;
 }
 
@@ -196,16 +178,11 @@ PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool i
     discard_stream(pad);
     return nullptr;
   }
-  GstElement *queue = add_queue(film.pipeline(), pad == film.video() ? kVideoBytes : kAudioBytes);
-  const PadPtr in(gst_element_get_static_pad(queue, "sink"));
-  const PadPtr out(gst_element_get_static_pad(queue, "src"));
-  if (pad == film.video())
-    gst_pad_add_probe(in.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, begin_earlier,
-                      const_cast<std::uint64_t *>(&lead), nullptr);
-  else
-    gst_pad_set_offset(out.get(), static_cast<gint64>(lead));
-  PadPtr linked = link_untouched(queue, caps_of(pad).get(), mux, is_matroska);
-  link_pad(pad, queue);
+  if (pad != film.video())
+    return copy_stream(pad, kAudioBytes, static_cast<gint64>(lead), mux, is_matroska);
+  PadPtr linked = copy_stream(pad, kVideoBytes, 0, mux, is_matroska);
+  gst_pad_add_probe(PadPtr(gst_pad_get_peer(pad)).get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+                    begin_earlier, const_cast<std::uint64_t *>(&lead), nullptr);
   return linked;
 }
 
@@ -275,17 +252,17 @@ std::string find_copy(const PlannedFilm &film, const AuthorOptions &options) {
 }
 
 std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
-                       const std::vector<ChunkReader> &chunks, const Poll &poll) {
+                       const std::vector<ChunkReader> &chunks) {
   const std::string stem = author_stem(film.path, options);
   PartFile part(stem + ".part");
   std::string mark = copy_mark(film, options);
   Track track{.chunks = chunks, .lead = film.index.lead};
   {
-    FilmStreams streams(film.path, FilmUse::copy, poll);
+    FilmStreams streams(film.path, FilmUse::copy);
     build(film, streams, track, part.path(), mark);
     const bool is_dnxhd =
         g_str_equal(name_of(caps_of(streams.video()).get()), "video/x-dnxhd") != FALSE;
-    streams.play(poll);
+    streams.play();
     if (is_dnxhd)
       name_dnxhd(part.path());
   }

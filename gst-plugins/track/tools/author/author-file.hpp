@@ -16,9 +16,9 @@ std::string find_copy(const PlannedFilm &film, const AuthorOptions &options);
 
 /// Writes NAME.haptic.ts, or NAME.haptic.mkv where MPEG-TS has no place for the film, and returns
 /// its path. The copy appears under its name only when it is whole and on the disk. The fields come
-/// from the chunks in their order. What it throws, and what `poll` throws, leaves nothing behind.
-/// Seeds GLib's random numbers.
+/// from the chunks in their order. What it throws leaves nothing behind. Seeds GLib's random
+/// numbers.
 std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
-                       const std::vector<ChunkReader> &chunks, const Poll &poll);
+                       const std::vector<ChunkReader> &chunks);
 
 } // namespace haptic

@@ -69,7 +69,6 @@ public:
   }
 
   void operator()(std::uint64_t frames, std::uint64_t position) {
-    throw_if_interrupted();
     if (Clock::now() - shown_ < kLineEvery || position <= begin_ || length_ == 0)
       return;
     shown_ = Clock::now();
@@ -114,7 +113,7 @@ int author_one(const std::string &path, const AuthorOptions &options) {
     copy = find_copy(film, options);
     if (!copy.empty())
       return;
-    film.index = index_film(film.path, throw_if_interrupted);
+    film.index = index_film(film.path);
     print_warnings(film);
     const SpanRange all = {0, film.index.spans.size()};
     measure(film, all, options);
@@ -122,7 +121,7 @@ int author_one(const std::string &path, const AuthorOptions &options) {
     std::vector<ChunkReader> chunks;
     chunks.emplace_back(chunk, chunk_mark(film, all, options));
     frames = chunks[0].stats().frames;
-    copy = write_copy(film, options, chunks, throw_if_interrupted);
+    copy = write_copy(film, options, chunks);
   });
   std::error_code error;
   fs::remove(chunk, error);
@@ -313,7 +312,7 @@ ManifestRow merge_film(const Plan &plan, std::size_t i, const std::vector<Manife
   const std::vector<ChunkReader> chunks = open_chunks(plan, i);
   const char *word = "there already";
   if (copy.empty()) {
-    copy = write_copy(film, plan.options, chunks, throw_if_interrupted);
+    copy = write_copy(film, plan.options, chunks);
     word = "written";
   }
   std::printf("%s: %s\n", word, copy.c_str());
@@ -346,7 +345,7 @@ int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &o
       PlannedFilm film = identify(path);
       check_name(film.path);
       find_copy(film, plan.options); // throws where another file has its name
-      film.index = index_film(film.path, throw_if_interrupted);
+      film.index = index_film(film.path);
       print_warnings(film);
       minutes += static_cast<double>(film.index.duration) / 60e9;
       plan.films.push_back(std::move(film));

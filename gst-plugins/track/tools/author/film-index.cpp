@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/film-index.hpp"
 
-#include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "seconds.hpp"
@@ -12,6 +11,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -31,8 +31,6 @@ struct KeyFrame {
 };
 
 struct IndexScan {
-  GstElement *pipeline = nullptr;
-  GstPad *video = nullptr;
   std::vector<KeyFrame> keys; // the video's streaming thread, as the rest
   std::uint64_t frames = 0;
   std::string rotation;       // as the tag has it
@@ -51,53 +49,41 @@ void raise(std::atomic<std::uint64_t> &time, std::uint64_t to) {
       break;
 }
 
-// Moves the end, and that of the video, to the end of a buffer, if that is later.
-GstPadProbeReturn advance(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+// Returns the end of a buffer in running time, ns; 0 if it has no time.
+std::uint64_t end_of(GstPad *pad, const GstBuffer *buffer) {
   const GstClockTime start = running_time_of(pad, buffer);
   if (!GST_CLOCK_TIME_IS_VALID(start))
-    return GST_PAD_PROBE_OK;
-  const std::uint64_t end =
-      start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0);
-  auto &scan = *static_cast<IndexScan *>(data);
-  if (pad == scan.video)
-    scan.position = std::max(scan.position, end);
-  raise(scan.end, end);
-  return GST_PAD_PROBE_OK;
+    return 0;
+  return start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0);
 }
 
-GstPadProbeReturn note_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &scan = *static_cast<IndexScan *>(data);
-  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+void note_frame(GstPad *pad, const GstBuffer *buffer, IndexScan &scan) {
   const GstClockTime time = running_time_of(pad, buffer);
   if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
     scan.keys.push_back({time, scan.frames});
   ++scan.frames;
+  scan.position = std::max(scan.position, end_of(pad, buffer));
   const auto segment = segment_of(pad);
   if (!segment || !GST_BUFFER_PTS_IS_VALID(buffer))
-    return GST_PAD_PROBE_OK;
+    return;
   scan.begin = segment->start;
   if (GST_BUFFER_PTS(buffer) < segment->start) {
     scan.lead = std::max(scan.lead, segment->start - GST_BUFFER_PTS(buffer));
     ++scan.hidden;
   }
-  return GST_PAD_PROBE_OK;
 }
 
 // The edit list of an MP4 may show parts of the video in any order and at any speed. Neither
 // MPEG-TS nor Matroska can.
-GstPadProbeReturn refuse_edits(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  auto &scan = *static_cast<IndexScan *>(data);
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+void refuse_edits(GstElement *pipeline, GstEvent *event, IndexScan &scan) {
   if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
-    return GST_PAD_PROBE_OK;
+    return;
   const GstSegment *segment = nullptr;
   gst_event_parse_segment(event, &segment);
   const gint64 edit = static_cast<gint64>(segment->base) - static_cast<gint64>(segment->start);
   if (segment->rate * segment->applied_rate != 1 || scan.edit.value_or(edit) != edit)
-    GST_ELEMENT_ERROR(scan.pipeline, STREAM, FORMAT, ("%s", messages::kFilmIsEdited), (nullptr));
+    GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT, ("%s", messages::kFilmIsEdited), (nullptr));
   scan.edit = edit;
-  return GST_PAD_PROBE_OK;
 }
 
 bool has_edit_list(GstElement *pipeline) {
@@ -110,18 +96,30 @@ bool has_edit_list(GstElement *pipeline) {
   return has;
 }
 
-GstPadProbeReturn note_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  if (const std::string rotation = rotation_of(GST_PAD_PROBE_INFO_EVENT(info)); !rotation.empty())
-    static_cast<IndexScan *>(data)->rotation = rotation;
-  return GST_PAD_PROBE_OK;
-}
-
-// A copy has one haptic track.
-GstPadProbeReturn refuse_track(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  if (is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
-    GST_ELEMENT_ERROR(static_cast<IndexScan *>(data)->pipeline, STREAM, FORMAT,
-                      ("%s", messages::kVideoHasTrack), (nullptr));
-  return GST_PAD_PROBE_OK;
+// Watches all that flows in the film, and lets it flow.
+void scan_film(FilmStreams &film, IndexScan &scan) {
+  GstElement *pipeline = film.pipeline();
+  const bool is_edited = has_edit_list(pipeline);
+  watch_buffers(film.video(), [&](GstPad *pad, GstBuffer *frame) { note_frame(pad, frame, scan); });
+  watch_events(film.video(), [&](GstPad *, GstEvent *event) {
+    if (std::string rotation = rotation_of(event); !rotation.empty())
+      scan.rotation = std::move(rotation);
+    if (is_edited)
+      refuse_edits(pipeline, event, scan);
+  });
+  refuse_other_size(pipeline, film.video());
+  for (GstPad *pad : film.others()) // a copy has one haptic track
+    watch_buffers(pad, [=](GstPad *, GstBuffer *buffer) {
+      if (is_own_track(buffer))
+        GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT, ("%s", messages::kVideoHasTrack), (nullptr));
+    });
+  for (GstPad *pad : film.all()) {
+    watch_buffers(pad, [&](GstPad *at, GstBuffer *any) { raise(scan.end, end_of(at, any)); });
+    read_to_end(pipeline, pad);
+  }
+  film.play();
+  if (scan.frames == 0)
+    throw_error(messages::kNoFrameIsDecoded);
 }
 
 bool is_matroska(const std::string &path) {
@@ -199,61 +197,37 @@ void check_whole(const IndexScan &scan, GstClockTime duration, bool counts_from_
     throw_error(messages::kFileEndsEarly, seconds(position), seconds(duration));
 }
 
-// Refuses another size than the first one.
-struct SizeWatch {
-  GstElement *pipeline = nullptr;
-  gint width = 0; // px
-  gint height = 0;
-  double position = 0; // s
-};
-
-GstPadProbeReturn watch_size(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &watch = *static_cast<SizeWatch *>(data);
-  if ((GST_PAD_PROBE_INFO_TYPE(info) & GST_PAD_PROBE_TYPE_BUFFER) != 0) {
-    if (const auto time = running_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
-        GST_CLOCK_TIME_IS_VALID(time))
-      watch.position = seconds(time);
-    return GST_PAD_PROBE_OK;
-  }
-  const GstCaps *caps = caps_in(GST_PAD_PROBE_INFO_EVENT(info));
-  if (!caps)
-    return GST_PAD_PROBE_OK;
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  gint width = 0;
-  gint height = 0;
-  if (!gst_structure_get_int(structure, "width", &width) ||
-      !gst_structure_get_int(structure, "height", &height))
-    return GST_PAD_PROBE_OK;
-  if (watch.width == 0) {
-    watch.width = width;
-    watch.height = height;
-  }
-  if (width == watch.width && height == watch.height)
-    return GST_PAD_PROBE_OK;
-  GST_ELEMENT_ERROR(
-      watch.pipeline, STREAM, FORMAT,
-      (messages::kFrameSizeChanges, watch.width, watch.height, width, height, watch.position),
-      (nullptr));
-  return GST_PAD_PROBE_DROP;
-}
-
 } // namespace
 
 void refuse_other_size(GstElement *pipeline, GstPad *pad) {
-  auto watch = std::make_unique<SizeWatch>(SizeWatch{.pipeline = pipeline});
-  gst_pad_add_probe(
-      pad,
-      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM | GST_PAD_PROBE_TYPE_BUFFER),
-      watch_size, watch.release(), [](gpointer data) { delete static_cast<SizeWatch *>(data); });
+  struct Seen {
+    FrameSize size;
+    double position = 0; // s
+  };
+  const auto seen = std::make_shared<Seen>();
+  watch_buffers(pad, [seen](GstPad *at, GstBuffer *buffer) {
+    if (const auto time = running_time_of(at, buffer); GST_CLOCK_TIME_IS_VALID(time))
+      seen->position = seconds(time);
+  });
+  watch_events(pad, [seen, pipeline](GstPad *, GstEvent *event) {
+    const GstCaps *caps = caps_in(event);
+    const FrameSize size = caps ? size_in(caps) : FrameSize{};
+    if (size.width == 0)
+      return true;
+    const FrameSize before = std::exchange(seen->size, size);
+    if (before.width == 0 || before == size)
+      return true;
+    GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT,
+                      (messages::kFrameSizeChanges, before.width, before.height, size.width,
+                       size.height, seen->position),
+                      (nullptr));
+    return false;
+  });
 }
 
-const char *muxer_of(const std::string &ending) {
-  return ending == kMatroska ? "matroskamux" : "mpegtsmux";
-}
-
-FilmIndex index_film(const std::string &path, const Poll &poll) {
-  FilmStreams film(path, FilmUse::copy, poll);
-  IndexScan scan{.pipeline = film.pipeline(), .video = film.video()};
+FilmIndex index_film(const std::string &path) {
+  FilmStreams film(path, FilmUse::copy);
+  IndexScan scan;
   FilmIndex index;
   index.ending = choose_ending(path, film);
   find_warnings(film, index);
@@ -263,22 +237,7 @@ FilmIndex index_film(const std::string &path, const Poll &poll) {
   gint64 duration = 0;
   const bool has_duration =
       gst_pad_query_duration(film.video(), GST_FORMAT_TIME, &duration) && duration > 0;
-  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_BUFFER, note_frame, &scan, nullptr);
-  gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, note_rotation, &scan,
-                    nullptr);
-  if (has_edit_list(film.pipeline()))
-    gst_pad_add_probe(film.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_edits, &scan,
-                      nullptr);
-  refuse_other_size(film.pipeline(), film.video());
-  for (GstPad *pad : film.others())
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, refuse_track, &scan, nullptr);
-  for (GstPad *pad : film.all()) {
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, advance, &scan, nullptr);
-    read_to_end(film, pad);
-  }
-  film.play(poll);
-  if (scan.frames == 0)
-    throw_error(messages::kNoFrameIsDecoded);
+  scan_film(film, scan);
   check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE,
               is_matroska(path));
   index.duration = scan.position;

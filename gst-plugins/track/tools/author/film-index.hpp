@@ -3,6 +3,7 @@
 // copy gets, and what of it has no place there.
 #pragma once
 
+#include "film/copied-stream.hpp"
 #include "film/film-streams.hpp"
 
 #include <cstdint>
@@ -30,14 +31,8 @@ struct FilmIndex {
   std::vector<std::string> warnings; ///< what of the film is not in the copy
 };
 
-inline constexpr char kTransportStream[] = ".ts";
-inline constexpr char kMatroska[] = ".mkv";
-
 /// Reads the whole film without decoding it. Throws TrackFileError if it cannot be authored.
-FilmIndex index_film(const std::string &path, const Poll &poll);
-
-/// Returns the name of the muxer of such a copy.
-const char *muxer_of(const std::string &ending);
+FilmIndex index_film(const std::string &path);
 
 /// Lets an error message be posted if the caps of the pad change the size of the frames.
 void refuse_other_size(GstElement *pipeline, GstPad *pad);

@@ -66,9 +66,7 @@ struct Measuring {
 
 // Leaves out what stands before the key frame at which the decoder begins, and notes the times of
 // key frames: a player that tunes in begins with one, so that the field beside it is a key field.
-GstPadProbeReturn watch_coded(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &all = *static_cast<Measuring *>(data);
-  const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+bool watch_coded(Measuring &all, GstPad *pad, const GstBuffer *buffer) {
   const bool is_key = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
   const GstClockTime time = running_time_of(pad, buffer);
   const bool has_time = GST_CLOCK_TIME_IS_VALID(time);
@@ -76,11 +74,9 @@ GstPadProbeReturn watch_coded(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   all.begins_at_frame = all.begins_at_frame || time == 0;
   const std::uint64_t from = all.spans[all.range.begin].decode_from;
   all.decodes = all.decodes || from == 0 || (is_key && has_time && time >= from);
-  if (!all.decodes)
-    return GST_PAD_PROBE_DROP;
-  if (is_key && has_time)
+  if (all.decodes && is_key && has_time)
     all.keys.add(EventPtr(make_key_request(time)).get());
-  return GST_PAD_PROBE_OK;
+  return all.decodes;
 }
 
 // ---- frames -------------------------------------------------------------------------------------
@@ -121,13 +117,12 @@ void begin_span(Measuring &all) {
   all.repeats = false;
 }
 
-GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &all = *static_cast<Measuring *>(data);
-  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+// Returns false for a frame that motionfield does not get, or not yet.
+bool divide_frames(Measuring &all, GstPad *pad, GstBuffer *frame) {
   const std::uint64_t time = running_time_of(pad, frame); // without one: the largest number
   // A frame that begins before the video, to which the decoder moves it. Other programs hide it.
   if (time == 0 && all.hides && !all.begins_at_frame)
-    return GST_PAD_PROBE_DROP;
+    return false;
   bool begins = false;
   while (time != kNoEnd && time >= all.begin_of(all.next)) {
     ++all.next;
@@ -136,7 +131,7 @@ GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer dat
   if (all.next > all.range.end)
     end(all);
   if (all.over)
-    return GST_PAD_PROBE_DROP;
+    return false;
   // Frames of another form are not given again: motionfield would read them as what comes now.
   if (CapsPtr caps(gst_pad_get_current_caps(pad));
       caps && (!all.form_of_frames || !gst_caps_is_equal(caps.get(), all.form_of_frames.get()))) {
@@ -148,7 +143,7 @@ GstPadProbeReturn divide_frames(GstPad *pad, GstPadProbeInfo *info, gpointer dat
   all.before.emplace_back(gst_buffer_ref(frame));
   if (all.before.size() > kFramesBefore)
     all.before.pop_front();
-  return all.within ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
+  return all.within;
 }
 
 // ---- fields -------------------------------------------------------------------------------------
@@ -200,16 +195,14 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
   all.position = time;
 }
 
-GstPadProbeReturn convert_field(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &all = *static_cast<Measuring *>(data);
+void convert_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
   if (all.repeats || all.over)
-    return GST_PAD_PROBE_OK;
+    return;
   try {
-    write_field(all, pad, GST_PAD_PROBE_INFO_BUFFER(info));
+    write_field(all, pad, buffer);
   } catch (const std::exception &error) {
     end(all, error.what());
   }
-  return GST_PAD_PROBE_OK;
 }
 
 // ---- the pipeline -------------------------------------------------------------------------------
@@ -236,22 +229,16 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   link_elements(convert, flip);
   link_elements(flip, field);
   link_elements(field, sink);
-  gst_pad_add_probe(all.film.video(), GST_PAD_PROBE_TYPE_BUFFER, watch_coded, &all, nullptr);
+  watch_buffers(all.film.video(), [&all](auto... coded) { return watch_coded(all, coded...); });
   const PadPtr in(gst_element_get_static_pad(convert, "sink"));
   refuse_other_size(pipeline, in.get());
   const PadPtr frames(gst_element_get_static_pad(flip, "src"));
-  gst_pad_add_probe(frames.get(), GST_PAD_PROBE_TYPE_BUFFER, divide_frames, &all, nullptr);
+  watch_buffers(frames.get(), [&all](auto... decoded) { return divide_frames(all, decoded...); });
   all.field_in.reset(gst_element_get_static_pad(field, "sink"));
   const PadPtr fields(gst_element_get_static_pad(field, "src"));
-  gst_pad_add_probe(fields.get(), GST_PAD_PROBE_TYPE_BUFFER, convert_field, &all, nullptr);
+  watch_buffers(fields.get(), [&all](auto... made) { convert_field(all, made...); });
   all.film.watch(fields.get());
-  g_signal_connect(decoder, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
-                     const PadPtr to(
-                         gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));
-                     if (!gst_pad_is_linked(to.get()))
-                       gst_pad_link(pad, to.get());
-                   }),
-                   convert);
+  link_when_added(decoder, convert);
   link_pad(all.film.video(), queue);
   for (const auto *others : {&all.film.audio(), &all.film.others()})
     for (GstPad *pad : *others)
@@ -299,7 +286,7 @@ ChunkStats
 measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
               const FilmIndex &index, SpanRange range, ChunkWriter &out,
               const std::function<void(std::uint64_t frames, std::uint64_t position)> &report) {
-  FilmStreams film(path, FilmUse::decode, [&] { report(0, 0); });
+  FilmStreams film(path, FilmUse::decode);
   Measuring all{.spans = index.spans, .range = range, .hold = hold, .out = out, .film = film};
   build(all, columns, direction_of(index.rotation));
   film.play([&] { report(all.frames, all.position); });

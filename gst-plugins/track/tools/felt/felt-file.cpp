@@ -5,10 +5,12 @@
 #include "samples/region-size.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
+#include "tracks/track-remark.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 namespace haptic {
 namespace {
@@ -59,16 +61,16 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
 }
 
 std::optional<double> FeltFile::film_begin() const {
-  return track_.film_begin == kNoTime ? std::nullopt : std::optional(seconds(track_.film_begin));
+  const bool is_untied = std::ranges::any_of(track_.remarks, [](const Remark &remark) {
+    const auto *problem = std::get_if<TrackProblemKind>(&remark.kind);
+    return problem && *problem == TrackProblemKind::untied;
+  });
+  return is_untied || track_.film_begin == kNoTime ? std::nullopt
+                                                   : std::optional(seconds(track_.film_begin));
 }
 
 double FeltFile::track_begin() const {
-  std::uint64_t first = kNoTime;
-  for (const auto &sample : track_.samples)
-    first = std::min(first, sample.time);
-  for (const auto &coded : track_.coded())
-    first = std::min(first, coded.time);
-  return first == kNoTime ? 0 : seconds(first);
+  return track_.holds_nothing() ? 0 : seconds(times_of(track_).first);
 }
 
 std::vector<TimedPlace> FeltFile::hand() const {

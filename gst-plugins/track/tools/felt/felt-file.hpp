@@ -38,7 +38,8 @@ public:
   /// Sets s that are added to all times; before hand() and feel().
   void delay(double offset) noexcept { offset_ = offset; }
   bool is_log() const noexcept { return !log_.forces.empty(); }
-  /// s, when the video beside the track begins; nothing without a video.
+  /// s, when the video beside the track begins; nothing without a video, or if the track has lost
+  /// the time stamps that tie it to the video.
   std::optional<double> film_begin() const;
   /// s, the first time of a track.
   double track_begin() const;

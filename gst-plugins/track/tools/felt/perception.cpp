@@ -176,10 +176,6 @@ double best_shift(std::size_t places, const SignalsAt &signals_at) {
   return static_cast<double>((late ? felt : unfelt).shift) * kForceStep;
 }
 
-Comparison compare_signals(std::size_t places, const SignalsAt &signals_at) {
-  return compare_at(best_shift(places, signals_at), places, signals_at);
-}
-
 Comparison compare_at(double shift_time, std::size_t places, const SignalsAt &signals_at,
                       bool is_start_known) {
   Comparison result;

@@ -61,7 +61,4 @@ double best_shift(std::size_t places, const SignalsAt &signals_at);
 Comparison compare_at(double shift, std::size_t places, const SignalsAt &signals_at,
                       bool is_start_known = true);
 
-/// Compares at the shift at which the signals fit best.
-Comparison compare_signals(std::size_t places, const SignalsAt &signals_at);
-
 } // namespace haptic

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -85,19 +88,14 @@ GstPadProbeReturn leave_cut_data_out(GstPad *, GstPadProbeInfo *info, gpointer) 
 GstPadProbeReturn unescape(GstPad *, GstPadProbeInfo *info, gpointer) {
   constexpr std::array<std::pair<std::string_view, char>, 5> kEntities = {
       {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  std::string text(gst_buffer_get_size(buffer), '\0');
-  gst_buffer_extract(buffer, 0, text.data(), text.size());
-  for (std::size_t at = text.find('&'); at != text.npos; at = text.find('&', at + 1))
-    for (const auto &[entity, character] : kEntities)
-      if (text.compare(at, entity.size(), entity) == 0) {
-        text.replace(at, entity.size(), 1, character);
-        break;
-      }
-  GstBuffer *plain = gst_buffer_new_memdup(text.data(), text.size());
-  gst_buffer_copy_into(plain, buffer, GST_BUFFER_COPY_METADATA, 0, static_cast<gsize>(-1));
-  gst_buffer_unref(buffer);
-  GST_PAD_PROBE_INFO_DATA(info) = plain;
+  edit_buffer<std::string>(info, [&](std::string &text) {
+    for (std::size_t at = text.find('&'); at != text.npos; at = text.find('&', at + 1))
+      for (const auto &[entity, character] : kEntities)
+        if (text.compare(at, entity.size(), entity) == 0) {
+          text.replace(at, entity.size(), 1, character);
+          break;
+        }
+  });
   return GST_PAD_PROBE_OK;
 }
 
@@ -122,6 +120,20 @@ GstPadProbeReturn drop_early(GstPad *pad, GstPadProbeInfo *info, gpointer) {
   return segment && !is_unknown_aac(caps_of(pad).get()) ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
 }
 
+// The ID of an element of Matroska (RFC 9559).
+constexpr std::string_view kCluster = "\x1f\x43\xb6\x75";
+constexpr std::string_view kHuffyuvCode = "HFYU"; // the codec's name in a BITMAPINFOHEADER
+constexpr std::string_view kDnxhdCode = "AVdn";
+constexpr std::size_t kHeaderSize = 1 << 16; // the tracks stand before the first cluster
+
+// Reads what stands before the first cluster.
+std::string read_header(std::fstream &file) {
+  std::string header(kHeaderSize, '\0');
+  file.read(header.data(), static_cast<std::streamsize>(header.size()));
+  file.clear();
+  return header.substr(0, header.find(kCluster));
+}
+
 } // namespace
 
 const char *name_of(const GstCaps *caps) {
@@ -131,6 +143,15 @@ const char *name_of(const GstCaps *caps) {
 CapsPtr caps_of(GstPad *pad) {
   CapsPtr caps(gst_pad_get_current_caps(pad));
   return caps ? std::move(caps) : CapsPtr(gst_pad_query_caps(pad, nullptr));
+}
+
+FrameSize size_in(const GstCaps *caps) {
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  FrameSize size;
+  return gst_structure_get_int(structure, "width", &size.width) &&
+                 gst_structure_get_int(structure, "height", &size.height)
+             ? size
+             : FrameSize{};
 }
 
 bool has_place(const char *mux, GstPad *pad) {
@@ -196,10 +217,25 @@ void link_pad(GstPad *pad, GstElement *to) {
     throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 
-PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska) {
-  const ElementPtr pipeline(GST_ELEMENT(gst_element_get_parent(from)));
+void link_when_added(GstElement *from, GstElement *to) {
+  g_signal_connect(from, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
+                     const PadPtr sink(
+                         gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));
+                     if (!gst_pad_is_linked(sink.get()))
+                       gst_pad_link(pad, sink.get());
+                   }),
+                   to);
+}
+
+PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,
+                   bool is_matroska) {
+  const ElementPtr pipeline(GST_ELEMENT(gst_element_get_parent(mux)));
+  GstElement *queue = add_queue(pipeline.get(), queue_bytes);
+  gst_pad_set_offset(PadPtr(gst_element_get_static_pad(queue, "src")).get(), offset);
+  const CapsPtr held = caps_of(pad);
+  GstCaps *caps = held.get();
   const char *parser = parser_of(caps);
-  GstElement *last = parser ? add_element(pipeline.get(), parser) : from;
+  GstElement *last = parser ? add_element(pipeline.get(), parser) : queue;
   CapsPtr form(parser ? nullptr : gst_caps_ref(caps));
   const bool is_text = g_str_equal(name_of(caps), kText);
   if (is_text || g_str_equal(name_of(caps), kDnxhd)) { // see name_dnxhd()
@@ -207,8 +243,8 @@ PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_
     form.reset(gst_caps_from_string(is_text ? kPlainText : kHuffyuv));
     g_object_set(last, "caps", form.get(), "join", FALSE, nullptr);
   }
-  if (last != from)
-    link_elements(from, last);
+  if (last != queue)
+    link_elements(queue, last);
   // A receiver may begin at any IDR frame.
   if (!is_matroska && g_object_class_find_property(G_OBJECT_GET_CLASS(last), "config-interval"))
     g_object_set(last, "config-interval", -1, nullptr);
@@ -226,7 +262,18 @@ PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_
                       nullptr, nullptr);
   if (!to_pad || GST_PAD_LINK_FAILED(gst_pad_link(from_pad.get(), to_pad.get())))
     throw_error(messages::kMuxerHasNoPlace, name_of(caps));
+  link_pad(pad, queue);
   return from_pad;
+}
+
+void name_dnxhd(const std::string &path) {
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  if (const std::size_t at = read_header(file).find(kHuffyuvCode); at != std::string::npos) {
+    file.seekp(static_cast<std::streamoff>(at));
+    file << kDnxhdCode << std::flush;
+  }
+  if (!file)
+    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
 }
 
 } // namespace haptic

@@ -15,6 +15,34 @@ const char *name_of(const GstCaps *caps);
 /// Returns the caps of the pad, or those that it may get.
 CapsPtr caps_of(GstPad *pad);
 
+/// Puts what `edit` makes of the bytes of a probe's buffer in place of them.
+template <typename Bytes, typename Edit>
+void edit_buffer(GstPadProbeInfo *info, const Edit &edit) {
+  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  Bytes bytes(gst_buffer_get_size(buffer), {});
+  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
+  edit(bytes);
+  GstBuffer *edited = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  gst_buffer_copy_into(edited, buffer, GST_BUFFER_COPY_METADATA, 0, static_cast<gsize>(-1));
+  gst_buffer_unref(buffer);
+  GST_PAD_PROBE_INFO_DATA(info) = edited;
+}
+
+/// The size of frames, px.
+struct FrameSize {
+  gint width = 0; ///< 0: not known
+  gint height = 0;
+  bool operator==(const FrameSize &) const = default;
+};
+FrameSize size_in(const GstCaps *caps);
+
+/// Endings of what copies of streams go into, and its muxer.
+inline constexpr char kTransportStream[] = ".ts";
+inline constexpr char kMatroska[] = ".mkv";
+inline const char *muxer_of(const std::string &ending) {
+  return ending == kMatroska ? "matroskamux" : "mpegtsmux";
+}
+
 /// Returns whether the muxer has a place for the stream of the pad, in whatever form.
 bool has_place(const char *mux, GstPad *pad);
 
@@ -24,13 +52,20 @@ gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer);
 /// Adds a queue with a limit of bytes alone.
 GstElement *add_queue(GstElement *pipeline, guint bytes);
 
-// These four throw TrackFileError.
+// These throw TrackFileError.
 /// Adds a muxer that writes to a file, with the marks of hapticmark.
 GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path);
 void link_elements(GstElement *from, GstElement *to);
 void link_pad(GstPad *pad, GstElement *to);
-/// Links the stream of `from`, in the same bin, to the muxer: only its form changes. Returns the
-/// pad that is linked to the muxer.
-PadPtr link_untouched(GstElement *from, GstCaps *caps, GstElement *mux, bool is_matroska);
+/// Links the first pad that `from` gets.
+void link_when_added(GstElement *from, GstElement *to);
+/// Links the stream of the pad, which will be `offset` ns later, to the muxer behind a queue: only
+/// its form changes. Returns the pad that is linked to the muxer.
+PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,
+                   bool is_matroska);
+
+/// matroskamux has no name for DNxHD. Where it wrote such a stream as HuffYUV, this writes the name
+/// by which others know DNxHD, "AVdn" in V_MS/VFW/FOURCC. Throws TrackFileError.
+void name_dnxhd(const std::string &path);
 
 } // namespace haptic

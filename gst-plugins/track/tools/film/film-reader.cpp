@@ -7,7 +7,6 @@
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
-#include "interruption.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,10 +23,6 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr char kSideways[] = "frames that lie on their side";
-
-// Sampling rates of AAC by their index, Hz (ISO/IEC 14496-3, table 1.18).
-constexpr std::array<int, 13> kRates = {96000, 88200, 64000, 48000, 44100, 32000, 24000,
-                                        22050, 16000, 12000, 11025, 8000,  7350};
 
 // Types of NAL units (ITU-T H.264, table 7-1).
 constexpr unsigned kIdr = 5;
@@ -95,10 +90,24 @@ std::string unplayable(const GstStructure *caps) {
   return {};
 }
 
+// What a person calls the stream.
+std::string description_of(const GstCaps *caps) {
+  // Of caps that a parser has yet to complete there is no description.
+  const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
+                                               : nullptr);
+  return codec ? codec.get() : name_of(caps);
+}
+
+// Returns the name of the codec (RFC 6381).
+std::string mime_of(GstCaps *caps) {
+  const GCharPtr name(gst_codec_utils_caps_get_mime_codec(caps));
+  return name ? name.get() : "";
+}
+
 class Reading {
 public:
   Reading(const std::string &path, const std::function<void(FilmFrame &&)> &call)
-      : path_(path), film_(path, FilmUse::copy, throw_if_interrupted), call_(call) {}
+      : path_(path), call_(call), film_(path, FilmUse::copy) {}
 
   FilmFormat run() {
     link_video();
@@ -106,7 +115,7 @@ public:
     for (GstPad *pad : film_.others())
       leave_out(pad);
     try {
-      film_.play(throw_if_interrupted);
+      film_.play();
     } catch (const TrackFileError &) {
       if (!failure_)
         throw;
@@ -117,19 +126,159 @@ public:
   }
 
 private:
-  static GstPadProbeReturn refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data);
-  void link_video();
-  void link_sound();
-  void leave_out(GstPad *pad);
-  GstElement *link_sink(GstPad *pad, const char *parser, const char *form);
-  void read_video_format(const GstStructure *caps);
-  void read_sound_format(const GstStructure *caps);
-  void push_video(GstBuffer *buffer, std::int64_t time);
-  void push(GstSample *sample, bool is_sound);
-  GstFlowReturn pull(GstAppSink *sink);
+  GstElement *link_sink(GstPad *pad, const char *parser, const char *form) {
+    GstElement *parse = add_element(film_.pipeline(), parser);
+    GstElement *sink = add_element(film_.pipeline(), "appsink");
+    const CapsPtr caps(gst_caps_from_string(form));
+    g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
+    GstAppSinkCallbacks callbacks = {};
+    callbacks.new_sample = [](GstAppSink *from, gpointer data) {
+      return static_cast<Reading *>(data)->pull(from);
+    };
+    gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
+    link_elements(parse, sink);
+    link_pad(pad, parse);
+    return sink;
+  }
+
+  // A browser shows no rotation of these containers.
+  void refuse_rotation(GstEvent *event) const {
+    const std::string rotation = rotation_of(event);
+    if (!rotation.empty() && rotation != "rotate-0")
+      GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
+                        (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
+  }
+
+  void link_video() {
+    const CapsPtr caps = caps_of(film_.video());
+    if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
+    watch_events(film_.video(), [this](GstPad *, GstEvent *event) { refuse_rotation(event); });
+    // What an edit list hides before the first shown frame, this frame depends on.
+    gst_base_sink_set_drop_out_of_segment(
+        GST_BASE_SINK(
+            link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
+        FALSE);
+  }
+
+  // The first sound is read.
+  void link_sound() {
+    const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
+    for (GstPad *pad : film_.audio()) {
+      const CapsPtr caps = caps_of(pad);
+      if (sound_sink_)
+        leave_out(pad);
+      else if (gst_caps_can_intersect(caps.get(), aac.get()))
+        sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
+      else
+        throw_error(messages::kBrowserLacksSound, path_.c_str(),
+                    description_of(caps.get()).c_str());
+    }
+  }
+
+  void leave_out(GstPad *pad) {
+    if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
+      format_.left_out.push_back(name);
+    read_to_end(film_.pipeline(), pad);
+  }
+
+  void read_video_format(GstCaps *all) {
+    const GstStructure *caps = gst_caps_get_structure(all, 0);
+    const auto data = codec_data_of(caps);
+    if (data == configuration_)
+      return;
+    if (!configuration_.empty())
+      throw_error(messages::kFilmChanges, path_.c_str());
+    if (const std::string what = unplayable(caps); !what.empty())
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), what.c_str());
+    configuration_ = data;
+    length_size_ = read_configuration(configuration_, format_);
+    if (length_size_ == 0)
+      throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
+    format_.video_codec = mime_of(all);
+    gst_structure_get_int(caps, "width", &format_.width);
+    gst_structure_get_int(caps, "height", &format_.height);
+    gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
+                               &format_.pixel_aspect_d);
+    gint n = 0;
+    gint d = 1;
+    if (gst_structure_get_fraction(caps, "framerate", &n, &d) && d > 0)
+      format_.frame_rate = static_cast<double>(n) / d;
+  }
+
+  void read_sound_format(GstCaps *caps) {
+    const GstStructure *structure = gst_caps_get_structure(caps, 0);
+    format_.sound = codec_data_of(structure);
+    format_.sound_codec = mime_of(caps);
+    gst_structure_get_int(structure, "channels", &format_.sound_channels);
+    // A frame in a transport stream has room for a known rate and number of channels only.
+    const guint8 *data = format_.sound.data();
+    const auto size = static_cast<guint>(format_.sound.size());
+    if (size >= 2 && (data[0] & 7U) != 7 && gst_codec_utils_aac_get_channels(data, size) > 0)
+      format_.sound_rate = static_cast<int>(gst_codec_utils_aac_get_sample_rate(data, size));
+    if (format_.sound_rate == 0)
+      throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
+  }
+
+  void push_video(GstBuffer *buffer, std::int64_t time) {
+    const ReadableBuffer readable(buffer);
+    if (!readable)
+      return;
+    FilmFrame frame;
+    frame.time = time;
+    for (std::size_t at = 0; at < readable.bytes().size();) {
+      const Bytes unit = read_unit(readable.bytes(), at, length_size_);
+      const unsigned type = type_of_unit(unit);
+      if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
+          type == kFiller)
+        continue;
+      frame.is_idr = frame.is_idr || type == kIdr;
+      put_number(frame.bytes, unit.size(), 4);
+      frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
+    }
+    if (!frame.bytes.empty())
+      call_(std::move(frame));
+  }
+
+  void push(GstSample *sample, bool is_sound) {
+    GstBuffer *buffer = gst_sample_get_buffer(sample);
+    if (!is_sound)
+      read_video_format(gst_sample_get_caps(sample));
+    else if (format_.sound.empty())
+      read_sound_format(gst_sample_get_caps(sample));
+    const GstSegment *segment = gst_sample_get_segment(sample);
+    if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
+        GST_BUFFER_PTS(buffer) >= segment->stop)
+      return;
+    guint64 time = 0;
+    const gint sign = GST_BUFFER_PTS_IS_VALID(buffer)
+                          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME,
+                                                            GST_BUFFER_PTS(buffer), &time)
+                          : 0;
+    if (sign == 0)
+      throw_error(messages::kFilmHasNoTimes, path_.c_str());
+    const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
+    if (!is_sound)
+      return push_video(buffer, signed_time);
+    if (const ReadableBuffer readable(buffer); readable)
+      call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
+  }
+
+  GstFlowReturn pull(GstAppSink *sink) {
+    const SamplePtr sample(gst_app_sink_pull_sample(sink));
+    const std::lock_guard lock(mutex_);
+    if (!sample || failure_)
+      return GST_FLOW_EOS;
+    try {
+      push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
+    } catch (...) {
+      failure_ = std::current_exception();
+      return GST_FLOW_ERROR; // the element before posts an error, which ends the work
+    }
+    return GST_FLOW_OK;
+  }
 
   const std::string path_;
-  FilmStreams film_;
   const std::function<void(FilmFrame &&)> &call_;
   GstElement *sound_sink_ = nullptr;
   // Of the streaming threads, one at a time.
@@ -138,166 +287,8 @@ private:
   std::size_t length_size_ = 4; // bytes
   std::vector<std::uint8_t> configuration_;
   std::exception_ptr failure_;
+  FilmStreams film_;
 };
-
-// What a person calls the stream.
-std::string description_of(const GstCaps *caps) {
-  // Of caps that a parser has yet to complete there is no description.
-  const GCharPtr codec(gst_caps_is_fixed(caps) ? gst_pb_utils_get_codec_description(caps)
-                                               : nullptr);
-  return codec ? codec.get() : name_of(caps);
-}
-
-GstElement *Reading::link_sink(GstPad *pad, const char *parser, const char *form) {
-  GstElement *parse = add_element(film_.pipeline(), parser);
-  GstElement *sink = add_element(film_.pipeline(), "appsink");
-  const CapsPtr caps(gst_caps_from_string(form));
-  g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
-  GstAppSinkCallbacks callbacks = {};
-  callbacks.new_sample = [](GstAppSink *from, gpointer data) {
-    return static_cast<Reading *>(data)->pull(from);
-  };
-  gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
-  link_elements(parse, sink);
-  link_pad(pad, parse);
-  return sink;
-}
-
-// A browser shows no rotation of these containers.
-GstPadProbeReturn Reading::refuse_rotation(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  auto &reading = *static_cast<Reading *>(data);
-  const std::string rotation = rotation_of(GST_PAD_PROBE_INFO_EVENT(info));
-  if (!rotation.empty() && rotation != "rotate-0")
-    GST_ELEMENT_ERROR(reading.film_.pipeline(), STREAM, FORMAT,
-                      (messages::kBrowserLacksVideo, reading.path_.c_str(), kSideways), (nullptr));
-  return GST_PAD_PROBE_OK;
-}
-
-void Reading::link_video() {
-  const CapsPtr caps = caps_of(film_.video());
-  if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
-  gst_pad_add_probe(film_.video(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_rotation, this,
-                    nullptr);
-  // What an edit list hides before the first shown frame, this frame depends on.
-  gst_base_sink_set_drop_out_of_segment(
-      GST_BASE_SINK(
-          link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
-      FALSE);
-}
-
-// The first sound is read.
-void Reading::link_sound() {
-  const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
-  for (GstPad *pad : film_.audio()) {
-    const CapsPtr caps = caps_of(pad);
-    if (sound_sink_)
-      leave_out(pad);
-    else if (gst_caps_can_intersect(caps.get(), aac.get()))
-      sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
-    else
-      throw_error(messages::kBrowserLacksSound, path_.c_str(), description_of(caps.get()).c_str());
-  }
-}
-
-void Reading::leave_out(GstPad *pad) {
-  if (const std::string name = name_of(caps_of(pad).get()); !name.starts_with("meta/"))
-    format_.left_out.push_back(name);
-  read_to_end(film_, pad);
-}
-
-void Reading::read_video_format(const GstStructure *caps) {
-  const auto data = codec_data_of(caps);
-  if (data == configuration_)
-    return;
-  if (!configuration_.empty())
-    throw_error(messages::kFilmChanges, path_.c_str());
-  if (const std::string what = unplayable(caps); !what.empty())
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), what.c_str());
-  configuration_ = data;
-  length_size_ = read_configuration(configuration_, format_);
-  if (length_size_ == 0)
-    throw_error(messages::kBrowserLacksVideo, path_.c_str(), "a damaged head of H.264");
-  gst_structure_get_int(caps, "width", &format_.width);
-  gst_structure_get_int(caps, "height", &format_.height);
-  gst_structure_get_fraction(caps, "pixel-aspect-ratio", &format_.pixel_aspect_n,
-                             &format_.pixel_aspect_d);
-  gint n = 0;
-  gint d = 1;
-  if (gst_structure_get_fraction(caps, "framerate", &n, &d) && d > 0)
-    format_.frame_rate = static_cast<double>(n) / d;
-}
-
-void Reading::read_sound_format(const GstStructure *caps) {
-  format_.sound = codec_data_of(caps);
-  gst_structure_get_int(caps, "channels", &format_.sound_channels);
-  // A frame in a transport stream has room for a known rate and number of channels only.
-  const std::size_t rate = format_.sound.size() < 2
-                               ? kRates.size()
-                               : (format_.sound[0] & 7U) << 1 | format_.sound[1] >> 7;
-  if (rate >= kRates.size() || (format_.sound[1] >> 3 & 0xFU) == 0)
-    throw_error(messages::kBrowserLacksSound, path_.c_str(), "AAC of an uncommon form");
-  format_.sound_rate = kRates.at(rate);
-}
-
-void Reading::push_video(GstBuffer *buffer, std::int64_t time) {
-  const ReadableBuffer readable(buffer);
-  if (!readable)
-    return;
-  FilmFrame frame;
-  frame.time = time;
-  for (std::size_t at = 0; at < readable.bytes().size();) {
-    const Bytes unit = read_unit(readable.bytes(), at, length_size_);
-    const unsigned type = type_of_unit(unit);
-    if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
-        type == kFiller)
-      continue;
-    frame.is_idr = frame.is_idr || type == kIdr;
-    put_number(frame.bytes, unit.size(), 4);
-    frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
-  }
-  if (!frame.bytes.empty())
-    call_(std::move(frame));
-}
-
-void Reading::push(GstSample *sample, bool is_sound) {
-  GstBuffer *buffer = gst_sample_get_buffer(sample);
-  const GstStructure *caps = gst_caps_get_structure(gst_sample_get_caps(sample), 0);
-  if (!is_sound)
-    read_video_format(caps);
-  else if (format_.sound.empty())
-    read_sound_format(caps);
-  const GstSegment *segment = gst_sample_get_segment(sample);
-  if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
-      GST_BUFFER_PTS(buffer) >= segment->stop)
-    return;
-  guint64 time = 0;
-  const gint sign =
-      GST_BUFFER_PTS_IS_VALID(buffer)
-          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer), &time)
-          : 0;
-  if (sign == 0)
-    throw_error(messages::kFilmHasNoTimes, path_.c_str());
-  const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
-  if (!is_sound)
-    return push_video(buffer, signed_time);
-  if (const ReadableBuffer readable(buffer); readable)
-    call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
-}
-
-GstFlowReturn Reading::pull(GstAppSink *sink) {
-  const SamplePtr sample(gst_app_sink_pull_sample(sink));
-  const std::lock_guard lock(mutex_);
-  if (!sample || failure_)
-    return GST_FLOW_EOS;
-  try {
-    push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
-  } catch (...) {
-    failure_ = std::current_exception();
-    return GST_FLOW_ERROR; // the element before posts an error, which ends the work
-  }
-  return GST_FLOW_OK;
-}
 
 } // namespace
 
@@ -310,13 +301,6 @@ FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame
   } catch (const TrackFileError &failure) {
     throw TrackFileError(about(path, failure.what()));
   }
-}
-
-std::string codecs_of(const FilmFormat &format) {
-  const auto &set = format.sequence_sets.at(0); // its header, profile, constraints, level
-  const unsigned object = format.sound.empty() ? 0U : format.sound[0] >> 3;
-  const std::string video = format_text("avc1.%02X%02X%02X", set[1], set[2], set[3]);
-  return format.sound.empty() ? video : video + format_text(",mp4a.40.%u", object);
 }
 
 } // namespace haptic

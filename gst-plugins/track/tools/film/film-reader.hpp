@@ -10,6 +10,8 @@
 namespace haptic {
 
 struct FilmFormat {
+  std::string video_codec; ///< for a playlist or a browser (RFC 6381), as sound_codec
+  std::string sound_codec;
   int width = 0; ///< px
   int height = 0;
   int pixel_aspect_n = 1;
@@ -36,8 +38,5 @@ struct FilmFrame {
 /// thread. Returns the format. Throws TrackFileError if a browser cannot play the film or the
 /// process was interrupted, and what `call` throws.
 FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call);
-
-/// Returns the name of the codecs of a film for a playlist or a browser (RFC 6381).
-std::string codecs_of(const FilmFormat &format);
 
 } // namespace haptic

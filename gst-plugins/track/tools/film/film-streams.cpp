@@ -2,7 +2,6 @@
 #include "film/film-streams.hpp"
 
 #include "film/copied-stream.hpp"
-#include "glue/content-only.hpp"
 
 #include <string_view>
 
@@ -27,17 +26,9 @@ void FilmStreams::set_up_element(GstBin *, GstBin *, GstElement *element, gpoint
     g_object_set(element, "config-interval", -1, nullptr);
 }
 
-FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll,
-                         GstClockTime longest_standstill)
-    : use_(use) {
-  gst_init(nullptr, nullptr);
-  pipeline_ = make_pipeline();
-  GstElement *source = add_element(pipeline_.get(), "filesrc");
-  GstElement *parse = add_element(pipeline_.get(), "parsebin");
-  g_object_set(source, "location", path.c_str(), nullptr);
-  open_content_only(parse, messages::kFileNamesOthers);
-  link_elements(source, parse);
-  flow_.watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
+FilmStreams::FilmStreams(const std::string &path, FilmUse use, GstClockTime longest_standstill)
+    : use_(use), file_(path, "parsebin") {
+  GstElement *parse = file_.reader();
   g_signal_connect(parse, "pad-added", G_CALLBACK(block), this);
   g_signal_connect(parse, "autoplug-continue", G_CALLBACK(is_parsed_further), nullptr);
   g_signal_connect(parse, "unknown-type",
@@ -45,19 +36,9 @@ FilmStreams::FilmStreams(const std::string &path, FilmUse use, const Poll &poll,
                      static_cast<FilmStreams *>(data)->unknown_ = name_of(caps);
                    }),
                    this);
-  g_signal_connect(pipeline_.get(), "deep-element-added", G_CALLBACK(set_up_element), this);
-  try {
-    gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
-    wait_for_streams(poll, longest_standstill);
-    sort();
-  } catch (...) {
-    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-    throw;
-  }
-}
-
-FilmStreams::~FilmStreams() {
-  gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  g_signal_connect(pipeline(), "deep-element-added", G_CALLBACK(set_up_element), this);
+  wait_for_streams(longest_standstill);
+  sort();
 }
 
 // Blocks a new stream: a muxer must know all streams when it starts.
@@ -72,6 +53,7 @@ void FilmStreams::block(GstElement *, GstPad *pad, gpointer data) {
 
 std::vector<GstPad *> FilmStreams::all() const {
   std::vector<GstPad *> pads;
+  pads.reserve(streams_.size());
   for (const auto &[pad, probe] : streams_)
     pads.push_back(pad.get());
   return pads;
@@ -95,11 +77,9 @@ void FilmStreams::sort() {
 
 // parsebin posts the number of streams and then adds a pad for each. It drops the error of a
 // demuxer that finds the damage while it starts, and nothing more is read.
-void FilmStreams::wait_for_streams(const Poll &poll, GstClockTime longest) {
-  const MessagePtr message = wait_for(pipeline_.get(), GST_MESSAGE_STREAM_COLLECTION, [&] {
-    poll();
-    flow_.check(messages::kFileStandsStill, longest);
-  });
+void FilmStreams::wait_for_streams(GstClockTime longest) {
+  const MessagePtr message = file_.run(GST_STATE_PAUSED, GST_MESSAGE_STREAM_COLLECTION,
+                                       messages::kFileStandsStill, {}, longest);
   GstStreamCollection *collection = nullptr;
   gst_message_parse_stream_collection(message.get(), &collection);
   const std::size_t count = gst_stream_collection_get_size(collection);
@@ -112,31 +92,29 @@ void FilmStreams::wait_for_streams(const Poll &poll, GstClockTime longest) {
 }
 
 void FilmStreams::play(const Poll &poll, GstClockTime longest_standstill) {
-  gst_bin_sync_children_states(GST_BIN(pipeline_.get()));
+  gst_bin_sync_children_states(GST_BIN(pipeline()));
   for (const auto &[pad, probe] : streams_) {
-    flow_.watch(pad.get());
+    file_.watch(pad.get());
     gst_pad_remove_probe(pad.get(), probe);
   }
-  const Running running(pipeline_.get());
+  const Running running(pipeline());
   // A muxer may wait for sound, the full queue of the video for the muxer, and the demuxer for that
   // queue.
-  wait_for(pipeline_.get(), static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION),
-           [&] {
-             poll();
-             flow_.check(messages::kFilmStandsStill, longest_standstill);
-           });
+  file_.run(GST_STATE_PLAYING,
+            static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION),
+            messages::kFilmStandsStill, poll, longest_standstill);
 }
 
-void read_to_end(const FilmStreams &film, GstPad *pad) {
-  GstElement *sink = add_element(film.pipeline(), "fakesink");
+GstElement *read_to_end(GstElement *pipeline, GstPad *pad) {
+  GstElement *sink = gst_element_factory_make("fakesink", nullptr);
   g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
-  link_pad(pad, sink);
+  gst_bin_add(GST_BIN(pipeline), sink);
+  gst_pad_link(pad, PadPtr(gst_element_get_static_pad(sink, "sink")).get());
+  return sink;
 }
 
 void discard_stream(GstPad *pad) {
-  gst_pad_add_probe(
-      pad, GST_PAD_PROBE_TYPE_BUFFER,
-      [](GstPad *, GstPadProbeInfo *, gpointer) { return GST_PAD_PROBE_DROP; }, nullptr, nullptr);
+  watch_buffers(pad, [](GstPad *, GstBuffer *) { return false; });
 }
 
 } // namespace haptic

@@ -20,13 +20,10 @@ class FilmStreams {
 public:
   /// Opens the film and waits until all its streams are known. None flows before play(). Throws
   /// TrackFileError, also where nothing is read for so long. Initializes GStreamer.
-  FilmStreams(const std::string &path, FilmUse use, const Poll &poll,
+  FilmStreams(const std::string &path, FilmUse use,
               GstClockTime longest_standstill = kLongestStandstill);
-  ~FilmStreams();
-  FilmStreams(const FilmStreams &) = delete;
-  FilmStreams &operator=(const FilmStreams &) = delete;
 
-  GstElement *pipeline() const noexcept { return pipeline_.get(); }
+  GstElement *pipeline() const noexcept { return file_.get(); }
   GstPad *video() const noexcept { return video_; } ///< the first one
   /// In the order of the file.
   std::vector<GstPad *> all() const;
@@ -34,32 +31,32 @@ public:
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 
   /// What passes this pad is progress, too: decoding goes on when all is read.
-  void watch(GstPad *pad) { flow_.watch(pad); }
+  void watch(GstPad *pad) { file_.watch(pad); }
   /// Lets the streams flow, each of which is linked, to their end or until an application message.
   /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline, or
   /// because nothing flowed for so long.
-  void play(const Poll &poll, GstClockTime longest_standstill = kLongestStandstill);
+  void play(const Poll &poll = {}, GstClockTime longest_standstill = kLongestStandstill);
 
 private:
   static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);
   static void block(GstElement *, GstPad *pad, gpointer data);
-  void wait_for_streams(const Poll &poll, GstClockTime longest);
+  void wait_for_streams(GstClockTime longest);
   void sort();
 
   FilmUse use_;
-  ElementPtr pipeline_;
   // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
-  Flow flow_;           // of what is read, then of all streams and what else is watched
   std::string unknown_; // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
   std::vector<GstPad *> audio_;
   std::vector<GstPad *> others_;
+  FilePipeline file_; // ends first: its threads use the rest
 };
 
-/// Links a stream of the film, which ends when each of its sinks has an end, to one.
-void read_to_end(const FilmStreams &film, GstPad *pad);
+/// Links a stream of a pipeline, which ends when each of its sinks has an end, to one. Throws
+/// nothing. Returns the sink.
+GstElement *read_to_end(GstElement *pipeline, GstPad *pad);
 
 /// Drops what comes from the pad. A sink would hold the thread of the demuxer until the decoder has
 /// a frame, which waits for that thread.

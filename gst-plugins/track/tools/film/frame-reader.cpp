@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/frame-reader.hpp"
 
+#include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
-#include "glue/content-only.hpp"
 #include "glue/display-orientation.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -32,33 +32,29 @@ Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
                                int width, int height) {
   std::vector<Frame> frames(times.size());
+  FilePipeline file(path, "decodebin");
+  // With these properties decodebin leaves the sound out: unlinked, it could keep it from starting.
+  const CapsPtr video(gst_caps_from_string("video/x-raw(ANY)"));
+  g_object_set(file.reader(), "caps", video.get(), "expose-all-streams", FALSE, nullptr);
   const std::string line =
-      // With these properties decodebin leaves the sound out: unlinked, it could keep it from
-      // starting.
-      "filesrc name=in ! decodebin name=decoder caps=\"video/x-raw(ANY)\" expose-all-streams=false "
-      "! videoconvert ! videoflip video-direction=" +
-      std::string(direction_of(orientation_in(path))) +
-      " ! videoscale add-borders=false ! video/x-raw,format=RGB,"
-      "pixel-aspect-ratio=1/1,width=" +
-      std::to_string(width) + ",height=" + std::to_string(height) +
-      " ! appsink name=out sync=false max-buffers=2";
-  GstElement *made = gst_parse_launch(line.c_str(), nullptr);
-  if (!made)
+      format_text("videoconvert ! videoflip video-direction=%s ! videoscale add-borders=false ! "
+                  "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width=%d,height=%d ! "
+                  "appsink name=out sync=false max-buffers=2",
+                  direction_of(orientation_in(path)), width, height);
+  GstElement *rest = gst_parse_bin_from_description(line.c_str(), TRUE, nullptr);
+  if (!rest)
     return frames;
-  const ElementPtr pipeline(made);
-  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  const ElementPtr decoder(gst_bin_get_by_name(GST_BIN(made), "decoder"));
-  open_content_only(decoder.get(), messages::kFileNamesOthers);
-  g_object_set(in.get(), "location", path.c_str(), nullptr);
-  const Running running(made, GST_STATE_PAUSED);
-  if (gst_element_get_state(made, nullptr, nullptr, kPatience) != GST_STATE_CHANGE_SUCCESS)
+  gst_bin_add(GST_BIN(file.get()), rest);
+  link_when_added(file.reader(), rest);
+  const ElementPtr out = element_in(rest, "out");
+  gst_element_set_state(file.get(), GST_STATE_PAUSED);
+  if (gst_element_get_state(file.get(), nullptr, nullptr, kPatience) != GST_STATE_CHANGE_SUCCESS)
     return frames;
-  gst_element_set_state(made, GST_STATE_PLAYING);
+  gst_element_set_state(file.get(), GST_STATE_PLAYING);
   GstClockTime now = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] > now + 2 * kBeforeAKey)
-      gst_element_seek_simple(made, GST_FORMAT_TIME,
+      gst_element_seek_simple(file.get(), GST_FORMAT_TIME,
                               static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH |
                                                         GST_SEEK_FLAG_KEY_UNIT |
                                                         GST_SEEK_FLAG_SNAP_BEFORE),

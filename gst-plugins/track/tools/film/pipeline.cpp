@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/pipeline.hpp"
 
+#include "film/copied-stream.hpp"
+#include "glue/content-only.hpp"
+#include "glue/segment-time.hpp"
+#include "interruption.hpp"
+
+#include <cstring>
 #include <gst/pbutils/pbutils.h>
 
 namespace haptic {
@@ -10,7 +16,55 @@ GstClockTime time_of(const GstBuffer *buffer) {
   return GST_BUFFER_PTS_IS_VALID(buffer) ? GST_BUFFER_PTS(buffer) : GST_BUFFER_DTS(buffer);
 }
 
+std::string error_of(GstMessage *message) {
+  GError *failure = nullptr;
+  gchar *text = nullptr;
+  gst_message_parse_error(message, &failure, &text);
+  const ErrorPtr error(failure);
+  const GCharPtr details(text);
+  // "Internal data stream error" needs its reason beside it.
+  const char *reason = text ? std::strstr(text, "reason ") : nullptr;
+  return reason ? format_text("%s (%s)", error->message, reason) : error->message;
+}
+
 } // namespace
+
+ElementPtr make_element(const char *factory) {
+  GstElement *element = gst_element_factory_make(factory, nullptr);
+  if (!element)
+    throw_error(messages::kElementIsMissing, factory);
+  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(element)));
+}
+
+GstElement *add_element(GstElement *pipeline, const char *factory) {
+  const ElementPtr owned = make_element(factory);
+  gst_bin_add(GST_BIN(pipeline), owned.get());
+  return owned.get();
+}
+
+ElementPtr make_pipeline(const std::string &line) {
+  GError *wrong = nullptr;
+  ElementPtr pipeline(gst_parse_launch(line.c_str(), &wrong));
+  const ErrorPtr error(wrong);
+  if (!pipeline || error)
+    throw TrackFileError(error ? error->message : "unknown");
+  return pipeline;
+}
+
+ElementPtr element_in(GstElement *pipeline, const char *name) {
+  return ElementPtr(gst_bin_get_by_name(GST_BIN(pipeline), name));
+}
+
+std::string rotation_of(GstEvent *event) {
+  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
+    return "";
+  GstTagList *tags = nullptr;
+  gst_event_parse_tag(event, &tags);
+  gchar *text = nullptr;
+  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
+  const GCharPtr owned(text);
+  return text ? text : "";
+}
 
 std::optional<GstSegment> segment_of(GstPad *pad) {
   const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
@@ -23,14 +77,19 @@ std::optional<GstSegment> segment_of(GstPad *pad) {
 
 GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer) {
   const auto segment = segment_of(pad);
-  return segment ? gst_segment_to_running_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
-                 : GST_CLOCK_TIME_NONE;
+  return segment ? running_time_of(*segment, time_of(buffer)) : GST_CLOCK_TIME_NONE;
 }
 
 GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer) {
   const auto segment = segment_of(pad);
-  return segment ? gst_segment_to_stream_time(&*segment, GST_FORMAT_TIME, time_of(buffer))
-                 : GST_CLOCK_TIME_NONE;
+  return segment ? stream_time_of(*segment, time_of(buffer)) : GST_CLOCK_TIME_NONE;
+}
+
+GstCaps *caps_in(GstEvent *event) {
+  GstCaps *caps = nullptr;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    gst_event_parse_caps(event, &caps);
+  return caps;
 }
 
 MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll) {
@@ -40,7 +99,9 @@ MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &pol
     MessagePtr message(gst_bus_timed_pop_filtered(
         bus.get(), kPollTime,
         static_cast<GstMessageType>(wanted | GST_MESSAGE_ERROR | GST_MESSAGE_ELEMENT)));
-    poll();
+    throw_if_interrupted();
+    if (poll)
+      poll();
     if (!message)
       continue;
     const GstMessageType type = GST_MESSAGE_TYPE(message.get());
@@ -57,11 +118,7 @@ MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &pol
 }
 
 void Flow::watch(GstPad *pad) {
-  const auto count = [](GstPad *, GstPadProbeInfo *, gpointer data) {
-    ++*static_cast<std::atomic<std::size_t> *>(data);
-    return GST_PAD_PROBE_OK;
-  };
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, count, &flowed_, nullptr);
+  watch_buffers(pad, [this](GstPad *, GstBuffer *) { ++flowed_; });
 }
 
 void Flow::check(const char *sentence, GstClockTime longest) {
@@ -69,6 +126,28 @@ void Flow::check(const char *sentence, GstClockTime longest) {
   before_ = flowed_;
   if (still_ > longest)
     throw_error("%s", format_text(sentence, static_cast<int>(longest / GST_SECOND)).c_str());
+}
+
+FilePipeline::FilePipeline(const std::string &path, const char *reader) {
+  gst_init(nullptr, nullptr);
+  pipeline_.reset(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
+  GstElement *source = add_element(get(), "filesrc");
+  reader_ = add_element(get(), reader);
+  g_object_set(source, "location", path.c_str(), nullptr);
+  if (g_signal_lookup("autoplug-select", G_OBJECT_TYPE(reader_)) != 0)
+    open_content_only(reader_, messages::kFileNamesOthers);
+  link_elements(source, reader_);
+  watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
+}
+
+MessagePtr FilePipeline::run(GstState state, GstMessageType wanted, const char *sentence,
+                             const Poll &poll, GstClockTime longest) {
+  gst_element_set_state(get(), state);
+  return wait_for(get(), wanted, [&] {
+    if (poll)
+      poll();
+    flow_.check(sentence, longest);
+  });
 }
 
 } // namespace haptic

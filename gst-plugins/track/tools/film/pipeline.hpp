@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Pipelines of haptic-track and their errors.
+// Pipelines of haptic-track and their errors. Every film is opened by a FilePipeline.
 #pragma once
 
 #include "glue/gst-raii.hpp"
 #include "track-error.hpp"
 
 #include <atomic>
-#include <cstring>
 #include <functional>
 #include <gst/gst.h>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 namespace haptic {
 
@@ -20,51 +21,18 @@ using Poll = std::function<void()>;
 inline constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
 inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
-inline ElementPtr make_pipeline() {
-  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
-}
+/// Both throw TrackFileError if there is no such element.
+ElementPtr make_element(const char *factory);
+/// The pipeline owns it.
+GstElement *add_element(GstElement *pipeline, const char *factory);
 
-/// Throws TrackFileError if there is no such element.
-inline ElementPtr make_element(const char *factory) {
-  GstElement *element = gst_element_factory_make(factory, nullptr);
-  if (!element)
-    throw_error(messages::kElementIsMissing, factory);
-  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(element)));
-}
-
-/// Throws TrackFileError if there is no such element. The pipeline owns it.
-inline GstElement *add_element(GstElement *pipeline, const char *factory) {
-  const ElementPtr owned = make_element(factory);
-  GstElement *element = owned.get();
-  gst_bin_add(GST_BIN(pipeline), element);
-  return element;
-}
+/// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.
+ElementPtr make_pipeline(const std::string &line);
+/// Returns the element of this name, or null.
+ElementPtr element_in(GstElement *pipeline, const char *name);
 
 /// The tag image-orientation of an event; empty if the event has none.
-inline std::string rotation_of(GstEvent *event) {
-  if (GST_EVENT_TYPE(event) != GST_EVENT_TAG)
-    return "";
-  GstTagList *tags = nullptr;
-  gst_event_parse_tag(event, &tags);
-  gchar *text = nullptr;
-  gst_tag_list_get_string(tags, GST_TAG_IMAGE_ORIENTATION, &text);
-  const GCharPtr owned(text);
-  return text ? text : "";
-}
-
-inline std::string error_of(GstMessage *message) {
-  GError *error = nullptr;
-  gchar *details = nullptr;
-  gst_message_parse_error(message, &error, &details);
-  std::string text = error->message;
-  // "Internal data stream error" needs its reason beside it.
-  const char *reason = details ? std::strstr(details, "reason ") : nullptr;
-  if (reason)
-    text += std::string(" (") + reason + ")";
-  g_free(details);
-  g_error_free(error);
-  return text;
-}
+std::string rotation_of(GstEvent *event);
 
 /// Returns the segment in which the buffers of the pad are, or nothing before the first one.
 std::optional<GstSegment> segment_of(GstPad *pad);
@@ -75,16 +43,36 @@ GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
 GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer);
 
 /// Returns the caps of a caps event, or null.
-inline GstCaps *caps_in(GstEvent *event) {
-  GstCaps *caps = nullptr;
-  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
-    gst_event_parse_caps(event, &caps);
-  return caps;
+GstCaps *caps_in(GstEvent *event);
+
+/// Calls `call` with the pad and what passes it, in the pad's streaming thread, as long as the pad
+/// exists. What `call` returns false for is dropped.
+template <GstPadProbeType type, auto content_of, typename Call>
+void add_probe(GstPad *pad, Call call) {
+  const auto run = [](GstPad *at, GstPadProbeInfo *info, gpointer data) {
+    Call &with = *static_cast<Call *>(data);
+    if constexpr (std::is_void_v<decltype(with(at, content_of(info)))>)
+      with(at, content_of(info));
+    else if (!with(at, content_of(info)))
+      return GST_PAD_PROBE_DROP;
+    return GST_PAD_PROBE_OK;
+  };
+  gst_pad_add_probe(pad, type, run, new Call(std::move(call)),
+                    [](gpointer data) { delete static_cast<Call *>(data); });
+}
+template <typename Call>
+void watch_buffers(GstPad *pad, Call call) {
+  add_probe<GST_PAD_PROBE_TYPE_BUFFER, gst_pad_probe_info_get_buffer>(pad, std::move(call));
+}
+template <typename Call>
+void watch_events(GstPad *pad, Call call) {
+  add_probe<GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, gst_pad_probe_info_get_event>(pad,
+                                                                               std::move(call));
 }
 
 /// Returns the first message of these types. Throws TrackFileError with the error of the pipeline
-/// instead.
-MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll);
+/// instead, or when the process was interrupted.
+MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll = {});
 
 /// Notices when nothing flows any more: damaged files let some elements wait for ever.
 class Flow {
@@ -113,6 +101,33 @@ public:
 
 private:
   GstElement *pipeline_;
+};
+
+/// The only way in which a film or another container is opened. What its content names is never
+/// opened (glue/content-only.hpp).
+class FilePipeline {
+public:
+  /// The file flows to a `reader`: parsebin, decodebin or a demuxer. Throws TrackFileError.
+  /// Initializes GStreamer.
+  FilePipeline(const std::string &path, const char *reader);
+  ~FilePipeline() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+  FilePipeline(const FilePipeline &) = delete;
+  FilePipeline &operator=(const FilePipeline &) = delete;
+
+  GstElement *get() const noexcept { return pipeline_.get(); }
+  GstElement *reader() const noexcept { return reader_; }
+
+  /// What passes this pad is progress, as what is read from the file is.
+  void watch(GstPad *pad) { flow_.watch(pad); }
+  /// Sets the state, and waits as wait_for() does. Throws the sentence after so long without
+  /// progress.
+  MessagePtr run(GstState state, GstMessageType wanted, const char *sentence, const Poll &poll = {},
+                 GstClockTime longest = kLongestStandstill);
+
+private:
+  ElementPtr pipeline_;
+  GstElement *reader_;
+  Flow flow_;
 };
 
 } // namespace haptic

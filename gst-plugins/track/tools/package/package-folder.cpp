@@ -32,6 +32,11 @@ bool is_name_of_rate(const std::string &name) {
          name.find_first_not_of("0123456789abcdef", digits) == std::string::npos;
 }
 
+void check(const std::string &path, const std::error_code &error) {
+  if (error)
+    throw_error(messages::kOutputFails, path.c_str(), error.message().c_str());
+}
+
 } // namespace
 
 PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
@@ -44,8 +49,7 @@ PackageFolder::PackageFolder(std::string path, std::string player, const std::st
           hash_of_file((fs::path(player_) / page).string()))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
   fs::create_directories(work_, error);
-  if (error)
-    throw_error(messages::kOutputFails, path_.c_str(), error.message().c_str());
+  check(path_, error);
   lock_ = open(work_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0)
     throw_error(messages::kOutputFails, work_.c_str(), std::strerror(errno));
@@ -69,8 +73,7 @@ std::string PackageFolder::begin(const std::string &name) {
   std::error_code error;
   fs::remove_all(part, error);
   fs::create_directory(part, error);
-  if (error)
-    throw_error(messages::kOutputFails, part.c_str(), error.message().c_str());
+  check(part, error);
   return part.string();
 }
 
@@ -88,8 +91,7 @@ void PackageFolder::copy_in(const std::string &path, const std::string &name) {
   PartFile part((fs::path(work_) / "file").string());
   std::error_code error;
   fs::copy_file(path, part.path(), fs::copy_options::overwrite_existing, error);
-  if (error)
-    throw_error(messages::kOutputFails, name.c_str(), error.message().c_str());
+  check(name, error);
   part.keep_as((fs::path(path_) / name).string());
 }
 
@@ -109,8 +111,7 @@ void PackageFolder::copy_player() {
       copy_in(entry->path().string(), name);
     }
   }
-  if (error)
-    throw_error(messages::kOutputFails, path_.c_str(), error.message().c_str());
+  check(path_, error);
 }
 
 void PackageFolder::finish(const std::string &playlist, const std::vector<std::string> &names) {

@@ -12,6 +12,7 @@
 #include "seconds.hpp"
 #include "tracks/source-mark.hpp"
 #include "tracks/track-file.hpp"
+#include "tracks/track-remark.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -58,12 +59,11 @@ Rate plan_rate(const std::string &path) {
   Rate rate{path, plan_film(path), {}};
   for (const std::string &caps : rate.plan.format.left_out)
     if (!caps.starts_with("text/") || !holds_track(path)) // which may be the haptic track
-      print_remark(path, "a further stream was left out: " + caps);
+      print_remark(path, remark(FileRemark::stream_left_out, caps.c_str()));
   if (rate.plan.skipped > 0)
-    print_remark(path, std::to_string(rate.plan.skipped) +
-                           " frames before the first IDR frame were left out");
+    print_remark(path, remark(FileRemark::frames_before_idr, rate.plan.skipped));
   if (rate.plan.longest > kLongSegment)
-    print_remark(path, format_text(messages::kSegmentsAreLong, seconds(rate.plan.longest)));
+    print_remark(path, remark(FileRemark::long_segments, seconds(rate.plan.longest)));
   return rate;
 }
 
@@ -99,7 +99,7 @@ void compare_rates(const Rate &first, const Rate &other) {
   for (std::size_t i = 0; aligned && i < first.plan.starts.size(); ++i)
     aligned = !start_differs(i);
   if (!aligned)
-    print_remark(other.path, messages::kRatesAreNotAligned);
+    print_remark(other.path, remark(FileRemark::rates_not_aligned));
 }
 
 // ---- the track ----------------------------------------------------------------------------------
@@ -295,11 +295,13 @@ std::string entry_of(const Rate &rate, const PackageOptions &options, const std:
   }
   const double length = seconds(rate.plan.end);
   const FilmFormat &format = rate.plan.format;
-  return format_text("#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
-                     "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
-                     std::ceil(most), std::ceil(all / length), codecs_of(format).c_str(),
-                     aspect_of(format) * format.height, format.height, frame_rate_of(rate.plan),
-                     rate.name.c_str(), kPlaylist);
+  return format_text(
+      "#EXT-X-STREAM-INF:BANDWIDTH=%.0f,AVERAGE-BANDWIDTH=%.0f,CODECS=\"%s\","
+      "RESOLUTION=%.0fx%d,FRAME-RATE=%.3f\n%s/%s\n",
+      std::ceil(most), std::ceil(all / length),
+      (format.video_codec + (format.sound.empty() ? "" : "," + format.sound_codec)).c_str(),
+      aspect_of(format) * format.height, format.height, frame_rate_of(rate.plan), rate.name.c_str(),
+      kPlaylist);
 }
 
 std::vector<Rate> plan_rates(const std::vector<std::string> &videos,

@@ -3,7 +3,6 @@
 
 #include "core/track-buffer.hpp"
 #include "film/pipeline.hpp"
-#include "interruption.hpp"
 #include "package/transport-stream.hpp"
 
 #include <gst/app/gstappsink.h>
@@ -20,32 +19,25 @@ constexpr char kPipeline[] =
 } // namespace
 
 std::vector<std::uint8_t> poster_of(const FilmFormat &format, const SegmentFrame &frame) {
-  GError *wrong = nullptr;
-  GstElement *made = gst_parse_launch(kPipeline, &wrong);
-  const ErrorPtr error(wrong);
-  const ElementPtr pipeline(made ? GST_ELEMENT(gst_object_ref_sink(made)) : nullptr);
-  if (error)
-    throw_error(messages::kPosterFails, error->message);
-  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
-  const ElementPtr out(gst_bin_get_by_name(GST_BIN(made), "out"));
-  const Running running(made, GST_STATE_PAUSED);
-  gst_app_src_push_buffer(GST_APP_SRC(in.get()),
-                          make_buffer(byte_stream_of(format, frame), 0, GST_SECOND).release());
-  gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
   try {
+    const ElementPtr pipeline = make_pipeline(kPipeline);
+    const ElementPtr in = element_in(pipeline.get(), "in");
+    const ElementPtr out = element_in(pipeline.get(), "out");
+    const Running running(pipeline.get(), GST_STATE_PAUSED);
+    gst_app_src_push_buffer(GST_APP_SRC(in.get()),
+                            make_buffer(byte_stream_of(format, frame), 0, GST_SECOND).release());
+    gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
     Flow none;
-    wait_for(made, GST_MESSAGE_ASYNC_DONE, [&] {
-      throw_if_interrupted();
-      none.check(messages::kFileStandsStill);
-    });
+    wait_for(pipeline.get(), GST_MESSAGE_ASYNC_DONE,
+             [&] { none.check(messages::kFileStandsStill); });
+    const SamplePtr sample(gst_app_sink_try_pull_preroll(GST_APP_SINK(out.get()), 0));
+    if (!sample)
+      throw TrackFileError("its frames are damaged");
+    const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
+    return {readable.bytes().begin(), readable.bytes().end()};
   } catch (const TrackFileError &failure) {
     throw_error(messages::kPosterFails, failure.what());
   }
-  const SamplePtr sample(gst_app_sink_try_pull_preroll(GST_APP_SINK(out.get()), 0));
-  if (!sample)
-    throw_error(messages::kPosterFails, "its frames are damaged");
-  const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
-  return {readable.bytes().begin(), readable.bytes().end()};
 }
 
 } // namespace haptic

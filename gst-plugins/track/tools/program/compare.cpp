@@ -84,7 +84,7 @@ std::optional<double> later_start(const FeltFile &a, const FeltFile &b) {
 std::string shift_text(const Comparison &result) {
   const double ms = 1e3 * result.shift;
   if (!result.is_start_known)
-    return "unknown, since only one of them has a video: compared where they fit best";
+    return "unknown, since nothing ties one of them to a video: compared where they fit best";
   if (ms == 0)
     return "none";
   return format_text("B is %.0f ms %s than A%s", std::abs(ms), ms > 0 ? "later" : "earlier",

@@ -22,7 +22,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <gst/gst.h>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -67,6 +69,7 @@ struct Arguments {
   std::optional<unsigned> chunk;
   unsigned chunks = 0;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+  double alpha = haptic::kDefaultAlpha; // s/px
 };
 
 // Reads a number from `least` to `most`. Returns false if the text is none.
@@ -75,28 +78,6 @@ bool read(const std::string &text, Number least, Number most, Number &value) {
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
   return end.ec == std::errc() && end.ptr == text.data() + text.size() && value >= least &&
          value <= most;
-}
-
-double parse_seconds(const std::string &option, const std::string &text) {
-  double value = 0;
-  if (!read(text, 0.0, 1e9, value))
-    throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
-  return value;
-}
-
-unsigned parse_count(const std::string &option, const std::string &text, unsigned least,
-                     unsigned most) {
-  unsigned value = 0;
-  if (!read(text, least, most, value))
-    throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
-  return value;
-}
-
-double parse_number(const std::string &option, const std::string &text, double least, double most) {
-  double value = 0;
-  if (!read(text, least, most, value))
-    throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
-  return value;
 }
 
 // Reads two numbers with this character between them. Returns false if the text is none.
@@ -123,6 +104,80 @@ haptic::Carriage parse_carriage(const std::string &text) {
   if (text != "ts" && text != "mp4" && text != "cmaf") // the name of mp4 before
     throw_error(messages::kCarriageIsUnknown, text.c_str());
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
+}
+
+// Takes the text of an option. Throws TrackFileError.
+using Setter = std::function<void(const std::string &option, const std::string &text)>;
+
+Setter word(std::string &value) {
+  return [&value](const std::string &, const std::string &text) { value = text; };
+}
+
+template <typename Value>
+Setter count(Value &value, unsigned least, unsigned most) {
+  return [=, &value](const std::string &option, const std::string &text) {
+    unsigned parsed = 0;
+    if (!read(text, least, most, parsed))
+      throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
+    value = parsed;
+  };
+}
+
+template <typename Value>
+Setter number(Value &value, double least, double most) {
+  return [=, &value](const std::string &option, const std::string &text) {
+    double parsed = 0;
+    if (!read(text, least, most, parsed))
+      throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
+    value = parsed;
+  };
+}
+
+Setter time(std::optional<double> &value) {
+  return [&value](const std::string &option, const std::string &text) {
+    if (!read(text, 0.0, 1e9, value.emplace()))
+      throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
+  };
+}
+
+std::map<std::string, bool *> flags_of(Arguments &arguments) {
+  return {{"--plan", &arguments.plan},         {"--merge", &arguments.merge},
+          {"--single", &arguments.single},     {"--force", &arguments.force},
+          {"--json", &arguments.compare.json}, {"--with-video", &arguments.with_video}};
+}
+
+std::map<std::string, Setter> setters_of(Arguments &all) {
+  return {
+      {"--output", word(all.author.folder)},
+      {"--stream", word(all.compare.stream)},
+      {"--layout", word(all.vibration.layout)},
+      {"--map", word(all.vibration.map)},
+      {"--hand", word(all.compare.hand)},
+      {"--plot", word(all.compare.plot)},
+      {"--chunk", count(all.chunk, 0, kMostSpans)},
+      {"--chunks", count(all.chunks, 1, kMostSpans)},
+      {"--jobs", count(all.jobs, 1, 1024)},
+      {"--columns", count(all.author.columns, haptic::kFewestColumns, haptic::kMostColumns)},
+      {"--from", time(all.compare.from)},
+      {"--to", time(all.compare.to)},
+      {"--at-most", number(all.compare.at_most, 0, 100)},
+      {"--offset", number(all.compare.offset, -1e6, 1e6)},
+      {"--shift", number(all.compare.shift, -2, 2)},
+      {"--alpha", number(all.alpha, 0.0001, 10)},
+      {"--max-force", number(all.compare.law.max_force, 0.01, haptic::kHighestForce)},
+      {"--hold", [&](auto &, auto &text) { read_hold(text, all.author.hold); }},
+      {"--carriage", [&](auto &, auto &text) { all.carriage = parse_carriage(text); }},
+      {"--place",
+       [&](auto &option, auto &text) {
+         if (!read_pair(text, ',', 0.0, 1.0, all.plot.x, all.plot.y))
+           throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
+       }},
+      {"--places",
+       [&](auto &option, auto &text) {
+         if (!read_pair(text, 'x', 1U, 32U, all.compare.columns, all.compare.rows))
+           throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
+       }},
+  };
 }
 
 // The help of the verb among these words, or else of all.
@@ -156,69 +211,10 @@ void check_options(const Arguments &arguments) {
       throw_error(messages::kOptionIsForeign, option.c_str(), verb.c_str());
 }
 
-// Returns what an option without a value sets, or null.
-bool *flag_of(const std::string &option, Arguments &arguments) {
-  return option == "--plan"         ? &arguments.plan
-         : option == "--merge"      ? &arguments.merge
-         : option == "--single"     ? &arguments.single
-         : option == "--force"      ? &arguments.force
-         : option == "--json"       ? &arguments.compare.json
-         : option == "--with-video" ? &arguments.with_video
-                                    : nullptr;
-}
-
-// Returns the text that an option sets, or null.
-std::string *text_of(const std::string &option, Arguments &arguments) {
-  return option == "--output"   ? &arguments.author.folder
-         : option == "--stream" ? &arguments.compare.stream
-         : option == "--layout" ? &arguments.vibration.layout
-         : option == "--map"    ? &arguments.vibration.map
-         : option == "--hand"   ? &arguments.compare.hand
-         : option == "--plot"   ? &arguments.compare.plot
-                                : nullptr;
-}
-
-// One with a value.
-void read_option(const std::string &option, const std::string &text, Arguments &arguments) {
-  haptic::CompareOptions &compare = arguments.compare;
-  if (std::string *const value = text_of(option, arguments))
-    *value = text;
-  else if (option == "--chunk")
-    arguments.chunk = parse_count(option, text, 0, kMostSpans);
-  else if (option == "--chunks")
-    arguments.chunks = parse_count(option, text, 1, kMostSpans);
-  else if (option == "--jobs")
-    arguments.jobs = parse_count(option, text, 1, 1024);
-  else if (option == "--columns")
-    arguments.author.columns =
-        parse_count(option, text, haptic::kFewestColumns, haptic::kMostColumns);
-  else if (option == "--hold")
-    read_hold(text, arguments.author.hold);
-  else if (option == "--carriage")
-    arguments.carriage = parse_carriage(text);
-  else if (option == "--from")
-    compare.from = parse_seconds(option, text);
-  else if (option == "--to")
-    compare.to = parse_seconds(option, text);
-  else if (option == "--at-most")
-    compare.at_most = parse_number(option, text, 0, 100);
-  else if (option == "--offset")
-    compare.offset = parse_number(option, text, -1e6, 1e6);
-  else if (option == "--shift")
-    compare.shift = parse_number(option, text, -2, 2);
-  else if (option == "--alpha")
-    arguments.vibration.alpha = compare.law.alpha = parse_number(option, text, 0.0001, 10);
-  else if (option == "--max-force")
-    compare.law.max_force = parse_number(option, text, 0.01, haptic::kHighestForce);
-  else if (option == "--place" &&
-           !read_pair(text, ',', 0.0, 1.0, arguments.plot.x, arguments.plot.y))
-    throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
-  else if (option == "--places" && !read_pair(text, 'x', 1U, 32U, compare.columns, compare.rows))
-    throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
-}
-
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
+  const auto flags = flags_of(arguments);
+  const auto setters = setters_of(arguments);
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     // "--name=value" is "--name value".
@@ -232,22 +228,22 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         arguments.command = word;
       else
         arguments.files.push_back(word);
-    } else {
-      arguments.options.push_back(word);
-      if (bool *const flag = has_value ? nullptr : flag_of(word, arguments)) {
-        *flag = true;
-        continue;
-      }
-      if (std::ranges::none_of(haptic::kUsageOfVerbs,
-                               [&](const auto &entry) { return explains(entry.second, word); }))
-        throw_error(messages::kOptionIsUnknown, word.c_str());
-      if (flag_of(word, arguments))
+    } else if (const auto flag = flags.find(word); flag != flags.end()) {
+      if (has_value)
         throw_error(messages::kOptionTakesNoValue, word.c_str());
+      *flag->second = true;
+      arguments.options.push_back(word);
+    } else {
+      const auto setter = setters.find(word);
+      if (setter == setters.end())
+        throw_error(messages::kOptionIsUnknown, word.c_str());
       if (!has_value && ++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
-      read_option(word, has_value ? words[i].substr(equals + 1) : words[i], arguments);
+      setter->second(word, has_value ? words[i].substr(equals + 1) : words[i]);
+      arguments.options.push_back(word);
     }
   }
+  arguments.vibration.alpha = arguments.compare.law.alpha = arguments.alpha;
   return arguments;
 }
 
@@ -407,7 +403,7 @@ void info(const std::string &path, const std::string &stream) {
   if (!track.samples.empty())
     info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
-    std::printf("  remark     %s\n", remark.c_str());
+    std::printf("  remark     %s\n", remark.text.c_str());
 }
 
 void check_may_be_written(const Arguments &arguments, const std::string &output) {
@@ -452,8 +448,7 @@ void convert(const Arguments &arguments) {
   }
   // A track beside its video begins with the video, whose copy in a recording begins later.
   const std::string &output = arguments.files[1];
-  const bool is_of_video = std::ranges::any_of(
-      track.beside, [](const std::string &caps) { return caps.starts_with("video/"); });
+  const bool is_of_video = track.film_begin != haptic::kNoTime;
   if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
     haptic::begin_at_zero(track);
   write(output, track, arguments.vibration);
@@ -469,9 +464,9 @@ void cut(const Arguments &arguments) {
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
     try {
-      haptic::print_remarks(arguments.files[0],
-                            haptic::cut_film(arguments.files[0], std::move(track), from, to,
-                                             arguments.files[1], haptic::throw_if_interrupted));
+      haptic::print_remarks(
+          arguments.files[0],
+          haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]));
     } catch (const TrackFileError &error) {
       throw TrackFileError(haptic::about(arguments.files[0], error.what()));
     }

@@ -21,44 +21,6 @@ void for_each_decoded(std::span<const CodedField> track, const Call &call) {
   }
 }
 
-// Returns those in [from, to) coded anew: they depended on some that are cut off. Their times begin
-// at 0.
-std::vector<CodedField> fields_anew(std::span<const CodedField> track, std::uint64_t from,
-                                    std::uint64_t to, std::uint8_t sequence) {
-  std::vector<CodedField> fields;
-  FieldEncoder encoder(kKeyInterval, sequence);
-  std::vector<std::uint8_t> things;
-  for_each_decoded<MotionCells>(
-      track, [&](const MotionField &field, std::uint64_t time, const CodedField *coded) {
-        if (time < from || time >= to)
-          return;
-        const bool has_others = coded && coded->things != things;
-        if (coded)
-          things = coded->things;
-        if (auto bytes = encoder.push(field, has_others))
-          fields.push_back({std::move(*bytes), time - from, kNoTime, FieldKind::motion, things});
-      });
-  return fields;
-}
-
-// The same of reliefs, which stay the same to the bit: none of them rests.
-std::vector<CodedField> reliefs_anew(std::span<const CodedField> track, std::uint64_t from,
-                                     std::uint64_t to, std::uint8_t sequence) {
-  std::vector<CodedField> reliefs;
-  ReliefDecoder decoder;
-  ReliefEncoder encoder(kKeyInterval, sequence);
-  for (const auto &coded : track)
-    if (decoder.push(coded.bytes) == ReliefDecoder::Result::field && coded.time >= from &&
-        coded.time < to)
-      reliefs.push_back({encoder.push_held(decoder.state(), false), coded.time - from,
-                         coded.duration, FieldKind::relief});
-  return reliefs;
-}
-
-std::uint8_t sequence_of(std::span<const std::uint8_t> bytes) {
-  return bytes[1]; // docs/formats/field-code.md
-}
-
 template <typename Cells>
 void append_with_keys(std::span<const CodedField> track, FieldKind kind,
                       std::span<const std::uint64_t> times, std::vector<CodedField> &all) {
@@ -98,24 +60,16 @@ void for_each_relief(std::span<const CodedField> track,
 
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to) {
-  // Fields before the first pair of key fields depend on fields that are cut off: they are coded
-  // anew.
-  const auto key = std::ranges::find_if(track, [&](const CodedField &coded) {
-    return coded.time >= from && begins_pair(coded.bytes);
-  });
-  const bool are_reliefs = !track.empty() && track.front().kind == FieldKind::relief;
-  const auto coded_anew = [&](std::uint8_t sequence) {
-    const std::span before(track.begin(), key);
-    return are_reliefs ? reliefs_anew(before, from, to, sequence)
-                       : fields_anew(before, from, to, sequence);
-  };
-  std::vector<CodedField> part = coded_anew(kFirstSequence);
-  // Their sequence numbers lead to that of the key field, so that none seems lost.
-  if (key != track.end() && !part.empty())
-    part = coded_anew(static_cast<std::uint8_t>(sequence_of(key->bytes) - part.size()));
-  for (const auto &coded : std::span(key, track.end()))
-    if (coded.time >= from && coded.time < to)
-      part.push_back({coded.bytes, coded.time - from, coded.duration, coded.kind, coded.things});
+  // Pairs of key fields stay where they are, beside the key frames of a film.
+  std::vector<std::uint64_t> keys = {from};
+  for (const auto &coded : track)
+    if (coded.time > from && begins_pair(coded.bytes))
+      keys.push_back(coded.time);
+  std::vector<CodedField> part = with_keys_at(track, keys);
+  std::erase_if(part,
+                [&](const CodedField &coded) { return coded.time < from || coded.time >= to; });
+  for (CodedField &coded : part)
+    coded.time -= from;
   return part;
 }
 

@@ -20,8 +20,8 @@ void for_each_field(std::span<const CodedField> track,
 void for_each_relief(std::span<const CodedField> track,
                      const std::function<void(const ReliefField &, std::uint64_t time)> &call);
 
-/// Returns the fields, or the reliefs, in [from, to) ns. Their times begin at 0, and the first one
-/// is a key field.
+/// Returns the fields, or the reliefs, in [from, to) ns, decoded cell for cell the same. Their
+/// times begin at 0, and the first one is a key field.
 std::vector<CodedField> cut_fields(std::span<const CodedField> track, std::uint64_t from,
                                    std::uint64_t to);
 

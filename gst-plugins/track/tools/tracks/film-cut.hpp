@@ -15,8 +15,8 @@ namespace haptic {
 /// It begins with the last key frame of the first video that is not behind `from` (ns), ends before
 /// the first one that is not before `to`, and its times begin at 0, or later by as much as a key
 /// frame is decoded before it is shown. Returns what was left out.
-/// Throws TrackFileError, and what `poll` throws: neither leaves anything behind.
-std::vector<std::string> cut_film(const std::string &path, TrackFile track, std::uint64_t from,
-                                  std::uint64_t to, const std::string &output, const Poll &poll);
+/// Throws TrackFileError, which leaves nothing behind.
+std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint64_t from,
+                             std::uint64_t to, const std::string &output);
 
 } // namespace haptic

@@ -21,8 +21,8 @@ void StreamTrack::push(const InputPacket &packet) {
 }
 
 void StreamTrack::report(const TrackProblem &problem) {
-  if (const char *remark = problems_.first_warning(problem.kind))
-    track_.remarks.emplace_back(remark);
+  if (const char *sentence = problems_.first_warning(problem.kind))
+    track_.remarks.push_back({problem.kind, sentence});
 }
 
 // Of the last sample or field. Its time is the sender's.

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/track-file.hpp"
 
+#include "core/track-buffer.hpp"
 #include "core/track-caps.hpp"
 #include "field-code/field-codec.hpp"
-#include "film/pipeline.hpp"
+#include "film/copied-stream.hpp"
+#include "film/film-streams.hpp"
 #include "forms/klv.hpp"
 #include "forms/text-line.hpp"
 #include "glue/gst-raii.hpp"
+#include "glue/segment-time.hpp"
 #include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-track.hpp"
@@ -57,11 +60,6 @@ bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-void count_remark(TrackFile &track, std::size_t count, const std::string &what) {
-  if (count > 0)
-    track.remarks.push_back(std::to_string(count) + " " + what);
-}
-
 // A unit of some bytes may last for hours, and containers have any size.
 bool is_too_long(const TrackFile &track) {
   return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
@@ -97,19 +95,21 @@ void read_bare_file(const std::string &path, TrackForm &form, bool has_lines, Tr
                problem.kind != TrackProblemKind::foreign_text)
         ++others;
       else if (++damaged <= kNamed)
-        track.remarks.push_back((has_lines ? "line " + std::to_string(line) : "damaged") + ": " +
-                                problem.details);
+        track.remarks.push_back(
+            has_lines ? remark(FileRemark::damaged_line, line, problem.details.c_str())
+                      : remark(FileRemark::damaged_set, problem.details.c_str()));
     if (damaged > kMostDamaged && !has_lines)
       throw_error(messages::kTrackFileIsDamaged, path.c_str());
   }
   if (damaged > kNamed)
-    count_remark(track, damaged - kNamed, "further ones were left out");
-  count_remark(track, others, "sets of other origin, version or kind were passed over");
+    track.remarks.push_back(remark(FileRemark::further_damage, damaged - kNamed));
+  if (others > 0)
+    track.remarks.push_back(remark(FileRemark::other_sets, others));
 }
 
-void add_left_out(TrackFile &track, const std::string &what) {
+void add_unsupported(TrackFile &track, const std::string &what) {
   if (!what.empty())
-    track.remarks.push_back("left out: " + what);
+    track.remarks.push_back(remark(FileRemark::unsupported, what.c_str()));
 }
 
 void read_hmpg_file(const std::string &path, TrackFile &track) {
@@ -117,8 +117,8 @@ void read_hmpg_file(const std::string &path, TrackFile &track) {
   HmpgDecoder decoder;
   const auto append = [&](std::size_t at, HmpgDecoder::Result result) {
     if (!result.problem.empty())
-      track.remarks.push_back("unit at byte " + std::to_string(at) + ": " + result.problem);
-    add_left_out(track, result.unsupported);
+      track.remarks.push_back(remark(FileRemark::damaged_unit, at, result.problem.c_str()));
+    add_unsupported(track, result.unsupported);
     std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
     check_length(path, track);
   };
@@ -128,9 +128,7 @@ void read_hmpg_file(const std::string &path, TrackFile &track) {
     const auto header = read_unit_header(rest);
     const std::size_t size = header ? kUnitHeaderSize + header->length : 0;
     if (!header || size > rest.size()) {
-      track.remarks.push_back("byte " + std::to_string(at) + ": " +
-                              (header ? "the last unit is cut off" : "this is no unit") +
-                              "; the rest was left out");
+      track.remarks.push_back(remark(header ? FileRemark::cut_unit : FileRemark::no_unit, at));
       break;
     }
     append(at, decoder.push(rest.first(size), kNoTime));
@@ -144,36 +142,17 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (!read.error.empty())
     throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
-  add_left_out(track, read.unsupported);
+  add_unsupported(track, read.unsupported);
   track.samples = std::move(read.samples);
 }
 
 // Returns the type of a stream, and the size of its frames, for people to read.
 std::string text_of(GstPad *pad) {
-  const CapsPtr caps(gst_pad_get_current_caps(pad));
-  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
-  gint width = 0;
-  gint height = 0;
-  std::string text = gst_structure_get_name(structure);
-  if (gst_structure_get_int(structure, "width", &width) &&
-      gst_structure_get_int(structure, "height", &height))
-    text += ", " + std::to_string(width) + " x " + std::to_string(height);
-  return text;
+  const CapsPtr caps = caps_of(pad);
+  const auto [width, height] = size_in(caps.get());
+  return width > 0 ? format_text("%s, %d x %d", name_of(caps.get()), width, height)
+                   : name_of(caps.get());
 }
-
-// The streams of a container. `sink` gets the track: the first stream that begins with a sample of
-// this project. Other streams, other KLV and subtitles too, go to fakesinks.
-struct Container {
-  GstElement *pipeline = nullptr;
-  ElementPtr sink;
-  std::atomic<bool> has_track = false;
-  TrackFile *track = nullptr;
-  std::string wanted;  // the only stream that is the track, or empty
-  gint film_width = 0; // px, 0: not known
-  gint film_height = 0;
-  std::atomic<GstClockTime> film_begin = GST_CLOCK_TIME_NONE; // stream times
-  std::atomic<GstClockTime> film_end = 0;
-};
 
 } // namespace
 
@@ -196,43 +175,48 @@ bool has_reliefs(GstBuffer *buffer) {
   return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
 }
 
+// A container, whose streams are known one after another. `sink` gets the track: the first stream
+// that begins with a sample of this project. Other streams, other KLV and subtitles too, go to
+// fakesinks.
+struct Container {
+  const std::string &wanted; // the only stream that is the track, or empty
+  TrackFile &track;
+  ElementPtr sink = make_element("appsink");
+  std::atomic<bool> has_track = false;
+  FrameSize film_size;
+  std::atomic<GstClockTime> film_begin = GST_CLOCK_TIME_NONE; // stream times
+  std::atomic<GstClockTime> film_end = 0;
+  FilePipeline file; // ends first: its threads use the rest
+};
+
 // Once a stream turns out to be the track, its pad is linked to `sink` and its fakesink goes.
 GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
   auto &container = *static_cast<Container *>(data);
   if (!is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
     return GST_PAD_PROBE_OK;
   const GCharPtr name(gst_pad_get_name(pad));
-  auto &beside = container.track->beside; // another stream may have the same caps
+  auto &beside = container.track.beside; // another stream may have the same caps
   if (const auto entry = std::ranges::find(beside, text_of(pad)); entry != beside.end())
     beside.erase(entry);
   if (container.has_track || (!container.wanted.empty() && container.wanted != name.get())) {
-    container.track->others.emplace_back(name.get());
+    container.track.others.emplace_back(name.get());
     if (has_reliefs(GST_PAD_PROBE_INFO_BUFFER(info)))
-      container.track->surfaces.emplace_back(name.get());
+      container.track.surfaces.emplace_back(name.get());
     return GST_PAD_PROBE_REMOVE;
   }
   const PadPtr before(gst_pad_get_peer(pad));
   const ElementPtr fakesink(gst_pad_get_parent_element(before.get()));
   gst_pad_unlink(pad, before.get());
+  // The pipeline may be changing its state and with it those of what is in it.
+  gst_element_set_locked_state(fakesink.get(), TRUE);
   gst_element_set_state(fakesink.get(), GST_STATE_NULL);
-  gst_bin_remove(GST_BIN(container.pipeline), fakesink.get());
-  gst_bin_add(GST_BIN(container.pipeline), container.sink.get());
+  gst_bin_remove(GST_BIN(container.file.get()), fakesink.get());
+  gst_bin_add(GST_BIN(container.file.get()), container.sink.get());
   gst_element_sync_state_with_parent(container.sink.get());
-  const PadPtr sink(gst_element_get_static_pad(container.sink.get(), "sink"));
-  gst_pad_link(pad, sink.get());
-  container.track->stream = name.get();
+  gst_pad_link(pad, PadPtr(gst_element_get_static_pad(container.sink.get(), "sink")).get());
+  container.track.stream = name.get();
   container.has_track = true;
   return GST_PAD_PROBE_REMOVE;
-}
-
-GstPadProbeReturn watch_film(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  const GstClockTime time = stream_time_of(pad, GST_PAD_PROBE_INFO_BUFFER(info));
-  auto &container = *static_cast<Container *>(data);
-  if (GST_CLOCK_TIME_IS_VALID(time)) {
-    container.film_begin = std::min<GstClockTime>(container.film_begin, time);
-    container.film_end = std::max<GstClockTime>(container.film_end, time);
-  }
-  return GST_PAD_PROBE_OK;
 }
 
 void link_stream(GstElement *, GstPad *pad, gpointer data) {
@@ -240,29 +224,22 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   const CapsPtr caps(gst_pad_get_current_caps(pad));
   if (!caps)
     return;
-  container.track->beside.push_back(text_of(pad));
-  GstElement *sink = gst_element_factory_make("fakesink", nullptr);
-  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
-  gst_bin_add(GST_BIN(container.pipeline), sink);
-  gst_element_sync_state_with_parent(sink);
-  const PadPtr to(gst_element_get_static_pad(sink, "sink"));
-  gst_pad_link(pad, to.get());
-  const GstStructure *structure = gst_caps_get_structure(caps.get(), 0);
-  if (gst_structure_has_name(structure, HAPTIC_KLV_TYPE) ||
-      gst_structure_has_name(structure, HAPTIC_TEXT_TYPE))
+  container.track.beside.push_back(text_of(pad));
+  gst_element_sync_state_with_parent(read_to_end(container.file.get(), pad));
+  const std::string_view type = name_of(caps.get());
+  if (type == HAPTIC_KLV_TYPE || type == HAPTIC_TEXT_TYPE)
     gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, find_track, &container, nullptr);
-  const std::string_view type = gst_structure_get_name(structure);
   if (!type.starts_with("video/") && !type.starts_with("image/"))
     return;
-  gst_structure_get_int(structure, "width", &container.film_width);
-  gst_structure_get_int(structure, "height", &container.film_height);
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, watch_film, &container, nullptr);
+  container.film_size = size_in(caps.get());
+  watch_buffers(pad, [&container](GstPad *video, GstBuffer *frame) {
+    const GstClockTime time = stream_time_of(video, frame);
+    if (!GST_CLOCK_TIME_IS_VALID(time))
+      return;
+    container.film_begin = std::min<GstClockTime>(container.film_begin, time);
+    container.film_end = std::max<GstClockTime>(container.film_end, time);
+  });
 }
-
-struct FrameSize {
-  gint width = 0; // px, 0: not known
-  gint height = 0;
-};
 
 template <typename Cells>
 FrameSize frame_size_of(const CodedField &coded) {
@@ -292,15 +269,14 @@ void compare_with_film(const Container &container, TrackFile &track) {
       track.fields.empty() ? track.samples.back().time : track.fields.back().time;
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
-        format_text(messages::kTrackIsLonger, seconds(end - container.film_end)));
-  const auto [width, height] = frame_size_of(track);
-  if (width <= 0 || container.film_width <= 0)
-    return;
+        remark(FileRemark::longer_than_film, seconds(end - container.film_end)));
+  const FrameSize own = frame_size_of(track);
+  const FrameSize film = container.film_size;
   // Of a film that lies on its side, author measures the upright frame.
-  const bool is_turned = width == container.film_height && height == container.film_width;
-  if (!is_turned && (width != container.film_width || height != container.film_height))
-    track.remarks.push_back(format_text(messages::kTrackHasOtherFrame, width, height,
-                                        container.film_width, container.film_height));
+  const bool is_turned = own == FrameSize{film.height, film.width};
+  if (own.width > 0 && film.width > 0 && own != film && !is_turned)
+    track.remarks.push_back(
+        remark(FileRemark::other_frame, own.width, own.height, film.width, film.height));
 }
 
 void push_sample(GstSample *sample, StreamTrack &track) {
@@ -309,45 +285,32 @@ void push_sample(GstSample *sample, StreamTrack &track) {
   if (!readable)
     return;
   track.push({readable.bytes(),
-              gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
-                                         GST_BUFFER_PTS(buffer)),
+              stream_time_of(*gst_sample_get_segment(sample), GST_BUFFER_PTS(buffer)),
               GST_BUFFER_DURATION(buffer)});
 }
 
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
                     TrackFile &track, const std::string &wanted) {
-  const ElementPtr pipeline = make_pipeline();
-  GstElement *source = add_element(pipeline.get(), "filesrc");
-  GstElement *demux = add_element(pipeline.get(), demuxer);
-  const ElementPtr sink = make_element("appsink");
-  g_object_set(source, "location", path.c_str(), nullptr);
-  g_object_set(sink.get(), "sync", FALSE, "async", FALSE, nullptr);
-  gst_element_link(source, demux);
-  Container container;
-  container.pipeline = pipeline.get();
-  container.sink.reset(GST_ELEMENT(gst_object_ref(sink.get())));
-  container.track = &track;
-  container.wanted = wanted;
+  Container container{.wanted = wanted, .track = track, .file = {path, demuxer}};
+  GstElement *pipeline = container.file.get();
+  GstAppSink *sink = GST_APP_SINK(container.sink.get());
+  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
   StreamTrack stream(std::move(form), track);
-  g_signal_connect(demux, "pad-added", G_CALLBACK(link_stream), &container);
-  Flow flow;
-  flow.watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
+  g_signal_connect(container.file.reader(), "pad-added", G_CALLBACK(link_stream), &container);
   const auto pull = [&] {
-    while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(GST_APP_SINK(sink.get()), 0)))
+    while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(sink, 0)))
       push_sample(sample.get(), stream);
+    check_length(path, track);
   };
   std::string failure;
   try {
-    const Running running(pipeline.get());
-    wait_for(pipeline.get(), GST_MESSAGE_EOS, [&] {
-      pull();
-      check_length(path, track);
-      flow.check(messages::kFileStandsStill);
-    });
+    const Running running(pipeline);
+    container.file.run(GST_STATE_PLAYING, GST_MESSAGE_EOS, messages::kFileStandsStill, pull);
     pull();
   } catch (const TrackFileError &error) {
     failure = error.what();
   }
+  throw_if_interrupted();
   stream.finish();
   track.film_begin = container.film_begin;
   check_length(path, track);
@@ -361,7 +324,7 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   if (!failure.empty() && track.empty())
     throw TrackFileError(about(path, failure));
   if (!failure.empty())
-    track.remarks.push_back("the file ends early: " + failure);
+    track.remarks.push_back(remark(FileRemark::ends_early, failure.c_str()));
   compare_with_film(container, track);
 }
 
@@ -384,31 +347,15 @@ std::string bytes_of(const TrackFile &track, const std::string &ending) {
       append(unit.bytes);
     return bytes;
   }
-  for (const auto &sample : samples)
+  const auto write = [&](const auto &one) {
     if (ending == ".klv")
-      append(write_klv(sample));
+      append(write_klv(one));
     else
-      bytes += write_text_line(sample) + "\n";
-  for (const auto &field : track.coded())
-    if (ending == ".klv")
-      append(write_klv(field));
-    else
-      bytes += write_text_line(field) + "\n";
+      bytes += write_text_line(one) + "\n";
+  };
+  std::ranges::for_each(samples, write);
+  std::ranges::for_each(track.coded(), write);
   return bytes;
-}
-
-struct BufferTimes {
-  std::uint64_t time = 0;
-  std::uint64_t duration = 0;
-};
-
-void push(GstElement *in, std::span<const std::uint8_t> bytes, BufferTimes times, guint flags) {
-  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
-  gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
-  GST_BUFFER_PTS(buffer) = times.time;
-  GST_BUFFER_DURATION(buffer) = times.duration;
-  GST_BUFFER_FLAG_SET(buffer, flags);
-  gst_app_src_push_buffer(GST_APP_SRC(in), buffer);
 }
 
 const char *caps_of_track(bool is_coded) {
@@ -457,8 +404,7 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   track.reliefs.assign(reliefs, track.fields.end());
   track.fields.erase(reliefs, track.fields.end());
   if (!track.samples.empty() && !track.fields.empty()) {
-    count_remark(track, track.samples.size(),
-                 "samples of one point beside the fields were left out");
+    track.remarks.push_back(remark(FileRemark::points_beside_fields, track.samples.size()));
     track.samples.clear();
   }
   return track;
@@ -467,41 +413,40 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
 void leave_reliefs_out(const std::string &path, TrackFile &track) {
   if (track.empty() || track.reliefs.empty())
     return;
-  print_remark(path,
-               std::to_string(track.reliefs.size()) + " reliefs beside the motion were left out");
+  print_remark(path, remark(FileRemark::reliefs_beside_motion, track.reliefs.size()));
   track.reliefs.clear();
 }
 
-void begin_at_zero(TrackFile &track) {
-  const auto shift = [](auto &all) {
-    std::uint64_t first = kNoTime;
-    for (const auto &one : all)
-      first = std::min(first, one.time);
-    for (auto &one : all)
-      one.time -= first;
+TrackTimes times_of(const TrackFile &track) {
+  TrackTimes times;
+  const auto widen = [&](const auto &one) {
+    times.first = std::min(times.first, one.time);
+    times.last = std::max(times.last, one.time);
   };
-  shift(track.samples);
-  shift(track.fields);
+  std::ranges::for_each(track.samples, widen);
+  std::ranges::for_each(track.coded(), widen);
+  return times;
+}
+
+void begin_at_zero(TrackFile &track) {
+  const std::uint64_t first = times_of(track).first;
+  for (auto &sample : track.samples)
+    sample.time -= first;
+  for (auto &field : track.fields)
+    field.time -= first;
 }
 
 void play_track(const std::string &path, const TrackFile &track, const std::string &line,
                 const std::function<void(GstElement *pipeline)> &prepare) {
-  GError *wrong = nullptr;
-  const std::string whole = "appsrc name=in format=time caps=\"" +
-                            std::string(caps_of_track(!track.coded().empty())) +
-                            "\" ! hapticconvert ! " + line;
-  GstElement *made = gst_parse_launch(whole.c_str(), &wrong);
-  const ErrorPtr error(wrong);
-  const ElementPtr pipeline(made);
-  if (!made || error)
-    throw_error("\"%s\": %s", path.c_str(), error ? error->message : "unknown");
-  const ElementPtr in(gst_bin_get_by_name(GST_BIN(made), "in"));
+  const ElementPtr pipeline = make_pipeline("appsrc name=in format=time caps=\"" +
+                                            std::string(caps_of_track(!track.coded().empty())) +
+                                            "\" ! hapticconvert ! " + line);
   if (prepare)
-    prepare(made);
+    prepare(pipeline.get());
   try {
-    const Running running(made);
-    push_track(in.get(), track);
-    wait_for(made, GST_MESSAGE_EOS, throw_if_interrupted);
+    const Running running(pipeline.get());
+    push_track(element_in(pipeline.get(), "in").get(), track);
+    wait_for(pipeline.get(), GST_MESSAGE_EOS);
   } catch (const TrackFileError &failure) {
     throw TrackFileError(is_interrupted() ? failure.what() : about(path, failure.what()));
   }
@@ -511,7 +456,7 @@ void write_container(const std::string &path, const TrackFile &track, const std:
                      const std::function<void(GstElement *pipeline)> &prepare) {
   PartFile part(path + ".part");
   play_track(path, track, line + " ! filesink name=out", [&](GstElement *pipeline) {
-    const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+    const ElementPtr out = element_in(pipeline, "out");
     g_object_set(out.get(), "location", part.path().c_str(), nullptr);
     if (prepare)
       prepare(pipeline);
@@ -538,12 +483,19 @@ void write_track_file(const std::string &path, const TrackFile &track) {
 }
 
 void push_track(GstElement *in, const TrackFile &track) {
-  for (const auto &sample : track.samples)
-    push(in, pack_motion_sample(sample.motion), {sample.time, sample.duration}, 0);
+  GstAppSrc *to = GST_APP_SRC(in);
+  for (const auto &[motion, time, duration] : track.samples)
+    gst_app_src_push_buffer(to, make_buffer(pack_motion_sample(motion), time, duration).release());
   for (const auto &field : track.coded())
-    push(in, write_klv(field), {field.time, field.duration},
-         is_key_field(field.bytes) ? 0 : GST_BUFFER_FLAG_DELTA_UNIT);
-  gst_app_src_end_of_stream(GST_APP_SRC(in));
+    gst_app_src_push_buffer(to, make_field_buffer(field, field.time, field.duration).release());
+  gst_app_src_end_of_stream(to);
+}
+
+BufferPtr make_field_buffer(const CodedField &field, GstClockTime time, GstClockTime duration) {
+  BufferPtr buffer = make_buffer(write_klv(field), time, duration);
+  if (!is_key_field(field.bytes))
+    GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_DELTA_UNIT);
+  return buffer;
 }
 
 void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "core/track-sample.hpp"
+#include "glue/gst-raii.hpp"
 #include "track-error.hpp"
+#include "tracks/track-remark.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -24,10 +26,10 @@ struct TrackFile {
   std::vector<std::string> surfaces;  ///< those of `others` that hold reliefs
   std::vector<std::string> beside;    ///< caps of the other streams in the file
   std::uint64_t film_begin = kNoTime; ///< ns, of the first frame of the video beside it
-  std::vector<std::string> remarks;   ///< what was left out, and why
-  std::vector<TrackSample> samples;   ///< with times; or else
-  std::vector<CodedField> fields;     ///< of motion, with times
-  std::vector<CodedField> reliefs;    ///< with times
+  std::vector<Remark> remarks;
+  std::vector<TrackSample> samples; ///< with times; or else
+  std::vector<CodedField> fields;   ///< of motion, with times
+  std::vector<CodedField> reliefs;  ///< with times
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
@@ -43,6 +45,13 @@ TrackFile read_track_file(const std::string &path, const std::string &stream = {
 
 /// Removes the reliefs beside motion, and says so on the standard error.
 void leave_reliefs_out(const std::string &path, TrackFile &track);
+
+/// ns; of a track that holds nothing as they stand here.
+struct TrackTimes {
+  std::uint64_t first = kNoTime;
+  std::uint64_t last = 0;
+};
+TrackTimes times_of(const TrackFile &track);
 
 /// Subtracts the least time from all.
 void begin_at_zero(TrackFile &track);
@@ -66,6 +75,9 @@ void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);
 
 /// Returns whether the buffer begins with a sample or field of this project.
 bool is_own_track(GstBuffer *buffer);
+
+/// Returns a field as KLV.
+BufferPtr make_field_buffer(const CodedField &field, GstClockTime time, GstClockTime duration);
 
 /// Pushes the track into an appsrc that runs, and its end.
 void push_track(GstElement *in, const TrackFile &track);

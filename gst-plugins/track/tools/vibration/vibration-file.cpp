@@ -6,7 +6,6 @@
 #include "seconds.hpp"
 #include "vibration/ahap.hpp"
 
-#include <algorithm>
 #include <gst/app/gstappsink.h>
 
 namespace haptic {
@@ -16,54 +15,56 @@ constexpr double kLongest = 27 * 3600;    // s, as of a track that is read
 constexpr double kMostBytes = 4294901760; // of .wav, whose sizes have 32 bits
 
 double length_of(const TrackFile &track) {
-  std::uint64_t first = kNoTime;
-  std::uint64_t last = 0;
-  const auto widen = [&](const auto &all) {
-    for (const auto &one : all) {
-      first = std::min(first, one.time);
-      last = std::max(last, one.time);
-    }
-  };
-  widen(track.samples);
-  widen(track.fields);
-  return seconds(last - first);
+  const TrackTimes times = times_of(track);
+  return seconds(times.last - times.first);
 }
 
-struct SoundLimit {
-  std::string path;
-  double length; // s
-};
-
-// Before the first byte is written.
-GstPadProbeReturn refuse_large(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  const auto &limit = *static_cast<const SoundLimit *>(data);
-  const GstCaps *caps = caps_in(GST_PAD_PROBE_INFO_EVENT(info));
-  if (!caps)
-    return GST_PAD_PROBE_OK;
-  gint rate = 0;
-  gint channels = 0;
-  gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate);
-  gst_structure_get_int(gst_caps_get_structure(caps, 0), "channels", &channels);
-  const double fits = kMostBytes / (4.0 * rate * channels); // s, floats
-  if (limit.length <= fits)
-    return GST_PAD_PROBE_OK;
-  const ElementPtr array(gst_pad_get_parent_element(pad));
-  GST_ELEMENT_ERROR(array.get(), RESOURCE, NO_SPACE_LEFT,
-                    (messages::kSoundIsTooLarge, limit.path.c_str(),
-                     static_cast<unsigned>(channels), fits / 60, limit.length / 60),
-                    (nullptr));
-  return GST_PAD_PROBE_DROP;
+// Returns the hapticarray of a pipeline with its properties set: not in the text of the pipeline,
+// where a word with "!" would be another element.
+ElementPtr array_of(GstElement *pipeline, const TrackFile &track, const VibrationOptions &options) {
+  ElementPtr array = element_in(pipeline, "array");
+  GParamSpec *map = g_object_class_find_property(G_OBJECT_GET_CLASS(array.get()), "map");
+  GEnumClass *words = G_PARAM_SPEC_ENUM(map)->enum_class;
+  const GEnumValue *chosen = g_enum_get_value_by_nick(words, options.map.c_str());
+  if (!chosen) {
+    std::string known;
+    for (guint i = 0; i < words->n_values; ++i)
+      known += (i == 0 ? "" : ", ") + std::string(words->values[i].value_nick);
+    throw_error(messages::kMapIsUnknown, known.c_str(), options.map.c_str());
+  }
+  if (options.map == "field" && track.fields.empty())
+    throw_error(messages::kMapNeedsFields);
+  g_object_set(array.get(), "map", chosen->value, "alpha", options.alpha, "layout",
+               options.layout.c_str(), nullptr);
+  return array;
 }
 
 void write_sound(const std::string &path, const TrackFile &track, const VibrationOptions &options) {
-  SoundLimit limit{path, length_of(track)};
+  const double length = length_of(track); // s
+  // Before the first byte is written.
+  const auto refuse_large = [&](GstPad *pad, GstEvent *event) {
+    const GstCaps *caps = caps_in(event);
+    if (!caps)
+      return true;
+    gint rate = 0;
+    gint channels = 0;
+    gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate);
+    gst_structure_get_int(gst_caps_get_structure(caps, 0), "channels", &channels);
+    const double fits = kMostBytes / (4.0 * rate * channels); // s, floats
+    if (length <= fits)
+      return true;
+    const ElementPtr array(gst_pad_get_parent_element(pad));
+    GST_ELEMENT_ERROR(array.get(), RESOURCE, NO_SPACE_LEFT,
+                      (messages::kSoundIsTooLarge, path.c_str(), static_cast<unsigned>(channels),
+                       fits / 60, length / 60),
+                      (nullptr));
+    return false;
+  };
   write_container(path, track, "haptics/x-raw ! hapticarray name=array ! wavenc",
                   [&](GstElement *pipeline) {
-                    const ElementPtr array(gst_bin_get_by_name(GST_BIN(pipeline), "array"));
-                    set_vibration(array.get(), options, !track.fields.empty());
+                    const ElementPtr array = array_of(pipeline, track, options);
                     const PadPtr out(gst_element_get_static_pad(array.get(), "src"));
-                    gst_pad_add_probe(out.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, refuse_large,
-                                      &limit, nullptr);
+                    watch_events(out.get(), refuse_large);
                   });
 }
 
@@ -88,9 +89,8 @@ std::string ahap_of(const std::string &path, const TrackFile &track, VibrationOp
              "haptics/x-raw ! hapticarray name=array ! audio/x-raw,rate=" + std::to_string(kRate) +
                  " ! appsink name=out sync=false",
              [&](GstElement *pipeline) {
-               const ElementPtr array(gst_bin_get_by_name(GST_BIN(pipeline), "array"));
-               set_vibration(array.get(), options, !track.fields.empty());
-               const ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline), "out"));
+               array_of(pipeline, track, options);
+               const ElementPtr out = element_in(pipeline, "out");
                GstAppSinkCallbacks callbacks = {};
                callbacks.new_sample = measure;
                gst_app_sink_set_callbacks(GST_APP_SINK(out.get()), &callbacks, &meter, nullptr);

@@ -3,12 +3,19 @@
 // telephones.
 #pragma once
 
+#include "samples/force-defaults.hpp"
 #include "tracks/track-file.hpp"
-#include "vibration/vibration.hpp"
 
 #include <string>
 
 namespace haptic {
+
+/// The options of hapticarray.
+struct VibrationOptions {
+  std::string layout = "back-3x4"; ///< name or path, as hapticarray reads it
+  std::string map = "stroke";      ///< one of the words of hapticarray's map
+  double alpha = kDefaultAlpha;    ///< s/px
+};
 
 /// Returns whether the ending is .wav or .ahap.
 bool is_vibration_file(const std::string &path);

@@ -3,8 +3,11 @@
 
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
+#include "interruption.hpp"
 #include "track-pipeline.hpp"
+#include "tracks/track-file.hpp"
 
+#include <csignal>
 #include <gtest/gtest.h>
 #include <string>
 
@@ -48,6 +51,17 @@ void find_silent(GstTypeFind *find, gpointer) {
                                  nullptr);
 }
 
+// Returns what the work throws.
+template <typename Work>
+std::string error_of(const Work &work) {
+  try {
+    work();
+  } catch (const haptic::TrackFileError &error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
 // A film that is read at once, and whose frames then take half a second each.
 void play_slowly(bool watched) {
   const test::ScratchFolder folder;
@@ -55,7 +69,7 @@ void play_slowly(bool watched) {
   test::run("videotestsrc num-buffers=10 ! video/x-raw,width=64,height=48,framerate=10/1 "
             "! jpegenc ! matroskamux ! filesink location=" +
             path);
-  haptic::FilmStreams film(path, haptic::FilmUse::decode, [] {});
+  haptic::FilmStreams film(path, haptic::FilmUse::decode);
   GstElement *queue = haptic::add_queue(film.pipeline(), 1 << 20);
   GstElement *slow = haptic::add_element(film.pipeline(), "identity");
   GstElement *sink = haptic::add_element(film.pipeline(), "fakesink");
@@ -67,7 +81,7 @@ void play_slowly(bool watched) {
   const haptic::PadPtr end(gst_element_get_static_pad(sink, "sink"));
   if (watched)
     film.watch(end.get());
-  film.play([] {}, 2 * GST_SECOND);
+  film.play({}, 2 * GST_SECOND);
 }
 
 TEST(FilmStreams, WorkThatGoesOnWhenAllIsReadIsProgress) {
@@ -86,14 +100,23 @@ TEST(FilmStreams, AFileFromWhichNothingComesIsRefused) {
   const test::ScratchFolder folder;
   const std::string path = folder.file("film.silent");
   std::ofstream(path) << "silent" << std::string(10'000, 'x');
-  try {
-    const haptic::FilmStreams film(
-        path, haptic::FilmUse::copy, [] {}, GST_SECOND);
-    FAIL() << "it was opened";
-  } catch (const haptic::TrackFileError &error) {
-    EXPECT_EQ(std::string(error.what()),
-              haptic::format_text(haptic::messages::kFileStandsStill, 1));
-  }
+  EXPECT_EQ(error_of([&] { haptic::FilmStreams(path, haptic::FilmUse::copy, GST_SECOND); }),
+            haptic::format_text(haptic::messages::kFileStandsStill, 1));
+}
+
+// The last one: the process stays interrupted.
+TEST(FilmStreams, AnInterruptionEndsTheReadingOfFilmsAndTracks) {
+  gst_init(nullptr, nullptr);
+  if (!test::has_elements({"jpegenc", "matroskamux"}))
+    GTEST_SKIP() << "an element is missing";
+  const test::ScratchFolder folder;
+  const std::string path = folder.file("film.mkv");
+  test::run("videotestsrc num-buffers=1 ! jpegenc ! matroskamux ! filesink location=" + path);
+  haptic::stop_when_interrupted();
+  ASSERT_EQ(std::raise(SIGTERM), 0);
+  EXPECT_EQ(error_of([&] { haptic::FilmStreams(path, haptic::FilmUse::copy); }),
+            haptic::messages::kWorkIsInterrupted);
+  EXPECT_EQ(error_of([&] { haptic::read_track_file(path); }), haptic::messages::kWorkIsInterrupted);
 }
 
 } // namespace

@@ -10,7 +10,6 @@
 
 namespace {
 
-using haptic::compare_signals;
 using haptic::Comparison;
 using haptic::Force;
 using haptic::ForceSignal;
@@ -36,6 +35,10 @@ ForceSignal gusts(unsigned seed) {
     }
   std::fill_n(signal.forces.begin() + 4000, 1000, Force{});
   return signal;
+}
+
+Comparison compare_signals(std::size_t places, const haptic::SignalsAt &signals_at) {
+  return haptic::compare_at(haptic::best_shift(places, signals_at), places, signals_at);
 }
 
 Comparison compare(const ForceSignal &a, const ForceSignal &b) {

@@ -39,6 +39,11 @@ void expect_times(const TrackFile &track, std::uint64_t first) {
         << i;
 }
 
+void expect_one_remark(const TrackFile &track, haptic::TrackProblemKind kind) {
+  ASSERT_EQ(track.remarks.size(), 1U);
+  EXPECT_EQ(std::get<haptic::TrackProblemKind>(track.remarks[0].kind), kind);
+}
+
 TEST(StreamTrack, TimeStampsAreTheTimes) {
   const TrackFile track = track_without(0, 0, 100);
   ASSERT_EQ(track.samples.size(), 100U);
@@ -58,14 +63,14 @@ TEST(StreamTrack, PacketsBetweenTimeStampsGetTheirsAndItIsSaid) {
   const TrackFile track = track_without(20, 80, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 5 * kSecond);
-  EXPECT_EQ(track.remarks, std::vector<std::string>{haptic::messages::kTrackHasNoTimes});
+  expect_one_remark(track, haptic::TrackProblemKind::without_time);
 }
 
 TEST(StreamTrack, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
   const TrackFile track = track_without(0, 100, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 0);
-  EXPECT_EQ(track.remarks, std::vector<std::string>{haptic::messages::kTrackIsUntied});
+  expect_one_remark(track, haptic::TrackProblemKind::untied);
 }
 
 } // namespace

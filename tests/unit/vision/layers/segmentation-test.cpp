@@ -16,7 +16,7 @@ TEST(Segmentation, TheShareOfTheBackgroundIsWhatTheLeafDoesNotCover) {
   const auto frame = test::prepared(scene.draw(kCropSide, kCropSide, {}, {0.3, 0.6}));
   const auto segmentation = std::make_unique<haptic::Segmentation>();
   segmentation->find_luma(frame, frame.flat, kCropSize);
-  segmentation->divide(frame, 0, kCropSize);
+  segmentation->divide(frame, 0, 1, kCropSize);
   double covered = 0;
   double found = 0;
   for (int y = 0; y < kCropSide; ++y)
@@ -36,7 +36,7 @@ TEST(Segmentation, WithoutABackgroundThereIsNoShareOfIt) {
   none.values.fill(0);
   const auto segmentation = std::make_unique<haptic::Segmentation>();
   segmentation->find_luma(frame, none, kCropSize);
-  segmentation->divide(frame, 0, kCropSize);
+  segmentation->divide(frame, 0, 1, kCropSize);
   for (int i = 0; i < kCropSide; ++i)
     EXPECT_EQ(segmentation->share().at(i, i), 0);
 }

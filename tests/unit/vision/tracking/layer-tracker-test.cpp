@@ -121,6 +121,37 @@ TEST_F(LayerTrackerTest, AChangeOfLightIsNoMotion) {
   EXPECT_LT(error / speed, 0.25);
 }
 
+// Between its blades a meadow is flat, and as bright as they are on average. Waves run through it.
+TEST_F(LayerTrackerTest, TheFlatPartsOfAMeadowMoveWithIt) {
+  constexpr int kBladesFrom = 105; // grey levels of the texture that says where they are
+  constexpr int kBand = 8;         // px, that sways as one
+  const test::Texture blades(3, 4);
+  const test::Texture tufts(9, 24);
+  const auto sway = [](int left, int i) { return 4 * std::sin(0.1 * i - 0.03 * left); };
+  double product = 0;
+  double square = 0;
+  for (int i = 0; i < 120; ++i) {
+    Frame frame(kWidth, kHeight);
+    Frame is_tuft(kWidth, kHeight);
+    for (int left = 0; left < kWidth; left += kBand) {
+      blades.paint(frame, {sway(left, i), 0}, left, left + kBand);
+      tufts.paint(is_tuft, {sway(left, i), 0}, left, left + kBand);
+    }
+    for (std::size_t at = 0; at < frame.pixels.size(); ++at)
+      if (is_tuft.pixels[at] < kBladesFrom)
+        frame.pixels[at] = 128;
+    show(std::move(frame));
+    if (i < 60)
+      continue;
+    double is = 0;
+    for (int x = kRegion.x; x < kRegion.x + kRegion.width; ++x)
+      is += (sway(x / kBand * kBand, i) - sway(x / kBand * kBand, i - 1)) / kRegion.width;
+    product += is * static_cast<double>(felt().velocity_x);
+    square += is * is;
+  }
+  EXPECT_NEAR(product / square, 1, 0.15);
+}
+
 TEST_F(LayerTrackerTest, TheTilesCoverTheRegionEvenly) {
   for (int i = 0; i < 20; ++i)
     show(draw({0.1 * i, 0}, {0.7 * i, 0.2 * i}));
