@@ -31,7 +31,8 @@ cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
 # A checkout has new files of known content, and precompiled headers.
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,pch_defines,time_macros}
-ccache=$(command -v ccache >/dev/null && echo 'ccache ' || true)
+ccache=
+! command -v ccache >/dev/null || ccache='ccache '
 scratch=$(mktemp -d)
 results=$scratch/results # the lines that summary.py counts
 outputs=$scratch/outputs # what each failed test printed
