@@ -122,14 +122,15 @@ int UnpackV210Groups([[maybe_unused]] const std::uint8_t *in, [[maybe_unused]] i
                           hn::Or(hn::And(first, byte), hn::ShiftLeft<8>(hn::And(second, byte))));
   };
   const int step = static_cast<int>(hn::Lanes(d));
+  std::uint16_t pairs[3 * hn::MaxLanes(dh)]; // `out` may be odd
   for (; done + step <= groups; done += step) {
     hn::Vec<decltype(d)> w0, w1, w2, w3;
     hn::LoadInterleaved4(d, reinterpret_cast<const std::uint32_t *>(in + done * kV210Bytes), w0, w1,
                          w2, w3);
     hn::StoreInterleaved3(pair(hn::ShiftRight<12>(w0), hn::ShiftRight<2>(w1)),
                           pair(hn::ShiftRight<22>(w1), hn::ShiftRight<12>(w2)),
-                          pair(hn::ShiftRight<2>(w3), hn::ShiftRight<22>(w3)), dh,
-                          reinterpret_cast<std::uint16_t *>(out + done * kV210Pixels));
+                          pair(hn::ShiftRight<2>(w3), hn::ShiftRight<22>(w3)), dh, pairs);
+    std::memcpy(out + done * kV210Pixels, pairs, static_cast<std::size_t>(step * kV210Pixels));
   }
 #endif
   return done;

@@ -86,13 +86,20 @@ TEST_P(Hands, NeitherGainEnergyNorTrembleOnRandomSurfaces) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   ReliefField relief;
   for (int n = 0; n < kTicks / touch; ++n) {
-    if (n % 8 == 0)
-      relief = test::relief_of(random_shape(random), stiffest * (0.625 + 0.375 * uniform(random)),
-                               n % 3 ? 0.4 + 0.4 * uniform(random) : 0);
+    // One number after another: a compiler may compute the arguments of a call in any order.
+    if (n % 8 == 0) {
+      const double friction = n % 3 ? 0.4 + 0.4 * uniform(random) : 0;
+      const double stiffness = stiffest * (0.625 + 0.375 * uniform(random));
+      relief = test::relief_of(random_shape(random), stiffness, friction);
+    }
     const auto surface = test::surface_of(relief);
-    const Vector3 from(0.02 * uniform(random), 0.02 * uniform(random), 0.02);
-    const Vector3 aim(0.02 * uniform(random), 0.02 * uniform(random),
-                      -0.004 - 0.01 * uniform(random));
+    Vector3 from(0, 0, 0.02);
+    from.y() = 0.02 * uniform(random);
+    from.x() = 0.02 * uniform(random);
+    Vector3 aim;
+    aim.z() = -0.004 - 0.01 * uniform(random);
+    aim.y() = 0.02 * uniform(random);
+    aim.x() = 0.02 * uniform(random);
     TouchLoop loop(GetParam(), from);
     double least = 1; // N
     double most = 0;

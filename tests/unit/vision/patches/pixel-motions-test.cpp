@@ -71,8 +71,8 @@ protected:
       for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x)
           frame.at(x, y) = static_cast<std::uint8_t>(
-              weight * frame.at(x, y) + (1 - weight) * (other.at(x, y) < 128 ? 80 : 180) +
-              light * time);
+              std::min(255.0, weight * frame.at(x, y) +
+                                  (1 - weight) * (other.at(x, y) < 128 ? 80 : 180) + light * time));
       test::add_noise(frame, 1.5, random);
       return frame;
     };
