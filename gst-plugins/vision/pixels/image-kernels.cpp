@@ -130,7 +130,8 @@ int UnpackV210Groups([[maybe_unused]] const std::uint8_t *in, [[maybe_unused]] i
     hn::StoreInterleaved3(pair(hn::ShiftRight<12>(w0), hn::ShiftRight<2>(w1)),
                           pair(hn::ShiftRight<22>(w1), hn::ShiftRight<12>(w2)),
                           pair(hn::ShiftRight<2>(w3), hn::ShiftRight<22>(w3)), dh, pairs);
-    std::memcpy(out + done * kV210Pixels, pairs, static_cast<std::size_t>(step * kV210Pixels));
+    std::memcpy(out + done * kV210Pixels, pairs,
+                std::size_t{kV210Pixels} * static_cast<std::size_t>(step));
   }
 #endif
   return done;
