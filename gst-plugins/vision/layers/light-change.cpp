@@ -8,8 +8,10 @@
 namespace haptic {
 namespace {
 
-// The factor of the median cell, as far as it stands out from the spread of the cells.
-float factor_between(const CellMap &earlier, const CellMap &later, const LayerSize &size) {
+// By which factor the median cell of `later`, multiplied by `by`, is brighter than the earlier one,
+// as far as that stands out from the spread of the cells.
+float factor_between(const CellMap &earlier, const CellMap &later, float by,
+                     const LayerSize &size) {
   constexpr float kDark = 16; // grey levels: less does not show a factor
   constexpr float kLeastSpread = 1e-5F;
   std::array<float, static_cast<std::size_t>(kLayerSide / kCellSide) * (kLayerSide / kCellSide)>
@@ -17,7 +19,7 @@ float factor_between(const CellMap &earlier, const CellMap &later, const LayerSi
   std::size_t count = 0;
   for_cells(size, [&](int x, int y) {
     if (earlier.at(x, y) > kDark)
-      factors[count++] = later.at(x, y) / earlier.at(x, y);
+      factors[count++] = by * later.at(x, y) / earlier.at(x, y);
   });
   if (count == 0)
     return 1;
@@ -44,19 +46,16 @@ void multiply(float factor, const LayerSize &size, LayerFrame &frame) {
 
 void LightChange::take_out(const CellMap &earlier_mean, bool is_looked_for, const LayerSize &size,
                            LayerFrame &frame) {
-  constexpr float kMost = 2;           // of the factor, and one by it: else noise and rounding grow
-  constexpr float kForgotten = 0.002F; // of what is left of the factor, in a frame: cannot be seen
+  constexpr float kMost = 2; // of the factor, and one by it: else noise and rounding grow
+  // Of what is left of the factor, in a frame: after a fade the contrast comes back in half a
+  // minute, by at most 0.06 grey levels a frame.
+  constexpr float kForgotten = 0.0005F;
+  if (is_looked_for) {
+    factor_ /= factor_between(earlier_mean, frame.mean, factor_, size);
+    factor_ = std::clamp(factor_ + kForgotten * (1 - factor_), 1 / kMost, kMost);
+  }
   if (factor_ != 1)
     multiply(factor_, size, frame);
-  if (!is_looked_for)
-    return;
-  const float factor = std::clamp(1 / factor_between(earlier_mean, frame.mean, size),
-                                  1 / (kMost * factor_), kMost / factor_);
-  if (factor == 1)
-    return;
-  multiply(factor, size, frame);
-  factor_ *= factor;
-  factor_ += kForgotten * (1 - factor_);
 }
 
 } // namespace haptic

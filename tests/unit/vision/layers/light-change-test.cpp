@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <memory>
 
 namespace {
 
@@ -84,6 +83,21 @@ TEST(LightChange, AFadeToBlackIsNotMadeBrightAgain) {
   }
   const LayerFrame dark = drawn(scene, {}, {}, 0.2059); // 0.9 to the power of 15
   EXPECT_LT(frame.mean.at(1, 1), 2.01F * dark.mean.at(1, 1));
+}
+
+TEST(LightChange, TheContrastComesBackWhileTheLightStays) {
+  const test::LayerScene scene;
+  const LayerFrame dark = drawn(scene, {}, {}, 0.6);
+  LayerFrame before = drawn(scene, {}, {}, 1);
+  LayerFrame frame = before;
+  LightChange light;
+  for (int n = 0; n < 60 * 60; ++n) { // a minute
+    frame = dark;
+    light.take_out(before.mean, true, kCropSize, frame);
+    EXPECT_LT(difference(frame, before), kRounding);
+    before = frame;
+  }
+  EXPECT_NEAR(frame.mean.at(1, 1), dark.mean.at(1, 1), 0.15 * dark.mean.at(1, 1));
 }
 
 } // namespace
