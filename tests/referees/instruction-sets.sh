@@ -11,28 +11,28 @@ source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/support.sh"
 
 no_options "$@"
-unit=${FEELING_WIND_BUILD:-$root/build-tests}/tests/unit/unit
+unit=${FEELING_WIND_BUILD:-$root/build-tests}/tests/unit/unit-vision
 emulator=qemu-x86_64
 command -v $emulator >/dev/null || skip "$emulator is not installed (qemu-user)"
 
-programs=(kernels luma-crop pixel-votes motion-models velocity-estimate fast-tracker-limits field-tracker-limits)
-for program in "${programs[@]}"; do
-  [ -x "$unit-vision-$program" ] || fail "'$unit-vision-$program' is not built; run tests/run.sh"
-done
+[ -x "$unit" ] || fail "'$unit' is not built; run tests/run.sh"
 
-# Statistics over many scenes, and frames without an allocation. An emulator would find nothing more in them.
-export GTEST_FILTER='-*.TheSmallestThatExplains*:*.TheFirstFrameAlone*:*.AStationaryMixture*:MotionConfidence.*:*.AfterTheFirst*NothingIsAllocated'
+# Without statistics over many scenes, and frames without an allocation: an emulator would find nothing more in them.
+unit_tests=(
+  image-kernels lk-kernels luma-crop kept-luma pixel-votes pixel-motions velocity-estimate fast-tracker-limits
+  field-tracker-limits
+)
+left_out='*.TheSmallestThatExplains*:*.TheFirstFrameAlone*:*.AStationaryMixture*:MotionConfidence.*:*.AfterTheFirst*NothingIsAllocated'
 
 # `run_on PROCESSOR BEST` fails if the best instruction set that Highway finds there is not BEST.
 run_on() {
   local processor=$1 best
   # The names of these tests end with every instruction set, the best first.
-  best=$($emulator -cpu "$processor" "$unit-vision-motion-models" --gtest_list_tests 2>/dev/null |
+  best=$($emulator -cpu "$processor" "$unit-motion-models" --gtest_list_tests 2>/dev/null |
     sed -n '\|^ .*/\([A-Z0-9]*\)\( .*\)\?$|{s||\1|p;q}')
   [ "$best" = "$2" ] || fail "the best instruction set on $processor is '$best', not $2"
-  for program in "${programs[@]}"; do
-    judge $emulator -cpu "$processor" "$unit-vision-$program"
-  done
+  judge $emulator -cpu "$processor" "$unit-motion-models" --gtest_filter="-$left_out"
+  judge $emulator -cpu "$processor" "$unit" --gtest_filter="$(cases_of "${unit_tests[@]}")-$left_out"
 }
 
 run_on Conroe SSSE3

@@ -28,11 +28,11 @@ find_compiler() {
 
 # Every test that ticks the loop or LimitedDevice, or runs a part of them that is marked.
 unit_tests=(
-  contact-law continuous-force evdev-device force-smoothness haptic-loop haptic-session limited-device
-  motion-interpolator safety-chain tick-log turning-grip
+  contact-law continuous-force force-smoothness grip-watch haptic-loop haptic-loop-touch haptic-session held-path
+  limited-device motion-interpolator reopening safety-chain session-state tick-log touch-loop turning-grip
 )
-# The device of this one sleeps on purpose.
-export GTEST_FILTER=-LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped
+# Its device sleeps on purpose.
+sleeps=LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped
 
 # A referee that no longer sees what it must report would pass everything.
 check_that_it_sees() {
@@ -51,8 +51,8 @@ check_that_it_sees() {
 
 folder=$root/build-real-time
 find_compiler
-targets=("${unit_tests[@]/#/tests/unit/unit-}" tests/faults/faults-loop tests/usb/usb-tick spidar/spidar-guardian
-  tests/referees/allocating-device)
+targets=(tests/unit/unit-device tests/unit/unit-spidar tests/unit/unit-evdev-device tests/faults/faults-loop tests/usb/usb-tick
+  spidar/spidar-guardian tests/referees/allocating-device)
 # Meson 1.0 has no name for this sanitizer.
 CXX=$compiler build_sanitized "$folder" -Dcpp_args=-fsanitize=realtime -Dcpp_link_args=-fsanitize=realtime
 cd "$folder"
@@ -63,9 +63,10 @@ export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry SPIDAR_GUARDIAN=$folder/spidar
 judge tests/referees/allocating-device loop nothing
 judge tests/referees/allocating-device limits nothing
 check_that_it_sees
-for unit in "${unit_tests[@]}"; do
-  judge "tests/unit/unit-$unit"
-done
+filter=$(cases_of "${unit_tests[@]}")
+judge tests/unit/unit-device --gtest_filter="$filter-$sleeps"
+judge tests/unit/unit-spidar --gtest_filter="$filter"
+judge tests/unit/unit-evdev-device
 judge tests/faults/faults-loop
 # An exchange takes 60 ms here: the name of each function of each call into libusb is looked up.
 FEELING_WIND_TICKS=100 judge umockdev-wrapper tests/usb/usb-tick

@@ -14,8 +14,11 @@ source "$(dirname "$0")/support.sh"
 
 no_options "$@"
 
-unit_tests=(newest-slot sample-ring field-sampler sample-intake tick-log call-queue haptic-loop haptic-session)
-targets=("${unit_tests[@]/#/tests/unit/unit-}" tests/faults/faults-loop tests/faults/faults-loop-realtime)
+unit_tests=(
+  newest-slot sample-ring field-sampler field-pool sample-intake tick-log call-queue haptic-loop haptic-loop-touch
+  haptic-session session-state reopening
+)
+targets=(tests/unit/unit-device tests/faults/faults-loop tests/faults/faults-loop-realtime)
 folder=$root/build-threads
 build_sanitized "$folder" -Db_sanitize=thread
 
@@ -23,16 +26,14 @@ cd "$folder"
 # The sanitizer of GCC 12 does not start where the kernel randomises more than 28 bits of an address.
 fixed_addresses=(setarch "$(uname -m)" --addr-no-randomize)
 "${fixed_addresses[@]}" true 2>/dev/null || fixed_addresses=()
-if "${fixed_addresses[@]}" tests/unit/unit-newest-slot --gtest_list_tests 2>&1 | grep -q 'FATAL: ThreadSanitizer'; then
+if "${fixed_addresses[@]}" tests/unit/unit-device --gtest_list_tests 2>&1 | grep -q 'FATAL: ThreadSanitizer'; then
   skip "ThreadSanitizer does not start with the address space of this kernel"
 fi
 export TSAN_OPTIONS=suppressions=$root/tests/suppressions/tsan.supp:print_suppressions=0
 export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry
+judge "${fixed_addresses[@]}" tests/unit/unit-device --gtest_filter="$(cases_of "${unit_tests[@]}")"
 # Hours and minutes of ticks of one thread.
 export GTEST_FILTER='-*.F20_*:*.F27_*'
-for unit in "${unit_tests[@]}"; do
-  judge "${fixed_addresses[@]}" "tests/unit/unit-$unit"
-done
 judge "${fixed_addresses[@]}" tests/faults/faults-loop
 judge "${fixed_addresses[@]}" tests/faults/faults-loop-realtime
 

@@ -3,15 +3,11 @@
 #pragma once
 
 #include "field/field-tracker.hpp"
-#include "moving-texture.hpp"
+#include "frame-view.hpp"
 
 #include <vector>
 
 namespace test {
-
-inline haptic::LumaView view_of(const Frame &frame) {
-  return {frame.pixels.data(), frame.width, frame.height, frame.width};
-}
 
 /// Reads the whole frame, strip by strip.
 inline void read(haptic::FieldTracker &tracker, const haptic::LumaView &frame) {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
-namespace {
+namespace exception_barrier_test {
 
 using haptic::kGuarded;
 
@@ -59,4 +59,4 @@ TEST_F(Barrier, PostsTheErrorOfAPadsFunctionAsOneOfItsParent) {
   EXPECT_TRUE(posted_an_error());
 }
 
-} // namespace
+} // namespace exception_barrier_test

@@ -5,7 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-namespace {
+namespace field_sampler_test {
 
 using haptic::FieldCell;
 using haptic::MotionField;
@@ -148,4 +148,4 @@ TEST(FieldSampler, TheOddestFieldsAreSampledWithinTheirValues) {
   }
 }
 
-} // namespace
+} // namespace field_sampler_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace force_defaults_test {
 
 TEST(ConfidenceGate, OpensFromAFifthToAHalf) {
   EXPECT_EQ(haptic::confidence_gate(0.2), 0);
@@ -11,4 +11,4 @@ TEST(ConfidenceGate, OpensFromAFifthToAHalf) {
   EXPECT_EQ(haptic::confidence_gate(0.5), 1);
 }
 
-} // namespace
+} // namespace force_defaults_test

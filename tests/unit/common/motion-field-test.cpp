@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace motion_field_test {
 
 using haptic::MotionField;
 
@@ -144,4 +144,4 @@ TEST(MotionField, ThingsThatAreCutOffTooManyOrOfAnotherStateAreRefused) {
   EXPECT_FALSE(is_read(packed(field)));
 }
 
-} // namespace
+} // namespace motion_field_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace motion_sample_test {
 
 using haptic::MotionSample;
 
@@ -141,4 +141,4 @@ TEST(MotionSample, AFlippedBitNeverYieldsAValueOutsideItsRange) {
   }
 }
 
-} // namespace
+} // namespace motion_sample_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace {
+namespace pointer_event_test {
 
 using haptic::EventPtr;
 using haptic::PointerPosition;
@@ -104,4 +104,4 @@ TEST_F(PointerEvent, WithoutAFinitePositionItIsNoPointerEvent) {
   EXPECT_FALSE(haptic::parse_pointer_event(other.get()));
 }
 
-} // namespace
+} // namespace pointer_event_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace relief_field_test {
 
 using haptic::ReliefCell;
 using haptic::ReliefField;
@@ -95,4 +95,4 @@ TEST(ReliefField, AReliefWithMoreCellsThanItHasBytesOrThanAreAllowedIsRefused) {
   EXPECT_FALSE(is_read(bytes));
 }
 
-} // namespace
+} // namespace relief_field_test

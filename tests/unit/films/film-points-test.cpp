@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace {
+namespace film_points_test {
 
 constexpr int kWidth = 960;
 constexpr int kHeight = 540;
@@ -130,4 +130,4 @@ TEST_F(FilmPoints, HideAndComeBack) {
   EXPECT_GT(back.size(), 10U);
 }
 
-} // namespace
+} // namespace film_points_test

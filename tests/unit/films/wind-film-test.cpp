@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
-namespace {
+namespace wind_film_test {
 
 constexpr double kInterval = 1.0 / 60; // s
 
@@ -146,4 +146,4 @@ TEST(WindFilm, AHandAnywhereInTheCrownFeelsItAtLeastHalfOfTheTime) {
               quantile(differences, 0.5), quantile(differences, 0.9));
 }
 
-} // namespace
+} // namespace wind_film_test

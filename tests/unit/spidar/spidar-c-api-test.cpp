@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-namespace {
+namespace spidar_c_api_test {
 
 constexpr double kNothing[3] = {0, 0, 0};
 
@@ -234,4 +234,4 @@ TEST_F(CApi, HasTheVersionOfItsHeaders) {
   EXPECT_FALSE(SPIDAR_CHECK_VERSION(SPIDAR_VERSION_MAJOR + 1, 0, 0));
 }
 
-} // namespace
+} // namespace spidar_c_api_test

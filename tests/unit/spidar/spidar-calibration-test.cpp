@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-using namespace spidar;
+namespace spidar_calibration_test {
 
-namespace {
+using namespace spidar;
 
 /// What the counters show when the grip goes from the centre to `position`.
 Counts counts_at(const Geometry &truth, const Vector3 &position) {
@@ -48,8 +48,6 @@ std::string refusal(Cause cause, Call call) {
   ADD_FAILURE() << "accepted";
   return "";
 }
-
-} // namespace
 
 TEST(Calibration, FindsTheLengthOfACountFromAMoveAlongAnyAxis) {
   const Geometry truth = scaled(builtin(), 1.3);
@@ -135,8 +133,6 @@ TEST(Calibration, AGeometryThatCannotBeDrivenIsNotWritten) {
 
 // ---- the pull of spidar-calibrate ---------------------------------------------------------------
 
-namespace {
-
 /// Where the hand of a unit is pulled, m. The device believes in the built-in geometry.
 Vector3 pulled(const Geometry &truth, GentlePull &pull) {
   auto unit = std::make_unique<Simulator>(truth, parse_hand_script("hold:0,0,0"));
@@ -148,8 +144,6 @@ Vector3 pulled(const Geometry &truth, GentlePull &pull) {
   }
   return grip.pose().position;
 }
-
-} // namespace
 
 TEST(GentlePull, PullsTheOtherWayOnceTheAxisIsMirrored) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -223,3 +217,5 @@ TEST(GentlePull, ALostReplyDoesNotEndIt) {
   }
   EXPECT_DOUBLE_EQ(pull.norm(), 0.5);
 }
+
+} // namespace spidar_calibration_test

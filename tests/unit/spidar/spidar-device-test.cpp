@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
+namespace spidar_device_test {
+
 using namespace spidar;
 using namespace spidar_test;
-
-namespace {
 
 /// Time of the next tick, ns: one each millisecond.
 std::int64_t next_tick() {
@@ -110,8 +110,6 @@ Wrench swirl(int tick) {
   const double t = 0.001 * tick;
   return push(std::cos(7 * t), std::sin(5 * t), std::sin(3 * t));
 }
-
-} // namespace
 
 class DeviceOf : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builtin, DeviceOf, testing::ValuesIn(builtin_geometries()),
@@ -619,3 +617,5 @@ TEST(Device, RefusesAGeometryThatCannotPullEverywhere) {
   EXPECT_THROW(Device(std::make_unique<Simulator>(good, parse_hand_script("free")), geometry),
                Error);
 }
+
+} // namespace spidar_device_test

@@ -12,11 +12,11 @@
 #include <optional>
 #include <random>
 
+namespace spidar_emulator_test {
+
 using namespace emulator;
 using namespace std::chrono_literals;
 using usbip::Bytes;
-
-namespace {
 
 constexpr Time kStart = Time(1h);
 
@@ -159,8 +159,6 @@ void command(Units &units, const std::string &line, Time now = kStart) {
   std::vector<std::vector<Completion>> done;
   obey(line, units, now, done);
 }
-
-} // namespace
 
 TEST(UsbIp, ListsTheUnitsThatArePluggedIn) {
   Units units = make_units({Model::simple, Model::sh4, Model::simple});
@@ -612,3 +610,5 @@ TEST(Fuzz, HostileBytesDoNoHarm) {
     ASSERT_LT(session.output().size(), 100000U);
   }
 }
+
+} // namespace spidar_emulator_test

@@ -10,9 +10,9 @@
 #include <sstream>
 #include <sys/stat.h>
 
-using namespace spidar;
+namespace spidar_geometry_test {
 
-namespace {
+using namespace spidar;
 
 namespace fs = std::filesystem;
 
@@ -123,8 +123,6 @@ Geometry printed_2021_6x4() {
                         {r, 0, 0},
                         {-r, 0, 0}}});
 }
-
-} // namespace
 
 TEST(BuiltinGeometries, AllLoadAndPullInEveryDirection) {
   const std::vector<std::string> names = builtin_geometries();
@@ -343,3 +341,5 @@ TEST(CheckGeometry, RefusesNumbersThatAreNone) {
   geometry.tension_max = std::numeric_limits<double>::infinity();
   EXPECT_THROW(check_geometry(geometry), Error);
 }
+
+} // namespace spidar_geometry_test

@@ -6,7 +6,7 @@
 #include <spidar/device.hpp>
 #include <string>
 
-namespace {
+namespace spidar_machine_test {
 
 using namespace spidar;
 
@@ -108,4 +108,4 @@ TEST(StiffestTouch, FollowsTheLongestInterval) {
   EXPECT_DOUBLE_EQ(stiffest_touch(0.008), 25); // docs/force.md#touch
 }
 
-} // namespace
+} // namespace spidar_machine_test

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+namespace spidar_pose_solver_test {
+
 using namespace spidar;
 using namespace spidar_test;
-
-namespace {
 
 struct Deviation {
   double position = 0; ///< m
@@ -19,8 +19,6 @@ struct Deviation {
     angle = std::max(angle, angle_between(truth.rotation, found.rotation));
   }
 };
-
-} // namespace
 
 class PoseSolverOf : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builtin, PoseSolverOf, testing::ValuesIn(builtin_geometries()),
@@ -125,3 +123,5 @@ TEST(PoseSolver, AnyLengthsGiveAFinitePoseAndABadFitIsVisible) {
     pose = result.pose;
   }
 }
+
+} // namespace spidar_pose_solver_test

@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-using namespace spidar;
+namespace spidar_protocol_test {
 
-namespace {
+using namespace spidar;
 
 const DacWords kWords = {0, 45, 4095, -1, 0x1234, -4095, 32767, -32768};
 const std::vector<std::uint8_t> kWordBytes = {0x00, 0x00, 0x2d, 0x00, 0xff, 0x0f, 0xff, 0xff,
@@ -34,8 +34,6 @@ std::int32_t follow(const std::vector<std::int64_t> &path, int bits) {
     count = extended(count, static_cast<std::uint32_t>(place & ((1LL << bits) - 1)), bits);
   return count;
 }
-
-} // namespace
 
 TEST(SimpleProtocol, CommandsAreThoseOfTheController) {
   EXPECT_EQ(bytes(simple::count_direction()), padded({0xa2, 0x1a, 0xff}, 32));
@@ -143,3 +141,5 @@ TEST(OpenUsb, WithoutADeviceTheErrorSaysWhatToDo) {
     }
   }
 }
+
+} // namespace spidar_protocol_test

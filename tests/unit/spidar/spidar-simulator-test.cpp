@@ -12,9 +12,9 @@
 #include <numbers>
 #include <sys/stat.h>
 
-using namespace spidar;
+namespace spidar_simulator_test {
 
-namespace {
+using namespace spidar;
 
 constexpr double kHalf = 0.025; // m, of the built-in workspace
 
@@ -60,8 +60,6 @@ public:
 private:
   std::filesystem::path directory_;
 };
-
-} // namespace
 
 TEST(HandScript, HoldStaysAtItsPlace) {
   EXPECT_EQ(target("hold:0.5,-1,0", 0), Vector3(0.5 * kHalf, -kHalf, 0));
@@ -256,3 +254,5 @@ TEST(Simulator, RefusesAPeriodThatMakesNoSense) {
   for (const double period : {0.0, -1.0, 5.0, std::nan("")})
     EXPECT_THROW(Simulator(geometry, parse_hand_script("free"), period), Error) << period;
 }
+
+} // namespace spidar_simulator_test

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
+namespace spidar_slip_test {
+
 using namespace spidar;
 using namespace spidar_test;
-
-namespace {
 
 constexpr std::int64_t kMs = 1'000'000; // ns
 
@@ -176,8 +176,6 @@ double missed(const std::string &name, double speed, double half, double tilt, u
   return static_cast<double>(missed) / count;
 }
 
-} // namespace
-
 class SlipOn : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builtin, SlipOn, testing::ValuesIn(builtin_geometries()),
                          [](const auto &test) {
@@ -281,3 +279,5 @@ TEST(Slip, OfCentimetresIsLatchedToo) {
     }
   }
 }
+
+} // namespace spidar_slip_test

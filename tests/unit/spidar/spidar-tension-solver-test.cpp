@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+namespace spidar_tension_solver_test {
+
 using namespace spidar;
 using namespace spidar_test;
-
-namespace {
 
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
@@ -110,8 +110,6 @@ struct Search {
 bool within_limits(const Tensions &tensions, const Geometry &geometry) {
   return tensions.minCoeff() >= geometry.tension_min && tensions.maxCoeff() <= geometry.tension_max;
 }
-
-} // namespace
 
 class TensionSolverOf : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builtin, TensionSolverOf, testing::ValuesIn(builtin_geometries()),
@@ -318,3 +316,5 @@ TEST(TensionSolver, AnAbsurdWrenchStaysWithinTheLimitsAndSaysSo) {
     EXPECT_GT(result.realised.force.x(), 0) << size;
   }
 }
+
+} // namespace spidar_tension_solver_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <sys/stat.h>
 
-namespace {
+namespace array_test {
 
 using haptic::ArrayLayout;
 using haptic::ArrayVoices;
@@ -303,4 +303,4 @@ TEST_F(Voices, TheCarrierKeepsItsAmplitude) {
   EXPECT_NEAR(highest(), 1, 0.001);
 }
 
-} // namespace
+} // namespace array_test

@@ -7,7 +7,7 @@
 #include <set>
 #include <spidar/error.hpp>
 
-namespace {
+namespace driver_table_test {
 
 // The word, and not a part of another one.
 bool has_word(const std::string &text, const std::string &word) {
@@ -47,4 +47,4 @@ TEST(DriverTable, OnlyADriverWithIdsTakesOne) {
   }
 }
 
-} // namespace
+} // namespace driver_table_test

@@ -12,7 +12,7 @@
 #include <spidar/error.hpp>
 #include <sys/wait.h>
 
-namespace {
+namespace evdev_device_test {
 
 using namespace std::chrono_literals;
 using haptic::open_evdev;
@@ -251,4 +251,4 @@ TEST_F(Evdev, WhatMayNotBeOpenedSaysHowToAllowIt) {
   expect_words(error, Cause::permission, "usermod -aG input");
 }
 
-} // namespace
+} // namespace evdev_device_test

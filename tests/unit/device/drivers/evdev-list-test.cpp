@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <spidar/error.hpp>
 
-namespace {
+namespace evdev_list_test {
 
 namespace fs = std::filesystem;
 using haptic::open_evdev;
@@ -97,4 +97,4 @@ TEST(EvdevPath, WhatIsNoInputDeviceSaysSo) {
   EXPECT_NE(cause_and_text("/dev/null").second.find("not an input device"), std::string::npos);
 }
 
-} // namespace
+} // namespace evdev_list_test

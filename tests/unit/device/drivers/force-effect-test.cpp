@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace {
+namespace force_effect_test {
 
 using haptic::force_effect;
 using haptic::ForceKind;
@@ -70,4 +70,4 @@ TEST(ForceEffect, TheDriverIsToldOnlyWhatCanBeFelt) {
   EXPECT_FALSE(haptic::feels_alike(constant({0, 0, 0}), constant({0.005, 0, 0})));
 }
 
-} // namespace
+} // namespace force_effect_test

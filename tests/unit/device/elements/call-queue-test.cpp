@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace {
+namespace call_queue_test {
 
 using namespace std::chrono_literals;
 using haptic::CallQueue;
@@ -129,4 +129,4 @@ TEST_F(Calls, OnlyTheCallsThatAreThereAtTheBeginningAreDrained) {
   queue_.finish();
 }
 
-} // namespace
+} // namespace call_queue_test

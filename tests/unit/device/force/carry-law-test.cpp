@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace {
+namespace carry_law_test {
 
 using haptic::CarryLaw;
 using haptic::HoldLaw;
@@ -81,4 +81,4 @@ TEST(CarryLaw, WithoutAForceTheSpringHasNone) {
   EXPECT_NEAR(felt(law).touch.force.x(), law.damping() * 0.1, 1e-9); // which the chain clamps
 }
 
-} // namespace
+} // namespace carry_law_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace force_law_test {
 
 using haptic::LawSettings;
 using haptic::Motion;
@@ -280,4 +280,4 @@ TEST(HandScale, TheWorkspaceIsTheFrame) {
   EXPECT_NEAR(hand.y, -0.02 / 0.05 * 288, 1e-9); // down in the frame
 }
 
-} // namespace
+} // namespace force_law_test

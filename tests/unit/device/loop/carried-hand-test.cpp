@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace carried_hand_test {
 
 using haptic::HoldLaw;
 using haptic::HoldState;
@@ -268,4 +268,4 @@ TEST_P(CarriedHand, TakesNothingFromTheHeap) {
   EXPECT_EQ(test::allocations, before);
 }
 
-} // namespace
+} // namespace carried_hand_test

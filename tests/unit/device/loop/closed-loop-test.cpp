@@ -9,7 +9,7 @@
 #include <ostream>
 #include <set>
 
-namespace {
+namespace closed_loop_test {
 
 struct Sample {
   const char *row;
@@ -98,4 +98,4 @@ TEST(ClosedLoopTable, TheWordsOfAPointSelectThisPointAlone) {
   }
 }
 
-} // namespace
+} // namespace closed_loop_test

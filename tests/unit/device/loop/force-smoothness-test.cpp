@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-namespace {
+namespace force_smoothness_test {
 
 using test::Leaf;
 
@@ -179,4 +179,4 @@ TEST(Cadence, FindsEveryUsualPattern) {
   }
 }
 
-} // namespace
+} // namespace force_smoothness_test

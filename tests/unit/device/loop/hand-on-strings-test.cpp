@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace test {
-namespace {
+namespace test::hand_on_strings_test {
 
 using spidar::Vector3;
 
@@ -100,5 +99,4 @@ TEST_P(OnStrings, TheForceOnTheGripIsTheOneThatIsCommanded) {
   EXPECT_LE((at.hand().wrench().force - at.force()).norm(), 0.02); // digits of eight motors
 }
 
-} // namespace
-} // namespace test
+} // namespace test::hand_on_strings_test

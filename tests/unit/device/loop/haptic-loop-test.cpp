@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace haptic_loop_test {
 
 using namespace std::chrono_literals;
 using test::kMs;
@@ -732,4 +732,4 @@ TEST(DeviceChoiceTest, WhatIsNotUnderstoodIsAnErrorWithItsCause) {
   EXPECT_EQ(cause_of({.device = "sim", .sim_hand = "wave"}), spidar::Cause::argument);
 }
 
-} // namespace
+} // namespace haptic_loop_test

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace {
+namespace haptic_loop_touch_test {
 
 using haptic::TouchMode;
 using test::kMs;
@@ -156,4 +156,4 @@ TEST_P(TouchingLoop, TakesNothingFromTheHeap) {
   EXPECT_EQ(test::allocations, before);
 }
 
-} // namespace
+} // namespace haptic_loop_touch_test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <ostream>
 
-namespace {
+namespace relative_law_test {
 
 using spidar::Vector3;
 using test::Hand;
@@ -92,4 +92,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, RelativeLaw,
                                          Case{test::kArmName, "inertial", 0.04, 12, 1000},
                                          Case{test::kArmName, "inertial", 0.04, 12, 500}));
 
-} // namespace
+} // namespace relative_law_test

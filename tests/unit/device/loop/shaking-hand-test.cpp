@@ -13,7 +13,7 @@
 #include <random>
 #include <utility>
 
-namespace {
+namespace shaking_hand_test {
 
 using haptic::ShakeWatch;
 using spidar::Vector3;
@@ -201,4 +201,4 @@ TEST(ShakeWatch, LeavesASlowForceAndOneThatNobodyFeels) {
   }
 }
 
-} // namespace
+} // namespace shaking_hand_test

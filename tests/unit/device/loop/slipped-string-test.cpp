@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace slipped_string_test {
 
 constexpr double kSlip = 0.005; // m
 
@@ -56,4 +56,4 @@ INSTANTIATE_TEST_SUITE_P(Geometries, SlippedString, testing::ValuesIn(spidar::bu
                            return name;
                          });
 
-} // namespace
+} // namespace slipped_string_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace suspend_detector_test {
 
 constexpr std::int64_t kSecond = 1'000'000'000; // ns
 
@@ -22,4 +22,4 @@ TEST(SuspendDetector, BeingHeldUpBetweenTheTwoClocksIsNoSleep) {
     EXPECT_FALSE(detector.has_slept(i * kSecond, i * kSecond + (i % 7) * 40'000'000));
 }
 
-} // namespace
+} // namespace suspend_detector_test

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <system_error>
 
-namespace {
+namespace tick_log_test {
 
 using haptic::RunningTime;
 using haptic::TickLog;
@@ -174,4 +174,4 @@ TEST(RunningTimeTest, IsZeroBeforeItsStart) {
   EXPECT_NEAR(time.advance(600 * kMs), 0.1, 1e-12);
 }
 
-} // namespace
+} // namespace tick_log_test

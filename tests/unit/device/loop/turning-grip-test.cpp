@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace turning_grip_test {
 
 using haptic::HapticLoop;
 using haptic::MotionSample;
@@ -288,4 +288,4 @@ TEST_F(TurningGrip, LateTicksDoNotMakeAHandThatTurnsTooFast) {
   EXPECT_EQ(loop_.statistics().overspeeds, 0U);
 }
 
-} // namespace
+} // namespace turning_grip_test

@@ -6,7 +6,7 @@
 #include <deque>
 #include <gtest/gtest.h>
 
-namespace {
+namespace work_limit_test {
 
 using spidar::Vector3;
 
@@ -72,4 +72,4 @@ INSTANTIATE_TEST_SUITE_P(Rounds, WorkLimit,
                                          Round{test::kArmName, 12, 100, 0.9, 0.05},
                                          Round{test::kArmName, 1, 20, 0.9, 0.05}));
 
-} // namespace
+} // namespace work_limit_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace field_hold_test {
 
 using haptic::FieldHold;
 using haptic::FieldThing;
@@ -228,4 +228,4 @@ TEST_F(HeldFields, AfterASeekTheThingIsLost) {
   EXPECT_EQ(at_frame(2, true).held.state, HoldState::held);
 }
 
-} // namespace
+} // namespace field_hold_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace {
+namespace held_path_test {
 
 using haptic::HeldAt;
 using haptic::HoldState;
@@ -149,4 +149,4 @@ TEST(HeldPath, AFlushForgetsTheThing) {
   EXPECT_EQ(film.at(31).state, HoldState::none);
 }
 
-} // namespace
+} // namespace held_path_test

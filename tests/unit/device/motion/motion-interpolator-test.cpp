@@ -10,7 +10,7 @@
 #include <random>
 #include <utility>
 
-namespace {
+namespace motion_interpolator_test {
 
 using haptic::kAtOnce;
 using haptic::MotionInterpolator;
@@ -275,4 +275,4 @@ TEST(MotionInterpolator, EveryFieldGoesBackToItsPool) {
   }
 }
 
-} // namespace
+} // namespace motion_interpolator_test

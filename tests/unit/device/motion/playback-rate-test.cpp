@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-namespace {
+namespace playback_rate_test {
 
 using haptic::Playback;
 using haptic::RateLaw;
@@ -108,4 +108,4 @@ TEST(PlaybackRate, AtHardlyAnyPaceNothingOverflows) {
   EXPECT_NEAR(felt->velocity_x, 0, 1e-9);
 }
 
-} // namespace
+} // namespace playback_rate_test

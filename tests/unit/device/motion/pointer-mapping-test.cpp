@@ -5,7 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace {
+namespace pointer_mapping_test {
 
 using haptic::map_pointer;
 using haptic::PointerGate;
@@ -177,4 +177,4 @@ TEST(PointerGateTest, ASlowDriftIsToldOnceItIsLargeEnough) {
   EXPECT_TRUE(gate.pass({.x = 0.5012}, 20 * kMs));
 }
 
-} // namespace
+} // namespace pointer_mapping_test

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-namespace {
+namespace sample_intake_test {
 
 using haptic::kAtOnce;
 using haptic::LatencyMode;
@@ -245,4 +245,4 @@ TEST(LatencyModeTest, AutomaticFollowsTheSourceAndIsAskedOnlyThen) {
   EXPECT_TRUE(haptic::is_immediate(LatencyMode::synchronized, false, never)); // sync=false
 }
 
-} // namespace
+} // namespace sample_intake_test

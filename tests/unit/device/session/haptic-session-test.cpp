@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace haptic_session_test {
 
 using haptic::HapticSession;
 using haptic::Notice;
@@ -626,4 +626,4 @@ TEST_F(Session, AFlushDiscardsSamplesAndFades) {
   EXPECT_NEAR(force(), 0.5, 1e-6);
 }
 
-} // namespace
+} // namespace haptic_session_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace {
+namespace reopening_test {
 
 constexpr std::int64_t kMs = 1'000'000; // ns
 
@@ -66,4 +66,4 @@ TEST_F(Reopening, WarnsOnceOfADeviceThatIsThereButStaysClosed) {
   EXPECT_EQ(warnings_, std::vector<std::string>{"refused"});
 }
 
-} // namespace
+} // namespace reopening_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace session_state_test {
 
 using haptic::SessionState;
 using haptic::SessionStateMachine;
@@ -106,4 +106,4 @@ TEST(SessionState, ThePageDrawsTheSameStatesAndTransitions) {
   EXPECT_EQ(drawn, coded);
 }
 
-} // namespace
+} // namespace session_state_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace duration_histogram_test {
 
 using haptic::DurationHistogram;
 
@@ -66,4 +66,4 @@ TEST_F(Histogram, ForgetsOnReset) {
   EXPECT_EQ(histogram_->max_us(), 0);
 }
 
-} // namespace
+} // namespace duration_histogram_test

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace field_pool_test {
 
 using haptic::FieldPool;
 
@@ -63,4 +63,4 @@ TEST(FieldPoolTest, FieldsGoRoundBetweenTwoThreadsUntorn) {
     }
 }
 
-} // namespace
+} // namespace field_pool_test

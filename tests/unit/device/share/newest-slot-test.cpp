@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-namespace {
+namespace newest_slot_test {
 
 // Large enough that a torn copy would show.
 struct Value {
@@ -58,4 +58,4 @@ TEST(NewestSlot, AReaderNeverSeesHalfAValueOrAnOlderOne) {
   writer.join();
 }
 
-} // namespace
+} // namespace newest_slot_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-namespace {
+namespace sample_ring_test {
 
 TEST(SampleRing, KeepsTheOrderAndRefusesWhatIsTooMuch) {
   haptic::SampleRing<int, 4> ring;
@@ -40,4 +40,4 @@ TEST(SampleRing, NothingIsLostOrTornBetweenTwoThreads) {
     }
 }
 
-} // namespace
+} // namespace sample_ring_test

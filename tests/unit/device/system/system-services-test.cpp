@@ -24,7 +24,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace {
+namespace system_services_test {
 
 using namespace std::chrono_literals;
 using haptic::BusAddresses;
@@ -389,4 +389,4 @@ TEST_F(Services, WithoutALockTheForceIsStillTakenOff) {
   playing.expect_off();
 }
 
-} // namespace
+} // namespace system_services_test

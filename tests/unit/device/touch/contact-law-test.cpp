@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-namespace {
+namespace contact_law_test {
 
 using haptic::Contact;
 using haptic::ContactLaw;
@@ -276,4 +276,4 @@ TEST(ContactLaw, AStifferFrameGivesTheHandNoEnergy) {
   EXPECT_NEAR(law.contact().proxy.z(), 0, 1e-9); // it is as stiff as the film says in the end
 }
 
-} // namespace
+} // namespace contact_law_test

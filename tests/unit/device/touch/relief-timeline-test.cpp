@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace relief_timeline_test {
 
 using haptic::kAtOnce;
 using haptic::ReliefAt;
@@ -86,4 +86,4 @@ TEST_F(Timeline, ASourceThatDoesNotWaitLosesItsOldestAndGivesAllMemoryBack) {
   EXPECT_EQ(all.size(), haptic::ReliefPool::kSlots);
 }
 
-} // namespace
+} // namespace relief_timeline_test

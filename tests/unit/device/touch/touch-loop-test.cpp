@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace touch_loop_test {
 
 using haptic::ReliefField;
 using spidar::Vector3;
@@ -154,4 +154,4 @@ TEST_P(Explorers, FindAStepOfTwoMillimetresWithinOneByTheForceAlone) {
   EXPECT_GE(found, 95);
 }
 
-} // namespace
+} // namespace touch_loop_test

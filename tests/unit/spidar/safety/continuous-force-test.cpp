@@ -13,7 +13,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace continuous_force_test {
 
 using haptic::ContinuousForce;
 using haptic::SafetyChain;
@@ -177,4 +177,4 @@ TEST(ContinuousForceBudget, TheHoldsOfTheChainSayWhenItLimits) {
   EXPECT_EQ(chain.holds(), 0U);
 }
 
-} // namespace
+} // namespace continuous_force_test

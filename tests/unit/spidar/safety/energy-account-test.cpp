@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <spidar/device-limits.hpp>
 
-namespace {
+namespace energy_account_test {
 
 using haptic::EnergyAccount;
 using spidar::Vector3;
@@ -122,4 +122,4 @@ TEST(EnergyAccount, AHandThatSlidesAlongPaysNothing) {
             1);
 }
 
-} // namespace
+} // namespace energy_account_test

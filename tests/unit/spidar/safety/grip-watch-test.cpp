@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace grip_watch_test {
 
 using haptic::GripWatch;
 using haptic::SafetyChain;
@@ -86,4 +86,4 @@ TEST_F(Watch, AWhirlingGripWasLetGoAfterFiveTicks) {
   EXPECT_EQ(holds(), haptic::kHoldOverspeed);
 }
 
-} // namespace
+} // namespace grip_watch_test

@@ -13,7 +13,7 @@
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
 
-namespace {
+namespace limited_device_test {
 
 using spidar::DeviceState;
 using spidar::LimitedDevice;
@@ -285,4 +285,4 @@ TEST(LimitedSimulator, SendsWhatTheSafetyChainSays) {
   EXPECT_TRUE(device.armed());
 }
 
-} // namespace
+} // namespace limited_device_test

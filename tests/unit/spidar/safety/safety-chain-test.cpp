@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-namespace {
+namespace safety_chain_test {
 
 using haptic::EnergyAccount;
 using haptic::SafetyChain;
@@ -616,4 +616,4 @@ TEST(SafetyChain, AHandThatHoldsStillGetsTheWholeForceForEver) {
   EXPECT_EQ(steps(chain, push(0.8), 100'000).x(), 0.8);
 }
 
-} // namespace
+} // namespace safety_chain_test

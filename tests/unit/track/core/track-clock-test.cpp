@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace track_clock_test {
 
 using haptic::kNoTime;
 using haptic::kSecond;
@@ -67,4 +67,4 @@ TEST(TrackClock, ATimeThatGoesBackIsNoWait) {
   EXPECT_TRUE(clock.wait_for_tie(6 * kSecond));
 }
 
-} // namespace
+} // namespace track_clock_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace field_code_size_test {
 
 using Bytes = std::vector<std::uint8_t>;
 using Cells = std::vector<haptic::CodedCell>;
@@ -69,4 +69,4 @@ TEST(FieldCodeSize, DeflateOfTheSameDifferencesIsMoreThanHalfAsLargeAgain) {
   }
 }
 
-} // namespace
+} // namespace field_code_size_test

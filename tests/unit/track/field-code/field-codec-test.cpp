@@ -10,7 +10,7 @@
 #include <iterator>
 #include <map>
 
-namespace {
+namespace field_codec_test {
 
 using haptic::FieldDecoder;
 using haptic::FieldEncoder;
@@ -431,4 +431,4 @@ TEST(FieldCodec, ADamagedFieldIsKnownAndHarmsNoOther) {
     }
 }
 
-} // namespace
+} // namespace field_codec_test

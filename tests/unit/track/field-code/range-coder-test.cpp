@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace range_coder_test {
 
 using haptic::BitModel;
 using haptic::RangeDecoder;
@@ -127,4 +127,4 @@ TEST(BitModel, NeverBecomesCertain) {
   }
 }
 
-} // namespace
+} // namespace range_coder_test

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <random>
 
-namespace {
+namespace relief_codec_test {
 
 using haptic::CodedField;
 using haptic::FieldKind;
@@ -278,4 +278,4 @@ TEST(ReliefCodec, AReliefIsNoMotionFieldInKlvAndText) {
   EXPECT_EQ(*line.field, sent);
 }
 
-} // namespace
+} // namespace relief_codec_test

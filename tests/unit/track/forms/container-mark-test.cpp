@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-namespace {
+namespace container_mark_test {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -145,4 +145,4 @@ TEST(ContainerMark, AnyBytesAreSafe) {
   }
 }
 
-} // namespace
+} // namespace container_mark_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace {
+namespace klv_test {
 
 using haptic::KlvKind;
 using haptic::KlvReader;
@@ -218,4 +218,4 @@ TEST(Klv, ThingsThatAreNoneAreRefused) {
   }
 }
 
-} // namespace
+} // namespace klv_test

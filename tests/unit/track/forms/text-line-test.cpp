@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace text_line_test {
 
 using haptic::read_text_line;
 using haptic::TrackSample;
@@ -119,4 +119,4 @@ TEST(TextLine, ThingsOfAFieldAreAWordThatEarlierReadersSkip) {
   EXPECT_TRUE(read_text_line("hv1 relief b=AAE= things=AQAAAA==").field);
 }
 
-} // namespace
+} // namespace text_line_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <optional>
 
-namespace {
+namespace track_form_test {
 
 using haptic::InputPacket;
 using haptic::kNoTime;
@@ -291,4 +291,4 @@ TEST(TrackForm, OtherVersionsAndKindsAreNamed) {
   EXPECT_EQ(problem_in(read(*klv, {set})), TrackProblemKind::other_kind);
 }
 
-} // namespace
+} // namespace track_form_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace bits_test {
 
 using haptic::BitReader;
 using haptic::BitWriter;
@@ -85,4 +85,4 @@ TEST(Bits, ATextThatIsCutOffFails) {
   EXPECT_EQ(in.left(), 0U);
 }
 
-} // namespace
+} // namespace bits_test

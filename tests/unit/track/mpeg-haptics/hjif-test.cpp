@@ -5,7 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace {
+namespace hjif_test {
 
 using haptic::read_hjif;
 using haptic::TrackSample;
@@ -164,4 +164,4 @@ TEST(Hjif, OtherModalitiesAndBandsArePassedOver) {
   EXPECT_NEAR(haptic::force_of_motion(got.samples[1].motion).y, 0.5, 1e-5);
 }
 
-} // namespace
+} // namespace hjif_test

@@ -15,7 +15,7 @@
 #include <string>
 #include <tuple>
 
-namespace {
+namespace hmpg_conformance_test {
 
 using haptic::BitWriter;
 using haptic::CurveType;
@@ -627,4 +627,4 @@ TEST(HmpgLive, SamplesAreHeldBackForAQuarterOfASecondAtMost) {
   }
 }
 
-} // namespace
+} // namespace hmpg_conformance_test

@@ -15,7 +15,7 @@
 #include <set>
 #include <span>
 
-namespace {
+namespace hmpg_test {
 
 using haptic::CodedUnit;
 using haptic::HmpgCurve;
@@ -545,4 +545,4 @@ TEST(HmpgRtp, AggregationPacketsOfSeveralTimeStampsAreDropped) {
   EXPECT_NE(assembler.push(0, Bytes{0x60, 0, 1, 0, 0, 0}).problem, nullptr);
 }
 
-} // namespace
+} // namespace hmpg_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
-namespace {
+namespace json_events_test {
 
 using haptic::parse_json;
 
@@ -143,4 +143,4 @@ TEST(JsonEvents, AnObjectionEndsTheReadingAndSaysWhere) {
   EXPECT_LE(error->offset, 12U);
 }
 
-} // namespace
+} // namespace json_events_test

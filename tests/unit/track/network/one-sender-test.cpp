@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace one_sender_test {
 
 using haptic::kSenderSilence;
 using haptic::OneSender;
@@ -47,4 +47,4 @@ TEST(OneSender, ASenderThatLeavesMakesRoomAtOnce) {
   EXPECT_EQ(senders.packet(3, 3), Verdict::chosen);
 }
 
-} // namespace
+} // namespace one_sender_test

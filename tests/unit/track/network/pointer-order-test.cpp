@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace pointer_order_test {
 
 using haptic::PointerOrder;
 using std::chrono::milliseconds;
@@ -33,4 +33,4 @@ TEST(PointerOrder, AfterASecondOfSilenceTheSenderMayHaveBeenStartedAnew) {
   EXPECT_TRUE(order.accept(0, kStart + PointerOrder::kForgotten + milliseconds(1)));
 }
 
-} // namespace
+} // namespace pointer_order_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace stream_sync_test {
 
 using haptic::kMostApart;
 using haptic::StreamSync;
@@ -130,4 +130,4 @@ TEST(StreamSync, ARestartedSenderIsNotMeasuredByTheReportsOfTheOneBefore) {
   EXPECT_EQ(streams.sync.time_of(1, {8, 5, 0, 123, 0}), 123); // no clock rate
 }
 
-} // namespace
+} // namespace stream_sync_test

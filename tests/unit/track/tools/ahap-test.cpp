@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace ahap_test {
 
 constexpr int kRate = 8000;
 constexpr double kCarrier = 180;
@@ -143,4 +143,4 @@ TEST(Ahap, SilenceIsNoEventAndAKnockIsTransient) {
   EXPECT_EQ(Player({}).continuous, 0);
 }
 
-} // namespace
+} // namespace ahap_test

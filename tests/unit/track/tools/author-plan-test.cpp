@@ -9,7 +9,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-namespace {
+namespace author_plan_test {
 
 namespace fs = std::filesystem;
 using haptic::Plan;
@@ -195,4 +195,4 @@ TEST_F(AuthorPlan, AFilmMayBeCopiedButNotChanged) {
   EXPECT_EQ(check(false), changed);
 }
 
-} // namespace
+} // namespace author_plan_test

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-namespace {
+namespace chunk_file_test {
 
 namespace fs = std::filesystem;
 using haptic::ChunkReader;
@@ -95,4 +95,4 @@ TEST_F(ChunkFile, AnUnfinishedOneLeavesNothing) {
   EXPECT_TRUE(folder.is_empty());
 }
 
-} // namespace
+} // namespace chunk_file_test

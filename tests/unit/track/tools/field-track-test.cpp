@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace field_track_test {
 
 using haptic::CodedField;
 using haptic::FieldKind;
@@ -183,4 +183,4 @@ TEST(FieldTrack, TheAmountOfMotionIsItsSpeedSquaredWhereItIsSure) {
   EXPECT_NEAR(haptic::field_energy(half), 0.125, 1e-6);
 }
 
-} // namespace
+} // namespace field_track_test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace {
+namespace film_segments_test {
 
 using haptic::CodedField;
 using haptic::FilmPlan;
@@ -147,4 +147,4 @@ TEST_F(FilmSegments, AFilmWithoutAKeyFrameForAMinuteIsRefused) {
   }
 }
 
-} // namespace
+} // namespace film_segments_test

@@ -42,7 +42,7 @@ static void silent_demuxer_init(SilentDemuxer *demuxer) {
   gst_element_add_pad(&demuxer->element, sink);
 }
 
-namespace {
+namespace film_streams_test {
 
 void find_silent(GstTypeFind *find, gpointer) {
   const guint8 *head = gst_type_find_peek(find, 0, 6);
@@ -119,4 +119,4 @@ TEST(FilmStreams, AnInterruptionEndsTheReadingOfFilmsAndTracks) {
   EXPECT_EQ(error_of([&] { haptic::read_track_file(path); }), haptic::messages::kWorkIsInterrupted);
 }
 
-} // namespace
+} // namespace film_streams_test

@@ -11,7 +11,7 @@
 #include <random>
 #include <unistd.h>
 
-namespace {
+namespace force_log_test {
 
 using haptic::ForceLog;
 
@@ -83,4 +83,4 @@ TEST_F(ForceLogs, DamagedOnesAreRefusedOrSound) {
   EXPECT_LT(refused, kRuns);
 }
 
-} // namespace
+} // namespace force_log_test

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-namespace {
+namespace fragment_writer_test {
 
 using haptic::FilmFormat;
 using haptic::FilmSegment;
@@ -215,4 +215,4 @@ TEST(FragmentWriter, SoundIsCountedOnUnlessItHasAGap) {
   EXPECT_EQ(begin_of_sound(1'000'000'000), 44'100);
 }
 
-} // namespace
+} // namespace fragment_writer_test

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-namespace {
+namespace part_file_test {
 
 namespace fs = std::filesystem;
 using haptic::PartFile;
@@ -79,4 +79,4 @@ TEST(PartFile, APlaceThatDoesNotExistIsNamed) {
   EXPECT_TRUE(folder.is_empty()) << "what could not be kept is removed";
 }
 
-} // namespace
+} // namespace part_file_test

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace perception_test {
 
 using haptic::Comparison;
 using haptic::Force;
@@ -217,4 +217,4 @@ TEST(Perception, TheThresholdsAreThoseOfThePage) {
   EXPECT_FALSE(differ(along(0.029, 0), along(0.029, 180))) << "neither is felt";
 }
 
-} // namespace
+} // namespace perception_test

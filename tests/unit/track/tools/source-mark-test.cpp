@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace source_mark_test {
 
 using haptic::CodedField;
 using test::TemporaryFolder;
@@ -88,4 +88,4 @@ TEST_F(SourceMark, ItDependsOnTheFilmAndOnTheSettings) {
   EXPECT_THROW(haptic::hash_of_file(folder.path_of("missing")), haptic::TrackFileError);
 }
 
-} // namespace
+} // namespace source_mark_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace stream_track_test {
 
 using haptic::kNoTime;
 using haptic::kSecond;
@@ -73,4 +73,4 @@ TEST(StreamTrack, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
   expect_one_remark(track, haptic::TrackProblemKind::untied);
 }
 
-} // namespace
+} // namespace stream_track_test

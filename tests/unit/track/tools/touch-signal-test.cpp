@@ -10,7 +10,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace touch_signal_test {
 
 using haptic::Comparison;
 using haptic::contact_force;
@@ -183,4 +183,4 @@ TEST(TouchSignal, NoLineLeadsIntoAnotherScene) {
   EXPECT_NEAR(haptic::interpolated(before, after, 0.9).height, 0.009, 1e-6);
 }
 
-} // namespace
+} // namespace touch_signal_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace {
+namespace transport_stream_test {
 
 using haptic::FilmFormat;
 using haptic::FilmSegment;
@@ -239,4 +239,4 @@ TEST(TransportStream, AKeyFrameBringsTheParameterSets) {
     EXPECT_TRUE(std::ranges::equal(std::span(coded).first(4), start));
 }
 
-} // namespace
+} // namespace transport_stream_test

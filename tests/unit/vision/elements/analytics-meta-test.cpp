@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace analytics_meta_test {
 
 using haptic::BufferPtr;
 
@@ -152,4 +152,4 @@ TEST_F(Analytics, NumbersWithoutSenseGiveNoBox) {
   EXPECT_TRUE(boxes().empty());
 }
 
-} // namespace
+} // namespace analytics_meta_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace camera_motion_test {
 
 using haptic::CameraMotion;
 using haptic::FieldCell;
@@ -231,4 +231,4 @@ TEST(CameraMotion, WhatRestsOnTheScreenStaysAtRest) {
     EXPECT_NEAR(std::hypot(cell.velocity_x, cell.velocity_y), 0, 0.1);
 }
 
-} // namespace
+} // namespace camera_motion_test

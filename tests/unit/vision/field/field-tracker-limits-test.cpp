@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace field_tracker_limits_test {
 
 using test::Field;
 using test::Frame;
@@ -138,4 +138,4 @@ TEST(FieldTrackerLimits, AgreesWithTheTrackerOfARegionAtTheSamePlace) {
   EXPECT_LE(differences[differences.size() * 95 / 100], 0.5);
 }
 
-} // namespace
+} // namespace field_tracker_limits_test

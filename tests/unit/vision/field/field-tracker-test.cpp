@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace field_tracker_test {
 
 using haptic::FieldCell;
 using haptic::FieldShape;
@@ -482,4 +482,4 @@ TEST(FieldTracker, AnEqualFrameRepeats) {
   EXPECT_FALSE(field.tracker.repeats());
 }
 
-} // namespace
+} // namespace field_tracker_test

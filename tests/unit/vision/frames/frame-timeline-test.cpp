@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace frame_timeline_test {
 
 using haptic::FrameTimeline;
 using haptic::TimeStep;
@@ -96,4 +96,4 @@ TEST(FrameTimeline, ForgetsOnDemand) {
   EXPECT_EQ(next(timeline, 40).kind, Kind::restarts);
 }
 
-} // namespace
+} // namespace frame_timeline_test

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace luma_crop_test {
 
 using haptic::LumaView;
 using haptic::Rectangle;
@@ -259,4 +259,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, LumaCrop,
                                            "GRAY16_LE", "GRAY16_BE"),
                          [](const auto &format) { return std::string(format.param); });
 
-} // namespace
+} // namespace luma_crop_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace {
+namespace followed_things_test {
 
 using haptic::FieldThing;
 using haptic::FollowedThings;
@@ -121,4 +121,4 @@ TEST(SomeFollowedThings, AreAtMostAsManyAsAFieldHolds) {
   EXPECT_EQ(things_of(followed).size(), haptic::kMostFieldThings);
 }
 
-} // namespace
+} // namespace followed_things_test

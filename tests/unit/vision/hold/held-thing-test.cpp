@@ -11,7 +11,7 @@
 #include <optional>
 #include <random>
 
-namespace {
+namespace held_thing_test {
 
 using haptic::HeldReport;
 using haptic::HeldThing;
@@ -283,4 +283,4 @@ TEST_F(AHeldThing, MayBeTakenAtAnyPlaceOfAnyFrame) {
   }
 }
 
-} // namespace
+} // namespace held_thing_test

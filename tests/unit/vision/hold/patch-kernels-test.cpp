@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace patch_kernels_test {
 
 using haptic::kPatchRadius;
 using haptic::kPatchRoom;
@@ -166,4 +166,4 @@ TEST(PatchKernels, ACorrelationOutsideThePlaneIsNone) {
   }
 }
 
-} // namespace
+} // namespace patch_kernels_test

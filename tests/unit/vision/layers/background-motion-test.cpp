@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace background_motion_test {
 
 using haptic::BackgroundMotion;
 using haptic::Displacement;
@@ -68,4 +68,4 @@ TEST_F(BackgroundMotionTest, ASkyThatStopsIsAtRestWithinSeconds) {
   EXPECT_LT(std::abs(found.x), 0.01);
 }
 
-} // namespace
+} // namespace background_motion_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace calm_cells_test {
 
 using haptic::CalmCells;
 using test::kCropSize;
@@ -69,4 +69,4 @@ TEST_F(CalmCellsTest, ASkyThatMovesWithTheFrameFollowsItAndStaysBackground) {
   EXPECT_EQ(cells->background().at(6, 17), 1);
 }
 
-} // namespace
+} // namespace calm_cells_test

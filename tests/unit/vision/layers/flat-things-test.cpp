@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace flat_things_test {
 
 using haptic::CellMap;
 using haptic::HalfMap;
@@ -124,4 +124,4 @@ TEST_F(FlatThingsTest, AThingMovesAsItsBordersDoTogether) {
   EXPECT_EQ(motion.x.at(10, 2), 0);
 }
 
-} // namespace
+} // namespace flat_things_test

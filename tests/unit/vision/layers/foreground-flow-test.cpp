@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace foreground_flow_test {
 
 using haptic::Displacement;
 using test::kCropSide;
@@ -73,4 +73,4 @@ TEST_F(ForegroundFlowTest, IsAtRestWhereNothingMoves) {
   EXPECT_NEAR(found.y, 0, 1e-6);
 }
 
-} // namespace
+} // namespace foreground_flow_test

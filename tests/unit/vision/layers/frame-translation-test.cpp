@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace frame_translation_test {
 
 using haptic::FrameMotion;
 using test::Frame;
@@ -77,4 +77,4 @@ TEST_F(FrameTranslationTest, AFrameSmallerThanAPatchShowsNothing) {
   EXPECT_EQ(translation->follow({source, source, 10, 10}, 0, {}).certainty, 0);
 }
 
-} // namespace
+} // namespace frame_translation_test

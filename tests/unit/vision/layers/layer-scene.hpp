@@ -2,6 +2,7 @@
 // A leaf before a sky, drawn with known motion.
 #pragma once
 
+#include "frame-view.hpp"
 #include "layers/layer-frame.hpp"
 #include "moving-texture.hpp"
 
@@ -41,10 +42,6 @@ private:
   Texture clouds_{1, 60, 12};
   Texture veins_{2, 6, 20};
 };
-
-inline haptic::LumaView view_of(const Frame &frame) {
-  return {frame.pixels.data(), frame.width, frame.height, frame.width};
-}
 
 inline constexpr int kCropSide = 80; // px
 inline constexpr haptic::LayerSize kCropSize{kCropSide, kCropSide};

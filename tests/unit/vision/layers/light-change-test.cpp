@@ -6,7 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace {
+namespace light_change_test {
 
 using haptic::LayerFrame;
 using haptic::LightChange;
@@ -100,4 +100,4 @@ TEST(LightChange, TheContrastComesBackWhileTheLightStays) {
   EXPECT_NEAR(frame.mean.at(1, 1), dark.mean.at(1, 1), 0.15 * dark.mean.at(1, 1));
 }
 
-} // namespace
+} // namespace light_change_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace segmentation_test {
 
 using test::kCropSide;
 using test::kCropSize;
@@ -41,4 +41,4 @@ TEST(Segmentation, WithoutABackgroundThereIsNoShareOfIt) {
     EXPECT_EQ(segmentation->share().at(i, i), 0);
 }
 
-} // namespace
+} // namespace segmentation_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace {
+namespace held_trail_test {
 
 using haptic::HeldTrail;
 using haptic::HoldState;
@@ -73,4 +73,4 @@ TEST(HeldTrail, TimesThatStandStillDoNotMakeItLonger) {
   EXPECT_LE(trail.points().size(), 1000U);
 }
 
-} // namespace
+} // namespace held_trail_test

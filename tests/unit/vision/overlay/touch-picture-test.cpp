@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace {
+namespace touch_picture_test {
 
 using haptic::BufferPtr;
 using haptic::Dent;
@@ -255,4 +255,4 @@ TEST_F(TouchPicture, NothingIsAllocatedAfterTheFirstFrame) {
   EXPECT_EQ(test::allocations, before);
 }
 
-} // namespace
+} // namespace touch_picture_test

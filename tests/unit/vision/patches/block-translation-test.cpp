@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace block_translation_test {
 
 using haptic::Displacement;
 using haptic::Plane;
@@ -161,4 +161,4 @@ TEST_F(BlockTranslation, ATextureThatDoesNotRepeatIsLeftAlone) {
   EXPECT_EQ(whole.displacement.y, before.y);
 }
 
-} // namespace
+} // namespace block_translation_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace clipped_pixels_test {
 
 TEST(ClippedPixels, AKeptPixelOfMeanGreyLevelHasItsWeight) {
   constexpr int kSide = 40;
@@ -31,4 +31,4 @@ TEST(ClippedPixels, AKeptPixelOfMeanGreyLevelHasItsWeight) {
   EXPECT_NEAR(fit.residual, 0, 0.1);
 }
 
-} // namespace
+} // namespace clipped_pixels_test

@@ -5,7 +5,7 @@
 #include <array>
 #include <gtest/gtest.h>
 
-namespace {
+namespace grid_motions_test {
 
 using haptic::Alignment;
 using haptic::BentMotion;
@@ -97,4 +97,4 @@ TEST(CommonestDisplacement, IsTheMeanOfMostPatchesThatFit) {
   EXPECT_FALSE(haptic::commonest_of(patches, Displacement{2, 0}));
 }
 
-} // namespace
+} // namespace grid_motions_test

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-namespace {
+namespace lk_kernels_test {
 
 using haptic::Alignment;
 using haptic::Displacement;
@@ -348,4 +348,4 @@ TEST(Regulariser, IsTheNoiseOfThePixelsAndAShareOfTheTrace) {
   EXPECT_FLOAT_EQ(haptic::regulariser({100, 7, 300}, 64), 0.16F * 64 + 0.03F * 400);
 }
 
-} // namespace
+} // namespace lk_kernels_test

@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-namespace {
+namespace patch_grid_test {
 
 using haptic::Area;
 using haptic::PatchGrid;
@@ -123,4 +123,4 @@ TEST(Pyramid, EachLevelIsHalfAsLarge) {
   EXPECT_EQ(pyramid->levels[2].height(), 16);
 }
 
-} // namespace
+} // namespace patch_grid_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace patch_trust_test {
 
 using haptic::Alignment;
 using haptic::Measurement;
@@ -171,4 +171,4 @@ TEST(Doublings, CountHowOftenTheRegionOfThePaperFits) {
     EXPECT_EQ(haptic::doublings(side), doublings) << side;
 }
 
-} // namespace
+} // namespace patch_trust_test

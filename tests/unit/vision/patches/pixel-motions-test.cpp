@@ -11,7 +11,7 @@
 #include <memory>
 #include <random>
 
-namespace {
+namespace pixel_motions_test {
 
 using haptic::Area;
 using haptic::Displacement;
@@ -234,4 +234,4 @@ TEST_F(ThingsSideBySide, CountAlikeOnEveryInstructionSet) {
   });
 }
 
-} // namespace
+} // namespace pixel_motions_test

@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace pixel_votes_test {
 
 using haptic::Area;
 using haptic::Displacement;
@@ -210,4 +210,4 @@ TEST_F(PixelVotes, AreTheSameOnEveryInstructionSet) {
   });
 }
 
-} // namespace
+} // namespace pixel_votes_test

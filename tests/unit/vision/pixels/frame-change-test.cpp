@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace frame_change_test {
 
 using haptic::Change;
 using test::Frame;
@@ -109,4 +109,4 @@ TEST(Combing, IsNotSeenInNoise) {
         haptic::is_combed(test::view_of(noisy(Frame(kSide, kSide, 120), 1, seed)), kNoise));
 }
 
-} // namespace
+} // namespace frame_change_test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace image_kernels_test {
 
 using haptic::LumaView;
 
@@ -124,4 +124,4 @@ TEST(ImageKernels, ChangeSumsAreThoseOfDifferencesAndGradients) {
   });
 }
 
-} // namespace
+} // namespace image_kernels_test

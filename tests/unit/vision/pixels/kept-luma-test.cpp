@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace kept_luma_test {
 
 using haptic::KeptLuma;
 using haptic::LumaView;
@@ -115,4 +115,4 @@ TEST(KeptLuma, ShowsTheFrameWhateverWasReadBefore) {
   }
 }
 
-} // namespace
+} // namespace kept_luma_test

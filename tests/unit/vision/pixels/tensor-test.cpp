@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace tensor_test {
 
 using haptic::Displacement;
 using haptic::Tensor;
@@ -57,4 +57,4 @@ TEST(Tensor, TheStrongPartKnowsNothingAcross) {
   EXPECT_NEAR(strong_part(Tensor{}).xx, 0, 1e-6);
 }
 
-} // namespace
+} // namespace tensor_test

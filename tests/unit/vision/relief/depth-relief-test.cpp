@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace depth_relief_test {
 
 using haptic::DepthKind;
 using haptic::DepthScale;
@@ -178,4 +178,4 @@ TEST(DepthRelief, ReadsEightBitsAndNoByteOutsideTheFrame) {
   }
 }
 
-} // namespace
+} // namespace depth_relief_test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
-namespace {
+namespace touch_table_test {
 
 using haptic::LabColour;
 using haptic::ReliefCell;
@@ -146,4 +146,4 @@ TEST(ColourRelief, ACellHasTheMeanLightOfItsPixels) {
     EXPECT_NEAR(relief.cells[i].height, i % 8 < 4 ? 0.01 : -0.01, 1e-5) << i;
 }
 
-} // namespace
+} // namespace touch_table_test

@@ -11,7 +11,7 @@
 #include <optional>
 #include <random>
 
-namespace {
+namespace fast_tracker_limits_test {
 
 using haptic::CropPair;
 using haptic::Measurement;
@@ -149,4 +149,4 @@ TEST(FastTrackerLimits, AfterTheFirstFramesNothingIsAllocated) {
   EXPECT_EQ(test::allocations, before);
 }
 
-} // namespace
+} // namespace fast_tracker_limits_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace fast_tracker_test {
 
 using haptic::Measurement;
 using haptic::Patch;
@@ -676,4 +676,4 @@ TEST_F(FastTracker, RandomPixelsAndShapesGiveFiniteNumbers) {
   }
 }
 
-} // namespace
+} // namespace fast_tracker_test

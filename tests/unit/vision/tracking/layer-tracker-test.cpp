@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace layer_tracker_test {
 
 using haptic::Finding;
 using haptic::Measurement;
@@ -284,4 +284,4 @@ TEST_F(LayerTrackerTest, EachInstructionSetFindsTheSame) {
   }
 }
 
-} // namespace
+} // namespace layer_tracker_test

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-namespace {
+namespace opencv_tracker_test {
 
 using haptic::Measurement;
 using haptic::Rectangle;
@@ -235,4 +235,4 @@ TEST_F(OpencvTracker, StartsNoThreads) {
   EXPECT_EQ(threads(), before_tracking);
 }
 
-} // namespace
+} // namespace opencv_tracker_test

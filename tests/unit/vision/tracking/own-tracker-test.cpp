@@ -90,7 +90,7 @@ std::unique_ptr<PatchTracker> make_block_tracker() {
 
 } // namespace haptic
 
-namespace {
+namespace own_tracker_test {
 
 using test::Frame;
 using test::Shift;
@@ -125,4 +125,4 @@ TEST_F(OwnTracker, IsSilentWhereThePlaceLeftTheFrame) {
   EXPECT_EQ(track(before, after, {104, 50, kSide, kSide}).count, 0);
 }
 
-} // namespace
+} // namespace own_tracker_test

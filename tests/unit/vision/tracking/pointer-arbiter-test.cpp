@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace pointer_arbiter_test {
 
 using namespace std::chrono_literals;
 using haptic::Pointer;
@@ -85,4 +85,4 @@ TEST(PointerArbiter, AChosenSourceThatNeverSpokeLeavesTheProperties) {
   }
 }
 
-} // namespace
+} // namespace pointer_arbiter_test

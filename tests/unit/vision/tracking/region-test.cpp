@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace region_test {
 
 using haptic::Rectangle;
 
@@ -79,4 +79,4 @@ TEST(RegionSize, WithoutAThirdDimensionItIsWhatThePropertySays) {
     EXPECT_EQ(size.side(0, base, 352, 288), base);
 }
 
-} // namespace
+} // namespace region_test

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace region_tracker_test {
 
 using haptic::Areas;
 using haptic::Finding;
@@ -215,4 +215,4 @@ TEST(TrackingStatistics, CountsFramesByTheirFlagsAndTakesMeans) {
   EXPECT_EQ(statistics.mean_time(), 200);
 }
 
-} // namespace
+} // namespace region_tracker_test

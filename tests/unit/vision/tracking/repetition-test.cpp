@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace repetition_test {
 
 using haptic::Repetition;
 using haptic::RepetitionJudge;
@@ -46,4 +46,4 @@ TEST(RepetitionJudge, ThePointerThatLeavesAMovingObjectFindsStandstillAtOnce) {
   EXPECT_EQ(judge.judge(true, kOtherThere), Repetition::still);
 }
 
-} // namespace
+} // namespace repetition_test

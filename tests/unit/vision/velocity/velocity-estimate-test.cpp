@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace velocity_estimate_test {
 
 using haptic::Average;
 using haptic::estimate_velocity;
@@ -914,4 +914,4 @@ TEST(MotionModel, APatchThatIsNotANumberIsLeftOut) {
   EXPECT_EQ(found.points, 17);
 }
 
-} // namespace
+} // namespace velocity_estimate_test
