@@ -22,6 +22,7 @@ unit_tests=(
   image-kernels lk-kernels luma-crop kept-luma pixel-votes pixel-motions velocity-estimate fast-tracker-limits
   field-tracker-limits
 )
+cases=$(cases_of "${unit_tests[@]}")
 left_out='*.TheSmallestThatExplains*:*.TheFirstFrameAlone*:*.AStationaryMixture*:MotionConfidence.*:*.AfterTheFirst*NothingIsAllocated'
 
 # `run_on PROCESSOR BEST` fails if the best instruction set that Highway finds there is not BEST.
@@ -31,8 +32,8 @@ run_on() {
   best=$($emulator -cpu "$processor" "$unit-motion-models" --gtest_list_tests 2>/dev/null |
     sed -n '\|^ .*/\([A-Z0-9]*\)\( .*\)\?$|{s||\1|p;q}')
   [ "$best" = "$2" ] || fail "the best instruction set on $processor is '$best', not $2"
-  judge $emulator -cpu "$processor" "$unit-motion-models" --gtest_filter="-$left_out"
-  judge $emulator -cpu "$processor" "$unit" --gtest_filter="$(cases_of "${unit_tests[@]}")-$left_out"
+  GTEST_FILTER=-$left_out judge $emulator -cpu "$processor" "$unit-motion-models"
+  GTEST_FILTER=$cases-$left_out judge $emulator -cpu "$processor" "$unit"
 }
 
 run_on Conroe SSSE3

@@ -64,8 +64,8 @@ judge tests/referees/allocating-device loop nothing
 judge tests/referees/allocating-device limits nothing
 check_that_it_sees
 filter=$(cases_of "${unit_tests[@]}")
-judge tests/unit/unit-device --gtest_filter="$filter-$sleeps"
-judge tests/unit/unit-spidar --gtest_filter="$filter"
+GTEST_FILTER=$filter-$sleeps judge tests/unit/unit-device
+GTEST_FILTER=$filter judge tests/unit/unit-spidar
 judge tests/unit/unit-evdev-device
 judge tests/faults/faults-loop
 # An exchange takes 60 ms here: the name of each function of each call into libusb is looked up.

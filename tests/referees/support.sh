@@ -53,15 +53,15 @@ judge() {
 
 # `cases_of NAME...` prints a filter for GoogleTest: the cases of the unit tests NAME-test.cpp.
 cases_of() {
-  local name file suites suite cases=()
+  local name file suites suite patterns=()
   for name in "$@"; do
     file=$(find "$root/tests/unit" -name "$name-test.cpp")
     [ -n "$file" ] || fail "'$name' is no unit test"
     suites=$(sed -nE 's/^(TYPED_)?TEST(_F|_P)?\(([A-Za-z0-9]+),.*/\3/p' "$file" | sort -u)
     [ -n "$suites" ] || fail "$file has no cases"
     for suite in $suites; do
-      cases+=("$suite.*" "$suite/*" "*/$suite.*")
+      patterns+=("$suite.*" "$suite/*" "*/$suite.*")
     done
   done
-  (IFS=: && echo "${cases[*]}")
+  (IFS=: && echo "${patterns[*]}")
 }

@@ -31,7 +31,7 @@ if "${fixed_addresses[@]}" tests/unit/unit-device --gtest_list_tests 2>&1 | grep
 fi
 export TSAN_OPTIONS=suppressions=$root/tests/suppressions/tsan.supp:print_suppressions=0
 export SPIDAR_GEOMETRY_PATH=$root/spidar/geometry
-judge "${fixed_addresses[@]}" tests/unit/unit-device --gtest_filter="$(cases_of "${unit_tests[@]}")"
+GTEST_FILTER=$(cases_of "${unit_tests[@]}") judge "${fixed_addresses[@]}" tests/unit/unit-device
 # Hours and minutes of ticks of one thread.
 export GTEST_FILTER='-*.F20_*:*.F27_*'
 judge "${fixed_addresses[@]}" tests/faults/faults-loop
