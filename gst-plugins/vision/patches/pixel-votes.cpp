@@ -131,7 +131,8 @@ void VoteTogether(float limit, float noise, VoteSheets &sheets, const PixelVotes
   const Lanes expected = hn::Set(kTag, noise);
   const Lanes scale = hn::Set(kTag, 1.0F / (kBox * kBox));
   const int stride = layer.box.padded_width();
-  for (int x = 0; x < layer.box.width; x += lanes())
+  // To the end of the rows of ratios, also with vectors of four: ShareOut reads them whole.
+  for (int x = 0; x < stride; x += lanes())
     for (int y = 0; y < layer.box.height; ++y) {
       const float *column = sheets.energies.data() + y * kStride + x;
       Lanes energy = hn::LoadU(kTag, column);
