@@ -94,8 +94,8 @@ protected:
   }
 };
 
-// The drag of a wind: equation 5 on v - v_hand. A hand at rest feels what `arctan` gives, one that
-// moves with the frame feels nothing, one that is faster is braked: the law takes energy out of it.
+// The drag of a wind: equation 5 on v - v_hand. A hand at rest feels what `arctan` gives. One that
+// moves with the frame would feel nothing; the limit of its part leaves it most of the wind.
 class DragLaw final : public RelativeLaw {
   Relative force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
                  double) noexcept override {
@@ -146,8 +146,11 @@ constexpr std::array kLaws = {
     ForceLawInfo{"linear",
                  "In proportion to the speed; the fastest of the last gain-window is max-force",
                  make<LinearLaw>},
-    ForceLawInfo{"drag", "Equation 5 on the motion relative to the hand, as wind does",
-                 make<DragLaw>},
+    ForceLawInfo{
+        "drag",
+        "Equation 5 on the motion relative to the hand, as wind does; a hand that goes along "
+        "still feels most of it",
+        make<DragLaw>},
     ForceLawInfo{"inertial", "Equation 5 on the acceleration relative to the hand, times 0.1 s",
                  make<InertialLaw>},
 };

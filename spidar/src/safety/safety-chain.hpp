@@ -159,9 +159,9 @@ public:
   double most_side_torque(const spidar::Vector3 &force, double max_torque) const noexcept {
     return std::min(max_torque, device_.side_torque + kTorqueArm * force.norm());
   }
-  /// J that the hand may have back: what it has put in, and a credit, without which the errors of
-  /// the tensions would wear a light touch out.
-  double energy_of_hand() const noexcept { return account_.of_hand() + credit_; }
+  /// J that the hand may have back. A touch whose spring holds more than the account pays would be
+  /// cut off on the hand's way out and felt on its way in: the force would go on and off.
+  double energy_of_hand() const noexcept { return account_.of_hand() + lent_; }
   /// The force begins anew, from zero. What is left of energy and continuous force is kept.
   void restart() noexcept;
   /// As new, but for what is left of energy and continuous force. The last command acted for
@@ -212,7 +212,7 @@ private:
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
   double gate_ = 0;                // 0..1, from the trust
   EnergyAccount account_;
-  double credit_ = 0; // J, of the last step
+  double lent_ = 0; // J, beyond what the purse holds, in the last step
   ContinuousForce continuous_force_;
   double force_limit_ = 0;   // N, that it leaves
   bool limited_ = false;     // the last step

@@ -616,4 +616,26 @@ TEST(SafetyChain, AHandThatHoldsStillGetsTheWholeForceForEver) {
   EXPECT_EQ(steps(chain, push(0.8), 100'000).x(), 0.8);
 }
 
+// The spring of a touch holds no more than the chain says; else it would be cut off on the hand's
+// way out and felt on its way in.
+TEST(SafetyChain, PaysWhatItSaysThatTheHandMayHaveBack) {
+  constexpr double kForce = 0.2; // N
+  constexpr double kWay = 1e-5;  // m, in a tick
+  auto input = push(0);
+  input.slew_rate = 1000;
+  input.touch.force.z() = kForce;
+  input.touch.energy = kForce * kForce / (2 * 200);
+  Acting acting;
+  acting.steps(input, 60); // fades in
+  input.moved.z() = -kWay;
+  acting.steps(input, 15);
+  input.moved.z() = kWay;
+  const double price = kForce * kWay * (1 + test::kSpidar.delay); // of this tick, and in advance
+  int paid = 0;
+  for (; acting.chain.energy_of_hand() > price; ++paid)
+    ASSERT_DOUBLE_EQ(acting.step(input).force.z(), kForce) << paid;
+  EXPECT_GT(paid, 10);
+  EXPECT_EQ(acting.steps(input, 10).force.z(), 0);
+}
+
 } // namespace safety_chain_test
