@@ -21,8 +21,8 @@ namespace {
 constexpr int kSkipped = 77;
 
 #ifdef HAPTIC_LEAKS_ARE_FOUND
-// While GLib is loaded it leaves a first table of interned strings behind (gquark.c says so). Runs before any library's
-// own initialisation.
+// While GLib is loaded it leaves a first table of interned strings behind (gquark.c says so). Runs
+// before any library's own initialisation.
 [[gnu::section(".preinit_array"), gnu::used]] void (*const ignore_the_libraries)() = __lsan_disable;
 #endif
 
