@@ -78,8 +78,7 @@ void SessionReports::report_priority(SessionClient &client, const RealTimeThread
       return;
     if (answer == RealTimeAnswer::granted) {
       error = 0;
-      client.note(Severity::info, "real-time priority comes from rtkit or the portal, which demand "
-                                  "RLIMIT_RTTIME for the whole process, until it ends");
+      client.note(Severity::info, messages::kPriorityOnLoan);
     }
   }
   priority_reported_ = true;
