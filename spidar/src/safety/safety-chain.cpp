@@ -41,10 +41,8 @@ constexpr double kStaleLongest = 2;    // s
 // A lowered maximum takes the whole force of the device off within this time, whatever the slew
 // rate. A step would be felt as a blow.
 constexpr double kMaximumFalls = 0.05; // s; the torque falls as this force at kTorqueArm
-// A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
-constexpr double kCredit = 5e-5; // J per N of max_force
-// The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
-constexpr double kTrickle = 2e-5; // W per N of max_force
+// A hand that comes at kUndamped feels this share of the force at once, one at 0.9 m/s 10 ms later.
+constexpr double kFeltAtOnce = 0.2;
 // A law that resists the hand keeps what it may need at the fastest hand, and at this period.
 constexpr double kUsualPeriod = 0.001; // s
 // The budget for continuous force spares motors and hand over a minute, and has time.
@@ -65,10 +63,16 @@ bool is_finite(const SafetyChain::Input &input) {
          std::isfinite(input.damping) && std::isfinite(input.dt) && std::isfinite(input.longest_dt);
 }
 
+// J, for a force that nothing was put into yet.
+double credit(const SafetyChain::Input &input, const spidar::DeviceLimits &device) {
+  const double delay = device.delay * kUsualPeriod; // s
+  return kFeltAtOnce * SafetyChain::kUndamped * delay * input.max_force;
+}
+
 // The spring to a held thing has some µJ, less than the errors of the measured force and way are
 // worth: without a margin they would wear it out.
-double lent(const SafetyChain::Input &input) {
-  return input.touch.carried ? kCredit * input.max_force : 0;
+double lent(const SafetyChain::Input &input, const spidar::DeviceLimits &device) {
+  return input.touch.carried ? credit(input, device) : 0;
 }
 
 // Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
@@ -155,7 +159,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     fade_out(holds, dt);
   else
     follow(input);
-  credit_ = kCredit * input.max_force;
+  credit_ = credit(input, device_);
   const double of_hand = parts_.hand.norm();
   parts_.hand =
       account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
@@ -163,7 +167,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
                                         .time = dt,
                                         .delay = device_.delay * std::max(input.longest_dt, dt),
                                         .credit = credit_,
-                                        .lent = lent(input)});
+                                        .lent = lent(input, device_)});
   note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
   braked_ = {.force = output_.force, .torque = braked_torque(output_, input, device_)};
@@ -239,17 +243,18 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
   double fading = 0;
   if (!parts_.hand.isZero(0))
     fading = parts_.hand.squaredNorm() / (2 * device_.stiffest_spring(kUsualPeriod));
-  account_.charge({.acted = input.acted,
-                   .film = acting_.film,
-                   .by_hand = !acting_.hand.isZero(0),
-                   .moved = input.moved,
-                   .turned = input.turned,
-                   .trickle = kTrickle * input.max_force,
-                   .surface_work = input.touch.surface_work,
-                   .carried = input.touch.carried.value_or(Vector3::Zero()),
-                   .most = std::min(std::max(input.touch.energy, fading) + of_law + lent(input),
-                                    device_.most_for_hand() * input.max_force),
-                   .time = input.dt});
+  account_.charge(
+      {.acted = input.acted,
+       .film = acting_.film,
+       .by_hand = !acting_.hand.isZero(0),
+       .moved = input.moved,
+       .turned = input.turned,
+       .trickle = device_.flicker * input.max_force,
+       .surface_work = input.touch.surface_work,
+       .carried = input.touch.carried.value_or(Vector3::Zero()),
+       .most = std::min(std::max(input.touch.energy, fading) + of_law + lent(input, device_),
+                        device_.most_for_hand() * input.max_force),
+       .time = input.dt});
 }
 
 // Returns whether it had to.

@@ -80,8 +80,9 @@ TEST_P(Hands, NeitherGainEnergyNorTrembleOnRandomSurfaces) {
   constexpr int kLooked = 200; // ms
   const int touch = kLed + GetParam().swings + kLooked;
   const double stiffest = GetParam().stiffest();
-  // J; while it touches the arm, the hand gets 20 µW (docs/force.md#energy), and uses some of it.
-  const double of_touch = GetParam().device == &test::kArm ? 2e-8 * touch : 1e-6;
+  // J; while it touches the arm, the hand uses some of what the flicker of its place may cost.
+  const double of_touch =
+      GetParam().device == &test::kArm ? 1e-3 * touch * test::kArm.flicker : 1e-6;
   const double most_work = GetParam().swings > 1000 ? 1 / (2 * stiffest) : of_touch;
   const char *seed = std::getenv("FEELING_WIND_SEED"); // docs/force.md
   std::mt19937 random(seed ? static_cast<unsigned>(std::atoi(seed)) : 11);
