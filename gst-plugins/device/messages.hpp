@@ -61,6 +61,12 @@
           "Install rtkit, or allow both with the lines \"@plugdev - rtprio 60\" and \"@plugdev - " \
           "memlock 8192\" in "                                                                     \
           "/etc/security/limits.d/spidar.conf, and log in again.")                                 \
+  MESSAGE(kPriorityOnLoan,                                                                         \
+          "The real-time priority comes from rtkit or the portal, which demand the limit "         \
+          "RLIMIT_RTTIME. It holds for the whole process and cannot be raised again: if any "      \
+          "real-time thread runs longer without a sleep, the kernel ends the process.",            \
+          "If the program has such threads, allow the priority without a service by the line "     \
+          "\"@plugdev - rtprio 60\" in /etc/security/limits.d/spidar.conf, and log in again.")     \
   MESSAGE(kLayoutUnknown, "There is no layout \"%s\".",                                            \
           "Use back-3x4, ring-8, shakers-2, coils-2, or the path of a file that ends in .ini.")    \
   MESSAGE(kLayoutUnreadable, "The layout %s cannot be read: %s.",                                  \

@@ -3,6 +3,7 @@
 
 #include "fail.hpp"
 #include "spidar/haptic-device.hpp"
+#include "spidar/limited-device.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -70,15 +71,23 @@ MachineVerdict judge_machine(const MachineTiming &timing) {
     return slow_device(
         Fitness::limited, round_trip,
         formatted("so the rate can be %.0f Hz at most", std::floor(1 / round_trip + 1e-6)));
-  if (worst > timing.period)
-    return late(timing, Fitness::limited, worst, alone > timing.period ? kAlone : kBusy,
-                formatted("so a touch has at most %.0f N/m instead of %.0f N/m",
-                          stiffest_touch(timing.period + worst), stiffest_touch(timing.period)));
-  return {
-      Fitness::fit,
-      formatted("This machine is fit for a force: no tick came more than %.2f ms late, so a touch "
-                "has up to %.0f N/m.",
-                milliseconds(worst), stiffest_touch(timing.period + worst))};
+  const double usual_touch = stiffest_touch(timing.device, timing.period);
+  const double touch = stiffest_touch(timing.device, timing.period + worst);
+  if (worst > timing.period && touch < usual_touch)
+    return late(
+        timing, Fitness::limited, worst, alone > timing.period ? kAlone : kBusy,
+        formatted("so a touch has at most %.0f N/m instead of %.0f N/m", touch, usual_touch));
+  const std::string in_time = formatted(
+      "This machine is fit for a force: no tick came more than %.2f ms late", milliseconds(worst));
+  if (!timing.device.knows_newtons())
+    return {Fitness::fit, in_time + "."};
+  return {Fitness::fit, formatted("%s, so a touch has up to %.0f N/m.", in_time.c_str(), touch)};
+}
+
+double stiffest_touch(const DeviceLimits &device, double longest) noexcept {
+  // At the fastest hand that is not damped, the slew rate still follows the spring.
+  constexpr double kFollowed = ForceLimits().slew_rate / ForceLimits::kUndamped;
+  return std::min(kFollowed, device.stiffest_spring(longest));
 }
 
 } // namespace spidar

@@ -268,7 +268,9 @@ Status check_machine(const Settings &settings) {
       {.priority = idle.priority && loaded.priority,
        .lateness = idle.lateness,
        .loaded = loaded.lateness,
-       .round_trip = exchange ? std::max(idle.round_trip, loaded.round_trip) : std::nullopt});
+       .round_trip = exchange ? std::max(idle.round_trip, loaded.round_trip) : std::nullopt,
+       .device =
+           device ? device->limits() : limits_of(spidar::load_geometry(settings.choice.geometry))});
   output.line(verdict.text);
   if (!settings.report.empty())
     output.save(settings.report);

@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A C program that pushes a hand on with 5 N meets the limits of hapticsink, and can say which.
-# Usage: push-test.sh PROGRAM
+# A C program of 40 lines that pushes a hand on with 5 N meets the limits of hapticsink, and can say
+# what stopped it.
+# Usage: push-test.sh PROGRAM SOURCE
 set -euo pipefail
 program=$1
+
+[ "$(wc -l <"$2")" -le 40 ] || { echo "FAILED: $2 has more than 40 lines" && exit 1; }
 
 # `push HAND WORK REASON`: at most 5 N, 1000 N/s and WORK J, and what holds the force in the end.
 push() {

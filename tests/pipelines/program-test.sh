@@ -230,11 +230,13 @@ if [ $# = 4 ]; then
     grep -q 'Recorded into' said
   }
 
-  # The scripted hand of the simulated device points, as a real one does.
+  # The scripted hand of the simulated device points, as a real one does. A force that may not change is cut.
   scripted() {
-    start --sink device=sim --sink sim-hand=hold:0.5,0,0 --sink "log-location=$PWD/scripted.csv" "$video"
+    start --sink device=sim --sink sim-hand=hold:0.5,0,0 --sink slew-rate=0.1 \
+      --sink "log-location=$PWD/scripted.csv" "$video"
     # shellcheck disable=SC2016 # $6 is awk's: vy
     until_true logged scripted.csv 100 '$6 > 80'
+    until_true grep -qx 'limited by the slew rate' said
     xdotool windowfocus "$window" key q
     ended
   }
@@ -545,7 +547,7 @@ promise "the force was off before the file was completed" awk -F, '
   NR == 1 { for (i = 1; i <= NF; i++) if ($i == "hold") hold = i; next }
   int($hold / 16) % 2 == 1 { rows++ }
   END { print rows + 0 " rows"; exit rows == 0 }' "$work/log.csv"
-promise "a scripted hand points" in_window_system "$0" scripted "$program" "$work/clip.mkv" "$work"
+promise "a scripted hand points, and the window says what limits the force" in_window_system "$0" scripted "$program" "$work/clip.mkv" "$work"
 # shellcheck disable=SC2016 # $6 is awk's: vy
 promise "it feels the right half, which moves down" \
   awk -F, 'NR > 1 && $6 > 80 { rows++ } END { print rows + 0 " rows"; exit rows < 100 }' "$work/scripted.csv"

@@ -21,6 +21,7 @@ inline const spidar::DeviceLimits kArm = {.force = 12,
                                           .physical_damping = 7.5,
                                           .damping = 5,
                                           .mass = 0.2,
+                                          .flicker = 2e-5, // k counts² as on the SPIDAR-G
                                           .grip_is_free = true,
                                           .let_go_speed = 1.2};
 

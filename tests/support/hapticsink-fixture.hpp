@@ -89,7 +89,7 @@ inline double equation5(double v) {
 struct Row {
   double time, x, y, z, vx, vy, spin, fx, fy, fz, tx, ty, tz, confidence, t[8], mono, hold;
   double q[4], energy, w[3], realised_force[3], realised_torque[3];
-  double proxy[3], touch;
+  double proxy[3], touch, limits;
   double force() const { return std::hypot(fx, fy, fz); }
   /// Whether the force was held for one of these reasons (docs/formats/csv-log.md).
   bool held(unsigned reasons) const { return (static_cast<unsigned>(hold) & reasons) != 0; }
@@ -97,7 +97,7 @@ struct Row {
 
 inline Row parse_row(const std::string &line) {
   std::istringstream fields(line);
-  std::array<double, 42> values{};
+  std::array<double, 43> values{};
   std::size_t n = 0;
   for (std::string field; std::getline(fields, field, ',') && n < values.size(); ++n)
     values[n] = std::stod(field);
@@ -114,7 +114,7 @@ inline std::vector<Row> read_log(const std::filesystem::path &path) {
   std::getline(file, line);
   EXPECT_EQ(line,
             "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold"
-            ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch");
+            ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch,limits");
   std::vector<Row> rows;
   while (std::getline(file, line))
     rows.push_back(parse_row(line));

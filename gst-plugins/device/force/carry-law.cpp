@@ -102,8 +102,8 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   const Vector3 change = way - hand_way;
   spring_ = clamp_norm(spring_ + change,
                        length_of(limits.device.most_for_hand() * most, stiffness_, most));
-  lengthens_ +=
-      (1 - std::exp(-2 * std::numbers::pi * kDamperCutoff * dt)) * (change / dt - lengthens_);
+  lengthens_ += (1 - std::exp(-2 * std::numbers::pi * spidar::DeviceLimits::kSpeedCutoff * dt)) *
+                (change / dt - lengthens_);
 
   const Vector3 damper = damping_ * lengthens_;
   const double out = std::max(hand_way.dot(spring_.stableNormalized()), 0.0);

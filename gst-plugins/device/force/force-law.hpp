@@ -26,9 +26,6 @@ struct LawSettings {
   double most_for_hand = std::numeric_limits<double>::infinity();
 };
 
-/// Low-pass of the speed against which a spring is damped, Hz: a count a tick would be felt.
-inline constexpr double kDamperCutoff = 35;
-
 /// What a law computes, in the plane of the frame: x to the right, y down.
 struct PlanarForce {
   double x = 0; ///< N

@@ -499,6 +499,7 @@ TickRow HapticLoop::make_row(std::int64_t now, const spidar::Wrench &wrench) noe
   row.confidence = sample.confidence;
   row.mono = seconds(now - run_.began_at);
   row.hold = run_.chain.holds();
+  row.limits = run_.chain.limits();
   row.energy = run_.chain.continuous_force().used();
   const Contact &contact = run_.touch.contact();
   row.touches = contact.touches;

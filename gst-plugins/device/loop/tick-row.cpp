@@ -56,6 +56,7 @@ void append_row(std::string &text, const TickRow &row) {
   append(row.realised.torque);
   append(row.proxy);
   append_number(text, row.touches ? 1 : 0);
+  append_number(text, row.limits);
   text += '\n';
 }
 

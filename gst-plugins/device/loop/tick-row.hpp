@@ -26,6 +26,7 @@ struct TickRow {
   spidar::Wrench realised;                           ///< what the tensions exert
   spidar::Vector3 proxy = spidar::Vector3::Zero();   ///< m; where the hand touches the surface
   bool touches = false;
+  std::uint32_t limits = 0; ///< Limit (safety-chain.hpp): what made the force smaller
 
   /// Reads the columns that the device knows.
   void read(const spidar::DeviceState &state) noexcept;
@@ -33,7 +34,7 @@ struct TickRow {
 
 inline constexpr const char *kTickLogHeader =
     "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold"
-    ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch";
+    ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch,limits";
 
 /// Appends one line with its line feed: nine significant digits, "." in every locale. A number that
 /// is not finite is written as 0.

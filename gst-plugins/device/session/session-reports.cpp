@@ -16,7 +16,6 @@ constexpr std::int64_t kTrackerGrace = 1'000'000'000; // ns
 // A pipeline that begins to play keeps the processors busy, and the priority comes with a delay.
 constexpr std::int64_t kSettles = 1'000'000'000; // ns
 constexpr std::int64_t kJudged = 5'000'000'000;  // ns, after that
-static_assert(spidar::stiffest_touch(1e-6) == kStiffestTouch);
 
 // A warning whenever its counter has changed, or once.
 struct FaultReport {
@@ -78,8 +77,7 @@ void SessionReports::report_priority(SessionClient &client, const RealTimeThread
       return;
     if (answer == RealTimeAnswer::granted) {
       error = 0;
-      client.note(Severity::info, "real-time priority comes from rtkit or the portal, which demand "
-                                  "RLIMIT_RTTIME for the whole process, until it ends");
+      client.note(Severity::info, messages::kPriorityOnLoan);
     }
   }
   priority_reported_ = true;
@@ -130,7 +128,8 @@ void SessionReports::report_timing(SessionClient &client, const HapticLoop &loop
       spidar::judge_machine({.period = loop.period(),
                              .priority = has_priority_,
                              .lateness = {.usual = 1e-6 * lateness.percentile_us(0.999, settled_),
-                                          .worst = 1e-6 * lateness.percentile_us(1, settled_)}});
+                                          .worst = 1e-6 * lateness.percentile_us(1, settled_)},
+                             .device = device_});
   if (verdict.fitness == spidar::Fitness::fit)
     client.note(Severity::info, verdict.text);
   else

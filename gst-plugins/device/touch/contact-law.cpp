@@ -221,8 +221,8 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
 
 // A hand that has turned round is not damped on its way out by its way in.
 void ContactLaw::follow_length(const Vector3 &change, double dt) noexcept {
-  lengthens_ +=
-      (1 - std::exp(-2 * std::numbers::pi * kDamperCutoff * dt)) * (change / dt - lengthens_);
+  lengthens_ += (1 - std::exp(-2 * std::numbers::pi * spidar::DeviceLimits::kSpeedCutoff * dt)) *
+                (change / dt - lengthens_);
   if (change.dot(lengthens_) < 0)
     lengthens_ -= change.dot(lengthens_) / change.squaredNorm() * change;
 }

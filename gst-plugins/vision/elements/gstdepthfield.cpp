@@ -43,10 +43,7 @@ class State final : public haptic::ReliefMaker {
 public:
   explicit State(GstElement *element) : element_(element) {}
 
-  bool start() override {
-    is_told_ = false;
-    return true;
-  }
+  void stop() override { is_told_ = false; }
 
   guint follow_settings() override {
     const ObjectLock lock(element_);

@@ -106,6 +106,7 @@ gboolean stop(GstBaseTransform *trans) {
   ReliefMaker &state = state_of(trans);
   state.timeline.forget();
   state.timeline.report_faults_again();
+  state.stop();
   return TRUE;
 }
 

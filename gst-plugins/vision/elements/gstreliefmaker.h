@@ -36,6 +36,8 @@ public:
   /// Called at each start, by the thread that changes the state; the streaming thread may be at
   /// work. Returns false after an error message.
   virtual bool start() { return true; }
+  /// Called at each stop, under the lock of the stream.
+  virtual void stop() {}
   /// Called before each frame. Returns the columns that are wanted.
   virtual guint follow_settings() = 0;
   /// Fills the cells of `relief`, of which all else is set, from a frame.

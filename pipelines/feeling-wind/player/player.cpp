@@ -524,6 +524,13 @@ double Player::max_force() const {
   return newtons;
 }
 
+haptic::StructurePtr Player::statistics() const {
+  GstStructure *statistics = nullptr;
+  if (const ElementPtr sink = element("force"))
+    g_object_get(sink.get(), "stats", &statistics, nullptr);
+  return haptic::StructurePtr(statistics);
+}
+
 bool Player::has_sound() const {
   return element("sound") != nullptr;
 }

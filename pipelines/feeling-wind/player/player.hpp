@@ -113,6 +113,8 @@ public:
   bool is_latched() const { return latched_; }
   bool is_armed() const;
   double max_force() const;
+  /// Of hapticsink; null while no film is open.
+  haptic::StructurePtr statistics() const;
   int frame_width() const;
   bool has_sound() const;
   /// The last frame in the window, or nothing.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace program {
 namespace {
@@ -30,6 +31,18 @@ constexpr std::array kFaults = {
     Words{"shaking", "Force off: it shook the hand. Hold the grip firmly and press s"},
     Words{"suspended", "Force off: the machine slept. Take the grip and press s"},
     Words{"faulted", "Force off: the device does not answer. Check its cable and press s"},
+};
+
+// `reason`: of the statistics, after "limited-by-".
+constexpr std::array kLimited = {
+    Words{"work", "the work on the hand"},
+    Words{"budget", "the continuous force"},
+    Words{"energy", "the energy of the hand"},
+    Words{"force", "the maximum force"},
+    Words{"torque", "the maximum torque"},
+    Words{"slew", "the slew rate"},
+    Words{"confidence", "the confidence of the motion"},
+    Words{"fade", "a fade"},
 };
 
 template <std::size_t N>
@@ -78,6 +91,24 @@ std::string session_sentence(const Session &session, bool armed) {
   if (session.state == "faulted")
     return first_of(kFaults, session.reason, "Force off after a fault: press s");
   return "Force off: no device is open";
+}
+
+std::string LimitWatch::update(const GstStructure *statistics) {
+  static_assert(kLimits == kLimited.size());
+  Ticks now;
+  if (statistics) {
+    gst_structure_get_uint64(statistics, "ticks", &now.all);
+    for (std::size_t i = 0; i < kLimits; ++i)
+      gst_structure_get_uint64(
+          statistics, (std::string("limited-by-") + kLimited[i].reason).c_str(), &now.limited[i]);
+  }
+  const Ticks before = std::exchange(before_, now);
+  if (now.all <= before.all) // another run
+    return {};
+  for (std::size_t i = 0; i < kLimits; ++i)
+    if (2 * (now.limited[i] - before.limited[i]) > now.all - before.all)
+      return kLimited[i].text;
+  return {};
 }
 
 // On: a disc. Waiting: a disc half full. Off: a ring. Fault: a triangle.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace program {
 namespace {
@@ -258,7 +259,7 @@ void Window::update_force() {
     text =
         begun ? session_sentence(session_, player_.is_armed()) : "Force off: no frame has come yet";
     if (session_.state == "armed")
-      text += number(", %.2f N", std::hypot(newest_.fx, newest_.fy));
+      text += number(", %.2f N", std::hypot(newest_.fx, newest_.fy)) + limit_text();
     if (newest_.hold != haptic::HoldState::none)
       text.append(" (").append(haptic::hold_words(newest_.hold)).append(")");
   }
@@ -269,6 +270,14 @@ void Window::update_force() {
     gtk_button_set_label(GTK_BUTTON(arm_button_), label);
   set_accessible_name(arm_button_, label);
   gtk_widget_queue_draw(light_);
+}
+
+std::string Window::limit_text() {
+  const std::string limit = limits_.update(player_.statistics().get());
+  const std::string text = limit.empty() ? "" : "limited by " + limit;
+  if (text != std::exchange(limit_text_, text))
+    print(text);
+  return text.empty() ? "" : ", " + text;
 }
 
 void Window::check_stall() {

@@ -5,6 +5,7 @@
 #include "player/devices.hpp"
 #include "player/player.hpp"
 #include "player/recorder.hpp"
+#include "window/session-text.hpp"
 #include "window/settings.hpp"
 #include "window/strip-chart.hpp"
 
@@ -122,6 +123,7 @@ private:
   gboolean tick();
   void update_time();
   void update_force();
+  std::string limit_text();
   void check_stall();
   void check_drawing();
   void list_cameras();
@@ -173,6 +175,8 @@ private:
   bool remembers_strength_; // not one of the command line
   Session session_;
   Reading newest_;
+  LimitWatch limits_;
+  std::string limit_text_;   // as last written
   bool stall_shown_ = false; // in the info bar
   bool sized_ = false;       // to the present film
   bool fullscreen_ = false;

@@ -28,6 +28,11 @@ struct DeviceLimits {
   double damping = 0; ///< N·s/m, that a force may have which follows the speed of the hand
   double mass = 0;    ///< kg, the smallest at the grip
   double delay = 2.5; ///< periods of the loop, from a place to the middle of what answers it
+  /// W for each newton of the highest force that is set: what a spring may give to a hand at rest,
+  /// because the last count of its place flickers
+  double flicker = 0;
+  /// Hz, of the low-pass of the speed that a force follows; a count a tick would be felt.
+  static constexpr double kSpeedCutoff = 35;
 
   // Of a grip that nobody holds.
 
@@ -55,8 +60,7 @@ struct DeviceLimits {
   double most_resistance(double period) const noexcept {
     constexpr double kOfMass = 10;     // periods, in which such a damper would stop the grip
     constexpr double kFlicker = 0.016; // N
-    constexpr double kLowPass = 35;    // Hz, of the speed
-    const double of_counts = kFlicker / (2 * std::numbers::pi * kLowPass * metres_per_count);
+    const double of_counts = kFlicker / (2 * std::numbers::pi * kSpeedCutoff * metres_per_count);
     return std::min({damping, mass / kOfMass / period, of_counts});
   }
   /// J per N of the highest force that is set: what a hand may have back at most. At the strongest

@@ -19,12 +19,14 @@ struct ForceLimits {
   static constexpr double kLeastSlewRate = 0.1; // N/s
   static constexpr double kMostSlewRate = 1000; // N/s
   static constexpr double kMostDamping = 10;    // N·s/m
+  /// Hand speeds up to this one are not damped, so that a hand that points feels the force alone.
+  static constexpr double kUndamped = 0.1; // m/s
 
   double force = 1;            ///< N, 0 to kMostForce
   double torque = 0.02;        ///< N·m, 0 to kMostTorque
   double continuous_force = 1; ///< N rms over any minute, 0 to kMostForce; 0: no limit
   double slew_rate = 20;       ///< N/s, kLeastSlewRate to kMostSlewRate; the torque's at 0.02 m
-  double damping = 1;          ///< N·s/m, against a grip above 0.1 m/s, 0 to kMostDamping
+  double damping = 1;          ///< N·s/m, against a grip above kUndamped, 0 to kMostDamping
 
   /// Whether each limit is in its range.
   constexpr bool are_possible() const noexcept {

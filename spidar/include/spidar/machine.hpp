@@ -2,9 +2,9 @@
 // Whether a machine is in time for a force, judged by what was measured on it. SI units.
 #pragma once
 
+#include "spidar/device-limits.hpp"
 #include "spidar/export.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +26,7 @@ struct MachineTiming {
   Lateness lateness;                ///< while nothing else kept the processors busy
   std::optional<Lateness> loaded;   ///< while all processors were busy, if that was measured
   std::optional<double> round_trip; ///< s, of an exchange with a device; 99.9 % did not take longer
+  DeviceLimits device;              ///< nothing is said of a touch if it knows no newtons
 };
 
 enum class Fitness { fit, limited, unfit };
@@ -38,15 +39,8 @@ struct MachineVerdict {
 /// The gravest of what was measured decides. docs/spidar.md#check-the-machine has the rules.
 SPIDAR_API MachineVerdict judge_machine(const MachineTiming &timing);
 
-/// The damping of the lightest grip divided by the periods that delay a force, N·s/m: a spring that
-/// acts so late is stable below it, divided by the interval between two ticks
-/// (docs/force.md#touch).
-inline constexpr double kStableStiffness = 0.2;
-
-/// N/m, of a touch where the ticks come up to `longest` s apart.
-constexpr double stiffest_touch(double longest) noexcept {
-  constexpr double kStiffest = 200; // N/m, whatever the machine
-  return std::min(kStiffest, kStableStiffness / longest);
-}
+/// N/m, of a touch of this device at the default slew rate, where the ticks come up to `longest` s
+/// apart (docs/force.md#touch).
+SPIDAR_API double stiffest_touch(const DeviceLimits &device, double longest) noexcept;
 
 } // namespace spidar

@@ -25,7 +25,6 @@ constexpr double kFastest = 5;      // m/s
 constexpr double kSamePlace = 1e-5; // m; to which a pose is solved
 // Eight lengths fit a pose to the precision of the geometry; worse means slack or a slipped string.
 constexpr double kLargestResidual = 0.005; // m rms
-constexpr double kVelocityCutoff = 35;     // Hz; one count per tick is 17 mm/s before it
 constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
 
 // To minimum tension and back. It changes no tension by more than 0.05 N a millisecond.
@@ -44,6 +43,8 @@ constexpr double kStringDamping = 0.5; // N·s/m
 // up to 35 µm.
 constexpr double kMostDamping = 2;    // N·s/m
 constexpr double kFastestRate = 4000; // Hz, that was tried
+// Each flicker costs k counts²; 200 N/m and 17 µm are 0.06 µJ.
+constexpr double kFlicker = 2e-5; // W/N
 // Against a grip of 2e-5 kg m² (docs/force.md#turning).
 constexpr double kTurnBrake = 7.5e-3; // N·m·s
 // A free grip under no force is turned by no more than minimum tension does in the workspace.
@@ -80,6 +81,7 @@ DeviceLimits limits_of(const Geometry &geometry) noexcept {
   limits.damping = kMostDamping;
   limits.mass = kGripMass;
   limits.stiffness = kStringDamping * kFastestRate / limits.delay;
+  limits.flicker = kFlicker;
   limits.grip_is_free = true;
   limits.turn_brake = kTurnBrake;
   limits.side_torque = kSideTorque;
@@ -181,8 +183,8 @@ struct Device::Implementation {
       state.velocity.setZero();
       state.angular_velocity.setZero();
     } else if (since_valid > 0) {
-      state.velocity +=
-          low_pass_share(kVelocityCutoff, since_valid) * (moved / since_valid - state.velocity);
+      state.velocity += low_pass_share(DeviceLimits::kSpeedCutoff, since_valid) *
+                        (moved / since_valid - state.velocity);
       state.angular_velocity += low_pass_share(kTurningCutoff, since_valid) *
                                 (turn / since_valid - state.angular_velocity);
     }

@@ -41,12 +41,11 @@ constexpr double kStaleLongest = 2;    // s
 // A lowered maximum takes the whole force of the device off within this time, whatever the slew
 // rate. A step would be felt as a blow.
 constexpr double kMaximumFalls = 0.05; // s; the torque falls as this force at kTorqueArm
-// A hand that comes at 0.1 m/s feels the first 0.2 N of 1 N at once, one at 0.9 m/s 10 ms later.
-constexpr double kCredit = 5e-5; // J per N of max_force
-// The last count of an encoder flickers while the hand rests, and each flicker costs k counts².
-constexpr double kTrickle = 2e-5; // W per N of max_force
-// Without a margin these errors wear a stroke of 0.05 N out within 10 s, and with 1 µJ a touch of
-// 0.2 N under late ticks. With 5 µJ neither wears out; this is twice as much.
+// A hand that comes at kUndamped feels this share of the force at once, one at 0.9 m/s 10 ms later.
+constexpr double kFeltAtOnce = 0.2;
+// The last count of an encoder flickers while the hand rests, and its errors wear a touch out.
+// Without a margin a stroke of 0.05 N is gone within 10 s, and with 1 µJ a touch of 0.2 N under
+// late ticks. With 5 µJ neither wears out; this is twice as much.
 constexpr double kLent = 1e-5; // J per N of max_force
 // A law that resists the hand keeps what it may need at the fastest hand, and at this period.
 constexpr double kUsualPeriod = 0.001; // s
@@ -68,11 +67,17 @@ bool is_finite(const SafetyChain::Input &input) {
          std::isfinite(input.damping) && std::isfinite(input.dt) && std::isfinite(input.longest_dt);
 }
 
+// J, for a force that nothing was put into yet.
+double credit(const SafetyChain::Input &input, const spidar::DeviceLimits &device) {
+  const double delay = device.delay * kUsualPeriod; // s
+  return kFeltAtOnce * SafetyChain::kUndamped * delay * input.max_force;
+}
+
 // The spring to a held thing has some µJ, less than the errors of the measured force and way are
 // worth: it is lent more.
-double lent(const SafetyChain::Input &input) {
+double lent(const SafetyChain::Input &input, const spidar::DeviceLimits &device) {
   if (input.touch.carried)
-    return kCredit * input.max_force;
+    return credit(input, device);
   return input.touch.energy > 0 ? kLent * input.max_force : 0;
 }
 
@@ -166,7 +171,7 @@ Wrench SafetyChain::step(const Input &input) noexcept {
                                         .moved = input.moved,
                                         .time = dt,
                                         .delay = device_.delay * std::max(input.longest_dt, dt),
-                                        .credit = kCredit * input.max_force,
+                                        .credit = credit(input, device_),
                                         .lent = lent_});
   note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
@@ -237,7 +242,7 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
 
 // The device sends a command at the next exchange, and it acts until the one after that.
 void SafetyChain::account_for_energy(const Input &input) noexcept {
-  lent_ = lent(input);
+  lent_ = lent(input, device_);
   const double most_for_law = device_.let_go_speed * device_.delay * kUsualPeriod; // J per N
   const double of_law = accepted_.hand.isZero(0) ? 0 : most_for_law * input.max_force;
   // Of a touch that has ended the force still acts, with its energy.
@@ -249,7 +254,7 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .by_hand = !acting_.hand.isZero(0),
                    .moved = input.moved,
                    .turned = input.turned,
-                   .trickle = kTrickle * input.max_force,
+                   .trickle = device_.flicker * input.max_force,
                    .surface_work = input.touch.surface_work,
                    .carried = input.touch.carried.value_or(Vector3::Zero()),
                    .most = std::min(std::max(input.touch.energy, fading) + of_law + lent_,

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <spidar/device-limits.hpp>
+#include <spidar/limited-device.hpp>
 #include <spidar/types.hpp>
 #include <string>
 
@@ -104,8 +105,7 @@ struct TouchForce {
 /// maximum, end of a touch or of the energy. One thread; real-time safe.
 class SafetyChain {
 public:
-  /// Hand speeds up to this one are not damped, so that a hand that points feels the frame alone.
-  static constexpr double kUndamped = 0.1; // m/s
+  static constexpr double kUndamped = spidar::ForceLimits::kUndamped; // m/s
   /// Where fingers hold a grip: torques count as forces there.
   static constexpr double kTorqueArm = 0.02; // m
 

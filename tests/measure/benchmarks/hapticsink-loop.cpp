@@ -91,7 +91,7 @@ long measure_own_part(double seconds, const std::string &log_path, bool touch,
   haptic::LoopSettings settings;
   settings.touch = touch ? haptic::TouchMode::surface_and_motion : haptic::TouchMode::off;
   loop.set_settings(settings);
-  loop.prepare({.device = &device, .log = &log});
+  loop.prepare({.device = &device, .log = &log, .records = true});
   loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
   long allocations = 0;
   std::jthread([&] {
@@ -157,6 +157,7 @@ int main(int argc, char **argv) {
     haptic::TickLog log(path);
     loop.start({.device = opened.device.get(),
                 .log = &log,
+                .records = true,
                 .callbacks = {.entered = [&] { before = test::allocations; },
                               .left = [&] { allocations = test::allocations - before; }}});
     loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);

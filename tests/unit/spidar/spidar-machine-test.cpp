@@ -2,8 +2,9 @@
 // The verdict on a machine, from given times.
 #include "spidar/machine.hpp"
 
+#include "device-limits.hpp"
+
 #include <gtest/gtest.h>
-#include <spidar/device.hpp>
 #include <string>
 
 namespace spidar_machine_test {
@@ -15,7 +16,8 @@ constexpr double kMs = 1e-3; // s
 MachineTiming in_time() {
   return {.priority = true,
           .lateness = {0.05 * kMs, 0.1 * kMs},
-          .loaded = Lateness{0.06 * kMs, 0.15 * kMs}};
+          .loaded = Lateness{0.06 * kMs, 0.15 * kMs},
+          .device = test::kSpidar};
 }
 
 void expect_verdict(const MachineTiming &timing, Fitness fitness,
@@ -25,11 +27,6 @@ void expect_verdict(const MachineTiming &timing, Fitness fitness,
   for (const char *word : words)
     EXPECT_NE(verdict.text.find(word), std::string::npos) << word << " in " << verdict.text;
   EXPECT_EQ(verdict.text.find('\n'), std::string::npos);
-}
-
-TEST(Machine, IsJudgedByTheSpringThatASpidarBears) {
-  const spidar::DeviceLimits limits = limits_of(spidar::load_geometry(spidar::kDefaultGeometry));
-  EXPECT_DOUBLE_EQ(spidar::kStableStiffness, limits.physical_damping / limits.delay);
 }
 
 TEST(MachineVerdict, AMachineWhoseTicksComeWithinAPeriodIsFit) {
@@ -89,6 +86,17 @@ TEST(MachineVerdict, TheGravestDecides) {
   expect_verdict(timing, Fitness::unfit, {"exchange"});
 }
 
+TEST(MachineVerdict, IsThatOfTheDevice) {
+  MachineTiming timing = in_time();
+  timing.lateness.worst = 4 * kMs;
+  timing.device = test::kArm; // a touch of 200 N/m bears ticks 15 ms apart
+  expect_verdict(timing, Fitness::fit, {"4.00 ms late, so a touch has up to 200 N/m."});
+  timing.device = {}; // nothing can be touched
+  expect_verdict(timing, Fitness::fit, {"no tick came more than 4.00 ms late."});
+  timing.lateness.worst = 10.1 * kMs;
+  expect_verdict(timing, Fitness::unfit, {"10.1 ms late"});
+}
+
 TEST(Lateness, IsThatOfNearlyAllTicksAndOfTheWorst) {
   std::vector<double> ticks(10'000, 0.1 * kMs);
   for (std::size_t i = 0; i < 9; ++i) // fewer than one in a thousand
@@ -102,10 +110,13 @@ TEST(Lateness, IsThatOfNearlyAllTicksAndOfTheWorst) {
   EXPECT_EQ(lateness_of({-1}).worst, 0); // never early
 }
 
-TEST(StiffestTouch, FollowsTheLongestInterval) {
-  EXPECT_EQ(stiffest_touch(0.0005), 200);
-  EXPECT_DOUBLE_EQ(stiffest_touch(0.001), 200);
-  EXPECT_DOUBLE_EQ(stiffest_touch(0.008), 25); // docs/force.md#touch
+TEST(StiffestTouch, FollowsTheLongestIntervalAndTheDevice) {
+  EXPECT_DOUBLE_EQ(stiffest_touch(test::kSpidar, 0.0005), 200);
+  EXPECT_DOUBLE_EQ(stiffest_touch(test::kSpidar, 0.001), 200);
+  EXPECT_DOUBLE_EQ(stiffest_touch(test::kSpidar, 0.008), 25); // docs/force.md#touch
+  EXPECT_DOUBLE_EQ(stiffest_touch(test::kArm, 0.008), 200);
+  EXPECT_DOUBLE_EQ(stiffest_touch(test::kArm, 0.02), 150);
+  EXPECT_EQ(stiffest_touch({}, 0.001), 0);
 }
 
 } // namespace spidar_machine_test

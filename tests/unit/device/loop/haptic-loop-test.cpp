@@ -693,7 +693,25 @@ TEST_F(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
   EXPECT_NEAR(row[kQx + 8], 3, 0.02);
   for (std::size_t axis = 0; axis < 3; ++axis)
     EXPECT_EQ(row[kQx + 14 + axis], row[1 + axis]); // touches nothing: the grip
-  EXPECT_EQ(row.size(), kQx + 18);
+  EXPECT_EQ(row.size(), kQx + 19);
+}
+
+TEST_F(LoopLog, TellsWhatMadeTheForceSmaller) {
+  constexpr std::size_t kLimitsColumn = kHoldColumn + 19;
+  const auto limits_of = [](const std::vector<double> &row) {
+    return static_cast<std::uint32_t>(row[kLimitsColumn]);
+  };
+  haptic::LoopSettings settings;
+  settings.slew_rate = 5; // N/s, and less than a fade
+  loop_.set_settings(settings);
+  play();
+  play_motion(1e5F, 0, 500);
+  loop_.hold(haptic::kHoldReleased);
+  play_motion(1e5F, 0, 10);
+  const auto all = rows();
+  EXPECT_EQ(limits_of(all[100]), haptic::kLimitSlew); // it is on its way
+  EXPECT_EQ(limits_of(all[490]), 0U);
+  EXPECT_EQ(limits_of(all.back()), haptic::kLimitFade);
 }
 
 TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {

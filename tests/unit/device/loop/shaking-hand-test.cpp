@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, Unbounded,
 // A hand that goes where it likes, or is pushed about, under a film with gusts or a still one.
 class LivelyHand {
 public:
-  explicit LivelyHand(unsigned seed) : random_(seed), held_(setup()) {
+  LivelyHand(unsigned seed, bool on_arm) : random_(seed), held_(setup(on_arm)) {
     held_.hand().leads = leads_;
     held_.hand().acceleration = one_of({3, 30, 100, 1e9});
     held_.frame = static_cast<std::int64_t>(one_of({16, 33, 40})) * LoopInHand::kMs;
@@ -109,9 +109,10 @@ private:
     return {within(-extent, extent), within(-extent, extent), within(-extent, extent)};
   }
 
-  LoopInHand::Setup setup() {
+  LoopInHand::Setup setup(bool on_arm) {
     const std::vector<std::string> geometries = spidar::builtin_geometries();
-    LoopInHand::Setup setup{.geometry = geometries[random_() % geometries.size()],
+    const std::string &strings = geometries[random_() % geometries.size()];
+    LoopInHand::Setup setup{.geometry = on_arm ? test::kArmName : strings,
                             .hand = hand_,
                             .pace = {.rate = one_of({500, 1000, 1000, 4000}),
                                      .every = one_of({0, 0, 0, 8}),
@@ -145,12 +146,17 @@ private:
   LoopInHand held_;
 };
 
-TEST(Bounded, NoLivelyHandIsTakenForAShakingOne) {
+class Bounded : public ::testing::TestWithParam<const char *> {};
+
+INSTANTIATE_TEST_SUITE_P(Devices, Bounded, testing::Values("strings", test::kArmName),
+                         [](const auto &device) { return std::string(device.param); });
+
+TEST_P(Bounded, NoLivelyHandIsTakenForAShakingOne) {
   const char *wanted = std::getenv("SHAKE_TICKS");
   const std::uint64_t most = wanted ? std::strtoull(wanted, nullptr, 10) : 100'000;
   std::uint64_t ticks = 0;
   for (unsigned seed = 1001; ticks < most; ++seed) { // none of those that the bounds were tuned on
-    LivelyHand hand(seed);
+    LivelyHand hand(seed, GetParam() == std::string(test::kArmName));
     ticks += hand.play(5);
     ASSERT_EQ(hand.statistics().shakes, 0U) << seed;
   }

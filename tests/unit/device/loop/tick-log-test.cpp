@@ -57,6 +57,7 @@ TickRow numbered_row() {
   row.realised = {{33, 34, 35}, {36, 37, 38}};
   row.proxy = {39, 40, 41};
   row.touches = true;
+  row.limits = 43;
   return row;
 }
 
@@ -69,9 +70,9 @@ TEST_F(TickLogFile, HasTheHeaderAndTheColumnsInTheirOrder) {
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0],
             "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7,mono,hold"
-            ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch");
+            ",qx,qy,qz,qw,energy,wx,wy,wz,rfx,rfy,rfz,rtx,rty,rtz,px,py,pz,touch,limits");
   EXPECT_EQ(all[1], "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,"
-                    "29,30,31,32,33,34,35,36,37,38,39,40,41,1");
+                    "29,30,31,32,33,34,35,36,37,38,39,40,41,1,43");
 }
 
 TEST_F(TickLogFile, IsCompleteWhenItIsClosed) {
@@ -136,7 +137,7 @@ TEST(TickRow, HoldsNoNanNoInfinityAndNoMinusZero) {
   std::string text;
   haptic::append_row(text, row);
   EXPECT_EQ(text, "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,"
-                  "0,0,0,0\n");
+                  "0,0,0,0,0\n");
 }
 
 constexpr std::int64_t kMs = 1'000'000; // ns

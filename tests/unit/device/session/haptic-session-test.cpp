@@ -460,6 +460,7 @@ TEST_F(Session, TellsOnceThatTheMachineIsNotFit) {
 }
 
 TEST_F(Session, JudgesTheMachineWhileItPlaysAlone) {
+  bench_.limits = test::kSpidar;
   begin();
   run(1500);
   session_->pause();
@@ -473,6 +474,15 @@ TEST_F(Session, JudgesTheMachineWhileItPlaysAlone) {
   ASSERT_EQ(notices_.size(), 1U);
   EXPECT_NE(notices_[0].text.find("50 N/m instead of 200 N/m"), std::string::npos)
       << notices_[0].text;
+}
+
+TEST_F(Session, JudgesTheMachineByWhatItsDeviceCanHold) {
+  begin(); // on a device that nothing can be touched with
+  run(1500);
+  now_ += kMs;
+  session_->loop().tick(now_ - 3 * kMs, now_);
+  run(5000);
+  EXPECT_TRUE(notices_.empty());
 }
 
 // ---- states -------------------------------------------------------------------------------------

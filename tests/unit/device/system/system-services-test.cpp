@@ -4,22 +4,30 @@
 #include "system/system-services.hpp"
 
 #include "eventually.hpp"
+#include "format-text.hpp"
 #include "messages.hpp"
 #include "session/haptic-session.hpp"
 #include "system/dbus.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <future>
 #include <gio/gunixfdlist.h>
 #include <gtest/gtest.h>
+#include <linux/capability.h>
 #include <mutex>
 #include <poll.h>
 #include <string>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -83,9 +91,10 @@ public:
                                       g_dbus_node_info_lookup_interface(node_, service.interface),
                                       &kFunctions, this, nullptr, nullptr);
     g_main_context_pop_thread_default(context_.get());
+    // That of another test may not have left the bus yet: each takes the name and lets it be taken.
     const dbus::VariantPtr owner(
         g_dbus_connection_call_sync(bus_.get(), "org.freedesktop.DBus", "/", "org.freedesktop.DBus",
-                                    "RequestName", g_variant_new("(su)", service.name, 0U), nullptr,
+                                    "RequestName", g_variant_new("(su)", service.name, 3U), nullptr,
                                     G_DBUS_CALL_FLAGS_NONE, 5000, nullptr, nullptr));
     EXPECT_TRUE(owner);
   }
@@ -349,6 +358,7 @@ public:
     sample.frame_height = 288;
     return eventually([&] {
       session.loop().submit(sample);
+      session.round(haptic::monotonic_now());
       return condition();
     });
   }
@@ -387,6 +397,91 @@ TEST_F(Services, WithoutALockTheForceIsStillTakenOff) {
     return playing.notices.has(haptic::messages::kAboutToSleep) && playing.session.silent();
   }));
   playing.expect_off();
+}
+
+// The kernel gives neither real-time priority nor locked memory to threads that start meanwhile.
+class Unprivileged {
+public:
+  Unprivileged() {
+    getrlimit(RLIMIT_RTPRIO, &priority_);
+    getrlimit(RLIMIT_MEMLOCK, &memory_);
+    set(RLIMIT_RTPRIO, {.rlim_cur = 0, .rlim_max = priority_.rlim_max});
+    set(RLIMIT_MEMLOCK, {.rlim_cur = 0, .rlim_max = memory_.rlim_max});
+    syscall(SYS_capget, &header_, before_.data());
+    auto without = before_;
+    for (const unsigned privilege : {CAP_SYS_NICE, CAP_IPC_LOCK, CAP_SYS_RESOURCE})
+      without[0].effective &= ~(1U << privilege);
+    EXPECT_EQ(syscall(SYS_capset, &header_, without.data()), 0);
+  }
+  ~Unprivileged() {
+    syscall(SYS_capset, &header_, before_.data());
+    set(RLIMIT_RTPRIO, priority_);
+    set(RLIMIT_MEMLOCK, memory_);
+  }
+  Unprivileged(const Unprivileged &) = delete;
+  Unprivileged &operator=(const Unprivileged &) = delete;
+
+private:
+  static void set(int resource, const rlimit &limit) {
+    EXPECT_EQ(setrlimit(static_cast<__rlimit_resource_t>(resource), &limit), 0);
+  }
+
+  __user_cap_header_struct header_{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> before_{};
+  rlimit priority_{};
+  rlimit memory_{};
+};
+
+TEST_F(Services, ASessionSaysThatTheLimitOfRtkitHoldsForTheProcessAndStays) {
+  Machine machine(address());
+  machine.offer(kRtkit);
+  machine.run();
+  const Unprivileged unprivileged;
+  PlayingSession playing;
+  EXPECT_TRUE(
+      playing.becomes_true([&] { return playing.notices.has(haptic::messages::kPriorityOnLoan); }));
+  rlimit limit{};
+  getrlimit(RLIMIT_RTTIME, &limit);
+  limit.rlim_max += 1;
+  EXPECT_EQ(setrlimit(RLIMIT_RTTIME, &limit), -1) << "the message says that nobody can";
+}
+
+TEST_F(Services, ASessionNamesWhatOfItsMemoryIsNotLocked) {
+  Machine machine(address());
+  machine.refuses = true;
+  machine.offer(kRtkit);
+  machine.run();
+  const Unprivileged unprivileged;
+  PlayingSession playing;
+  const std::string refused = std::generic_category().message(EPERM);
+  EXPECT_TRUE(playing.becomes_true([&] {
+    return playing.notices.has(
+        haptic::format_text(haptic::messages::kNoRealTime, refused.c_str(), refused.c_str()));
+  }));
+}
+
+// VmLck of this process, bytes.
+std::size_t locked_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmLck:"))
+      return 1024 * std::stoul(line.substr(6));
+  return 0;
+}
+
+// docs/threads.md says so.
+TEST_F(Services, TheLoopLocksItsObjectAnd64KibOfItsStackAndNothingElse) {
+  munlockall(); // what the loops of other tests have left behind
+  const std::size_t before = locked_memory();
+  PlayingSession playing;
+  const haptic::RealTimeThread &thread = playing.session.loop().thread();
+  ASSERT_TRUE(eventually([&] { return thread.priority_error() >= 0; }));
+  if (thread.memory_error() != 0 || locked_memory() == before)
+    GTEST_SKIP() << "the kernel refuses locked memory, or a sanitizer locks none";
+  const std::size_t promised = sizeof(haptic::HapticLoop) + 65536;
+  const std::size_t locked = locked_memory() - before;
+  EXPECT_GE(locked, promised);
+  EXPECT_LE(locked, promised + 4 * static_cast<std::size_t>(getpagesize()));
 }
 
 } // namespace system_services_test

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
+#include <spidar/machine.hpp>
 #include <string>
 
 namespace contact_law_test {
@@ -145,6 +146,9 @@ TEST(ContactLaw, RestsOnARampFlatterThanTheAngleOfFriction) {
 
 TEST(ContactLaw, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
   EXPECT_DOUBLE_EQ(haptic::stiffest(kLimits), haptic::kStiffestTouch) << "of haptic-track compare";
+  for (const spidar::DeviceLimits &device : {test::kSpidar, test::kArm})
+    EXPECT_DOUBLE_EQ(haptic::stiffest({.device = device, .longest_dt = 0.008}),
+                     spidar::stiffest_touch(device, 0.008));
   EXPECT_DOUBLE_EQ(haptic::stiffest({.device = test::kSpidar, .slew_rate = 5}), 50);
   EXPECT_DOUBLE_EQ(
       haptic::stiffest({.device = test::kSpidar, .slew_rate = 1000, .longest_dt = 0.01}), 20);

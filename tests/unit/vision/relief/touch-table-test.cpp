@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "relief/colour-relief.hpp"
 #include "relief/touch-table.hpp"
+#include "temporary-folder.hpp"
 
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <stdexcept>
+#include <string>
+#include <sys/stat.h>
 
 namespace touch_table_test {
 
@@ -125,6 +128,18 @@ TEST_F(TableFile, WhatIsWrongIsNamedWithItsCure) {
   EXPECT_TRUE(has(refusal(std::string("\x89PNG\r\n\x1a\n\0\0", 10)), "cannot be read"));
   EXPECT_THROW(haptic::load_touch_table("velvet"), std::runtime_error);
   EXPECT_THROW(haptic::load_touch_table("/nowhere/velvet.ini"), std::runtime_error);
+}
+
+TEST(TouchTable, AFifoIsRefusedAndNotWaitedFor) {
+  const test::TemporaryFolder folder;
+  const std::string fifo = folder.path_of("fifo.ini");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  try {
+    haptic::load_touch_table(fifo);
+    ADD_FAILURE() << "it was taken";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find("it is a FIFO"), std::string::npos) << error.what();
+  }
 }
 
 TEST(ColourRelief, ACellHasTheMeanLightOfItsPixels) {
