@@ -41,7 +41,7 @@ void RegionLayers::forget() {
 }
 
 void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view, bool continues,
-                        float noise) {
+                        float noise, const std::optional<Displacement> &likely) {
   const LayerSize size = layer_size_of(later_view.width, later_view.height);
   if (!continues || size != size_ || is_cold_) {
     forget();
@@ -55,8 +55,12 @@ void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view
   find_structure(size_, noise, later());
   region_before_ = region_;
   // It costs as much as the rest of a quiet frame.
-  region_ = frame_moves_ > 0 || is_lost_ ? translation_.find(earlier(), later(), noise, size_)
-                                         : ExplainedTranslation{};
+  if (frame_moves_ > 0 || is_lost_)
+    region_ = translation_.find(earlier(), later(), noise, size_);
+  else if (likely)
+    region_ = translation_.judge(earlier(), later(), noise, size_, *likely);
+  else
+    region_ = {};
 }
 
 void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise) {
@@ -137,6 +141,7 @@ void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
 void RegionLayers::judge(float noise) {
   constexpr float kHalf = 30; // trace that counts by half
   float unexplained = 0;
+  float unexplained_after = 0;
   float all = 1;
   float before = 0;
   float after = 0;
@@ -145,13 +150,17 @@ void RegionLayers::judge(float noise) {
     const float trace = later().cell_structure.xx.at(x, y) + later().cell_structure.yy.at(x, y);
     const float weight = trace / (trace + kHalf);
     all += weight;
-    if (foreground_.energy_before().at(x, y) > 6 + 2.4F * noise + 0.16F * trace)
+    const float most = 6 + 2.4F * noise + 0.16F * trace;
+    if (foreground_.energy_before().at(x, y) > most)
       unexplained += weight;
+    if (foreground_.energy_after().at(x, y) > most)
+      unexplained_after += weight;
     before += foreground_.energy_before().at(x, y);
     after += foreground_.energy_after().at(x, y);
     sorted_[count++] = foreground_.energy_after().at(x, y);
   });
   is_lost_ = unexplained > 0.5F * all;
+  is_unexplained_ = unexplained_after > 0.5F * all;
   const auto cells = static_cast<float>(count);
   // Of two pictures that have nothing in common, the difference has the energy of both.
   const float expected = earlier().energy + later().energy;
@@ -164,6 +173,26 @@ void RegionLayers::judge(float noise) {
   const auto quarter = sorted_.begin() + static_cast<std::ptrdiff_t>(count / 4);
   std::nth_element(sorted_.begin(), quarter, sorted_.begin() + static_cast<std::ptrdiff_t>(count));
   noise_ = *quarter / (kOfQuarter * 2 * smoothed_noise());
+}
+
+bool RegionLayers::flat_parts_follow(Displacement by, float noise) {
+  constexpr float kMostEnergy = 100; // grey levels squared: a leaf that passes is no evidence
+  constexpr float kBeyondNoise = 0.5F;
+  constexpr float kOfNoise = 0.15F;
+  compare(earlier().smooth, later().smooth, size_, rest_energy_);
+  compare_displaced(earlier().smooth, later().smooth, by, size_, moved_energy_);
+  float rest = 0;
+  float moved = 0;
+  float cells = 0;
+  for_cells(size_, [&](int x, int y) {
+    if (calm_.background().at(x, y) <= 0 || !comes_from_inside(x, y, by, size_))
+      return;
+    rest += std::min(rest_energy_.at(x, y), kMostEnergy);
+    moved += std::min(moved_energy_.at(x, y), kMostEnergy);
+    ++cells;
+  });
+  const float by_noise = 2 * smoothed_noise() * noise * cells;
+  return rest - moved > kOfNoise * by_noise + kBeyondNoise * std::max(0.0F, rest - by_noise);
 }
 
 void RegionLayers::sum(const Rectangle &region, int columns, int rows,

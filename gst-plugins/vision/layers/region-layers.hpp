@@ -15,6 +15,7 @@
 #include "layers/segmentation.hpp"
 
 #include <array>
+#include <optional>
 #include <span>
 
 namespace haptic {
@@ -36,7 +37,9 @@ public:
   /// Reads a pair of crops of one size, whose sides are at most kLayerSide. `continues`: the
   /// earlier one is the later one of the call before. `noise`: variance of a pixel, grey levels
   /// squared.
-  void read(const LumaView &earlier, const LumaView &later, bool continues, float noise);
+  /// `likely`: a translation of the region, px; nothing: it is not known.
+  void read(const LumaView &earlier, const LumaView &later, bool continues, float noise,
+            const std::optional<Displacement> &likely = {});
 
   /// The translation of the crop, as a second start for that of the frame. Call it after read().
   Displacement region_motion() const { return region_.displacement; }
@@ -46,6 +49,12 @@ public:
 
   /// Nothing of the earlier crop is found in the later one.
   bool is_unrelated() const { return is_unrelated_; }
+
+  /// The motions do not explain most of the texture of the later crop.
+  bool is_unexplained() const { return is_unexplained_; }
+
+  /// Whether the flat parts moved by so many px, and did not rest.
+  bool flat_parts_follow(Displacement by, float noise);
 
   /// Tiles of equal size that cover the region, which lies in the crop; row by row.
   void sum(const Rectangle &region, int columns, int rows, std::span<LayerTile> tiles) const;
@@ -66,6 +75,7 @@ private:
   bool is_lost_ = true;       // the pair before was hardly explained
   float frame_moves_ = 0;     // of the pair before
   float flat_parts_move_ = 0; // how surely flat parts belong to the texture that moves, 0..1
+  bool is_unexplained_ = false;
   bool is_unrelated_ = false;
   float noise_ = 0;      // of this pair
   float noise_used_ = 0; // as it was known before
@@ -80,6 +90,8 @@ private:
   BackgroundMotion background_;
   ForegroundFlow foreground_;
   CellMap background_cells_;
+  CellMap rest_energy_;
+  CellMap moved_energy_;
   VectorMap<CellMap> background_motion_;
   std::array<float, static_cast<std::size_t>(kLayerSide / kCellSide) * (kLayerSide / kCellSide)>
       sorted_;

@@ -20,6 +20,13 @@ public:
   ExplainedTranslation find(const LayerFrame &earlier, const LayerFrame &later, float noise,
                             const LayerSize &size);
 
+  /// How much of the texture one translation explains.
+  ExplainedTranslation judge(const LayerFrame &earlier, const LayerFrame &later, float noise,
+                             const LayerSize &size, Displacement by) {
+    found_ = refine(earlier, later, noise, size, by, 0);
+    return found_;
+  }
+
 private:
   ExplainedTranslation refine(const LayerFrame &earlier, const LayerFrame &later, float noise,
                               const LayerSize &size, Displacement start, int steps);

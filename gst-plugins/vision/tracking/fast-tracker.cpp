@@ -13,8 +13,8 @@
 #include "pixels/frame-change.hpp"
 #include "pixels/frame-reduction.hpp"
 #include "samples/region-size.hpp"
+#include "tracking/ladder.hpp"
 #include "tracking/noise-estimate.hpp"
-#include "tracking/patch-tracker.hpp"
 #include "tracking/sudden-change.hpp"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ constexpr int kReach = 20;        // px per frame that a search covers in a regi
 constexpr int kLargestSide = 128; // px; larger regions are reduced first, which bounds the cost
 constexpr float kLearningRate = 0.3F;
 
-class FastTracker final : public PatchTracker {
+class FastTracker final : public Ladder {
 public:
   explicit FastTracker(const FastTrackerOptions &options) : options_(options) { forget(0); }
   int margin(int region_side) const override {
@@ -40,6 +40,11 @@ public:
     max_points_ = std::clamp(max_points, 1, kMaxPatches);
   }
   void measure(const CropPair &pair, Measurement &measurement) override;
+  Explanation measure_simply(const CropPair &pair, Measurement &measurement) override;
+  void measure_rest(Measurement &measurement) override;
+  Displacement best_translation() const override {
+    return static_cast<float>(1 << reductions_) * whole_.displacement;
+  }
   void reset() override { forget(reductions_); }
 
 private:
@@ -56,7 +61,9 @@ private:
 
   void forget(int reductions);
   CropPair reduced(const CropPair &pair, int count);
+  Explanation explain_simply(const CropPair &pair, Measurement &measurement);
   void measure_reduced(const CropPair &pair, Measurement &measurement);
+  void place(Measurement &measurement) const;
   void measure_grid(const Area &area, const Translation &whole, Measurement &measurement);
   bool has_fields(const CropPair &pair, int reductions) const;
   void measure_fields(const CropPair &pair, int reductions, Measurement &measurement);
@@ -98,6 +105,9 @@ private:
   int reductions_ = 0;         // of the frames
   bool have_previous_ = false; // current_ holds the earlier frame of the next pair
   Rectangle last_crop_;
+  Rectangle crop_; // of the pair in hand, before any reduction
+  Area area_;      // its region, in the planes
+  Translation whole_;
   Pyramid previous_;
   Pyramid current_;
   int side_ = 0; // px, of the region
@@ -500,7 +510,7 @@ void FastTracker::measure_grid(const Area &area, const Translation &whole,
   }
 }
 
-void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement) {
+Explanation FastTracker::explain_simply(const CropPair &pair, Measurement &measurement) {
   constexpr float kOverExpected = 1.2F;
   if (!pair.continues)
     last_ = {};
@@ -511,50 +521,54 @@ void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement
       measurement.flags = kStill;
     have_previous_ = false;
     last_ = {};
-    return;
+    return change == Change::none ? Explanation::rest : Explanation::unseen;
   }
   if (is_sudden) {
     measurement.candidates = 1;
     have_previous_ = false;
     last_ = {};
-    return;
+    return Explanation::sudden;
   }
   build_pyramids(pair);
-  const Area area =
-      Area{static_cast<float>(pair.region.x - pair.crop.x),
-           static_cast<float>(pair.region.y - pair.crop.y), static_cast<float>(pair.region.width),
-           static_cast<float>(pair.region.height)}
-          .in_plane();
-  cover_with_blocks(area);
-  clipped_.find(pair.previous, area);
+  area_ = Area{static_cast<float>(pair.region.x - pair.crop.x),
+               static_cast<float>(pair.region.y - pair.crop.y),
+               static_cast<float>(pair.region.width), static_cast<float>(pair.region.height)}
+              .in_plane();
+  cover_with_blocks(area_);
+  clipped_.find(pair.previous, area_);
   if (clipped_.any())
     mask_blocks();
-  Translation whole = find_translation();
+  whole_ = find_translation();
   if (parts().period &&
       !resolve_period(previous_.levels[0], current_.levels[0], blocks_[0].view(),
-                      static_cast<float>(2 * reach(side_)), last_, noise_.variance(), whole)) {
+                      static_cast<float>(2 * reach(side_)), last_, noise_.variance(), whole_)) {
     measurement.candidates = 1;
     last_ = {};
-    return;
+    return Explanation::periodic;
   }
-  last_ = whole.displacement;
-  const bool explained = explains(whole, blocks_[0].patches[0].side, noise_.variance());
-  if (explained && parts().still_translation && is_still(whole, noise_.variance())) {
+  last_ = whole_.displacement;
+  const bool explained = explains(whole_, blocks_[0].patches[0].side, noise_.variance());
+  if (explained && parts().still_translation && is_still(whole_, noise_.variance())) {
     measurement.flags = kStill;
     if (parts().noise_at_rest)
       noise_.learn(energy);
-    return;
+    return Explanation::rest;
   }
-  if (explained && !options_.always_grid && is_precise(whole) &&
-      whole.residual2 <
-          kOverExpected * 2 * kSmoothedNoise * fit_noise_.variance() + whole.interpolation2) {
+  if (explained && !options_.always_grid && is_precise(whole_) &&
+      whole_.residual2 <
+          kOverExpected * 2 * kSmoothedNoise * fit_noise_.variance() + whole_.interpolation2) {
     if (parts().noise_of_fits)
-      fit_noise_.learn(2 * noise_of(whole.residual2));
+      fit_noise_.learn(2 * noise_of(whole_.residual2));
     measurement.candidates = 1;
-    measurement.add(patch_of(area, whole));
-    return;
+    measurement.add(patch_of(area_, whole_));
+    return Explanation::translation;
   }
-  measure_grid(area, whole, measurement);
+  return Explanation::none;
+}
+
+void FastTracker::measure_reduced(const CropPair &pair, Measurement &measurement) {
+  if (explain_simply(pair, measurement) == Explanation::none)
+    measure_grid(area_, whole_, measurement);
 }
 
 // Level of the pyramid where a region of any size has about the pixels of a small one.
@@ -747,33 +761,56 @@ void FastTracker::measure_fields(const CropPair &pair, int reductions, Measureme
   max_points_ = points;
 }
 
-void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
+// From the planes to the frame.
+void FastTracker::place(Measurement &measurement) const {
+  measurement.shift(kSmoothingRadius, kSmoothingRadius);
+  measurement.scale(static_cast<float>(1 << reductions_));
+  measurement.shift(static_cast<float>(crop_.x), static_cast<float>(crop_.y));
+}
+
+Explanation FastTracker::measure_simply(const CropPair &pair, Measurement &measurement) {
   measurement.clear();
   for (int i = 0; i < std::min(pair.repeats, 100); ++i)
     sudden_.add(0);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
   if (count != reductions_)
     forget(count);
+  crop_ = pair.crop;
   // A strip along a border of the frame may have become too narrow for patches.
   if (!is_wide_enough(pair, count)) {
     have_previous_ = false;
     last_ = {};
-    return;
+    return Explanation::narrow;
   }
   if (has_fields(pair, count)) {
     measure_fields(pair, count, measurement);
-  } else {
-    measure_reduced(reduced(pair, count), measurement);
-    measurement.shift(kSmoothingRadius, kSmoothingRadius);
-    measurement.scale(static_cast<float>(1 << count));
+    measurement.shift(static_cast<float>(crop_.x), static_cast<float>(crop_.y));
+    return Explanation::fields;
   }
-  measurement.shift(static_cast<float>(pair.crop.x), static_cast<float>(pair.crop.y));
+  const Explanation found = explain_simply(reduced(pair, count), measurement);
+  place(measurement);
+  return found;
+}
+
+void FastTracker::measure_rest(Measurement &measurement) {
+  measurement.clear();
+  measure_grid(area_, whole_, measurement);
+  place(measurement);
+}
+
+void FastTracker::measure(const CropPair &pair, Measurement &measurement) {
+  if (measure_simply(pair, measurement) == Explanation::none)
+    measure_rest(measurement);
 }
 
 } // namespace
 
 std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options) {
   return std::make_unique<FastTracker>(options);
+}
+
+std::unique_ptr<Ladder> make_ladder() {
+  return std::make_unique<FastTracker>(FastTrackerOptions{});
 }
 
 } // namespace haptic

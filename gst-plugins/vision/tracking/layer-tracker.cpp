@@ -5,13 +5,16 @@
 #include "pixels/frame-change.hpp"
 #include "pixels/frame-reduction.hpp"
 #include "samples/region-size.hpp"
+#include "tracking/ladder.hpp"
 #include "tracking/noise-estimate.hpp"
-#include "tracking/patch-tracker.hpp"
+#include "tracking/region.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -22,15 +25,20 @@ constexpr float kUnknownInterval = 1.0F / 30; // s
 class LayerTracker final : public PatchTracker {
 public:
   LayerTracker() { forget(0); }
-  int margin(int region_side) const override { return kLayerMargin << reductions(region_side); }
+  int margin(int region_side) const override {
+    return std::max(layer_margin(region_side), ladder_->margin(region_side));
+  }
   bool measures_unchanged() const override { return true; }
   void set_max_points(int max_points) override {
     max_points_ = std::clamp(max_points, 1, kMaxPatches);
+    ladder_->set_max_points(max_points);
   }
   void measure(const CropPair &pair, Measurement &measurement) override;
   void reset() override {
     forget(reductions_);
     frame_.forget();
+    ladder_->reset();
+    last_crop_ = {};
   }
 
 private:
@@ -41,6 +49,11 @@ private:
     return count;
   }
 
+  static int layer_margin(int side) { return kLayerMargin << reductions(side); }
+  CropPair near(const CropPair &pair) const;
+  bool divide(const CropPair &pair, const std::optional<Displacement> &whole);
+  void blend(Displacement whole, float part);
+  float counts_for_region(Displacement whole);
   void forget(int reductions);
   void keep(const LumaView &view);
   FrameMotion frame_motion(const CropPair &pair);
@@ -57,6 +70,11 @@ private:
   FrameTranslation frame_;
   RegionLayers layers_;
   std::array<LayerTile, kMaxPatches> tiles_;
+  Measurement tiled_;
+  float background_ = 0; // its share of the region
+  float seconds_ = 0;    // that the layers have seen of the place
+  std::unique_ptr<Ladder> ladder_ = make_ladder();
+  int translations_ = 0; // pairs in a row that one translation explains
 };
 
 LumaView part(const LumaView &view, const Rectangle &area) {
@@ -73,14 +91,15 @@ bool same_pixels(const LumaView &one, const LumaView &other) {
   return true;
 }
 
-// Whether the mean of the patches is less than noise makes it.
-bool is_slow(const Measurement &measurement) {
-  constexpr float kSlow = 0.02F; // px
+// Whether the mean of the patches is less than noise makes it: of a background that is seen through
+// noise, the memory drifts.
+bool is_slow(const Measurement &measurement, float noise) {
+  constexpr float kSlow = 0.04F; // px, where only rounding disturbs: below 3 px/s nothing is felt
   Displacement sum;
   for (const Patch &patch : measurement.view())
     sum += {patch.dx, patch.dy};
   const float most = kSlow * static_cast<float>(measurement.count);
-  return norm2(sum) <= most * most;
+  return norm2(sum) <= std::max(1.0F, noise / kRoundingVariance) * most * most;
 }
 
 void LayerTracker::forget(int reductions) {
@@ -129,6 +148,7 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
     all += tile.precision;
     background += tile.background / static_cast<float>(tiles.size());
   }
+  background_ = background;
   const auto [least, most] = eigenvalues(all);
   // Slopes of one direction show only a part of the drift of a sky.
   if (most < kSeen || (background > kAllBackground && least < kSeen))
@@ -153,52 +173,134 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
   measurement.flags = kTiled;
 }
 
-void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
-  measurement.clear();
-  const int count = reductions(std::max(pair.region.width, pair.region.height));
-  if (count != reductions_)
-    forget(count);
+// The part of the pair that the layers read. It stays while the region moves within it by half of
+// the margin: the layers remember a place, and a hand trembles.
+CropPair LayerTracker::near(const CropPair &pair) const {
+  const int margin = layer_margin(std::max(pair.region.width, pair.region.height));
+  const auto around_region = [&](int distance) {
+    const Rectangle wide = crop_around(pair.region, distance, pair.crop.x + pair.crop.width,
+                                       pair.crop.y + pair.crop.height);
+    const int left = std::max(wide.x, pair.crop.x);
+    const int top = std::max(wide.y, pair.crop.y);
+    return Rectangle{left, top, wide.x + wide.width - left, wide.y + wide.height - top};
+  };
+  const auto contains = [](const Rectangle &outer, const Rectangle &inner) {
+    return inner.x >= outer.x && inner.y >= outer.y &&
+           inner.x + inner.width <= outer.x + outer.width &&
+           inner.y + inner.height <= outer.y + outer.height;
+  };
+  CropPair near = pair;
+  near.crop = around_region(margin);
+  if (last_crop_.width == near.crop.width && last_crop_.height == near.crop.height &&
+      contains(pair.crop, last_crop_) && contains(last_crop_, around_region(margin / 2)))
+    near.crop = last_crop_;
+  const Rectangle inside{near.crop.x - pair.crop.x, near.crop.y - pair.crop.y, near.crop.width,
+                         near.crop.height};
+  near.previous = part(pair.previous, inside);
+  near.current = part(pair.current, inside);
+  return near;
+}
+
+// Leaves tiles. `whole`: the best translation of the region, px. False: the layers do not explain
+// the pixels.
+bool LayerTracker::divide(const CropPair &pair, const std::optional<Displacement> &whole) {
+  tiled_.clear();
+  const int count = reductions_;
   const Rectangle region{(pair.region.x - pair.crop.x) >> count,
                          (pair.region.y - pair.crop.y) >> count, pair.region.width >> count,
                          pair.region.height >> count};
-  // A strip along a border of the frame may have become too narrow, and a crop may have the margin
-  // of another tracker.
-  if (std::min(region.width, region.height) < kSmallestRegion / 2 ||
-      std::max(pair.crop.width, pair.crop.height) >> count > kLayerSide) {
-    has_last_ = false;
-    return;
-  }
   const LumaView later = later_reduction_.reduce(pair.current, count);
-  const bool is_same_place = has_last_ && pair.crop == last_crop_;
   LumaView earlier = last_.view();
-  bool continues = is_same_place && pair.continues;
+  bool continues = has_last_ && pair.continues;
   if (!continues) {
     earlier = earlier_reduction_.reduce(pair.previous, count);
     // After frames that repeated the last one.
-    continues = is_same_place && pair.repeats > 0 && same_pixels(earlier, last_.view());
+    continues = has_last_ && pair.repeats > 0 && same_pixels(earlier, last_.view());
   }
-  last_crop_ = pair.crop;
   const ChangeFinding change =
       find_change(part(earlier, region), part(later, region), noise_.variance());
-  layers_.read(earlier, later, continues, noise_.variance());
+  std::optional<Displacement> likely;
+  if (whole)
+    likely = 1 / static_cast<float>(1 << count) * *whole;
+  layers_.read(earlier, later, continues, noise_.variance(), likely);
   const FrameMotion frame = frame_motion(pair);
-  layers_.measure(frame, pair.seconds > 0 ? pair.seconds : kUnknownInterval, noise_.variance());
+  const float seconds = pair.seconds > 0 ? pair.seconds : kUnknownInterval;
+  seconds_ = continues ? seconds_ + seconds : seconds;
+  layers_.measure(frame, seconds, noise_.variance());
   keep(later);
   if (layers_.is_unrelated()) {
-    measurement.flags = kCut;
-    reset();
-    return;
+    forget(count);
+    frame_.forget();
+    return false;
   }
   const bool is_at_rest = change.change == Change::none;
   noise_.learn(is_at_rest ? change.energy : 2 * layers_.noise());
-  add_tiles(region, measurement);
-  if (is_at_rest && (frame.is_unchanged || is_slow(measurement))) {
-    measurement.clear();
-    measurement.flags = kStill;
+  add_tiles(region, tiled_);
+  if (is_at_rest && (frame.is_unchanged || is_slow(tiled_, noise_.variance()))) {
+    tiled_.clear();
+    tiled_.flags = kStill;
+    return true;
+  }
+  tiled_.scale(static_cast<float>(1 << count));
+  tiled_.shift(static_cast<float>(pair.crop.x), static_cast<float>(pair.crop.y));
+  return !layers_.is_unexplained();
+}
+
+// The whole region moves by what explains its texture.
+void LayerTracker::blend(Displacement whole, float part) {
+  for (Patch &tile : tiled_.view()) {
+    tile.dx += part * (whole.x - tile.dx);
+    tile.dy += part * (whole.y - tile.dy);
+  }
+}
+
+// How far one translation of the texture is one of the region. A leaf before a sky leaves no
+// texture that contradicts its translation: the flat parts must have moved, too. A coder moves them
+// in jumps, between frames in which they stand.
+float LayerTracker::counts_for_region(Displacement whole) {
+  constexpr float kLittle = 0.3F; // of the region: borders of what fills it
+  constexpr float kMuch = 0.5F;
+  constexpr int kSteady = 2; // pairs
+  if (translations_ >= kSteady &&
+      layers_.flat_parts_follow(1 / static_cast<float>(1 << reductions_) * whole,
+                                noise_.variance()))
+    return 1;
+  return std::clamp((kMuch - background_) / (kMuch - kLittle), 0.0F, 1.0F);
+}
+
+void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
+  constexpr float kWarm = 0.1F; // s, until the layers of a new place have settled
+  const CropPair close = near(pair);
+  const int count = reductions(std::max(pair.region.width, pair.region.height));
+  const Explanation simple = ladder_->measure_simply(pair, measurement);
+  std::optional<Displacement> whole;
+  if (simple == Explanation::translation || simple == Explanation::none)
+    whole = ladder_->best_translation();
+  const bool is_wide =
+      std::min(pair.region.width, pair.region.height) >> count >= kSmallestRegion / 2;
+  const bool stays = close.crop == std::exchange(last_crop_, close.crop) && count == reductions_ &&
+                     is_wide && simple != Explanation::fields && simple != Explanation::narrow;
+  translations_ = stays && simple == Explanation::translation ? translations_ + 1 : 0;
+  if (!stays)
+    forget(count);
+  const bool divided = stays && divide(close, whole);
+  const bool is_one = stays && simple != Explanation::none && simple != Explanation::unseen &&
+                      simple != Explanation::sudden;
+  const float counts = is_one ? counts_for_region(whole.value_or(Displacement{})) : 0;
+  if (counts == 1)
+    return;
+  if (!divided || seconds_ < kWarm) {
+    if (simple == Explanation::none)
+      ladder_->measure_rest(measurement);
     return;
   }
-  measurement.scale(static_cast<float>(1 << count));
-  measurement.shift(static_cast<float>(pair.crop.x), static_cast<float>(pair.crop.y));
+  if (simple != Explanation::periodic)
+    blend(whole.value_or(Displacement{}), counts);
+  // The ladder's mark of rest stays.
+  if (simple == Explanation::rest &&
+      is_slow(tiled_, static_cast<float>(1 << 2 * count) * noise_.variance()))
+    return;
+  measurement = tiled_;
 }
 
 } // namespace

@@ -59,11 +59,13 @@ public:
   virtual void reset() = 0;
 };
 
-/// The default: still, one translation or a grid of patches, whichever is the simplest that
-/// explains the pixels. Inverse-compositional Lucas-Kanade, invariant to gain and offset.
+/// Still, one translation or a grid of patches, whichever is the simplest that explains the pixels.
+/// Inverse-compositional Lucas-Kanade, invariant to gain and offset.
 std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options = {});
 
-/// What moves before a background, each with its own motion: the mean over the region as it moved.
+/// Still, one translation, or what moves before a background, each with its own
+/// motion. The mean of the patches is the mean over the region as it moved. As the fast tracker,
+/// where nothing is remembered of the place.
 std::unique_ptr<PatchTracker> make_layer_tracker();
 
 /// The reference: Shi-Tomasi corners and pyramidal Lucas-Kanade with a forward-backward check.
