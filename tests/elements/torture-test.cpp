@@ -8,6 +8,7 @@
 #include "samples/motion-field.hpp"
 #include "samples/relief-field.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -21,6 +22,7 @@
 #include <random>
 #include <semaphore>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -157,17 +159,20 @@ protected:
   }
   bool spares_aggregator() const { return spares("GstAggregator"); }
 
-  // The one critical warning of its base class that an element survives: GstAggregator clips a gap
-  // event by every segment, GstRTPBaseDepayload takes every segment for one of time, also when none
-  // has come, and GstBaseParse leaves a segment in bytes without an end, also backwards.
-  const char *forgiven() const {
+  // The critical warnings of its base class that an element survives: GstAggregator clips a gap
+  // event by every segment, and in one of twenty runs sends an event with a sequence number that it
+  // does not have yet (no element here sets one); GstRTPBaseDepayload takes every segment for one
+  // of time, also when none has come; GstBaseParse leaves a segment in bytes without an end, also
+  // backwards.
+  std::vector<std::string_view> forgiven() const {
     if (spares_aggregator())
-      return "gst_segment_clip: assertion 'segment->format == format' failed";
+      return {"gst_segment_clip: assertion 'segment->format == format' failed",
+              "gst_event_set_seqnum: assertion 'seqnum != GST_SEQNUM_INVALID' failed"};
     if (spares("GstRTPBaseDepayload"))
-      return "gst_segment_to_running_time: assertion 'segment->format == format' failed";
+      return {"gst_segment_to_running_time: assertion 'segment->format == format' failed"};
     if (spares("GstBaseParse"))
-      return "gst_segment_to_running_time_full: assertion 'stop != -1' failed";
-    return nullptr;
+      return {"gst_segment_to_running_time_full: assertion 'stop != -1' failed"};
+    return {};
   }
 
   void judge_critical_warnings() {
@@ -175,7 +180,8 @@ protected:
     const GTestLogFatalFunc is_fatal = [](const char *, GLogLevelFlags, const char *message,
                                           gpointer test) -> gboolean {
       const auto &self = *static_cast<const Torture *>(test);
-      return !GetParam().control && g_strcmp0(message, self.forgiven_) != 0;
+      return !GetParam().control &&
+             std::ranges::find(self.forgiven_, std::string_view(message)) == self.forgiven_.end();
     };
     g_test_log_set_fatal_handler(is_fatal, this);
   }
@@ -365,7 +371,7 @@ protected:
   GstElement *element() const { return harness_->element; }
 
   std::size_t seed_ = 0;
-  const char *forgiven_ = nullptr;
+  std::vector<std::string_view> forgiven_;
   HarnessPtr harness_;
   std::vector<std::unique_ptr<Attack>> attacks_;
   std::vector<GstHarnessThread *> threads_;
