@@ -36,7 +36,8 @@ private:
                      meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
   }
 
-  GstVideoFrame frame_{};
+  // GstMapFlags has no name for 0.
+  GstVideoFrame frame_{}; // NOLINT(bugprone-invalid-enum-default-initialization)
   bool is_mapped_ = false;
 };
 

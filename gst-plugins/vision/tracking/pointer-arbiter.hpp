@@ -76,11 +76,11 @@ public:
 
   /// The force on the device, or nothing if it is unknown or the device is silent.
   std::optional<Force> force(Time now) const {
-    return haptic_is_fresh(now) ? haptic_->force : std::nullopt;
+    return haptic_ && haptic_is_fresh(now) ? haptic_->force : std::nullopt;
   }
   /// The proxy on a relief, or nothing if there is none or the device is silent.
   std::optional<ProxyPosition> proxy(Time now) const {
-    return haptic_is_fresh(now) ? haptic_->proxy : std::nullopt;
+    return haptic_ && haptic_is_fresh(now) ? haptic_->proxy : std::nullopt;
   }
 
 private:
