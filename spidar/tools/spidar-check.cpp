@@ -39,7 +39,7 @@ struct Settings {
 
 /// False if the answer is "n", or if there is nobody to answer.
 bool ask(const std::string &question) {
-  std::cout << question << " (n: no)" << std::endl;
+  std::cout << question << " (n: no)\n" << std::flush;
   std::string answer;
   return std::getline(std::cin, answer) && answer != "n" && answer != "no";
 }
