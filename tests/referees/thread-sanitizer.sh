@@ -41,7 +41,7 @@ judge "${fixed_addresses[@]}" tests/faults/faults-loop-realtime
 targets=(tests/elements/element-torture gst-plugins/vision/libgsthapticvision.so gst-plugins/track/libgsthaptictrack.so
   gst-plugins/device/libgsthapticdevice.so)
 folder=$root/build-threads-elements
-build_sanitized "$folder" -Db_sanitize=thread -Dunity=on -Dunity_size=6 -Dvision=enabled -Dtrack=enabled
+build_sanitized "$folder" -Db_sanitize=thread -Dvision=enabled -Dtrack=enabled
 cd "$folder"
 # No other plugins of GStreamer: the libraries of some do what the sanitizer reports as soon as they are loaded.
 controls=$folder/controls
