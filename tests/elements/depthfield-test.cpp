@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace {
+namespace depthfield_test {
 
 using haptic::BufferPtr;
 using haptic::ReliefField;
@@ -240,4 +240,4 @@ TEST_F(DepthField, TouchesWhatAPairOfCamerasSees) {
   EXPECT_LE(errors[errors.size() * 9 / 10], 0.03 * kRange);
 }
 
-} // namespace
+} // namespace depthfield_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace hapticarray_test {
 
 constexpr GstClockTime kFrame = GST_SECOND / 30;
 constexpr GstClockTime kLong = 10 * GST_SECOND; // what takes so long never comes
@@ -590,4 +590,4 @@ TEST_F(HapticArray, AnOutputThatVanishesEndsTheStreamAndBeginsAgainFromSilence) 
   EXPECT_EQ(energy(0, 0.4), 0);
 }
 
-} // namespace
+} // namespace hapticarray_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace {
+namespace hapticconvert_field_test {
 
 using haptic::MotionField;
 using test::Bytes;
@@ -279,4 +279,4 @@ TEST_F(HapticConvertField, AReceiverWithoutAKeyFieldAsksTheSenderForOne) {
   gst_sample_unref(felt);
 }
 
-} // namespace
+} // namespace hapticconvert_field_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace {
+namespace hapticconvert_relief_test {
 
 using haptic::ReliefField;
 using test::DepthScene;
@@ -113,4 +113,4 @@ TEST_F(HapticConvertRelief, AReliefIsNeverPassedOnAsMotion) {
   }
 }
 
-} // namespace
+} // namespace hapticconvert_relief_test

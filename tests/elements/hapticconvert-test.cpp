@@ -14,7 +14,7 @@
 #include <gst/check/gstharness.h>
 #include <memory>
 
-namespace {
+namespace hapticconvert_test {
 
 using haptic::MotionSample;
 using test::Bytes;
@@ -547,4 +547,4 @@ TEST_F(HapticConvert, NoTrackExceedsTheLocalMaxForce) {
   EXPECT_GT(strongest, 0.1) << "it was felt";
 }
 
-} // namespace
+} // namespace hapticconvert_test

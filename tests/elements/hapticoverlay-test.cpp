@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-namespace {
+namespace hapticoverlay_test {
 
 using haptic::BufferPtr;
 using test::ElementPtr;
@@ -363,7 +363,7 @@ TEST_F(HapticOverlay, NumbersWithoutSenseDoNoHarm) {
 }
 
 // Grey frames with metadata of the test's own: a thing was taken.
-class HeldThing : public ::testing::Test {
+class HeldThingInPicture : public ::testing::Test {
 protected:
   static constexpr float kRadius = 30; // px
 
@@ -400,7 +400,7 @@ protected:
   gfloat moves_ = 0; // px per frame; 0: nothing was measured
 };
 
-TEST_F(HeldThing, HasTheArrowOfItsMotion) {
+TEST_F(HeldThingInPicture, HasTheArrowOfItsMotion) {
   moves_ = 2;
   for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_ABOUT}) {
     const Spot arrow = spot(pass(hold, {20, -10}), is_orange);
@@ -409,7 +409,7 @@ TEST_F(HeldThing, HasTheArrowOfItsMotion) {
   }
 }
 
-TEST_F(HeldThing, ThatIsSeenHasASolidRing) {
+TEST_F(HeldThingInPicture, ThatIsSeenHasASolidRing) {
   const Spot ring = spot(pass(GST_HAPTIC_HOLD_HELD), is_green);
   EXPECT_NEAR(ring.centre.x, 0, 0.5);
   EXPECT_NEAR(ring.centre.y, 0, 0.5);
@@ -417,7 +417,7 @@ TEST_F(HeldThing, ThatIsSeenHasASolidRing) {
   EXPECT_GT(ring.count, 2 * std::numbers::pi * 0.9 * static_cast<double>(kRadius));
 }
 
-TEST_F(HeldThing, WhosePlaceIsNotExactHasADashedRing) {
+TEST_F(HeldThingInPicture, WhosePlaceIsNotExactHasADashedRing) {
   const int solid = spot(pass(GST_HAPTIC_HOLD_HELD), is_green).count;
   for (const GstHapticHold hold : {GST_HAPTIC_HOLD_ABOUT, GST_HAPTIC_HOLD_HIDDEN}) {
     const Spot ring = spot(pass(hold), is_green);
@@ -426,12 +426,12 @@ TEST_F(HeldThing, WhosePlaceIsNotExactHasADashedRing) {
   }
 }
 
-TEST_F(HeldThing, WhosePlaceIsNotKnownHasNoRing) {
+TEST_F(HeldThingInPicture, WhosePlaceIsNotKnownHasNoRing) {
   for (const GstHapticHold hold : {GST_HAPTIC_HOLD_LOST, GST_HAPTIC_HOLD_REFUSED})
     EXPECT_EQ(spot(pass(hold), is_green).count, 0);
 }
 
-TEST_F(HeldThing, HasAWordUnlessItIsSeen) {
+TEST_F(HeldThingInPicture, HasAWordUnlessItIsSeen) {
   const auto words = [&](GstHapticHold hold) { return spot(pass(hold), is_dark); };
   EXPECT_EQ(words(GST_HAPTIC_HOLD_NONE).count, 0);
   EXPECT_EQ(words(GST_HAPTIC_HOLD_HELD).count, 0);
@@ -442,13 +442,13 @@ TEST_F(HeldThing, HasAWordUnlessItIsSeen) {
   }
 }
 
-TEST_F(HeldThing, AWordHasRoomAtTheTopOfTheFrame) {
+TEST_F(HeldThingInPicture, AWordHasRoomAtTheTopOfTheFrame) {
   const Spot word = spot(pass(GST_HAPTIC_HOLD_ABOUT, {0, -kHeight / 2.0}), is_dark);
   EXPECT_GT(word.count, 200);
   EXPECT_GT(word.centre.y, -kHeight / 2.0 + static_cast<double>(kRadius));
 }
 
-TEST_F(HeldThing, LeavesATrail) {
+TEST_F(HeldThingInPicture, LeavesATrail) {
   for (int i = 0; i < 20; ++i)
     pass(GST_HAPTIC_HOLD_HELD, {-100 + 10.0 * i, 0});
   const Spot drawn = spot(pass(GST_HAPTIC_HOLD_HELD, {100, 0}), is_green);
@@ -456,7 +456,7 @@ TEST_F(HeldThing, LeavesATrail) {
   EXPECT_LT(drawn.centre.x, 75) << "the ring is at 100 px, the trail to the left of it";
 }
 
-TEST_F(HeldThing, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
+TEST_F(HeldThingInPicture, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
   const auto walk = [&] {
     for (int i = 0; i < 20; ++i)
       pass(GST_HAPTIC_HOLD_HELD, {-100 + 10.0 * i, 0});
@@ -481,14 +481,14 @@ TEST_F(HeldThing, ItsTrailEndsWhereItIsLetGoAndAtASeek) {
   expect_no_trail(pass(GST_HAPTIC_HOLD_HELD, end), end);
 }
 
-TEST_F(HeldThing, HasTheColourThatWasSet) {
+TEST_F(HeldThingInPicture, HasTheColourThatWasSet) {
   g_object_set(harness.element("hapticoverlay").get(), "hold-color", 0xff0072b2U, nullptr);
   const BufferPtr frame = pass(GST_HAPTIC_HOLD_HELD);
   EXPECT_EQ(spot(frame, is_green).count, 0);
   EXPECT_GT(spot(frame, is_blue).count, 100);
 }
 
-TEST_F(HeldThing, IsNotDrawnWithStyleNone) {
+TEST_F(HeldThingInPicture, IsNotDrawnWithStyleNone) {
   gst_util_set_object_arg(G_OBJECT(harness.element("hapticoverlay").get()), "style", "none");
   for (const GstHapticHold hold : {GST_HAPTIC_HOLD_HELD, GST_HAPTIC_HOLD_REFUSED})
     EXPECT_EQ(spot(pass(hold), [](Color c) { return c.r != 128 || c.g != 128; }).count, 0);
@@ -695,4 +695,4 @@ TEST_F(HapticOverlay, EveryPropertyMayBeSetWhileRunning) {
       std::nullopt);
 }
 
-} // namespace
+} // namespace hapticoverlay_test

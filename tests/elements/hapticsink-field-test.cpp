@@ -9,7 +9,7 @@
 #include <fstream>
 #include <limits>
 
-namespace {
+namespace hapticsink_field_test {
 
 using namespace test;
 
@@ -237,4 +237,4 @@ TEST_F(HapticSinkField, AFlushIsSilentAndThenItGoesOn) {
   EXPECT_GT(std::ranges::max_element(rows, {}, &Row::fx)->fx, 0.45);
 }
 
-} // namespace
+} // namespace hapticsink_field_test

@@ -3,7 +3,7 @@
 // each other's way, or the machine is busy. Only order and the final state are asserted.
 #include "hapticsink-fixture.hpp"
 
-namespace {
+namespace hapticsink_realtime_test {
 
 using namespace std::chrono_literals;
 using namespace test;
@@ -164,4 +164,4 @@ TEST_F(HapticSink, MeasuresHowLongItsTicksTakeAndHowOldItsSamplesAre) {
   EXPECT_GT(number("sample-age"), 0);
 }
 
-} // namespace
+} // namespace hapticsink_realtime_test

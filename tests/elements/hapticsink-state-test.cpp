@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string>
 
-namespace {
+namespace hapticsink_state_test {
 
 using namespace std::chrono_literals;
 using namespace test;
@@ -262,4 +262,4 @@ TEST_F(StateFromCallback, EveryChangeFromEveryCallbackEndsWhileAnotherThreadStop
         run(callback, state, true);
 }
 
-} // namespace
+} // namespace hapticsink_state_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <thread>
 
-namespace {
+namespace hapticsink_test {
 
 using namespace std::chrono_literals;
 using namespace test;
@@ -914,4 +914,4 @@ TEST_F(HapticSinkErrors, OtherCapsAreRefused) {
     gst_element_set_state(pipeline.get(), GST_STATE_NULL);
 }
 
-} // namespace
+} // namespace hapticsink_test

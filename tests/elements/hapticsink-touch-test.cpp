@@ -4,7 +4,7 @@
 
 #include "samples/relief-field.hpp"
 
-namespace {
+namespace hapticsink_touch_test {
 
 using namespace test;
 
@@ -420,4 +420,4 @@ TEST_F(HapticSinkTouch, AForceThatIsNoNumberIsRefused) {
   EXPECT_EQ(force, 0.5);
 }
 
-} // namespace
+} // namespace hapticsink_touch_test

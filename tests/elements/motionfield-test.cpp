@@ -6,7 +6,7 @@
 #include <gst/video/gstvideometa.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace motionfield_test {
 
 using haptic::BufferPtr;
 using haptic::MotionField;
@@ -483,4 +483,4 @@ TEST_F(FilmedFromACar, AStandingCameraLeavesEachByteAsItWas) {
   }
 }
 
-} // namespace
+} // namespace motionfield_test

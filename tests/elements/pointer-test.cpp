@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace pointer_test {
 
 using haptic::BufferPtr;
 using haptic::PointerPosition;
@@ -167,4 +167,4 @@ TEST(PointerElements, StartAndStopAtOnceManyTimes) {
   }
 }
 
-} // namespace
+} // namespace pointer_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace reliefmap_test {
 
 using haptic::ReliefField;
 using test::Frame;
@@ -67,4 +67,4 @@ TEST_F(ReliefMapElement, RunsWithEachBuiltInTable) {
   }
 }
 
-} // namespace
+} // namespace reliefmap_test

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace {
+namespace roitracker_hold_test {
 
 using haptic::BufferPtr;
 using test::ElementPtr;
@@ -286,4 +286,4 @@ TEST_F(Hold, OtherCapsInMidStreamLoseTheThing) {
   EXPECT_EQ(motion_of(pass(frame, 5)).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
 }
 
-} // namespace
+} // namespace roitracker_hold_test

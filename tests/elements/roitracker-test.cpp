@@ -14,7 +14,7 @@
 #include <numbers>
 #include <string>
 
-namespace {
+namespace roitracker_test {
 
 using haptic::BufferPtr;
 using haptic::EventPtr;
@@ -938,4 +938,4 @@ TEST_F(RoiTracker, TheProxyThatTheDeviceReportsIsInTheMetadata) {
   EXPECT_TRUE(std::isnan(motion_of(pass_moving(++frame)).depth));
 }
 
-} // namespace
+} // namespace roitracker_test

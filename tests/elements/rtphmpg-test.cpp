@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-namespace {
+namespace rtphmpg_test {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -131,4 +131,4 @@ TEST_F(RtpHmpg, AReceiverThatWaitsAsksAndAgainAfterHalfASecond) {
   EXPECT_EQ(gst_harness_buffers_in_queue(depay.get()), 0U);
 }
 
-} // namespace
+} // namespace rtphmpg_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace {
+namespace rtponesender_test {
 
 using test::Packet;
 
@@ -59,4 +59,4 @@ TEST(RtpOneSender, OfAnotherKindOfPayloadOneWarningSaysSo) {
       << outcome.warnings[0];
 }
 
-} // namespace
+} // namespace rtponesender_test

@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace torture_test {
 
 using Random = std::mt19937;
 
@@ -571,11 +571,11 @@ TEST_F(DISABLED_Controls, AQueryIsGivenBackWhileItIsUsed) {
   hold.release();
 }
 
-} // namespace
+} // namespace torture_test
 
 // GstBaseTransform calls this one. (A program's functions come before those of the libraries.)
 guint64 gst_segment_to_stream_time(const GstSegment *segment, GstFormat format, guint64 position) {
-  if (Hold *hold = hold_of_stream_time)
+  if (torture_test::Hold *hold = torture_test::hold_of_stream_time)
     hold->stay();
   static const auto next = reinterpret_cast<decltype(&gst_segment_to_stream_time)>(
       dlsym(RTLD_NEXT, "gst_segment_to_stream_time"));

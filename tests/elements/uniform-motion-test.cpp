@@ -13,7 +13,7 @@
 #include <spidar/device.hpp>
 #include <spidar/simulator.hpp>
 
-namespace {
+namespace uniform_motion_test {
 
 using haptic::BufferPtr;
 using haptic::HapticLoop;
@@ -145,4 +145,4 @@ TEST_F(UniformMotion, FramesWithoutAMotionToMeasureAreHardlyFelt) {
     EXPECT_LE(force.norm(), 0.1);
 }
 
-} // namespace
+} // namespace uniform_motion_test

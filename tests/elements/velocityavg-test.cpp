@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-namespace {
+namespace velocityavg_test {
 
 using haptic::BufferPtr;
 using haptic::HeldPlace;
@@ -479,4 +479,4 @@ TEST_F(VelocityAvg, StartsAndStopsTwoHundredTimes) {
   test::start_and_stop(pipeline.get(), 200);
 }
 
-} // namespace
+} // namespace velocityavg_test

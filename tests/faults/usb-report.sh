@@ -26,12 +26,12 @@ measure() {
 measure guardian "$build/tests/faults/faults-guardian" --gtest_filter='*F1_*:*F2_*:*F3_*'
 measure group "$build/tests/faults/faults-guardian" --gtest_filter='*Cgroup*:*Service*'
 measure guarded umockdev-wrapper "$build/tests/usb/usb-realtime" --gtest_filter='*Guarded*:*Stamped*'
-measure fuzz umockdev-wrapper "$build/tests/usb/usb-fuzz"
-measure tick umockdev-wrapper "$build/tests/usb/usb-tick"
-measure unplug umockdev-wrapper "$build/tests/usb/usb-unplug"
+measure fuzz umockdev-wrapper "$build/tests/usb/usb" --gtest_filter='*/Fuzz.*'
+measure tick umockdev-wrapper "$build/tests/usb/usb" --gtest_filter='*/Ticks.*:OurPart.*'
+measure unplug umockdev-wrapper "$build/tests/usb/usb" --gtest_filter='*/Unplug.*'
 measure sink umockdev-wrapper "$build/tests/usb/usb-realtime" --gtest_filter='*F13*:*InReady*'
-measure refusals umockdev-wrapper "$build/tests/usb/usb-refusals"
-measure stall umockdev-wrapper "$build/tests/usb/usb-controllers" --gtest_filter='*Stalled*'
+measure refusals umockdev-wrapper "$build/tests/usb/usb" --gtest_filter='Refusals.*'
+measure stall umockdev-wrapper "$build/tests/usb/usb" --gtest_filter='*Stalled*'
 
 # The largest of what the tests measured under a name.
 largest() {

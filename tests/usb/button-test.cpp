@@ -8,7 +8,7 @@
 
 #include <spidar/calibration.hpp>
 
-namespace {
+namespace button_test {
 
 using namespace test;
 using haptic::DeadMan;
@@ -134,4 +134,4 @@ TEST_P(Button, ThatNoGeometryNamesIsRefusedWithTheKeysThatNameIt) {
   }
 }
 
-} // namespace
+} // namespace button_test

@@ -4,7 +4,7 @@
 
 #include <spidar/spidar.h>
 
-namespace {
+namespace c_api_test {
 
 using namespace test;
 
@@ -67,4 +67,4 @@ TEST_P(CApi, SaysWhoMayNotOpenIt) {
   EXPECT_NE(std::string(spidar_open_error()).find("Close that program"), std::string::npos);
 }
 
-} // namespace
+} // namespace c_api_test

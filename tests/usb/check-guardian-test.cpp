@@ -3,7 +3,7 @@
 #include "check-guardian.hpp"
 #include "direct-fixture.hpp"
 
-namespace {
+namespace check_guardian_test {
 
 using namespace test;
 using namespace spidar_check;
@@ -38,4 +38,4 @@ TEST_P(CheckGuardian, ThatIsStoppedOrKilledIsNoticed) {
   EXPECT_FALSE(checked.connected());
 }
 
-} // namespace
+} // namespace check_guardian_test

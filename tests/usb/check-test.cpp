@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace {
+namespace check_test {
 
 using namespace test;
 using namespace spidar_check;
@@ -109,4 +109,4 @@ TEST_P(Check, ForgivesTwoLostReplies) {
   EXPECT_EQ(verdicts_["the device answers"], Verdict::pass);
 }
 
-} // namespace
+} // namespace check_test

@@ -2,7 +2,7 @@
 // The controllers over the real libusb, on a bus that umockdev shows it.
 #include "bus-fixture.hpp"
 
-namespace {
+namespace controllers_test {
 
 using namespace test;
 using spidar::Counts;
@@ -134,4 +134,4 @@ TEST_P(Controllers, RepliesOfAWrongLengthOrFromAnotherSwitchAreRefused) {
   EXPECT_TRUE(controller->exchange({}, counts));
 }
 
-} // namespace
+} // namespace controllers_test

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <random>
 
-namespace {
+namespace fuzz_test {
 
 using namespace test;
 
@@ -51,4 +51,4 @@ TEST_P(Fuzz, RepliesNeverMoveThePoseAwayOrTheTensionsOutOfTheirLimits) {
   ASSERT_TRUE(device->connected());
 }
 
-} // namespace
+} // namespace fuzz_test

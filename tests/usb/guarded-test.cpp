@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace {
+namespace guarded_test {
 
 using namespace test;
 using spidar::Counts;
@@ -394,4 +394,4 @@ TEST_P(Stopped, RepliesThatNobodyReadsDoNotStopTheGuardian) {
   EXPECT_TRUE(pulls()) << "its count of the replies is right";
 }
 
-} // namespace
+} // namespace guarded_test

@@ -6,7 +6,7 @@
 
 #include <gst/gst.h>
 
-namespace {
+namespace provider_test {
 
 class Provider : public test::OnBus {
 protected:
@@ -67,4 +67,4 @@ TEST_F(Provider, WhatCannotBeUsedIsListedWithTheReason) {
   EXPECT_NE(devices[0].problem, "");
 }
 
-} // namespace
+} // namespace provider_test

@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-namespace {
+namespace refusals_test {
 
 using namespace test;
 using spidar::Cause;
@@ -152,4 +152,4 @@ TEST_F(Refusals, AnotherVendorIsTakenOnlyIfToldTo) {
   unsetenv("SPIDAR_USB_ID");
 }
 
-} // namespace
+} // namespace refusals_test

@@ -4,7 +4,7 @@
 
 #include "drivers/device-choice.hpp"
 
-namespace {
+namespace reopening_test {
 
 using test::Model;
 
@@ -40,4 +40,4 @@ TEST_P(ReopeningOnUsb, OnlyTheSameModelWithTheSameSwitchWillDo) {
 
 INSTANTIATE_TEST_SUITE_P(Choices, ReopeningOnUsb, ::testing::Values("auto", "usb"));
 
-} // namespace
+} // namespace reopening_test

@@ -8,7 +8,7 @@
 
 #include <cstdlib>
 
-namespace {
+namespace sink_test {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
@@ -260,4 +260,4 @@ TEST_F(Sink, ItsEndLeavesMinimumTension) {
     EXPECT_NEAR(word, 46, 1); // 0.3 N
 }
 
-} // namespace
+} // namespace sink_test

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <spidar/simulator.hpp>
 
-namespace {
+namespace tick_test {
 
 using namespace test;
 
@@ -135,4 +135,4 @@ TEST_P(Ticks, ThePoseComesThroughTheCountsWithin50MicrometresAndATenthOfADegree)
   report("pose-error-degrees", worst_angle);
 }
 
-} // namespace
+} // namespace tick_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace {
+namespace unplug_test {
 
 using namespace test;
 
@@ -60,4 +60,4 @@ TEST_P(Unplug, ItIsThereAgainAfterwards) {
   EXPECT_TRUE(spidar::open_usb("2")->exchange({}, counts));
 }
 
-} // namespace
+} // namespace unplug_test
