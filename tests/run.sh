@@ -29,8 +29,8 @@ esac
 
 cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
-# A checkout has new files of known content, and precompiled headers.
-export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,pch_defines,time_macros}
+# A checkout has new files of known content.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,time_macros}
 ccache=
 ! command -v ccache >/dev/null || ccache='ccache '
 scratch=$(mktemp -d)
@@ -301,11 +301,11 @@ check_format() {
     xargs -0 clang-format --dry-run --Werror
 }
 
-# Of a build of its own, which is only configured: clang cannot read GCC's precompiled headers.
+# Of a build of its own, which is only configured: each source by itself.
 check_style() {
   local base=
   [ "$size" = all ] || base=${FEELING_WIND_BASE-$(git describe --tags --abbrev=0 2>/dev/null)}
-  configure build-style -Dunity=off -Db_pch=false -Dbenchmarks=disabled && python3 tests/style.py build-style "$base"
+  configure build-style -Dunity=off -Dbenchmarks=disabled && python3 tests/style.py build-style "$base"
 }
 
 check_scripts() {

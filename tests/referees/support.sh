@@ -23,7 +23,7 @@ build_sanitized() {
   local folder=$1 log=$1/build.log
   mkdir -p "$folder"
   [ -f "$folder/build.ninja" ] ||
-    meson setup "$folder" "$root" -Db_lundef=false -Db_pch=false -Dunity=on -Dunity_size=6 -Doptimization=1 \
+    meson setup "$folder" "$root" -Db_lundef=false -Dunity=on -Dunity_size=6 -Doptimization=1 \
       -Ddebug=false -Dtests=enabled -Ddevice=enabled -Dvision=disabled -Dtrack=disabled -Dview=disabled \
       -Dbenchmarks=disabled -Dman-pages=disabled \
       "${@:2}" >"$log" 2>&1 || build_failed "$log"

@@ -11,7 +11,7 @@ build_package() {
   "$@" env DEB_BUILD_OPTIONS="noautodbgsym parallel=$(nproc)" \
     DEB_CFLAGS_STRIP=-g DEB_CXXFLAGS_STRIP=-g DEB_CFLAGS_APPEND=-Werror DEB_CXXFLAGS_APPEND=-Werror \
     CCACHE_DIR="${CCACHE_DIR:-${HOME:-/root}/.cache/ccache}" \
-    CCACHE_SLOPPINESS=include_file_ctime,include_file_mtime,pch_defines,time_macros \
+    CCACHE_SLOPPINESS=include_file_ctime,include_file_mtime,time_macros \
     dpkg-buildpackage -us -uc -b &&
     "$@" sh -c 'lintian --fail-on error,warning ../feeling-wind_*.changes'
 }
