@@ -7,6 +7,7 @@
 // The pointer comes from the application, from navigation events, or from pointer events
 // (docs/formats/pointer-event.md), which travel upstream from hapticsink.
 #include "elements/analytics-meta.hpp"
+#include "elements/marked-object.hpp"
 #include "elements/motion-reader.hpp"
 #include "frames/buffer-timeline.hpp"
 #include "frames/frame-caps.hpp"
@@ -55,6 +56,9 @@ using haptic::TrackerMethod;
 using Clock = std::chrono::steady_clock;
 namespace messages = haptic::messages;
 
+// What the region is while no thing is followed.
+enum class RegionShape { square, object };
+
 // When the thing under the pointer is taken.
 enum class HoldMode { off, pressed, latched };
 
@@ -66,6 +70,7 @@ struct Shared {
   guint roi_size = 0; // px; 0: from the frame's width
   guint max_points = haptic::kUsualPatches;
   TrackerMethod method = TrackerMethod::fast;
+  RegionShape region = RegionShape::square;
   HoldMode hold = HoldMode::pressed;
   std::optional<guint> finger; // of a touch screen that points
   int frame_width = 0;         // px; 0: no caps yet
@@ -84,6 +89,7 @@ struct State {
   haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
+  std::optional<Rectangle> taken_object;    // in which it was; px from its place
   GstClockTime held_time = 0;               // ns since it was taken
   GstClockTime taken = GST_CLOCK_TIME_NONE; // time stamp of the frame in which it was
   bool was_pressed = false;                 // in the frame before
@@ -106,6 +112,7 @@ struct Settings {
   guint roi_size;
   guint max_points;
   TrackerMethod method;
+  RegionShape region;
   bool holds;
 };
 
@@ -196,6 +203,15 @@ std::span<const haptic::Property<Shared>> properties() {
                 "region "
                 "evenly",
                 "layers"}})),
+      Rows::choice<&Shared::region>(
+          "region", "Region", "What is measured about the pointer",
+          haptic::register_enum<RegionShape>(
+              "GstRoiTrackerRegion",
+              {{RegionShape::square, "The square of roi-size", "square"},
+               {RegionShape::object,
+                "The smallest object under the pointer that an element before this one marked in "
+                "the frame, else the square",
+                "object"}})),
       {g_param_spec_boolean("pressed", "Pressed",
                             "Whether the pointer of the properties is pressed; reading it gives "
                             "that of the pointer in use",
@@ -289,17 +305,40 @@ std::optional<Finding> measure(GstRoiTracker *self, GstBuffer *buffer, const Rec
   return finding;
 }
 
-Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &settings) {
+// What another element marked under the pointer, if that is asked for and nothing is followed.
+std::optional<Rectangle> object_under_pointer(const State &state, GstBuffer *buffer,
+                                              const GstVideoInfo &info, const Settings &settings) {
+  if (settings.region == RegionShape::square || haptic::is_followed(state.thing.report().state))
+    return std::nullopt;
+  const int width = GST_VIDEO_INFO_WIDTH(&info);
+  const int height = GST_VIDEO_INFO_HEIGHT(&info);
+  return haptic::marked_object_at(buffer, settings.pointer.x * width, settings.pointer.y * height,
+                                  width, height);
+}
+
+// The pixel of a place; of one on the right or lower border the last.
+int pixel_at(float place, int size) {
+  return std::clamp(static_cast<int>(std::floor(place)), 0, size - 1);
+}
+
+Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &settings,
+                    const std::optional<Rectangle> &object) {
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   const int base = settings.roi_size > 0 ? static_cast<int>(settings.roi_size)
                                          : haptic::default_region_side(width);
   const int side = state.region_size.side(settings.pointer.z, base, width, height);
   const haptic::HeldReport &held = state.thing.report();
-  if (haptic::is_followed(held.state))
+  if (!haptic::is_followed(held.state))
+    return object ? *object
+                  : haptic::region_at(settings.pointer.x, settings.pointer.y, side, width, height);
+  if (!state.taken_object)
     return haptic::region_at(held.x / static_cast<float>(width),
                              held.y / static_cast<float>(height), side, width, height);
-  return haptic::region_at(settings.pointer.x, settings.pointer.y, side, width, height);
+  Rectangle region = *state.taken_object;
+  region.x += pixel_at(held.x, width);
+  region.y += pixel_at(held.y, height);
+  return haptic::crop_around(region, 0, width, height);
 }
 
 // Holding
@@ -316,8 +355,8 @@ void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &fi
 }
 
 // Takes, follows or releases the thing. False: the frame cannot be read.
-bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
-          const Finding &finding) {
+bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, const Finding &finding,
+          const std::optional<Rectangle> &object) {
   State &state = *self->state;
   const bool was_pressed = std::exchange(state.was_pressed, settings.holds);
   if (!settings.holds) {
@@ -341,9 +380,14 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings,
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   state.held_time = 0;
   state.taken = now;
-  state.thing.take(luma, width, height,
-                   static_cast<float>(settings.pointer.x) * static_cast<float>(width),
-                   static_cast<float>(settings.pointer.y) * static_cast<float>(height));
+  const float x = static_cast<float>(settings.pointer.x) * static_cast<float>(width);
+  const float y = static_cast<float>(settings.pointer.y) * static_cast<float>(height);
+  state.thing.take(luma, width, height, x, y, object);
+  state.taken_object = object;
+  if (object) {
+    state.taken_object->x -= pixel_at(x, width);
+    state.taken_object->y -= pixel_at(y, height);
+  }
   return true;
 }
 
@@ -477,6 +521,7 @@ Settings current_settings(GstRoiTracker *self) {
           shared.roi_size,
           shared.max_points,
           shared.method,
+          shared.region,
           shared.hold == HoldMode::latched ||
               (shared.hold == HoldMode::pressed && pointer.pressed)};
 }
@@ -485,16 +530,18 @@ GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   State &state = *self->state;
   haptic::sync_controllers(self, GST_BASE_TRANSFORM(self)->segment, buffer);
   const Settings settings = current_settings(self);
-  const Rectangle region = region_of(state, GST_VIDEO_FILTER(self)->in_info, settings);
+  const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
+  const std::optional<Rectangle> object = object_under_pointer(state, buffer, info, settings);
+  const Rectangle region = region_of(state, info, settings, object);
   const std::optional<Finding> finding = measure(self, buffer, region, settings);
-  if (!finding || !hold(self, buffer, settings, *finding)) {
+  if (!finding || !hold(self, buffer, settings, *finding, object)) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT, (messages::kUnreadableFrame),
                       ("%" GST_PTR_FORMAT, static_cast<void *>(buffer)));
     return GST_FLOW_ERROR;
   }
   const GstHapticMotionMeta &meta = attach_motion(self, buffer, region, settings, *finding);
   GstStructure *motion = gst_structure_new_empty("haptic-motion");
-  haptic::set_motion(motion, state.reader.read(meta, GST_VIDEO_FILTER(self)->in_info));
+  haptic::set_motion(motion, state.reader.read(meta, info));
   attach_region(buffer, region, motion);
   state.analytics.attach(buffer, meta);
   if (finding->becomes_reference)

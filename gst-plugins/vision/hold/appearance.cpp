@@ -47,9 +47,9 @@ const PatchSamples &Appearance::nearness() {
   return window;
 }
 
-void Appearance::begin(const PatchSamples &grey) {
+void Appearance::begin(const PatchSamples &grey, const PatchSamples &fits) {
   patch_.grey = grey;
-  fits_.values.fill(1);
+  fits_ = fits;
   update_mask();
 }
 

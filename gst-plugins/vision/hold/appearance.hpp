@@ -16,8 +16,9 @@ struct Likeness {
 /// Learns only where it fits: what passes before the thing leaves nothing behind.
 class Appearance {
 public:
-  /// Begins with this patch. Every sample counts as far as it is near the middle.
-  void begin(const PatchSamples &grey);
+  /// Begins with this patch. A sample counts as far as it is near the middle, and as `fits` says
+  /// that it belongs to the thing (0..1); it learns the rest.
+  void begin(const PatchSamples &grey, const PatchSamples &fits);
 
   /// `error_scale`: grey levels, of what fits in this frame.
   void learn(const PatchSamples &now, float error_scale, float fit_rate, float grey_rate);

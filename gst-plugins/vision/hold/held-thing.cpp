@@ -76,6 +76,24 @@ float deviation(const PatchTemplate &patch, const PatchSamples &weights) {
   return std::sqrt(kNoise2 / std::max(least, 1e-3F));
 }
 
+// 1 for each sample of a patch about (x, y) that lies in the object, with so many pixels from one
+// to the next; without an object for all.
+PatchSamples samples_within(const std::optional<Rectangle> &object, float x, float y,
+                            float spacing) {
+  PatchSamples within;
+  const auto lies = [](float place, int begin, int length) {
+    return place >= static_cast<float>(begin) && place < static_cast<float>(begin + length);
+  };
+  for (int at = 0; at < kPatchSamples; ++at) {
+    const float u = x + spacing * static_cast<float>(at % kPatchSide - kPatchRadius);
+    const float v = y + spacing * static_cast<float>(at / kPatchSide - kPatchRadius);
+    within[at] =
+        !object || (lies(u, object->x, object->width) && lies(v, object->y, object->height)) ? 1.0F
+                                                                                             : 0.0F;
+  }
+  return within;
+}
+
 } // namespace
 
 // Reading
@@ -112,7 +130,7 @@ void HeldThing::say(HoldState state, const PatchPose &place) {
 // Press
 
 const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int frame_height,
-                                  float x, float y) {
+                                  float x, float y, const std::optional<Rectangle> &object) {
   frame_width_ = frame_width;
   frame_height_ = frame_height;
   halvings_ = NearbyLuma::halvings(frame_width);
@@ -136,7 +154,8 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
     return report_;
   }
   for (std::size_t i = 0; i < kHoldLayers; ++i)
-    appearances_[i].begin(before_[i].grey);
+    appearances_[i].begin(before_[i].grey,
+                          samples_within(object, x, y, static_cast<float>(1U << i) / scale));
   first_ = before_[0];
   if (deviation(first_, appearances_[0].mask()) > kMostDeviation) {
     say(HoldState::refused, pose_);

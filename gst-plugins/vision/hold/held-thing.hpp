@@ -29,9 +29,10 @@ struct HeldReport {
 /// One instance serves one stream, from one thread at a time. About 60 kB.
 class HeldThing {
 public:
-  /// Takes what is under a place. The report says held, about or refused.
+  /// Takes what is under a place. The report says held, about or refused. What lies outside of
+  /// `object` (px of the frame) is not of the thing until it has moved with it for some frames.
   const HeldReport &take(const LumaSource &frame, int frame_width, int frame_height, float x,
-                         float y);
+                         float y, const std::optional<Rectangle> &object = std::nullopt);
 
   /// The next frame, of the same size, so many seconds later (> 0).
   const HeldReport &follow(const LumaSource &frame, float seconds);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elements/analytics-meta.hpp"
+#include "elements/marked-object.hpp"
 #include "glue/gst-raii.hpp"
 
 #include <gst/analytics/analytics.h>
@@ -143,6 +144,18 @@ TEST_F(Analytics, ThoseOfAnotherDetectorStay) {
                                          nullptr);
   writer.attach(frame.get(), motion);
   EXPECT_EQ(boxes(), (std::vector<Box>{{"leaf", 1, 2, 3, 4}, region}));
+}
+
+TEST_F(Analytics, BoxesOfAnotherDetectorAreObjectsAndOursAreNot) {
+  frame.reset(gst_buffer_new());
+  GST_BUFFER_PTS(frame.get()) = 0;
+  gst_analytics_relation_meta_add_od_mtd(gst_buffer_add_analytics_relation_meta(frame.get()),
+                                         g_quark_from_static_string("leaf"), 5, 6, 70, 80, 1,
+                                         nullptr);
+  writer.attach(frame.get(), motion); // a smaller box about the same place
+  EXPECT_EQ(haptic::marked_object_at(frame.get(), 25, 40, 176, 144),
+            (haptic::Rectangle{5, 6, 70, 80}));
+  EXPECT_FALSE(haptic::marked_object_at(frame.get(), 4, 40, 176, 144));
 }
 
 TEST_F(Analytics, NumbersWithoutSenseGiveNoBox) {

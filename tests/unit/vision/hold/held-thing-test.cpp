@@ -87,6 +87,26 @@ protected:
 
 // What is followed
 
+// Pressed near its border, where half of what is near is of the ground, and without the object it
+// drifts by 0.8 px.
+TEST_F(AHeldThing, OfAKnownExtentIsFollowedBeforeAGroundThatIsNot) {
+  stage.radius = 20;
+  const Shift border{kMiddle.x + 14, kMiddle.y + 8};
+  const Frame first = stage.frame({});
+  const haptic::Rectangle object{kWidth / 2 - 20, kHeight / 2 - 20, 40, 40};
+  ASSERT_EQ(thing
+                .take(PlaneSource(first), kWidth, kHeight, static_cast<float>(border.x),
+                      static_cast<float>(border.y), object)
+                .state,
+            HoldState::held);
+  for (int i = 1; i <= 30; ++i) {
+    const Shift shift = sway(i / kRate);
+    const HeldReport &report = follow(stage.frame(shift));
+    ASSERT_EQ(report.state, HoldState::held) << i;
+    EXPECT_LT(std::hypot(report.x - border.x - shift.x, report.y - border.y - shift.y), 0.4) << i;
+  }
+}
+
 TEST_F(AHeldThing, IsFollowedToAFractionOfAPixel) {
   ASSERT_EQ(take(stage.frame({})).state, HoldState::held);
   for (int i = 1; i <= 60; ++i) {
