@@ -63,8 +63,8 @@ promise "with the thing" awk -F, '
   END { print rows + 0 " rows with the thing"; exit rows < 1000 }' "$work/log.csv"
 
 # A line a point: t, x, y, z, pressed.
-printf '%s\n' 0,-0.4,0,0,1 8,-0.4,0,0,1 8.01,-0.4,0,0,0 >"$work/hand.csv"
-promise "a button of the device holds, too" env -u DISPLAY -u WAYLAND_DISPLAY "$hold" --grip "$work/clip.mkv" \
+printf '%s\n' 0,-0.4,0,0,1 4.5,-0.4,0,0,1 4.51,-0.4,0,0,0 >"$work/hand.csv"
+promise "a button of the device holds, too" env -u DISPLAY -u WAYLAND_DISPLAY "$hold" --grip "$work/short.mkv" \
   -- device=sim "sim-hand=file:$work/hand.csv" "log-location=$work/log.csv"
 promise "until it is released" felt_then_gone yes
 
