@@ -31,8 +31,13 @@ constexpr float kDrop = 0.25F;  // of the likeness, below the usual one
 constexpr float kClean = 0.12F; // the same, of a frame from which it learns
 constexpr float kAppearanceRate = 0.08F;
 constexpr float kFitRate = 0.06F;
-constexpr float kRestlessLikeness = 0.9F;    // usual
-constexpr float kRestlessChange = 0.06F;     // of the likeness, usual
+constexpr float kRestlessLikeness = 0.9F; // usual
+constexpr float kRestlessChange = 0.06F;  // of the likeness, usual
+// A thing that is where its velocity led it is not looked for in the coarse layers in each frame:
+// a third of the time less, and the same figures within a point.
+constexpr double kCoarseInterval = 0.1; // s
+constexpr float kSteady = 0.5F;         // px from the expected place
+constexpr float kSteadyCorrelation = 0.9F;
 constexpr float kStepNoise2 = 0.03F * 0.03F; // px^2, of the place, a frame
 
 // About
@@ -149,7 +154,7 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
   hidden_velocity_ = {};
   candidate_.reset();
   read(frame, pose_, reach_of_patches(0));
-  if (!keep_patches()) {
+  if (!keep_patches(kHoldLayers)) {
     say(HoldState::refused, pose_);
     return report_;
   }
@@ -176,9 +181,11 @@ bool HeldThing::is_unlike_neighbours() {
   return !found || found->next_best < kTwin;
 }
 
-// The patches of the frame at the pose. False: the thing leaves the frame.
-bool HeldThing::keep_patches() {
-  for (int i = 0; i < kHoldLayers; ++i) {
+// The patches of the frame at the pose, of the finest layers. False: the thing leaves the frame.
+bool HeldThing::keep_patches(int layers) {
+  if (layers == kHoldLayers)
+    coarse_time_ = time_;
+  for (int i = 0; i < layers; ++i) {
     PatchTemplate &patch = before_[static_cast<std::size_t>(i)];
     if (!patch_layer(i, pose_).sample(pose_, patch.grey))
       return false;
@@ -237,16 +244,44 @@ void HeldThing::align_to_first(Match &match, float step_variance) {
   match.variance = variance;
 }
 
-std::optional<HeldThing::Match> HeldThing::match(float seconds) {
-  const PatchPose start = find_coarsely(seconds);
-  const auto found = aligner_.align(patch_layer(0, start), before_[0], appearances_[0].mask(),
-                                    start, {.iterations = 4});
+std::optional<PatchAlignment> HeldThing::align_finely(const PatchPose &start) {
+  return aligner_.align(patch_layer(0, start), before_[0], appearances_[0].mask(), start,
+                        {.iterations = 4});
+}
+
+// All that the patches and a search need.
+void HeldThing::read_widely(const LumaSource &frame, float seconds) {
+  read(frame, moved(pose_, seconds / 2 * velocity_), reach_of_patches(seconds));
+}
+
+// Where the velocity leads, if it is there. Only what the finest patch needs is read.
+std::optional<PatchAlignment> HeldThing::find_where_expected(const LumaSource &frame,
+                                                             float seconds) {
+  if (time_ - coarse_time_ > kCoarseInterval)
+    return std::nullopt;
+  const PatchPose expected = moved(pose_, seconds * velocity_);
+  read(frame, expected, kLayerRadius + 2);
+  const auto found = align_finely(expected);
+  if (!found || found->correlation < kSteadyCorrelation ||
+      length(between(expected, found->pose)) > kSteady)
+    return std::nullopt;
+  return found;
+}
+
+std::optional<HeldThing::Match> HeldThing::match(const LumaSource &frame, float seconds) {
+  std::optional<PatchAlignment> found = find_where_expected(frame, seconds);
+  const bool was_expected = found.has_value();
+  if (!found) {
+    read_widely(frame, seconds);
+    found = align_finely(find_coarsely(seconds));
+  }
   if (!found || found->correlation < kStillSeen)
     return std::nullopt;
   Match match{.pose = found->pose,
               .variance = variance_ + found->variance + kStepNoise2,
               .correlation = found->correlation,
-              .error_scale = found->error_scale};
+              .error_scale = found->error_scale,
+              .layers = was_expected ? 1 : kHoldLayers};
   align_to_first(match, found->variance);
   if (!patch_layer(0, match.pose).sample(match.pose, match.grey))
     return std::nullopt;
@@ -266,12 +301,14 @@ bool HeldThing::looks_hidden(const Match &match) const {
          (likeness < kLeastLikeness && match.correlation < kSameAsBefore);
 }
 
-void HeldThing::learn(const Match &match, float frames) {
+void HeldThing::learn(const Match &match, float frames, float coarse_frames) {
   const bool is_clean = match.likeness.correlation > usual_correlation_ - kClean || seen_ < 5;
   const float fit_rate = is_clean ? std::max(kFitRate, 1 / static_cast<float>(seen_ + 3)) : 0;
-  for (std::size_t i = 0; i < kHoldLayers; ++i)
-    appearances_[i].learn(before_[i].grey, match.error_scale, std::min(fit_rate * frames, 1.0F),
-                          std::min(kAppearanceRate * frames, 1.0F));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(match.layers); ++i) {
+    const float since = i == 0 ? frames : coarse_frames;
+    appearances_[i].learn(before_[i].grey, match.error_scale, std::min(fit_rate * since, 1.0F),
+                          std::min(kAppearanceRate * since, 1.0F));
+  }
   const float rise = match.likeness.correlation - usual_correlation_;
   unsteadiness_ +=
       std::min(0.08F * frames, 1.0F) * (std::min(std::abs(rise), 0.3F) - unsteadiness_);
@@ -290,11 +327,12 @@ void HeldThing::accept(const Match &match, float seconds) {
   velocity_ = (1 / seconds) * step;
   pose_ = match.pose;
   variance_ = match.variance;
-  if (!keep_patches()) {
+  const auto coarse_seconds = static_cast<float>(time_ - coarse_time_);
+  if (!keep_patches(match.layers)) {
     hide();
     return;
   }
-  learn(match, seconds * kFramesPerSecond);
+  learn(match, seconds * kFramesPerSecond, coarse_seconds * kFramesPerSecond);
   ++seen_;
   path_.add(time_, pose_);
   say(report_.state, pose_);
@@ -304,9 +342,11 @@ void HeldThing::accept(const Match &match, float seconds) {
   report_.variance = scale * scale * variance;
 }
 
-void HeldThing::follow_seen(float seconds) {
-  const std::optional<Match> found = match(seconds);
+void HeldThing::follow_seen(const LumaSource &frame, float seconds) {
+  const std::optional<Match> found = match(frame, seconds);
   if (!found || looks_hidden(*found)) {
+    if (found && found->layers == 1)
+      read_widely(frame, seconds);
     hide();
     if (report_.state == HoldState::about)
       follow_about(seconds);
@@ -331,7 +371,7 @@ void HeldThing::follow_about(float seconds) {
   const Displacement step = between(pose_, place);
   velocity_ = (1 / seconds) * step;
   pose_ = place;
-  if (!keep_patches()) {
+  if (!keep_patches(kHoldLayers)) {
     say(HoldState::lost, pose_);
     return;
   }
@@ -462,7 +502,7 @@ void HeldThing::hold_again(const Match &match, Displacement velocity) {
   pose_ = match.pose;
   velocity_ = velocity;
   variance_ = match.variance;
-  if (!keep_patches())
+  if (!keep_patches(kHoldLayers))
     return; // at the border of what was read: the next frame is read about it
   candidate_.reset();
   clean_time_ = time_;
@@ -476,8 +516,7 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
   time_ += seconds;
   switch (report_.state) {
   case HoldState::held:
-    read(frame, moved(pose_, seconds / 2 * velocity_), reach_of_patches(seconds));
-    follow_seen(seconds);
+    follow_seen(frame, seconds);
     break;
   case HoldState::about:
     read(frame, pose_,

@@ -57,23 +57,27 @@ private:
     float error_scale = 0;
     PatchSamples grey;
     Likeness likeness;
+    int layers = kHoldLayers; // in which it was looked for
   };
 
   void read(const LumaSource &frame, const PatchPose &about, float reach);
+  void read_widely(const LumaSource &frame, float seconds);
   float reach_of_patches(float seconds) const;
   const LumaLayer &patch_layer(int index, const PatchPose &pose);
   float difference(const LumaLayer &layer, const PatchPose &pose, int index);
   PatchPose find_coarsely(float seconds);
-  std::optional<Match> match(float seconds);
+  std::optional<PatchAlignment> align_finely(const PatchPose &start);
+  std::optional<PatchAlignment> find_where_expected(const LumaSource &frame, float seconds);
+  std::optional<Match> match(const LumaSource &frame, float seconds);
   void align_to_first(Match &match, float step_variance);
   bool looks_hidden(const Match &match) const;
   bool is_unlike_neighbours();
-  void follow_seen(float seconds);
+  void follow_seen(const LumaSource &frame, float seconds);
   void follow_about(float seconds);
   bool is_restless() const;
   void accept(const Match &match, float seconds);
-  bool keep_patches();
-  void learn(const Match &match, float frames);
+  bool keep_patches(int layers);
+  void learn(const Match &match, float frames, float coarse_frames);
   void hide();
   void look_for(float seconds);
   std::optional<Match> recognise(const PatchPose &near, float farthest);
@@ -102,6 +106,7 @@ private:
   float first_variance_ = 0;
   std::array<Appearance, kHoldLayers> appearances_;
   double time_ = 0;             // s since the press
+  double coarse_time_ = 0;      // when it was looked for in all layers
   double clean_time_ = 0;       // when it last looked as usual
   int seen_ = 0;                // frames in which it was seen
   float usual_correlation_ = 0; // with the appearance
