@@ -391,9 +391,6 @@
           "its IDR frames are at other times than those of the first bit rate, so changing the bit " \
           "rate takes longer.", \
           "Encode all with -force_key_frames 'expr:gte(t,n_forced*4)'.") \
-  MESSAGE(kAuthoringFailed, \
-          "\"%s\": its motion could not be measured.", \
-          "The lines above say why. haptic-track author measures this video alone.") \
   MESSAGE(kFolderHoldsOther, \
           "\"%s\": this folder has another site's index.html.", \
           "Name a new folder with --output.") \

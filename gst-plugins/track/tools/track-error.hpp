@@ -18,6 +18,16 @@ class TrackFileError : public std::runtime_error {
 /// Returns the text with the name of the file before it, unless it begins with a name.
 std::string about(const std::string &path, const std::string &text);
 
+/// Returns what `work` returns. The TrackFileError that it throws names the file.
+template <typename Work>
+auto naming(const std::string &path, const Work &work) {
+  try {
+    return work();
+  } catch (const TrackFileError &error) {
+    throw TrackFileError(about(path, error.what()));
+  }
+}
+
 /// Throws a TrackFileError with the text that printf() would write.
 [[noreturn, gnu::format(printf, 1, 2)]] void throw_error(const char *format, ...);
 

@@ -99,41 +99,27 @@ void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &opti
                            std::ref(progress)));
 }
 
+// A chunk that goes when the copy is written, or cannot be.
+struct Removed {
+  std::string path;
+  ~Removed() {
+    std::error_code error;
+    fs::remove(path, error);
+  }
+};
+
 int author_one(const std::string &path, const AuthorOptions &options) {
   const auto begun = Clock::now();
-  std::string copy;
-  std::string chunk;
-  std::uint64_t frames = 0;
-  if (fs::path(path).stem().extension() == ".haptic" && fs::exists(path) && mark_in(path))
-    copy = path;
-  const bool is_done = succeeds(path, [&] {
-    if (!copy.empty())
-      return;
-    PlannedFilm film = identify(path);
-    copy = find_copy(film, options);
-    if (!copy.empty())
-      return;
-    film.index = index_film(film.path);
-    print_warnings(film);
-    const SpanRange all = {0, film.index.spans.size()};
-    measure(film, all, options);
-    chunk = chunk_path(film, all, options);
-    std::vector<ChunkReader> chunks;
-    chunks.emplace_back(chunk, chunk_mark(film, all, options));
-    frames = chunks[0].stats().frames;
-    copy = write_copy(film, options, chunks);
-  });
-  std::error_code error;
-  fs::remove(chunk, error);
-  if (!is_done)
+  AuthoredFilm film;
+  if (!succeeds(path, [&] { film = author_film(path, options); }))
     return status_of_failure();
-  if (frames == 0) {
-    std::printf("there already: %s\n", copy.c_str());
+  if (film.frames == 0) {
+    std::printf("there already: %s\n", film.copy.c_str());
     return kExists;
   }
-  std::printf("written: %s (%llu frames, %.0f a second)\n", copy.c_str(),
-              static_cast<unsigned long long>(frames),
-              static_cast<double>(frames) / seconds_since(begun));
+  std::printf("written: %s (%llu frames, %.0f a second)\n", film.copy.c_str(),
+              static_cast<unsigned long long>(film.frames),
+              static_cast<double>(film.frames) / seconds_since(begun));
   return EXIT_SUCCESS;
 }
 
@@ -320,6 +306,22 @@ ManifestRow merge_film(const Plan &plan, std::size_t i, const std::vector<Manife
 }
 
 } // namespace
+
+AuthoredFilm author_film(const std::string &path, const AuthorOptions &options) {
+  if (fs::path(path).stem().extension() == ".haptic" && fs::exists(path) && mark_in(path))
+    return {path};
+  PlannedFilm film = identify(path);
+  if (std::string copy = find_copy(film, options); !copy.empty())
+    return {std::move(copy)};
+  film.index = index_film(film.path);
+  print_warnings(film);
+  const SpanRange all = {0, film.index.spans.size()};
+  measure(film, all, options);
+  const Removed chunk{chunk_path(film, all, options)};
+  std::vector<ChunkReader> chunks;
+  chunks.emplace_back(chunk.path, chunk_mark(film, all, options));
+  return {write_copy(film, options, chunks), chunks[0].stats().frames};
+}
 
 int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
   std::vector<std::string> different = files;

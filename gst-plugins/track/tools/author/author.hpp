@@ -5,13 +5,22 @@
 
 #include "author/author-plan.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace haptic {
 
-// All return the exit status: 0 if everything is done. Errors of a video are printed, and the other
-// videos go on.
+struct AuthoredFilm {
+  std::string copy;
+  std::uint64_t frames = 0; ///< that were measured; 0: the copy was there
+};
+
+/// Makes the copy of one video, unless it is there. Throws TrackFileError.
+AuthoredFilm author_film(const std::string &video, const AuthorOptions &options);
+
+// These return the exit status: 0 if everything is done. Errors of a video are printed, and the
+// other videos go on.
 
 /// Makes the copies, `jobs` at a time. Forks, so GStreamer must not have been initialized.
 int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs);

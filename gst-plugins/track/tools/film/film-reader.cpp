@@ -296,11 +296,7 @@ FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame
   check_readable(path);
   if (!orientation_in(path).empty())
     throw_error(messages::kBrowserLacksVideo, path.c_str(), kSideways);
-  try {
-    return Reading(path, call).run();
-  } catch (const TrackFileError &failure) {
-    throw TrackFileError(about(path, failure.what()));
-  }
+  return naming(path, [&] { return Reading(path, call).run(); });
 }
 
 } // namespace haptic

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/package.hpp"
 
+#include "author/author.hpp"
 #include "forms/klv.hpp"
 #include "interruption.hpp"
 #include "package/film-segments.hpp"
@@ -16,16 +17,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <optional>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace haptic {
 namespace {
@@ -124,46 +120,6 @@ std::optional<std::vector<CodedField>> fields_in(const std::string &path) {
   return std::move(track.fields);
 }
 
-// Runs `haptic-track author` as a process of its own: it forks, which this one may no longer do.
-std::string author_copy(const std::string &video, const std::string &folder,
-                        const AuthorOptions &author) {
-  std::vector<std::string> words = {"haptic-track", "author", "--output", folder};
-  if (author.columns > 0)
-    words.insert(words.end(), {"--columns", std::to_string(author.columns)});
-  if (author.hold.chooses)
-    words.insert(words.end(), {"--hold", "auto"});
-  for (const HoldPoint &point : author.hold.points)
-    words.insert(words.end(), {"--hold", write_hold_points(std::span(&point, 1))});
-  words.insert(words.end(), {"--", video});
-  std::vector<char *> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string &word : words)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  std::fflush(nullptr);
-  const pid_t pid = fork();
-  if (pid < 0)
-    throw_error(messages::kProcessFails, std::strerror(errno));
-  if (pid == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    dup2(STDERR_FILENO, STDOUT_FILENO);
-    execv("/proc/self/exe", arguments.data());
-    _exit(EXIT_FAILURE);
-  }
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-    if (is_interrupted())
-      kill(pid, SIGTERM);
-  throw_if_interrupted();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS)
-    throw_error(messages::kAuthoringFailed, video.c_str());
-  AuthorOptions options;
-  options.folder = folder;
-  const std::string stem = author_stem(video, options);
-  std::error_code error;
-  return stem + (fs::exists(stem + ".ts", error) ? ".ts" : ".mkv");
-}
-
 // Returns the fields and reliefs with times from the first frame of the film on: those of the first
 // video that has some, else they are authored from the first video.
 std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOptions &options,
@@ -176,12 +132,15 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
       origin = rate.plan.origin;
     }
   if (!fields) {
-    const std::string copy = author_copy(rates[0].path, work, options.author);
+    AuthorOptions author = options.author;
+    author.folder = work;
+    const std::string copy =
+        naming(rates[0].path, [&] { return author_film(rates[0].path, author).copy; });
     fields = fields_in(copy);
     origin = plan_film(copy).origin;
   }
   if (!fields)
-    throw_error(messages::kAuthoringFailed, rates[0].path.c_str());
+    throw_error(messages::kNoFieldIsDecoded);
   std::vector<CodedField> track;
   track.reserve(fields->size());
   for (CodedField &field : *fields) {
