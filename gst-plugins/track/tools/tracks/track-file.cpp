@@ -12,20 +12,17 @@
 #include "glue/segment-time.hpp"
 #include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
-#include "mpeg-haptics/hmpg-track.hpp"
+#include "mpeg-haptics/hmpg-form.hpp"
+#include "mpeg-haptics/hmpg.hpp"
 #include "part-file.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
-#include "tracks/stream-track.hpp"
+#include "tracks/track-reader.hpp"
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <gst/app/gstappsink.h>
 #include <gst/app/gstappsrc.h>
 #include <iterator>
 
@@ -54,10 +51,11 @@ std::vector<std::uint8_t> first_bytes(const std::string &path) {
   return bytes;
 }
 
-bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
-  return bytes.size() >= text.size() &&
-         std::equal(text.begin(), text.end(), bytes.begin(),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+template <typename Start>
+bool begins_with(std::span<const std::uint8_t> bytes, const Start &start) {
+  return bytes.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), bytes.begin(),
+                    [](auto a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
 // A unit of some bytes may last for hours, and containers have any size.
@@ -70,71 +68,34 @@ void check_length(const std::string &path, const TrackFile &track) {
     throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
 }
 
-// Reads a file of sets, or of lines, whose samples have their own times. Of what is damaged some is
-// named.
-void read_bare_file(const std::string &path, TrackForm &form, bool has_lines, TrackFile &track) {
-  constexpr std::size_t kNamed = 5;
+// Reads a file of sets, lines or units, whose samples have their own times.
+void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, FileRemark damaged,
+                    TrackFile &track) {
   constexpr std::size_t kMostDamaged = 20; // sets
   const auto bytes = read_bytes(path);
-  std::span<const std::uint8_t> rest(bytes);
-  std::size_t damaged = 0;
-  std::size_t others = 0;
-  for (std::size_t line = 1; !rest.empty(); ++line) {
-    const auto end = has_lines ? std::ranges::find(rest, '\n') : rest.end();
-    const std::span packet(rest.begin(), end);
-    std::vector<TrackItem> items;
-    form.read({packet}, items);
-    rest = rest.subspan(std::min(packet.size() + 1, rest.size()));
-    for (TrackItem &item : items)
-      if (const auto *sample = std::get_if<TimedSample>(&item))
-        track.samples.push_back(sample->sample);
-      else if (auto *field = std::get_if<TimedField>(&item))
-        track.fields.push_back(std::move(field->field));
-      else if (const auto &problem = std::get<TrackProblem>(item);
-               problem.kind != TrackProblemKind::damaged &&
-               problem.kind != TrackProblemKind::foreign_text)
-        ++others;
-      else if (++damaged <= kNamed)
-        track.remarks.push_back(
-            has_lines ? remark(FileRemark::damaged_line, line, problem.details.c_str())
-                      : remark(FileRemark::damaged_set, problem.details.c_str()));
-    if (damaged > kMostDamaged && !has_lines)
-      throw_error(messages::kTrackFileIsDamaged, path.c_str());
-  }
-  if (damaged > kNamed)
-    track.remarks.push_back(remark(FileRemark::further_damage, damaged - kNamed));
-  if (others > 0)
-    track.remarks.push_back(remark(FileRemark::other_sets, others));
-}
-
-void add_unsupported(TrackFile &track, const std::string &what) {
-  if (!what.empty())
-    track.remarks.push_back(remark(FileRemark::unsupported, what.c_str()));
-}
-
-void read_hmpg_file(const std::string &path, TrackFile &track) {
-  const auto bytes = read_bytes(path);
-  HmpgDecoder decoder;
-  const auto append = [&](std::size_t at, HmpgDecoder::Result result) {
-    if (!result.problem.empty())
-      track.remarks.push_back(remark(FileRemark::damaged_unit, at, result.problem.c_str()));
-    add_unsupported(track, result.unsupported);
-    std::move(result.samples.begin(), result.samples.end(), std::back_inserter(track.samples));
-    check_length(path, track);
-  };
-  std::size_t at = 0;
-  while (at < bytes.size()) {
+  TrackReader reader(std::move(form), track, damaged);
+  std::size_t line = 0;
+  for (std::size_t at = 0; at < bytes.size();) {
     const auto rest = std::span(bytes).subspan(at);
-    const auto header = read_unit_header(rest);
-    const std::size_t size = header ? kUnitHeaderSize + header->length : 0;
-    if (!header || size > rest.size()) {
-      track.remarks.push_back(remark(header ? FileRemark::cut_unit : FileRemark::no_unit, at));
-      break;
+    std::size_t size = rest.size(); // the reader of sets divides them
+    if (damaged == FileRemark::damaged_line) {
+      size = std::min<std::size_t>(size, std::ranges::find(rest, '\n') - rest.begin() + 1);
+    } else if (damaged == FileRemark::damaged_unit) {
+      const auto header = read_unit_header(rest);
+      size = header ? kUnitHeaderSize + header->length : 0;
+      if (!header || size > rest.size()) {
+        track.remarks.push_back(remark(header ? FileRemark::cut_unit : FileRemark::no_unit, at));
+        break;
+      }
     }
-    append(at, decoder.push(rest.first(size), kNoTime));
+    reader.push({rest.first(size)}, damaged == FileRemark::damaged_line ? ++line : at);
+    check_length(path, track);
     at += size;
   }
-  append(at, decoder.finish());
+  reader.finish();
+  check_length(path, track);
+  if (damaged == FileRemark::damaged_set && reader.damage() > kMostDamaged)
+    throw_error(messages::kTrackFileIsDamaged, path.c_str());
 }
 
 void read_hjif_file(const std::string &path, TrackFile &track) {
@@ -142,7 +103,8 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
   if (!read.error.empty())
     throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
-  add_unsupported(track, read.unsupported);
+  if (!read.unsupported.empty())
+    track.remarks.push_back(remark(FileRemark::unsupported, read.unsupported.c_str()));
   track.samples = std::move(read.samples);
 }
 
@@ -158,65 +120,64 @@ std::string text_of(GstPad *pad) {
 
 bool is_own_track(GstBuffer *buffer) {
   const ReadableBuffer readable(buffer);
-  const auto bytes = readable.bytes();
-  return begins_with(bytes, kTextName) ||
-         (bytes.size() >= kMotionKey.size() &&
-          std::equal(kMotionKey.begin(), kMotionKey.end(), bytes.begin()));
+  return begins_with(readable.bytes(), kTextName) || begins_with(readable.bytes(), kMotionKey);
 }
 
 namespace {
 
-bool has_reliefs(GstBuffer *buffer) {
-  const ReadableBuffer readable(buffer);
-  const auto bytes = readable.bytes();
-  TrackFile track;
-  StreamTrack(begins_with(bytes, kTextName) ? make_text_form() : make_klv_form(), track)
-      .push({bytes, 0});
-  return !track.fields.empty() && track.fields.front().kind == FieldKind::relief;
-}
-
-// A container, whose streams are known one after another. `sink` gets the track: the first stream
-// that begins with a sample of this project. Other streams, other KLV and subtitles too, go to
-// fakesinks.
+// A container, whose streams are known one after another. The track is the first stream that
+// begins with a sample of this project. Other streams, other KLV and subtitles too, are passed
+// over.
 struct Container {
   const std::string &wanted; // the only stream that is the track, or empty
   TrackFile &track;
-  ElementPtr sink = make_element("appsink");
-  std::atomic<bool> has_track = false;
+  TrackReader reader;
+  std::atomic<bool> is_too_long = false;
   FrameSize film_size;
   std::atomic<GstClockTime> film_begin = GST_CLOCK_TIME_NONE; // stream times
   std::atomic<GstClockTime> film_end = 0;
-  FilePipeline file; // ends first: its threads use the rest
+  FilePipeline file; // ends first: its thread, which reads all streams, uses the rest
 };
 
-// Once a stream turns out to be the track, its pad is linked to `sink` and its fakesink goes.
-GstPadProbeReturn find_track(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-  auto &container = *static_cast<Container *>(data);
-  if (!is_own_track(GST_PAD_PROBE_INFO_BUFFER(info)))
-    return GST_PAD_PROBE_OK;
+enum class Role { unknown, track, other };
+
+// What a stream that begins with a sample of this project is.
+Role role_of(Container &container, GstPad *pad, const InputPacket &first) {
+  TrackFile &track = container.track;
   const GCharPtr name(gst_pad_get_name(pad));
-  auto &beside = container.track.beside; // another stream may have the same caps
+  auto &beside = track.beside; // another stream may have the same caps
   if (const auto entry = std::ranges::find(beside, text_of(pad)); entry != beside.end())
     beside.erase(entry);
-  if (container.has_track || (!container.wanted.empty() && container.wanted != name.get())) {
-    container.track.others.emplace_back(name.get());
-    if (has_reliefs(GST_PAD_PROBE_INFO_BUFFER(info)))
-      container.track.surfaces.emplace_back(name.get());
-    return GST_PAD_PROBE_REMOVE;
+  if (track.stream.empty() && (container.wanted.empty() || container.wanted == name.get())) {
+    track.stream = name.get();
+    return Role::track;
   }
-  const PadPtr before(gst_pad_get_peer(pad));
-  const ElementPtr fakesink(gst_pad_get_parent_element(before.get()));
-  gst_pad_unlink(pad, before.get());
-  // The pipeline may be changing its state and with it those of what is in it.
-  gst_element_set_locked_state(fakesink.get(), TRUE);
-  gst_element_set_state(fakesink.get(), GST_STATE_NULL);
-  gst_bin_remove(GST_BIN(container.file.get()), fakesink.get());
-  gst_bin_add(GST_BIN(container.file.get()), container.sink.get());
-  gst_element_sync_state_with_parent(container.sink.get());
-  gst_pad_link(pad, PadPtr(gst_element_get_static_pad(container.sink.get(), "sink")).get());
-  container.track.stream = name.get();
-  container.has_track = true;
-  return GST_PAD_PROBE_REMOVE;
+  track.others.emplace_back(name.get());
+  TrackFile held;
+  TrackReader(begins_with(first.bytes, kTextName) ? make_text_form() : make_klv_form(), held)
+      .push(first);
+  if (!held.fields.empty() && held.fields.front().kind == FieldKind::relief)
+    track.surfaces.emplace_back(name.get());
+  return Role::other;
+}
+
+void read_packet(Container &container, GstPad *pad, GstBuffer *buffer, Role &role) {
+  const ReadableBuffer readable(buffer);
+  const auto segment = segment_of(pad);
+  if (!readable || !segment || role == Role::other || container.is_too_long)
+    return;
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  const GstClockTime duration = GST_BUFFER_DURATION(buffer);
+  const InputPacket packet{readable.bytes(), stream_time_of(*segment, pts), duration};
+  if (role == Role::unknown && is_own_track(buffer))
+    role = role_of(container, pad, packet);
+  // What an edit list hides has a time stamp, but no time.
+  const GstClockTime end = GST_CLOCK_TIME_IS_VALID(duration) ? pts + duration : duration;
+  const bool is_shown = !GST_CLOCK_TIME_IS_VALID(pts) || segment->format != GST_FORMAT_TIME ||
+                        gst_segment_clip(&*segment, GST_FORMAT_TIME, pts, end, nullptr, nullptr);
+  if (role == Role::track && is_shown)
+    container.reader.push(packet);
+  container.is_too_long = is_too_long(container.track);
 }
 
 void link_stream(GstElement *, GstPad *pad, gpointer data) {
@@ -228,7 +189,9 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   gst_element_sync_state_with_parent(read_to_end(container.file.get(), pad));
   const std::string_view type = name_of(caps.get());
   if (type == HAPTIC_KLV_TYPE || type == HAPTIC_TEXT_TYPE)
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, find_track, &container, nullptr);
+    watch_buffers(pad, [&container, role = Role::unknown](GstPad *from, GstBuffer *buffer) mutable {
+      read_packet(container, from, buffer, role);
+    });
   if (!type.starts_with("video/") && !type.starts_with("image/"))
     return;
   container.film_size = size_in(caps.get());
@@ -279,47 +242,33 @@ void compare_with_film(const Container &container, TrackFile &track) {
         remark(FileRemark::other_frame, own.width, own.height, film.width, film.height));
 }
 
-void push_sample(GstSample *sample, StreamTrack &track) {
-  GstBuffer *buffer = gst_sample_get_buffer(sample);
-  const ReadableBuffer readable(buffer);
-  if (!readable)
-    return;
-  track.push({readable.bytes(),
-              stream_time_of(*gst_sample_get_segment(sample), GST_BUFFER_PTS(buffer)),
-              GST_BUFFER_DURATION(buffer)});
-}
-
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
                     TrackFile &track, const std::string &wanted) {
-  Container container{.wanted = wanted, .track = track, .file = {path, demuxer}};
-  GstElement *pipeline = container.file.get();
-  GstAppSink *sink = GST_APP_SINK(container.sink.get());
-  g_object_set(sink, "sync", FALSE, "async", FALSE, nullptr);
-  StreamTrack stream(std::move(form), track);
+  Container container{.wanted = wanted,
+                      .track = track,
+                      .reader = {std::move(form), track},
+                      .file = {path, demuxer}};
   g_signal_connect(container.file.reader(), "pad-added", G_CALLBACK(link_stream), &container);
-  const auto pull = [&] {
-    while (const auto sample = SamplePtr(gst_app_sink_try_pull_sample(sink, 0)))
-      push_sample(sample.get(), stream);
-    check_length(path, track);
-  };
   std::string failure;
   try {
-    const Running running(pipeline);
-    container.file.run(GST_STATE_PLAYING, GST_MESSAGE_EOS, messages::kFileStandsStill, pull);
-    pull();
+    const Running running(container.file.get());
+    container.file.run(GST_STATE_PLAYING, GST_MESSAGE_EOS, messages::kFileStandsStill, [&] {
+      if (container.is_too_long)
+        throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
+    });
   } catch (const TrackFileError &error) {
     failure = error.what();
   }
   throw_if_interrupted();
-  stream.finish();
+  container.reader.finish();
   track.film_begin = container.film_begin;
   check_length(path, track);
-  if (!container.has_track && !track.others.empty())
+  if (track.stream.empty() && !track.others.empty())
     throw_error(messages::kStreamIsNoTrack, path.c_str(), wanted.c_str(),
                 track.others.front().c_str());
-  if (!container.has_track && track.beside.empty())
+  if (track.stream.empty() && track.beside.empty())
     throw_error(messages::kContainerIsEmpty, path.c_str());
-  if (!container.has_track)
+  if (track.stream.empty())
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
   if (!failure.empty() && track.empty())
     throw TrackFileError(about(path, failure));
@@ -331,30 +280,29 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
 // ---- writing ------------------------------------------------------------------------------------
 
 std::string bytes_of(const TrackFile &track, const std::string &ending) {
-  const auto &samples = track.samples;
-  std::string bytes;
-  const auto append = [&](const std::vector<std::uint8_t> &more) {
-    bytes.append(more.begin(), more.end());
-  };
   if (ending == ".hjif")
-    return write_hjif(samples, today());
-  if (ending == ".hmpg") {
-    HmpgEncoder encoder(1'000'000'000, today());
-    for (const auto &sample : samples)
-      for (const auto &unit : encoder.push(sample.motion, sample.time, sample.duration))
-        append(unit.bytes);
-    for (const auto &unit : encoder.finish())
-      append(unit.bytes);
-    return bytes;
-  }
-  const auto write = [&](const auto &one) {
-    if (ending == ".klv")
-      append(write_klv(one));
-    else
-      bytes += write_text_line(one) + "\n";
+    return write_hjif(track.samples, today());
+  const bool has_lines = ending == ".txt";
+  const auto form = has_lines          ? make_text_form()
+                    : ending == ".klv" ? make_klv_form()
+                                       : make_hmpg_form(kSecond);
+  std::string bytes;
+  TrackOutput output;
+  const auto take = [&] {
+    for (const OutputPacket &packet : output.packets)
+      bytes.append(packet.bytes.begin(), packet.bytes.end()).append(has_lines ? "\n" : "");
+    output.packets.clear();
   };
-  std::ranges::for_each(samples, write);
-  std::ranges::for_each(track.coded(), write);
+  for (const TrackSample &sample : track.samples) {
+    form->write(TimedSample{sample, sample.time}, output);
+    take();
+  }
+  for (const CodedField &field : track.coded()) {
+    form->write(TimedField{field, field.time}, output);
+    take();
+  }
+  form->finish(output);
+  take();
   return bytes;
 }
 
@@ -369,16 +317,15 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   TrackFile track;
   const auto text = std::find_if_not(head.begin(), head.end(),
                                      [](std::uint8_t c) { return c == ' ' || c == '\n'; });
-  if (std::ranges::equal(std::span(head).first(std::min(head.size(), kKlvDesignator.size())),
-                         kKlvDesignator)) {
+  if (begins_with(head, kKlvDesignator)) {
     track.form = "KLV";
-    read_bare_file(path, *make_klv_form(), false, track);
+    read_bare_file(path, make_klv_form(), FileRemark::damaged_set, track);
   } else if (begins_with(head, kTextName)) {
     track.form = "text lines";
-    read_bare_file(path, *make_text_form(), true, track);
+    read_bare_file(path, make_text_form(), FileRemark::damaged_line, track);
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
-    read_hmpg_file(path, track);
+    read_bare_file(path, make_hmpg_form(kSecond), FileRemark::damaged_unit, track);
   } else if (text != head.end() && *text == '{') {
     track.form = "MPEG haptics, JSON";
     read_hjif_file(path, track);
@@ -388,7 +335,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   } else if (begins_with(head, kMatroskaMagic)) {
     track.form = "text lines in Matroska";
     read_container(path, "matroskademux", make_text_form(), track, stream);
-  } else if (begins_with(std::span(head).subspan(std::min(head.size(), kMp4BrandAt)), "ftyp")) {
+  } else if (begins_with(std::span(head).subspan(std::min(head.size(), kMp4BrandAt)),
+                         std::string_view("ftyp"))) {
     track.form = "text lines in MP4";
     read_container(path, "qtdemux", make_text_form(), track, stream);
   } else {
@@ -443,13 +391,11 @@ void play_track(const std::string &path, const TrackFile &track, const std::stri
                                             "\" ! hapticconvert ! " + line);
   if (prepare)
     prepare(pipeline.get());
-  try {
+  naming(path, [&] {
     const Running running(pipeline.get());
     push_track(element_in(pipeline.get(), "in").get(), track);
     wait_for(pipeline.get(), GST_MESSAGE_EOS);
-  } catch (const TrackFileError &failure) {
-    throw TrackFileError(is_interrupted() ? failure.what() : about(path, failure.what()));
-  }
+  });
 }
 
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,

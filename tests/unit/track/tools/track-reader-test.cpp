@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The times of the samples of a stream whose packets lost some of their time stamps.
-#include "tracks/stream-track.hpp"
+// The times of samples, of a stream whose packets lost some of their time stamps and of a file that
+// has none, and what is said of damage.
+#include "tracks/track-reader.hpp"
 
 #include "forms/klv.hpp"
+#include "forms/text-line.hpp"
 #include "track-samples.hpp"
 
 #include <gtest/gtest.h>
 
-namespace stream_track_test {
+namespace track_reader_test {
 
 using haptic::kNoTime;
 using haptic::kSecond;
@@ -20,7 +22,7 @@ constexpr std::uint64_t kSent = 100 * kSecond; // the sender's time of the first
 // Pushes samples at each frame. Of those in [from, to), the packets have no time stamp.
 TrackFile track_without(std::size_t from, std::size_t to, std::size_t count) {
   TrackFile track;
-  haptic::StreamTrack stream(haptic::make_klv_form(), track);
+  haptic::TrackReader stream(haptic::make_klv_form(), track);
   for (std::size_t i = 0; i < count; ++i) {
     TrackSample sample = test::TrackSamples(1).next();
     sample.time = kSent + i * kFrame;
@@ -44,7 +46,7 @@ void expect_one_remark(const TrackFile &track, haptic::TrackProblemKind kind) {
   EXPECT_EQ(std::get<haptic::TrackProblemKind>(track.remarks[0].kind), kind);
 }
 
-TEST(StreamTrack, TimeStampsAreTheTimes) {
+TEST(TrackReader, TimeStampsAreTheTimes) {
   const TrackFile track = track_without(0, 0, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 5 * kSecond);
@@ -52,25 +54,54 @@ TEST(StreamTrack, TimeStampsAreTheTimes) {
 }
 
 // Those before the first clock of a transport stream that was cut, for more than two seconds.
-TEST(StreamTrack, PacketsBeforeTheFirstTimeStampGetTheirs) {
+TEST(TrackReader, PacketsBeforeTheFirstTimeStampGetTheirs) {
   const TrackFile track = track_without(0, 90, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 5 * kSecond);
   EXPECT_TRUE(track.remarks.empty()) << "nothing is lost";
 }
 
-TEST(StreamTrack, PacketsBetweenTimeStampsGetTheirsAndItIsSaid) {
+TEST(TrackReader, PacketsBetweenTimeStampsGetTheirsAndItIsSaid) {
   const TrackFile track = track_without(20, 80, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 5 * kSecond);
   expect_one_remark(track, haptic::TrackProblemKind::without_time);
 }
 
-TEST(StreamTrack, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
+TEST(TrackReader, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
   const TrackFile track = track_without(0, 100, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 0);
   expect_one_remark(track, haptic::TrackProblemKind::untied);
 }
 
-} // namespace stream_track_test
+TEST(TrackReader, SamplesOfAFileKeepTheirOwnTimes) {
+  TrackFile track;
+  haptic::TrackReader reader(haptic::make_text_form(), track, haptic::FileRemark::damaged_line);
+  test::TrackSamples samples(1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    TrackSample sample = samples.next();
+    sample.time = kSent + i * kFrame;
+    const std::string line = haptic::write_text_line(sample);
+    reader.push({{reinterpret_cast<const std::uint8_t *>(line.data()), line.size()}}, i + 1);
+  }
+  reader.finish();
+  ASSERT_EQ(track.samples.size(), 3U);
+  expect_times(track, kSent);
+  EXPECT_TRUE(track.remarks.empty());
+}
+
+TEST(TrackReader, SomeDamageOfAFileIsNamedAndTheRestCounted) {
+  TrackFile track;
+  haptic::TrackReader reader(haptic::make_text_form(), track, haptic::FileRemark::damaged_line);
+  const std::string line = "hv1 nothing";
+  for (std::size_t i = 1; i <= 8; ++i)
+    reader.push({{reinterpret_cast<const std::uint8_t *>(line.data()), line.size()}}, i);
+  reader.finish();
+  EXPECT_EQ(reader.damage(), 8U);
+  ASSERT_EQ(track.remarks.size(), 6U);
+  EXPECT_EQ(track.remarks[4].text.substr(0, 8), "line 5: ");
+  EXPECT_EQ(track.remarks[5].text, "3 further ones were left out");
+}
+
+} // namespace track_reader_test

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Makes a track of packets: each sample gets its time, and what is wrong a remark.
+#pragma once
+
+#include "core/track-clock.hpp"
+#include "forms/problem-counters.hpp"
+#include "forms/track-form.hpp"
+#include "tracks/track-file.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace haptic {
+
+/// Packets of a file that is a track alone have no time stamps: its samples keep their own times,
+/// and some of what is damaged is named.
+///
+/// Packets of a stream in a container have time stamps, which are the times. Those that a cut left
+/// before the first clock of a transport stream have none, nor have those that a remuxer took it
+/// from. The times of the sender lead from one sample with a stamp to the others, those before it
+/// too.
+class TrackReader {
+public:
+  /// `track` gets samples, fields and remarks. `damaged`: what a damaged packet of a file is
+  /// called.
+  TrackReader(std::unique_ptr<TrackForm> form, TrackFile &track,
+              std::optional<FileRemark> damaged = {})
+      : form_(std::move(form)), track_(track), damaged_(damaged) {}
+
+  /// `at`: the number of the packet in its file, as the remark counts.
+  void push(const InputPacket &packet, std::size_t at = 0);
+  /// A stream without any time stamp begins at 0.
+  void finish();
+  /// Returns how many damaged packets or sets a file has so far.
+  std::size_t damage() const noexcept { return damage_; }
+
+private:
+  struct Taken {
+    bool is_field;
+    std::size_t index;
+  };
+
+  void take(std::vector<TrackItem> &items, std::size_t at);
+  void report(const TrackProblem &problem, std::size_t at);
+  std::uint64_t &time_of(const Taken &one);
+  void place(const Taken &one, std::uint64_t pts, std::uint64_t duration);
+  void tie(std::uint64_t pts, std::uint64_t time, std::uint64_t duration);
+
+  std::unique_ptr<TrackForm> form_;
+  TrackFile &track_;
+  std::optional<FileRemark> damaged_; // of a file
+  std::size_t damage_ = 0;
+  std::size_t others_ = 0; // sets that are none of ours, in a file
+  TrackClock clock_;
+  ProblemCounters problems_;  // of a stream
+  std::vector<Taken> untied_; // samples of a stream whose time is still the sender's
+};
+
+} // namespace haptic
