@@ -106,48 +106,55 @@ haptic::Carriage parse_carriage(const std::string &text) {
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
 
-// Takes the text of an option. Throws TrackFileError.
-using Setter = std::function<void(const std::string &option, const std::string &text)>;
+struct Option {
+  // Takes its text. Throws TrackFileError.
+  std::function<void(const std::string &option, const std::string &text)> set;
+  bool has_value = true;
+};
 
-Setter word(std::string &value) {
-  return [&value](const std::string &, const std::string &text) { value = text; };
+Option flag(bool &value) {
+  return {[&value](auto &, auto &) { value = true; }, false};
+}
+
+Option word(std::string &value) {
+  return {[&value](auto &, auto &text) { value = text; }};
 }
 
 template <typename Value>
-Setter count(Value &value, unsigned least, unsigned most) {
-  return [=, &value](const std::string &option, const std::string &text) {
+Option count(Value &value, unsigned least, unsigned most) {
+  return {[=, &value](auto &option, auto &text) {
     unsigned parsed = 0;
     if (!read(text, least, most, parsed))
       throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
     value = parsed;
-  };
+  }};
 }
 
 template <typename Value>
-Setter number(Value &value, double least, double most) {
-  return [=, &value](const std::string &option, const std::string &text) {
+Option number(Value &value, double least, double most) {
+  return {[=, &value](auto &option, auto &text) {
     double parsed = 0;
     if (!read(text, least, most, parsed))
       throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
     value = parsed;
-  };
+  }};
 }
 
-Setter time(std::optional<double> &value) {
-  return [&value](const std::string &option, const std::string &text) {
+Option time(std::optional<double> &value) {
+  return {[&value](auto &option, auto &text) {
     if (!read(text, 0.0, 1e9, value.emplace()))
       throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
-  };
+  }};
 }
 
-std::map<std::string, bool *> flags_of(Arguments &arguments) {
-  return {{"--plan", &arguments.plan},         {"--merge", &arguments.merge},
-          {"--single", &arguments.single},     {"--force", &arguments.force},
-          {"--json", &arguments.compare.json}, {"--with-video", &arguments.with_video}};
-}
-
-std::map<std::string, Setter> setters_of(Arguments &all) {
+std::map<std::string, Option> options_of(Arguments &all) {
   return {
+      {"--plan", flag(all.plan)},
+      {"--merge", flag(all.merge)},
+      {"--single", flag(all.single)},
+      {"--force", flag(all.force)},
+      {"--json", flag(all.compare.json)},
+      {"--with-video", flag(all.with_video)},
       {"--output", word(all.author.folder)},
       {"--stream", word(all.compare.stream)},
       {"--layout", word(all.vibration.layout)},
@@ -165,18 +172,16 @@ std::map<std::string, Setter> setters_of(Arguments &all) {
       {"--shift", number(all.compare.shift, -2, 2)},
       {"--alpha", number(all.alpha, 0.0001, 10)},
       {"--max-force", number(all.compare.law.max_force, 0.01, haptic::kHighestForce)},
-      {"--hold", [&](auto &, auto &text) { read_hold(text, all.author.hold); }},
-      {"--carriage", [&](auto &, auto &text) { all.carriage = parse_carriage(text); }},
-      {"--place",
-       [&](auto &option, auto &text) {
+      {"--hold", {[&](auto &, auto &text) { read_hold(text, all.author.hold); }}},
+      {"--carriage", {[&](auto &, auto &text) { all.carriage = parse_carriage(text); }}},
+      {"--place", {[&](auto &option, auto &text) {
          if (!read_pair(text, ',', 0.0, 1.0, all.plot.x, all.plot.y))
            throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
-       }},
-      {"--places",
-       [&](auto &option, auto &text) {
+       }}},
+      {"--places", {[&](auto &option, auto &text) {
          if (!read_pair(text, 'x', 1U, 32U, all.compare.columns, all.compare.rows))
            throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
-       }},
+       }}},
   };
 }
 
@@ -213,8 +218,7 @@ void check_options(const Arguments &arguments) {
 
 Arguments parse_arguments(const std::vector<std::string> &words) {
   Arguments arguments;
-  const auto flags = flags_of(arguments);
-  const auto setters = setters_of(arguments);
+  const auto options = options_of(arguments);
   bool options_end = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     // "--name=value" is "--name value".
@@ -228,18 +232,16 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
         arguments.command = word;
       else
         arguments.files.push_back(word);
-    } else if (const auto flag = flags.find(word); flag != flags.end()) {
-      if (has_value)
-        throw_error(messages::kOptionTakesNoValue, word.c_str());
-      *flag->second = true;
-      arguments.options.push_back(word);
     } else {
-      const auto setter = setters.find(word);
-      if (setter == setters.end())
+      const auto found = options.find(word);
+      if (found == options.end())
         throw_error(messages::kOptionIsUnknown, word.c_str());
-      if (!has_value && ++i == words.size())
+      const Option &option = found->second;
+      if (has_value && !option.has_value)
+        throw_error(messages::kOptionTakesNoValue, word.c_str());
+      if (option.has_value && !has_value && ++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
-      setter->second(word, has_value ? words[i].substr(equals + 1) : words[i]);
+      option.set(word, has_value ? words[i].substr(equals + 1) : words[i]);
       arguments.options.push_back(word);
     }
   }
@@ -463,14 +465,11 @@ void cut(const Arguments &arguments) {
       static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
   if (arguments.with_video) {
     haptic::stop_when_interrupted();
-    try {
+    return haptic::naming(arguments.files[0], [&] {
       haptic::print_remarks(
           arguments.files[0],
           haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]));
-    } catch (const TrackFileError &error) {
-      throw TrackFileError(haptic::about(arguments.files[0], error.what()));
-    }
-    return;
+    });
   }
   haptic::cut_track(track, from, to);
   if (track.holds_nothing())
