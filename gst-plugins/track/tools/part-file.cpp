@@ -28,14 +28,14 @@ bool is_at(const std::string &path, int fd) {
 
 } // namespace
 
-PartFile::PartFile(std::string path) : path_(std::move(path)) {
+PartFile::PartFile(std::string path, const std::string &name) : path_(std::move(path)) {
   for (;;) {
     fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd_ < 0)
       throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
     if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
       close(fd_);
-      throw_error(messages::kFileIsBeingWritten, path_.c_str());
+      throw_error(messages::kFileIsBeingWritten, (name.empty() ? path_ : name).c_str());
     }
     if (is_at(path_, fd_))
       return;

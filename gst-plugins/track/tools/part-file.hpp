@@ -13,7 +13,8 @@ namespace haptic {
 /// Throws TrackFileError.
 class PartFile {
 public:
-  explicit PartFile(std::string path);
+  /// `name` stands in the error if another process has the lock; empty: the path.
+  explicit PartFile(std::string path, const std::string &name = {});
   ~PartFile();
   PartFile(const PartFile &) = delete;
   PartFile &operator=(const PartFile &) = delete;

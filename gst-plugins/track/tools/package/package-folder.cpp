@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "package/package-folder.hpp"
 
-#include "part-file.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <string_view>
-#include <sys/file.h>
-#include <unistd.h>
 
 namespace haptic {
 namespace {
@@ -41,26 +34,19 @@ void check(const std::string &path, const std::error_code &error) {
 
 PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
                              const std::string &mark)
-    : path_(std::move(path)), player_(std::move(player)),
-      work_((fs::path(path_) / kWork).string()) {
-  std::error_code error;
+    : path_(std::move(path)), player_(std::move(player)), work_(make_work(page, mark)),
+      lock_(work_ + ".lock", path_) {}
+
+std::string PackageFolder::make_work(const std::string &page, const std::string &mark) const {
   if (has(kPage) && !has(mark) &&
       hash_of_file((fs::path(path_) / kPage).string()) !=
           hash_of_file((fs::path(player_) / page).string()))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
-  fs::create_directories(work_, error);
+  const fs::path work = fs::path(path_) / kWork;
+  std::error_code error;
+  fs::create_directories(work, error);
   check(path_, error);
-  lock_ = open(work_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0)
-    throw_error(messages::kOutputFails, work_.c_str(), std::strerror(errno));
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    close(lock_);
-    throw_error(messages::kFileIsBeingWritten, path_.c_str());
-  }
-}
-
-PackageFolder::~PackageFolder() {
-  close(lock_);
+  return work.string();
 }
 
 bool PackageFolder::has(const std::string &name) const {

@@ -2,6 +2,8 @@
 // The folder of a package: files and folders appear under their names when they are whole.
 #pragma once
 
+#include "part-file.hpp"
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -21,9 +23,6 @@ public:
   explicit PackageFolder(std::string path, std::string player,
                          const std::string &page = "index.html",
                          const std::string &mark = kMainPlaylist);
-  ~PackageFolder();
-  PackageFolder(const PackageFolder &) = delete;
-  PackageFolder &operator=(const PackageFolder &) = delete;
 
   const std::string &path() const noexcept { return path_; }
   /// A folder for what is not whole. It stays until finish(), so that the next process can go on.
@@ -45,10 +44,12 @@ public:
   void finish();
 
 private:
+  std::string make_work(const std::string &page, const std::string &mark) const;
+
   std::string path_;
   std::string player_;
   std::string work_;
-  int lock_ = -1;
+  PartFile lock_; // beside work_, which finish() removes
 };
 
 /// Returns the folder of the player's files. Throws TrackFileError if it is not there.
