@@ -14,27 +14,11 @@ constexpr double kLongestLogGap = 0.1; // s
 // Samples `between(before, after, share)` at each step. A gap is zero.
 template <typename Knot, typename Between>
 ForceSignal sampled(std::span<const Knot> knots, double longest_gap, const Between &between) {
-  ForceSignal signal;
-  if (knots.empty())
-    return signal;
-  const auto step_of = [](double time) {
-    return static_cast<std::int64_t>(std::ceil(time / kForceStep - 1e-6));
-  };
-  signal.first = step_of(knots.front().time);
-  const std::int64_t end = std::max(step_of(knots.back().time), signal.first) + 1;
-  signal.forces.resize(static_cast<std::size_t>(end - signal.first));
-  for (std::size_t i = 0; i < knots.size(); ++i) {
-    const Knot &before = knots[i];
-    const Knot &after = knots[std::min(i + 1, knots.size() - 1)];
-    const double length = after.time - before.time;
-    const std::int64_t until = i + 1 < knots.size() ? step_of(after.time) : end;
-    for (std::int64_t step = step_of(before.time); step < until && !(length > longest_gap);
-         ++step) {
-      const double since = static_cast<double>(step) * kForceStep - before.time;
-      const double share = length > 0 ? std::clamp(since / length, 0.0, 1.0) : 0;
-      signal.forces[static_cast<std::size_t>(step - signal.first)] = between(before, after, share);
-    }
-  }
+  ForceSignal signal = silence(knots);
+  KnotReader reader(knots, longest_gap);
+  std::int64_t step = signal.first;
+  for (Force &force : signal.forces)
+    force = reader.at(step++, between);
   return signal;
 }
 

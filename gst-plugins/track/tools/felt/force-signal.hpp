@@ -5,6 +5,8 @@
 #include "samples/force-defaults.hpp"
 #include "samples/motion-sample.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +35,54 @@ struct ForceSignal {
   Force at(std::int64_t step) const noexcept {
     return step < first || step >= end() ? Force{} : forces[static_cast<std::size_t>(step - first)];
   }
+};
+
+/// Returns a signal of zeros that lasts as long as the knots, whose times (s) rise.
+template <typename Knot>
+ForceSignal silence(std::span<const Knot> knots) {
+  ForceSignal signal;
+  if (knots.empty())
+    return signal;
+  const auto step_of = [](double time) {
+    return static_cast<std::int64_t>(std::ceil(time / kForceStep - 1e-6));
+  };
+  signal.first = step_of(knots.front().time);
+  const std::int64_t last = std::max(step_of(knots.back().time), signal.first);
+  signal.forces.resize(static_cast<std::size_t>(last - signal.first + 1));
+  return signal;
+}
+
+/// Reads knots at rising steps.
+template <typename Knot>
+class KnotReader {
+public:
+  /// `longest_gap`: s.
+  KnotReader(std::span<const Knot> knots, double longest_gap)
+      : knots_(knots), longest_gap_(longest_gap) {}
+
+  /// Returns what `between(before, after, share)` makes of the knots around the step; nothing
+  /// outside them and in gaps.
+  template <typename Between>
+  auto at(std::int64_t step, const Between &between) {
+    const double time = static_cast<double>(step) * kForceStep;
+    while (next_ < knots_.size() && knots_[next_].time <= time + 1e-6 * kForceStep)
+      ++next_;
+    using Value = decltype(between(knots_[0], knots_[0], 0.0));
+    if (next_ == 0)
+      return Value{};
+    const Knot &before = knots_[next_ - 1];
+    if (next_ == knots_.size())
+      return time - before.time < kForceStep ? between(before, before, 0.0) : Value{};
+    const double length = knots_[next_].time - before.time;
+    if (length > longest_gap_)
+      return Value{};
+    return between(before, knots_[next_], std::clamp((time - before.time) / length, 0.0, 1.0));
+  }
+
+private:
+  std::span<const Knot> knots_;
+  double longest_gap_;
+  std::size_t next_ = 0;
 };
 
 /// A row of a log.

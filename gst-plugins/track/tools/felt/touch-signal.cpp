@@ -27,46 +27,9 @@ float slope(const ReliefField &relief, double x, double y, double dx, double dy)
   return static_cast<float>(run > 0 ? rise / run : 0);
 }
 
-std::int64_t first_step(double time) {
-  return static_cast<std::int64_t>(std::ceil(time / kForceStep - 1e-6));
-}
-
-// Reads a track of surfaces at rising times.
-class SurfaceReader {
-public:
-  explicit SurfaceReader(std::span<const FeltSurface> surfaces) : surfaces_(surfaces) {}
-
-  // Returns the surface at a step of the signal; none outside the track and in its gaps.
-  FeltSurface at(std::int64_t step) {
-    const double time = static_cast<double>(step) * kForceStep;
-    while (next_ < surfaces_.size() && surfaces_[next_].time <= time + 1e-6)
-      ++next_;
-    if (next_ == 0)
-      return {};
-    const FeltSurface &before = surfaces_[next_ - 1];
-    if (next_ == surfaces_.size())
-      return time - before.time < kForceStep ? before : FeltSurface{};
-    const double length = surfaces_[next_].time - before.time;
-    if (length > kLongestMotionGap)
-      return {};
-    return interpolated(before, surfaces_[next_],
-                        std::clamp((time - before.time) / length, 0.0, 1.0));
-  }
-
-private:
-  std::span<const FeltSurface> surfaces_;
-  std::size_t next_ = 0;
+constexpr auto surface_between = [](const FeltSurface &a, const FeltSurface &b, double share) {
+  return interpolated(a, b, share);
 };
-
-ForceSignal silence(std::span<const FeltSurface> surfaces) {
-  ForceSignal signal;
-  if (surfaces.empty())
-    return signal;
-  signal.first = first_step(surfaces.front().time);
-  const std::int64_t last = std::max(first_step(surfaces.back().time), signal.first);
-  signal.forces.resize(static_cast<std::size_t>(last - signal.first + 1));
-  return signal;
-}
 
 } // namespace
 
@@ -141,9 +104,9 @@ ForceSignal height_signal(std::span<const FeltSurface> surfaces) {
       ++count;
     }
   const double mean = sum / std::max(count, 1.0);
-  SurfaceReader reader(surfaces);
+  KnotReader reader(surfaces, kLongestMotionGap);
   for (std::int64_t step = signal.first; step < signal.end(); ++step)
-    if (const FeltSurface surface = reader.at(step); surface.exists)
+    if (const FeltSurface surface = reader.at(step, surface_between); surface.exists)
       signal.forces[static_cast<std::size_t>(step - signal.first)].z =
           static_cast<float>(kStiffestTouch * (static_cast<double>(surface.height) - mean));
   return signal;
@@ -154,13 +117,13 @@ SignalPair touch_signals(std::span<const FeltSurface> a, std::span<const FeltSur
   SignalPair pair(silence(a), silence(b));
   auto &[first, second] = pair;
   const std::int64_t by = std::llround(shift / kForceStep);
-  SurfaceReader a_reader(a);
-  SurfaceReader b_reader(b);
+  KnotReader a_reader(a, kLongestMotionGap);
+  KnotReader b_reader(b, kLongestMotionGap);
   const std::int64_t begin = std::min(first.first, second.first - by);
   const std::int64_t end = std::max(first.end(), second.end() - by);
   for (std::int64_t step = begin; step < end; ++step) {
-    const FeltSurface of_a = a_reader.at(step);
-    const FeltSurface of_b = b_reader.at(step + by);
+    const FeltSurface of_a = a_reader.at(step, surface_between);
+    const FeltSurface of_b = b_reader.at(step + by, surface_between);
     const auto height_a = static_cast<double>((of_a.exists ? of_a : of_b).height);
     const auto height_b = static_cast<double>((of_b.exists ? of_b : of_a).height);
     const double hand = (height_a + height_b) / 2 - kTouchDepth;

@@ -21,12 +21,8 @@ constexpr unsigned kRows = 3;
 std::vector<PointerPosition> grid(unsigned columns, unsigned rows) {
   std::vector<PointerPosition> places;
   for (unsigned row = 0; row < rows; ++row)
-    for (unsigned column = 0; column < columns; ++column) {
-      PointerPosition place;
-      place.x = (column + 0.5) / columns;
-      place.y = (row + 0.5) / rows;
-      places.push_back(place);
-    }
+    for (unsigned column = 0; column < columns; ++column)
+      places.push_back({.x = (column + 0.5) / columns, .y = (row + 0.5) / rows});
   return places;
 }
 

@@ -15,13 +15,7 @@ struct TimedPlace {
   float y = 0.5F;
   float z = 0; ///< -1..1
 
-  PointerPosition position() const {
-    PointerPosition position;
-    position.x = x;
-    position.y = y;
-    position.z = z;
-    return position;
-  }
+  PointerPosition position() const { return {.x = x, .y = y, .z = z}; }
 };
 
 /// s, between what is felt along a path: 100 a second.
