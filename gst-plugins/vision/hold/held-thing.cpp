@@ -90,8 +90,10 @@ PatchSamples samples_within(const std::optional<Rectangle> &object, float x, flo
     return place >= static_cast<float>(begin) && place < static_cast<float>(begin + length);
   };
   for (int at = 0; at < kPatchSamples; ++at) {
-    const float u = x + spacing * static_cast<float>(at % kPatchSide - kPatchRadius);
-    const float v = y + spacing * static_cast<float>(at / kPatchSide - kPatchRadius);
+    const int column = at % kPatchSide - kPatchRadius;
+    const int row = at / kPatchSide - kPatchRadius;
+    const float u = x + spacing * static_cast<float>(column);
+    const float v = y + spacing * static_cast<float>(row);
     within[at] =
         !object || (lies(u, object->x, object->width) && lies(v, object->y, object->height)) ? 1.0F
                                                                                              : 0.0F;
