@@ -261,6 +261,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
     return;
   if (run_.calibrate.exchange(false)) {
     device->calibrate();
+    run_.chain.calibrate();
     run_.wash_out.reset();
     run_.touch.calibrate();
     run_.carry.restart();

@@ -41,24 +41,35 @@ void EnergyAccount::charge(const Charge &charge) noexcept {
   hand_ = std::min(hand_, charge.most);
 }
 
+// From a centre that is off, force and way are measured wrong, by 14 % in all at 16 mm. What the
+// hand has put in must be enough for what it gets back by the new measure.
+void EnergyAccount::calibrate() noexcept {
+  constexpr double kKept = 0.5;
+  hand_ *= hand_ > 0 ? kKept : 1;
+}
+
 double EnergyAccount::share_of_film() const noexcept {
   return std::clamp(film_ / kWorkToFade, 0.0, 1.0);
 }
 
 // |F . v| T <= E, T of the delay, v of the low-pass or of the last tick: a hand that presses in may
-// turn round before the force does. While it presses in, it pays a debt.
+// turn round before the force does. While it presses in, it pays a debt. What is on its way to the
+// device is paid first: it may be far more than the force that follows it.
 Vector3 EnergyAccount::affordable(const Vector3 &force, const Motion &hand) const noexcept {
-  const double slow = force.dot(hand.velocity);
-  const double last = hand.time > 0 ? force.dot(hand.moved) / hand.time : 0;
-  const double pushes = std::max({slow, last, 0.0});   // W
-  const double resists = -std::min({slow, last, 0.0}); // W
+  const Vector3 last_velocity = hand.time > 0 ? Vector3(hand.moved / hand.time) : Vector3::Zero();
+  const auto pushing = [&](const Vector3 &part) {
+    return std::max({part.dot(hand.velocity), part.dot(last_velocity), 0.0});
+  };
+  const double pushes = pushing(force);   // W
+  const double resists = pushing(-force); // W
   const double held = std::max(hand_, 0.0);
   double share = 1;
   const auto limit = [&](double price, double purse) {
     if (price > purse)
       share = std::min(share, purse / price);
   };
-  limit(pushes * hand.delay, std::max(hand_ + hand.lent, 0.0));
+  const double due = pushing(hand.on_its_way) * hand.takes;
+  limit(pushes * (hand.delay - hand.takes), std::max(hand_ + hand.lent - due, 0.0));
   limit(resists * hand.delay, held + hand.credit);
   limit(std::max(pushes, resists) * kLateTick, held + kCreditOfLateTick);
   return share * force;

@@ -31,6 +31,8 @@ public:
     double time = 0; ///< s
   };
   void charge(const Charge &charge) noexcept;
+  /// The pose is measured anew.
+  void calibrate() noexcept;
 
   /// 0..1 of the force; it goes down over the last of the film's work.
   double share_of_film() const noexcept;
@@ -43,6 +45,9 @@ public:
     double delay = 0;                                   ///< s, until a command has acted
     double credit = 0; ///< J, with which a force begins that nothing was put in yet
     double lent = 0;   ///< J, that a push may take beyond what the purse holds
+    /// N, the command before this one: it acts first, for `takes` s
+    spidar::Vector3 on_its_way = spidar::Vector3::Zero();
+    double takes = 0;
   };
   /// Returns the part of the hand's force that the purse can pay, whatever the hand does until the
   /// command has acted.

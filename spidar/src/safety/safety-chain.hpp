@@ -162,6 +162,8 @@ public:
   /// J that the hand may have back. A touch whose spring holds more than the account pays would be
   /// cut off on the hand's way out and felt on its way in: the force would go on and off.
   double energy_of_hand() const noexcept { return account_.of_hand() + lent_; }
+  /// The pose of the hand is measured anew: of what the hand has put in, not all can be trusted.
+  void calibrate() noexcept { account_.calibrate(); }
   /// The force begins anew, from zero. What is left of energy and continuous force is kept.
   void restart() noexcept;
   /// As new, but for what is left of energy and continuous force. The last command acted for

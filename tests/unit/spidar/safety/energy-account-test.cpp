@@ -108,6 +108,30 @@ TEST(EnergyAccount, PaysInAdvanceUntilTheCommandHasActed) {
   EXPECT_DOUBLE_EQ(affordable(account, 1, slow_ticks), 0.5) << "1 mJ in 2.5 ticks of 8 ms";
 }
 
+TEST(EnergyAccount, WhatIsOnItsWayToTheDeviceIsPaidFirst) {
+  EnergyAccount account;
+  account.charge(pushed(1, -0.1)); // 0.1 mJ
+  EnergyAccount::Motion out = going(0.05);
+  out.takes = kTick;
+  out.on_its_way.z() = 1; // 0.05 mJ
+  EXPECT_DOUBLE_EQ(affordable(account, 1, out), 0.05 / 0.075) << "what is left, in 1.5 ticks";
+  out.on_its_way.z() = 2;
+  EXPECT_NEAR(affordable(account, 1, out), 0, 1e-9);
+  out.on_its_way.z() = -2;
+  EXPECT_DOUBLE_EQ(affordable(account, 1, out), 1) << "what resists is not counted on";
+}
+
+// By a wrong pose 1 mJ in may be measured as 0.8 mJ out.
+TEST(EnergyAccount, WhatWasPutInBeforeACalibrationIsNotAllGivenBack) {
+  EnergyAccount account;
+  account.charge(pushed(1, -1));
+  account.calibrate();
+  EXPECT_DOUBLE_EQ(account.of_hand(), 5e-4);
+  account.charge(pushed(1, 1));
+  account.calibrate();
+  EXPECT_DOUBLE_EQ(account.of_hand(), -5e-4) << "a debt stays";
+}
+
 TEST(EnergyAccount, ByTheLastTickIfTheSpeedIsLate) {
   EnergyAccount account;
   account.charge(pushed(1, -1));
