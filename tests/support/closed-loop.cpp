@@ -381,10 +381,14 @@ public:
     worked_ = std::max(worked_, held.force().norm());
   }
 
-  // What the strings have done on the grip, against what is wanted, mJ.
-  Outcome outcome(bool must_work = true) {
+  // What the strings have done on the grip, against what is wanted, mJ. What the loop knew before a
+  // jump acts until the exchange after the next; one of both may be late, s.
+  Outcome outcome(bool must_work = true, double late = 0) {
+    const Pace &pace = point_.pace;
+    const double period = (pace.uneven ? 2 : 1) / pace.rate;
     return {1e3 * (work() - begun_), 0.1 * point_.max_force,
-            why_idle(held, worked_ > kAtWork || !must_work)};
+            why_idle(held, worked_ > kAtWork || !must_work),
+            1e3 * point_.max_force * point_.out * (period + std::max(late, period))};
   }
 
 private:
@@ -413,9 +417,10 @@ Outcome closed_way(const LoopPoint &point) {
   return way.outcome();
 }
 
-// One tick comes 10 ms after the one before, on the way out.
+constexpr double kLate = 10; // ms
+
+// One tick comes that long after the one before, on the way out.
 void go_with_a_late_tick(Way &way, const LoopPoint &point) {
-  constexpr double kLate = 10; // ms
   way.lead(0, point.depth, point.in);
   way.held.wait(point.pause);
   way.begin_to_lead(0, -Way::kAbove, point.out);
@@ -429,7 +434,7 @@ void go_with_a_late_tick(Way &way, const LoopPoint &point) {
 Outcome late_tick(const LoopPoint &point) {
   Way way(point, kPlace);
   go_with_a_late_tick(way, point);
-  Outcome outcome = way.outcome();
+  Outcome outcome = way.outcome(true, 1e-3 * kLate);
   outcome.most = 1;
   return outcome;
 }
@@ -439,7 +444,7 @@ Outcome paid_back(const LoopPoint &point) {
   go_with_a_late_tick(way, point);
   for (int i = 0; i < 3; ++i)
     way.go();
-  return way.outcome();
+  return way.outcome(true, 1e-3 * kLate);
 }
 
 // m/s, within a second.
@@ -531,10 +536,11 @@ Outcome through(const LoopPoint &point) {
 }
 
 // The pose jumps, and the strings then pull otherwise where no force is wanted. That is not what
-// is asked: the same way without a surface is subtracted.
+// is asked: the same way without a surface is subtracted. From a centre that is off, strings seem
+// to slip. Minimum tension is then at rest, and not at the same time without a surface.
 Outcome through_calibrate(const LoopPoint &point) {
   const auto outcome_of = [&](bool touches) {
-    Way way(point, kPlace + Vector3(0, 0, point.height), touches);
+    Way way(point, kPlace + Vector3(0, 0, point.height), touches, false);
     way.go([&](int stage) {
       if (stage == point.stages.from)
         way.held.loop.calibrate();

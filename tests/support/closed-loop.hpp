@@ -61,8 +61,11 @@ struct Outcome {
   double figure = 0;
   double most = 0;  ///< wanted
   std::string idle; ///< why the figure proves nothing; empty if it does
+  /// Of a way: what the force may do on a hand that jumps to its speed, until the loop knows of it
+  double of_jump = 0;
 
   bool kept() const { return idle.empty() && figure <= most; }
+  bool lost_to_jump() const { return idle.empty() && figure > most && figure <= of_jump; }
 };
 
 /// The values that one member of the point takes.

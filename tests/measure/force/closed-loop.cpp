@@ -22,7 +22,8 @@ constexpr const char *kUsage =
     "  --only WORDS  only the points that have each of these words, as \"law=drag alpha=0.04\"\n"
     "  --sample N    of each row N points by chance\n"
     "  --seed N      other ones\n"
-    "  --points      prints each point\n"
+    "  --points      prints each point; 'jump': the hand gets more than is wanted, but no more\n"
+    "                than the present force does before the loop knows that the hand jumps\n"
     "  --jobs N      so many at once; default: one for each processor\n"
     "Exits with 1 if a point does not keep what is wanted.\n";
 
@@ -80,8 +81,9 @@ std::vector<test::Outcome> run(const test::LoopRow &row, const std::vector<std::
 }
 
 void print(const test::Outcome &outcome, const std::string &words) {
-  std::printf("  %s %.4g of %.4g%s%s: %s\n", outcome.kept() ? "kept" : "LOST", outcome.figure,
-              outcome.most, outcome.idle.empty() ? "" : ", proves nothing: ", outcome.idle.c_str(),
+  const char *result = outcome.kept() ? "kept" : outcome.lost_to_jump() ? "jump" : "LOST";
+  std::printf("  %s %.4g of %.4g%s%s: %s\n", result, outcome.figure, outcome.most,
+              outcome.idle.empty() ? "" : ", proves nothing: ", outcome.idle.c_str(),
               words.c_str());
 }
 
@@ -92,19 +94,21 @@ bool report(const test::LoopRow &row, const Options &options) {
     return true;
   const std::vector<test::Outcome> outcomes = run(row, points, options.jobs);
   std::size_t kept = 0;
+  std::size_t jumps = 0;
   std::size_t idle = 0;
   std::size_t worst = 0;
   const auto excess = [&](std::size_t i) { return outcomes[i].figure / outcomes[i].most; };
   for (std::size_t i = 0; i < points.size(); ++i) {
     kept += outcomes[i].kept();
+    jumps += outcomes[i].lost_to_jump();
     idle += !outcomes[i].idle.empty();
     if (excess(i) > excess(worst))
       worst = i;
     if (options.points)
       print(outcomes[i], row.words(points[i]));
   }
-  std::printf("%-18s kept %zu of %zu, %zu prove nothing (%s)\n  worst", row.name.c_str(), kept,
-              points.size(), idle, row.figure.c_str());
+  std::printf("%-18s kept %zu of %zu, %zu lost to a jump, %zu prove nothing (%s)\n  worst",
+              row.name.c_str(), kept, points.size(), jumps, idle, row.figure.c_str());
   print(outcomes[worst], row.words(points[worst]));
   std::fflush(stdout);
   return kept == points.size();

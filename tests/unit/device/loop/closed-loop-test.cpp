@@ -35,8 +35,7 @@ constexpr std::array kRows = {
     Sample{"paid-back", "acceleration=100 out=0.3", 30, "acceleration=100 out=0.05"},
     Sample{"let-go", "", 40, ""},
     Sample{"through", "acceleration=100 out=0.05", 60, "acceleration=100 out=0.05"},
-    Sample{"through-calibrate", "acceleration=100 out=0.05 pace=4000Hz", 20,
-           "acceleration=100 out=0.05 pace=4000Hz"},
+    Sample{"through-calibrate", "out=0.3", 40, "acceleration=100 out=0.05 pace=4000Hz"},
     Sample{"calibrate", "", 40, ""},
     Sample{"carried", "", 40, "sway=0.2"},
     Sample{"still-thing", "", 40, "pace=1000Hz"},
@@ -80,6 +79,19 @@ INSTANTIATE_TEST_SUITE_P(Rows, ClosedLoop, testing::ValuesIn(kRows), [](const au
       name, [](char c) { return !std::isalnum(c); }, '_');
   return name;
 });
+
+// What no software prevents: the force that acts when the hand jumps acts until the loop has seen
+// it.
+TEST(ClosedLoopTable, AHandThatJumpsGetsNoMoreThanBeforeTheLoopKnows) {
+  constexpr std::size_t kPoints = 12; // a row
+  for (const test::LoopRow &row : test::closed_loop_table())
+    for (const std::size_t point : row.select("out=0.9 acceleration=inf", kPoints)) {
+      const test::Outcome outcome = row.run(row.at(point));
+      EXPECT_TRUE(outcome.kept() || outcome.lost_to_jump())
+          << outcome.figure << " of " << outcome.of_jump << " " << row.figure << " " << outcome.idle
+          << "\nclosed-loop --row " << row.name << " --only '" << row.words(point) << "'";
+    }
+}
 
 TEST(ClosedLoopTable, EachRowHasASample) {
   std::set<std::string> sampled;
