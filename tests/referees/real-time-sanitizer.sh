@@ -32,7 +32,7 @@ unit_tests=(
   limited-device motion-interpolator reopening safety-chain session-state tick-log touch-loop turning-grip
 )
 # Its device sleeps on purpose.
-sleeps=LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped
+sleeps="*/LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped/*"
 
 # A referee that no longer sees what it must report would pass everything.
 check_that_it_sees() {

@@ -28,7 +28,16 @@ struct Mishaps {
   bool gone = false;       // for good
   bool let_go = false;     // the guardian has put the motors at rest, once
   double thrown_speed = 0; // m/s to the right, from the centre
+  bool is_led = false;     // the arm, whatever its force; the strings always are
   int exchanges = 0;       // so far
+  haptic::LoopClock *clock = &haptic::machine_clock();
+  std::atomic<std::int64_t> stall = 0; // ns, of `clock`; once
+
+  void stay() noexcept {
+    ++exchanges;
+    if (const std::int64_t held_up = stall.exchange(0))
+      clock->sleep_until(clock->now() + held_up);
+  }
 };
 
 // The simulated device behind a wire that can be cut, and whose grip can be thrown.
@@ -44,10 +53,8 @@ public:
     simulator_.set_time(now);
   }
   bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
-    ++exchanges;
+    stay();
     last_words = words;
-    if (const std::int64_t held_up = stall.exchange(0))
-      clock->sleep_until(clock->now() + held_up);
     if (cut || gone)
       return false;
     if (thrown_speed == 0) {
@@ -70,8 +77,6 @@ public:
   std::string description() const override { return "a wire"; }
 
   std::int32_t slip = 0; // counts by which the first string has slipped
-  haptic::LoopClock *clock = &haptic::machine_clock();
-  std::atomic<std::int64_t> stall = 0; // ns, of `clock`; once
   spidar::DacWords last_words{};
 
 private:
@@ -89,7 +94,7 @@ public:
       : script_(spidar::parse_hand_script(hand)), arm_(held(), first_target(), 0.001) {}
 
   bool exchange(std::int64_t now) noexcept override {
-    ++exchanges;
+    stay();
     arm_.answers = !cut;
     arm_.plugged_in = !gone;
     if (std::exchange(let_go, false))
@@ -99,8 +104,8 @@ public:
     const bool is_held = script_->target(time, arm_.workspace_half(), arm_.target);
     arm_.goal = arm_.target;
     arm_.hand = is_held ? held() : Hand{0.1, 0.5, 0};
-    arm_.leads = thrown_speed != 0;
-    if (arm_.leads) {
+    arm_.leads = is_led || thrown_speed != 0;
+    if (thrown_speed != 0) {
       arm_.target = arm_.position();
       arm_.goal = {1, 0, 0};
       arm_.speed = thrown_speed;

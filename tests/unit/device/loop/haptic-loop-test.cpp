@@ -30,9 +30,14 @@ using test::Loop;
 using test::moving;
 using test::Wire;
 
+#define ON_EACH_DEVICE(suite)                                                                      \
+  INSTANTIATE_TEST_SUITE_P(Devices, suite, testing::ValuesIn(test::kLoopDevices),                  \
+                           [](const auto &of) { return of.param; })
+
+constexpr double kAtRest = 0.02; // N, of strings at minimum tension
+
 using EachLoop = test::OnEachDevice<Loop>;
-INSTANTIATE_TEST_SUITE_P(Devices, EachLoop, testing::ValuesIn(test::kLoopDevices),
-                         [](const auto &of) { return of.param; });
+ON_EACH_DEVICE(EachLoop);
 
 TEST_P(EachLoop, TheDevicePullsWithTheForceOfEquation5) {
   open();
@@ -118,12 +123,13 @@ TEST_P(EachLoop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
   EXPECT_EQ(loop_.statistics().device_faults, 1U);
 }
 
-// A hand at 0.7 m/s, and one tick in twenty up to 19 ms late, in a sequence of fixed seed.
-// LATE_TICKS=1000000 runs the number that is promised.
-TEST_F(Loop, LateTicksDoNotMakeAHandTooFast) {
+// A hand at 0.7 m/s, and one tick in twenty up to 19 ms
+// late, in a sequence of fixed seed. LATE_TICKS=1000000 runs the number that is promised.
+TEST_P(EachLoop, LateTicksDoNotMakeAHandTooFast) {
   const char *wanted = std::getenv("LATE_TICKS");
   const int count = wanted ? std::atoi(wanted) : 100'000;
-  open("circle:1,0.252");
+  open(on_arm_ ? "circle:1,0.224" : "circle:1,0.252"); // round 25 and 28 mm
+  mishaps_->is_led = true;
   play();
   std::mt19937 random(5);
   std::uniform_int_distribution<std::int64_t> how_late(1, 19 * kMs);
@@ -161,15 +167,17 @@ TEST_P(EachLoop, AFaultedDeviceIsAskedTenTimesASecondOnly) {
   EXPECT_NEAR(mishaps_->exchanges - before, 10, 1);
 }
 
-TEST_F(Loop, AFaultedDeviceIsSentZeroOnTheNextTickEvenIfItDoesNotAnswer) {
+TEST_P(EachLoop, AFaultedDeviceIsSentZeroOnTheNextTickEvenIfItDoesNotAnswer) {
   open();
   play();
   play_motion(100, 0, 500);
-  const spidar::DacWords at_force = wire_->last_words;
-  wire_->cut = true;
+  EXPECT_GT(realised().norm(), 0.4);
+  mishaps_->cut = true;
   ticks(4);
-  EXPECT_NE(wire_->last_words, at_force);
-  EXPECT_LT(*std::max_element(wire_->last_words.begin(), wire_->last_words.end()), 60);
+  EXPECT_NEAR(realised().norm(), 0, kAtRest);
+  if (wire_) {
+    EXPECT_LT(*std::max_element(wire_->last_words.begin(), wire_->last_words.end()), 60);
+  }
 }
 
 TEST_P(EachLoop, AnUnpluggedDeviceIsLetGoOnTheSameTickAndItsSuccessorComesDisarmed) {
@@ -333,7 +341,7 @@ TEST_F(Loop, WithoutADeviceLawAndChainStillRun) {
 
 // ---- the next run -------------------------------------------------------------------------------
 
-TEST_F(Loop, ARunBeginsWithoutTheMaximumOfTheOneBefore) {
+TEST_P(EachLoop, ARunBeginsWithoutTheMaximumOfTheOneBefore) {
   loop_.set_settings({.law = 2, .law_settings = {.gain_window = 600}});
   ASSERT_STREQ(haptic::force_laws()[2].name, "linear");
   for (const float fastest : {1000.0F, 100.0F}) { // the fastest motion of each film is 1 N
@@ -367,7 +375,7 @@ TEST_P(EachLoop, StatisticsBeginAnewAndTheUsersReleaseDoesNot) {
   EXPECT_TRUE(is_held(haptic::kHoldReleased));
 }
 
-TEST_F(Loop, WhatTheForceHasSpentRemainsSpentInTheNextRunAndComesBackWithTime) {
+TEST_P(EachLoop, WhatTheForceHasSpentRemainsSpentInTheNextRunAndComesBackWithTime) {
   haptic::LoopSettings settings;
   settings.law_settings.max_force = 5;
   loop_.set_settings(settings);
@@ -404,7 +412,7 @@ TEST_F(Loop, WhatTheForceHasSpentRemainsSpentInTheNextRunAndComesBackWithTime) {
 // ---- fields -------------------------------------------------------------------------------------
 
 // The left half of the frame moves to the left, the right one to the right.
-class LoopFields : public Loop {
+class LoopFields : public test::OnEachDevice<Loop> {
 protected:
   // The loop outlives the pool here, and must have given everything back.
   void TearDown() override {
@@ -433,7 +441,9 @@ protected:
   std::unique_ptr<haptic::FieldPool> pool_ = std::make_unique<haptic::FieldPool>();
 };
 
-TEST_F(LoopFields, TheHandFeelsTheHalfThatItPointsAt) {
+ON_EACH_DEVICE(LoopFields);
+
+TEST_P(LoopFields, TheHandFeelsTheHalfThatItPointsAt) {
   for (const double side : {-1.0, 1.0}) {
     open(side < 0 ? "hold:-0.5,0,0" : "hold:0.5,0,0");
     play();
@@ -442,7 +452,7 @@ TEST_F(LoopFields, TheHandFeelsTheHalfThatItPointsAt) {
   }
 }
 
-TEST_F(LoopFields, TheForceIsThatOfASampleWithTheSameMotion) {
+TEST_P(LoopFields, TheForceIsThatOfASampleWithTheSameMotion) {
   open("hold:0.5,0.3,0");
   play();
   play_halves(0, 100, 1000);
@@ -451,7 +461,7 @@ TEST_F(LoopFields, TheForceIsThatOfASampleWithTheSameMotion) {
   EXPECT_LT((loop_.wrench().force - of_field).norm(), 1e-6);
 }
 
-TEST_F(LoopFields, AWanderingHandFeelsNothingOfAStillFieldAndBothHalvesOfAMovingOne) {
+TEST_P(LoopFields, AWanderingHandFeelsNothingOfAStillFieldAndBothHalvesOfAMovingOne) {
   open("circle:0.8,1");
   play();
   play_halves(0, 0, 1500);
@@ -467,7 +477,7 @@ TEST_F(LoopFields, AWanderingHandFeelsNothingOfAStillFieldAndBothHalvesOfAMoving
   EXPECT_GT(most, 0.45);
 }
 
-TEST_F(LoopFields, WithoutADeviceTheCentreIsFelt) {
+TEST_P(LoopFields, WithoutADeviceTheCentreIsFelt) {
   loop_.prepare({});
   loop_.unhold(haptic::kHoldClosed);
   play();
@@ -475,7 +485,7 @@ TEST_F(LoopFields, WithoutADeviceTheCentreIsFelt) {
   EXPECT_NEAR(force_max(), 0.5, 1e-6);
 }
 
-TEST_F(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
+TEST_P(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
   open();
   play();
   for (int i = 0; i < 20; ++i) {
@@ -491,11 +501,11 @@ TEST_F(LoopFields, FlushedFieldsAreForgottenAndGoBack) {
 
 // ---- the thread ---------------------------------------------------------------------------------
 
-class LoopThread : public Loop {
+class LoopThread : public test::OnEachDevice<Loop> {
 protected:
   void start(haptic::HapticLoop::Environment environment = {}) {
     open();
-    wire_->clock = &clock_;
+    mishaps_->clock = &clock_;
     environment.device = device_.get();
     environment.clock = &clock_;
     loop_.start(std::move(environment));
@@ -507,7 +517,9 @@ protected:
   test::VirtualClock clock_;
 };
 
-TEST_F(LoopThread, TicksAndLeavesMinimumTensionBehind) {
+ON_EACH_DEVICE(LoopThread);
+
+TEST_P(LoopThread, TicksAndLeavesNoForceBehind) {
   bool entered = false;
   bool left = false;
   start({.rate = 1000,
@@ -524,24 +536,26 @@ TEST_F(LoopThread, TicksAndLeavesMinimumTensionBehind) {
   EXPECT_TRUE(entered);
   EXPECT_TRUE(left);
 
-  // Minimum tension: all words as right after opening, when no force was asked for.
-  auto wire = std::make_unique<Wire>("hold:0,0,0");
-  Wire *fresh = wire.get();
-  spidar::Device other(std::move(wire), spidar::load_geometry(spidar::kDefaultGeometry));
-  other.command({});
-  other.exchange(now_);
-  for (std::size_t i = 0; i < spidar::kStrings; ++i)
-    EXPECT_NEAR(wire_->last_words[i], fresh->last_words[i], 40) << i; // 0.1 N at 4 V/N
+  EXPECT_NEAR(realised().norm(), 0, kAtRest);
+  if (wire_) { // minimum tension: all words as right after opening, when no force was asked for
+    auto wire = std::make_unique<Wire>("hold:0,0,0");
+    Wire *fresh = wire.get();
+    spidar::Device other(std::move(wire), spidar::load_geometry(spidar::kDefaultGeometry));
+    other.command({});
+    other.exchange(now_);
+    for (std::size_t i = 0; i < spidar::kStrings; ++i)
+      EXPECT_NEAR(wire_->last_words[i], fresh->last_words[i], 40) << i; // 0.1 N at 4 V/N
+  }
   const auto ticks = loop_.statistics().ticks.load();
   clock_.advance(20ms);
   EXPECT_EQ(loop_.statistics().ticks, ticks);
 }
 
-TEST_F(LoopThread, ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped) {
+TEST_P(LoopThread, ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped) {
   start();
   clock_.advance(20ms);
   EXPECT_EQ(loop_.statistics().ticks, 20U);
-  wire_->stall = 60 * kMs;
+  mishaps_->stall = 60 * kMs;
   clock_.advance(120ms);
   stop();
   const auto &statistics = loop_.statistics();
@@ -551,7 +565,7 @@ TEST_F(LoopThread, ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAre
   EXPECT_EQ(statistics.ticks, 140U - 58U + 1U);
 }
 
-TEST_F(LoopThread, AMachineThatSleptHoldsTheForceUntilArmed) {
+TEST_P(LoopThread, AMachineThatSleptHoldsTheForceUntilArmed) {
   start();
   play();
   clock_.advance(20ms);
@@ -563,7 +577,7 @@ TEST_F(LoopThread, AMachineThatSleptHoldsTheForceUntilArmed) {
   stop();
 }
 
-TEST_F(Loop, CanBeStartedAndStoppedAgainAndAgain) {
+TEST_P(EachLoop, CanBeStartedAndStoppedAgainAndAgain) {
   open();
   for (int i = 0; i < 50; ++i) {
     loop_.start({.device = device_.get()});
@@ -572,14 +586,15 @@ TEST_F(Loop, CanBeStartedAndStoppedAgainAndAgain) {
   }
 }
 
-class LoopLog : public Loop {
+class LoopLog : public test::OnEachDevice<Loop> {
 protected:
   void SetUp() override {
     std::string name = (std::filesystem::temp_directory_path() / "loop-log-XXXXXX").string();
     ASSERT_NE(mkdtemp(name.data()), nullptr);
     directory_ = name;
     log_ = std::make_unique<haptic::TickLog>((directory_ / "log.csv").string());
-    loop_.prepare({.log = log_.get()});
+    make_device();
+    loop_.prepare({.device = device_.get(), .log = log_.get()});
     loop_.unhold(haptic::kHoldClosed);
   }
   void TearDown() override { std::filesystem::remove_all(directory_); }
@@ -608,14 +623,16 @@ constexpr std::size_t kFx = 7;
 constexpr std::size_t kMono = 22;
 constexpr std::size_t kHoldColumn = 23;
 
-TEST_F(LoopLog, HasOneRowPerTickFromTheFirstPlayingOn) {
+ON_EACH_DEVICE(LoopLog);
+
+TEST_P(LoopLog, HasOneRowPerTickFromTheFirstPlayingOn) {
   ticks(100);
   play();
   ticks(250);
   EXPECT_EQ(rows().size(), 250U);
 }
 
-TEST_F(LoopLog, BeginsWithTheRunningTime) {
+TEST_P(LoopLog, BeginsWithTheRunningTime) {
   loop_.set_running_time(now_ + 100 * kMs + kMs / 2, 0);
   play();
   ticks(250);
@@ -624,7 +641,7 @@ TEST_F(LoopLog, BeginsWithTheRunningTime) {
   EXPECT_NEAR(all.front()[0], 0.0005, 1e-9);
 }
 
-TEST_F(LoopLog, WhilePausedShowsTheForceReachZeroAndNoMore) {
+TEST_P(LoopLog, WhilePausedShowsTheForceReachZeroAndNoMore) {
   play();
   play_motion(100, 0, 500);
   loop_.hold(haptic::kHoldPaused);
@@ -635,7 +652,7 @@ TEST_F(LoopLog, WhilePausedShowsTheForceReachZeroAndNoMore) {
   EXPECT_NE(all[all.size() - 2][kFx], 0);
 }
 
-TEST_F(LoopLog, AfterTheEndShowsTheForceReachZeroAndNoMore) {
+TEST_P(LoopLog, AfterTheEndShowsTheForceReachZeroAndNoMore) {
   play();
   play_motion(100, 0, 500);
   loop_.hold(haptic::kHoldEnded);
@@ -645,7 +662,7 @@ TEST_F(LoopLog, AfterTheEndShowsTheForceReachZeroAndNoMore) {
   EXPECT_EQ(all.back()[kFx], 0);
 }
 
-TEST_F(LoopLog, MonoIsTheTimeOfTheTicksAlsoWhilePausedAndHoldGivesTheReason) {
+TEST_P(LoopLog, MonoIsTheTimeOfTheTicksAlsoWhilePausedAndHoldGivesTheReason) {
   play();
   play_motion(100, 0, 500);
   loop_.hold(haptic::kHoldPaused);
@@ -670,9 +687,7 @@ TEST_F(LoopLog, MonoIsTheTimeOfTheTicksAlsoWhilePausedAndHoldGivesTheReason) {
   EXPECT_EQ(all.back()[kHoldColumn], 0);
 }
 
-TEST_F(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
-  make_device();
-  loop_.prepare({.device = device_.get(), .log = log_.get()});
+TEST_P(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
   play();
   haptic::LoopSettings settings;
   settings.law_settings.max_force = 3;
@@ -696,7 +711,7 @@ TEST_F(LoopLog, HasTheOrientationTheTurningAndTheRealisedWrenchOfTheDevice) {
   EXPECT_EQ(row.size(), kQx + 19);
 }
 
-TEST_F(LoopLog, TellsWhatMadeTheForceSmaller) {
+TEST_P(LoopLog, TellsWhatMadeTheForceSmaller) {
   constexpr std::size_t kLimitsColumn = kHoldColumn + 19;
   const auto limits_of = [](const std::vector<double> &row) {
     return static_cast<std::uint32_t>(row[kLimitsColumn]);
@@ -714,7 +729,7 @@ TEST_F(LoopLog, TellsWhatMadeTheForceSmaller) {
   EXPECT_EQ(limits_of(all.back()), haptic::kLimitFade);
 }
 
-TEST_F(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {
+TEST_P(LoopLog, TheVelocityOfAStaleSampleGoesWithItsForce) {
   play();
   play_motion(100, -40, 500);
   ticks(1000);

@@ -33,11 +33,12 @@ haptic::LoopSettings settings_of(const std::string &law, double alpha, double ma
 }
 
 struct Case {
+  const char *geometry;
   const char *law;
   double max_force; // N
 
   friend void PrintTo(const Case &c, std::ostream *out) {
-    *out << c.law << ", " << c.max_force << " N";
+    *out << c.geometry << ", " << c.law << ", " << c.max_force << " N";
   }
 };
 
@@ -53,7 +54,8 @@ TEST_P(Unbounded, ALawIsStoppedWithinASecondInEachOf27Hands) {
       for (const double stiffness : {0.0, 20.0, 300.0}) {
         SCOPED_TRACE(testing::Message()
                      << mass << " kg, " << damping << " N·s/m, " << stiffness << " N/m");
-        LoopInHand held({.hand = {mass, damping, stiffness},
+        LoopInHand held({.geometry = GetParam().geometry,
+                         .hand = {mass, damping, stiffness},
                          .start = {0.004, -0.002, 0.001}, // m
                          .settings = settings_of(GetParam().law, 0.04, GetParam().max_force),
                          .bounds_hand = false});
@@ -72,8 +74,14 @@ TEST_P(Unbounded, ALawIsStoppedWithinASecondInEachOf27Hands) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Unbounded,
-                         testing::Values(Case{"drag", 1}, Case{"drag", 5}, Case{"inertial", 1},
-                                         Case{"inertial", 5}));
+                         testing::Values(Case{spidar::kDefaultGeometry, "drag", 1},
+                                         Case{spidar::kDefaultGeometry, "drag", 5},
+                                         Case{spidar::kDefaultGeometry, "inertial", 1},
+                                         Case{spidar::kDefaultGeometry, "inertial", 5},
+                                         Case{test::kArmName, "drag", 1},
+                                         Case{test::kArmName, "drag", 12},
+                                         Case{test::kArmName, "inertial", 1},
+                                         Case{test::kArmName, "inertial", 12}));
 
 // A hand that goes where it likes, or is pushed about, under a film with gusts or a still one.
 class LivelyHand {
