@@ -53,10 +53,10 @@ protected:
 };
 
 TEST_F(MarkedObject, UnderThePointerIsTheRegion) {
-  const std::vector<Mark> face{{.x = 70, .y = 40, .width = 60, .height = 50}};
+  const std::vector<Mark> face{{.x = 70, .y = 40, .width = 50, .height = 50}};
   pass(0, face);
   const BufferPtr frame = pass(1, face);
-  EXPECT_EQ(region_of(frame), (std::vector<float>{70, 40, 60, 50}));
+  EXPECT_EQ(region_of(frame), (std::vector<float>{70, 40, 50, 50}));
   const auto found = test::displacement(frame.get());
   ASSERT_TRUE(found.has_value());
   EXPECT_NEAR(found->x, 2, 0.05);
@@ -83,18 +83,38 @@ TEST_F(MarkedObject, ThatARoitrackerMarkedIsNone) {
 }
 
 TEST_F(MarkedObject, IsClippedAtTheFrameWhereverItEnds) {
-  g_object_set(tracker.get(), "pointer-x", 1.0 - 1e-6, "pointer-y", 0.5, nullptr);
+  g_object_set(tracker.get(), "pointer-x", 1.0, "pointer-y", 0.5, nullptr);
   EXPECT_EQ(region_of(pass(0, {{.x = 150, .y = 60, .width = G_MAXUINT, .height = G_MAXUINT}})),
-            (std::vector<float>{150, 60, 26, 84}));
+            (std::vector<float>{150, 60, 26, 48}));
+}
+
+TEST_F(MarkedObject, OfALargeOneTheRegionIsThePartAboutThePointer) {
+  EXPECT_EQ(region_of(pass(0, {{.x = 0, .y = 0, .width = 176, .height = 144}})),
+            (std::vector<float>{52, 36, 72, 72})); // half of the shorter side of the frame
+}
+
+TEST_F(MarkedObject, TooSmallToBeMeasuredIsNone) {
+  EXPECT_EQ(region_of(pass(0, {{.x = 84, .y = 68, .width = 9, .height = 30}})), kSquare);
+}
+
+TEST_F(MarkedObject, ThatTremblesKeepsTheSizeOfItsRegion) {
+  const auto marked = [&](int i, guint x, guint width) {
+    return region_of(pass(i, {{.x = x, .y = 50, .width = width, .height = 40}}));
+  };
+  for (int i = 0; i < 6; i += 2) {
+    EXPECT_EQ(marked(i, 70, 40), (std::vector<float>{70, 50, 40, 40})) << i;
+    EXPECT_EQ(marked(i + 1, 69, 42), (std::vector<float>{70, 50, 40, 40})) << i;
+  }
+  EXPECT_EQ(marked(6, 65, 50), (std::vector<float>{65, 50, 50, 40}));
 }
 
 TEST_F(MarkedObject, CountsOnlyIfItIsAskedFor) {
   gst_util_set_object_arg(G_OBJECT(tracker.get()), "region", "square");
-  EXPECT_EQ(region_of(pass(0, {{.x = 70, .y = 40, .width = 60, .height = 50}})), kSquare);
+  EXPECT_EQ(region_of(pass(0, {{.x = 70, .y = 40, .width = 50, .height = 50}})), kSquare);
 }
 
 TEST_F(MarkedObject, ThatIsPressedIsTheThingAndItsRegionGoesWithIt) {
-  const std::vector<Mark> face{{.x = 70, .y = 40, .width = 60, .height = 50}};
+  const std::vector<Mark> face{{.x = 70, .y = 40, .width = 50, .height = 50}};
   pass(0, face);
   g_object_set(tracker.get(), "pressed", TRUE, nullptr);
   pass(1, face);
@@ -106,12 +126,12 @@ TEST_F(MarkedObject, ThatIsPressedIsTheThingAndItsRegionGoesWithIt) {
   const std::vector<float> region = region_of(frame);
   EXPECT_NEAR(region[0], 70 + 18, 1);
   EXPECT_NEAR(region[1], 40 - 9, 1);
-  EXPECT_EQ(region[2], 60);
+  EXPECT_EQ(region[2], 50);
   EXPECT_EQ(region[3], 50);
   // Let go, the object under the pointer counts again.
   g_object_set(tracker.get(), "pressed", FALSE, nullptr);
   pass(12, {});
-  EXPECT_EQ(region_of(pass(13, face)), (std::vector<float>{70, 40, 60, 50}));
+  EXPECT_EQ(region_of(pass(13, face)), (std::vector<float>{70, 40, 50, 50}));
 }
 
 } // namespace roitracker_object_test

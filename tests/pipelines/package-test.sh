@@ -41,7 +41,7 @@ complete() {
   for file in "$1"/{index.html,player.js,poster.jpg,film.m3u8} "$1"/mp4-*/{head.mp4,00001.mp4,film.m3u8}; do
     [ -s "$file" ] || { echo "$file"; return 1; }
   done
-  [ ! -e "$1/.package" ]
+  [ ! -e "$1/.package" ] && [ ! -e "$1/.package.lock" ]
 }
 promise "nothing is missing, nothing else is left" complete "$work/film"
 promise "the poster is a picture" says 0 352,288 ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$work/film/poster.jpg"
@@ -182,6 +182,22 @@ killed_and_again() {
   done
 }
 promise "killed and run again it makes the same bytes" killed_and_again
+interrupted_and_again() {
+  local signal status
+  for signal in INT TERM; do
+    rm -rf "$work/again"
+    status=0
+    "$haptic_track" package --output "$work/again" "$work/wind.mp4" >"$work/output" 2>&1 &
+    sleep 0.3
+    kill "-$signal" $!
+    wait $! || status=$?
+    cat "$work/output"
+    [ $status = 130 ] && ! grep -q wind.mp4 "$work/output" || return 1
+    [ ! -e "$work/again/.package.lock" ] && [ -z "$(find "$work/again" -name '*.part')" ] || return 1
+    package --output "$work/again" "$work/wind.mp4" && diff -r "$work/film" "$work/again" || return 1
+  done
+}
+promise "interrupted it ends with a sentence, and goes on as well" interrupted_and_again
 
 # Bit rates.
 film "$work/small.mp4" 176

@@ -4,6 +4,7 @@
 
 #include "../messages.hpp"
 #include "format-text.hpp"
+#include "interruption.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -18,13 +19,14 @@ class TrackFileError : public std::runtime_error {
 /// Returns the text with the name of the file before it, unless it begins with a name.
 std::string about(const std::string &path, const std::string &text);
 
-/// Returns what `work` returns. The TrackFileError that it throws names the file.
+/// Returns what `work` returns. An exception that it throws becomes a TrackFileError that names the
+/// file, unless a signal ended the work.
 template <typename Work>
 auto naming(const std::string &path, const Work &work) {
   try {
     return work();
-  } catch (const TrackFileError &error) {
-    throw TrackFileError(about(path, error.what()));
+  } catch (const std::exception &error) {
+    throw TrackFileError(is_interrupted() ? error.what() : about(path, error.what()));
   }
 }
 

@@ -89,7 +89,8 @@ struct State {
   haptic::AnalyticsWriter analytics;
   haptic::BufferPtr reference; // the earlier frame
   haptic::HeldThing thing;
-  std::optional<Rectangle> taken_object;    // in which it was; px from its place
+  std::optional<Rectangle> taken_object;    // of the thing; px from its place
+  std::optional<Rectangle> object;          // of a detector, in the frame before
   GstClockTime held_time = 0;               // ns since it was taken
   GstClockTime taken = GST_CLOCK_TIME_NONE; // time stamp of the frame in which it was
   bool was_pressed = false;                 // in the frame before
@@ -305,20 +306,45 @@ std::optional<Finding> measure(GstRoiTracker *self, GstBuffer *buffer, const Rec
   return finding;
 }
 
-// What another element marked under the pointer, if that is asked for and nothing is followed.
-std::optional<Rectangle> object_under_pointer(const State &state, GstBuffer *buffer,
+// Returns the pixel of a place. A place on the right or lower border belongs to the last pixel.
+int pixel_at(double place, int size) {
+  return std::clamp(static_cast<int>(std::floor(place)), 0, size - 1);
+}
+
+// A detector's box trembles: it keeps its size until a side changes by more than a tenth.
+Rectangle steadied(Rectangle object, const std::optional<Rectangle> &before, int width,
+                   int height) {
+  const auto is_near = [](int now, int then) { return 10 * std::abs(now - then) <= then; };
+  if (!before || !is_near(object.width, before->width) || !is_near(object.height, before->height))
+    return object;
+  object.x += (object.width - before->width) / 2;
+  object.y += (object.height - before->height) / 2;
+  object.width = before->width;
+  object.height = before->height;
+  return haptic::crop_around(object, 0, width, height);
+}
+
+// What another element marked under the pointer, if that is asked for and nothing is followed. Of a
+// large one the part about the pointer: the cost of a frame does not depend on its size.
+std::optional<Rectangle> object_under_pointer(State &state, GstBuffer *buffer,
                                               const GstVideoInfo &info, const Settings &settings) {
   if (settings.region == RegionShape::square || haptic::is_followed(state.thing.report().state))
     return std::nullopt;
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
-  return haptic::marked_object_at(buffer, settings.pointer.x * width, settings.pointer.y * height,
-                                  width, height);
-}
-
-// The pixel of a place; of one on the right or lower border the last.
-int pixel_at(float place, int size) {
-  return std::clamp(static_cast<int>(std::floor(place)), 0, size - 1);
+  const Pointer &pointer = settings.pointer;
+  const std::optional<Rectangle> marked =
+      haptic::marked_object_at(buffer, pixel_at(pointer.x * width, width),
+                               pixel_at(pointer.y * height, height), width, height);
+  const std::optional<Rectangle> before = std::exchange(state.object, std::nullopt);
+  if (!marked)
+    return std::nullopt;
+  const Rectangle near =
+      haptic::region_at(pointer.x, pointer.y, std::min(width, height) / 2, width, height);
+  const Rectangle object = steadied(haptic::intersection(*marked, near), before, width, height);
+  if (haptic::is_measurable(object))
+    state.object = object;
+  return state.object;
 }
 
 Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &settings,
@@ -336,8 +362,8 @@ Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &sett
     return haptic::region_at(held.x / static_cast<float>(width),
                              held.y / static_cast<float>(height), side, width, height);
   Rectangle region = *state.taken_object;
-  region.x += pixel_at(held.x, width);
-  region.y += pixel_at(held.y, height);
+  region.x += pixel_at(static_cast<double>(held.x), width);
+  region.y += pixel_at(static_cast<double>(held.y), height);
   return haptic::crop_around(region, 0, width, height);
 }
 
@@ -385,8 +411,8 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, cons
   state.thing.take(luma, width, height, x, y, object);
   state.taken_object = object;
   if (object) {
-    state.taken_object->x -= pixel_at(x, width);
-    state.taken_object->y -= pixel_at(y, height);
+    state.taken_object->x -= pixel_at(static_cast<double>(x), width);
+    state.taken_object->y -= pixel_at(static_cast<double>(y), height);
   }
   return true;
 }

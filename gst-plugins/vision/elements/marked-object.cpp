@@ -13,7 +13,7 @@ namespace {
 
 class SmallestObject {
 public:
-  SmallestObject(double x, double y, int frame_width, int frame_height)
+  SmallestObject(int x, int y, int frame_width, int frame_height)
       : x_(x), y_(y), frame_width_(frame_width), frame_height_(frame_height) {}
 
   // 64 bits: a box of somebody else's may end anywhere.
@@ -24,10 +24,7 @@ public:
     const gint64 top = std::max<gint64>(y, 0);
     const gint64 right = std::min<gint64>(x + width, frame_width_);
     const gint64 bottom = std::min<gint64>(y + height, frame_height_);
-    const auto is_within = [](double place, gint64 begin, gint64 end) {
-      return place >= static_cast<double>(begin) && place < static_cast<double>(end);
-    };
-    if (!is_within(x_, left, right) || !is_within(y_, top, bottom))
+    if (x_ < left || x_ >= right || y_ < top || y_ >= bottom)
       return;
     const gint64 area = (right - left) * (bottom - top);
     if (box_ && area >= static_cast<gint64>(box_->width) * box_->height)
@@ -39,8 +36,8 @@ public:
   const std::optional<Rectangle> &box() const { return box_; }
 
 private:
-  double x_;
-  double y_;
+  int x_;
+  int y_;
   int frame_width_;
   int frame_height_;
   std::optional<Rectangle> box_;
@@ -48,7 +45,7 @@ private:
 
 } // namespace
 
-std::optional<Rectangle> marked_object_at(GstBuffer *buffer, double x, double y, int frame_width,
+std::optional<Rectangle> marked_object_at(GstBuffer *buffer, int x, int y, int frame_width,
                                           int frame_height) {
   SmallestObject smallest(x, y, frame_width, frame_height);
   gpointer cursor = nullptr;

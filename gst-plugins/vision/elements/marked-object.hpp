@@ -9,10 +9,10 @@
 
 namespace haptic {
 
-/// The smallest marked object in which a place lies (px of the frame, origin at its top left
+/// Returns the smallest marked object in which a pixel lies (origin at the frame's top left
 /// corner), clipped at the frame. Objects are GstVideoRegionOfInterestMeta, and boxes of
 /// GstAnalytics where GStreamer has it (1.24 and later), but not those that roitracker attaches.
-std::optional<Rectangle> marked_object_at(GstBuffer *buffer, double x, double y, int frame_width,
+std::optional<Rectangle> marked_object_at(GstBuffer *buffer, int x, int y, int frame_width,
                                           int frame_height);
 
 } // namespace haptic

@@ -33,8 +33,7 @@ constexpr float kAppearanceRate = 0.08F;
 constexpr float kFitRate = 0.06F;
 constexpr float kRestlessLikeness = 0.9F; // usual
 constexpr float kRestlessChange = 0.06F;  // of the likeness, usual
-// A thing that is where its velocity led it is not looked for in the coarse layers in each frame:
-// a third of the time less, and the same figures within a point.
+// A thing that is where its velocity led it is not looked for in the coarse layers in each frame.
 constexpr double kCoarseInterval = 0.1; // s
 constexpr float kSteady = 0.5F;         // px from the expected place
 constexpr float kSteadyCorrelation = 0.9F;
@@ -285,8 +284,11 @@ std::optional<HeldThing::Match> HeldThing::match(const LumaSource &frame, float 
               .error_scale = found->error_scale,
               .layers = was_expected ? 1 : kHoldLayers};
   align_to_first(match, found->variance);
-  if (!patch_layer(0, match.pose).sample(match.pose, match.grey))
+  if (!patch_layer(0, match.pose).sample(match.pose, match.grey)) {
+    if (was_expected)
+      read_widely(frame, seconds);
     return std::nullopt;
+  }
   match.likeness = appearances_[0].compare(match.grey, usual_difference_);
   return match;
 }
@@ -540,6 +542,7 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
 
 const HeldReport &HeldThing::rest(float seconds) {
   time_ += seconds;
+  coarse_time_ += seconds; // the same pixels teach nothing
   velocity_ = {};
   report_.dx = report_.dy = 0;
   return report_;

@@ -99,7 +99,7 @@ void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &opti
                            std::ref(progress)));
 }
 
-// A chunk that goes when the copy is written, or cannot be.
+// Removes a chunk at the end, also after an error.
 struct Removed {
   std::string path;
   ~Removed() {

@@ -34,19 +34,23 @@ void check(const std::string &path, const std::error_code &error) {
 
 PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
                              const std::string &mark)
-    : path_(std::move(path)), player_(std::move(player)), work_(make_work(page, mark)),
-      lock_(work_ + ".lock", path_) {}
+    : path_(std::move(path)), player_(std::move(player)), work_(make_folder(page, mark)),
+      lock_(work_ + ".lock", path_) {
+  std::error_code error;
+  fs::create_directory(work_, error);
+  check(path_, error);
+}
 
-std::string PackageFolder::make_work(const std::string &page, const std::string &mark) const {
+// Returns the path of a folder in it.
+std::string PackageFolder::make_folder(const std::string &page, const std::string &mark) const {
   if (has(kPage) && !has(mark) &&
       hash_of_file((fs::path(path_) / kPage).string()) !=
           hash_of_file((fs::path(player_) / page).string()))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
-  const fs::path work = fs::path(path_) / kWork;
   std::error_code error;
-  fs::create_directories(work, error);
+  fs::create_directories(path_, error);
   check(path_, error);
-  return work.string();
+  return (fs::path(path_) / kWork).string();
 }
 
 bool PackageFolder::has(const std::string &name) const {

@@ -44,7 +44,7 @@ public:
   void finish();
 
 private:
-  std::string make_work(const std::string &page, const std::string &mark) const;
+  std::string make_folder(const std::string &page, const std::string &mark) const;
 
   std::string path_;
   std::string player_;

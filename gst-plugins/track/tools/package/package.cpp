@@ -134,13 +134,14 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
   if (!fields) {
     AuthorOptions author = options.author;
     author.folder = work;
-    const std::string copy =
-        naming(rates[0].path, [&] { return author_film(rates[0].path, author).copy; });
-    fields = fields_in(copy);
-    origin = plan_film(copy).origin;
+    naming(rates[0].path, [&] {
+      const std::string copy = author_film(rates[0].path, author).copy;
+      fields = fields_in(copy);
+      origin = plan_film(copy).origin;
+      if (!fields)
+        throw_error(messages::kNoFieldIsDecoded);
+    });
   }
-  if (!fields)
-    throw_error(messages::kNoFieldIsDecoded);
   std::vector<CodedField> track;
   track.reserve(fields->size());
   for (CodedField &field : *fields) {

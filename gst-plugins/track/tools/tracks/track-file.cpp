@@ -75,7 +75,8 @@ void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, Fi
   const auto bytes = read_bytes(path);
   TrackReader reader(std::move(form), track, damaged);
   std::size_t line = 0;
-  for (std::size_t at = 0; at < bytes.size();) {
+  std::size_t at = 0;
+  while (at < bytes.size()) {
     const auto rest = std::span(bytes).subspan(at);
     std::size_t size = rest.size(); // the reader of sets divides them
     if (damaged == FileRemark::damaged_line) {
@@ -92,7 +93,7 @@ void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, Fi
     check_length(path, track);
     at += size;
   }
-  reader.finish();
+  reader.finish(damaged == FileRemark::damaged_line ? line : at);
   check_length(path, track);
   if (damaged == FileRemark::damaged_set && reader.damage() > kMostDamaged)
     throw_error(messages::kTrackFileIsDamaged, path.c_str());
@@ -190,7 +191,12 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   const std::string_view type = name_of(caps.get());
   if (type == HAPTIC_KLV_TYPE || type == HAPTIC_TEXT_TYPE)
     watch_buffers(pad, [&container, role = Role::unknown](GstPad *from, GstBuffer *buffer) mutable {
-      read_packet(container, from, buffer, role);
+      try {
+        read_packet(container, from, buffer, role);
+      } catch (const std::exception &error) { // of hostile bytes, for which there is no memory
+        role = Role::other;
+        GST_ELEMENT_ERROR(container.file.get(), STREAM, DECODE, ("%s", error.what()), (nullptr));
+      }
     });
   if (!type.starts_with("video/") && !type.starts_with("image/"))
     return;

@@ -49,7 +49,7 @@ std::uint64_t &TrackReader::time_of(const Taken &one) {
   return one.is_field ? track_.fields[one.index].time : track_.samples[one.index].time;
 }
 
-// Its time is the sender's.
+// The sample has the sender's time until it gets its own.
 void TrackReader::place(const Taken &one, std::uint64_t pts, std::uint64_t duration) {
   const std::uint64_t sent = time_of(one);
   if (pts == kNoTime && sent != kNoTime) {
@@ -79,10 +79,10 @@ void TrackReader::tie(std::uint64_t pts, std::uint64_t sent, std::uint64_t durat
   clock_.remember(pts, sent, duration);
 }
 
-void TrackReader::finish() {
+void TrackReader::finish(std::size_t at) {
   std::vector<TrackItem> items;
   form_->finish_reading(items);
-  take(items, 0);
+  take(items, at);
   if (damage_ > kNamed)
     track_.remarks.push_back(remark(FileRemark::further_damage, damage_ - kNamed));
   if (others_ > 0)

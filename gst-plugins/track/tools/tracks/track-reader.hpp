@@ -15,10 +15,10 @@ namespace haptic {
 /// Packets of a file that is a track alone have no time stamps: its samples keep their own times,
 /// and some of what is damaged is named.
 ///
-/// Packets of a stream in a container have time stamps, which are the times. Those that a cut left
-/// before the first clock of a transport stream have none, nor have those that a remuxer took it
-/// from. The times of the sender lead from one sample with a stamp to the others, those before it
-/// too.
+/// Packets of a stream in a container have time stamps, which are the times. After a cut, packets
+/// before the first clock of a transport stream have none, and some remuxers drop those of others.
+/// The times of the sender then lead from a sample with a time stamp to the others, also to those
+/// before it.
 class TrackReader {
 public:
   /// `track` gets samples, fields and remarks. `damaged`: what a damaged packet of a file is
@@ -29,8 +29,8 @@ public:
 
   /// `at`: the number of the packet in its file, as the remark counts.
   void push(const InputPacket &packet, std::size_t at = 0);
-  /// A stream without any time stamp begins at 0.
-  void finish();
+  /// A stream without any time stamp begins at 0. `at`: where a file ends, as the remark counts.
+  void finish(std::size_t at = 0);
   /// Returns how many damaged packets or sets a file has so far.
   std::size_t damage() const noexcept { return damage_; }
 
