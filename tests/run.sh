@@ -5,8 +5,8 @@
 # style or scripts counts as one test.
 #
 # Usage: tests/run.sh [--gate | --all]
-#           what a user runs: 10 minutes on two processors once the packages are installed
-#   --gate  what every change passes, half an hour: also the tests in real time, the sanitizers, the player in node, and
+#           what a user runs: 9 minutes on two processors once the packages are installed
+#   --gate  what every change passes, 20 minutes: also the tests in real time, the sanitizers, the player in node, and
 #           clang-tidy on the files that differ from the commit $FEELING_WIND_BASE, or else from the last tag
 #   --all   everything, more than an hour: also the long tests, the player in a browser, other sanitizers, instruction
 #           sets and options, inputs that coverage guides, the virtual machine, the lab, clang-tidy on every file, the
