@@ -73,6 +73,13 @@ void gst_mini_object_unref(GstMiniObject *object) {
   BEHIND(gst_mini_object_unref)(object);
 }
 
+// The caller gives its reference away; GStreamer may drop it where the sanitizer does not see it.
+gboolean gst_pad_push_event(GstPad *pad, GstEvent *event) {
+  __tsan_release(event);
+  BEHIND(gst_pad_push_event);
+  return next(pad, event);
+}
+
 // GStreamer frees what it counts in functions of its own. Who gave a reference back came before.
 void __sanitizer_free_hook(const volatile void *memory) {
   __tsan_acquire(const_cast<void *>(memory));
