@@ -56,10 +56,11 @@ promise "the kernel sees a USB2.0 Simple" attach 1 0203
 measure_the_bus
 
 # `start CAMERA CAPS`: what it shows is felt on the unit, in the background. It has a minute to stop after Ctrl-C:
-# `timeout` kills it so long after any signal that it passes on, and emulated processors need seconds.
+# `timeout` kills it so long after any signal that it passes on, and emulated processors need seconds. In the foreground it
+# passes a signal on once: the second of two would kill a process that stops already.
 start() {
   line=0
-  stdbuf -oL timeout -k 60 300 gst-launch-1.0 -m --no-position v4l2src "device=/dev/video$1" ! "$2" \
+  stdbuf -oL timeout --foreground -k 60 300 gst-launch-1.0 -m --no-position v4l2src "device=/dev/video$1" ! "$2" \
     ! roitracker roi-size=60 ! velocityavg post-messages=true ! hapticsink device=usb:0 >"$work/said" 2>&1 &
   pipeline=$!
 }
