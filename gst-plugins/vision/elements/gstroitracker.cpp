@@ -596,6 +596,7 @@ gboolean stop(GstRoiTracker *self) {
   State &state = *self->state;
   state.forget_frames();
   state.region_size = {};
+  state.object.reset();
   state.thing.release();
   state.was_pressed = false;
   state.timeline.report_faults_again();

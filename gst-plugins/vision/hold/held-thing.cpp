@@ -284,11 +284,8 @@ std::optional<HeldThing::Match> HeldThing::match(const LumaSource &frame, float 
               .error_scale = found->error_scale,
               .layers = was_expected ? 1 : kHoldLayers};
   align_to_first(match, found->variance);
-  if (!patch_layer(0, match.pose).sample(match.pose, match.grey)) {
-    if (was_expected)
-      read_widely(frame, seconds);
+  if (!patch_layer(0, match.pose).sample(match.pose, match.grey))
     return std::nullopt;
-  }
   match.likeness = appearances_[0].compare(match.grey, usual_difference_);
   return match;
 }
@@ -349,8 +346,7 @@ void HeldThing::accept(const Match &match, float seconds) {
 void HeldThing::follow_seen(const LumaSource &frame, float seconds) {
   const std::optional<Match> found = match(frame, seconds);
   if (!found || looks_hidden(*found)) {
-    if (found && found->layers == 1)
-      read_widely(frame, seconds);
+    read_widely(frame, seconds);
     hide();
     if (report_.state == HoldState::about)
       follow_about(seconds);

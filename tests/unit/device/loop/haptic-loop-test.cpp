@@ -123,8 +123,8 @@ TEST_P(EachLoop, ADeviceThatFailsThreeTimesIsFaultedUntilArmed) {
   EXPECT_EQ(loop_.statistics().device_faults, 1U);
 }
 
-// A hand at 0.7 m/s, and one tick in twenty up to 19 ms
-// late, in a sequence of fixed seed. LATE_TICKS=1000000 runs the number that is promised.
+// A hand at 0.7 m/s, and one tick in twenty up to 19 ms late, in a sequence of fixed seed.
+// LATE_TICKS=1000000 runs the number that is promised.
 TEST_P(EachLoop, LateTicksDoNotMakeAHandTooFast) {
   const char *wanted = std::getenv("LATE_TICKS");
   const int count = wanted ? std::atoi(wanted) : 100'000;
