@@ -122,8 +122,8 @@ if [ $# = 4 ]; then
     shot_until backward blue 'n > 10 && row > 105' # the model's name covers a part
     press minus 'at -0.5 times'
     press plus 'at -1 times'
-    press r 'at 1 times'
-    press bracketright 'region of 38 px'
+    press '--delay 0 r bracketright' 'region of 38 px' # the seek is still on its way
+    until_true grep -q 'at 1 times' said
     press bracketleft 'region of 30 px'
     press greater 'strength (alpha) 0.06 s/px'
     press less 'strength (alpha) 0.04 s/px'

@@ -535,11 +535,14 @@ bool Player::has_sound() const {
   return element("sound") != nullptr;
 }
 
+// A seek takes the last frame away, and leaves the caps.
 int Player::frame_width() const {
   int width = 0;
-  if (const SamplePtr sample = last_frame())
-    if (GstCaps *caps = gst_sample_get_caps(sample.get()))
-      gst_structure_get_int(gst_caps_get_structure(caps, 0), "width", &width);
+  if (const ElementPtr tracker = element("tracker")) {
+    const haptic::PadPtr pad(gst_element_get_static_pad(tracker.get(), "sink"));
+    if (const haptic::CapsPtr caps{gst_pad_get_current_caps(pad.get())})
+      gst_structure_get_int(gst_caps_get_structure(caps.get(), 0), "width", &width);
+  }
   return width;
 }
 
