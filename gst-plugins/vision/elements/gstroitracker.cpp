@@ -69,7 +69,7 @@ struct Shared {
   haptic::PointerArbiter pointers;
   guint roi_size = 0; // px; 0: from the frame's width
   guint max_points = haptic::kUsualPatches;
-  TrackerMethod method = TrackerMethod::fast;
+  TrackerMethod method = TrackerMethod::layers;
   RegionShape region = RegionShape::square;
   HoldMode hold = HoldMode::pressed;
   std::optional<guint> finger; // of a touch screen that points
@@ -200,9 +200,8 @@ std::span<const haptic::Property<Shared>> properties() {
                {TrackerMethod::opencv,
                 "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
                {TrackerMethod::layers,
-                "What moves before a background, each with its own motion; patches cover the "
-                "region "
-                "evenly",
+                "Still, one translation, or what moves before a background, with patches that "
+                "cover the region evenly; as fast while the pointer moves",
                 "layers"}})),
       Rows::choice<&Shared::region>(
           "region", "Region", "What is measured about the pointer",

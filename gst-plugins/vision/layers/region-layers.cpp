@@ -31,6 +31,7 @@ void RegionLayers::forget() {
   is_lost_ = true;
   frame_moves_ = 0;
   flat_parts_move_ = 0;
+  flat_parts_seen_ = 0;
   region_ = {};
   light_.forget();
   translation_.forget();
@@ -112,6 +113,7 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
 void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
   constexpr float kMemory = 0.5F;     // s
   constexpr float kLeastVariance = 1; // grey levels squared
+  constexpr float kFew = 10;          // cells, whose brightness counts by half: it may be chance
   struct Brightness {
     float count = 0;
     float sum = 0;
@@ -133,9 +135,13 @@ void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
   });
   const float share = moving.count / std::max(moving.count + flat.count, 1.0F);
   const float spread = std::sqrt(std::max(moving.variance() + flat.variance(), kLeastVariance));
-  const float apart = std::abs(moving.mean() - flat.mean()) / spread;
+  const float apart =
+      std::abs(moving.mean() - flat.mean()) / spread * flat.count / (flat.count + kFew);
   const float move = ramp(share, 0.5F, 0.6F) * (1 - ramp(apart, 0.6F, 1)) * (1 - frame_moves);
-  flat_parts_move_ += (1 - std::exp(-seconds / kMemory)) * (move - flat_parts_move_);
+  flat_parts_seen_ += seconds;
+  // A mean over all pairs, as long as they are few.
+  flat_parts_move_ += std::max(seconds / flat_parts_seen_, 1 - std::exp(-seconds / kMemory)) *
+                      (move - flat_parts_move_);
 }
 
 void RegionLayers::judge(float noise) {

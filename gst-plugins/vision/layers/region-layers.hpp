@@ -75,6 +75,7 @@ private:
   bool is_lost_ = true;       // the pair before was hardly explained
   float frame_moves_ = 0;     // of the pair before
   float flat_parts_move_ = 0; // how surely flat parts belong to the texture that moves, 0..1
+  float flat_parts_seen_ = 0; // s
   bool is_unexplained_ = false;
   bool is_unrelated_ = false;
   float noise_ = 0;      // of this pair

@@ -53,6 +53,7 @@ private:
   CropPair near(const CropPair &pair) const;
   bool divide(const CropPair &pair, const std::optional<Displacement> &whole);
   void blend(Displacement whole, float part);
+  void take_over(float part, const Measurement &ladder);
   float counts_for_region(Displacement whole);
   void forget(int reductions);
   void keep(const LumaView &view);
@@ -254,6 +255,30 @@ void LayerTracker::blend(Displacement whole, float part) {
   }
 }
 
+// Each patch by its share of the pixels, if they were counted.
+Displacement mean_of(std::span<const Patch> patches) {
+  Displacement sum;
+  float shares = 0;
+  for (const Patch &patch : patches) {
+    const float share = patch.share > 0 ? patch.share : 1;
+    sum += share * Displacement{patch.dx, patch.dy};
+    shares += share;
+  }
+  return shares > 0 ? 1 / shares * sum : Displacement{};
+}
+
+// From the mean over the ladder's patches to that over the tiles, without a step.
+void LayerTracker::take_over(float part, const Measurement &ladder) {
+  if (ladder.count == 0)
+    return;
+  const Displacement by =
+      (1 - part) * (mean_of(ladder.view()) - mean_of(std::as_const(tiled_).view()));
+  for (Patch &tile : tiled_.view()) {
+    tile.dx += by.x;
+    tile.dy += by.y;
+  }
+}
+
 // How far one translation of the texture is one of the region. A leaf before a sky leaves no
 // texture that contradicts its translation: the flat parts must have moved, too. A coder moves them
 // in jumps, between frames in which they stand.
@@ -269,7 +294,10 @@ float LayerTracker::counts_for_region(Displacement whole) {
 }
 
 void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
-  constexpr float kWarm = 0.1F; // s, until the layers of a new place have settled
+  // s, of a new place: at first the layers say nothing, and in the end they speak alone. Two
+  // textures that move in opposite directions then make no step.
+  constexpr float kWarm = 0.06F;
+  constexpr float kSettled = 0.18F;
   const CropPair close = near(pair);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
   const Explanation simple = ladder_->measure_simply(pair, measurement);
@@ -293,6 +321,10 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
     if (simple == Explanation::none)
       ladder_->measure_rest(measurement);
     return;
+  }
+  if (seconds_ < kSettled && simple == Explanation::none) {
+    ladder_->measure_rest(measurement);
+    take_over((seconds_ - kWarm) / (kSettled - kWarm), measurement);
   }
   if (simple != Explanation::periodic)
     blend(whole.value_or(Displacement{}), counts);

@@ -63,7 +63,7 @@ public:
 /// Inverse-compositional Lucas-Kanade, invariant to gain and offset.
 std::unique_ptr<PatchTracker> make_fast_tracker(const FastTrackerOptions &options = {});
 
-/// Still, one translation, or what moves before a background, each with its own
+/// The default: still, one translation, or what moves before a background, each with its own
 /// motion. The mean of the patches is the mean over the region as it moved. As the fast tracker,
 /// where nothing is remembered of the place.
 std::unique_ptr<PatchTracker> make_layer_tracker();

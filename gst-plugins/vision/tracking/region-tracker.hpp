@@ -66,8 +66,8 @@ private:
   Repetition repetition(const LumaSource &earlier, const LumaSource &frame, const CropPair &pair);
   void run(const CropPair &pair, Finding &finding);
 
-  TrackerMethod method_ = TrackerMethod::fast;
-  std::unique_ptr<PatchTracker> tracker_ = make_fast_tracker();
+  TrackerMethod method_ = TrackerMethod::layers;
+  std::unique_ptr<PatchTracker> tracker_ = make_layer_tracker();
   RepetitionJudge judge_;
   Rectangle moving_crop_;             // where motion was last seen; empty: nowhere yet
   int repeats_ = 0;                   // still frames since the tracker was last asked

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "methods/methods.hpp"
 
+#include "plane-source.hpp"
 #include "tracking/region.hpp"
 
 #include <algorithm>
@@ -13,6 +14,8 @@ haptic::LumaView view(const cv::Mat &frame, const haptic::Rectangle &crop) {
   return {frame.ptr(crop.y) + crop.x, crop.width, crop.height,
           static_cast<std::ptrdiff_t>(frame.step)};
 }
+
+constexpr float kInterval = 1.0F / 30; // s
 
 struct Knobs {
   haptic::FastTrackerOptions options{};
@@ -57,13 +60,12 @@ void add_opencv(std::vector<Configuration> &list, int points) {
 
 Reading estimate(const haptic::Measurement &measurement, const haptic::Rectangle &region,
                  const Task &task, const Estimator &estimator, haptic::ModelHistory &history) {
-  constexpr double kInterval = 1.0 / 30;
   const haptic::VelocityEstimate estimate = haptic::estimate_velocity(
       {.patches = measurement.view(),
        .candidates = measurement.candidates,
        .pointer_x = static_cast<float>(task.pointer.x * task.current.cols),
        .pointer_y = static_cast<float>(task.pointer.y * task.current.rows),
-       .interval = kInterval,
+       .interval = static_cast<double>(kInterval),
        .region_x = static_cast<float>(region.x),
        .region_y = static_cast<float>(region.y),
        .region_width = static_cast<float>(region.width),
@@ -72,10 +74,11 @@ Reading estimate(const haptic::Measurement &measurement, const haptic::Rectangle
        .parts = estimator.parts},
       estimator.average, estimator.choice, history);
   history = estimate.history;
-  return {.velocity = Vector(estimate.velocity_x, estimate.velocity_y) * kInterval,
+  return {.velocity =
+              Vector(estimate.velocity_x, estimate.velocity_y) * static_cast<double>(kInterval),
           .confidence = estimate.confidence,
-          .spin = estimate.spin * kInterval,
-          .divergence = estimate.divergence * kInterval,
+          .spin = estimate.spin * static_cast<double>(kInterval),
+          .divergence = estimate.divergence * static_cast<double>(kInterval),
           .model = estimate.model};
 }
 
@@ -92,9 +95,17 @@ Reading TrackerMethod::measure(const Task &task) {
     return {};
   const haptic::Rectangle crop =
       haptic::crop_around(region, tracker_->margin(task.side), width, height);
-  tracker_->measure(
-      {view(task.previous, crop), view(task.current, crop), crop, region, task.continues},
-      measurement_);
+  const test::PlaneSource earlier(view(task.previous, {0, 0, width, height}));
+  const test::PlaneSource later(view(task.current, {0, 0, width, height}));
+  const haptic::FramePair frames{earlier, later, width, height};
+  tracker_->measure({.previous = view(task.previous, crop),
+                     .current = view(task.current, crop),
+                     .crop = crop,
+                     .region = region,
+                     .continues = task.continues,
+                     .frames = &frames,
+                     .seconds = kInterval},
+                    measurement_);
   if (!task.continues || !estimator_.has_history || (measurement_.flags & haptic::kCut))
     history_ = {};
   if (measurement_.flags & haptic::kCut)
@@ -107,7 +118,13 @@ Reading TrackerMethod::measure(const Task &task) {
 }
 
 std::unique_ptr<Method> make_default() {
-  return make_fast({});
+  auto tracker = haptic::make_layer_tracker();
+  tracker->set_max_points(haptic::kUsualPatches);
+  return std::make_unique<TrackerMethod>(std::move(tracker));
+}
+
+std::unique_ptr<Method> make_fast() {
+  return make_fast(Knobs{});
 }
 
 std::vector<Configuration> configurations(bool quick) {

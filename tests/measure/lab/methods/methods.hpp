@@ -79,6 +79,9 @@ private:
 
 std::unique_ptr<Method> make_default();
 
+/// method=fast.
+std::unique_ptr<Method> make_fast();
+
 /// Every configuration of the sweep; `quick`: the defaults and a few more.
 std::vector<Configuration> configurations(bool quick);
 

@@ -59,6 +59,8 @@ protected:
       return {};
     return haptic::estimate_velocity({.patches = found().view(),
                                       .candidates = found().candidates,
+                                      .pointer_x = kRegion.x + kRegion.width / 2.0F,
+                                      .pointer_y = kRegion.y + kRegion.height / 2.0F,
                                       .interval = 1,
                                       .region_width = kRegion.width,
                                       .region_height = kRegion.height,
@@ -231,6 +233,30 @@ TEST_F(LayerTrackerTest, TheFlatPartsOfAMeadowMoveWithIt) {
     square += is * is;
   }
   EXPECT_NEAR(product / square, 1, 0.15);
+}
+
+// Each half of the region is full of texture, and slides against the other.
+TEST_F(LayerTrackerTest, ANewPlaceWithTwoMotionsIsFeltWithoutAStep) {
+  constexpr int kMiddle = kRegion.x + kRegion.width / 2;
+  double largest = 0;
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    tracker = std::make_unique<haptic::RegionTracker>();
+    frame_ = {};
+    const test::Texture left(2 * seed + 1, 4);
+    const test::Texture right(2 * seed + 2, 4);
+    double before = 0;
+    for (int i = 0; i < 24; ++i) {
+      Frame frame(kWidth, kHeight);
+      left.paint(frame, {0, 1.0 * i}, 0, kMiddle);
+      right.paint(frame, {0, -1.0 * i}, kMiddle, kWidth);
+      show(std::move(frame));
+      const auto now = static_cast<double>(felt().velocity_y);
+      if (i > 1)
+        largest = std::max(largest, std::abs(now - before));
+      before = now;
+    }
+  }
+  EXPECT_LT(largest, 0.02); // px a frame
 }
 
 TEST_F(LayerTrackerTest, TheTilesCoverTheRegionEvenly) {

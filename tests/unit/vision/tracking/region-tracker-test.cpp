@@ -86,7 +86,7 @@ protected:
 };
 
 TEST_F(RegionTrackerTest, MeasuresTheMotionBetweenTwoFramesWithEachMethod) {
-  for (const auto method : {TrackerMethod::fast, TrackerMethod::opencv}) {
+  for (const auto method : {TrackerMethod::fast, TrackerMethod::opencv, TrackerMethod::layers}) {
     tracker.set_method(method, 10);
     const Finding found = compare(moved(0, 0), moved(2, -1));
     EXPECT_EQ(found.flags, 0);
@@ -148,7 +148,9 @@ TEST_F(RegionTrackerTest, ARegionAtRestBesideAMovingOneStandsStillAtOnce) {
   EXPECT_EQ(compare(half_moved(1), half_moved(2), kRight).flags, haptic::kMotionStill);
 }
 
-TEST_F(RegionTrackerTest, ThePixelsOfAFrameAreConvertedOnce) {
+// The layers read patches of the frame, too.
+TEST_F(RegionTrackerTest, ThePixelsOfACropAreConvertedOnce) {
+  tracker.set_method(TrackerMethod::fast, haptic::kUsualPatches);
   const int all = crop_size();
   EXPECT_EQ(converted(moved(0, 0), moved(1, 0)), std::pair(all, all));
   EXPECT_EQ(converted(moved(1, 0), moved(2, 0)), std::pair(0, all)) << "the earlier one was kept";
