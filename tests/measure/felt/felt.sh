@@ -10,17 +10,18 @@
 #   --method METHOD    fast, layers, opencv, each also with :mean or :pointed for average=; or a peer. May be repeated
 #   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer (wind only)
 #   --output FILE      a line for each film and method: group,film,method,alpha,told (%),time (µs)
+#   --picture FILE     a chart of the table (PNG), by gnuplot
 #
 # Takes the programs from build/. The peers need -Dbenchmarks=enabled.
 
 source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 felt=$root/tests/measure/felt
-set=judge films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/felt of=square output='' groups=() methods=()
+set=judge films=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind/felt of=square output='' picture='' groups=() methods=()
 while [ $# -gt 0 ]; do
   case $1 in
   --help | -h) show_help && exit ;;
-  --set | --films | --only | --method | --truth-of | --output) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
+  --set | --films | --only | --method | --truth-of | --output | --picture) [ $# -gt 1 ] || fail "$1 needs a value; see --help" ;;
   *) fail "unknown option '$1'; see --help" ;;
   esac
   case $1 in
@@ -30,6 +31,7 @@ while [ $# -gt 0 ]; do
   --method) methods+=("$2") ;;
   --truth-of) of=$2 ;;
   --output) output=$2 ;;
+  --picture) picture=$2 ;;
   esac
   shift 2
 done
@@ -112,6 +114,7 @@ track() {
 }
 
 mkdir -p "$films"
+[ -z "$picture" ] || output=${output:-$work/table.csv}
 [ -z "$output" ] || echo "group,film,method,alpha,told,us" >"$output"
 printf '| films |' && printf ' %s |' "${methods[@]}"
 printf '\n|---|' && printf '%s' "${methods[@]/*/---|}" && echo
@@ -142,3 +145,4 @@ for group in "${groups[@]}"; do
   done
   echo
 done
+[ -z "$picture" ] || gnuplot -c "$felt/felt-chart.gp" "$output" "$picture"
