@@ -101,6 +101,7 @@ struct Device::Implementation {
   Counts counts{};
   DacWords words{};
   DeviceState state;
+  WrenchMatrix pull;                        ///< at the pose of the state
   Pose last_solved;                         ///< also if it was rejected
   std::optional<std::int64_t> exchanged_at; ///< ns, monotonic
   double since_exchange = 0;                ///< s, between the last two exchanges
@@ -120,7 +121,7 @@ struct Device::Implementation {
       : controller(std::move(the_controller)), geometry(std::move(the_geometry)),
         limits(limits_of(geometry)), period(the_period), pose_solver(geometry),
         tension_solver(geometry), slip(geometry.grip_radius),
-        home_lengths(string_lengths(geometry, {})) {
+        home_lengths(string_lengths(geometry, {})), pull(string_kinematics(geometry, {}).pull) {
     relax();
     at_rest = at_motors = acting = state.tensions;
     controller->guard(words);
@@ -131,17 +132,16 @@ struct Device::Implementation {
       words[i] = word_of_tension(geometry, i, tensions[i]);
       state.tensions[i] = tension_of_word(geometry, i, words[i]);
     }
-    state.realised = realised_wrench(string_kinematics(geometry, state.pose).pull, state.tensions);
+    state.realised = realised_wrench(pull, state.tensions);
   }
 
   void command(const Wrench &wrench) noexcept {
     const double step = since_exchange / kBalancing;
     balanced += std::clamp((rests ? 0 : 1) - balanced, -step, step);
     const Tensions minimum = Tensions::Constant(geometry.tension_min);
-    const Wrench pull =
-        realised_wrench(string_kinematics(geometry, state.pose).pull, (1 - balanced) * minimum);
+    const Wrench kept = realised_wrench(pull, (1 - balanced) * minimum);
     const TensionSolver::Result result =
-        tension_solver.solve({wrench.force + pull.force, wrench.torque + pull.torque}, state.pose);
+        tension_solver.solve({wrench.force + kept.force, wrench.torque + kept.torque}, state.pose);
     set_tensions(result.tensions);
     state.given_up = {wrench.force - result.realised.force, wrench.torque - result.realised.torque};
     state.feasible = state.given_up.force.norm() <= TensionSolver::kFeasible;
@@ -191,6 +191,7 @@ struct Device::Implementation {
     state.moved = velocity_known ? moved : Vector3::Zero();
     state.turned = velocity_known ? turn : Vector3::Zero();
     state.pose = pose;
+    pull = string_kinematics(geometry, pose).pull;
     tell_what_acted();
     velocity_known = true;
     since_valid = 0;

@@ -28,7 +28,9 @@ inline StringKinematics string_kinematics(const Geometry &geometry, const Pose &
     const Vector3 string = geometry.motors[i] - pose.position - arm;
     const double length = std::max(string.norm(), kShortest);
     const Vector3 direction = string / length;
-    strings.pull.col(i) << direction, arm.cross(direction);
+    // Not with <<, whose calls are an eighth of what a tick costs.
+    strings.pull.col(i).head<3>() = direction;
+    strings.pull.col(i).tail<3>() = arm.cross(direction);
     strings.lengths[i] = length;
   }
   return strings;

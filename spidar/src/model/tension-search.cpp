@@ -126,7 +126,8 @@ TensionProblem::TensionProblem(const Geometry &geometry, const WrenchMatrix &pul
 
 void TensionProblem::want(const Wrench &wrench) noexcept {
   Vector6 wanted;
-  wanted << wrench.force, wrench.torque / grip_radius;
+  wanted.head<3>() = wrench.force;
+  wanted.tail<3>() = wrench.torque / grip_radius;
   const double largest = wanted.cwiseAbs().maxCoeff();
   if (largest > kLargestComponent)
     wanted *= kLargestComponent / largest;
