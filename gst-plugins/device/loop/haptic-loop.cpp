@@ -22,10 +22,22 @@ constexpr std::uint32_t kHoldsOfFilm =
     kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
 constexpr double kForgetsLate = 1; // s, time constant; a late tick is rarely alone
 
-// Only the loop writes its counters, so no read-modify-write instruction is needed.
+// Only the loop writes its counters, so no read-modify-write instruction is needed. One, or a store
+// in the default order, waits for all stores before it, and after a sleep many miss the caches.
 template <typename T>
 void add(std::atomic<T> &counter, T amount = 1) noexcept {
   counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+}
+
+template <typename T>
+void set(std::atomic<T> &value, T to) noexcept {
+  value.store(to, std::memory_order_release);
+}
+
+// The same as exchange({}), which costs more.
+template <typename T>
+T take(std::atomic<T> &value) noexcept {
+  return value.load(std::memory_order_relaxed) ? value.exchange({}) : T{};
 }
 
 template <typename T>
@@ -61,9 +73,11 @@ HapticLoop::Run::Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_re
     recorder = FlightRecorder(environment.rate);
 }
 
-void HapticLoop::Run::adopt_limits() noexcept {
-  limits = environment.device ? environment.device->limits() : spidar::DeviceLimits{};
-  chain.set_device(limits);
+void HapticLoop::adopt_limits() noexcept {
+  const spidar::HapticDevice *device = run_.environment.device;
+  run_.limits = device ? device->limits() : spidar::DeviceLimits{};
+  run_.chain.set_device(run_.limits);
+  run_.settings = within(settings_.value(), run_.limits);
 }
 
 HapticLoop::HapticLoop() = default;
@@ -84,7 +98,7 @@ void HapticLoop::prepare(Environment environment) {
   }
   run_ = Run(std::move(environment), epoch_, relief_epoch_);
   run_.chain = chain;
-  run_.adopt_limits();
+  adopt_limits();
   run_.rests_since = rests_since;
 }
 
@@ -149,10 +163,10 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   run_.last_tick = now;
   expect_late_ticks(dt);
 
-  settings_.refresh();
+  if (settings_.refresh())
+    run_.settings = within(settings_.value(), run_.limits);
   receive_submissions(now);
   adopt_replacement();
-  run_.settings = within(settings_.value(), run_.limits);
   exchange(now);
   update_hand(dt);
   update_motion(now);
@@ -164,28 +178,28 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
     device->limit_side_torque(
         run_.chain.most_side_torque(wrench.force, run_.settings.law_settings.max_torque));
     device->command(wrench);
-    run_.statistics.given_up_force = device->state().given_up.force.norm();
-    run_.statistics.given_up_torque = device->state().given_up.torque.norm();
+    set(run_.statistics.given_up_force, device->state().given_up.force.norm());
+    set(run_.statistics.given_up_torque, device->state().given_up.torque.norm());
   }
   if (run_.environment.log || run_.environment.records) {
-    const TickRow row = make_row(now, wrench);
+    TickRow row = make_row(now, wrench);
     if (run_.environment.records)
       record_tick(row, lateness > run_.period);
     if (run_.environment.log)
       log_tick(now, row);
   }
-  run_.statistics.carry_stiffness = run_.carry.stiffness();
-  run_.statistics.carry_distance = run_.carry.spring().norm();
+  set(run_.statistics.carry_stiffness, run_.carry.stiffness());
+  set(run_.statistics.carry_distance, run_.carry.spring().norm());
   run_.impulse.impulse += wrench.force * dt;
   run_.impulse.time += dt;
   run_.impulse_slot.write(run_.impulse);
   for (std::size_t i = 0; i < kLimitNames.size(); ++i)
     if (run_.chain.limits() & kLimitNames[i].bit)
       add<std::uint64_t>(run_.statistics.limited[i]);
-  run_.silent.store(run_.chain.silent());
-  run_.tick_holds.store(run_.chain.holds() & kTickHolds);
+  set(run_.silent, run_.chain.silent());
+  set(run_.tick_holds, run_.chain.holds() & kTickHolds);
   raise(run_.statistics.force_max, wrench.force.norm());
-  run_.statistics.force_rms.store(run_.chain.continuous_force().rms(), std::memory_order_relaxed);
+  set(run_.statistics.force_rms, run_.chain.continuous_force().rms());
 }
 
 // A stiffness that comes back under the hand would be felt as a push.
@@ -235,11 +249,11 @@ void HapticLoop::receive_reliefs(std::int64_t running) noexcept {
 }
 
 void HapticLoop::adopt_replacement() noexcept {
-  spidar::HapticDevice *device = run_.replacement.exchange(nullptr);
+  spidar::HapticDevice *device = take(run_.replacement);
   if (!device)
     return;
   run_.environment.device = device;
-  run_.adopt_limits();
+  adopt_limits();
   run_.failed_exchanges = 0;
   run_.retry_at = 0;
   homed_.store(false);
@@ -259,7 +273,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   spidar::HapticDevice *device = run_.environment.device;
   if (!device)
     return;
-  if (run_.calibrate.exchange(false)) {
+  if (take(run_.calibrate)) {
     device->calibrate();
     run_.chain.calibrate();
     run_.wash_out.reset();
@@ -301,7 +315,7 @@ void HapticLoop::update_hand(double dt) noexcept {
   const spidar::DeviceState &state = device->state();
   const spidar::Vector3 &half = device->workspace_half();
   if (state.valid) {
-    homed_.store(true);
+    set(homed_, true);
     run_.wash_out.step(state.pose.position, state.velocity, half, run_.settings.wash_out, dt);
     run_.place = map_pointer(state.pose.position, half, run_.wash_out.shift());
     // The button of a dead-man switch says that there may be a force, no more.
@@ -471,7 +485,7 @@ void HapticLoop::record_tick(const TickRow &row, bool late) noexcept {
 
 // The log begins with the running time. While the pipeline does not play, it continues only until
 // it has shown the force reach zero.
-void HapticLoop::log_tick(std::int64_t now, TickRow row) noexcept {
+void HapticLoop::log_tick(std::int64_t now, TickRow &row) noexcept {
   const std::uint32_t holds = holds_.load();
   const bool playing = !(holds & kHoldPaused);
   if (!run_.log_start && playing && run_.running_time.at(now) >= 0)

@@ -251,8 +251,6 @@ private:
     Run() = default;
     Run(Environment of, std::uint32_t at_epoch, std::uint32_t at_relief_epoch);
 
-    void adopt_limits() noexcept;
-
     // Between threads.
     SharedValue<bool> calibrate;
     SharedValue<bool> silent = true;
@@ -299,6 +297,7 @@ private:
   };
 
   void run(const std::stop_token &stop) noexcept;
+  void adopt_limits() noexcept;
   void count_tick(std::int64_t lateness) noexcept;
   void expect_late_ticks(double dt) noexcept;
   void receive_submissions(std::int64_t now) noexcept;
@@ -313,7 +312,7 @@ private:
   void calm_law(SafetyChain::Input &input, double dt) noexcept;
   spidar::Wrench next_wrench(double dt, bool late) noexcept;
   void record_tick(const TickRow &row, bool late) noexcept;
-  void log_tick(std::int64_t now, TickRow row) noexcept;
+  void log_tick(std::int64_t now, TickRow &row) noexcept;
   TickRow make_row(std::int64_t now, const spidar::Wrench &wrench) noexcept;
 
   // Outlive a run.
