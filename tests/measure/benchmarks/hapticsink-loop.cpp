@@ -9,6 +9,7 @@
 #include "drivers/device-choice.hpp"
 #include "loop/haptic-loop.hpp"
 #include "processor.hpp"
+#include "timed-loop.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -16,11 +17,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
-#include <memory>
-#include <pthread.h>
-#include <spidar/device.hpp>
-#include <spidar/simulator.hpp>
 #include <string>
 #include <thread>
 #include <unistd.h>
@@ -28,94 +24,23 @@
 namespace {
 
 constexpr double kDefaultSeconds = 60;
-constexpr auto kFrame = std::chrono::nanoseconds(std::chrono::seconds(1)) / 30;
-
-haptic::MotionSample leaf(double t) {
-  haptic::MotionSample sample;
-  sample.velocity_x = static_cast<float>(150 * std::sin(7 * t));
-  sample.velocity_y = static_cast<float>(80 * std::sin(14 * t));
-  sample.confidence = 1;
-  sample.interval = static_cast<std::uint64_t>(kFrame.count());
-  sample.frame_width = 352;
-  sample.frame_height = 288;
-  return sample;
-}
-
-// A controller that knows how long its exchanges took: on USB that is waiting.
-class TimedController final : public spidar::Controller {
-public:
-  explicit TimedController(std::unique_ptr<spidar::Controller> inner) : inner_(std::move(inner)) {}
-  void set_time(std::int64_t now) noexcept override { inner_->set_time(now); }
-  bool exchange(const spidar::DacWords &words, spidar::Counts &counts) noexcept override {
-    const std::int64_t begun = haptic::monotonic_now();
-    const bool answered = inner_->exchange(words, counts);
-    taken = haptic::monotonic_now() - begun;
-    return answered;
-  }
-  bool home(spidar::Counts &counts) const noexcept override { return inner_->home(counts); }
-  std::string description() const override { return inner_->description(); }
-
-  std::int64_t taken = 0; // ns, by the last exchange
-
-private:
-  std::unique_ptr<spidar::Controller> inner_;
-};
-
-// Waves that move under the hand, as fine as depthfield makes them by default.
-haptic::ReliefField waves(double t) {
-  haptic::ReliefField relief;
-  relief.interval = static_cast<std::uint64_t>(kFrame.count());
-  relief.frame_width = 640;
-  relief.frame_height = 480;
-  relief.columns = 64;
-  relief.rows = 48;
-  for (int i = 0; i < 64 * 48; ++i) {
-    const double height = 0.003 + 0.001 * std::sin(0.4 * (i % 64) + 0.3 * (i / 64) + 5 * t);
-    relief.cells.push_back({static_cast<float>(height), 200, 0.3F, 1});
-  }
-  return relief;
-}
 
 // The time of each tick without the exchange, with the log on, in a thread like the loop's. Returns
 // how often the ticks took memory from the heap. `touch`: the hand rests in waves, too.
-long measure_own_part(double seconds, const std::string &log_path, bool touch,
-                      haptic::DurationHistogram &own) {
-  const auto pool = std::make_unique<haptic::ReliefPool>();
-  const spidar::Geometry geometry = spidar::load_geometry(spidar::kDefaultGeometry);
-  auto timed = std::make_unique<TimedController>(
-      std::make_unique<spidar::Simulator>(geometry, spidar::parse_hand_script("circle:0.6,5")));
-  const TimedController &controller = *timed;
-  spidar::Device device(std::move(timed), geometry);
-  haptic::TickLog log(log_path);
-  haptic::HapticLoop loop;
-  haptic::LoopSettings settings;
-  settings.touch = touch ? haptic::TouchMode::surface_and_motion : haptic::TouchMode::off;
-  loop.set_settings(settings);
-  loop.prepare({.device = &device, .log = &log, .records = true});
-  loop.unhold(haptic::kHoldClosed | haptic::kHoldPaused);
+long measure_own_part(double seconds, bool touch, haptic::DurationHistogram &own) {
+  test::TimedLoop loop(touch);
   long allocations = 0;
   std::jthread([&] {
-    const sched_param wanted{.sched_priority = 50};
-    pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+    test::take_priority_of_loop();
     long taken = 0;
     std::int64_t next = haptic::monotonic_now();
     for (int tick = 0; tick < seconds * 1000; ++tick) {
-      next += 1'000'000;
-      const timespec at{.tv_sec = next / 1'000'000'000, .tv_nsec = next % 1'000'000'000};
-      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
-      if (tick % 33 == 0)
-        loop.submit(leaf(tick * 1e-3));
-      if (touch && tick % 33 == 0) {
-        auto relief = pool->acquire();
-        if (relief) {
-          *relief = waves(tick * 1e-3);
-          loop.submit(haptic::TimedRelief{std::move(relief)});
-        }
-      }
-      const long before = test::allocations;
+      next += test::kPeriod;
+      test::wait_until(next);
       const std::int64_t now = haptic::monotonic_now();
-      loop.tick(next, now);
-      own.record(haptic::monotonic_now() - now - controller.taken);
+      loop.submit(tick, now);
+      const long before = test::allocations;
+      own.record(loop.tick(next, now));
       taken += test::allocations - before;
     }
     allocations = taken;
@@ -167,7 +92,7 @@ int main(int argc, char **argv) {
   long before = 0;
   long allocations = 0;
   {
-    const auto opened = haptic::open_device({.device = "sim", .sim_hand = "circle:0.6,5"});
+    const auto opened = haptic::open_device({.device = "sim", .sim_hand = test::kHandScript});
     haptic::TickLog log(path);
     loop.start({.device = opened.device.get(),
                 .log = &log,
@@ -178,15 +103,15 @@ int main(int argc, char **argv) {
     const auto start = std::chrono::steady_clock::now();
     auto next = start;
     for (double t = 0; t < seconds; t += 1.0 / 30) {
-      loop.submit(leaf(t));
-      std::this_thread::sleep_until(next += kFrame);
+      loop.submit(test::swinging_leaf(t));
+      std::this_thread::sleep_until(next += test::kFrame);
     }
     loop.stop();
   }
   haptic::DurationHistogram own;
   haptic::DurationHistogram touching;
-  allocations += measure_own_part(std::min(seconds, 20.0), path, false, own);
-  allocations += measure_own_part(std::min(seconds, 20.0), path, true, touching);
+  allocations += measure_own_part(std::min(seconds, 20.0), false, own);
+  allocations += measure_own_part(std::min(seconds, 20.0), true, touching);
   std::remove(path.c_str());
 
   const haptic::LoopStatistics &s = loop.statistics();
