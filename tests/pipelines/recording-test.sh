@@ -84,7 +84,8 @@ promise "with the samples of one second" test "$(wc -l <"$work/part.txt")" = 30
 promise "a picture is drawn" haptic_track plot "$work/session.ts" "$work/plot.png"
 promise "which is not empty" test -s "$work/plot.png"
 
-head -c 10000 /dev/urandom >"$work/noise.ts"
+# By its first byte it could be JSON.
+{ printf n && head -c 9999 /dev/urandom; } >"$work/noise.ts"
 promise "noise is no track" complains 'no haptic track' haptic_track info "$work/noise.ts"
 # 3 145 728 silent units of 9 bytes.
 printf '\x0c\0\0\0\x10\0\0\0\0' >"$work/units"

@@ -22,8 +22,9 @@ constexpr std::uint32_t kHoldsOfFilm =
     kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
 constexpr double kForgetsLate = 1; // s, time constant; a late tick is rarely alone
 
-// Only the loop writes its counters, so no read-modify-write instruction is needed. One, or a store
-// in the default order, waits for all stores before it, and after a sleep many miss the caches.
+// Only the loop writes its counters, so no read-modify-write instruction is needed. Such an
+// instruction, or a store in the default order, waits for all stores before it, and after a sleep
+// many miss the caches.
 template <typename T>
 void add(std::atomic<T> &counter, T amount = 1) noexcept {
   counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
@@ -34,7 +35,7 @@ void set(std::atomic<T> &value, T to) noexcept {
   value.store(to, std::memory_order_release);
 }
 
-// The same as exchange({}), which costs more.
+// As exchange({}), which costs more; what comes just after the look is taken at the next tick.
 template <typename T>
 T take(std::atomic<T> &value) noexcept {
   return value.load(std::memory_order_relaxed) ? value.exchange({}) : T{};

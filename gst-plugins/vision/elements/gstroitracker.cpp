@@ -195,13 +195,13 @@ std::span<const haptic::Property<Shared>> properties() {
               "GstRoiTrackerMethod",
               {{TrackerMethod::fast,
                 "Still, one translation or a grid of patches, whatever is the least that explains "
-                "the frame",
+                "the pixels",
                 "fast"},
                {TrackerMethod::opencv,
                 "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
                {TrackerMethod::layers,
                 "Still, one translation, or what moves before a background, with patches that "
-                "cover the region evenly; as fast while the pointer moves",
+                "cover the region evenly; like method=fast while the pointer moves",
                 "layers"}})),
       Rows::choice<&Shared::region>(
           "region", "Region", "What is measured about the pointer",

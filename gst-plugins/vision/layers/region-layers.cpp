@@ -111,9 +111,10 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
 // are fewer of them, and the texture moves. A pan moves all texture. The limits were chosen on the
 // tuning films of tests/measure/felt.
 void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
-  constexpr float kMemory = 0.5F;     // s
-  constexpr float kLeastVariance = 1; // grey levels squared
-  constexpr float kFew = 10;          // cells, whose brightness counts by half: it may be chance
+  constexpr float kMemory = 0.5F;         // s
+  constexpr float kLeastInterval = 1e-3F; // s
+  constexpr float kLeastVariance = 1;     // grey levels squared
+  constexpr float kFew = 10; // flat cells, that differ by chance: their brightness counts by half
   struct Brightness {
     float count = 0;
     float sum = 0;
@@ -138,7 +139,7 @@ void RegionLayers::follow_flat_parts(float seconds, float frame_moves) {
   const float apart =
       std::abs(moving.mean() - flat.mean()) / spread * flat.count / (flat.count + kFew);
   const float move = ramp(share, 0.5F, 0.6F) * (1 - ramp(apart, 0.6F, 1)) * (1 - frame_moves);
-  flat_parts_seen_ += seconds;
+  flat_parts_seen_ += std::max(seconds, kLeastInterval);
   // A mean over all pairs, as long as they are few.
   flat_parts_move_ += std::max(seconds / flat_parts_seen_, 1 - std::exp(-seconds / kMemory)) *
                       (move - flat_parts_move_);

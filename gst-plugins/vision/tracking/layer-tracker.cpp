@@ -226,7 +226,8 @@ bool LayerTracker::divide(const CropPair &pair, const std::optional<Displacement
   layers_.read(earlier, later, continues, noise_.variance(), likely);
   const FrameMotion frame = frame_motion(pair);
   const float seconds = pair.seconds > 0 ? pair.seconds : kUnknownInterval;
-  seconds_ = continues ? seconds_ + seconds : seconds;
+  // Few frames a second settle in as many frames as thirty do.
+  seconds_ = (continues ? seconds_ : 0) + std::min(seconds, kUnknownInterval);
   layers_.measure(frame, seconds, noise_.variance());
   keep(later);
   if (layers_.is_unrelated()) {
@@ -294,8 +295,8 @@ float LayerTracker::counts_for_region(Displacement whole) {
 }
 
 void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
-  // s, of a new place: at first the layers say nothing, and in the end they speak alone. Two
-  // textures that move in opposite directions then make no step.
+  // s, at a new place: until the first the ladder answers alone, and from the second on the layers.
+  // Two textures that move in opposite directions then make no step.
   constexpr float kWarm = 0.06F;
   constexpr float kSettled = 0.18F;
   const CropPair close = near(pair);
@@ -324,6 +325,8 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   }
   if (seconds_ < kSettled && simple == Explanation::none) {
     ladder_->measure_rest(measurement);
+    if (tiled_.count == 0 && (tiled_.flags & kStill) == 0)
+      return;
     take_over((seconds_ - kWarm) / (kSettled - kWarm), measurement);
   }
   if (simple != Explanation::periodic)

@@ -415,9 +415,9 @@ struct Support {
   float misfit = 0;    // rms error over that predicted, per component
 };
 
-// Sums over the points whose error is within the leeway and their own noise. All tiles agree: their
-// mean is the answer, and what moves in one need not move in another.
-Support support_of(const Points &points, const Answer &answer, bool is_tiled) {
+// Sums over the points whose error is within the leeway and their own noise. All agree where
+// their mean is the answer: what moves in one tile need not move in another.
+Support support_of(const Points &points, const Answer &answer, bool all_agree) {
   // Parts of one thing may differ by as much; a larger difference is another object.
   constexpr float kAlways = 1; // px
   constexpr float kOfDisplacement = 0.25F;
@@ -445,7 +445,7 @@ Support support_of(const Points &points, const Answer &answer, bool is_tiled) {
       wide = hn::Min(wide, quadratic(wide_xx, wide_xy, wide_yy, ex, ey));
       tight = hn::Min(tight, quadratic(p_xx, p_xy, p_yy, ex, ey));
     }
-    const auto agrees = is_tiled ? zero < hn::Set(kTag, kOutlier) : wide < hn::Set(kTag, kOutlier);
+    const auto agrees = (all_agree ? zero : wide) < hn::Set(kTag, kOutlier);
     const auto add = [&](Lanes &sum, Lanes value)
                          HWY_ATTR { sum = sum + hn::IfThenElseZero(agrees, value); };
     agreeing += hn::CountTrue(kTag, agrees);
@@ -519,7 +519,9 @@ VelocityEstimate Estimate(const PatchSet &set, Average average, ModelChoice choi
   estimate.history = answer.history;
   // The confidence is a product: precision of the velocity, errors in relation to their precision,
   // share of the patches that agree, agreement with the pixels.
-  const Support support = support_of(points, answer, set.is_tiled);
+  const Support support =
+      support_of(points, answer,
+                 set.is_tiled && average == Average::model && choice == ModelChoice::automatic);
   const float tracked =
       static_cast<float>(points.count) /
       std::max(static_cast<float>(set.candidates), static_cast<float>(points.count));

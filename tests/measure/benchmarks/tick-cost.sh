@@ -19,6 +19,8 @@ source "$(dirname "$0")/../../../pipelines/shared/common.sh"
 
 turns=40 processor=$(($(nproc --all) - 1))
 read_options 'turns= processor=' "$@"
+[[ $turns =~ ^[1-9][0-9]*$ ]] || fail "--turns is a number of turns, not '$turns'"
+[[ $processor =~ ^[0-9]+$ ]] || fail "--processor is the number of a processor, not '$processor'"
 [ ${#inputs[@]} = 1 ] || fail "give one commit to compare with; see --help"
 earlier=$(git -C "$root" rev-parse --verify --quiet "${inputs[0]}^{commit}") || fail "'${inputs[0]}' is no commit; see git log"
 folder=$root/build-tick-cost benchmarks=tests/measure/benchmarks

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the fast tracker and the elements around it cost. Run by hand on an idle machine:
+// What the trackers and the elements around them cost. Run by hand on an idle machine:
 //   meson devenv -C BUILD tests/measure/benchmarks/tracker-cost [FRAMES|field|formats|layers]
 // Region of 30 px; `layers`: of 60 px.
 // Targets on a 2-core machine with AVX-512: unchanged 0.5 us, translation 4 us, full 8 us; AVX2
-// twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; both elements
-// 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240 frames a
-// second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice I420;
-// layers 60 us, with the patches of the frame.
+// twice that, the portable code 50 us; 99.9 % of a million frames below 40 us; with method=fast
+// both elements 25 us per frame of 1080p more than an identity; the field of 1080p, 32 columns, 240
+// frames a second on one core; hapticoverlay 1 ms with the copy of the frame; packed formats twice
+// I420; layers 60 us, with the patches of the frame.
 #include "field-frames.hpp"
 #include "instruction-sets.hpp"
 #include "plane-source.hpp"
@@ -187,7 +187,8 @@ void compare_elements() {
   for (int i = 0; i < 4; ++i)
     buffers.push_back(test::to_buffer(texture.frame(1920, 1080, {1.3 * i, 0.4 * i}), info));
   const char *const lines[] = {"identity", "roitracker roi-size=30 ! velocityavg", "roitracker",
-                               "roitracker ! hapticoverlay"};
+                               "roitracker ! hapticoverlay",
+                               "roitracker method=fast roi-size=30 ! velocityavg"};
   std::vector<GstHarness *> harnesses;
   for (const char *line : lines)
     harnesses.push_back(harness_of(line, info));
@@ -197,9 +198,9 @@ void compare_elements() {
       times[line].push_back(
           push_time(harnesses[line], buffers[static_cast<std::size_t>(i % 4)].get(), i));
   const double identity = percentile(times[0], 0.5);
-  const double elements = percentile(times[1], 0.5);
-  std::printf("\n1080p: identity %.1f us, roitracker ! velocityavg %.1f us: %.1f us more\n",
-              identity, elements, elements - identity);
+  std::printf("\n1080p: identity %.1f us; roitracker ! velocityavg %.1f us more, with method=fast "
+              "%.1f us more\n",
+              identity, percentile(times[1], 0.5) - identity, percentile(times[4], 0.5) - identity);
   std::vector<double> copies;
   const haptic::BufferPtr copy(
       gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
@@ -242,7 +243,7 @@ FormatTimes times_by_format(const char *element, const Frames &frames, int speed
   for (int i = 0; i < count; ++i)
     for (std::size_t k = 0; k < std::size(kFormats); ++k) {
       if (speed != 0) {
-        const haptic::ElementPtr tracker(gst_harness_find_element(harnesses[k], element));
+        const haptic::ElementPtr tracker(gst_harness_find_element(harnesses[k], "roitracker"));
         g_object_set(tracker.get(), "pointer-x",
                      0.5 + static_cast<double>(speed * (i % 16)) / width, nullptr);
       }
@@ -263,8 +264,8 @@ void compare_formats(int width, int height) {
   Frames frames;
   for (int i = 0; i < 4; ++i)
     frames.push_back(texture.frame(width, height, {1.3 * i, 0.4 * i}));
-  const FormatTimes columns[] = {times_by_format("roitracker", frames, 0, 400),
-                                 times_by_format("roitracker", frames, 8, 400),
+  const FormatTimes columns[] = {times_by_format("roitracker method=fast", frames, 0, 400),
+                                 times_by_format("roitracker method=fast", frames, 8, 400),
                                  times_by_format("motionfield", frames, 0, 40)};
   std::printf("\n%d x %d, median us per frame\n%-9s %17s %17s %17s\n", width, height, "",
               "roitracker", "pointer at 8 px", "motionfield");

@@ -113,6 +113,10 @@ track() {
   esac
 }
 
+if [ -n "$picture" ]; then
+  command -v gnuplot >/dev/null || fail "gnuplot is not installed; as root run: apt-get install gnuplot-nox"
+  [ -x "$run" ] || fail "'$run' is not built, which measures the times: meson configure $build -Dtests=enabled -Dbenchmarks=enabled, then build again"
+fi
 mkdir -p "$films"
 [ -z "$picture" ] || output=${output:-$work/table.csv}
 [ -z "$output" ] || echo "group,film,method,alpha,told,us" >"$output"

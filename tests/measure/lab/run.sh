@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs the lab: speed against accuracy of the trackers and their peers, twelve minutes on two
 # processors. Builds (release) in build-lab/, measures, draws the charts. The exit status is 0 only
-# when no configuration of a peer dominates the default.
+# when no configuration of a peer dominates method=fast.
 #
 # Usage: tests/measure/lab/run.sh [--quick] [--ablation] [--pairs FOLDER] [--clips FOLDER] [--output FOLDER]
 #   --quick          a minute, and few cases: to see whether all works, not to be believed
-#   --ablation       only what each part of the default is worth: prints ablation.md, leaves docs/ alone
+#   --ablation       only what each part of method=fast is worth: prints ablation.md, leaves docs/ alone
 #   --pairs FOLDER   pairs of pictures with true flow, NAME_gt.flo beside NAME*.png or the layout of
 #                    KITTI; without it the tables of pairs are left out
 #   --clips FOLDER   videos; without it the tables of clips are left out

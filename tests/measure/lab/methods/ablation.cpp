@@ -211,7 +211,7 @@ std::vector<AblationRow> measure_ablation(bool quick, const std::vector<TruePair
   const std::vector<Stratum> strata = all_strata(quick, pairs);
   std::vector<AblationRow> rows;
   for (const Configuration &configuration : configurations_without_parts()) {
-    const auto whole = make_default();
+    const auto whole = make_fast();
     const auto without = configuration.make();
     AblationRow row{.part = configuration.parameters};
     Total total;
