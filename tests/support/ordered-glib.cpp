@@ -79,6 +79,11 @@ gboolean gst_pad_push_event(GstPad *pad, GstEvent *event) {
   BEHIND(gst_pad_push_event);
   return next(pad, event);
 }
+gboolean gst_pad_event_default(GstPad *pad, GstObject *parent, GstEvent *event) {
+  __tsan_release(event);
+  BEHIND(gst_pad_event_default);
+  return next(pad, parent, event);
+}
 
 // GStreamer frees what it counts in functions of its own. Who gave a reference back came before.
 void __sanitizer_free_hook(const volatile void *memory) {

@@ -110,7 +110,6 @@ HWY_EXPORT(CompareSample);
 constexpr float kFarthestFrame = 64; // px a frame
 constexpr float kLeastMotion = 0.1F; // px a frame: less is the drift of clouds
 constexpr float kLeastTrace = 2;     // of a patch that can show anything
-constexpr float kPatches = FrameTranslation::kColumns * FrameTranslation::kRows;
 
 void prefetch(const LumaView &view) {
   if (!view.pixels)
@@ -185,12 +184,13 @@ bool FrameTranslation::compare(const FramePair &frames, const Sample &sample, Di
 // means in itself, a coder decides; which one is smaller, the motion does.
 FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displacement at,
                                                  float noise) {
-  constexpr float kHalf = 30;                // trace that counts by half
-  constexpr float kFewest = 0.1F * kPatches; // with few, a thing that moves can pass for the camera
+  constexpr float kHalf = 30; // trace that counts by half
   if (norm2(at) < kLeastMotion * kLeastMotion)
-    return {at, 0};
+    return {at, 0, 0, 0};
   float moving = 0;
   float all = 0;
+  Displacement places;
+  float squares = 0; // of their distances from the corner
   for (std::size_t i = 0; i < count_; ++i) {
     const Sample &sample = samples_[i];
     Difference moved;
@@ -201,9 +201,15 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     const float weight = trace / (trace + kHalf) * std::abs(better) /
                          (sample.at_rest + moved.energy + 1 + 1.2F * noise);
     all += weight;
-    moving += better > 0 ? weight : 0;
+    if (better <= 0)
+      continue;
+    const Displacement place{static_cast<float>(sample.x) / static_cast<float>(frames.width),
+                             static_cast<float>(sample.y) / static_cast<float>(frames.height)};
+    moving += weight;
+    places += weight * place;
+    squares += weight * norm2(place);
   }
-  return {at, all < kFewest ? 0 : moving / all};
+  return {at, moving, all, moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
 }
 
 FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displacement start,
@@ -241,7 +247,28 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
   return share_of(frames, at, noise);
 }
 
-FrameMotion FrameTranslation::follow(const FramePair &frames, float noise, Displacement other) {
+// How surely the frame moves so, by this pair. In a soft picture that was coded, no patch tells
+// much, but nearly all tell the same for a time. A thing before a blank sky is told by its own
+// patches alone. The limits were chosen on the tuning films of tests/measure/felt.
+float FrameTranslation::believe(const Fit &fit, float seconds) {
+  constexpr float kMemory = 0.5F; // s
+  constexpr float kAtRest = 0.7F; // of the memory, kept in a pair
+  constexpr float kLeast = 0.08F; // s, times patches
+  constexpr float kWidely2 = 0.15F * 0.15F;
+  constexpr float kOfMany = 0.4F;
+  constexpr float kOfFew = 0.6F;
+  constexpr float kRamp = 0.2F;
+  const float kept = fit.all > 0 ? std::exp(-seconds / kMemory) : kAtRest;
+  moving_ = kept * moving_ + (fit.extent2 < kWidely2 ? 0 : seconds * fit.moving);
+  all_ = kept * all_ + seconds * fit.all;
+  const float above =
+      fit.all < kFewest ? moving_ / (all_ + kLeast) - kOfFew : fit.share() - kOfMany;
+  const float x = std::clamp(above / kRamp, 0.0F, 1.0F);
+  return x * x * (3 - 2 * x);
+}
+
+FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, float noise,
+                                     Displacement other) {
   constexpr float kClearly = 0.1F;
   constexpr float kSame2 = 0.2F * 0.2F; // px squared
   constexpr float kUp = 0.5F;           // of the way, in a frame
@@ -249,12 +276,11 @@ FrameMotion FrameTranslation::follow(const FramePair &frames, float noise, Displ
   sample(frames);
   Fit fit = refine(frames, motion_.displacement, noise);
   if (norm2(other - fit.at) > kSame2) {
-    const Fit there = share_of(frames, other, noise);
-    if (there.share > fit.share + kClearly || (fit.share < 0.5F && there.share > fit.share))
+    const float there = share_of(frames, other, noise).share();
+    if (there > fit.share() + kClearly || (fit.share() < 0.5F && there > fit.share()))
       fit = refine(frames, other, noise);
   }
-  const float x = std::clamp((fit.share - 0.4F) / 0.2F, 0.0F, 1.0F);
-  const float certain = x * x * (3 - 2 * x);
+  const float certain = believe(fit, seconds);
   motion_.displacement = fit.at;
   motion_.certainty += (certain > motion_.certainty ? kUp : kDown) * (certain - motion_.certainty);
   return motion_;

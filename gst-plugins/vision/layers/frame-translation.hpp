@@ -30,11 +30,14 @@ struct FrameMotion {
 /// One instance serves one stream. Call it for each pair of consecutive frames.
 class FrameTranslation {
 public:
-  void forget() { motion_ = {}; }
+  void forget() {
+    motion_ = {};
+    moving_ = all_ = 0;
+  }
 
   /// Starts from the translation before. `other`: a second start, px, used if it explains more.
-  /// `noise`: variance of a pixel.
-  FrameMotion follow(const FramePair &frames, float noise, Displacement other);
+  /// `noise`: variance of a pixel. `seconds`: between the frames.
+  FrameMotion follow(const FramePair &frames, float seconds, float noise, Displacement other);
 
   /// A patch of the later frame with its gradients.
   static constexpr int kWide = 16; // px; whole vectors
@@ -54,9 +57,14 @@ public:
   };
 
 private:
+  // With fewer, a thing that moves can pass for the camera.
+  static constexpr float kFewest = 0.1F * kColumns * kRows;
   struct Fit {
     Displacement at;
-    float share;
+    float moving;  // sum over the patches that prefer it to rest, by how much they can tell
+    float all;     // the same over all patches
+    float extent2; // square of how far apart those lie that prefer it (rms), in sides of the frame
+    float share() const { return all < kFewest ? 0 : moving / all; }
   };
   void sample(const FramePair &frames);
   /// The differences at a displacement; false: the patch would lie outside the frame.
@@ -64,9 +72,12 @@ private:
                Difference &difference);
   Fit share_of(const FramePair &frames, Displacement at, float noise);
   Fit refine(const FramePair &frames, Displacement start, float noise);
+  float believe(const Fit &fit, float seconds);
   LumaView read(const LumaSource &source, const Rectangle &area);
 
   FrameMotion motion_;
+  float moving_ = 0; // s, sums of Fit over a memory
+  float all_ = 0;
   std::size_t count_ = 0;
   std::array<Sample, static_cast<std::size_t>(kColumns) * kRows> samples_;
   std::vector<std::uint8_t> scratch_;

@@ -57,7 +57,7 @@ private:
   float counts_for_region(Displacement whole);
   void forget(int reductions);
   void keep(const LumaView &view);
-  FrameMotion frame_motion(const CropPair &pair);
+  FrameMotion frame_motion(const CropPair &pair, float seconds);
   void add_tiles(const Rectangle &region, Measurement &measurement);
 
   int max_points_ = kUsualPatches;
@@ -92,15 +92,24 @@ bool same_pixels(const LumaView &one, const LumaView &other) {
   return true;
 }
 
+// Each patch by its share of the pixels, if they were counted.
+Displacement mean_of(std::span<const Patch> patches) {
+  Displacement sum;
+  float shares = 0;
+  for (const Patch &patch : patches) {
+    const float share = patch.share > 0 ? patch.share : 1;
+    sum += share * Displacement{patch.dx, patch.dy};
+    shares += share;
+  }
+  return shares > 0 ? 1 / shares * sum : Displacement{};
+}
+
 // Whether the mean of the patches is less than noise makes it: of a background that is seen through
 // noise, the memory drifts.
 bool is_slow(const Measurement &measurement, float noise) {
   constexpr float kSlow = 0.04F; // px, where only rounding disturbs: below 3 px/s nothing is felt
-  Displacement sum;
-  for (const Patch &patch : measurement.view())
-    sum += {patch.dx, patch.dy};
-  const float most = kSlow * static_cast<float>(measurement.count);
-  return norm2(sum) <= std::max(1.0F, noise / kRoundingVariance) * most * most;
+  return norm2(mean_of(measurement.view())) <=
+         std::max(1.0F, noise / kRoundingVariance) * kSlow * kSlow;
 }
 
 void LayerTracker::forget(int reductions) {
@@ -121,11 +130,11 @@ void LayerTracker::keep(const LumaView &view) {
 }
 
 // In px of the reduced crop.
-FrameMotion LayerTracker::frame_motion(const CropPair &pair) {
+FrameMotion LayerTracker::frame_motion(const CropPair &pair, float seconds) {
   if (!pair.frames)
     return {};
   const auto scale = static_cast<float>(1 << reductions_);
-  FrameMotion motion = frame_.follow(*pair.frames, scale * scale * noise_.variance(),
+  FrameMotion motion = frame_.follow(*pair.frames, seconds, scale * scale * noise_.variance(),
                                      scale * layers_.region_motion());
   motion.displacement = 1 / scale * motion.displacement;
   return motion;
@@ -224,8 +233,8 @@ bool LayerTracker::divide(const CropPair &pair, const std::optional<Displacement
   if (whole)
     likely = 1 / static_cast<float>(1 << count) * *whole;
   layers_.read(earlier, later, continues, noise_.variance(), likely);
-  const FrameMotion frame = frame_motion(pair);
   const float seconds = pair.seconds > 0 ? pair.seconds : kUnknownInterval;
+  const FrameMotion frame = frame_motion(pair, seconds);
   // Few frames a second settle in as many frames as thirty do.
   seconds_ = (continues ? seconds_ : 0) + std::min(seconds, kUnknownInterval);
   layers_.measure(frame, seconds, noise_.variance());
@@ -254,18 +263,6 @@ void LayerTracker::blend(Displacement whole, float part) {
     tile.dx += part * (whole.x - tile.dx);
     tile.dy += part * (whole.y - tile.dy);
   }
-}
-
-// Each patch by its share of the pixels, if they were counted.
-Displacement mean_of(std::span<const Patch> patches) {
-  Displacement sum;
-  float shares = 0;
-  for (const Patch &patch : patches) {
-    const float share = patch.share > 0 ? patch.share : 1;
-    sum += share * Displacement{patch.dx, patch.dy};
-    shares += share;
-  }
-  return shares > 0 ? 1 / shares * sum : Displacement{};
 }
 
 // From the mean over the ladder's patches to that over the tiles, without a step.

@@ -117,9 +117,10 @@ private:
   bool touch_;
   std::unique_ptr<haptic::ReliefPool> pool_ = std::make_unique<haptic::ReliefPool>();
   spidar::Geometry geometry_ = spidar::load_geometry(spidar::kDefaultGeometry);
-  TimedController *controller_ = new TimedController(
+  std::unique_ptr<TimedController> made_ = std::make_unique<TimedController>(
       std::make_unique<spidar::Simulator>(geometry_, spidar::parse_hand_script(kHandScript)));
-  spidar::Device device_{std::unique_ptr<spidar::Controller>(controller_), geometry_};
+  TimedController *controller_ = made_.get();
+  spidar::Device device_{std::move(made_), geometry_};
   std::string log_path_ = "/tmp/timed-loop-" + std::to_string(getpid()) + ".csv";
   haptic::TickLog log_{log_path_};
   haptic::HapticLoop loop_;

@@ -15,7 +15,7 @@ means(films, method) = sprintf("< awk -F, -v films='%s' -v method='%s' '\
   END { for (alpha in told) print us / rows \",\" told[alpha] / of[alpha] }' '%s' | sort -t, -k2n", films, method, ARG1)
 spaced(name) = system("echo '" . name . "' | tr _ ' '")
 
-all = system("echo '" . values(1) . "' | tr ' \n' '\n\n' | grep -v '^still$'") # its panels are of one speed each
+all = values(1)
 methods = values(3)
 shown(method) = method eq "layers" ? "roitracker" : method eq "fast" || method eq "opencv" ? "method=" . method : method
 # The default has the colour of the lab's.
@@ -23,23 +23,25 @@ kind(method) = group(method eq "layers" ? "fast" : method eq "opencv" ? "method=
 paint(method) = method eq "fast" ? 0xDDAABB : colour[kind(method) == 0 ? 10 : kind(method)]
 mark(method) = method eq "fast" ? 6 : symbol[kind(method) == 0 ? 10 : kind(method)]
 
-eval(terminal(ARG2, 1400, 760))
+across = 3
+rows = (words(all) + across - 1) / across
+eval(terminal(ARG2, 1400, 130 + 310 * rows))
 set logscale x
 set xrange [20:15000]
 set xtics (100, 1000, 10000)
 set yrange [0:100]
 set format x "%g"
 unset key
-set multiplot layout (words(all) + 3) / 4, 4 margins 0.075, 0.985, 0.2, 0.94 spacing 0.035, 0.13
+set multiplot layout rows, across margins 0.075, 0.985, 0.14, 0.955 spacing 0.045, 0.09
 do for [n = 1:words(all)] {
   films = word(all, n)
   set title films
-  set xlabel (n > words(all) - 4 ? "time of a frame (µs)" : "")
-  set ylabel (n % 4 == 1 ? "told apart (% of the time)" : "")
+  set xlabel (n > across * (rows - 1) ? "time of a frame (µs)" : "")
+  set ylabel (n % across == 1 ? "told from the truth (%)" : "")
   if (n == words(all)) {
     do for [m = 1:words(methods)] {
       method = spaced(word(methods, m))
-      set label m shown(method) at screen 0.08 + 0.155 * (m - 1), 0.05 offset 1.5, 0 \
+      set label m shown(method) at screen 0.08 + 0.155 * (m - 1), 0.035 offset 1.5, 0 \
         point linecolor rgb paint(method) pointtype mark(method) pointsize 1.3
     }
   }

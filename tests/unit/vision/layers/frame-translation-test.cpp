@@ -3,8 +3,11 @@
 
 #include "plane-source.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace frame_translation_test {
 
@@ -21,7 +24,7 @@ protected:
   FrameMotion follow(const Frame &earlier, const Frame &later, haptic::Displacement other = {}) {
     const PlaneSource before(earlier);
     const PlaneSource after(later);
-    return translation->follow({before, after, kWidth, kHeight}, 0, other);
+    return translation->follow({before, after, kWidth, kHeight}, 1.0F / 60, 0, other);
   }
 
   // After some frames of a camera that pans by so much in each.
@@ -52,6 +55,34 @@ TEST_F(FrameTranslationTest, AFastPanIsFoundFromTheMotionOfARegion) {
   EXPECT_GT(found.certainty, 0.9F);
 }
 
+// Textured squares before a blank sky, displaced by whole pixels.
+Frame squares(const std::vector<std::pair<int, int>> &corners, int moved) {
+  constexpr int kSide = 44;
+  const Frame texture = test::Texture(6, 8).frame(kWidth, kHeight, {});
+  Frame frame(kWidth, kHeight, 128);
+  for (const auto &[x, y] : corners)
+    for (int row = y; row < y + kSide; ++row)
+      std::copy_n(&texture.pixels[static_cast<std::size_t>(row * kWidth + x)], kSide,
+                  &frame.pixels[static_cast<std::size_t>(row * kWidth + x + moved)]);
+  return frame;
+}
+
+TEST_F(FrameTranslationTest, APanOverAPictureThatShowsLittleIsBelievedInTime) {
+  const std::vector<std::pair<int, int>> corners = {{20, 20}, {210, 30}, {120, 120}};
+  FrameMotion found;
+  for (int i = 0; i < 30; ++i)
+    found = follow(squares(corners, i), squares(corners, i + 1));
+  EXPECT_NEAR(found.displacement.x, 1, 0.05);
+  EXPECT_NEAR(found.displacement.y, 0, 0.05);
+  EXPECT_GT(found.certainty, 0.9F);
+}
+
+TEST_F(FrameTranslationTest, OneThingBeforeABlankSkyNeverMovesTheFrame) {
+  for (int i = 0; i < 90; ++i)
+    EXPECT_LT(follow(squares({{20, 60}}, 2 * i), squares({{20, 60}}, 2 * i + 2)).certainty, 0.1F)
+        << "frame " << i;
+}
+
 TEST_F(FrameTranslationTest, AThingThatMovesDoesNotMoveTheFrame) {
   FrameMotion found;
   for (int i = 0; i < 6; ++i) {
@@ -74,7 +105,7 @@ TEST_F(FrameTranslationTest, ACameraAtRestDoesNotMoveTheFrame) {
 TEST_F(FrameTranslationTest, AFrameSmallerThanAPatchShowsNothing) {
   const Frame small = scene.frame(10, 10, {});
   const PlaneSource source(small);
-  EXPECT_EQ(translation->follow({source, source, 10, 10}, 0, {}).certainty, 0);
+  EXPECT_EQ(translation->follow({source, source, 10, 10}, 1.0F / 60, 0, {}).certainty, 0);
 }
 
 } // namespace frame_translation_test
