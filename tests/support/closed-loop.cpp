@@ -578,6 +578,7 @@ Outcome carried(const LoopPoint &point) {
   constexpr double kLooked = 3;  // periods
   const Vector3 place(0.004, -0.002, 0.001);
   LoopInHand held(setup_of(point, place));
+  held.wait(kFadedIn); // with the rest tension a free grip moves
   take_thing(held, point, place);
   await_take(held);
   const Vector3 taken = held.hand().position() - held.thing(held.time());

@@ -27,6 +27,12 @@ constexpr double kComes = 0.2;  // s, back to the whole stiffness, and of the la
 constexpr double kFades = 0.25; // s back, while the thing is hidden or too fast
 constexpr double kEnds = 0.05;  // s back, when it is let go
 
+// J. A hand that goes with the thing seems to stand, while the spring grows, and then to take all
+// of a count at the force that the spring has at its end: half a count more than the hand took.
+double hidden_by_counts(double stiffness, double way, const spidar::DeviceLimits &device) noexcept {
+  return stiffness * device.metres_per_count / 2 * way;
+}
+
 double damping_at(const CarryLimits &limits) noexcept {
   return kShareOfDamping * limits.device.most_resistance(limits.longest_dt);
 }
@@ -112,6 +118,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   const double before = pull_.force.norm();
   pull_.force = clamp_norm(stiffness_ * spring_, most) + damper;
   pull_.carried = way;
+  pull_.surface_work = hidden_by_counts(stiffness_, way.norm(), limits.device);
   pull_.energy = energy_of(spring_.norm(), stiffness_, most);
   pull_.released = stiffness_ * out;
   if (stiffness_ < stiffer)
@@ -126,6 +133,7 @@ void CarryLaw::apply(HoldLaw law, SafetyChain::Input &input) const noexcept {
   input.touch.force += pull_.force;
   input.touch.carried = pull_.carried;
   input.touch.energy += pull_.energy;
+  input.touch.surface_work += pull_.surface_work;
   input.touch.released += pull_.released;
 }
 

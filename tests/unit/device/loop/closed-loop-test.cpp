@@ -93,6 +93,17 @@ TEST(ClosedLoopTable, AHandThatJumpsGetsNoMoreThanBeforeTheLoopKnows) {
     }
 }
 
+// It needs less than a step of the motors, and leaps by 35 um.
+TEST(ClosedLoopTable, TheLightestHandIsCarriedOnTheCoarsestEncodersToo) {
+  const test::LoopRow &row = test::closed_loop_row("carried", test::Bench::strings);
+  const auto points = row.select("geometry=spidar-g6x4 hand=0.1kg,0.5Ns/m,0N/m max-force=1");
+  EXPECT_EQ(points.size(), 6);
+  for (const std::size_t point : points) {
+    const test::Outcome outcome = row.run(row.at(point));
+    EXPECT_TRUE(outcome.kept()) << outcome.figure << " % of the sway at " << row.words(point);
+  }
+}
+
 TEST(ClosedLoopTable, EachRowHasASample) {
   std::set<std::string> sampled;
   for (const Sample &sample : kRows)
