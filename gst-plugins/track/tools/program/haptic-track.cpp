@@ -3,7 +3,6 @@
 #include "author/author.hpp"
 #include "felt/force-log.hpp"
 #include "forms/klv.hpp"
-#include "interruption.hpp"
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
@@ -452,7 +451,7 @@ void convert(const Arguments &arguments) {
   const std::string &output = arguments.files[1];
   const bool is_of_video = track.film_begin != haptic::kNoTime;
   if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
-    haptic::begin_at_zero(track);
+    haptic::move_times(track, -static_cast<std::int64_t>(haptic::times_of(track).first));
   write(output, track, arguments.vibration);
 }
 
