@@ -288,7 +288,7 @@
           "unknown option '%s'.", \
           "See --help.") \
   MESSAGE(kCommandNeedsFiles, \
-          "%s needs a file and an output.", \
+          "%s needs %s.", \
           "See --help.") \
   MESSAGE(kOutputExists, \
           "\"%s\" exists.", \
@@ -299,9 +299,6 @@
   MESSAGE(kCutIsEmpty, \
           "\"%s\": there is no sample between these times.", \
           "Choose other times. haptic-track info shows the times of the file.") \
-  MESSAGE(kCompareNeedsFiles, \
-          "compare needs two files.", \
-          "See --help.") \
   MESSAGE(kLogIsWrong, \
           "\"%s\": line %zu: %s.", \
           "Take a log of hapticsink, or a table with the columns time, fx and fy (docs/formats/csv-log.md).") \
@@ -348,9 +345,6 @@
   MESSAGE(kShareIsAbove, \
           "a hand could tell the files apart in %.1f %% of the time. %.1f %% were allowed.", \
           "Use --plot to see when. --help lists the options.") \
-  MESSAGE(kCommandNeedsVideo, \
-          "%s needs a video.", \
-          "See --help.") \
   MESSAGE(kBrowserLacksVideo, \
           "\"%s\": a browser does not play %s.", \
           "Re-encode it: ffmpeg -i VIDEO -vf yadif=deint=interlaced -c:v libx264 -pix_fmt yuv420p " \
@@ -414,9 +408,6 @@
           "Name it with --output.") \
   MESSAGE(kCarriageIsUnknown, \
           "--carriage is mp4 or ts, not '%s'.", \
-          "See --help.") \
-  MESSAGE(kCommandNeedsFile, \
-          "info needs a file.", \
           "See --help.") \
   MESSAGE(kCommandIsMissing, \
           "no command was given.", \

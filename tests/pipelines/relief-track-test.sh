@@ -49,6 +49,17 @@ promise "and no other surface" says 0 'distinguishable  0.0 %' compare --at-most
   "$work/scene.klv" "$work/part.txt"
 promise "an empty part is refused" says 1 'no sample between these times' cut --from 20 "$work/scene.klv" "$work/none.klv"
 
+# ---- a film with a surface ----
+gst-launch-1.0 -q mpegtsmux name=mux ! filesink "location=$work/surface.ts" \
+  videotestsrc pattern=ball num-buffers=180 ! video/x-raw,width=320,height=240,framerate=30/1 \
+  ! x264enc key-int-max=30 tune=zerolatency ! h264parse ! queue ! mux. \
+  filesrc "location=$work/scene.ts" ! tsdemux ! meta/x-klv ! queue ! mux.
+promise "reliefs beside a video of MPEG-TS" says 0 'reliefs    180' info "$work/surface.ts"
+promise "that begins later" test "$(begin_of)" != 0.000
+promise "become a track alone" says 0 '' convert "$work/surface.ts" "$work/surface.klv"
+promise "of as many" says 0 'reliefs    180' info "$work/surface.klv"
+promise "that begins with the video" test "$(begin_of)" = 0.000
+
 # ---- a film with motion and surface ----
 gst-launch-1.0 -q matroskamux name=mux ! filesink "location=$work/film.mkv" \
   videotestsrc pattern=ball num-buffers=180 ! video/x-raw,width=320,height=240,framerate=30/1 ! tee name=t \

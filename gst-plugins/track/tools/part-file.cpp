@@ -9,6 +9,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <fstream>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -65,6 +66,14 @@ void PartFile::keep_as(const std::string &path) {
     throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
   rename_on_disk(path_, path);
   kept_ = true;
+}
+
+std::string read_start(const std::string &path, std::size_t most) {
+  std::string bytes(most, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), static_cast<std::streamsize>(most));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
 }
 
 void rename_on_disk(const std::string &from, const std::string &to) {

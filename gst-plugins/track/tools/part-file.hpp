@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A file that appears under its name only when it is whole and on the disk.
+// A file that appears under its name only when it is whole and on the disk; and the start of one.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -33,6 +34,9 @@ private:
   bool kept_ = false;
   bool begun_ = false;
 };
+
+/// Returns the first bytes of a file, at most so many; nothing if it cannot be read.
+std::string read_start(const std::string &path, std::size_t most);
 
 /// Renames a file or folder and writes the name to the disk. Throws TrackFileError.
 void rename_on_disk(const std::string &from, const std::string &to);

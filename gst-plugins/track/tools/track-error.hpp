@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Errors of haptic-track in the words of messages.hpp.
+// Errors of haptic-track in the words of messages.hpp, and the signals that end its work where
+// nothing half-written stays.
 #pragma once
 
 #include "../messages.hpp"
 #include "format-text.hpp"
-#include "interruption.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -15,6 +15,17 @@ namespace haptic {
 class TrackFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+inline constexpr int kInterrupted = 130; ///< exit status of a process
+
+/// Lets SIGINT and SIGTERM set a mark instead of ending the process. A limit of the file size
+/// (SIGXFSZ) becomes an error like a full disk.
+void stop_when_interrupted();
+
+bool is_interrupted() noexcept;
+
+/// Throws TrackFileError after one of the signals.
+void throw_if_interrupted();
 
 /// Returns the text with the name of the file before it, unless it begins with a name.
 std::string about(const std::string &path, const std::string &text);

@@ -19,6 +19,20 @@ struct ManifestRow {
   double kilobits = 0;      ///< a second, of the track as KLV
   double confidence = 0;    ///< 0..1, mean over cells and frames
   std::vector<std::string> warnings;
+
+  template <typename Self, typename Call>
+  static void members(Self &self, const Call &call) {
+    call("video", self.video);
+    call("video-sha256", self.video_hash);
+    call("copy", self.copy);
+    call("copy-sha256", self.copy_hash);
+    call("bytes", self.size);
+    call("seconds", self.duration);
+    call("frames", self.frames);
+    call("kbit/s", self.kilobits);
+    call("confidence", self.confidence);
+    call("warnings", self.warnings);
+  }
 };
 
 /// Returns the rows of a manifest, or none if there is none that can be read.

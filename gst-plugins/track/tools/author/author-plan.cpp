@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 #include <sys/stat.h>
 
 namespace haptic {
@@ -27,17 +26,46 @@ std::string settings_of(const AuthorOptions &options) {
   return kRules + std::to_string(options.columns) + settings_of(options.hold);
 }
 
-struct FileState {
-  std::uint64_t size = 0;
-  std::int64_t modified = 0;
-};
-
-FileState state_of(const std::string &path) {
+// Without its hash.
+PlannedFilm state_of(const std::string &path) {
   check_readable(path);
   struct stat status = {};
   stat(path.c_str(), &status);
-  return {static_cast<std::uint64_t>(status.st_size),
+  return {fs::absolute(path).lexically_normal(), static_cast<std::uint64_t>(status.st_size),
           status.st_mtim.tv_sec * std::int64_t{1'000'000'000} + status.st_mtim.tv_nsec};
+}
+
+// ---- JSON ---------------------------------------------------------------------------------------
+
+HoldOptions hold_of(const Json &json) {
+  HoldOptions hold;
+  hold.chooses = json.value("hold", "") == "auto";
+  std::istringstream words(json.value("hold-points", ""));
+  for (std::string word; words >> word;)
+    hold.points.push_back(read_hold_point(word).value());
+  return hold;
+}
+
+// Whether it can be copied, and the chunks cover each film once, in order.
+bool is_right(const Plan &plan) {
+  std::size_t film = 0;
+  std::size_t span = 0;
+  for (const auto &[of, spans] : plan.chunks) {
+    if (of != film || film == plan.films.size() || spans.begin != span || spans.end <= span ||
+        spans.end > plan.films[film].index.spans.size())
+      return false;
+    span = spans.end;
+    if (span == plan.films[film].index.spans.size()) {
+      ++film;
+      span = 0;
+    }
+  }
+  const auto &[folder, columns, hold] = plan.options;
+  return hold.points.size() <= kMostFieldThings && columns <= kMostColumns &&
+         (columns == 0 || columns >= kFewestColumns) && film == plan.films.size() &&
+         std::ranges::all_of(plan.films, [](const PlannedFilm &one) {
+           return one.index.ending == kTransportStream || one.index.ending == kMatroska;
+         });
 }
 
 } // namespace
@@ -49,20 +77,15 @@ std::string settings_of(const HoldOptions &hold) {
 }
 
 PlannedFilm identify(const std::string &path) {
-  const FileState state = state_of(path);
-  return {fs::absolute(path).lexically_normal().string(),
-          state.size,
-          state.modified,
-          hash_of_file(path),
-          {}};
+  PlannedFilm film = state_of(path);
+  film.hash = hash_of_file(path);
+  return film;
 }
 
 void check_unchanged(const PlannedFilm &film, bool wholly) {
-  const FileState now = state_of(film.path);
-  const bool is_same =
-      now.size == film.size &&
-      (now.modified == film.modified && !wholly ? true : hash_of_file(film.path) == film.hash);
-  if (!is_same)
+  const PlannedFilm now = state_of(film.path);
+  const bool is_as_old = now.modified == film.modified && !wholly;
+  if (now.size != film.size || (!is_as_old && hash_of_file(film.path) != film.hash))
     throw_error(messages::kFilmHasChanged, film.path.c_str());
 }
 
@@ -104,115 +127,15 @@ std::string chunk_mark(const PlannedFilm &film, SpanRange spans, const AuthorOpt
   return mark_of(film.hash, settings);
 }
 
-// ---- JSON ---------------------------------------------------------------------------------------
-
-namespace {
-
-Json json_of(const PlannedFilm &film) {
-  Json spans = Json::array();
-  for (const Span &span : film.index.spans)
-    spans.push_back({{"begin", span.begin}, {"decode-from", span.decode_from}});
-  return {{"video", film.path},
-          {"size", film.size},
-          {"modified", film.modified},
-          {"sha256", film.hash},
-          {"ending", film.index.ending},
-          {"rotation", film.index.rotation},
-          {"duration", film.index.duration},
-          {"lead", film.index.lead},
-          {"warnings", film.index.warnings},
-          {"spans", spans}};
-}
-
-Json json_of(const PlannedChunk &chunk) {
-  return {{"input", chunk.film}, {"first-span", chunk.spans.begin}, {"end-span", chunk.spans.end}};
-}
-
-// Members of a JSON object. What is missing or of another kind throws an exception of the library.
-std::uint64_t number_of(const Json &json, const char *key) {
-  return json.at(key).get_ref<const Json::number_unsigned_t &>();
-}
-const Json::array_t &list_of(const Json &json, const char *key) {
-  return json.at(key).get_ref<const Json::array_t &>();
-}
-
-HoldOptions hold_of(const Json &json) {
-  HoldOptions hold;
-  hold.chooses = json.value("hold", "") == "auto";
-  std::istringstream words(json.value("hold-points", ""));
-  for (std::string word; words >> word;)
-    hold.points.push_back(read_hold_point(word).value());
-  return hold;
-}
-
-PlannedFilm film_of(const Json &json) {
-  PlannedFilm film;
-  film.path = json.at("video");
-  film.size = number_of(json, "size");
-  film.modified = json.at("modified").get_ref<const Json::number_integer_t &>();
-  film.hash = json.at("sha256");
-  film.index.ending = json.at("ending");
-  film.index.rotation = json.at("rotation");
-  film.index.duration = number_of(json, "duration");
-  film.index.lead = number_of(json, "lead");
-  film.index.warnings = json.at("warnings");
-  for (const Json &span : list_of(json, "spans"))
-    film.index.spans.push_back({number_of(span, "begin"), number_of(span, "decode-from")});
-  return film;
-}
-
-Plan plan_of(const Json &json) {
-  Plan plan;
-  plan.options.folder = json.at("output");
-  plan.options.columns =
-      static_cast<unsigned>(std::min<std::uint64_t>(number_of(json, "columns"), kMostColumns + 1));
-  plan.options.hold = hold_of(json);
-  for (const Json &film : list_of(json, "inputs"))
-    plan.films.push_back(film_of(film));
-  for (const Json &chunk : list_of(json, "chunks"))
-    plan.chunks.push_back({number_of(chunk, "input"),
-                           {number_of(chunk, "first-span"), number_of(chunk, "end-span")}});
-  return plan;
-}
-
-bool is_right(const AuthorOptions &options) {
-  return options.hold.points.size() <= kMostFieldThings && options.columns <= kMostColumns &&
-         (options.columns == 0 || options.columns >= kFewestColumns);
-}
-
-// Whether it can be copied, and the chunks cover each film once, in order.
-bool is_right(const Plan &plan) {
-  std::size_t film = 0;
-  std::size_t span = 0;
-  for (const auto &[of, spans] : plan.chunks) {
-    if (of != film || film == plan.films.size() || spans.begin != span || spans.end <= span ||
-        spans.end > plan.films[film].index.spans.size())
-      return false;
-    span = spans.end;
-    if (span == plan.films[film].index.spans.size()) {
-      ++film;
-      span = 0;
-    }
-  }
-  return is_right(plan.options) && film == plan.films.size() &&
-         std::ranges::all_of(plan.films, [](const PlannedFilm &one) {
-           return one.index.ending == kTransportStream || one.index.ending == kMatroska;
-         });
-}
-
-} // namespace
-
 std::string write_plan(const Plan &plan) {
-  Json json = {
-      {"version", VERSION}, {"output", plan.options.folder}, {"columns", plan.options.columns}};
+  Json json = {{"version", VERSION}};
+  json.update(Json(plan.options));
   if (plan.options.hold.chooses)
     json["hold"] = "auto";
   if (!plan.options.hold.points.empty())
     json["hold-points"] = write_hold_points(plan.options.hold.points);
-  for (Json &films = json["inputs"] = Json::array(); const PlannedFilm &film : plan.films)
-    films.push_back(json_of(film));
-  for (Json &chunks = json["chunks"] = Json::array(); const PlannedChunk &chunk : plan.chunks)
-    chunks.push_back(json_of(chunk));
+  json["inputs"] = plan.films;
+  json["chunks"] = plan.chunks;
   return json.dump(1) + "\n"; // a key a line, as schedulers count them
 }
 
@@ -224,7 +147,8 @@ Plan read_plan(const std::string &path) {
     const Json json = Json::parse(file);
     if (const std::string version = json.at("version"); version != VERSION)
       throw_error(messages::kPlanIsOfOtherVersion, path.c_str(), version.c_str(), VERSION);
-    Plan plan = plan_of(json);
+    Plan plan{json, json.at("inputs"), json.at("chunks")};
+    plan.options.hold = hold_of(json);
     if (is_right(plan))
       return plan;
   } catch (const TrackFileError &) {

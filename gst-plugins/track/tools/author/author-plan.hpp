@@ -19,6 +19,13 @@ struct AuthorOptions {
   std::string folder;   ///< of the copies; empty: that of each video
   unsigned columns = 0; ///< of the motion field; 0: as motionfield has it
   HoldOptions hold;
+
+  /// In a plan, where the things stand beside these.
+  template <typename Self, typename Call>
+  static void members(Self &self, const Call &call) {
+    call("output", self.folder);
+    call("columns", self.columns);
+  }
 };
 
 /// Returns the part of marks that says which things are followed: nothing, if none.
@@ -28,13 +35,34 @@ struct PlannedFilm {
   std::string path;
   std::uint64_t size = 0;    ///< bytes
   std::int64_t modified = 0; ///< ns since 1970
-  std::string hash;          ///< SHA-256
-  FilmIndex index;
+  std::string hash = {};     ///< SHA-256
+  FilmIndex index = {};
+
+  template <typename Self, typename Call>
+  static void members(Self &self, const Call &call) {
+    call("video", self.path);
+    call("size", self.size);
+    call("modified", self.modified);
+    call("sha256", self.hash);
+    call("ending", self.index.ending);
+    call("rotation", self.index.rotation);
+    call("duration", self.index.duration);
+    call("lead", self.index.lead);
+    call("warnings", self.index.warnings);
+    call("spans", self.index.spans);
+  }
 };
 
 struct PlannedChunk {
   std::size_t film = 0; ///< index
   SpanRange spans;
+
+  template <typename Self, typename Call>
+  static void members(Self &self, const Call &call) {
+    call("input", self.film);
+    call("first-span", self.spans.begin);
+    call("end-span", self.spans.end);
+  }
 };
 
 struct Plan {

@@ -3,7 +3,7 @@
 
 #include "author/author-file.hpp"
 #include "author/author-manifest.hpp"
-#include "interruption.hpp"
+#include "json.hpp"
 #include "seconds.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
@@ -264,7 +264,7 @@ ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
   row.copy = copy;
   row.copy_hash = hash_of_file(copy);
   row.size = fs::file_size(copy);
-  row.duration = seconds(film.index.duration);
+  row.duration = rounded(seconds(film.index.duration), 1e3);
   row.warnings = film.index.warnings;
   std::uint64_t confidence = 0; // millionths
   double bytes = 0;
@@ -273,9 +273,9 @@ ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
     confidence += chunk.stats().confidence;
     bytes += static_cast<double>(chunk.fields().size());
   }
-  row.confidence =
-      1e-6 * static_cast<double>(confidence) / std::max(1.0, static_cast<double>(row.frames));
-  row.kilobits = row.duration > 0 ? 8e-3 * bytes / row.duration : 0;
+  const auto frames = static_cast<double>(std::max<std::uint64_t>(row.frames, 1));
+  row.confidence = rounded(1e-6 * static_cast<double>(confidence) / frames, 1e3);
+  row.kilobits = row.duration > 0 ? rounded(8e-3 * bytes / row.duration, 1e3) : 0;
   return row;
 }
 

@@ -3,12 +3,12 @@
 
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "tracks/track-file.hpp"
 
 #include <algorithm>
 #include <atomic>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -123,9 +123,7 @@ void scan_film(FilmStreams &film, IndexScan &scan) {
 }
 
 bool is_matroska(const std::string &path) {
-  char head[kMatroskaMagic.size()] = {};
-  std::ifstream(path, std::ios::binary).read(head, sizeof head);
-  return std::string_view(head, sizeof head) == kMatroskaMagic;
+  return read_start(path, kMatroskaMagic.size()) == kMatroskaMagic;
 }
 
 // Returns the ending of MPEG-TS if that has a place for all streams. Streams from Matroska have no

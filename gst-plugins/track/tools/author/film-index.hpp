@@ -17,6 +17,12 @@ namespace haptic {
 struct Span {
   std::uint64_t begin = 0;       ///< ns, running time
   std::uint64_t decode_from = 0; ///< ns, of the key frame at which the decoder has to begin
+
+  template <typename Self, typename Call>
+  static void members(Self &self, const Call &call) {
+    call("begin", self.begin);
+    call("decode-from", self.decode_from);
+  }
 };
 
 /// A span ends at the first key frame that is so much later than its begin (ns).

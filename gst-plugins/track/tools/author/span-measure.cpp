@@ -266,19 +266,13 @@ std::optional<HoldPoint> read_hold_point(const std::string &text) {
 
 std::string write_hold_points(std::span<const HoldPoint> points) {
   std::string text;
-  const auto append = [&](double value) {
-    char digits[32];
-    text.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
-  };
-  for (const HoldPoint &point : points) {
-    if (!text.empty())
-      text += ' ';
-    append(point.x);
-    text += ',';
-    append(point.y);
-    text += '@';
-    append(point.time);
-  }
+  for (const HoldPoint &point : points)
+    for (const auto &[sign, value] :
+         {std::pair(" ", point.x), std::pair(",", point.y), std::pair("@", point.time)}) {
+      char digits[32];
+      text.append(text.empty() ? "" : sign);
+      text.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
+    }
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <string_view>
 
 namespace haptic {
@@ -21,18 +22,14 @@ constexpr double kStrongest = 1e3;              // N
 enum Column : std::size_t { kTime, kForceX, kForceY, kForceZ, kX, kY, kZ, kColumns };
 constexpr std::array<std::string_view, kColumns> kNames = {"time", "fx", "fy", "fz", "x", "y", "z"};
 
-// Calls `call(index, value)` for each value of a line.
-template <typename Call>
-void for_each_value(std::string_view line, const Call &call) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' '))
-    line.remove_suffix(1);
-  for (std::size_t index = 0;; ++index) {
-    const std::size_t end = std::min(line.find(','), line.size());
-    call(index, line.substr(0, end));
-    if (end == line.size())
-      return;
-    line.remove_prefix(end + 1);
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  line = line.substr(0, line.find_last_not_of("\r ") + 1);
+  for (std::size_t at = 0, end = 0; end < line.size(); at = end + 1) {
+    end = std::min(line.find(',', at), line.size());
+    cells.push_back(line.substr(at, end - at));
   }
+  return cells;
 }
 
 // Where the columns stand in a line, or nowhere.
@@ -40,22 +37,21 @@ using Places = std::array<std::size_t, kColumns>;
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 
 Places places_in(std::string_view header) {
+  const auto cells = cells_of(header);
   Places places;
-  places.fill(kNowhere);
-  for_each_value(header, [&](std::size_t index, std::string_view name) {
-    const auto found = std::ranges::find(kNames, name);
-    if (found != kNames.end())
-      places[static_cast<std::size_t>(found - kNames.begin())] = index;
+  std::ranges::transform(kNames, places.begin(), [&](std::string_view name) {
+    const auto found = std::ranges::find(cells, name);
+    return found == cells.end() ? kNowhere : static_cast<std::size_t>(found - cells.begin());
   });
   return places;
 }
 
-bool has_force(const Places &places) {
-  return places[kTime] != kNowhere && places[kForceX] != kNowhere && places[kForceY] != kNowhere;
+bool has(const Places &places, std::initializer_list<Column> columns) {
+  return std::ranges::none_of(columns, [&](Column one) { return places[one] == kNowhere; });
 }
 
-bool has_hand(const Places &places) {
-  return places[kX] != kNowhere && places[kY] != kNowhere;
+bool has_force(const Places &places) {
+  return has(places, {kTime, kForceX, kForceY});
 }
 
 class LogReader {
@@ -73,10 +69,10 @@ public:
   ForceLog read() {
     ForceLog log;
     while (next_line()) {
-      const std::string_view line = line_.data();
-      if (line.find_first_not_of(" \r") == std::string_view::npos)
+      const auto cells = cells_of(line_.data());
+      if (cells.empty())
         continue;
-      read_row(line);
+      read_row(cells);
       if (log.forces.size() >= kMostRows)
         refuse("the log is longer than 4 hours");
       append(log);
@@ -94,21 +90,18 @@ private:
     return false;
   }
 
-  void read_row(std::string_view line) {
-    values_.fill(0);
-    std::size_t found = 0;
-    for_each_value(line, [&](std::size_t index, std::string_view text) {
-      const auto place = std::ranges::find(places_, index);
-      if (place == places_.end())
-        return;
-      double &value = values_[static_cast<std::size_t>(place - places_.begin())];
+  void read_row(const std::vector<std::string_view> &cells) {
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      double &value = values_.at(column) = 0;
+      if (places_.at(column) == kNowhere)
+        continue;
+      if (places_.at(column) >= cells.size())
+        refuse("columns are missing");
+      const std::string_view text = cells[places_.at(column)];
       const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
       if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
         refuse("there is no number in a column");
-      ++found;
-    });
-    if (found < kColumns - static_cast<std::size_t>(std::ranges::count(places_, kNowhere)))
-      refuse("columns are missing");
+    }
     const double force = std::hypot(values_[kForceX], values_[kForceY], values_[kForceZ]);
     if (!(std::abs(values_[kTime]) <= kLatest) || !(force <= kStrongest))
       refuse("a number is out of range");
@@ -125,7 +118,7 @@ private:
     }
     const auto value = [&](Column column) { return static_cast<float>(values_[column]); };
     log.forces.push_back({time, {value(kForceX), value(kForceY), value(kForceZ)}});
-    if (has_hand(places_)) // equation 1 of the paper
+    if (has(places_, {kX, kY})) // equation 1 of the paper
       log.places.push_back(
           {time, static_cast<float>(std::clamp(0.5 + values_[kX] / (2 * kWorkspaceHalf), 0.0, 1.0)),
            static_cast<float>(std::clamp(0.5 - values_[kY] / (2 * kWorkspaceHalf), 0.0, 1.0)),

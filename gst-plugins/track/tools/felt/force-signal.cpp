@@ -51,9 +51,7 @@ FeltMotion interpolated(const FeltMotion &a, const FeltMotion &b, double share) 
 }
 
 ForceSignal signal_of_log(std::span<const TimedForce> rows) {
-  return sampled(rows, kLongestLogGap, [](const TimedForce &a, const TimedForce &b, double share) {
-    return force_between(a, b, share);
-  });
+  return sampled(rows, kLongestLogGap, force_between);
 }
 
 ForceSignal signal_of_motions(std::span<const FeltMotion> motions, const ForceLaw &law) {

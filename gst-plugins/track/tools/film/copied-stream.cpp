@@ -156,10 +156,8 @@ FrameSize size_in(const GstCaps *caps) {
 
 bool has_place(const char *mux, GstPad *pad) {
   const CapsPtr caps = without_form(caps_of(pad).get());
-  const bool is_known = CapsPtr(gst_pad_get_current_caps(pad)) != nullptr;
   const std::unique_ptr<GstElementFactory, decltype(&gst_object_unref)> factory(
       gst_element_factory_find(mux), gst_object_unref);
-  bool has = false;
   // matroskamux accepts these caps and then refuses the stream.
   if (g_str_equal(name_of(caps.get()), "application/x-subtitle-unknown"))
     return false;
@@ -170,18 +168,7 @@ bool has_place(const char *mux, GstPad *pad) {
     gst_structure_set_name(gst_caps_get_structure(caps.get(), 0), kHuffyuv);
   if (g_str_equal(name_of(caps.get()), kText))
     gst_caps_set_simple(caps.get(), "format", G_TYPE_STRING, "utf8", nullptr);
-  for (const GList *item = factory ? gst_element_factory_get_static_pad_templates(factory.get())
-                                   : nullptr;
-       item; item = item->next) {
-    auto *pads = static_cast<GstStaticPadTemplate *>(item->data);
-    const CapsPtr all(gst_static_pad_template_get_caps(pads));
-    const CapsPtr taken = without_form(all.get());
-    // The caps of a parser are not complete before its first frame.
-    has = has || (pads->direction == GST_PAD_SINK &&
-                  (is_known ? gst_caps_is_subset(caps.get(), taken.get())
-                            : gst_caps_can_intersect(caps.get(), taken.get())));
-  }
-  return has;
+  return factory && gst_element_factory_can_sink_any_caps(factory.get(), caps.get());
 }
 
 GstElement *add_queue(GstElement *pipeline, guint bytes) {

@@ -114,14 +114,7 @@ public:
     link_sound();
     for (GstPad *pad : film_.others())
       leave_out(pad);
-    try {
-      film_.play();
-    } catch (const TrackFileError &) {
-      if (!failure_)
-        throw;
-    }
-    if (failure_)
-      std::rethrow_exception(failure_);
+    film_.play();
     return format_;
   }
 
@@ -141,19 +134,16 @@ private:
     return sink;
   }
 
-  // A browser shows no rotation of these containers.
-  void refuse_rotation(GstEvent *event) const {
-    const std::string rotation = rotation_of(event);
-    if (!rotation.empty() && rotation != "rotate-0")
-      GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
-                        (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
-  }
-
   void link_video() {
     const CapsPtr caps = caps_of(film_.video());
     if (!g_str_equal(name_of(caps.get()), "video/x-h264"))
       throw_error(messages::kBrowserLacksVideo, path_.c_str(), description_of(caps.get()).c_str());
-    watch_events(film_.video(), [this](GstPad *, GstEvent *event) { refuse_rotation(event); });
+    // A browser shows no rotation of these containers.
+    watch_events(film_.video(), [this](GstPad *, GstEvent *event) {
+      if (const std::string turn = rotation_of(event); !turn.empty() && turn != "rotate-0")
+        GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
+                          (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
+    });
     // What an edit list hides before the first shown frame, this frame depends on.
     gst_base_sink_set_drop_out_of_segment(
         GST_BASE_SINK(
@@ -267,13 +257,13 @@ private:
   GstFlowReturn pull(GstAppSink *sink) {
     const SamplePtr sample(gst_app_sink_pull_sample(sink));
     const std::lock_guard lock(mutex_);
-    if (!sample || failure_)
+    if (!sample || failed_)
       return GST_FLOW_EOS;
     try {
       push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
-    } catch (...) {
-      failure_ = std::current_exception();
-      return GST_FLOW_ERROR; // the element before posts an error, which ends the work
+    } catch (const std::exception &error) {
+      failed_ = true;
+      GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FAILED, ("%s", error.what()), (nullptr));
     }
     return GST_FLOW_OK;
   }
@@ -286,7 +276,7 @@ private:
   FilmFormat format_;
   std::size_t length_size_ = 4; // bytes
   std::vector<std::uint8_t> configuration_;
-  std::exception_ptr failure_;
+  bool failed_ = false;
   FilmStreams film_;
 };
 

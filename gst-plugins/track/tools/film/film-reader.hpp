@@ -36,7 +36,7 @@ struct FilmFrame {
 
 /// Calls `call` for the frames of each stream in the order of decoding, one at a time, in any
 /// thread. Returns the format. Throws TrackFileError if a browser cannot play the film or the
-/// process was interrupted, and what `call` throws.
+/// process was interrupted, also with the text of what `call` throws.
 FilmFormat read_film(const std::string &path, const std::function<void(FilmFrame &&)> &call);
 
 } // namespace haptic

@@ -51,18 +51,11 @@ void FilmStreams::block(GstElement *, GstPad *pad, gpointer data) {
   ++film.shown_;
 }
 
-std::vector<GstPad *> FilmStreams::all() const {
-  std::vector<GstPad *> pads;
-  pads.reserve(streams_.size());
-  for (const auto &[pad, probe] : streams_)
-    pads.push_back(pad.get());
-  return pads;
-}
-
 void FilmStreams::sort() {
   for (const auto &[pad, probe] : streams_) {
     const CapsPtr caps = caps_of(pad.get());
     const std::string_view name = name_of(caps.get());
+    all_.push_back(pad.get());
     if (!video_ && (name.starts_with("video/") || name.starts_with("image/")))
       video_ = pad.get();
     else if (name.starts_with("audio/"))

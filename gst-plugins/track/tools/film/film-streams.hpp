@@ -26,7 +26,7 @@ public:
   GstElement *pipeline() const noexcept { return file_.get(); }
   GstPad *video() const noexcept { return video_; } ///< the first one
   /// In the order of the file.
-  std::vector<GstPad *> all() const;
+  const std::vector<GstPad *> &all() const noexcept { return all_; }
   const std::vector<GstPad *> &audio() const noexcept { return audio_; }
   const std::vector<GstPad *> &others() const noexcept { return others_; }
 
@@ -49,6 +49,7 @@ private:
   std::atomic<std::size_t> shown_ = 0;
   std::string unknown_; // caps of a stream that no parser knows
   GstPad *video_ = nullptr;
+  std::vector<GstPad *> all_;
   std::vector<GstPad *> audio_;
   std::vector<GstPad *> others_;
   FilePipeline file_; // ends first: its threads use the rest

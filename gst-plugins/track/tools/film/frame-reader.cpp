@@ -15,18 +15,6 @@ namespace {
 constexpr GstClockTime kBeforeAKey = 20 * GST_SECOND;
 constexpr GstClockTime kPatience = 5 * GST_SECOND;
 
-Frame frame_of(GstSample *sample, std::size_t row_size, std::size_t rows) {
-  Frame frame;
-  const ReadableBuffer readable(gst_sample_get_buffer(sample));
-  const auto bytes = readable.bytes();
-  const std::size_t stride = bytes.size() / rows; // rows are padded to four bytes
-  for (std::size_t row = 0; stride >= row_size && row < rows; ++row) {
-    const auto line = bytes.subspan(row * stride, row_size);
-    frame.rgb.insert(frame.rgb.end(), line.begin(), line.end());
-  }
-  return frame;
-}
-
 } // namespace
 
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
@@ -67,8 +55,8 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
       now = gst_segment_to_stream_time(gst_sample_get_segment(sample.get()), GST_FORMAT_TIME,
                                        GST_BUFFER_PTS(gst_sample_get_buffer(sample.get())));
     } while (now + GST_MSECOND < times[i]);
-    frames[i] = frame_of(sample.get(), 3 * static_cast<std::size_t>(width),
-                         static_cast<std::size_t>(height));
+    const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
+    frames[i].rgb.assign(readable.bytes().begin(), readable.bytes().end());
   }
   return frames;
 }

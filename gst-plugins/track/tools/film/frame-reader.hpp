@@ -13,7 +13,7 @@ struct Frame {
 };
 
 /// Returns a frame for each of these times (ns, rising). It is empty where the file has no video or
-/// the video has ended.
+/// the video has ended. `width` is a multiple of four, so that no row is padded.
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
                                int width, int height);
 

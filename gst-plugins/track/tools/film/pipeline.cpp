@@ -4,7 +4,6 @@
 #include "film/copied-stream.hpp"
 #include "glue/content-only.hpp"
 #include "glue/segment-time.hpp"
-#include "interruption.hpp"
 
 #include <cstring>
 #include <gst/pbutils/pbutils.h>
@@ -29,17 +28,12 @@ std::string error_of(GstMessage *message) {
 
 } // namespace
 
-ElementPtr make_element(const char *factory) {
+GstElement *add_element(GstElement *pipeline, const char *factory) {
   GstElement *element = gst_element_factory_make(factory, nullptr);
   if (!element)
     throw_error(messages::kElementIsMissing, factory);
-  return ElementPtr(GST_ELEMENT(gst_object_ref_sink(element)));
-}
-
-GstElement *add_element(GstElement *pipeline, const char *factory) {
-  const ElementPtr owned = make_element(factory);
-  gst_bin_add(GST_BIN(pipeline), owned.get());
-  return owned.get();
+  gst_bin_add(GST_BIN(pipeline), element);
+  return element;
 }
 
 ElementPtr make_pipeline(const std::string &line) {

@@ -21,9 +21,7 @@ using Poll = std::function<void()>;
 inline constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
 inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
-/// Both throw TrackFileError if there is no such element.
-ElementPtr make_element(const char *factory);
-/// The pipeline owns it.
+/// The pipeline owns the element. Throws TrackFileError if there is no such one.
 GstElement *add_element(GstElement *pipeline, const char *factory);
 
 /// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.

@@ -148,14 +148,14 @@ private:
         sounds_, [&](const SegmentSound &sound) { return !is_last && sound.time >= end; });
     std::move(sounds_.begin(), heard, std::back_inserter(segment.sounds));
     sounds_.erase(sounds_.begin(), heard);
-    for (; field_ < fields_.size() && (is_last || is_before(fields_[field_], end)); ++field_)
-      segment.fields.push_back({ticks_of(static_cast<std::int64_t>(fields_[field_].time)),
-                                fields_[field_].kind, write_klv(fields_[field_])});
+    for (; field_ < fields_.size(); ++field_) {
+      const CodedField &field = fields_[field_];
+      const auto time = static_cast<std::int64_t>(field.time);
+      if (!is_last && time >= end)
+        break;
+      segment.fields.push_back({ticks_of(time), field.kind, write_klv(field)});
+    }
     call_(segment);
-  }
-
-  static bool is_before(const CodedField &field, std::int64_t end) {
-    return static_cast<std::int64_t>(field.time) < end;
   }
 
   const FilmPlan &plan_;

@@ -32,10 +32,10 @@ void check(const std::string &path, const std::error_code &error) {
 
 } // namespace
 
-PackageFolder::PackageFolder(std::string path, std::string player, const std::string &page,
-                             const std::string &mark)
-    : path_(std::move(path)), player_(std::move(player)), work_(make_folder(page, mark)),
-      lock_(work_ + ".lock", path_) {
+PackageFolder::PackageFolder(const std::string &path, const std::string &player,
+                             const std::string &page, const std::string &mark)
+    : path_(path), player_(player), work_(make_folder(page, mark)),
+      lock_(work_.string() + ".lock", path_) {
   std::error_code error;
   fs::create_directory(work_, error);
   check(path_, error);
@@ -43,46 +43,44 @@ PackageFolder::PackageFolder(std::string path, std::string player, const std::st
 
 // Returns the path of a folder in it.
 std::string PackageFolder::make_folder(const std::string &page, const std::string &mark) const {
-  if (has(kPage) && !has(mark) &&
-      hash_of_file((fs::path(path_) / kPage).string()) !=
-          hash_of_file((fs::path(player_) / page).string()))
+  if (has(kPage) && !has(mark) && hash_of_file(path_ / kPage) != hash_of_file(player_ / page))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
   std::error_code error;
   fs::create_directories(path_, error);
   check(path_, error);
-  return (fs::path(path_) / kWork).string();
+  return path_ / kWork;
 }
 
 bool PackageFolder::has(const std::string &name) const {
   std::error_code error;
-  return fs::exists(fs::path(path_) / name, error);
+  return fs::exists(path_ / name, error);
 }
 
 std::string PackageFolder::begin(const std::string &name) {
-  const fs::path part = fs::path(work_) / name;
+  const fs::path part = work_ / name;
   std::error_code error;
   fs::remove_all(part, error);
   fs::create_directory(part, error);
   check(part, error);
-  return part.string();
+  return part;
 }
 
 void PackageFolder::publish(const std::string &name) {
-  rename_on_disk((fs::path(work_) / name).string(), (fs::path(path_) / name).string());
+  rename_on_disk(work_ / name, path_ / name);
 }
 
 void PackageFolder::write(const std::string &name, std::span<const std::uint8_t> bytes) {
-  PartFile part((fs::path(work_) / "file").string());
+  PartFile part(work_ / "file");
   part.write(bytes);
-  part.keep_as((fs::path(path_) / name).string());
+  part.keep_as(path_ / name);
 }
 
 void PackageFolder::copy_in(const std::string &path, const std::string &name) {
-  PartFile part((fs::path(work_) / "file").string());
+  PartFile part(work_ / "file");
   std::error_code error;
   fs::copy_file(path, part.path(), fs::copy_options::overwrite_existing, error);
   check(name, error);
-  part.keep_as((fs::path(path_) / name).string());
+  part.keep_as(path_ / name);
 }
 
 void PackageFolder::copy_player() {
@@ -95,10 +93,10 @@ void PackageFolder::copy_player() {
       if (is_of_build)
         entry.disable_recursion_pending();
       else
-        fs::create_directories(fs::path(path_) / name, error);
+        fs::create_directories(path_ / name, error);
     } else if (entry->is_regular_file(error) && name != kSinglePage &&
                !entry->path().filename().string().starts_with(".")) {
-      copy_in(entry->path().string(), name);
+      copy_in(entry->path(), name);
     }
   }
   check(path_, error);

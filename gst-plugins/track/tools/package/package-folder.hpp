@@ -5,6 +5,7 @@
 #include "part-file.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,13 +21,12 @@ class PackageFolder {
 public:
   /// Makes the folder and locks it against other processes. Throws TrackFileError, also where it
   /// holds another site: an index.html that is not `page` of the player, without a file `mark`.
-  explicit PackageFolder(std::string path, std::string player,
-                         const std::string &page = "index.html",
-                         const std::string &mark = kMainPlaylist);
+  PackageFolder(const std::string &path, const std::string &player,
+                const std::string &page = "index.html", const std::string &mark = kMainPlaylist);
 
-  const std::string &path() const noexcept { return path_; }
+  const std::filesystem::path &path() const noexcept { return path_; }
   /// A folder for what is not whole. It stays until finish(), so that the next process can go on.
-  const std::string &work() const noexcept { return work_; }
+  std::string work() const { return work_; }
 
   bool has(const std::string &name) const;
   /// Returns the path of an empty folder, which publish() gives its name.
@@ -46,9 +46,9 @@ public:
 private:
   std::string make_folder(const std::string &page, const std::string &mark) const;
 
-  std::string path_;
-  std::string player_;
-  std::string work_;
+  std::filesystem::path path_;
+  std::filesystem::path player_;
+  std::filesystem::path work_;
   PartFile lock_; // beside work_, which finish() removes
 };
 

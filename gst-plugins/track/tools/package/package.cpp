@@ -3,7 +3,6 @@
 
 #include "author/author.hpp"
 #include "forms/klv.hpp"
-#include "interruption.hpp"
 #include "package/film-segments.hpp"
 #include "package/fragment-writer.hpp"
 #include "package/package-folder.hpp"
@@ -191,14 +190,13 @@ void write_segments(const Rate &rate, const PackageOptions &options,
       video += frame.bytes.size();
     for (const SegmentField &field : segment.fields)
       ++(field.kind == FieldKind::relief ? reliefs : fields);
-    write_bytes((fs::path(folder) / segment_name(segment.number, options.carriage)).string(),
+    write_bytes(fs::path(folder) / segment_name(segment.number, options.carriage),
                 writer.write(segment));
     // The first frames of many films are black.
     if (segment.number == rate.plan.starts.size() / 3)
-      write_bytes((fs::path(folder) / kPoster).string(),
-                  poster_of(rate.plan.format, segment.frames[0]));
+      write_bytes(fs::path(folder) / kPoster, poster_of(rate.plan.format, segment.frames[0]));
   });
-  write_bytes((fs::path(folder) / kPlaylist).string(), playlist_of(rate.plan, options.carriage));
+  write_bytes(fs::path(folder) / kPlaylist, playlist_of(rate.plan, options.carriage));
   const double length = seconds(rate.plan.end);
   const auto kilobits = [&](std::size_t bytes) {
     return 8e-3 * static_cast<double>(bytes) / length;
@@ -218,7 +216,7 @@ void write_rate(const Rate &rate, const PackageOptions &options, std::span<const
   try {
     if (options.carriage == Carriage::fragments) {
       FragmentWriter writer(rate.plan.format);
-      write_bytes((fs::path(part) / kHead).string(), writer.head());
+      write_bytes(fs::path(part) / kHead, writer.head());
       write_segments(rate, options, track, part, writer);
     } else {
       TransportStreamWriter writer(rate.plan.format, rate.plan.reordering);
@@ -316,7 +314,7 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
   PackageFolder folder(options.folder, player, kSinglePage, kSingleTrack);
   const fs::path path = folder.path();
   if (folder.has(kSingleTrack) && folder.has(kSingleFilm) &&
-      hash_of_file((path / kSingleFilm).string()) == hash_of_file(videos[0])) {
+      hash_of_file(path / kSingleFilm) == hash_of_file(videos[0])) {
     std::printf("there already: %s\n", kSingleTrack);
   } else {
     const std::vector<std::uint8_t> track = single_track(rate, options, folder.work());
@@ -324,9 +322,9 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
     folder.write(kSingleTrack, track);
     std::printf("written: %s and %s (%zu kB)\n", kSingleFilm, kSingleTrack, track.size() / 1000);
   }
-  folder.copy_in(bundle.string(), kBundle);
-  folder.copy_in((bundle.parent_path() / kBundleLicence).string(), kBundleLicence);
-  folder.copy_in((fs::path(player) / kSinglePage).string(), "index.html");
+  folder.copy_in(bundle, kBundle);
+  folder.copy_in(bundle.parent_path() / kBundleLicence, kBundleLicence);
+  folder.copy_in(fs::path(player) / kSinglePage, "index.html");
   folder.finish();
   std::printf("Open %s from a web server; docs/web.md says how.\n", (path / "index.html").c_str());
   return EXIT_SUCCESS;
@@ -354,10 +352,10 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
     names.push_back(rate.name);
   }
   folder.copy_player();
-  folder.copy_in((fs::path(folder.path()) / names[0] / kPoster).string(), kPoster);
+  folder.copy_in(folder.path() / names[0] / kPoster, kPoster);
   folder.finish(playlist, names);
   std::printf("Open %s from a web server; docs/web.md has the configuration.\n",
-              (fs::path(folder.path()) / "index.html").c_str());
+              (folder.path() / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 

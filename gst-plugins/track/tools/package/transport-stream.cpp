@@ -151,32 +151,25 @@ void TransportStreamWriter::put_unit(Stream &stream, std::int64_t presentation,
 
 void TransportStreamWriter::put_packets(Stream &stream, Bytes unit, Clock clock) {
   for (bool first = true; first || !unit.empty(); first = false) {
-    std::vector<std::uint8_t> adaptation; // behind its length
+    constexpr std::size_t kRoom = kPacket - kPacketHead;
+    std::vector<std::uint8_t> adaptation; // length, flags, clock and what fills the packet
     if (first && clock.reference >= 0) {
-      adaptation.push_back(static_cast<std::uint8_t>(0x10 | (clock.is_idr ? 0x40 : 0)));
+      adaptation = {0, static_cast<std::uint8_t>(0x10 | (clock.is_idr ? 0x40 : 0))};
       put_number(adaptation, static_cast<std::uint64_t>(clock.reference & kTimeMask) << 15 | 0x7E00,
                  6);
     }
-    const std::size_t room =
-        kPacket - kPacketHead - (adaptation.empty() ? 0 : 1 + adaptation.size());
-    const std::size_t taken = std::min(room, unit.size());
-    std::size_t fill = room - taken;
-    const bool has_adaptation = !adaptation.empty() || fill > 0;
+    if (adaptation.size() + unit.size() < kRoom) {
+      const std::size_t size = kRoom - unit.size();
+      adaptation.resize(std::max(adaptation.size(), std::min<std::size_t>(size, 2))); // no flag
+      adaptation.resize(size, kFill);
+    }
+    if (!adaptation.empty())
+      adaptation[0] = static_cast<std::uint8_t>(adaptation.size() - 1);
+    const std::size_t taken = std::min(kRoom - adaptation.size(), unit.size());
     put_number(out_, kSync, 1);
     put_number(out_, (first ? 0x4000U : 0U) | stream.pid, 2);
-    put_number(out_, (has_adaptation ? 0x30U : 0x10U) | (stream.packets++ & 0xFU), 1);
-    if (adaptation.empty() && fill > 0) {
-      --fill; // for the length
-      if (fill > 0) {
-        --fill;
-        adaptation.push_back(0); // no flag
-      }
-    }
-    if (has_adaptation) {
-      adaptation.resize(adaptation.size() + fill, kFill);
-      put_number(out_, adaptation.size(), 1);
-      out_.insert(out_.end(), adaptation.begin(), adaptation.end());
-    }
+    put_number(out_, (adaptation.empty() ? 0x10U : 0x30U) | (stream.packets++ & 0xFU), 1);
+    out_.insert(out_.end(), adaptation.begin(), adaptation.end());
     out_.insert(out_.end(), unit.begin(), unit.begin() + static_cast<std::ptrdiff_t>(taken));
     unit = unit.subspan(taken);
   }

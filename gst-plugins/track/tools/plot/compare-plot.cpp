@@ -12,62 +12,32 @@ namespace {
 
 constexpr std::int64_t kMostPoints = 2400; // of a curve, two for each pixel
 
-// Parts of the time that was compared.
-class Bins {
-public:
-  explicit Bins(const Comparison &result)
-      : first_(result.first), end_(result.end),
-        width_(std::max<std::int64_t>((end_ - first_ + kMostPoints - 1) / kMostPoints, 1)) {}
-
-  std::size_t count() const {
-    return static_cast<std::size_t>((end_ - first_ + width_ - 1) / width_);
+// Sends a curve of `value(step)` over the time that was compared. Of many values in a pixel it has
+// the mean.
+template <typename Value>
+void send(Gnuplot &out, const Comparison &result, const Value &value) {
+  const std::int64_t width =
+      std::max<std::int64_t>((result.end - result.first + kMostPoints - 1) / kMostPoints, 1);
+  for (std::int64_t begin = result.first; begin < result.end; begin += width) {
+    const std::int64_t end = std::min(begin + width, result.end);
+    double sum = 0;
+    for (std::int64_t step = begin; step < end; ++step)
+      sum += value(step);
+    out.line("%.6f %.6g", static_cast<double>(begin + end - 1) / 2 * kForceStep,
+             sum / static_cast<double>(end - begin));
   }
-  std::int64_t first_step(std::size_t bin) const {
-    return first_ + static_cast<std::int64_t>(bin) * width_;
-  }
-  std::int64_t end_step(std::size_t bin) const { return std::min(first_step(bin) + width_, end_); }
-  double middle(std::size_t bin) const { // s
-    return static_cast<double>(first_step(bin) + end_step(bin) - 1) / 2 * kForceStep;
-  }
-
-private:
-  std::int64_t first_, end_, width_; // steps
-};
-
-// Returns for each bin the share of places and time at which the forces can be told apart.
-std::vector<double> shares_over_time(const Comparison &result, const SignalsAt &signals_at,
-                                     const Bins &bins) {
-  std::vector<double> shares(bins.count());
-  for (std::size_t place = 0; place < result.places.size(); ++place) {
-    const SignalPair pair = signals_at(place);
-    for (std::size_t bin = 0; bin < shares.size(); ++bin) {
-      const auto length = static_cast<double>(bins.end_step(bin) - bins.first_step(bin));
-      for (std::int64_t step = bins.first_step(bin); step < bins.end_step(bin); ++step)
-        shares[bin] += result.is_distinguishable(pair, step) /
-                       (length * static_cast<double>(result.places.size()));
-    }
-  }
-  return shares;
+  out.line("e");
 }
 
-// Draws one axis of both forces. Of many forces in a pixel their mean is drawn.
+// Draws one axis of both forces.
 void draw_axis(Gnuplot &out, const char *name, const Comparison &result, const SignalPair &pair,
-               const Bins &bins, float Force::*axis) {
+               float Force::*axis) {
+  const std::int64_t shift = std::llround(result.shift / kForceStep);
   out.line("set ylabel '%s (N)' offset 1", name);
   out.line("plot '-' using 1:2 with lines linetype 2 linewidth 2.5 title 'B', "
            "'-' using 1:2 with lines linetype 13 linewidth 1.5 title 'A'");
-  const auto send = [&](const ForceSignal &signal, std::int64_t shift) {
-    for (std::size_t bin = 0; bin < bins.count(); ++bin) {
-      double sum = 0;
-      for (std::int64_t step = bins.first_step(bin); step < bins.end_step(bin); ++step)
-        sum += signal.at(step + shift).*axis;
-      out.line("%.6f %.6g", bins.middle(bin),
-               sum / static_cast<double>(bins.end_step(bin) - bins.first_step(bin)));
-    }
-    out.line("e");
-  };
-  send(pair.second, std::llround(result.shift / kForceStep));
-  send(pair.first, 0);
+  send(out, result, [&](std::int64_t step) { return pair.second.at(step + shift).*axis; });
+  send(out, result, [&](std::int64_t step) { return pair.first.at(step).*axis; });
   out.line("unset key; unset label"); // stand above the first axis
 }
 
@@ -77,7 +47,6 @@ void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std:
                      const std::string &caption, bool is_touch, const std::string &output) {
   if (std::filesystem::path(output).extension() != ".png")
     throw_error(messages::kPictureIsUnknown, output.c_str());
-  const Bins bins(result);
   const SignalPair pair = signals_at(place);
   const bool places = result.places.size() > 1;
   Gnuplot out(output);
@@ -90,17 +59,24 @@ void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std:
   out.line("set label 1 '%s' at screen 0.1, 0.97", caption.c_str());
   out.line("set key at screen 0.98, 0.985");
   if (is_touch)
-    draw_axis(out, "outwards", result, pair, bins, &Force::z);
-  draw_axis(out, "to the right", result, pair, bins, &Force::x);
-  draw_axis(out, "upwards", result, pair, bins, &Force::y);
+    draw_axis(out, "outwards", result, pair, &Force::z);
+  draw_axis(out, "to the right", result, pair, &Force::x);
+  draw_axis(out, "upwards", result, pair, &Force::y);
   out.line("set xlabel 'time (s)' offset 0,0.5; set yrange [0:100]");
   out.line("set ylabel '%s' offset 1",
            places ? "told apart (% of places)" : "told apart (% of time)");
   out.line("plot '-' using 1:2 with filledcurves x1 linetype 3");
-  const auto shares = shares_over_time(result, signals_at, bins);
-  for (std::size_t bin = 0; bin < shares.size(); ++bin)
-    out.line("%.6f %.6g", bins.middle(bin), 100 * shares[bin]);
-  out.line("e");
+  std::vector<std::uint16_t> told(static_cast<std::size_t>(result.end - result.first)); // places
+  for (std::size_t i = 0; i < result.places.size(); ++i) {
+    const SignalPair at_place = signals_at(i);
+    for (std::int64_t step = result.first; step < result.end; ++step)
+      told[static_cast<std::size_t>(step - result.first)] +=
+          result.is_distinguishable(at_place, step);
+  }
+  send(out, result, [&](std::int64_t step) {
+    return 100.0 * told[static_cast<std::size_t>(step - result.first)] /
+           static_cast<double>(result.places.size());
+  });
   out.finish();
 }
 

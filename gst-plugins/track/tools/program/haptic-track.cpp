@@ -3,7 +3,6 @@
 #include "author/author.hpp"
 #include "felt/force-log.hpp"
 #include "forms/klv.hpp"
-#include "interruption.hpp"
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
@@ -24,12 +23,15 @@
 #include <filesystem>
 #include <functional>
 #include <gst/gst.h>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -56,20 +58,17 @@ struct Arguments {
   std::string command;
   std::vector<std::string> options; // as given, without their values
   std::vector<std::string> files;
-  bool force = false;
-  bool with_video = false;
   haptic::AuthorOptions author;
   haptic::CompareOptions compare; // with what other verbs take, too
   haptic::PlotOptions plot;
   haptic::VibrationOptions vibration;
   haptic::Carriage carriage = haptic::Carriage::fragments;
-  bool single = false;
-  bool plan = false;
-  bool merge = false;
   std::optional<unsigned> chunk;
   unsigned chunks = 0;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
   double alpha = haptic::kDefaultAlpha; // s/px
+
+  bool has(std::string_view option) const { return std::ranges::count(options, option) > 0; }
 };
 
 // Reads a number from `least` to `most`. Returns false if the text is none.
@@ -106,82 +105,70 @@ haptic::Carriage parse_carriage(const std::string &text) {
   return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
 }
 
-struct Option {
-  // Takes its text. Throws TrackFileError.
-  std::function<void(const std::string &option, const std::string &text)> set;
-  bool has_value = true;
-};
-
-Option flag(bool &value) {
-  return {[&value](auto &, auto &) { value = true; }, false};
-}
+// Takes the text of an option. Throws TrackFileError. A flag has none.
+using Option = std::function<void(const std::string &option, const std::string &text)>;
 
 Option word(std::string &value) {
-  return {[&value](auto &, auto &text) { value = text; }};
+  return [&value](auto &, auto &text) { value = text; };
 }
 
-template <typename Value>
-Option count(Value &value, unsigned least, unsigned most) {
-  return {[=, &value](auto &option, auto &text) {
-    unsigned parsed = 0;
-    if (!read(text, least, most, parsed))
+template <typename Value, typename Number>
+Option number(Value &value, Number least, Number most) {
+  return [=, &value](auto &option, auto &text) {
+    Number parsed = 0;
+    if (read(text, least, most, parsed))
+      value = parsed;
+    else if constexpr (std::is_integral_v<Number>)
       throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
-    value = parsed;
-  }};
-}
-
-template <typename Value>
-Option number(Value &value, double least, double most) {
-  return {[=, &value](auto &option, auto &text) {
-    double parsed = 0;
-    if (!read(text, least, most, parsed))
+    else
       throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
-    value = parsed;
-  }};
+  };
 }
 
 Option time(std::optional<double> &value) {
-  return {[&value](auto &option, auto &text) {
+  return [&value](auto &option, auto &text) {
     if (!read(text, 0.0, 1e9, value.emplace()))
       throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
-  }};
+  };
 }
 
 std::map<std::string, Option> options_of(Arguments &all) {
   return {
-      {"--plan", flag(all.plan)},
-      {"--merge", flag(all.merge)},
-      {"--single", flag(all.single)},
-      {"--force", flag(all.force)},
-      {"--json", flag(all.compare.json)},
-      {"--with-video", flag(all.with_video)},
+      {"--plan", {}},
+      {"--merge", {}},
+      {"--single", {}},
+      {"--force", {}},
+      {"--json", {}},
+      {"--with-video", {}},
       {"--output", word(all.author.folder)},
       {"--stream", word(all.compare.stream)},
       {"--layout", word(all.vibration.layout)},
       {"--map", word(all.vibration.map)},
       {"--hand", word(all.compare.hand)},
       {"--plot", word(all.compare.plot)},
-      {"--chunk", count(all.chunk, 0, kMostSpans)},
-      {"--chunks", count(all.chunks, 1, kMostSpans)},
-      {"--jobs", count(all.jobs, 1, 1024)},
-      {"--columns", count(all.author.columns, haptic::kFewestColumns, haptic::kMostColumns)},
+      {"--chunk", number(all.chunk, 0U, kMostSpans)},
+      {"--chunks", number(all.chunks, 1U, kMostSpans)},
+      {"--jobs", number(all.jobs, 1U, 1024U)},
+      {"--columns", number(all.author.columns, haptic::kFewestColumns, haptic::kMostColumns)},
       {"--from", time(all.compare.from)},
       {"--to", time(all.compare.to)},
-      {"--at-most", number(all.compare.at_most, 0, 100)},
+      {"--at-most", number(all.compare.at_most, 0.0, 100.0)},
       {"--offset", number(all.compare.offset, -1e6, 1e6)},
-      {"--shift", number(all.compare.shift, -2, 2)},
-      {"--alpha", number(all.alpha, 0.0001, 10)},
+      {"--shift", number(all.compare.shift, -2.0, 2.0)},
+      {"--alpha", number(all.alpha, 0.0001, 10.0)},
       {"--max-force", number(all.compare.law.max_force, 0.01, haptic::kHighestForce)},
-      {"--hold", {[&](auto &, auto &text) { read_hold(text, all.author.hold); }}},
-      {"--carriage", {[&](auto &, auto &text) { all.carriage = parse_carriage(text); }}},
-      {"--place", {[&](auto &option, auto &text) {
+      {"--hold", [&](auto &, auto &text) { read_hold(text, all.author.hold); }},
+      {"--carriage", [&](auto &, auto &text) { all.carriage = parse_carriage(text); }},
+      {"--place",
+       [&](auto &option, auto &text) {
          if (!read_pair(text, ',', 0.0, 1.0, all.plot.x, all.plot.y))
            throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
-       }}},
-      {"--places", {[&](auto &option, auto &text) {
+       }},
+      {"--places",
+       [&](auto &option, auto &text) {
          if (!read_pair(text, 'x', 1U, 32U, all.compare.columns, all.compare.rows))
            throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
-       }}},
+       }},
   };
 }
 
@@ -202,17 +189,13 @@ bool explains(std::string_view help, const std::string &option) {
 void check_options(const Arguments &arguments) {
   std::string verb = arguments.command;
   std::string_view help = usage_of({verb});
-  if (verb.empty())
-    throw_error(messages::kCommandIsMissing);
-  if (help == haptic::kUsage)
-    throw_error(messages::kCommandIsUnknown, verb.c_str());
   for (const auto &[mode, options] : kModes)
-    if (std::ranges::count(arguments.options, mode) > 0 && explains(help, std::string(mode))) {
+    if (arguments.has(mode) && explains(help, std::string(mode))) {
       verb += ' ' + std::string(mode);
       help = options;
     }
   for (const std::string &option : arguments.options)
-    if (!explains(help, option) || (option == "--chunks" && !arguments.plan))
+    if (!explains(help, option) || (option == "--chunks" && !arguments.has("--plan")))
       throw_error(messages::kOptionIsForeign, option.c_str(), verb.c_str());
 }
 
@@ -236,12 +219,13 @@ Arguments parse_arguments(const std::vector<std::string> &words) {
       const auto found = options.find(word);
       if (found == options.end())
         throw_error(messages::kOptionIsUnknown, word.c_str());
-      const Option &option = found->second;
-      if (has_value && !option.has_value)
+      const Option &set = found->second;
+      if (has_value && !set)
         throw_error(messages::kOptionTakesNoValue, word.c_str());
-      if (option.has_value && !has_value && ++i == words.size())
+      if (set && !has_value && ++i == words.size())
         throw_error(messages::kOptionNeedsValue, word.c_str());
-      option.set(word, has_value ? words[i].substr(equals + 1) : words[i]);
+      if (set)
+        set(word, has_value ? words[i].substr(equals + 1) : words[i]);
       arguments.options.push_back(word);
     }
   }
@@ -386,7 +370,7 @@ void info_of_samples(const std::vector<TrackSample> &samples) {
   std::printf("  force      %.2f of the full one at most, with the usual settings\n", strongest);
 }
 
-void info(const std::string &path, const std::string &stream) {
+void print_info(const std::string &path, const std::string &stream) {
   const TrackFile track = haptic::read_track_file(path, stream);
   std::printf("%s: %s\n", path.c_str(), track.form.c_str());
   if (!track.stream.empty())
@@ -409,14 +393,20 @@ void info(const std::string &path, const std::string &stream) {
 }
 
 void check_may_be_written(const Arguments &arguments, const std::string &output) {
-  if (!arguments.force && std::filesystem::exists(output))
+  if (!arguments.has("--force") && std::filesystem::exists(output))
     throw_error(messages::kOutputExists, output.c_str());
 }
 
-void check_output(const Arguments &arguments) {
-  if (arguments.files.size() != 2)
-    throw_error(messages::kCommandNeedsFiles, arguments.command.c_str());
-  check_may_be_written(arguments, arguments.files[1]);
+int info(const Arguments &arguments) {
+  int status = EXIT_SUCCESS;
+  for (const auto &file : arguments.files)
+    try {
+      print_info(file, arguments.compare.stream);
+    } catch (const TrackFileError &error) {
+      haptic::print_error(error.what());
+      status = EXIT_FAILURE;
+    }
+  return status;
 }
 
 TrackFile read_some(const Arguments &arguments) {
@@ -429,17 +419,18 @@ TrackFile read_some(const Arguments &arguments) {
   return track;
 }
 
-void write(const std::string &output, const TrackFile &track,
-           const haptic::VibrationOptions &vibration = {}) {
+int write(const std::string &output, const TrackFile &track,
+          const haptic::VibrationOptions &vibration = {}) {
   haptic::stop_when_interrupted();
   if (haptic::is_vibration_file(output))
     haptic::write_vibration_file(output, track, vibration);
   else
     haptic::write_track_file(output, track);
+  return EXIT_SUCCESS;
 }
 
-void convert(const Arguments &arguments) {
-  check_output(arguments);
+int convert(const Arguments &arguments) {
+  check_may_be_written(arguments, arguments.files[1]);
   TrackFile track = read_some(arguments);
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
@@ -452,97 +443,97 @@ void convert(const Arguments &arguments) {
   const std::string &output = arguments.files[1];
   const bool is_of_video = track.film_begin != haptic::kNoTime;
   if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
-    haptic::begin_at_zero(track);
-  write(output, track, arguments.vibration);
+    haptic::move_times(track, -static_cast<std::int64_t>(haptic::times_of(track).first));
+  return write(output, track, arguments.vibration);
 }
 
-void cut(const Arguments &arguments) {
-  check_output(arguments);
+int cut(const Arguments &arguments) {
+  check_may_be_written(arguments, arguments.files[1]);
   TrackFile track = read_some(arguments);
   const auto from =
       static_cast<std::uint64_t>(std::llround(arguments.compare.from.value_or(0) * 1e9));
   const auto to =
       static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
-  if (arguments.with_video) {
+  if (arguments.has("--with-video")) {
     haptic::stop_when_interrupted();
-    return haptic::naming(arguments.files[0], [&] {
+    haptic::naming(arguments.files[0], [&] {
       haptic::print_remarks(
           arguments.files[0],
           haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]));
     });
+    return EXIT_SUCCESS;
   }
   haptic::cut_track(track, from, to);
   if (track.holds_nothing())
     throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
-  write(arguments.files[1], track);
+  return write(arguments.files[1], track);
 }
 
-void plot(const Arguments &arguments) {
-  check_output(arguments);
+int plot(const Arguments &arguments) {
+  check_may_be_written(arguments, arguments.files[1]);
   const std::string &file = arguments.files[0];
   haptic::PlotOptions options = arguments.plot;
   if (!arguments.compare.hand.empty())
     options.hand = haptic::read_hand(arguments.compare.hand);
   haptic::plot_track(file, read_some(arguments), options, arguments.files[1]);
+  return EXIT_SUCCESS;
 }
 
 int compare(const Arguments &arguments) {
-  if (arguments.files.size() != 2)
-    throw_error(messages::kCompareNeedsFiles);
-  check_may_be_written(arguments, arguments.compare.plot);
-  return haptic::compare(arguments.files[0], arguments.files[1], arguments.compare);
+  haptic::CompareOptions options = arguments.compare;
+  options.json = arguments.has("--json");
+  check_may_be_written(arguments, options.plot);
+  return haptic::compare(arguments.files[0], arguments.files[1], options);
 }
 
 int author(const Arguments &arguments) {
   const auto &files = arguments.files;
-  if (arguments.chunk || arguments.merge) {
-    if (files.size() != 1)
-      throw_error(messages::kCommandNeedsPlan, arguments.merge ? "--merge" : "--chunk");
-    return arguments.merge ? haptic::merge_chunks(files[0])
-                           : haptic::author_chunk(files[0], *arguments.chunk);
-  }
+  if ((arguments.chunk || arguments.has("--merge")) && files.size() != 1)
+    throw_error(messages::kCommandNeedsPlan, arguments.chunk ? "--chunk" : "--merge");
   if (files.empty())
-    throw_error(messages::kCommandNeedsVideo, "author");
-  return arguments.plan ? haptic::plan_authoring(files, arguments.author, arguments.chunks)
-                        : haptic::author(files, arguments.author, arguments.jobs);
+    throw_error(messages::kCommandNeedsFiles, "author", "a video");
+  if (arguments.chunk)
+    return haptic::author_chunk(files[0], *arguments.chunk);
+  if (arguments.has("--merge"))
+    return haptic::merge_chunks(files[0]);
+  return arguments.has("--plan") ? haptic::plan_authoring(files, arguments.author, arguments.chunks)
+                                 : haptic::author(files, arguments.author, arguments.jobs);
 }
 
+int package(const Arguments &arguments) {
+  if (arguments.author.folder.empty())
+    throw_error(messages::kPackageNeedsFolder);
+  if (arguments.has("--single"))
+    return haptic::package_single(arguments.files, arguments.author);
+  return haptic::package(arguments.files, {arguments.carriage, arguments.author});
+}
+
+struct Verb {
+  std::string_view name;
+  int (*run)(const Arguments &arguments); // returns the exit status
+  std::size_t least, most;                // files
+  const char *needs;
+};
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr Verb kVerbs[] = {
+    {"info", info, 1, kAny, "a file"},          {"convert", convert, 2, 2, "a file and an output"},
+    {"cut", cut, 2, 2, "a file and an output"}, {"plot", plot, 2, 2, "a file and an output"},
+    {"compare", compare, 2, 2, "two files"},    {"author", author, 0, kAny, ""},
+    {"package", package, 1, kAny, "a video"}};
+
 int run(const Arguments &arguments) {
+  const std::string &name = arguments.command;
+  if (name.empty())
+    throw_error(messages::kCommandIsMissing);
+  const auto *verb = std::ranges::find(kVerbs, name, &Verb::name);
+  if (verb == std::end(kVerbs))
+    throw_error(messages::kCommandIsUnknown, name.c_str());
   check_options(arguments);
-  if (arguments.command == "author")
-    return author(arguments);
-  gst_init(nullptr, nullptr);
-  if (arguments.command == "package") {
-    if (arguments.files.empty())
-      throw_error(messages::kCommandNeedsVideo, "package");
-    if (arguments.author.folder.empty())
-      throw_error(messages::kPackageNeedsFolder);
-    if (arguments.single)
-      return haptic::package_single(arguments.files, arguments.author);
-    return haptic::package(arguments.files, {arguments.carriage, arguments.author});
-  }
-  if (arguments.command == "info") {
-    if (arguments.files.empty())
-      throw_error(messages::kCommandNeedsFile);
-    int failures = 0;
-    for (const auto &file : arguments.files)
-      try {
-        info(file, arguments.compare.stream);
-      } catch (const TrackFileError &error) {
-        haptic::print_error(error.what());
-        ++failures;
-      }
-    return failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
-  }
-  if (arguments.command == "compare")
-    return compare(arguments);
-  if (arguments.command == "convert")
-    convert(arguments);
-  else if (arguments.command == "cut")
-    cut(arguments);
-  else
-    plot(arguments);
-  return EXIT_SUCCESS;
+  if (const std::size_t count = arguments.files.size(); count < verb->least || count > verb->most)
+    throw_error(messages::kCommandNeedsFiles, name.c_str(), verb->needs);
+  if (verb->run != author) // it forks
+    gst_init(nullptr, nullptr);
+  return verb->run(arguments);
 }
 
 } // namespace

@@ -119,11 +119,7 @@ std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint
   cut_track(track, part.begin, part.end);
   if (track.holds_nothing() || part.begin >= part.end)
     throw_error(messages::kCutIsEmpty, path.c_str());
-  for (auto &sample : track.samples)
-    sample.time += scan.delay;
-  for (auto *coded : {&track.fields, &track.reliefs})
-    for (auto &field : *coded)
-      field.time += scan.delay;
+  move_times(track, static_cast<std::int64_t>(scan.delay));
 
   PartFile file(output + ".part");
   FilmStreams film(path, FilmUse::copy);

@@ -3,6 +3,7 @@
 
 #include "forms/klv.hpp"
 #include "forms/text-line.hpp"
+#include "part-file.hpp"
 #include "track-error.hpp"
 
 #include <algorithm>
@@ -19,14 +20,6 @@ constexpr std::size_t kValuesAt = kLengthAt + 2;
 constexpr char kKlvTag[] = {64, kMarkSize};
 constexpr std::string_view kTextMark = "src=";
 constexpr std::size_t kHeadSize = 16 << 20; // bytes; a copy has fields from the first frame on
-
-std::string read_head(const std::string &path) {
-  std::string head(kHeadSize, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  return head;
-}
 
 const std::string_view kKey(reinterpret_cast<const char *>(kMotionKey.data()), kMotionKey.size());
 
@@ -77,13 +70,13 @@ void insert_mark(std::vector<std::uint8_t> &field, const std::string &mark) {
 }
 
 bool holds_track(const std::string &path) {
-  const std::string head = read_head(path);
+  const std::string head = read_start(path, kHeadSize);
   const auto has = [&](std::string_view start) { return head.find(start) != head.npos; };
   return has(kKey) || has(kTextFieldStart) || has(kTextReliefStart) || has(kTextPointStart);
 }
 
 std::optional<std::string> mark_in(const std::string &path) {
-  const std::string head = read_head(path);
+  const std::string head = read_start(path, kHeadSize);
   const std::string_view all(head);
   const auto mark_behind = [&](std::size_t at, std::string_view start) {
     const bool has = at <= all.size() && all.substr(at).starts_with(start);

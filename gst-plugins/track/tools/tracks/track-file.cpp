@@ -10,7 +10,6 @@
 #include "forms/text-line.hpp"
 #include "glue/gst-raii.hpp"
 #include "glue/segment-time.hpp"
-#include "interruption.hpp"
 #include "mpeg-haptics/hjif.hpp"
 #include "mpeg-haptics/hmpg-form.hpp"
 #include "mpeg-haptics/hmpg.hpp"
@@ -22,9 +21,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <gst/app/gstappsrc.h>
-#include <iterator>
 
 namespace haptic {
 namespace {
@@ -35,20 +32,15 @@ constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 30
 
 // ---- reading ------------------------------------------------------------------------------------
 
-std::vector<std::uint8_t> read_bytes(const std::string &path) {
-  if (std::filesystem::file_size(path) > kLargestText)
+std::string read_text(const std::string &path) {
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  if (size > kLargestText)
     throw_error(messages::kTrackFileIsTooLarge, path.c_str());
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  return read_start(path, size);
 }
 
-std::vector<std::uint8_t> first_bytes(const std::string &path) {
-  check_readable(path);
-  std::ifstream file(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes(4096);
-  file.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  return bytes;
+std::span<const std::uint8_t> as_bytes(const std::string &text) {
+  return {reinterpret_cast<const std::uint8_t *>(text.data()), text.size()};
 }
 
 template <typename Start>
@@ -59,12 +51,8 @@ bool begins_with(std::span<const std::uint8_t> bytes, const Start &start) {
 }
 
 // A unit of some bytes may last for hours, and containers have any size.
-bool is_too_long(const TrackFile &track) {
-  return track.samples.size() > kMostSamples || track.fields.size() > kMostSamples;
-}
-
 void check_length(const std::string &path, const TrackFile &track) {
-  if (is_too_long(track))
+  if (track.samples.size() > kMostSamples || track.fields.size() > kMostSamples)
     throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
 }
 
@@ -72,12 +60,13 @@ void check_length(const std::string &path, const TrackFile &track) {
 void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, FileRemark damaged,
                     TrackFile &track) {
   constexpr std::size_t kMostDamaged = 20; // sets
-  const auto bytes = read_bytes(path);
+  const std::string text = read_text(path);
+  const auto bytes = as_bytes(text);
   TrackReader reader(std::move(form), track, damaged);
   std::size_t line = 0;
   std::size_t at = 0;
   while (at < bytes.size()) {
-    const auto rest = std::span(bytes).subspan(at);
+    const auto rest = bytes.subspan(at);
     std::size_t size = rest.size(); // the reader of sets divides them
     if (damaged == FileRemark::damaged_line) {
       size = std::min<std::size_t>(size, std::ranges::find(rest, '\n') - rest.begin() + 1);
@@ -100,8 +89,7 @@ void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, Fi
 }
 
 void read_hjif_file(const std::string &path, TrackFile &track) {
-  const auto bytes = read_bytes(path);
-  auto read = read_hjif({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+  auto read = read_hjif(read_text(path));
   if (!read.error.empty())
     throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
   if (!read.unsupported.empty())
@@ -117,23 +105,14 @@ std::string text_of(GstPad *pad) {
                    : name_of(caps.get());
 }
 
-} // namespace
-
-bool is_own_track(GstBuffer *buffer) {
-  const ReadableBuffer readable(buffer);
-  return begins_with(readable.bytes(), kTextName) || begins_with(readable.bytes(), kMotionKey);
-}
-
-namespace {
-
 // A container, whose streams are known one after another. The track is the first stream that
 // begins with a sample of this project. Other streams, other KLV and subtitles too, are passed
 // over.
 struct Container {
+  const std::string &path;
   const std::string &wanted; // the only stream that is the track, or empty
   TrackFile &track;
   TrackReader reader;
-  std::atomic<bool> is_too_long = false;
   FrameSize film_size;
   std::atomic<GstClockTime> film_begin = GST_CLOCK_TIME_NONE; // stream times
   std::atomic<GstClockTime> film_end = 0;
@@ -165,7 +144,7 @@ Role role_of(Container &container, GstPad *pad, const InputPacket &first) {
 void read_packet(Container &container, GstPad *pad, GstBuffer *buffer, Role &role) {
   const ReadableBuffer readable(buffer);
   const auto segment = segment_of(pad);
-  if (!readable || !segment || role == Role::other || container.is_too_long)
+  if (!readable || !segment || role == Role::other)
     return;
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
   const GstClockTime duration = GST_BUFFER_DURATION(buffer);
@@ -178,7 +157,7 @@ void read_packet(Container &container, GstPad *pad, GstBuffer *buffer, Role &rol
                         gst_segment_clip(&*segment, GST_FORMAT_TIME, pts, end, nullptr, nullptr);
   if (role == Role::track && is_shown)
     container.reader.push(packet);
-  container.is_too_long = is_too_long(container.track);
+  check_length(container.path, container.track);
 }
 
 void link_stream(GstElement *, GstPad *pad, gpointer data) {
@@ -193,7 +172,7 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
     watch_buffers(pad, [&container, role = Role::unknown](GstPad *from, GstBuffer *buffer) mutable {
       try {
         read_packet(container, from, buffer, role);
-      } catch (const std::exception &error) { // of hostile bytes, for which there is no memory
+      } catch (const std::exception &error) { // too long, or no memory for hostile bytes
         role = Role::other;
         GST_ELEMENT_ERROR(container.file.get(), STREAM, DECODE, ("%s", error.what()), (nullptr));
       }
@@ -250,7 +229,8 @@ void compare_with_film(const Container &container, TrackFile &track) {
 
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
                     TrackFile &track, const std::string &wanted) {
-  Container container{.wanted = wanted,
+  Container container{.path = path,
+                      .wanted = wanted,
                       .track = track,
                       .reader = {std::move(form), track},
                       .file = {path, demuxer}};
@@ -258,10 +238,7 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   std::string failure;
   try {
     const Running running(container.file.get());
-    container.file.run(GST_STATE_PLAYING, GST_MESSAGE_EOS, messages::kFileStandsStill, [&] {
-      if (container.is_too_long)
-        throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
-    });
+    container.file.run(GST_STATE_PLAYING, GST_MESSAGE_EOS, messages::kFileStandsStill);
   } catch (const TrackFileError &error) {
     failure = error.what();
   }
@@ -318,11 +295,16 @@ const char *caps_of_track(bool is_coded) {
 
 } // namespace
 
+bool is_own_track(GstBuffer *buffer) {
+  const ReadableBuffer readable(buffer);
+  return begins_with(readable.bytes(), kTextName) || begins_with(readable.bytes(), kMotionKey);
+}
+
 TrackFile read_track_file(const std::string &path, const std::string &stream) {
-  const auto head = first_bytes(path);
+  check_readable(path);
+  const std::string start = read_start(path, 4096);
+  const auto head = as_bytes(start);
   TrackFile track;
-  const auto text = std::find_if_not(head.begin(), head.end(),
-                                     [](std::uint8_t c) { return c == ' ' || c == '\n'; });
   if (begins_with(head, kKlvDesignator)) {
     track.form = "KLV";
     read_bare_file(path, make_klv_form(), FileRemark::damaged_set, track);
@@ -332,7 +314,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
     read_bare_file(path, make_hmpg_form(kSecond), FileRemark::damaged_unit, track);
-  } else if (text != head.end() && *text == '{') {
+  } else if (const std::size_t text = start.find_first_not_of(" \n");
+             text != start.npos && start[text] == '{') {
     track.form = "MPEG haptics, JSON";
     read_hjif_file(path, track);
   } else if (!head.empty() && head[0] == 0x47 && (head.size() < 189 || head[188] == 0x47)) {
@@ -341,8 +324,7 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   } else if (begins_with(head, kMatroskaMagic)) {
     track.form = "text lines in Matroska";
     read_container(path, "matroskademux", make_text_form(), track, stream);
-  } else if (begins_with(std::span(head).subspan(std::min(head.size(), kMp4BrandAt)),
-                         std::string_view("ftyp"))) {
+  } else if (start.find("ftyp") == kMp4BrandAt) {
     track.form = "text lines in MP4";
     read_container(path, "qtdemux", make_text_form(), track, stream);
   } else {
@@ -382,12 +364,11 @@ TrackTimes times_of(const TrackFile &track) {
   return times;
 }
 
-void begin_at_zero(TrackFile &track) {
-  const std::uint64_t first = times_of(track).first;
-  for (auto &sample : track.samples)
-    sample.time -= first;
-  for (auto &field : track.fields)
-    field.time -= first;
+void move_times(TrackFile &track, std::int64_t by) {
+  const auto move = [by](auto &one) { one.time += static_cast<std::uint64_t>(by); };
+  std::ranges::for_each(track.samples, move);
+  std::ranges::for_each(track.fields, move);
+  std::ranges::for_each(track.reliefs, move);
 }
 
 void play_track(const std::string &path, const TrackFile &track, const std::string &line,

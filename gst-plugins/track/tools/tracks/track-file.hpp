@@ -53,8 +53,8 @@ struct TrackTimes {
 };
 TrackTimes times_of(const TrackFile &track);
 
-/// Subtracts the least time from all.
-void begin_at_zero(TrackFile &track);
+/// Adds so many ns to all times, none of which becomes negative.
+void move_times(TrackFile &track, std::int64_t by);
 
 /// Writes the form that the ending names: .ts, .mkv, .klv, .txt, .hmpg, .hjif. The file appears
 /// under its name when it is whole. Throws TrackFileError.

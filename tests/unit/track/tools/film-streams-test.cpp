@@ -3,7 +3,6 @@
 
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
-#include "interruption.hpp"
 #include "track-pipeline.hpp"
 #include "tracks/track-file.hpp"
 
