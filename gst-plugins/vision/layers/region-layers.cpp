@@ -41,6 +41,18 @@ void RegionLayers::forget() {
   foreground_.forget();
 }
 
+void RegionLayers::carry(int right, int down, const LumaView &earlier, float noise) {
+  const CropMove move{right, down, size_, layer_size_of(earlier.width, earlier.height)};
+  size_ = move.after;
+  load_luma(earlier, size_, later());
+  light_.take_out(later().mean, false, size_, later());
+  find_structure(size_, noise, later());
+  calm_.carry(move, later());
+  things_.carry(move);
+  background_.carry(move);
+  foreground_.carry(move);
+}
+
 void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view, bool continues,
                         float noise, const std::optional<Displacement> &likely) {
   const LayerSize size = layer_size_of(later_view.width, later_view.height);
