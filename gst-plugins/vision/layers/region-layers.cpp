@@ -210,8 +210,11 @@ bool RegionLayers::flat_parts_follow(Displacement by, float noise) {
     moved += std::min(moved_energy_.at(x, y), kMostEnergy);
     ++cells;
   });
-  const float by_noise = 2 * smoothed_noise() * noise * cells;
-  return rest - moved > kOfNoise * by_noise + kBeyondNoise * std::max(0.0F, rest - by_noise);
+  // Displaced by parts of a pixel, a frame has less noise: with noise alone, it fits better.
+  const float by_noise = smoothed_noise() * noise * cells;
+  const float change = rest - 2 * by_noise;
+  const float left = moved - (1 + noise_left(by)) * by_noise;
+  return change - left > kOfNoise * 2 * by_noise + kBeyondNoise * std::max(0.0F, change);
 }
 
 void RegionLayers::sum(const Rectangle &region, int columns, int rows,
