@@ -3,6 +3,7 @@
 
 #include "layers/layer-kernels.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace haptic {
@@ -16,9 +17,13 @@ constexpr float kFollowing = 0.2F; // of the memory, in each frame in which a ce
 // Structure of the pixels at which the memory is not needed.
 constexpr float kEnough = 200;
 
+std::array<CellMap *, 5> maps_of(BackgroundCells &cells) {
+  return {&cells.structure.xx, &cells.structure.xy, &cells.structure.yy, &cells.moment.x,
+          &cells.moment.y};
+}
+
 void fill(BackgroundCells &cells, float value) {
-  for (CellMap *map : {&cells.structure.xx, &cells.structure.xy, &cells.structure.yy,
-                       &cells.moment.x, &cells.moment.y})
+  for (CellMap *map : maps_of(cells))
     map->values.fill(value);
 }
 
@@ -38,6 +43,11 @@ void BackgroundMotion::forget() {
   fill(sums_, 0);
   motion_.x.values.fill(0);
   motion_.y.values.fill(0);
+}
+
+void BackgroundMotion::carry(const CropMove &move) {
+  for (CellMap *map : maps_of(memory_))
+    haptic::carry(move, 0, *map);
 }
 
 void BackgroundMotion::update(const LayerFrame &earlier, const LayerFrame &later,

@@ -21,6 +21,7 @@ class BackgroundMotion {
 public:
   BackgroundMotion() { forget(); }
   void forget();
+  void carry(const CropMove &move); ///< The crop went on.
 
   /// `luma`: of the background. `background` and `follows` are those of CalmCells.
   void update(const LayerFrame &earlier, const LayerFrame &later, const CellMap &luma,

@@ -39,10 +39,45 @@ void CalmCells::forget() {
   at_rest_sum_ = displaced_sum_ = 0;
 }
 
+void CalmCells::keep(const LayerFrame &frame, const LayerSize &size, Past &past) {
+  for (int y = 0; y < size.height; ++y)
+    std::copy_n(frame.smooth.row(y), size.width, past.smooth.row(y));
+  past.flat = frame.flat;
+  past.since = {.before = size, .after = size};
+}
+
+void CalmCells::carry(const CropMove &move, const LayerFrame &earlier) {
+  haptic::carry(move, kStart, calm_);
+  haptic::carry(move, 0, at_rest_energy_);
+  haptic::carry(move, 0, displaced_energy_);
+  for (Past &past : ring_) {
+    past.since.right += move.right;
+    past.since.down += move.down;
+    past.since.after = move.after;
+  }
+  if (count_ > 0)
+    keep(earlier, move.after, ring_[static_cast<std::size_t>((count_ - 1) % kRing)]);
+}
+
+// Cells that it did not show are those of the frame before. Only the frame that is compared is
+// moved: all of them would take longer than the rest of an update.
+const CalmCells::Past &CalmCells::as_seen_now(const Past &old) {
+  const CropMove &since = old.since;
+  if (since.right == 0 && since.down == 0 && since.before == since.after)
+    return old;
+  const Past &last = past(1);
+  moved_.smooth = last.smooth;
+  moved_.flat = last.flat;
+  moved_.since = since;
+  copy_shared<kCellSide>(old.smooth, since, moved_.smooth);
+  copy_shared<1>(old.flat, since, moved_.flat);
+  return moved_;
+}
+
 // Compares the frame with the earlier one, displaced by what was found in between. False: it is not
 // known, or too little to see.
-bool CalmCells::displace(const LayerFrame &frame, const LayerSize &size, const CalmStep &step,
-                         int base) {
+bool CalmCells::displace(const Past &old, const LayerFrame &frame, const LayerSize &size,
+                         const CalmStep &step, int base) {
   constexpr float kLeast2 = 1;         // px squared
   constexpr float kMostOfWidth = 0.6F; // else too little of the crop is left to compare
   Displacement shift = step.shift;
@@ -54,9 +89,12 @@ bool CalmCells::displace(const LayerFrame &frame, const LayerSize &size, const C
   const float most = kMostOfWidth * static_cast<float>(size.width);
   if (!is_known || norm2(shift) <= kLeast2 || norm2(shift) >= most * most)
     return false;
-  compare_displaced(past(base).smooth, frame.smooth, shift, size, displaced_change_);
+  compare_displaced(old.smooth, frame.smooth, shift, size, displaced_change_);
+  const CropMove &since = old.since;
+  const Rectangle shown{-kCellSide * since.right, -kCellSide * since.down, since.before.width,
+                        since.before.height};
   for_cells(size, [&](int x, int y) {
-    if (!comes_from_inside(x, y, shift, size)) {
+    if (!comes_from_inside(x, y, shift, size) || !comes_from_inside(x, y, shift, shown)) {
       displaced_change_.at(x, y) = change_.at(x, y);
     } else if (frame.flat.at(x, y) > 0) {
       const float rest = std::min(change_.at(x, y), kMostEnergy);
@@ -99,7 +137,7 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   const int available = std::min(base, count_);
   Past &now = ring_[static_cast<std::size_t>(count_ % kRing)];
   if (available > 0) {
-    const Past &old = past(available);
+    const Past &old = as_seen_now(past(available));
     compare(old.smooth, frame.smooth, size, change_);
     const float kept = std::exp(-step.seconds / kFollowMemory);
     for_cells(size, [&](int x, int y) {
@@ -108,7 +146,7 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
     });
     at_rest_sum_ *= kept;
     displaced_sum_ *= kept;
-    const bool is_displaced = displace(frame, size, step, base);
+    const bool is_displaced = displace(old, frame, size, step, base);
     decide_followers(size, step);
     if (is_displaced)
       for_cells(size, [&](int x, int y) {
@@ -140,9 +178,7 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   for_cells(size, [&](int x, int y) {
     background_.at(x, y) = near.at(x, y) > 1 ? 0 : frame.flat.at(x, y);
   });
-  for (int y = 0; y < size.height; ++y)
-    std::copy_n(frame.smooth.row(y), size.width, now.smooth.row(y));
-  now.flat = frame.flat;
+  keep(frame, size, now);
   now.shift = step.shift;
   now.has_shift = step.has_shift;
   ++count_;

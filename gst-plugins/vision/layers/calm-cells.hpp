@@ -25,6 +25,9 @@ public:
   CalmCells() { forget(); }
   void forget();
 
+  /// The crop went on. `earlier`: the frame of the update before, as the crop shows it now.
+  void carry(const CropMove &move, const LayerFrame &earlier);
+
   void update(const LayerFrame &frame, const LayerSize &size, const CalmStep &step);
 
   /// 1: flat and calm, else 0.
@@ -45,15 +48,20 @@ private:
     CellMap flat;
     Displacement shift; // from the frame before it
     bool has_shift = false;
+    CropMove since; // of the crop
   };
   const Past &past(int frames) const {
     return ring_[static_cast<std::size_t>((count_ - frames) % kRing)];
   }
-  bool displace(const LayerFrame &frame, const LayerSize &size, const CalmStep &step, int base);
+  static void keep(const LayerFrame &frame, const LayerSize &size, Past &past);
+  const Past &as_seen_now(const Past &old);
+  bool displace(const Past &old, const LayerFrame &frame, const LayerSize &size,
+                const CalmStep &step, int base);
   void decide_followers(const LayerSize &size, const CalmStep &step);
 
   int count_ = 0; // frames seen
   std::array<Past, kRing> ring_;
+  Past moved_; // one of them, moved with the crop
   CellMap calm_;
   CellMap at_rest_energy_;   // sums of the squared differences to the earlier frame
   CellMap displaced_energy_; // the same to the displaced earlier frame

@@ -26,6 +26,11 @@ void FlatThings::forget() {
     map->values.fill(0);
 }
 
+void FlatThings::carry(const CropMove &move) {
+  haptic::carry(move, 0, votes_);
+  haptic::carry(move, 0, weights_);
+}
+
 // Numbers the cells of an area.
 void FlatThings::fill(const LayerFrame &frame, const LayerSize &size, int x, int y, int number) {
   constexpr float kAlike = 12; // grey levels, between neighbours

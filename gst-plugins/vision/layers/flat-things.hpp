@@ -15,6 +15,7 @@ class FlatThings {
 public:
   FlatThings() { forget(); }
   void forget();
+  void carry(const CropMove &move); ///< The crop went on.
 
   /// Finds the flat areas of the frame, and which of them are things. `rests` is that of CalmCells.
   void find(const LayerFrame &frame, const CellMap &rests, const LayerSize &size, float seconds);

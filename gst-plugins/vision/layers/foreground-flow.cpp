@@ -18,6 +18,17 @@ constexpr float kDamping = 30;
 
 } // namespace
 
+void ForegroundFlow::carry(const CropMove &move) {
+  for (HalfMap *map : {&flow_.x, &flow_.y}) {
+    const HalfMap before = *map;
+    for (int y = 0; y < 2 * move.after.rows(); ++y) {
+      const float *row = before.row(std::clamp(y + 2 * move.down, 0, 2 * move.before.rows() - 1));
+      for (int x = 0; x < 2 * move.after.columns(); ++x)
+        map->at(x, y) = row[std::clamp(x + 2 * move.right, 0, 2 * move.before.columns() - 1)];
+    }
+  }
+}
+
 // A thing that comes into the crop, or turns back at once, moves as the region does and not as
 // these pixels did.
 void ForegroundFlow::start_from_region(const LayerFrame &earlier, const LayerFrame &later,

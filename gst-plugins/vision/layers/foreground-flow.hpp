@@ -22,6 +22,9 @@ public:
   /// The flow that follows starts from rest.
   void forget() { is_cold_ = true; }
 
+  /// The crop went on. What comes into it moves at first as what lies beside it.
+  void carry(const CropMove &move);
+
   /// One damped step; more if the pixels moved far from their start, or the start is not known.
   void step(const LayerFrame &earlier, const LayerFrame &later, const FlowPrior &prior, float noise,
             const LayerSize &size);

@@ -3,6 +3,8 @@
 
 #include "layers/layer-kernels.hpp"
 
+#include <cmath>
+
 namespace haptic {
 namespace {
 
@@ -23,6 +25,17 @@ float smoothed_noise() {
   const HalfKernel<1> &kernel = small_blur();
   const float row = kernel[0] * kernel[0] + 2 * kernel[1] * kernel[1];
   return row * row;
+}
+
+// Between two pixels, a mean of both: (1 - part) * one + part * other.
+float noise_left(Displacement by) {
+  const HalfKernel<1> &kernel = small_blur();
+  const float alike = 2 * kernel[0] * kernel[1] / std::sqrt(smoothed_noise());
+  const auto along = [alike](float moved) {
+    const float part = moved - std::floor(moved);
+    return 1 - 2 * part * (1 - part) * (1 - alike);
+  };
+  return along(by.x) * along(by.y);
 }
 
 void find_structure(const LayerSize &size, float noise, LayerFrame &frame) {

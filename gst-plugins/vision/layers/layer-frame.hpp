@@ -11,6 +11,9 @@ namespace haptic {
 /// Variance that white noise of variance 1 has in `smooth`.
 float smoothed_noise();
 
+/// The part of that variance which is left in `smooth` between the pixels, displaced by `by`.
+float noise_left(Displacement by);
+
 /// The window in which the pixels that move share a displacement.
 const HalfKernel<kWindowRadius> &foreground_window();
 

@@ -6,6 +6,7 @@
 #include "pixels/luma-view.hpp"
 #include "pixels/tensor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -77,13 +78,44 @@ void for_cells(const LayerSize &size, Body &&body) {
       body(column, row);
 }
 
-/// Whether all of a cell was inside the crop before it moved by so many px.
-inline bool comes_from_inside(int column, int row, Displacement by, const LayerSize &size) {
-  const auto fits = [](int cell, float moved, int side) {
-    const float begin = static_cast<float>(cell * kCellSide) - moved;
+/// Whether all of a cell was inside an area of the crop, px, before it moved by so many px.
+inline bool comes_from_inside(int column, int row, Displacement by, const Rectangle &area) {
+  const auto fits = [](int cell, float moved, int corner, int side) {
+    const float begin = static_cast<float>(cell * kCellSide - corner) - moved;
     return begin >= 0 && begin + kCellSide <= static_cast<float>(side);
   };
-  return fits(column, by.x, size.width) && fits(row, by.y, size.height);
+  return fits(column, by.x, area.x, area.width) && fits(row, by.y, area.y, area.height);
+}
+
+inline bool comes_from_inside(int column, int row, Displacement by, const LayerSize &size) {
+  return comes_from_inside(column, row, by, Rectangle{0, 0, size.width, size.height});
+}
+
+/// The way of a crop over the frame. What is known belongs to places of the frame.
+struct CropMove {
+  int right = 0; ///< cells
+  int down = 0;
+  LayerSize before;
+  LayerSize after;
+};
+
+/// Copies what both crops show. `kEach`: values of a map in a row or column of a cell.
+template <int kEach, typename Map>
+void copy_shared(const Map &before, const CropMove &move, Map &after) {
+  const int right = kEach * move.right;
+  const int down = kEach * move.down;
+  const int begin = std::max(0, -right);
+  const int end = std::min(kEach * move.after.columns(), kEach * move.before.columns() - right);
+  const int last = std::min(kEach * move.after.rows(), kEach * move.before.rows() - down);
+  for (int y = std::max(0, -down); y < last && begin < end; ++y)
+    std::copy_n(before.row(y + down) + begin + right, end - begin, after.row(y) + begin);
+}
+
+/// `fresh`: of cells that the crop did not show before.
+inline void carry(const CropMove &move, float fresh, CellMap &map) {
+  const CellMap before = map;
+  map.values.fill(fresh);
+  copy_shared<1>(before, move, map);
 }
 
 /// One frame of the crop, as the layers need it.

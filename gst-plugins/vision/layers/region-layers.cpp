@@ -41,6 +41,18 @@ void RegionLayers::forget() {
   foreground_.forget();
 }
 
+void RegionLayers::carry(int right, int down, const LumaView &earlier, float noise) {
+  const CropMove move{right, down, size_, layer_size_of(earlier.width, earlier.height)};
+  size_ = move.after;
+  load_luma(earlier, size_, later());
+  light_.take_out(later().mean, false, size_, later());
+  find_structure(size_, noise, later());
+  calm_.carry(move, later());
+  things_.carry(move);
+  background_.carry(move);
+  foreground_.carry(move);
+}
+
 void RegionLayers::read(const LumaView &earlier_view, const LumaView &later_view, bool continues,
                         float noise, const std::optional<Displacement> &likely) {
   const LayerSize size = layer_size_of(later_view.width, later_view.height);
@@ -198,8 +210,11 @@ bool RegionLayers::flat_parts_follow(Displacement by, float noise) {
     moved += std::min(moved_energy_.at(x, y), kMostEnergy);
     ++cells;
   });
-  const float by_noise = 2 * smoothed_noise() * noise * cells;
-  return rest - moved > kOfNoise * by_noise + kBeyondNoise * std::max(0.0F, rest - by_noise);
+  // Displaced by parts of a pixel, a frame has less noise: with noise alone, it fits better.
+  const float by_noise = smoothed_noise() * noise * cells;
+  const float change = rest - 2 * by_noise;
+  const float left = moved - (1 + noise_left(by)) * by_noise;
+  return change - left > kOfNoise * 2 * by_noise + kBeyondNoise * std::max(0.0F, change);
 }
 
 void RegionLayers::sum(const Rectangle &region, int columns, int rows,

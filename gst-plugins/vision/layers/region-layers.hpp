@@ -34,6 +34,10 @@ public:
   /// The next pair has nothing to do with those before.
   void forget();
 
+  /// The crop of the call before went on by so many cells. `earlier`: the later frame of that call,
+  /// as the crop shows it now. What is known of the places that both show stays.
+  void carry(int right, int down, const LumaView &earlier, float noise);
+
   /// Reads a pair of crops of one size, whose sides are at most kLayerSide. `continues`: the
   /// earlier one is the later one of the call before. `noise`: variance of a pixel, grey levels
   /// squared.

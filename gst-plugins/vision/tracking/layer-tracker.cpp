@@ -50,8 +50,10 @@ private:
   }
 
   static int layer_margin(int side) { return kLayerMargin << reductions(side); }
-  CropPair near(const CropPair &pair) const;
-  bool divide(const CropPair &pair, const std::optional<Displacement> &whole);
+  Rectangle choose_crop(const CropPair &pair, int reductions) const;
+  bool knows(const Rectangle &crop) const;
+  bool divide(const CropPair &pair, const Rectangle &before,
+              const std::optional<Displacement> &whole);
   void blend(Displacement whole, float part);
   void take_over(float part, const Measurement &ladder);
   float counts_for_region(Displacement whole);
@@ -184,9 +186,10 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
 }
 
 // The part of the pair that the layers read. It stays while the region moves within it by half of
-// the margin: the layers remember a place, and a hand trembles.
-CropPair LayerTracker::near(const CropPair &pair) const {
-  const int margin = layer_margin(std::max(pair.region.width, pair.region.height));
+// the margin, as the region of a hand that trembles, and goes on by whole cells: what the layers
+// know belongs to places of the frame.
+Rectangle LayerTracker::choose_crop(const CropPair &pair, int reductions) const {
+  const int margin = kLayerMargin << reductions;
   const auto around_region = [&](int distance) {
     const Rectangle wide = crop_around(pair.region, distance, pair.crop.x + pair.crop.width,
                                        pair.crop.y + pair.crop.height);
@@ -199,21 +202,51 @@ CropPair LayerTracker::near(const CropPair &pair) const {
            inner.x + inner.width <= outer.x + outer.width &&
            inner.y + inner.height <= outer.y + outer.height;
   };
-  CropPair near = pair;
-  near.crop = around_region(margin);
-  if (last_crop_.width == near.crop.width && last_crop_.height == near.crop.height &&
+  Rectangle crop = around_region(margin);
+  if (last_crop_.width == crop.width && last_crop_.height == crop.height &&
       contains(pair.crop, last_crop_) && contains(last_crop_, around_region(margin / 2)))
-    near.crop = last_crop_;
-  const Rectangle inside{near.crop.x - pair.crop.x, near.crop.y - pair.crop.y, near.crop.width,
-                         near.crop.height};
-  near.previous = part(pair.previous, inside);
-  near.current = part(pair.current, inside);
-  return near;
+    return last_crop_;
+  if (reductions != reductions_ || !knows(crop))
+    return crop;
+  const int cell = kCellSide << reductions;
+  const auto go_on = [cell](int last, int wanted, int least) {
+    const int cells =
+        static_cast<int>(std::lround(static_cast<float>(wanted - last) / static_cast<float>(cell)));
+    const int nearest = last + cells * cell;
+    return nearest < least ? nearest + cell : nearest;
+  };
+  crop.x = go_on(last_crop_.x, crop.x, pair.crop.x);
+  crop.y = go_on(last_crop_.y, crop.y, pair.crop.y);
+  crop.width = std::min(crop.width, pair.crop.x + pair.crop.width - crop.x);
+  crop.height = std::min(crop.height, pair.crop.y + pair.crop.height - crop.y);
+  return crop;
+}
+
+// Whether the layers have seen enough of it. A leap that leaves a fifth of the crop makes no larger
+// steps than a hand that goes on slowly; layers that begin anew do.
+bool LayerTracker::knows(const Rectangle &crop) const {
+  constexpr float kEnough = 0.1F;
+  const auto shared = [](int one, int length, int other, int other_length) {
+    return std::max(0, std::min(one + length, other + other_length) - std::max(one, other));
+  };
+  return static_cast<float>(shared(crop.x, crop.width, last_crop_.x, last_crop_.width) *
+                            shared(crop.y, crop.height, last_crop_.y, last_crop_.height)) >=
+         kEnough * static_cast<float>(crop.width * crop.height);
+}
+
+CropPair part(const CropPair &pair, const Rectangle &crop) {
+  const Rectangle inside{crop.x - pair.crop.x, crop.y - pair.crop.y, crop.width, crop.height};
+  CropPair close = pair;
+  close.crop = crop;
+  close.previous = part(pair.previous, inside);
+  close.current = part(pair.current, inside);
+  return close;
 }
 
 // Leaves tiles. `whole`: the best translation of the region, px. False: the layers do not explain
 // the pixels.
-bool LayerTracker::divide(const CropPair &pair, const std::optional<Displacement> &whole) {
+bool LayerTracker::divide(const CropPair &pair, const Rectangle &before,
+                          const std::optional<Displacement> &whole) {
   tiled_.clear();
   const int count = reductions_;
   const Rectangle region{(pair.region.x - pair.crop.x) >> count,
@@ -221,12 +254,16 @@ bool LayerTracker::divide(const CropPair &pair, const std::optional<Displacement
                          pair.region.height >> count};
   const LumaView later = later_reduction_.reduce(pair.current, count);
   LumaView earlier = last_.view();
+  const bool moves = pair.crop != before;
   bool continues = has_last_ && pair.continues;
-  if (!continues) {
+  if (!continues || moves)
     earlier = earlier_reduction_.reduce(pair.previous, count);
-    // After frames that repeated the last one.
+  if (continues && moves)
+    layers_.carry((pair.crop.x - before.x) / (kCellSide << count),
+                  (pair.crop.y - before.y) / (kCellSide << count), earlier, noise_.variance());
+  // After frames that repeated the last one.
+  if (!continues && !moves)
     continues = has_last_ && pair.repeats > 0 && same_pixels(earlier, last_.view());
-  }
   const ChangeFinding change =
       find_change(part(earlier, region), part(later, region), noise_.variance());
   std::optional<Displacement> likely;
@@ -292,24 +329,26 @@ float LayerTracker::counts_for_region(Displacement whole) {
 }
 
 void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
-  // s, at a new place: until the first the ladder answers alone, and from the second on the layers.
-  // Two textures that move in opposite directions then make no step.
+  // s, at a new place that shares nothing with the last: until the first the ladder answers alone,
+  // and from the second on the layers. Two textures that move in opposite directions then make no
+  // step.
   constexpr float kWarm = 0.06F;
   constexpr float kSettled = 0.18F;
-  const CropPair close = near(pair);
   const int count = reductions(std::max(pair.region.width, pair.region.height));
+  const CropPair close = part(pair, choose_crop(pair, count));
   const Explanation simple = ladder_->measure_simply(pair, measurement);
   std::optional<Displacement> whole;
   if (simple == Explanation::translation || simple == Explanation::none)
     whole = ladder_->best_translation();
   const bool is_wide =
       std::min(pair.region.width, pair.region.height) >> count >= kSmallestRegion / 2;
-  const bool stays = close.crop == std::exchange(last_crop_, close.crop) && count == reductions_ &&
-                     is_wide && simple != Explanation::fields && simple != Explanation::narrow;
+  const bool stays = count == reductions_ && knows(close.crop) && is_wide &&
+                     simple != Explanation::fields && simple != Explanation::narrow;
+  const Rectangle before = std::exchange(last_crop_, close.crop);
   translations_ = stays && simple == Explanation::translation ? translations_ + 1 : 0;
   if (!stays)
     forget(count);
-  const bool divided = stays && divide(close, whole);
+  const bool divided = stays && divide(close, before, whole);
   const bool is_one = stays && simple != Explanation::none && simple != Explanation::unseen &&
                       simple != Explanation::sudden;
   const float counts = is_one ? counts_for_region(whole.value_or(Displacement{})) : 0;

@@ -41,6 +41,7 @@ protected:
   Finding show(Frame frame, const Rectangle &region = kRegion) {
     std::swap(earlier, frame_);
     frame_ = std::move(frame);
+    region_ = region;
     if (earlier.width == 0)
       return {};
     tracker->set_method(haptic::TrackerMethod::layers, haptic::kUsualPatches);
@@ -57,13 +58,17 @@ protected:
   haptic::VelocityEstimate felt() const {
     if ((found().flags & haptic::kStill) != 0)
       return {};
+    const auto width = static_cast<float>(region_.width);
+    const auto height = static_cast<float>(region_.height);
     return haptic::estimate_velocity({.patches = found().view(),
                                       .candidates = found().candidates,
-                                      .pointer_x = kRegion.x + kRegion.width / 2.0F,
-                                      .pointer_y = kRegion.y + kRegion.height / 2.0F,
+                                      .pointer_x = static_cast<float>(region_.x) + width / 2,
+                                      .pointer_y = static_cast<float>(region_.y) + height / 2,
                                       .interval = 1,
-                                      .region_width = kRegion.width,
-                                      .region_height = kRegion.height,
+                                      .region_x = static_cast<float>(region_.x),
+                                      .region_y = static_cast<float>(region_.y),
+                                      .region_width = width,
+                                      .region_height = height,
                                       .is_tiled = (found().flags & haptic::kTiled) != 0},
                                      haptic::Average::model, haptic::ModelChoice::automatic);
   }
@@ -73,27 +78,60 @@ protected:
     double covered = 0;
     for (int y = region.y; y < region.y + region.height; ++y)
       for (int x = region.x; x < region.x + region.width; ++x)
-        covered += scene.cover(x, y, leaf_place) / (kRegion.width * kRegion.height);
+        covered += scene.cover(x, y, leaf_place) / (region.width * region.height);
     return {covered * leaf.x + (1 - covered) * sky.x, covered * leaf.y + (1 - covered) * sky.y};
   }
 
-  // Of a leaf that sways before a drifting sky, in the region of each frame: a part of its motion.
-  double error_of_leaf(const std::function<Rectangle(int)> &region_at) {
-    constexpr int kFirst = 60; // a second, for the drift
-    const auto leaf_at = [](int i) { return Shift{6 * std::sin(0.12 * i), 2 * std::cos(0.1 * i)}; };
+  struct Error {
+    double share = 0;        // of the motion
+    double largest_step = 0; // px, from one frame to the next
+  };
+  static constexpr int kFirst = 60; // frame; after a second, for the drift
+  static constexpr int kFrames = 180;
+
+  static Shift leaf_at(int i) { return {6 * std::sin(0.12 * i), 2 * std::cos(0.1 * i)}; }
+
+  // A leaf that sways before a drifting sky.
+  std::vector<Frame> film_of_leaf() const {
+    std::vector<Frame> film;
+    for (int i = 0; i < kFrames; ++i)
+      film.push_back(draw({0.1 * i, 0}, leaf_at(i)));
+    return film;
+  }
+
+  // In the region of each frame.
+  Error error_of_leaf(const std::vector<Frame> &film,
+                      const std::function<Rectangle(int)> &region_at) {
+    tracker = std::make_unique<haptic::RegionTracker>();
+    frame_ = {};
     double error = 0;
     double speed = 0;
-    for (int i = 0; i < kFirst + 60; ++i) {
-      show(draw({0.1 * i, 0}, leaf_at(i)), region_at(i));
+    Error found;
+    Shift before;
+    for (int i = 0; i < kFrames; ++i) {
+      show(film[static_cast<std::size_t>(i)], region_at(i));
       if (i < kFirst)
         continue;
       const Shift leaf{leaf_at(i).x - leaf_at(i - 1).x, leaf_at(i).y - leaf_at(i - 1).y};
       const Shift is = truth({0.1, 0}, leaf, leaf_at(i), region_at(i));
-      error += std::hypot(static_cast<double>(felt().velocity_x) - is.x,
-                          static_cast<double>(felt().velocity_y) - is.y);
+      const Shift now{static_cast<double>(felt().velocity_x) - is.x,
+                      static_cast<double>(felt().velocity_y) - is.y};
+      error += std::hypot(now.x, now.y);
       speed += std::hypot(is.x, is.y);
+      if (i > kFirst)
+        found.largest_step =
+            std::max(found.largest_step, std::hypot(now.x - before.x, now.y - before.y));
+      before = now;
     }
-    return error / speed;
+    found.share = error / speed;
+    return found;
+  }
+
+  void expect_error(const Error &most, const std::vector<Frame> &film,
+                    const std::function<Rectangle(int)> &region_at) {
+    const Error error = error_of_leaf(film, region_at);
+    EXPECT_LT(error.share, most.share);
+    EXPECT_LT(error.largest_step, most.largest_step);
   }
 
   // px a frame; of a texture without borders that sways, seen with noise.
@@ -127,20 +165,90 @@ protected:
   std::unique_ptr<haptic::RegionTracker> tracker = std::make_unique<haptic::RegionTracker>();
   Frame earlier;
   Frame frame_;
+  Rectangle region_;
 };
 
 // The windows of other methods carry the leaf's motion into the sky.
 TEST_F(LayerTrackerTest, ALeafBeforeADriftingSkyIsFeltByTheAreaThatItCovers) {
-  EXPECT_LT(error_of_leaf([](int) { return kRegion; }), 0.1);
+  EXPECT_LT(error_of_leaf(film_of_leaf(), [](int) { return kRegion; }).share, 0.1);
 }
 
-// The hand stays, but for a pixel or two. The layers remember a place.
+// The hand stays, but for a pixel or two.
 TEST_F(LayerTrackerTest, AHandThatTremblesFeelsTheLeafAsOneThatRests) {
-  EXPECT_LT(error_of_leaf([](int i) {
-              return Rectangle{kRegion.x + i % 3 - 1, kRegion.y + i / 2 % 3 - 1, kRegion.width,
-                               kRegion.height};
-            }),
+  EXPECT_LT(error_of_leaf(film_of_leaf(),
+                          [](int i) {
+                            return Rectangle{kRegion.x + i % 3 - 1, kRegion.y + i / 2 % 3 - 1,
+                                             kRegion.width, kRegion.height};
+                          })
+                .share,
             0.1);
+}
+
+// Between two pixels an interpolated frame has less noise, so that a sky fits the motion of a leaf
+// better than its own rest. When that passed for a motion of the sky, the error was 0.5 and 0.6 px.
+TEST_F(LayerTrackerTest, NoiseDoesNotMakeASkyFollowALeaf) {
+  std::vector<Frame> film = film_of_leaf();
+  std::mt19937 random(5);
+  for (Frame &frame : film)
+    test::add_noise(frame, 1, random);
+  for (const int left : {42, 66, 83})
+    expect_error({0.2, 0.06}, film, [left](int) {
+      return Rectangle{left, kRegion.y + 24, kRegion.width, kRegion.height};
+    });
+}
+
+// What is known of a place stays known while the hand goes on. A hand that rests at a place of the
+// way has an error of up to 0.1 of the motion, and steps of up to 0.05 px. A fast one leaves a
+// place before its drift is known: up to 0.13. With layers that began anew, it was 0.6 to 2.6 and
+// 0.7 px.
+TEST_F(LayerTrackerTest, AHandThatMovesFeelsTheLeafAsOneThatRests) {
+  const std::vector<Frame> film = film_of_leaf();
+  constexpr Error kMost{0.14, 0.06};
+  constexpr double kRadius = 24; // px, of the way around the leaf
+  const auto around_leaf = [](double angle) {
+    return Rectangle{static_cast<int>(std::lround(66 - kRadius * std::cos(angle))),
+                     static_cast<int>(std::lround(53 + kRadius * std::sin(angle))), kRegion.width,
+                     kRegion.height};
+  };
+  for (const double speed : {20.0, 60.0, 200.0}) { // px/s
+    SCOPED_TRACE(speed);
+    expect_error(kMost, film, [&](int i) {
+      return around_leaf(speed / 60 / kRadius * std::max(0, i - kFirst));
+    });
+  }
+  for (const double step : {5.0, 10.0, 20.0, 30.0}) { // px, six times a second
+    SCOPED_TRACE(step);
+    expect_error(kMost, film, [&](int i) {
+      return around_leaf(2 * std::asin(step / 2 / kRadius) * std::max(0, (i - kFirst) / 10));
+    });
+  }
+}
+
+// A hand that is pushed in makes the region larger.
+TEST_F(LayerTrackerTest, ARegionThatChangesItsSizeFeelsTheLeafAsBefore) {
+  expect_error({0.1, 0.04}, film_of_leaf(), [](int i) {
+    const int side = 50 + i / 15 % 2 * 8;
+    return Rectangle{73 - side / 2, 80 - side / 2, side, side};
+  });
+}
+
+// At rest, up to 0.18 and 0.13 px.
+TEST_F(LayerTrackerTest, AHandThatMovesAtABorderFeelsTheLeafAsOneThatRests) {
+  scene.place = {26, 80};
+  expect_error({0.18, 0.13}, film_of_leaf(), [](int i) {
+    const double x = 22 - 16 * std::cos(0.02 * std::max(0, i - kFirst));
+    return haptic::region_at(x / kWidth, 0.5, kRegion.width, kWidth, kHeight);
+  });
+}
+
+// The layers see the frame reduced.
+TEST_F(LayerTrackerTest, AHandWithALargeRegionFeelsTheLeafAsOneThatRests) {
+  scene.place = {120, 80};
+  scene.radius = 26;
+  expect_error({0.05, 0.02}, film_of_leaf(), [](int i) {
+    return Rectangle{76 + static_cast<int>(std::lround(16 * std::sin(0.05 * i))),
+                     36 + static_cast<int>(std::lround(12 * std::cos(0.07 * i))), 88, 88};
+  });
 }
 
 // One translation explains all: nothing remembered may disturb it.
