@@ -202,7 +202,7 @@ TEST_F(VelocityAvg, EachAverageAndEachModelGivesTheVelocityOfUniformMotion) {
   const Shift velocity{80, -60};
   GstClockTime i = 0;
   pass(i++, velocity);
-  for (const char *average : {"model", "mean", "median"})
+  for (const char *average : {"pointed", "model", "mean", "median"})
     for (const char *model : {"auto", "translation", "similarity", "affine"}) {
       gst_util_set_object_arg(G_OBJECT(velocityavg.get()), "average", average);
       gst_util_set_object_arg(G_OBJECT(velocityavg.get()), "motion-model", model);

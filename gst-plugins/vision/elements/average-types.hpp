@@ -11,7 +11,7 @@ inline GType average_type() {
   static const GType type = register_enum<Average>(
       "GstVelocityAvgAverage",
       {{Average::model, "A motion model fitted to the points, at the pointer", "model"},
-       {Average::pointed, "The same of the points about the pointer: of what it points at",
+       {Average::pointed, "The same of the points that move with what the pointer points at",
         "pointed"},
        {Average::mean, "The mean of the points' velocities", "mean"},
        {Average::median, "The median of each component", "median"}});

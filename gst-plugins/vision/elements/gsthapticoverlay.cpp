@@ -51,7 +51,7 @@ using haptic::OverlayStyle;
 
 struct Settings : OverlayLook {
   // As of the velocityavg whose output is felt: it is on another branch.
-  haptic::Average average = haptic::Average::model;
+  haptic::Average average = haptic::kUsualAverage;
   haptic::ModelChoice motion_model = haptic::ModelChoice::automatic;
   double deform = 0;    // px of pull per mm of depth
   double shading = 0.5; // 0..1

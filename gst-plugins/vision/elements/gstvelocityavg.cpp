@@ -37,7 +37,7 @@ using haptic::MotionSample;
 // State
 
 struct Settings {
-  Average average = Average::model;
+  Average average = haptic::kUsualAverage;
   ModelChoice motion_model = ModelChoice::automatic;
   bool post_messages = false;
 };
@@ -74,9 +74,10 @@ std::span<const haptic::Property<Settings>> properties() {
       Rows::choice<&Settings::average>("average", "Average",
                                        "How the velocities of the points become one",
                                        haptic::average_type()),
-      Rows::choice<&Settings::motion_model>("motion-model", "Motion Model",
-                                            "Motion model that is fitted with average=model",
-                                            haptic::motion_model_type()),
+      Rows::choice<&Settings::motion_model>(
+          "motion-model", "Motion Model",
+          "Motion model that is fitted with average=pointed and model",
+          haptic::motion_model_type()),
       Rows::flag<&Settings::post_messages>("post-messages", "Post Messages",
                                            "Post an element message haptic-motion for each frame"),
   };

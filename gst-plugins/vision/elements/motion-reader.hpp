@@ -16,7 +16,7 @@ public:
   /// Returns the motion of a frame; confidence 0: nothing was measured. `frame` has its size and
   /// pixel aspect.
   MotionSample read(const GstHapticMotionMeta &meta, const GstVideoInfo &frame,
-                    Average average = Average::model, ModelChoice choice = ModelChoice::automatic);
+                    Average average = kUsualAverage, ModelChoice choice = ModelChoice::automatic);
 
   /// Returns the sample of a frame without metadata.
   MotionSample read_nothing(const GstVideoInfo &frame);

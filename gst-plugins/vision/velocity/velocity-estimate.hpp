@@ -12,10 +12,12 @@ namespace haptic {
 /// How the velocities of the patches become one.
 enum class Average {
   model,   ///< a motion model fitted to the patches, evaluated at the pointer
-  pointed, ///< the same of the patches about the pointer: of what it points at
+  pointed, ///< the same of the patches that show what the pointer points at
   mean,    ///< equation 3 as printed
   median,  ///< of each component
 };
+/// Nearer to the motion of the thing under the pointer than the others (docs/lab.md).
+inline constexpr Average kUsualAverage = Average::pointed;
 
 /// The motion model that `Average::model` and `pointed` fit. `automatic`: the smallest that
 /// explains the patches. `still`: nothing moves, whatever the patches.

@@ -8,7 +8,7 @@
 #   --films FOLDER     where the films are kept (~/.cache/feeling-wind/felt)
 #   --only GROUP       a group of films: wind, rest, sky, flat, light, grass, pan, shake, still. May be repeated
 #   --method METHOD    fast, layers, opencv, each also with :mean or :pointed for average=; or a peer. May be repeated
-#   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer (wind only)
+#   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer
 #   --output FILE      a line for each film and method: group,film,method,alpha,told (%),time (µs)
 #   --picture FILE     a chart of the table (PNG), by gnuplot
 #
@@ -41,7 +41,6 @@ tuning) seeds=(1 2) ;;
 *) fail "there is no set '$set'; see --help" ;;
 esac
 [[ $of =~ ^(square|pointed)$ ]] || fail "--truth-of is square or pointed, not '$of'"
-[ "$of" = square ] || groups=(wind)
 [ ${#groups[@]} -gt 0 ] || groups=(wind rest sky flat light grass pan shake still)
 run=$build/tests/measure/felt/felt-run
 if [ ${#methods[@]} = 0 ]; then
@@ -65,7 +64,8 @@ draw() {
 }
 # The films of a group: at 60 frames a second, and one at 30.
 films_of() {
-  local seed speed rate=60
+  local seed speed rate=60 name kind=$1
+  [ "$of" = square ] || kind=$1-$of
   for seed in "${seeds[@]}"; do
     case $1 in
     wind)
@@ -73,11 +73,13 @@ films_of() {
       ;;
     still)
       for speed in 15 30 60 120 240 480; do
-        draw "still-$seed-$speed" "$felt/scenes.py" --scene still --seed "$seed" --speed $speed --duration 3 && echo "still-$seed-$speed"
+        name=$kind-$seed-$speed
+        draw "$name" "$felt/scenes.py" --scene still --seed "$seed" --speed $speed --duration 3 --truth-of "$of" && echo "$name"
       done
       ;;
     *)
-      draw "$1-$seed-$rate" "$felt/scenes.py" --scene "$1" --seed "$seed" --rate $rate && echo "$1-$seed-$rate"
+      name=$kind-$seed-$rate
+      draw "$name" "$felt/scenes.py" --scene "$1" --seed "$seed" --rate $rate --truth-of "$of" && echo "$name"
       ;;
     esac
     rate=30

@@ -62,6 +62,19 @@ class Truth(unittest.TestCase):
             self.assertAlmostEqual(numpy.hypot(*motion), 60 * STEP, 5)
         self.assertTrue(all((drawn.ground.shift(time) >= 0).all() for time in numpy.arange(0, 60, 0.1)))
 
+    def test_the_pointed_thing_is_what_moves_with_the_pixel(self):
+        drawn = Drawn("rest")
+        differ = 0
+        for x in range(100, 600, 50):
+            area = scenes.square((x / scenes.WIDTH, 0.5))
+            of = [drawn.ground, drawn.things, TIME, TIME - STEP]
+            pixel = scenes.mean_motion([x, x + 1, 180, 181], *of)
+            pointed = scenes.mean_motion(area, *of, (x, 180))
+            most = scenes.ALIKE + scenes.OF_DISPLACEMENT * numpy.hypot(*pixel)
+            self.assertLessEqual(numpy.hypot(*(pointed - pixel)), most)
+            differ += numpy.hypot(*(scenes.mean_motion(area, *of) - pixel)) > most
+        self.assertGreater(differ, 0)
+
     def test_squares_are_those_of_roitracker(self):
         self.assertEqual(scenes.square((0.5, 0.5)), [293, 348, 153, 208])
         self.assertEqual(scenes.square((0, 1)), [0, 28, 333, 360])

@@ -12,7 +12,8 @@
   still  nothing but a photograph, while the camera pans
 
 The truth is a text line for each frame (docs/formats/text-line.md), in a file for each place. It is the motion of what
-each pixel of the square shows since the frame before. Ends with status 77 if a package is missing (see photographs.py).
+each pixel of the square shows since the frame before. With --truth-of pointed it is the motion of those pixels of the
+square that move with the one at the place. Ends with status 77 if a package is missing (see photographs.py).
 """
 import argparse
 import os
@@ -30,6 +31,9 @@ GROUNDS = {
     "grass": (f"{NATURE}/GreenMeadow.jpg", "/usr/lib/python3/dist-packages/skimage/data/grass.png"),
 }
 SHAKE = 5.0  # px
+# A pixel moves with another one within this and a share of its displacement, as in wind-film.
+ALIKE = 0.15  # px
+OF_DISPLACEMENT = 0.25
 
 
 class Ground:
@@ -156,12 +160,19 @@ def places_before(seen, ground, things, time, earlier):
     return before
 
 
-def mean_motion(area, ground, things, time, earlier):
-    """px since the earlier time, of what the pixels of the area show."""
+def mean_motion(area, ground, things, time, earlier, pointed=None):
+    """px since the earlier time, of what the pixels of the area show: of all, or of those that move as `pointed` does.
+
+    `pointed`: x and y of a pixel.
+    """
     left, right, top, bottom = area
     y, x = numpy.mgrid[top:bottom, left:right].reshape(2, -1)
     seen = FINE * (numpy.array([x, y]) + 0.5) - 0.5  # centres of the pixels in the large picture
-    return (seen - places_before(seen, ground, things, time, earlier)).mean(axis=1) / FINE
+    moved = (seen - places_before(seen, ground, things, time, earlier)) / FINE
+    if pointed:
+        thing = moved[:, (y == pointed[1]) & (x == pointed[0])]
+        moved = moved[:, numpy.hypot(*(moved - thing)) <= ALIKE + OF_DISPLACEMENT * numpy.hypot(*thing)]
+    return moved.mean(axis=1)
 
 
 def text_line(number, rate, motion, place, area):
@@ -183,6 +194,7 @@ def read_options():
     parser.add_argument("--speed", type=float, default=60, help="of a pan, px/s (60)")
     parser.add_argument("--quality", type=int, default=23, help="x264's constant rate factor (23), 0: lossless")
     parser.add_argument("--truth", required=True, metavar="FOLDER", help="a file for each place")
+    parser.add_argument("--truth-of", choices=("square", "pointed"), default="square", help="see above (square)")
     parser.add_argument("--places", required=True, metavar="'X,Y X,Y …'", help="0 to 1, from the top left")
     parser.add_argument("film", metavar="OUTPUT", help="ends in .mkv")
     return parser.parse_args()
@@ -198,6 +210,10 @@ def main():
     things = make_things(options.scene, album, random)
     places = [tuple(map(float, word.split(","))) for word in options.places.split()]
     areas = [square(place) for place in places]
+    pixels = [
+        (min(int(x * WIDTH), WIDTH - 1), min(int(y * HEIGHT), HEIGHT - 1)) if options.truth_of == "pointed" else None
+        for x, y in places
+    ]
     lines = ["" for _ in places]
     with encoder(options.film, WIDTH, HEIGHT, options.rate, options.quality) as process:
         for number in range(round(options.duration * options.rate)):
@@ -215,8 +231,8 @@ def main():
             # Noise would hide whether a pan is told from rest.
             luma = with_noise(mean) if options.scene != "still" else numpy.rint(mean.clip(16, 235)).astype(numpy.uint8)
             process.stdin.write(luma.tobytes() + bytes([128]) * (WIDTH * HEIGHT // 2))
-            for index, (place, area) in enumerate(zip(places, areas)):
-                motion = mean_motion(area, ground, things, time, time - step) if number else numpy.zeros(2)
+            for index, (place, area, pixel) in enumerate(zip(places, areas, pixels)):
+                motion = mean_motion(area, ground, things, time, time - step, pixel) if number else numpy.zeros(2)
                 lines[index] += text_line(number, options.rate, motion, place, area)
     if process.returncode:
         sys.exit("scenes.py: the film could not be written; see above")

@@ -107,6 +107,50 @@ TEST(VelocityEstimate, OfThePointedThingIsThatOfThePatchesAboutThePointer) {
   EXPECT_EQ(found.confidence, 1);
 }
 
+// Five by five tiles of 6 px. A leaf lies under the pointer and reaches to one side of the region.
+PatchSet leaf_of_tiles(std::vector<GstHapticPatch> &tiles) {
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 5; ++column) {
+      const bool is_leaf = row >= 1 && row <= 3 && column >= 2;
+      tiles.push_back({.x = kPointerX + 6.0F * static_cast<float>(column - 2),
+                       .y = kPointerY + 6.0F * static_cast<float>(row - 2),
+                       .width = 6,
+                       .height = 6,
+                       .dx = is_leaf ? 2.0F : 0.0F,
+                       .dy = is_leaf ? -1.0F : 0.0F,
+                       .precision_xx = 100,
+                       .precision_yy = 100});
+    }
+  return {.patches = tiles,
+          .candidates = 25,
+          .pointer_x = kPointerX,
+          .pointer_y = kPointerY,
+          .interval = kInterval,
+          .region_x = kPointerX - 15,
+          .region_y = kPointerY - 15,
+          .region_width = 30,
+          .region_height = 30,
+          .is_tiled = true};
+}
+
+TEST(VelocityEstimate, OfThePointedThingIsThatOfTheTilesThatMoveWithIt) {
+  std::vector<GstHapticPatch> tiles;
+  const PatchSet set = leaf_of_tiles(tiles);
+  const VelocityEstimate found = estimate_velocity(set, Average::pointed, ModelChoice::automatic);
+  EXPECT_NEAR(found.velocity_x * kInterval, 2, 1e-3);
+  EXPECT_NEAR(found.velocity_y * kInterval, -1, 1e-3);
+  EXPECT_EQ(found.points, 9);
+  EXPECT_GT(found.confidence, 0.9F);
+}
+
+TEST(VelocityEstimate, OfThePointedThingIsThatOfAllTilesWhereThePointerIsFarFromThem) {
+  std::vector<GstHapticPatch> tiles;
+  PatchSet set = leaf_of_tiles(tiles);
+  set.pointer_x += 1000;
+  const VelocityEstimate found = estimate_velocity(set, Average::pointed, ModelChoice::automatic);
+  EXPECT_NEAR(found.velocity_x * kInterval, 2 * 9 / 25.0, 1e-3);
+}
+
 TEST(VelocityEstimate, TheMedianOfAnEvenNumberLiesBetweenTheMiddleTwo) {
   auto patches = patches_of({}, 4);
   for (std::size_t i = 0; i < 4; ++i)
