@@ -90,6 +90,7 @@ std::vector<CodedField> track_of(const FilmPlan &plan, std::span<const CodedFiel
          static_cast<std::uint64_t>(frame_at(plan, static_cast<std::int64_t>(coded.time))),
          coded.duration, coded.kind, coded.things});
   std::vector<std::uint64_t> starts;
+  starts.reserve(plan.starts.size());
   for (std::size_t i = 0; i < plan.starts.size(); ++i)
     starts.push_back(static_cast<std::uint64_t>(plan.start_of(i)));
   return with_keys_at(fields, starts);

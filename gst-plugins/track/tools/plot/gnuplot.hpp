@@ -2,12 +2,12 @@
 // gnuplot as a process that draws one picture.
 #pragma once
 
+#include "glue/gst-raii.hpp"
 #include "palette.hpp"
 #include "track-error.hpp"
 
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,11 +18,11 @@ namespace haptic {
 class Gnuplot {
 public:
   explicit Gnuplot(const std::string &output) : output_(output) {
-    if (std::system("command -v gnuplot >/dev/null") != 0)
+    if (!GCharPtr(g_find_program_in_path("gnuplot")))
       throw_error(messages::kGnuplotIsMissing);
     if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
       throw_error(messages::kGnuplotRefusesName, output.c_str());
-    pipe_ = popen("gnuplot", "w");
+    pipe_ = popen("gnuplot", "w"); // NOLINT(bugprone-command-processor): no word of a user
     if (!pipe_)
       throw_error(messages::kGnuplotFails);
     line(kPalette);
