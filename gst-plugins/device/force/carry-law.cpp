@@ -118,7 +118,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   const double before = pull_.force.norm();
   pull_.force = clamp_norm(stiffness_ * spring_, most) + damper;
   pull_.carried = way;
-  pull_.surface_work = hidden_by_counts(stiffness_, way.norm(), limits.device);
+  pull_.hidden_work = hidden_by_counts(stiffness_, way.norm(), limits.device);
   pull_.energy = energy_of(spring_.norm(), stiffness_, most);
   pull_.released = stiffness_ * out;
   if (stiffness_ < stiffer)
@@ -133,7 +133,7 @@ void CarryLaw::apply(HoldLaw law, SafetyChain::Input &input) const noexcept {
   input.touch.force += pull_.force;
   input.touch.carried = pull_.carried;
   input.touch.energy += pull_.energy;
-  input.touch.surface_work += pull_.surface_work;
+  input.touch.hidden_work += pull_.hidden_work;
   input.touch.released += pull_.released;
 }
 

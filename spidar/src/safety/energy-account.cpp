@@ -39,6 +39,8 @@ void EnergyAccount::charge(const Charge &charge) noexcept {
     hand_ += charge.trickle * time - (all - work(charge.film, charge)) +
              (charge.acted.force - charge.film.force).dot(charge.carried);
   hand_ = std::min(hand_, charge.most);
+  if (hand_ < 0)
+    hand_ = std::min(hand_ + charge.hidden_work, 0.0);
 }
 
 // From a centre that is off, force and way are measured wrong, by 14 % in all at 16 mm. What the

@@ -25,7 +25,8 @@ public:
     spidar::Vector3 moved = spidar::Vector3::Zero();  ///< m, the grip
     spidar::Vector3 turned = spidar::Vector3::Zero(); ///< rad
     double trickle = 0;      ///< W, to the hand's purse while a force follows the hand
-    double surface_work = 0; ///< J, that a surface or a thing has put in otherwise
+    double surface_work = 0; ///< J, that a surface has put into the touch
+    double hidden_work = 0;  ///< J, of a thing, that the measured way hides; pays only a debt
     spidar::Vector3 carried = spidar::Vector3::Zero(); ///< m, a thing that pulls at the hand
     double most = 0; ///< J, that the hand may have back; what is above it is lost, a debt is not
     double time = 0; ///< s

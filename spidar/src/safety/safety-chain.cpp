@@ -55,7 +55,7 @@ constexpr double kBudgetFalls = 20; // N/s
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
          input.of_hand.allFinite() && input.touch.force.allFinite() &&
-         std::isfinite(input.touch.surface_work) &&
+         std::isfinite(input.touch.surface_work) && std::isfinite(input.touch.hidden_work) &&
          input.touch.carried.value_or(Vector3::Zero()).allFinite() &&
          std::isfinite(input.touch.energy) && std::isfinite(input.touch.released) &&
          input.acted.force.allFinite() && input.acted.torque.allFinite() &&
@@ -258,6 +258,7 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .turned = input.turned,
                    .trickle = device_.flicker * input.max_force,
                    .surface_work = input.touch.surface_work,
+                   .hidden_work = input.touch.hidden_work,
                    .carried = input.touch.carried.value_or(Vector3::Zero()),
                    .most = std::min(std::max(input.touch.energy, fading) + of_law + lent_,
                                     device_.most_for_hand() * input.max_force),

@@ -92,9 +92,9 @@ inline constexpr std::array kLimitNames = {
 /// the hand has to put in what it gets back.
 struct TouchForce {
   spidar::Vector3 force = spidar::Vector3::Zero(); ///< N, on the hand
-  /// J, that the surface, or a held thing beside its way times the force, put into the spring since
-  /// the step before.
-  double surface_work = 0;
+  double surface_work = 0; ///< J, that the surface put into the spring since the step before
+  /// J, of a held thing since the step before, that the counts of the hand's place hide.
+  double hidden_work = 0;
   /// m, the way of a held thing since the step before; none if no thing carries the hand.
   std::optional<spidar::Vector3> carried;
   double energy = 0;   ///< J, of the whole spring

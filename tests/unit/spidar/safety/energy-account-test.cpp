@@ -67,6 +67,19 @@ TEST(EnergyAccount, AThingThatCarriesPaysByItsOwnWayAndTakesBackWhatItComesBack)
   EXPECT_DOUBLE_EQ(account.of_hand(), -1e-3);
 }
 
+TEST(EnergyAccount, WhatCountsHideOfAThingsWorkPaysADebtAlone) {
+  EnergyAccount account;
+  EnergyAccount::Charge charge = pushed(2, 0);
+  charge.carried.z() = -1e-3;
+  account.charge(charge);
+  EnergyAccount::Charge hidden = pushed(0, 0);
+  hidden.hidden_work = 1.5e-3;
+  account.charge(hidden);
+  EXPECT_DOUBLE_EQ(account.of_hand(), -5e-4);
+  account.charge(hidden);
+  EXPECT_DOUBLE_EQ(account.of_hand(), 0);
+}
+
 TEST(EnergyAccount, APushTakesNoMoreThanItIsLent) {
   EnergyAccount account;
   EnergyAccount::Motion out = going(0.01);
