@@ -61,7 +61,8 @@ void CalmCells::carry(const CropMove &move, const LayerFrame &earlier) {
 
 // Cells that it did not show are those of the frame before. Only the frame that is compared is
 // moved: all of them would take longer than the rest of an update.
-const CalmCells::Past &CalmCells::as_seen_now(const Past &old) {
+const CalmCells::Past &CalmCells::as_seen_now(int frames) {
+  const Past &old = past(frames);
   const CropMove &since = old.since;
   if (since.right == 0 && since.down == 0 && since.before == since.after)
     return old;
@@ -137,7 +138,7 @@ void CalmCells::update(const LayerFrame &frame, const LayerSize &size, const Cal
   const int available = std::min(base, count_);
   Past &now = ring_[static_cast<std::size_t>(count_ % kRing)];
   if (available > 0) {
-    const Past &old = as_seen_now(past(available));
+    const Past &old = as_seen_now(available);
     compare(old.smooth, frame.smooth, size, change_);
     const float kept = std::exp(-step.seconds / kFollowMemory);
     for_cells(size, [&](int x, int y) {

@@ -54,7 +54,7 @@ private:
     return ring_[static_cast<std::size_t>((count_ - frames) % kRing)];
   }
   static void keep(const LayerFrame &frame, const LayerSize &size, Past &past);
-  const Past &as_seen_now(const Past &old);
+  const Past &as_seen_now(int frames);
   bool displace(const Past &old, const LayerFrame &frame, const LayerSize &size,
                 const CalmStep &step, int base);
   void decide_followers(const LayerSize &size, const CalmStep &step);

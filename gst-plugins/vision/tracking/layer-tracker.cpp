@@ -76,6 +76,7 @@ private:
   Measurement tiled_;
   float background_ = 0; // its share of the region
   float seconds_ = 0;    // that the layers have seen of the place
+  int side_ = 0;         // px, of the region
   std::unique_ptr<Ladder> ladder_ = make_ladder();
   int translations_ = 0; // pairs in a row that one translation explains
 };
@@ -334,7 +335,8 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   // step.
   constexpr float kWarm = 0.06F;
   constexpr float kSettled = 0.18F;
-  const int count = reductions(std::max(pair.region.width, pair.region.height));
+  const int side = std::max(pair.region.width, pair.region.height);
+  const int count = reductions(side);
   const CropPair close = part(pair, choose_crop(pair, count));
   const Explanation simple = ladder_->measure_simply(pair, measurement);
   std::optional<Displacement> whole;
@@ -348,6 +350,9 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   translations_ = stays && simple == Explanation::translation ? translations_ + 1 : 0;
   if (!stays)
     forget(count);
+  // Pixels that come into a larger region have not been seen, wherever it lies.
+  if (std::exchange(side_, side) != side)
+    seconds_ = 0;
   const bool divided = stays && divide(close, before, whole);
   const bool is_one = stays && simple != Explanation::none && simple != Explanation::unseen &&
                       simple != Explanation::sudden;
