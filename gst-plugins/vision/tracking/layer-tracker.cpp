@@ -350,8 +350,8 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   translations_ = stays && simple == Explanation::translation ? translations_ + 1 : 0;
   if (!stays)
     forget(count);
-  // Pixels that come into a larger region have not been seen, wherever it lies.
-  if (std::exchange(side_, side) != side)
+  // What is hardly known is not known at another size.
+  if (std::exchange(side_, side) != side && seconds_ < kSettled)
     seconds_ = 0;
   const bool divided = stays && divide(close, before, whole);
   const bool is_one = stays && simple != Explanation::none && simple != Explanation::unseen &&
