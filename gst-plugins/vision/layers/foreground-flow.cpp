@@ -12,8 +12,8 @@ namespace {
 // (grey levels/px)^2. With a third of it, the flow along an edge, which shows nothing, feeds
 // itself.
 constexpr float kRidge = 0.3F;
-// Trace of the structure that keeps half of the start. Without this damping, a wrong flow where
-// there is little texture feeds itself.
+// Trace of the structure that keeps half of the start, if it is the same in all directions. Without
+// this damping, a wrong flow where there is little texture, or along an edge, feeds itself.
 constexpr float kDamping = 30;
 
 } // namespace

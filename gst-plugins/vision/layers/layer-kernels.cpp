@@ -801,16 +801,22 @@ void ShareBackground(const PixelMap &luma, const CellMap &background_luma, const
 void Damp(const TensorMap<HalfMap> &structure, Displacement prior, Displacement more, float damping,
           const LayerSize &size, VectorMap<HalfMap> &flow) {
   const Displacement from = more - prior;
+  const Vec ridge = all(damping / 2);
   for (int y = 0; y < size.height / 2; ++y) {
     const float *xx = structure.xx.row(y);
+    const float *xy = structure.xy.row(y);
     const float *yy = structure.yy.row(y);
     float *ux = flow.x.row(y);
     float *uy = flow.y.row(y);
     for_vectors(size.width / 2, [&](int x) HWY_ATTR {
-      const Vec trace = load(xx + x) + load(yy + x);
-      const Vec kept = trace / (trace + all(damping));
-      store(all(prior.x) + (load(ux + x) + all(from.x)) * kept, ux + x);
-      store(all(prior.y) + (load(uy + x) + all(from.y)) * kept, uy + x);
+      const Vec a = load(xx + x) + ridge;
+      const Vec b = load(xy + x);
+      const Vec c = load(yy + x) + ridge;
+      const Vec dx = load(ux + x) + all(from.x);
+      const Vec dy = load(uy + x) + all(from.y);
+      const Vec lost = ridge / (a * c - b * b);
+      store(all(prior.x) + dx - lost * (c * dx - b * dy), ux + x);
+      store(all(prior.y) + dy - lost * (a * dy - b * dx), uy + x);
     });
     repeat_ends(ux, size.width / 2);
     repeat_ends(uy, size.width / 2);

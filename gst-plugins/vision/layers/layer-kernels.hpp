@@ -128,7 +128,8 @@ void solve_background(const BackgroundCells &instant, const CellMap &follows,
 void share_background(const PixelMap &luma, const CellMap &background_luma, const CellMap &known,
                       float least_known, float least, const LayerSize &size, PixelMap &share);
 
-/// flow <- prior + (flow + more - prior) * t / (t + damping), with the trace t of the structure.
+/// flow <- prior + (structure + r)^-1 structure (flow + more - prior), with r = damping / 2: in
+/// each direction as much is kept as it shows. Along an edge, nothing is.
 void damp(const TensorMap<HalfMap> &structure, Displacement prior, Displacement more, float damping,
           const LayerSize &size, VectorMap<HalfMap> &flow);
 

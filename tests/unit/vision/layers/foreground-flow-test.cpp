@@ -2,6 +2,7 @@
 #include "layers/foreground-flow.hpp"
 
 #include "layer-scene.hpp"
+#include "layers/layer-kernels.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>
@@ -65,6 +66,20 @@ TEST_F(ForegroundFlowTest, FollowsALargeMotionThatTheFrameMakes) {
             {.frame = {9.1F, 1.9F}, .region = {.displacement = {9.3F, 1.8F}, .share = 1}});
   EXPECT_NEAR(found.x, 9, 0.1);
   EXPECT_NEAR(found.y, 2, 0.1);
+}
+
+// It fed itself along the stripes of a flag, up to 15 px a frame within ten seconds.
+TEST(ForegroundFlow, ForgetsWhatAnEdgeDoesNotShow) {
+  haptic::TensorMap<haptic::HalfMap> structure;
+  haptic::VectorMap<haptic::HalfMap> flow;
+  constexpr float kSlopes = 1000; // (grey levels/px)^2, all of them down to the right
+  for (haptic::HalfMap *map : {&structure.xx, &structure.xy, &structure.yy})
+    map->values.fill(kSlopes / 2);
+  flow.x.values.fill(4);
+  flow.y.values.fill(0);
+  haptic::damp(structure, {}, {}, 30, kCropSize, flow);
+  EXPECT_NEAR(flow.x.at(10, 10), 2, 0.1) << "across the edge";
+  EXPECT_NEAR(flow.y.at(10, 10), 2, 0.1);
 }
 
 TEST_F(ForegroundFlowTest, IsAtRestWhereNothingMoves) {
