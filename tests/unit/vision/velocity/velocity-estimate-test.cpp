@@ -58,6 +58,19 @@ VelocityEstimate estimate(const std::vector<GstHapticPatch> &patches, Average av
                            average, choice);
 }
 
+// Of a region of 30 px around the pointer.
+PatchSet around_pointer(const std::vector<GstHapticPatch> &patches) {
+  return {.patches = patches,
+          .candidates = static_cast<int>(patches.size()),
+          .pointer_x = kPointerX,
+          .pointer_y = kPointerY,
+          .interval = kInterval,
+          .region_x = kPointerX - 15,
+          .region_y = kPointerY - 15,
+          .region_width = 30,
+          .region_height = 30};
+}
+
 TEST(VelocityEstimate, IsTheDisplacementOverTheIntervalWhateverTheAverage) {
   const auto patches = patches_of({2, -1}, 20);
   for (const Average average : {Average::model, Average::pointed, Average::mean, Average::median}) {
@@ -91,16 +104,8 @@ TEST(VelocityEstimate, OfThePointedThingIsThatOfThePatchesAboutThePointer) {
       ++far;
     }
   ASSERT_GT(far, 20); // most of the region moves another way
-  const PatchSet set{.patches = patches,
-                     .candidates = 40,
-                     .pointer_x = kPointerX,
-                     .pointer_y = kPointerY,
-                     .interval = kInterval,
-                     .region_x = kPointerX - 15,
-                     .region_y = kPointerY - 15,
-                     .region_width = 30,
-                     .region_height = 30};
-  const VelocityEstimate found = estimate_velocity(set, Average::pointed, ModelChoice::automatic);
+  const VelocityEstimate found =
+      estimate_velocity(around_pointer(patches), Average::pointed, ModelChoice::automatic);
   EXPECT_NEAR(found.velocity_x * kInterval, 2, 1e-3);
   EXPECT_NEAR(found.velocity_y * kInterval, -1, 1e-3);
   EXPECT_EQ(found.points, 40 - far);
@@ -121,16 +126,9 @@ PatchSet leaf_of_tiles(std::vector<GstHapticPatch> &tiles) {
                        .precision_xx = 100,
                        .precision_yy = 100});
     }
-  return {.patches = tiles,
-          .candidates = 25,
-          .pointer_x = kPointerX,
-          .pointer_y = kPointerY,
-          .interval = kInterval,
-          .region_x = kPointerX - 15,
-          .region_y = kPointerY - 15,
-          .region_width = 30,
-          .region_height = 30,
-          .is_tiled = true};
+  PatchSet set = around_pointer(tiles);
+  set.is_tiled = true;
+  return set;
 }
 
 TEST(VelocityEstimate, OfThePointedThingIsThatOfTheTilesThatMoveWithIt) {
