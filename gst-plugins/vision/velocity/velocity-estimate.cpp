@@ -315,10 +315,22 @@ Motion mean(const Points &points) {
   return {sum.x0 / count, sum.y0 / count};
 }
 
+// Each counts by its share.
+Motion mean_by_share(const Points &points) {
+  Motion sum;
+  float shares = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    sum.x0 += points.share[i] * points.dx[i];
+    sum.y0 += points.share[i] * points.dy[i];
+    shares += points.share[i];
+  }
+  return shares > 0 ? Motion{sum.x0 / shares, sum.y0 / shares} : mean(points);
+}
+
 // Of tiles the model says only how they turn and spread.
 void take_mean(const Points &points, Answer &answer) {
   answer.felt = answer.first;
-  answer.first = mean(points);
+  answer.first = mean_by_share(points);
   answer.felt.x0 = answer.first.x0;
   answer.felt.y0 = answer.first.y0;
   answer.second.reset();
@@ -368,7 +380,7 @@ Answer answer_of(const PatchSet &set, Points &points, Average average, ModelChoi
                  ModelHistory history) {
   Answer answer;
   if (average == Average::model && choice == ModelChoice::automatic) {
-    if (set.parts.second_motion && follow_two(points, answer))
+    if (!set.is_tiled && set.parts.second_motion && follow_two(points, answer))
       return answer;
     explain(set, points, history, answer);
     if (set.is_tiled)
@@ -589,11 +601,18 @@ PatchSet like_pointed(const PatchSet &set, PatchRoom &room) {
   x /= weights;
   y /= weights;
   const float most = kAlike + kOfDisplacement * std::hypot(x, y);
-  const auto end = std::ranges::copy_if(set.patches, room.begin(), [&](const GstHapticPatch &p) {
-                     return std::hypot(p.dx - x, p.dy - y) <= most;
-                   }).out;
+  // A tile comes and goes without a step: it counts wholly up to half of the distance, and by half
+  // at it.
+  std::size_t count = 0;
+  for (const GstHapticPatch &tile : set.patches) {
+    const float far = std::hypot(tile.dx - x, tile.dy - y) / most;
+    if (!(far < 1.5F))
+      continue;
+    room[count] = tile;
+    room[count++].share = std::min(1.5F - far, 1.0F);
+  }
   PatchSet alike = set;
-  alike.patches = {room.begin(), end};
+  alike.patches = std::span(room).first(count);
   return alike;
 }
 

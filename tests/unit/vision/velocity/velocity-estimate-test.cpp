@@ -131,6 +131,21 @@ PatchSet leaf_of_tiles(std::vector<GstHapticPatch> &tiles) {
   return set;
 }
 
+// What comes to move otherwise than the leaf leaves its mean without a step.
+TEST(VelocityEstimate, OfThePointedThingATileComesAndGoesWithoutAStep) {
+  std::vector<GstHapticPatch> tiles;
+  const PatchSet set = leaf_of_tiles(tiles);
+  double last = 2;
+  for (int hundredths = 200; hundredths < 400; ++hundredths) {
+    tiles[9].dx = 0.01F * static_cast<float>(hundredths); // at the border of the leaf
+    const double now =
+        estimate_velocity(set, Average::pointed, ModelChoice::automatic).velocity_x * kInterval;
+    EXPECT_NEAR(now, last, 0.01) << tiles[9].dx;
+    last = now;
+  }
+  EXPECT_NEAR(last, 2, 1e-3);
+}
+
 TEST(VelocityEstimate, OfThePointedThingIsThatOfTheTilesThatMoveWithIt) {
   std::vector<GstHapticPatch> tiles;
   const PatchSet set = leaf_of_tiles(tiles);
