@@ -188,7 +188,8 @@ void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) 
 
 // The part of the pair that the layers read. It stays while the region moves within it by half of
 // the margin, as the region of a hand that trembles, and goes on by whole cells: what the layers
-// know belongs to places of the frame.
+// know belongs to places of the frame. At a border of the frame it may lack less than a cell of the
+// region.
 Rectangle LayerTracker::choose_crop(const CropPair &pair, int reductions) const {
   const int margin = kLayerMargin << reductions;
   const auto around_region = [&](int distance) {
@@ -250,9 +251,9 @@ bool LayerTracker::divide(const CropPair &pair, const Rectangle &before,
                           const std::optional<Displacement> &whole) {
   tiled_.clear();
   const int count = reductions_;
-  const Rectangle region{(pair.region.x - pair.crop.x) >> count,
-                         (pair.region.y - pair.crop.y) >> count, pair.region.width >> count,
-                         pair.region.height >> count};
+  const Rectangle inside = intersection(pair.region, pair.crop);
+  const Rectangle region{(inside.x - pair.crop.x) >> count, (inside.y - pair.crop.y) >> count,
+                         inside.width >> count, inside.height >> count};
   const LumaView later = later_reduction_.reduce(pair.current, count);
   LumaView earlier = last_.view();
   const bool moves = pair.crop != before;

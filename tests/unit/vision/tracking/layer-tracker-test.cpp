@@ -241,6 +241,36 @@ TEST_F(LayerTrackerTest, AHandThatMovesAtABorderFeelsTheLeafAsOneThatRests) {
   });
 }
 
+// What the layers see goes on by whole cells, which end beside the border of the frame. What was
+// read beyond them was no number.
+TEST_F(LayerTrackerTest, AtEachBorderATileMovesAsTheFrameDoes) {
+  constexpr Shift kBy{0.6, -0.4};
+  constexpr int kRight = kWidth - kRegion.width;
+  constexpr int kBottom = kHeight - kRegion.height;
+  const test::Texture texture(5);
+  std::vector<Frame> film;
+  for (int i = 0; i < 96; ++i)
+    film.push_back(texture.frame(kWidth, kHeight, {kBy.x * i, kBy.y * i}));
+  for (const auto &[right, down] : {std::pair{1, 1}, {-1, 1}, {1, -1}, {-1, -1}})
+    for (int from = 0; from < haptic::kCellSide; ++from) {
+      tracker = std::make_unique<haptic::RegionTracker>();
+      frame_ = {};
+      for (int i = 0; i < std::ssize(film); ++i) {
+        show(film[static_cast<std::size_t>(i)],
+             {std::clamp(kRight / 2 + right * (from + i), 0, kRight),
+              std::clamp(kBottom / 2 + down * (from + i), 0, kBottom), kRegion.width,
+              kRegion.height});
+        if (i == 0)
+          continue;
+        EXPECT_GT(found().count, 0);
+        for (const haptic::Patch &tile : found().view()) {
+          EXPECT_NEAR(tile.dx, kBy.x, 0.05) << right << ' ' << down << ' ' << from + i;
+          EXPECT_NEAR(tile.dy, kBy.y, 0.05) << right << ' ' << down << ' ' << from + i;
+        }
+      }
+    }
+}
+
 // The layers see the frame reduced.
 TEST_F(LayerTrackerTest, AHandWithALargeRegionFeelsTheLeafAsOneThatRests) {
   scene.place = {120, 80};
