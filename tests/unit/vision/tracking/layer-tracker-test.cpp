@@ -511,6 +511,54 @@ TEST_F(LayerTrackerTest, ALargeRegionIsMeasuredInAReducedFrame) {
   EXPECT_NEAR(felt().velocity_y, -0.7, 0.06);
 }
 
+// Walks, leaps and sizes of a hand, in frames of any shape, over textures, things, noise and cuts.
+TEST_F(LayerTrackerTest, WhateverAHandDoesAPatchIsAFiniteMotionWithinItsRegion) {
+  constexpr int kFilms = 30;
+  constexpr int kFramesOfFilm = 30;
+  std::mt19937 random(23);
+  const auto below = [&](int count) {
+    return static_cast<int>(random() % static_cast<unsigned>(count));
+  };
+  const auto share = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
+  for (int film = 0; film < kFilms; ++film) {
+    tracker = std::make_unique<haptic::RegionTracker>();
+    frame_ = {};
+    const int width = haptic::kSmallestRegion + below(film % 10 == 0 ? 600 : 120);
+    const int height = haptic::kSmallestRegion + below(120);
+    scene.place = {share() * width, share() * height};
+    Shift pointer{share(), share()};
+    const Shift walk{0.04 * share() - 0.02, 0.04 * share() - 0.02};
+    const Shift by{8 * share() - 4, 8 * share() - 4};
+    int side = haptic::kSmallestRegion + below(60);
+    for (int i = 0; i < kFramesOfFilm; ++i) {
+      Frame frame = scene.draw(width, height, {0.1 * i, 0}, {by.x * i, by.y * i});
+      if (film % 3 == 0)
+        test::add_noise(frame, 20 * share(), random);
+      if (below(30) == 0)
+        frame = Frame(width, height, static_cast<std::uint8_t>(below(256)));
+      if (below(30) == 0)
+        side = haptic::kSmallestRegion + below(120);
+      pointer = below(30) == 0 ? Shift{share(), share()}
+                               : Shift{std::clamp(pointer.x + walk.x, -0.1, 1.1),
+                                       std::clamp(pointer.y + walk.y, -0.1, 1.1)};
+      const Rectangle region = haptic::region_at(pointer.x, pointer.y, side, width, height);
+      if (!haptic::is_measurable(region)) {
+        tracker->skip();
+        continue;
+      }
+      show(std::move(frame), region);
+      for (const haptic::Patch &patch : found().view()) {
+        EXPECT_TRUE(std::isfinite(patch.dx + patch.dy + patch.precision_xx + patch.precision_xy +
+                                  patch.precision_yy + patch.residual + patch.share));
+        EXPECT_GE(patch.x, static_cast<float>(region.x));
+        EXPECT_GE(patch.y, static_cast<float>(region.y));
+        EXPECT_LE(patch.x, static_cast<float>(region.x + region.width));
+        EXPECT_LE(patch.y, static_cast<float>(region.y + region.height));
+      }
+    }
+  }
+}
+
 TEST_F(LayerTrackerTest, TakesNoMemoryAfterTheFirstFrameOfASize) {
   std::vector<Frame> film;
   for (int i = 0; i < 12; ++i)
