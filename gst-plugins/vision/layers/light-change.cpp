@@ -51,7 +51,9 @@ void LightChange::take_out(const CellMap &earlier_mean, bool is_looked_for, cons
   // minute, by at most 0.06 grey levels a frame.
   constexpr float kForgotten = 0.0005F;
   if (is_looked_for) {
-    factor_ /= factor_between(earlier_mean, frame.mean, factor_, size);
+    const float factor = factor_between(earlier_mean, frame.mean, factor_, size);
+    const bool is_cut = factor < 1 / kMost || factor > kMost;
+    factor_ = is_cut ? 1 : factor_ / factor;
     factor_ = std::clamp(factor_ + kForgotten * (1 - factor_), 1 / kMost, kMost);
   }
   if (factor_ != 1)

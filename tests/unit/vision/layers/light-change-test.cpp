@@ -71,6 +71,19 @@ TEST(LightChange, APanKeepsTheFactorThatWasFoundBefore) {
   EXPECT_LT(difference(panned, drawn(scene, {9, 4}, {9, 4}, 1)), kRounding);
 }
 
+TEST(LightChange, ACutToBlackAndBackIsNoLight) {
+  const test::LayerScene scene;
+  const LayerFrame first = drawn(scene, {}, {}, 1);
+  LightChange light;
+  LayerFrame before = first;
+  for (const double factor : {0.9, 0.0, 0.0, 1.0, 1.0}) {
+    LayerFrame frame = drawn(scene, {}, {}, factor);
+    light.take_out(before.mean, true, kCropSize, frame);
+    before = frame;
+  }
+  EXPECT_EQ(difference(before, first), 0);
+}
+
 TEST(LightChange, AFadeToBlackIsNotMadeBrightAgain) {
   const test::LayerScene scene;
   LightChange light;

@@ -535,7 +535,7 @@ TEST_F(LayerTrackerTest, WhateverAHandDoesAPatchIsAFiniteMotionWithinItsRegion) 
       if (film % 3 == 0)
         test::add_noise(frame, 20 * share(), random);
       if (below(30) == 0)
-        frame = Frame(width, height, static_cast<std::uint8_t>(below(256)));
+        frame = Frame(width, height, static_cast<std::uint8_t>(below(2) * below(256)));
       if (below(30) == 0)
         side = haptic::kSmallestRegion + below(120);
       pointer = below(30) == 0 ? Shift{share(), share()}
