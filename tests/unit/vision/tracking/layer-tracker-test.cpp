@@ -512,7 +512,7 @@ TEST_F(LayerTrackerTest, ALargeRegionIsMeasuredInAReducedFrame) {
 }
 
 // Walks, leaps and sizes of a hand, in frames of any shape, over textures, things, noise and cuts.
-TEST_F(LayerTrackerTest, WhateverAHandDoesAPatchIsAFiniteMotionWithinItsRegion) {
+TEST_F(LayerTrackerTest, WhateverAHandDoesATileIsAFiniteMotionWithinItsRegion) {
   constexpr int kFilms = 30;
   constexpr int kFramesOfFilm = 30;
   std::mt19937 random(23);
@@ -550,10 +550,12 @@ TEST_F(LayerTrackerTest, WhateverAHandDoesAPatchIsAFiniteMotionWithinItsRegion) 
       for (const haptic::Patch &patch : found().view()) {
         EXPECT_TRUE(std::isfinite(patch.dx + patch.dy + patch.precision_xx + patch.precision_xy +
                                   patch.precision_yy + patch.residual + patch.share));
-        EXPECT_GE(patch.x, static_cast<float>(region.x));
-        EXPECT_GE(patch.y, static_cast<float>(region.y));
-        EXPECT_LE(patch.x, static_cast<float>(region.x + region.width));
-        EXPECT_LE(patch.y, static_cast<float>(region.y + region.height));
+        const bool is_tile = (found().flags & haptic::kTiled) != 0;
+        const Rectangle within = is_tile ? region : Rectangle{0, 0, width, height};
+        EXPECT_GE(patch.x, static_cast<float>(within.x));
+        EXPECT_GE(patch.y, static_cast<float>(within.y));
+        EXPECT_LE(patch.x, static_cast<float>(within.x + within.width));
+        EXPECT_LE(patch.y, static_cast<float>(within.y + within.height));
       }
     }
   }
