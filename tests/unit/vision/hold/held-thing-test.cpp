@@ -303,4 +303,42 @@ TEST_F(AHeldThing, MayBeTakenAtAnyPlaceOfAnyFrame) {
   }
 }
 
+// Films of any speed and shape with noise, black, cuts, frames that repeat and times between them
+// from a millisecond to a second.
+TEST_F(AHeldThing, WhateverTheFilmDoesIsAtAFinitePlace) {
+  constexpr int kFilms = 40;
+  constexpr int kFrames = 40;
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> share(0, 1);
+  const auto one_in = [&](unsigned count) { return random() % count == 0; };
+  int seen = 0;
+  for (int film = 0; film < kFilms; ++film) {
+    const int width = 16 + static_cast<int>(random() % (film % 8 == 0 ? 700 : 200));
+    const int height = 16 + static_cast<int>(random() % 200);
+    const Texture scene(static_cast<unsigned>(random() % 100), 2 + static_cast<int>(random() % 12),
+                        60 * share(random));
+    const Shift by{20 * share(random) - 10, 20 * share(random) - 10};
+    Frame frame = scene.frame(width, height, {});
+    take(frame, {width * share(random), height * share(random)});
+    for (int i = 1; i < kFrames; ++i) {
+      frame = one_in(30) ? Frame(width, height, 0)
+                         : scene.frame(width, height, {by.x * i * share(random), by.y * i});
+      if (film % 3 == 0)
+        test::add_noise(frame, 20 * share(random), random);
+      if (one_in(40))
+        thing.lose();
+      const double rate = one_in(10) ? 1 + 1000 * share(random) : kRate;
+      const HeldReport report =
+          one_in(10) ? thing.rest(static_cast<float>(1 / rate)) : follow(frame, rate);
+      seen += report.state == HoldState::held || report.state == HoldState::about;
+      ASSERT_TRUE(std::isfinite(report.x + report.y + report.radius + report.dx + report.dy +
+                                report.variance))
+          << film << ' ' << i;
+      EXPECT_GE(report.radius, 0);
+      EXPECT_GE(report.variance, 0);
+    }
+  }
+  EXPECT_GT(seen, kFilms);
+}
+
 } // namespace held_thing_test

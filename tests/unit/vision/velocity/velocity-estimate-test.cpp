@@ -280,7 +280,7 @@ TEST(VelocityEstimate, NothingMeasuredIsNothingAndNotANumberNeverLeaves) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     patches[3].dx = bad;
-    for (const Average average : {Average::model, Average::mean, Average::median})
+    for (const Average average : {Average::model, Average::pointed, Average::mean, Average::median})
       for (const ModelChoice choice : {ModelChoice::automatic, ModelChoice::affine}) {
         const VelocityEstimate found = estimate(patches, average, choice);
         EXPECT_TRUE(std::isfinite(found.velocity_x) && std::isfinite(found.velocity_y) &&
