@@ -201,7 +201,7 @@ std::span<const haptic::Property<Shared>> properties() {
                 "OpenCV's Shi-Tomasi corners and pyramidal Lucas-Kanade, the reference", "opencv"},
                {TrackerMethod::layers,
                 "Still, one translation, or what moves before a background, with patches that "
-                "cover the region evenly; like method=fast while the pointer moves",
+                "cover the region evenly",
                 "layers"}})),
       Rows::choice<&Shared::region>(
           "region", "Region", "What is measured about the pointer",
