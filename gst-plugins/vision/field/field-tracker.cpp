@@ -469,7 +469,12 @@ void FieldTracker::measure_cell(int row, int column, double interval, FieldCell 
     return;
   const auto time = static_cast<float>(interval) / static_cast<float>(1 << reductions_);
   const Displacement apart = *voted - time * Displacement{result.velocity_x, result.velocity_y};
-  result = {voted->x / time, voted->y / time,
+  const Displacement velocity = 1 / time * *voted;
+  if (!(norm2(velocity) < kFastestMotion * kFastestMotion)) {
+    result = {};
+    return;
+  }
+  result = {velocity.x, velocity.y,
             result.confidence * std::exp(-std::sqrt(norm2(apart)) / kDisagreement)};
 }
 

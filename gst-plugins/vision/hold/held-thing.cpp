@@ -100,6 +100,12 @@ PatchSamples samples_within(const std::optional<Rectangle> &object, float x, flo
   return within;
 }
 
+// Of two frames of nearly the same time, the step is an error of the place.
+Displacement velocity_of(Displacement step, float seconds) {
+  constexpr float kLeastInterval = 1e-3F; // s
+  return 1 / std::max(seconds, kLeastInterval) * step;
+}
+
 } // namespace
 
 // Reading
@@ -139,7 +145,7 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
                                   float x, float y, const std::optional<Rectangle> &object) {
   frame_width_ = frame_width;
   frame_height_ = frame_height;
-  halvings_ = NearbyLuma::halvings(frame_width);
+  halvings_ = NearbyLuma::halvings(frame_width, frame_height);
   const float scale = 1 / static_cast<float>(1 << halvings_);
   pose_ = {.x = x * scale, .y = y * scale};
   velocity_ = {};
@@ -325,7 +331,7 @@ void HeldThing::learn(const Match &match, float frames, float coarse_frames) {
 void HeldThing::accept(const Match &match, float seconds) {
   const Displacement step = between(pose_, match.pose);
   const float variance = std::max(match.variance - variance_, kStepNoise2);
-  velocity_ = (1 / seconds) * step;
+  velocity_ = velocity_of(step, seconds);
   pose_ = match.pose;
   variance_ = match.variance;
   const auto coarse_seconds = static_cast<float>(time_ - coarse_time_);
@@ -369,7 +375,7 @@ void HeldThing::follow_about(float seconds) {
       place = found->pose;
   }
   const Displacement step = between(pose_, place);
-  velocity_ = (1 / seconds) * step;
+  velocity_ = velocity_of(step, seconds);
   pose_ = place;
   if (!keep_patches(kHoldLayers)) {
     say(HoldState::lost, pose_);
@@ -495,7 +501,8 @@ void HeldThing::look_for(float seconds) {
   const std::optional<PatchPose> before = std::exchange(candidate_, found->pose);
   const bool is_sure = found->likeness.correlation > kSure && found->likeness.share > kSure;
   if (before || is_sure)
-    hold_again(*found, before ? (1 / seconds) * between(*before, found->pose) : Displacement{});
+    hold_again(*found,
+               before ? velocity_of(between(*before, found->pose), seconds) : Displacement{});
 }
 
 void HeldThing::hold_again(const Match &match, Displacement velocity) {

@@ -47,10 +47,10 @@ bool LumaLayer::sample(const PatchPose &pose, PatchSamples &samples) const {
   return true;
 }
 
-int NearbyLuma::halvings(int frame_width) {
+int NearbyLuma::halvings(int frame_width, int frame_height) {
   constexpr int kEnough = 960; // px
   int times = 0;
-  while ((frame_width >> times) > kEnough)
+  while ((frame_width >> times) > kEnough && (frame_height >> times) > 1)
     ++times;
   return times;
 }

@@ -37,7 +37,7 @@ class NearbyLuma {
 public:
   /// How often frames so large are halved: down to 960 px in width, where a hold is nearly as exact
   /// as in larger ones, at a quarter of the cost.
-  static int halvings(int frame_width);
+  static int halvings(int frame_width, int frame_height);
 
   /// Reads the square of `reach` reduced pixels about a place. Pixels outside the frame are those
   /// of its border. `frame` must stay until the next call.

@@ -40,8 +40,8 @@ void CalmCells::forget() {
 }
 
 void CalmCells::keep(const LayerFrame &frame, const LayerSize &size, Past &past) {
-  for (int y = 0; y < size.height; ++y)
-    std::copy_n(frame.smooth.row(y), size.width, past.smooth.row(y));
+  for (int y = 0; y < size.height; ++y) // and the pixel that repeats the last one of a row
+    std::copy_n(frame.smooth.row(y), size.width + 1, past.smooth.row(y));
   past.flat = frame.flat;
   past.since = {.before = size, .after = size};
 }

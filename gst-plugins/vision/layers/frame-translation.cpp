@@ -273,6 +273,7 @@ FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, flo
   constexpr float kSame2 = 0.2F * 0.2F; // px squared
   constexpr float kUp = 0.5F;           // of the way, in a frame
   constexpr float kDown = 0.3F;
+  constexpr float kNone = 0.01F; // else it takes seconds to be at rest
   sample(frames);
   Fit fit = refine(frames, motion_.displacement, noise);
   if (norm2(other - fit.at) > kSame2) {
@@ -283,6 +284,8 @@ FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, flo
   const float certain = believe(fit, seconds);
   motion_.displacement = fit.at;
   motion_.certainty += (certain > motion_.certainty ? kUp : kDown) * (certain - motion_.certainty);
+  if (certain == 0 && motion_.certainty < kNone)
+    motion_.certainty = 0;
   return motion_;
 }
 

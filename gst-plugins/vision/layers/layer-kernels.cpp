@@ -591,6 +591,8 @@ Displacement SearchCells(const CellMap &before, const CellMap &after, int reach,
     for (int dx = -reach; dx <= reach; ++dx) {
       const int top = std::max(0, dy);
       const int bottom = std::min(size.rows(), size.rows() + dy);
+      if (top >= bottom || std::abs(dx) >= columns)
+        continue;
       const Vec first = all(static_cast<float>(std::max(0, dx)));
       const Vec end = all(static_cast<float>(std::min(columns, columns + dx)));
       Vec sum = hn::Zero(kTag);
@@ -603,7 +605,7 @@ Displacement SearchCells(const CellMap &before, const CellMap &after, int reach,
         }
       });
       const auto count = static_cast<float>((bottom - top) * (columns - std::abs(dx)));
-      if (const float mean = total(sum) / count; count > 0 && mean < least) {
+      if (const float mean = total(sum) / count; mean < least) {
         least = mean;
         best = {static_cast<float>(dx * kCellSide), static_cast<float>(dy * kCellSide)};
       }

@@ -343,8 +343,8 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
   std::optional<Displacement> whole;
   if (simple == Explanation::translation || simple == Explanation::none)
     whole = ladder_->best_translation();
-  const bool is_wide =
-      std::min(pair.region.width, pair.region.height) >> count >= kSmallestRegion / 2;
+  const Rectangle seen = intersection(pair.region, close.crop);
+  const bool is_wide = std::min(seen.width, seen.height) >> count >= kSmallestRegion / 2;
   const bool stays = count == reductions_ && knows(close.crop) && is_wide &&
                      simple != Explanation::fields && simple != Explanation::narrow;
   const Rectangle before = std::exchange(last_crop_, close.crop);

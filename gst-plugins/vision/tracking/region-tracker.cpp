@@ -70,14 +70,14 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
   const auto begin = Clock::now();
   luma_.forget();
   const FramePair frames{earlier, frame, areas.frame_width, areas.frame_height};
-  const CropPair pair{earlier_luma_.read(earlier, areas.crop),
-                      luma_.read(frame, areas.crop),
-                      areas.crop,
-                      areas.region,
-                      earlier_was_measured_,
-                      repeats_,
-                      &frames,
-                      1e-9F * static_cast<float>(interval)};
+  CropPair pair{earlier_luma_.read(earlier, areas.crop),
+                luma_.read(frame, areas.crop),
+                areas.crop,
+                areas.region,
+                earlier_was_measured_,
+                repeats_,
+                &frames,
+                1e-9F * static_cast<float>(interval)};
   Finding finding;
   switch (repetition(earlier, frame, pair)) {
   case Repetition::duplicate:
@@ -90,6 +90,8 @@ Finding RegionTracker::compare(const LumaSource &earlier, const LumaSource &fram
       ++repeats_;
       break;
     }
+    pair.previous = earlier_luma_.read(earlier, areas.crop);
+    pair.current = luma_.read(frame, areas.crop);
     run(pair, finding);
     finding.flags = measurement_.flags;
     finding.time = Clock::now() - begin;

@@ -505,8 +505,7 @@ float known_part(const Precision &p, VelocityEstimate &estimate) {
 // Time stamps that nearly coincide make an impossible speed of any displacement. False for a number
 // that is not finite.
 bool is_plausible(const VelocityEstimate &e) {
-  constexpr float kFastest = 1e6F; // px/s
-  return std::hypot(e.velocity_x, e.velocity_y) < kFastest && std::isfinite(e.spin) &&
+  return std::hypot(e.velocity_x, e.velocity_y) < kFastestMotion && std::isfinite(e.spin) &&
          std::isfinite(e.divergence) && e.confidence > 0;
 }
 

@@ -62,6 +62,28 @@ TEST(FieldTrackerLimits, EveryInstructionSetGivesTheSameField) {
   EXPECT_LE(another, all / 2000);
 }
 
+// At the border of a thing before a ground at rest, some cells are of both.
+TEST(FieldTrackerLimits, TwoFramesOfNearlyTheSameTimeGiveNoImpossibleSpeed) {
+  constexpr double kMoment = 1e-7; // s
+  constexpr double kFastest = 1e6; // px/s
+  const auto stage = [](double x) {
+    Frame frame = Texture(1).frame(kWidth, kHeight, {});
+    const Frame thing = Texture(2).frame(kWidth, kHeight, {x, 0});
+    for (int y = 0; y < kHeight; ++y)
+      for (int at = 0; at < kWidth; ++at)
+        if (std::hypot(at - x - 320, y - 180) < 100)
+          frame.at(at, y) = thing.pixels[static_cast<std::size_t>(y * kWidth + at)];
+    return frame;
+  };
+  Field field(kWidth, kHeight);
+  for (int i = 0; i < 4; ++i)
+    field.follow(stage(3.0 * i));
+  test::read(field.tracker, test::view_of(stage(12)));
+  field.tracker.measure(kMoment, field.cells);
+  for (const haptic::FieldCell &cell : field.cells)
+    EXPECT_LT(std::hypot(cell.velocity_x, cell.velocity_y), kFastest);
+}
+
 TEST(FieldTrackerLimits, NothingOutsideTheFrameIsRead) {
   const Frame before = scene(0);
   const Frame after = scene(1);

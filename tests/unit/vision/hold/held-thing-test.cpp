@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame-view.hpp"
+#include "guarded-frame.hpp"
 #include "hold/held-thing.hpp"
 #include "instruction-sets.hpp"
 #include "moving-texture.hpp"
@@ -135,6 +137,19 @@ TEST_F(AHeldThing, IsFollowedAtAnyFrameRate) {
           << rate << " " << i;
     EXPECT_LT(distance(thing.report(), sway(frames / rate)), 0.3) << rate;
   }
+}
+
+// What seems to move meanwhile is an error of the place.
+TEST_F(AHeldThing, IsFollowedAfterTwoFramesOfNearlyTheSameTime) {
+  constexpr double kMoment = 1e6; // frames a second
+  take(stage.frame({}));
+  for (int i = 1; i <= 20; ++i)
+    follow(stage.frame({0.5 * i, 0}));
+  follow(stage.frame({10.2, 0}), kMoment);
+  EXPECT_EQ(follow(stage.frame({10.7, 0})).state, HoldState::held);
+  EXPECT_LT(distance(thing.report(), {10.7, 0}), 0.5);
+  thing.follow(PlaneSource(stage.frame({16, 0})), 1e-9F);
+  EXPECT_TRUE(std::isfinite(thing.follow(PlaneSource(stage.frame({16.5, 0})), 1).x));
 }
 
 TEST_F(AHeldThing, IsFollowedInALargeFrameThatIsReduced) {
@@ -290,13 +305,16 @@ TEST_F(AHeldThing, OfManyThatLookTheSameIsFollowedAbout) {
 }
 
 TEST_F(AHeldThing, MayBeTakenAtAnyPlaceOfAnyFrame) {
-  for (const auto &[width, height] : {std::pair{1, 1}, {3, 200}, {16, 16}, {kWidth, kHeight}}) {
-    const Frame frame = stage.disc.frame(width, height, {});
+  for (const auto &[width, height] :
+       {std::pair{1, 1}, {3, 200}, {2048, 1}, {3840, 3}, {16, 16}, {kWidth, kHeight}}) {
+    test::GuardedFrame guarded(width, height);
+    const PlaneSource frame(
+        guarded.filled(test::view_of(stage.disc.frame(width, height, {})), true));
     for (const double x : {0.0, width / 2.0, static_cast<double>(width)})
       for (const double y : {0.0, height / 2.0, static_cast<double>(height)}) {
-        take(frame, {x, y});
+        thing.take(frame, width, height, static_cast<float>(x), static_cast<float>(y));
         for (int i = 0; i < 3; ++i)
-          follow(frame);
+          thing.follow(frame, 1 / static_cast<float>(kRate));
         EXPECT_TRUE(std::isfinite(thing.report().x)) << width << " " << x;
         EXPECT_TRUE(std::isfinite(thing.report().y)) << height << " " << y;
       }

@@ -102,6 +102,14 @@ TEST_F(FrameTranslationTest, ACameraAtRestDoesNotMoveTheFrame) {
   EXPECT_TRUE(found.is_unchanged);
 }
 
+TEST_F(FrameTranslationTest, ACameraThatStopsIsAtRestWithinASecond) {
+  pan({1.3, -0.4});
+  FrameMotion found;
+  for (int i = 0; i < 60; ++i)
+    found = pan({}, 2);
+  EXPECT_EQ(found.certainty, 0);
+}
+
 TEST_F(FrameTranslationTest, AFrameSmallerThanAPatchShowsNothing) {
   const Frame small = scene.frame(10, 10, {});
   const PlaneSource source(small);

@@ -148,6 +148,24 @@ TEST_F(RegionTrackerTest, ARegionAtRestBesideAMovingOneStandsStillAtOnce) {
   EXPECT_EQ(compare(half_moved(1), half_moved(2), kRight).flags, haptic::kMotionStill);
 }
 
+// Of a format that is converted, the pixels where motion was seen take the place of the region's.
+TEST_F(RegionTrackerTest, ARegionAtRestIsNotMeasuredByThePixelsThatMovedElsewhere) {
+  constexpr int kWide = 400;
+  constexpr Rectangle kFar{10, 25, 30, 30};
+  constexpr Rectangle kHere{340, 25, 30, 30};
+  std::vector<Frame> film;
+  for (int i = 0; i < 5; ++i) {
+    film.push_back(texture.frame(kWide, kHeight, {}));
+    texture.paint(film.back(), {1.0 * i, 0}, 0, kWide / 2);
+  }
+  for (std::size_t i = 1; i < film.size(); ++i) {
+    const bool is_here = i + 1 == film.size();
+    const Finding found = tracker.compare(Source(film[i - 1], false), Source(film[i], false),
+                                          tracker.areas(is_here ? kHere : kFar, kWide, kHeight));
+    EXPECT_EQ(found.flags, is_here ? haptic::kMotionStill : found.flags & haptic::kTiled) << i;
+  }
+}
+
 // The layers read patches of the frame, too.
 TEST_F(RegionTrackerTest, ThePixelsOfACropAreConvertedOnce) {
   tracker.set_method(TrackerMethod::fast, haptic::kUsualPatches);
