@@ -21,6 +21,8 @@ constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | k
 constexpr std::uint32_t kHoldsOfFilm =
     kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
 constexpr double kForgetsLate = 1; // s, time constant; a late tick is rarely alone
+constexpr double kForgetsLateHeld =
+    5; // s, while a spring holds: what a late tick owes is paid first
 
 // Only the loop writes its counters, so no read-modify-write instruction is needed. Such an
 // instruction, or a store in the default order, waits for all stores before it, and after a sleep
@@ -203,10 +205,12 @@ void HapticLoop::tick(std::int64_t scheduled, std::int64_t now) noexcept {
   set(run_.statistics.force_rms, run_.chain.continuous_force().rms());
 }
 
-// A stiffness that comes back under the hand would be felt as a push.
+// A stiffness that comes back under the hand would be felt as a push. The spring to a held thing
+// becomes shorter as it becomes stiffer.
 void HapticLoop::expect_late_ticks(double dt) noexcept {
-  if (!run_.touch.contact().touches && run_.carry.stiffness() == 0)
-    run_.longest_dt *= std::exp(-dt / kForgetsLate);
+  if (!run_.touch.contact().touches)
+    run_.longest_dt *=
+        std::exp(-dt / (run_.carry.stiffness() > 0 ? kForgetsLateHeld : kForgetsLate));
   run_.longest_dt = std::max({run_.longest_dt, seconds(run_.period), dt});
 }
 
@@ -271,6 +275,7 @@ void HapticLoop::lose_device() noexcept {
 }
 
 void HapticLoop::exchange(std::int64_t now) noexcept {
+  run_.exchanged = false;
   spidar::HapticDevice *device = run_.environment.device;
   if (!device)
     return;
@@ -288,6 +293,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   if (faulted) // not a force of zero, which needs a tick every few milliseconds
     device->rest();
   const bool answered = device->exchange(now);
+  run_.exchanged = true;
   const bool gone = !answered && !device->connected();
   if (answered) {
     run_.failed_exchanges = 0;
@@ -432,9 +438,11 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
   if (spidar::HapticDevice *device = run_.environment.device) {
     input.hand_velocity = device->state().velocity;
     input.hand_turning = device->state().angular_velocity;
-    input.acted = device->state().acted;
-    input.moved = device->state().moved;
-    input.turned = device->state().turned;
+    if (run_.exchanged) { // else it was counted before
+      input.acted = device->state().acted;
+      input.moved = device->state().moved;
+      input.turned = device->state().turned;
+    }
     hand = scale_hand(input.hand_velocity, device->workspace_half(), now.sample,
                       settings.reference_width);
   }
@@ -477,8 +485,10 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
 void HapticLoop::record_tick(const TickRow &row, bool late) noexcept {
   constexpr std::uint32_t kRules = kFaults | kHoldNonFinite | kHoldSlipped;
   run_.recorder.record(row, late);
-  const bool interrupted = run_.environment.device && run_.environment.device->state().interrupted;
   const std::uint32_t holds = holds_.load() | run_.chain.holds();
+  // Not because of a fault.
+  const bool interrupted = run_.exchanged && !(holds & kHoldFaulted) && run_.environment.device &&
+                           run_.environment.device->state().interrupted;
   const std::uint32_t begun = holds & ~std::exchange(run_.recorded_holds, holds) & kRules;
   if (begun || interrupted)
     run_.recorder.keep(begun);

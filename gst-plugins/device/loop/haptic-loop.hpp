@@ -188,6 +188,8 @@ public:
     if (!submissions_.push({std::move(motion), arrival, epoch_.load()}))
       run_.statistics.samples_lost.fetch_add(1);
   }
+  /// There was no room for it before it could be submitted.
+  void count_lost_sample() noexcept { run_.statistics.samples_lost.fetch_add(1); }
   void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
     submit(TimedMotion{sample, true, middle}, arrival);
@@ -286,6 +288,7 @@ private:
     std::int64_t last_tick = 0;   // ns, 0: none yet
     std::int64_t rests_since = 0; // ns, end of the run before; 0: there was none
     std::int64_t retry_at = 0;    // ns, while faulted
+    bool exchanged = false;       // on this tick
     int failed_exchanges = 0;
     GripWatch grip;
     ShakeWatch shake;
@@ -293,7 +296,7 @@ private:
     bool row_had_force = false;
     FlightRecorder recorder;          // the pointer thread's, once it has kept something
     std::uint32_t recorded_holds = 0; // of the tick before
-    std::int64_t began_at = 0;        // ns, of the first tick
+    std::int64_t began_at = 0; // ns, of the first tick
   };
 
   void run(const std::stop_token &stop) noexcept;

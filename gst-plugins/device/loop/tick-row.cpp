@@ -9,13 +9,14 @@ namespace haptic {
 namespace {
 
 constexpr int kDigits = 9;
+constexpr int kDigitsOfTime = 12; // s: microseconds for ten days
 
-void append_number(std::string &text, double value) {
+void append_number(std::string &text, double value, int kept = kDigits) {
   std::array<char, 32> digits{};
   // Adding zero turns -0 into 0.
   const auto end =
       std::to_chars(digits.begin(), digits.end(), std::isfinite(value) ? value + 0.0 : 0,
-                    std::chars_format::general, kDigits)
+                    std::chars_format::general, kept)
           .ptr;
   if (!text.empty() && text.back() != '\n')
     text += ',';
@@ -39,7 +40,7 @@ void append_row(std::string &text, const TickRow &row) {
     for (const double value : values)
       append_number(text, value);
   };
-  append_number(text, row.time);
+  append_number(text, row.time, kDigitsOfTime);
   append(row.position);
   append(row.velocity);
   append_number(text, row.spin);
@@ -47,7 +48,7 @@ void append_row(std::string &text, const TickRow &row) {
   append(row.commanded.torque);
   append_number(text, row.confidence);
   append(row.tension);
-  append_number(text, row.mono);
+  append_number(text, row.mono, kDigitsOfTime);
   append_number(text, row.hold);
   append(row.orientation);
   append_number(text, row.energy);

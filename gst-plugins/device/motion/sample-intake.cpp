@@ -52,7 +52,7 @@ SampleIntake::Result SampleIntake::accept(std::span<const std::uint8_t> bytes, b
   if (holds_fields_) {
     motion.field = fields_->acquire();
     if (!motion.field)
-      return {}; // the loop stands still; the newest field is lost
+      return {.motion = {}, .lost = true};
   }
   const bool readable = read(bytes, motion);
   if (!gap && (!readable || !is_plausible(motion))) {

@@ -51,6 +51,7 @@ public:
   struct Result {
     std::optional<TimedMotion> motion; ///< for the loop; nothing for a repeated frame
     bool damaged = false;              ///< the bytes cannot be used
+    bool lost = false;                 ///< the loop stands still, and holds all fields
   };
   /// One frame, in the order of the stream. `gap`: the buffer has the GAP flag.
   Result accept(std::span<const std::uint8_t> bytes, bool gap, const Presentation &presentation);

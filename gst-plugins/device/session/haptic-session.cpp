@@ -56,7 +56,7 @@ bool HapticSession::open(const DeviceChoice &choice) {
   opened_as_ = choice;
   identity_ = device_ ? device_->identity() : "";
   loop_.set_homed(!device_);
-  loop_.unhold(kHoldClosed | kFaults);
+  loop_.unhold(kHoldClosed | kHoldFaulted);
   state_.set_device(device_ ? device_->description() : "");
   update_state();
   client_.note(Severity::info, "opened " + (device_ ? device_->description() : "no device"));
@@ -67,8 +67,9 @@ bool HapticSession::open(const DeviceChoice &choice) {
 
 void HapticSession::close() {
   loop_.hold(kHoldClosed);
-  // A fault ends with the device that had it. What the user asked for (kHoldReleased) does not.
-  loop_.unhold(kFaults);
+  // A fault ends with the device that had it. What the user asked for (kHoldReleased), and what
+  // disarmed a grip, do not.
+  loop_.unhold(kHoldFaulted);
   device_.reset();
   update_state();
 }
@@ -186,6 +187,8 @@ void HapticSession::accept(std::span<const std::uint8_t> bytes, bool gap,
   SampleIntake::Result result = run_.intake.accept(bytes, gap, presentation);
   if (result.motion)
     loop_.submit(*std::move(result.motion), clock_->now());
+  if (result.lost)
+    loop_.count_lost_sample();
   if (result.damaged && !std::exchange(run_.damage_reported, true))
     client_.on_notice({Severity::warning, NoticeCause::format, messages::kSampleDamaged,
                        std::to_string(bytes.size()) + " bytes"});

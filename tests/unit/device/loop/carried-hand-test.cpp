@@ -201,6 +201,17 @@ TEST_P(CarriedHand, FeelsNoBlowsWhenTheStateChangesWithEachFrame) {
   }
 }
 
+TEST_P(CarriedHand, IsHeldAsFirmlyAsBeforeSomeSecondsAfterALateTick) {
+  for (const auto &[late, seconds] : {std::pair{9.0, 15}, {1000.0, 45}}) { // ms
+    Carried hand;
+    hand.lead_away();
+    const double before = hand.stiffness();
+    hand.tick(late);
+    EXPECT_LT(hand.largest_step(seconds), smooth());
+    EXPECT_GT(hand.stiffness(), 0.9 * before) << late << " ms";
+  }
+}
+
 TEST_P(CarriedHand, IsFreeWhenTheSenderDies) {
   Carried held;
   held.lead_away();

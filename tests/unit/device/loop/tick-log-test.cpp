@@ -130,6 +130,21 @@ TEST(TickRow, KeepsNineDigitsWithAPointInEveryLocale) {
   EXPECT_NE(text.find(",-0.333333333,"), std::string::npos) << text;
 }
 
+TEST(TickRow, TellsTicksOfAQuarterOfAMillisecondApartAfterADay) {
+  const auto mono = [](double seconds) {
+    TickRow row;
+    row.mono = seconds;
+    std::string text;
+    haptic::append_row(text, row);
+    std::istringstream columns(text);
+    std::string value;
+    for (int column = 0; column <= 22; ++column)
+      std::getline(columns, value, ',');
+    return std::stod(value);
+  };
+  EXPECT_NEAR(mono(86400.0005) - mono(86400.00025), 0.00025, 1e-6);
+}
+
 TEST(TickRow, HoldsNoNanNoInfinityAndNoMinusZero) {
   TickRow row;
   row.velocity = {std::nan(""), std::numeric_limits<double>::infinity()};

@@ -61,6 +61,27 @@ TEST_P(WorkLimit, InAnyFiveSecondsTheStringsDoAtMostTwoAndAHalfJoules) {
   EXPECT_EQ(held.loop.statistics().overspeeds, 0U);
 }
 
+// While its fault lasts, a device is asked ten times a second, and its strings pull a hand that
+// moves by their least tension.
+TEST(WorkLimitOfAFaultedDevice, CountsWhatTheStringsDidOnce) {
+  test::LoopInHand held({});
+  held.hand().leads = true;
+  held.wait(0.5);
+  held.hand().answers = false;
+  for (int i = 0; i < 5; ++i)
+    held.tick();
+  held.hand().answers = true;
+  for (int i = 0; i < 10; ++i) {
+    held.lead({0.02, 0.02, 0}, 0.08);
+    held.lead({-0.02, -0.02, 0}, 0.08);
+  }
+  held.lead(Vector3::Zero(), 0.08);
+  held.film = {100, 0, 0};
+  held.loop.unhold(haptic::kLatches);
+  held.wait(0.8);
+  EXPECT_NEAR(held.force().x(), 0.5, 0.02);
+}
+
 INSTANTIATE_TEST_SUITE_P(Rounds, WorkLimit,
                          testing::Values(Round{"spidar-g6x3r", 5, 100, 0.9, 0.05},
                                          Round{"spidar-g6x3r", 5, 20, 0.3, 0.05},

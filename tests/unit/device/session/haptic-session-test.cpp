@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <spidar/error.hpp>
@@ -38,6 +39,7 @@ struct Bench {
   bool answers = true;
   bool plugged = true;
   bool pressed = false;
+  bool interrupted = false;                           // at the next exchange
   spidar::Vector3 hand = spidar::Vector3::Zero();     // m
   spidar::Vector3 velocity = spidar::Vector3::Zero(); // m/s
   spidar::Wrench commanded;
@@ -57,6 +59,7 @@ public:
     if (state_.valid)
       state_.pose.position = bench_.hand;
     state_.velocity = bench_.velocity;
+    state_.interrupted = std::exchange(bench_.interrupted, false);
     state_.pressed = state_.valid && bench_.pressed;
     return state_.valid;
   }
@@ -333,6 +336,20 @@ TEST_F(Session, AFaultLeavesTheTwoSecondsBeforeItInAFileThatAMessageNames) {
   EXPECT_NEAR(times.front(), times.back() - 1.999, 1e-9);
 }
 
+// It is asked ten times a second only, and stays as it was in between.
+TEST_F(Session, AFaultedDeviceThatWasPutAtRestLeavesOneFile) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(session_->open(choice_));
+  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
+  session_->play();
+  run(500);
+  bench_.answers = false;
+  run(50);
+  bench_.interrupted = true;
+  run(500);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path_of("faults")), {}), 1);
+}
+
 TEST_F(Session, WhatTheUserReleasesLeavesNoFile) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(session_->open(choice_));
@@ -350,6 +367,20 @@ TEST_F(Session, ASleepOfTheMachineDisarms) {
   run(100);
   EXPECT_TRUE(session_->silent());
   EXPECT_EQ(armed_, std::vector{false});
+}
+
+// A new run is no hand on the grip.
+TEST_F(Session, WhatDisarmedStaysThroughACloseUntilArmed) {
+  begin();
+  session_->loop().hold(haptic::kHoldOverspeed);
+  session_->end_run();
+  session_->close();
+  begin();
+  run(500);
+  EXPECT_TRUE(session_->silent());
+  session_->arm();
+  run(500);
+  EXPECT_NEAR(force(), 0.5, 1e-6);
 }
 
 TEST_F(Session, ADeviceThatCannotBeOpenedIsAnErrorWithItsCause) {
@@ -621,6 +652,24 @@ TEST_F(Session, SamplesThatALoopThatStandsStillLosesAreCountedAndReportedOnce) {
   for (int i = 0; i < 300; ++i)
     session_->accept(bytes, false, {});
   EXPECT_EQ(session_->statistics().samples_lost, 300U - 256U);
+  run(100);
+  EXPECT_EQ(texts(), std::vector<std::string>{haptic::messages::kSamplesLost});
+}
+
+TEST_F(Session, FieldsThatALoopThatStandsStillLosesAreCountedToo) {
+  begin();
+  session_->intake().set_layout(true);
+  haptic::MotionField field;
+  field.frame_width = field.frame_height = 64;
+  field.columns = field.rows = 4;
+  field.interval = 33 * static_cast<std::uint64_t>(kMs);
+  field.cells.assign(16, {100, 0, 1});
+  std::vector<std::uint8_t> bytes(haptic::packed_size(field));
+  haptic::pack_motion_field(field, bytes);
+  for (int i = 0; i < 300; ++i)
+    session_->accept(bytes, false, {});
+  EXPECT_GE(session_->statistics().samples_lost, 300U - 256U);
+  session_->intake().set_layout(false);
   run(100);
   EXPECT_EQ(texts(), std::vector<std::string>{haptic::messages::kSamplesLost});
 }
