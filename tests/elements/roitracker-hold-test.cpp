@@ -96,6 +96,15 @@ TEST_F(Hold, TheTimeSinceThePressIsThatOfTheVideoWhereFramesAreRepeated) {
   }
 }
 
+TEST_F(Hold, TheTimeSinceThePressBeginsAtTheFirstFrameWhoseTimeIsKnown) {
+  pass(0);
+  press(true);
+  harness.pass(texture.frame(kWidth, kHeight, {2, -1}), GST_CLOCK_TIME_NONE);
+  for (int i = 2; i < 6; ++i)
+    pass(i);
+  EXPECT_EQ(motion_of(pass(6)).held_time, 4 * kFrame);
+}
+
 TEST_F(Hold, WhatIsFeltIsTheMotionOfTheThing) {
   const BufferPtr frame = held_until(6);
   const auto found = test::displacement(frame.get());

@@ -108,6 +108,12 @@ TEST_F(MarkedObject, ThatTremblesKeepsTheSizeOfItsRegion) {
   EXPECT_EQ(marked(6, 65, 50), (std::vector<float>{65, 50, 50, 40}));
 }
 
+TEST_F(MarkedObject, ThatTremblesStaysUnderThePointer) {
+  pass(0, {{.x = 70, .y = 50, .width = 33, .height = 40}});
+  EXPECT_EQ(region_of(pass(1, {{.x = 88, .y = 50, .width = 36, .height = 40}})),
+            (std::vector<float>{88, 50, 36, 40}));
+}
+
 TEST_F(MarkedObject, CountsOnlyIfItIsAskedFor) {
   gst_util_set_object_arg(G_OBJECT(tracker.get()), "region", "square");
   EXPECT_EQ(region_of(pass(0, {{.x = 70, .y = 40, .width = 50, .height = 50}})), kSquare);

@@ -332,15 +332,19 @@ std::optional<Rectangle> object_under_pointer(State &state, GstBuffer *buffer,
   const int width = GST_VIDEO_INFO_WIDTH(&info);
   const int height = GST_VIDEO_INFO_HEIGHT(&info);
   const Pointer &pointer = settings.pointer;
+  const Rectangle pixel{pixel_at(pointer.x * width, width), pixel_at(pointer.y * height, height), 1,
+                        1};
   const std::optional<Rectangle> marked =
-      haptic::marked_object_at(buffer, pixel_at(pointer.x * width, width),
-                               pixel_at(pointer.y * height, height), width, height);
+      haptic::marked_object_at(buffer, pixel.x, pixel.y, width, height);
   const std::optional<Rectangle> before = std::exchange(state.object, std::nullopt);
   if (!marked)
     return std::nullopt;
   const Rectangle near =
       haptic::region_at(pointer.x, pointer.y, std::min(width, height) / 2, width, height);
-  const Rectangle object = steadied(haptic::intersection(*marked, near), before, width, height);
+  const Rectangle shown = haptic::intersection(*marked, near);
+  Rectangle object = steadied(shown, before, width, height);
+  if (haptic::intersection(object, pixel) != pixel)
+    object = shown;
   if (haptic::is_measurable(object))
     state.object = object;
   return state.object;
@@ -396,6 +400,8 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, cons
   const GstClockTime now = GST_BUFFER_PTS(buffer);
   if (was_pressed) {
     // Not the sum of the intervals: those of repeated frames overlap.
+    if (!GST_CLOCK_TIME_IS_VALID(state.taken))
+      state.taken = now;
     if (GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(state.taken))
       state.held_time = now > state.taken ? now - state.taken : state.taken - now;
     follow_thing(state, luma, finding);
