@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A hand feels the same from the coded field of the whole frame as from the tracker under it, at several places of each
+# A hand feels the same from the coded field of the whole frame as from the tracker under it with average=model, which is
+# the mean that a cell of the field has, at several places of each
 # clip: the rms of the difference of both forces where either is felt, of a full force of 1 N, and how much of the time
 # they could be told apart.
 #
@@ -22,7 +23,7 @@ track() {
 
 # `tracker CLIP X Y OUTPUT`
 tracker() {
-  track "$1" "$4" roitracker pointer-source=property "pointer-x=$2" "pointer-y=$3" ! velocityavg
+  track "$1" "$4" roitracker pointer-source=property "pointer-x=$2" "pointer-y=$3" ! velocityavg average=model
 }
 
 # `summary NAME ROWS`: of lines of JSON, one a place.
