@@ -296,7 +296,7 @@ private:
     bool row_had_force = false;
     FlightRecorder recorder;          // the pointer thread's, once it has kept something
     std::uint32_t recorded_holds = 0; // of the tick before
-    std::int64_t began_at = 0; // ns, of the first tick
+    std::int64_t began_at = 0;        // ns, of the first tick
   };
 
   void run(const std::stop_token &stop) noexcept;
