@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A hand feels the same from the coded field of the whole frame as from the tracker under it with average=model, which is
-# the mean that a cell of the field has, at several places of each
+# A hand feels the same from the coded field of the whole frame as from the tracker under it, at several places of each
 # clip: the rms of the difference of both forces where either is felt, of a full force of 1 N, and how much of the time
 # they could be told apart.
 #
 # From the environment: FIELD_CLIPS, a folder with other videos (*.mp4, *.avi, *.ts), at 15 places. There the tracker is
 # also compared with itself a quarter of a cell (1/128 of the frame) to the right: where its own force changes by more
-# than 5 %, the field need not agree. FIELD_COLUMNS: columns of the field.
+# than 5 %, the field need not agree. FIELD_COLUMNS: columns of the field. FIELD_METHOD and FIELD_AVERAGE: of the tracker
+# (fast and model, as a cell of the field is measured).
 
 source "$(dirname "$0")/support.sh"
 use_elements roitracker velocityavg motionfield hapticconvert
@@ -23,7 +23,8 @@ track() {
 
 # `tracker CLIP X Y OUTPUT`
 tracker() {
-  track "$1" "$4" roitracker pointer-source=property "pointer-x=$2" "pointer-y=$3" ! velocityavg average=model
+  track "$1" "$4" roitracker "method=${FIELD_METHOD:-fast}" pointer-source=property "pointer-x=$2" "pointer-y=$3" \
+    ! velocityavg "average=${FIELD_AVERAGE:-model}"
 }
 
 # `summary NAME ROWS`: of lines of JSON, one a place.

@@ -307,6 +307,7 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
   }
   if (device->state().interrupted) {
     run_.chain.restart(); // the motors are at rest
+    run_.touch.hold();
     run_.carry.restart();
     add<std::uint64_t>(run_.statistics.interruptions);
   }

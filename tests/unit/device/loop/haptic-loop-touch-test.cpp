@@ -70,6 +70,17 @@ TEST_P(TouchingLoop, AHandBeneathASurfaceIsPushedOutOfIt) {
   EXPECT_NEAR(force().head<2>().norm(), 0, 0.005);
 }
 
+// Its hand may have sunk deep meanwhile, and has put nothing in.
+TEST_P(TouchingLoop, AfterTheGuardianTookTheForceTheSurfaceBeginsAtTheHand) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(plane_, 1000);
+  EXPECT_GT(force().z(), 0.4);
+  mishaps_->let_go = true;
+  touch_for(plane_, 2000);
+  // Freed, the hand went on by the half millimetre by which the surface had held it up.
+  EXPECT_LT(force().z(), 0.1);
+}
+
 TEST_P(TouchingLoop, SurfaceAndMotionAddUp) {
   open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
   touch_for(plane_, 1000, 100);
