@@ -123,6 +123,9 @@ public:
   haptic::LoopSettings settings; ///< hand them over with set()
   void set() { loop.set_settings(settings); }
 
+  /// The next frame shows another thing, taken then.
+  void take_anew() noexcept { taken_.reset(); }
+
   void wait(double seconds) {
     for (const double end = time() + seconds; time() < end;)
       tick();

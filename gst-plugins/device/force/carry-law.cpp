@@ -88,7 +88,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   if (!hand.allFinite() || !moved.allFinite() || !(dt > 0))
     return restart();
   const double follows = std::clamp(2 - moved.norm() / dt / kFastestThing, 0.0, 1.0);
-  ramp(state, follows, dt);
+  ramp(ends_ ? HoldState::none : state, follows, dt);
   if (share_ == 0) {
     const CarryLaw before = std::exchange(*this, {});
     wants_ = before.wants_;
@@ -97,7 +97,7 @@ void CarryLaw::step(HoldState state, const Vector3 &moved, const Vector3 &hand,
   }
   const auto in_plane = [](const Vector3 &v) { return Vector3(v.x(), v.y(), 0); };
   const bool begins = stiffness_ == 0;
-  const Vector3 way = begins ? Vector3::Zero() : in_plane(follows * moved);
+  const Vector3 way = begins || ends_ ? Vector3::Zero() : in_plane(follows * moved);
   const Vector3 hand_way = begins ? Vector3::Zero() : in_plane(hand - hand_);
   hand_ = hand;
 

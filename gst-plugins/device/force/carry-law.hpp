@@ -34,8 +34,10 @@ public:
 
   /// `moved`: m, of the thing, and `dt` s, since the call before. The spring begins, without a
   /// force, where the hand is. It ends by becoming soft: what has pulled a hand is never moved.
+  /// Nor does it pull to another thing: the spring to that one begins when this one has ended.
   void step(HoldState state, const spidar::Vector3 &moved, const spidar::Vector3 &hand,
             const CarryLimits &limits, double dt) noexcept HAPTIC_NONBLOCKING;
+  void end() noexcept { ends_ = share_ > 0; } ///< another thing was taken
   /// Ends at once: the force is held, or the pose of the hand has jumped.
   void restart() noexcept { *this = {}; }
   /// Adds the spring to the chain's input, and takes the law from it as far as the thing carries.
@@ -51,6 +53,7 @@ private:
   void set_stiffness(double stiffness, double most) noexcept;
 
   bool wants_ = false;                                  // it pulls, or is about to
+  bool ends_ = false;                                   // to begin anew
   double share_ = 0;                                    // 0..1, of the whole stiffness
   double law_ = 1;                                      // 0..1, of the law beside it
   double stiffness_ = 0;                                // N/m

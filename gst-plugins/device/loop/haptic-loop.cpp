@@ -383,6 +383,8 @@ void HapticLoop::update_carry(double dt) noexcept {
     return run_.carry.restart();
   const MotionAt &motion = run_.motion;
   const bool fresh = motion.age <= stale_after(motion.interval);
+  if (motion.held.another)
+    run_.carry.end();
   run_.carry.step(fresh ? motion.held.state : HoldState::none,
                   map_way(motion.held.moved, device->workspace_half()),
                   device->state().pose.position,

@@ -25,8 +25,9 @@ struct WayPoint {
 /// The held thing at one time.
 struct HeldAt {
   HoldState state = HoldState::none;
-  FramePoint place; ///< while it is held or hidden
-  FramePoint moved; ///< since the call before, of the same thing
+  FramePoint place;     ///< while it is held or hidden
+  FramePoint moved;     ///< since the call before, of the same thing
+  bool another = false; ///< than at the call before
 };
 
 /// Returns whether both frames show the same thing: it was not taken anew between them.

@@ -197,7 +197,8 @@ void MotionInterpolator::follow_thing(std::int64_t now) noexcept {
     return path_.end();
   const bool leads_on =
       next && next->sample.held.state == HoldState::held && is_same_thing(here, next->sample.held);
-  if (!path_.begun() || here.time < thing_since_)
+  const bool another = path_.begun() && here.time < thing_since_;
+  if (!path_.begun() || another)
     path_.begin(leads_on ? way_before(here, *next) : WayPoint{{here.x, here.y}, {}}, now);
   thing_since_ = here.time;
   if (leads_on)
@@ -207,6 +208,7 @@ void MotionInterpolator::follow_thing(std::int64_t now) noexcept {
   const HoldState state = now_.held.state;
   now_.held = path_.at(now);
   now_.held.state = state;
+  now_.held.another = another;
 }
 
 void MotionInterpolator::interpolate_to_next(std::int64_t now,

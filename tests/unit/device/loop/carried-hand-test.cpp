@@ -212,6 +212,17 @@ TEST_P(CarriedHand, IsHeldAsFirmlyAsBeforeSomeSecondsAfterALateTick) {
   }
 }
 
+// The frames in which the thing before was let go were lost.
+TEST_P(CarriedHand, IsNotPulledToAThingThatIsNoLongerTheOne) {
+  Carried hand;
+  hand.lead_away();
+  EXPECT_GT(hand.force().norm(), 0.5);
+  hand.take_anew();
+  EXPECT_LT(hand.largest_step(0.5), smooth());
+  EXPECT_LT(hand.force().norm(), 0.05);
+  EXPECT_GT(hand.stiffness(), 0) << "the other one carries";
+}
+
 TEST_P(CarriedHand, IsFreeWhenTheSenderDies) {
   Carried held;
   held.lead_away();
