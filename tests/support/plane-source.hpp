@@ -5,9 +5,11 @@
 #include "moving-texture.hpp"
 #include "pixels/kept-luma.hpp"
 
+#include <stdexcept>
+
 namespace test {
 
-/// The pixels must stay.
+/// The pixels must stay. An area outside them throws std::out_of_range.
 class PlaneSource final : public haptic::LumaSource {
 public:
   explicit PlaneSource(const haptic::LumaView &pixels) : pixels_(pixels) {}
@@ -15,6 +17,9 @@ public:
       : pixels_{frame.pixels.data(), frame.width, frame.height, frame.width} {}
 
   haptic::LumaView plane(const haptic::Rectangle &area) const override {
+    if (area.x < 0 || area.y < 0 || area.x + area.width > pixels_.width ||
+        area.y + area.height > pixels_.height)
+      throw std::out_of_range("an area outside the frame");
     return {pixels_.pixels + area.y * pixels_.stride + area.x, area.width, area.height,
             pixels_.stride};
   }
