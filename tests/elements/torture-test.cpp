@@ -452,10 +452,10 @@ TEST_P(Torture, AnElementSurvivesAllAtOnce) {
     if (relief)
       ways.emplace_back([&, relief](Random &random) { use_request_pad(relief, random); });
     // Names get their place in GLib's table, whose lock ThreadSanitizer does not see.
-    Random names(0);
-    for (const auto &way : ways)
-      for (int i = 0; i < 50 && seed_ == 1; ++i)
-        way(names);
+    if (Random names(0); seed_ == 1)
+      for (const auto &way : ways)
+        for (int i = 0; i < 50; ++i)
+          way(names);
     while (attacks_.size() < kThreads)
       attack(ways[attacks_.size() % ways.size()]);
     change_states(from_environment("FEELING_WIND_TORTURE", 20));

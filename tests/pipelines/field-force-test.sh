@@ -6,8 +6,8 @@
 #
 # From the environment: FIELD_CLIPS, a folder with other videos (*.mp4, *.avi, *.ts), at 15 places. There the tracker is
 # also compared with itself a quarter of a cell (1/128 of the frame) to the right: where its own force changes by more
-# than 5 %, the field need not agree. FIELD_COLUMNS: columns of the field. FIELD_METHOD and FIELD_AVERAGE: of the tracker
-# (fast and model, as a cell of the field is measured).
+# than 5 %, the field need not agree. FIELD_COLUMNS: columns of the field. FIELD_METHOD and FIELD_AVERAGE: of the tracker;
+# a cell of the field is measured with fast and model.
 
 source "$(dirname "$0")/support.sh"
 use_elements roitracker velocityavg motionfield hapticconvert
@@ -23,8 +23,8 @@ track() {
 
 # `tracker CLIP X Y OUTPUT`
 tracker() {
-  track "$1" "$4" roitracker "method=${FIELD_METHOD:-fast}" pointer-source=property "pointer-x=$2" "pointer-y=$3" \
-    ! velocityavg "average=${FIELD_AVERAGE:-model}"
+  track "$1" "$4" roitracker ${FIELD_METHOD:+"method=$FIELD_METHOD"} pointer-source=property "pointer-x=$2" "pointer-y=$3" \
+    ! velocityavg ${FIELD_AVERAGE:+"average=$FIELD_AVERAGE"}
 }
 
 # `summary NAME ROWS`: of lines of JSON, one a place.
@@ -72,6 +72,8 @@ fi
 shopt -s nullglob
 clips=("$FIELD_CLIPS"/*.{mp4,avi,ts})
 [ "${#clips[@]}" -gt 0 ] || skip "there are no videos in the folder '$FIELD_CLIPS'"
+apart=()
 for clip in "${clips[@]}"; do
-  promise "${clip##*/}" agrees "$clip"
+  agrees "$clip" || apart+=("${clip##*/}")
 done
+promise "${#clips[@]} clips; apart: ${apart[*]:-none}" [ ${#apart[@]} = 0 ]

@@ -6,6 +6,9 @@
 
 namespace haptic {
 
+/// px/s; more is an error of the time stamps.
+inline constexpr float kFastestMotion = 1e6F;
+
 /// A motion field v(x, y) to first order without shear: its value at one place, and the
 /// antisymmetric and the isotropic part of its gradient. Pixels of the frame, x to the right, y
 /// down.

@@ -20,9 +20,10 @@ constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | k
 // Of these the film is the reason: the hand has done nothing, and the surface stays where it is.
 constexpr std::uint32_t kHoldsOfFilm =
     kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
-constexpr double kForgetsLate = 1; // s, time constant; a late tick is rarely alone
-constexpr double kForgetsLateHeld =
-    5; // s, while a spring holds: what a late tick owes is paid first
+// s, time constants. A late tick is rarely alone. While a spring holds, what the tick owes is paid
+// first: with 1 s, a way gave 0.70 of 0.5 mJ.
+constexpr double kForgetsLate = 1;
+constexpr double kForgetsLateHeld = 5;
 
 // Only the loop writes its counters, so no read-modify-write instruction is needed. Such an
 // instruction, or a store in the default order, waits for all stores before it, and after a sleep

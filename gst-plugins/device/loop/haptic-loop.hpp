@@ -186,10 +186,8 @@ public:
   /// The motion is lost, and counted, if the loop has stood still for seconds and the ring is full.
   void submit(TimedMotion motion, std::int64_t arrival = monotonic_now()) noexcept {
     if (!submissions_.push({std::move(motion), arrival, epoch_.load()}))
-      run_.statistics.samples_lost.fetch_add(1);
+      count_lost_sample();
   }
-  /// There was no room for it before it could be submitted.
-  void count_lost_sample() noexcept { run_.statistics.samples_lost.fetch_add(1); }
   void submit(const MotionSample &sample, std::int64_t arrival = monotonic_now(),
               std::int64_t middle = kAtOnce) noexcept {
     submit(TimedMotion{sample, true, middle}, arrival);
@@ -202,8 +200,10 @@ public:
   /// As submit(); the streaming thread of the reliefs.
   void submit(TimedRelief relief) noexcept {
     if (!reliefs_.push({std::move(relief), relief_epoch_.load()}))
-      run_.statistics.samples_lost.fetch_add(1);
+      count_lost_sample();
   }
+  /// Of a sample for which there was no room before submit().
+  void count_lost_sample() noexcept { run_.statistics.samples_lost.fetch_add(1); }
   /// Nothing was measured; the flags of the sample give the reason.
   void submit_gap(const MotionSample &sample = {}, std::int64_t arrival = monotonic_now(),
                   std::int64_t middle = kAtOnce) noexcept {

@@ -8,7 +8,6 @@
 namespace haptic {
 namespace {
 
-constexpr double kFastestMotion = 1e6; // px/s
 constexpr double kFastestTurn = 1e4;   // rad/s, and 1/s
 constexpr double kRelease = 0.1;       // s, time constant of the deadband
 

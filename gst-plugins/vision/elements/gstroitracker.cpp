@@ -400,10 +400,11 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, cons
   const GstClockTime now = GST_BUFFER_PTS(buffer);
   if (was_pressed) {
     // Not the sum of the intervals: those of repeated frames overlap.
-    if (!GST_CLOCK_TIME_IS_VALID(state.taken))
-      state.taken = now;
-    if (GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(state.taken))
+    if (GST_CLOCK_TIME_IS_VALID(now)) {
+      if (!GST_CLOCK_TIME_IS_VALID(state.taken))
+        state.taken = now;
       state.held_time = now > state.taken ? now - state.taken : state.taken - now;
+    }
     follow_thing(state, luma, finding);
     return true;
   }

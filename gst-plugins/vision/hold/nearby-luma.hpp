@@ -36,7 +36,7 @@ struct LumaLayer {
 class NearbyLuma {
 public:
   /// How often frames so large are halved: down to 960 px in width, where a hold is nearly as exact
-  /// as in larger ones, at a quarter of the cost.
+  /// as in larger ones, at a quarter of the cost. At least one row is left.
   static int halvings(int frame_width, int frame_height);
 
   /// Reads the square of `reach` reduced pixels about a place. Pixels outside the frame are those

@@ -17,7 +17,6 @@ enum class Average {
   median,  ///< of each component
 };
 /// Nearer to the motion of the thing under the pointer than the others (docs/lab.md).
-inline constexpr float kFastestMotion = 1e6F; ///< px/s; more is an error of the times of the frames
 inline constexpr Average kUsualAverage = Average::pointed;
 
 /// The motion model that `Average::model` and `pointed` fit. `automatic`: the smallest that

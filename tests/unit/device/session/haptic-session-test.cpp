@@ -115,9 +115,10 @@ protected:
       throw spidar::Error(*refusal_, "refused");
     return std::make_unique<FakeDevice>(bench_);
   }
-  void begin(const std::string &log = "") {
+  void begin(const std::string &log = "", const std::string &faults = "") {
     ASSERT_TRUE(session_->open(choice_));
-    ASSERT_TRUE(session_->prepare({.choice = choice_, .log_location = log}));
+    ASSERT_TRUE(
+        session_->prepare({.choice = choice_, .log_location = log, .fault_location = faults}));
     session_->play();
   }
   /// The loop's thousand ticks a second, the pointer thread's hundred rounds, 30 samples.
@@ -304,9 +305,7 @@ TEST_F(Session, ADeviceThatFailsAndAnswersAgainIsReportedOnceAndKept) {
 
 TEST_F(Session, AFaultLeavesTheTwoSecondsBeforeItInAFileThatAMessageNames) {
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(session_->open(choice_));
-  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
-  session_->play();
+  begin("", folder.path_of("faults"));
   run(3000);
   EXPECT_TRUE(folder.is_empty()) << "nothing has happened";
   bench_.answers = false;
@@ -339,9 +338,7 @@ TEST_F(Session, AFaultLeavesTheTwoSecondsBeforeItInAFileThatAMessageNames) {
 // It is asked ten times a second only, and stays as it was in between.
 TEST_F(Session, AFaultedDeviceThatWasPutAtRestLeavesOneFile) {
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(session_->open(choice_));
-  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
-  session_->play();
+  begin("", folder.path_of("faults"));
   run(500);
   bench_.answers = false;
   run(50);
@@ -352,9 +349,7 @@ TEST_F(Session, AFaultedDeviceThatWasPutAtRestLeavesOneFile) {
 
 TEST_F(Session, WhatTheUserReleasesLeavesNoFile) {
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(session_->open(choice_));
-  ASSERT_TRUE(session_->prepare({.choice = choice_, .fault_location = folder.path_of("faults")}));
-  session_->play();
+  begin("", folder.path_of("faults"));
   run(500);
   session_->release();
   run(500);
