@@ -8,8 +8,8 @@
 namespace haptic {
 namespace {
 
-constexpr double kFastestTurn = 1e4;   // rad/s, and 1/s
-constexpr double kRelease = 0.1;       // s, time constant of the deadband
+constexpr double kFastestTurn = 1e4; // rad/s, and 1/s
+constexpr double kRelease = 0.1;     // s, time constant of the deadband
 
 // s(v) = 0 for v <= still, 1 for v >= moving, moving / (moving - still) * (v - still) / v between,
 // so that s(v) v is continuous.
