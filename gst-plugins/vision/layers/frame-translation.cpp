@@ -111,6 +111,34 @@ constexpr float kFarthestFrame = 64; // px a frame
 constexpr float kLeastMotion = 0.1F; // px a frame: less is the drift of clouds
 constexpr float kLeastTrace = 2;     // of a patch that can show anything
 
+constexpr float kFloor = 1;       // grey levels squared: rounding
+constexpr float kMostStep = 1.5F; // px, of one Gauss-Newton step
+constexpr float kPatchRidge = 2;
+
+// Of the variance of the noise: a difference of two pixels has it twice.
+float usual_energy(float trace, float noise) {
+  return 4 + 2.4F * noise + 0.1F * trace;
+}
+
+// How well a displacement explains a patch, 0..1: 0.25 at the usual energy.
+float explained(float energy, float trace, float noise) {
+  const float usual = usual_energy(trace, noise);
+  const float part = usual / (usual + energy);
+  return part * part;
+}
+
+// -1: the patch rests, 1: it moves. What a residual means in itself, a coder decides; which one is
+// smaller, the motion does.
+float preference(float at_rest, float moved, float noise) {
+  return (at_rest - moved) / (at_rest + moved + kFloor + 1.2F * noise);
+}
+
+Displacement step_of(const Tensor &structure, Displacement moment) {
+  const Displacement step = solve(structure, moment, kPatchRidge);
+  const float length = std::sqrt(norm2(step));
+  return length > kMostStep ? kMostStep / length * step : step;
+}
+
 void prefetch(const LumaView &view) {
   if (!view.pixels)
     return;
@@ -180,15 +208,15 @@ bool FrameTranslation::compare(const FramePair &frames, const Sample &sample, Di
   return true;
 }
 
-// Of what the patches can tell, the share that prefers the displacement to rest. What a residual
-// means in itself, a coder decides; which one is smaller, the motion does.
+// A patch that neither rest nor the displacement explains shows a thing of its own.
 FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displacement at,
                                                  float noise) {
   constexpr float kHalf = 30; // trace that counts by half
   if (norm2(at) < kLeastMotion * kLeastMotion)
-    return {at, 0, 0, 0};
+    return {.at = at};
   float moving = 0;
   float all = 0;
+  float textured = 0;
   Displacement places;
   float squares = 0; // of their distances from the corner
   for (std::size_t i = 0; i < count_; ++i) {
@@ -197,11 +225,13 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     if (!compare(frames, sample, at, moved))
       continue;
     const float trace = sample.structure.xx + sample.structure.yy;
-    const float better = sample.at_rest - moved.energy;
-    const float weight = trace / (trace + kHalf) * std::abs(better) /
-                         (sample.at_rest + moved.energy + 1 + 1.2F * noise);
+    const float prefers = preference(sample.at_rest, moved.energy, noise);
+    const float texture = trace / (trace + kHalf);
+    const float weight = texture * std::abs(prefers) *
+                         explained(std::min(sample.at_rest, moved.energy), trace, noise);
+    textured += texture;
     all += weight;
-    if (better <= 0)
+    if (prefers <= 0)
       continue;
     const Displacement place{static_cast<float>(sample.x) / static_cast<float>(frames.width),
                              static_cast<float>(sample.y) / static_cast<float>(frames.height)};
@@ -209,15 +239,16 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     places += weight * place;
     squares += weight * norm2(place);
   }
-  return {at, moving, all, moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
+  return {at, moving, all, textured,
+          moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
 }
 
+// Patches that rest, or that a coder left standing, would pull the translation towards rest.
 FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displacement start,
                                                float noise) {
   constexpr int kSteps = 2;
-  constexpr float kMostStep = 1.5F; // px
   constexpr float kArrived2 = 0.01F * 0.01F;
-  constexpr float kRidge = 2;
+  constexpr float kLeastWeight = 0.02F;
   Displacement at = start;
   for (int i = 0; i < kSteps; ++i) {
     Tensor structure;
@@ -228,16 +259,13 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
       if (!compare(frames, sample, at, moved))
         continue;
       const float trace = sample.structure.xx + sample.structure.yy;
-      const float usual = 4 + 2.4F * noise + 0.1F * trace;
-      const float fits = usual / (usual + moved.energy);
-      const float weight = fits * fits / (1 + 0.02F * trace);
+      const float prefers = preference(sample.at_rest, moved.energy, noise);
+      const float weight = explained(moved.energy, trace, noise) / (1 + 0.02F * trace) *
+                           std::max(kLeastWeight, 0.5F + 0.5F * prefers);
       structure += weight * sample.structure;
       moment += weight * moved.moment;
     }
-    Displacement step = solve(structure, moment, kRidge);
-    const float length = std::sqrt(norm2(step));
-    if (length > kMostStep)
-      step = kMostStep / length * step;
+    const Displacement step = step_of(structure, moment);
     at += step;
     at = {std::clamp(at.x, -kFarthestFrame, kFarthestFrame),
           std::clamp(at.y, -kFarthestFrame, kFarthestFrame)};
@@ -247,45 +275,58 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
   return share_of(frames, at, noise);
 }
 
-// How surely the frame moves so, by this pair. In a soft picture that was coded, no patch tells
-// much, but nearly all tell the same for a time. A thing before a blank sky is told by its own
-// patches alone. The limits were chosen on the tuning films of tests/measure/felt.
+// The motion of one patch, another one with each pair: things that move alike can keep the
+// translation from that of the background, which no small step finds.
+Displacement FrameTranslation::motion_of_one(const FramePair &frames) {
+  constexpr int kSteps = 4;
+  constexpr std::size_t kApart = 101; // a prime beyond the number of patches: all come in turn
+  if (count_ == 0)
+    return {};
+  asked_ = (asked_ + kApart) % count_;
+  const Sample &sample = samples_[asked_];
+  Displacement at;
+  Difference moved;
+  for (int i = 0; i < kSteps && compare(frames, sample, at, moved); ++i)
+    at += step_of(sample.structure, moved.moment);
+  return at;
+}
+
+// How surely the frame moves so. In a picture that was coded, parts stand for a frame or two; in a
+// soft one no patch tells much, but nearly all tell the same for a time. A thing before a blank sky
+// is told by its own patches alone. The limits were chosen on the tuning films of
+// tests/measure/felt.
 float FrameTranslation::believe(const Fit &fit, float seconds) {
   constexpr float kMemory = 0.5F; // s
   constexpr float kAtRest = 0.7F; // of the memory, kept in a pair
-  constexpr float kLeast = 0.08F; // s, times patches
+  constexpr float kLeast = 0.1F;  // s, times patches
   constexpr float kWidely2 = 0.15F * 0.15F;
-  constexpr float kOfMany = 0.4F;
-  constexpr float kOfFew = 0.6F;
-  constexpr float kRamp = 0.2F;
+  constexpr float kNotYet = 0.45F;
+  constexpr float kRamp = 0.1F;
   const float kept = fit.all > 0 ? std::exp(-seconds / kMemory) : kAtRest;
   moving_ = kept * moving_ + (fit.extent2 < kWidely2 ? 0 : seconds * fit.moving);
   all_ = kept * all_ + seconds * fit.all;
-  const float above =
-      fit.all < kFewest ? moving_ / (all_ + kLeast) - kOfFew : fit.share() - kOfMany;
-  const float x = std::clamp(above / kRamp, 0.0F, 1.0F);
+  const float x = std::clamp((moving_ / (all_ + kLeast) - kNotYet) / kRamp, 0.0F, 1.0F);
   return x * x * (3 - 2 * x);
 }
 
 FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, float noise,
                                      Displacement other) {
-  constexpr float kClearly = 0.1F;
-  constexpr float kSame2 = 0.2F * 0.2F; // px squared
-  constexpr float kUp = 0.5F;           // of the way, in a frame
-  constexpr float kDown = 0.3F;
-  constexpr float kNone = 0.01F; // else it takes seconds to be at rest
+  constexpr float kMost = 0.6F;          // of the texture: a pan that was not coded explains 0.75
+  constexpr float kMore = 0.5F;          // patches
+  constexpr float kOther2 = 0.4F * 0.4F; // px squared
   sample(frames);
   Fit fit = refine(frames, motion_.displacement, noise);
-  if (norm2(other - fit.at) > kSame2) {
-    const float there = share_of(frames, other, noise).share();
-    if (there > fit.share() + kClearly || (fit.share() < 0.5F && there > fit.share()))
-      fit = refine(frames, other, noise);
+  const auto try_from = [&](Displacement start) {
+    if (norm2(start - fit.at) > kOther2 &&
+        share_of(frames, start, noise).moving > fit.moving + kMore)
+      fit = refine(frames, start, noise);
+  };
+  if (fit.moving <= kMost * fit.textured) {
+    try_from(other);
+    try_from(motion_of_one(frames));
   }
-  const float certain = believe(fit, seconds);
   motion_.displacement = fit.at;
-  motion_.certainty += (certain > motion_.certainty ? kUp : kDown) * (certain - motion_.certainty);
-  if (certain == 0 && motion_.certainty < kNone)
-    motion_.certainty = 0;
+  motion_.certainty = believe(fit, seconds);
   return motion_;
 }
 

@@ -40,10 +40,10 @@ public:
   FrameMotion follow(const FramePair &frames, float seconds, float noise, Displacement other);
 
   /// A patch of the later frame with its gradients.
-  static constexpr int kWide = 16; // px; whole vectors
-  static constexpr int kHigh = 9;
-  static constexpr int kColumns = 8;
-  static constexpr int kRows = 5;
+  static constexpr int kWide = 8; // px; whole vectors
+  static constexpr int kHigh = 8;
+  static constexpr int kColumns = 12;
+  static constexpr int kRows = 8;
   struct alignas(64) Sample { // whole vectors
     std::array<float, std::size_t{kWide} * kHigh> luma, gx, gy;
     int x, y;         // its corner in the frame, px
@@ -57,14 +57,12 @@ public:
   };
 
 private:
-  // With fewer, a thing that moves can pass for the camera.
-  static constexpr float kFewest = 0.1F * kColumns * kRows;
   struct Fit {
     Displacement at;
-    float moving;  // sum over the patches that prefer it to rest, by how much they can tell
-    float all;     // the same over all patches
-    float extent2; // square of how far apart those lie that prefer it (rms), in sides of the frame
-    float share() const { return all < kFewest ? 0 : moving / all; }
+    float moving = 0;   // sum over the patches that prefer it to rest, by how much they can tell
+    float all = 0;      // the same over all patches
+    float textured = 0; // the same as if each could tell
+    float extent2 = 0;  // square of how far apart those lie that prefer it (rms), in sides
   };
   void sample(const FramePair &frames);
   /// The differences at a displacement; false: the patch would lie outside the frame.
@@ -72,6 +70,7 @@ private:
                Difference &difference);
   Fit share_of(const FramePair &frames, Displacement at, float noise);
   Fit refine(const FramePair &frames, Displacement start, float noise);
+  Displacement motion_of_one(const FramePair &frames);
   float believe(const Fit &fit, float seconds);
   LumaView read(const LumaSource &source, const Rectangle &area);
 
@@ -79,6 +78,7 @@ private:
   float moving_ = 0; // s, sums of Fit over a memory
   float all_ = 0;
   std::size_t count_ = 0;
+  std::size_t asked_ = 0; // the patch whose own motion was a start
   std::array<Sample, static_cast<std::size_t>(kColumns) * kRows> samples_;
   std::vector<std::uint8_t> scratch_;
 };

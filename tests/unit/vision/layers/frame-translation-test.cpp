@@ -55,6 +55,42 @@ TEST_F(FrameTranslationTest, AFastPanIsFoundFromTheMotionOfARegion) {
   EXPECT_GT(found.certainty, 0.9F);
 }
 
+// A coder lets the soft parts of a pan stand.
+TEST_F(FrameTranslationTest, PartsThatStandDoNotSlowThePanThatMostOfTheFrameShows) {
+  const test::Texture soft{9, 24};
+  FrameMotion found;
+  for (int i = 0; i < 30; ++i) {
+    const auto draw = [&](double x) {
+      Frame frame = scene.frame(kWidth, kHeight, {x, 0});
+      soft.paint(frame, {}, 0, kWidth * 2 / 5);
+      return frame;
+    };
+    found = follow(draw(0.9 * i), draw(0.9 * (i + 1)));
+  }
+  EXPECT_NEAR(found.displacement.x, 0.9, 0.03);
+  EXPECT_NEAR(found.displacement.y, 0, 0.03);
+  EXPECT_GT(found.certainty, 0.9F);
+}
+
+// Both halves move; the one that says more is the frame.
+TEST_F(FrameTranslationTest, ThingsThatMoveAlikeDoNotKeepThePanFromBeingFound) {
+  const test::Texture things{6, 8};
+  FrameMotion found;
+  double camera = 0;
+  for (int i = 0; i < 150; ++i) {
+    const auto draw = [&](double x, double by) {
+      Frame frame = scene.frame(kWidth, kHeight, {x, 0});
+      things.paint(frame, {by, 0}, 110, 210);
+      return frame;
+    };
+    const double pan = i < 30 ? 0 : -2;
+    found = follow(draw(camera, 2.0 * i), draw(camera + pan, 2.0 * (i + 1)));
+    camera += pan;
+  }
+  EXPECT_NEAR(found.displacement.x, -2, 0.05);
+  EXPECT_GT(found.certainty, 0.9F);
+}
+
 // Textured squares before a blank sky, displaced by whole pixels.
 Frame squares(const std::vector<std::pair<int, int>> &corners, int moved) {
   constexpr int kSide = 44;
