@@ -217,6 +217,7 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
   float moving = 0;
   float all = 0;
   float textured = 0;
+  float explains = 0;
   Displacement places;
   float squares = 0; // of their distances from the corner
   for (std::size_t i = 0; i < count_; ++i) {
@@ -227,9 +228,10 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     const float trace = sample.structure.xx + sample.structure.yy;
     const float prefers = preference(sample.at_rest, moved.energy, noise);
     const float texture = trace / (trace + kHalf);
-    const float weight = texture * std::abs(prefers) *
-                         explained(std::min(sample.at_rest, moved.energy), trace, noise);
+    const float known = texture * explained(std::min(sample.at_rest, moved.energy), trace, noise);
+    const float weight = std::abs(prefers) * known;
     textured += texture;
+    explains += known;
     all += weight;
     if (prefers <= 0)
       continue;
@@ -239,8 +241,8 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     places += weight * place;
     squares += weight * norm2(place);
   }
-  return {at, moving, all, textured,
-          moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
+  return {at,       moving,   all,
+          textured, explains, moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
 }
 
 // Patches that rest, or that a coder left standing, would pull the translation towards rest.
@@ -248,7 +250,7 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
                                                float noise) {
   constexpr int kSteps = 2;
   constexpr float kArrived2 = 0.01F * 0.01F;
-  constexpr float kLeastWeight = 0.02F;
+  constexpr float kLeastWeight = 0.02F; // one patch in fifty: else nothing is left at a wrong start
   Displacement at = start;
   for (int i = 0; i < kSteps; ++i) {
     Tensor structure;
@@ -292,19 +294,25 @@ Displacement FrameTranslation::motion_of_one(const FramePair &frames) {
 }
 
 // How surely the frame moves so. In a picture that was coded, parts stand for a frame or two; in a
-// soft one no patch tells much, but nearly all tell the same for a time. A thing before a blank sky
-// is told by its own patches alone. The limits were chosen on the tuning films of
-// tests/measure/felt.
+// soft one no patch tells much, but nearly all tell the same for a time. A camera that stops and a
+// cut are soon forgotten. A thing before a blank sky is told by its own patches alone. The limits
+// were chosen on the tuning films of tests/measure/felt.
 float FrameTranslation::believe(const Fit &fit, float seconds) {
-  constexpr float kMemory = 0.5F; // s
-  constexpr float kAtRest = 0.7F; // of the memory, kept in a pair
-  constexpr float kLeast = 0.1F;  // s, times patches
-  constexpr float kWidely2 = 0.15F * 0.15F;
-  constexpr float kNotYet = 0.45F;
+  constexpr float kMemory = 0.5F;           // s
+  constexpr float kContradicted = 0.7F;     // of the memory, kept in a pair
+  constexpr float kContradicts = 0.25F;     // of what the patches tell
+  constexpr float kHardly = 0.1F;           // of the texture
+  constexpr float kLongest = 1.0F / 30;     // s: a pair after a pause is still one pair
+  constexpr float kLeast = 0.1F;            // s, times patches
+  constexpr float kWidely2 = 0.15F * 0.15F; // sides of the frame, squared
+  constexpr float kNotYet = 0.45F;          // of what the patches tell: waves in grass reach it
   constexpr float kRamp = 0.1F;
-  const float kept = fit.all > 0 ? std::exp(-seconds / kMemory) : kAtRest;
-  moving_ = kept * moving_ + (fit.extent2 < kWidely2 ? 0 : seconds * fit.moving);
-  all_ = kept * all_ + seconds * fit.all;
+  const bool agrees = fit.all > 0 && fit.moving >= kContradicts * fit.all &&
+                      fit.explained >= kHardly * fit.textured;
+  const float kept = agrees ? std::exp(-seconds / kMemory) : kContradicted;
+  const float weight = std::min(seconds, kLongest);
+  moving_ = kept * moving_ + (fit.extent2 < kWidely2 ? 0 : weight * fit.moving);
+  all_ = kept * all_ + weight * fit.all;
   const float x = std::clamp((moving_ / (all_ + kLeast) - kNotYet) / kRamp, 0.0F, 1.0F);
   return x * x * (3 - 2 * x);
 }
@@ -319,14 +327,16 @@ FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, flo
   const auto try_from = [&](Displacement start) {
     if (norm2(start - fit.at) > kOther2 &&
         share_of(frames, start, noise).moving > fit.moving + kMore)
-      fit = refine(frames, start, noise);
+      if (const Fit there = refine(frames, start, noise); there.moving > fit.moving)
+        fit = there;
   };
   if (fit.moving <= kMost * fit.textured) {
     try_from(other);
     try_from(motion_of_one(frames));
   }
-  motion_.displacement = fit.at;
   motion_.certainty = believe(fit, seconds);
+  const bool is_nowhere = motion_.certainty == 0 && 2 * fit.moving < fit.all;
+  motion_.displacement = is_nowhere ? Displacement{} : fit.at;
   return motion_;
 }
 

@@ -22,7 +22,8 @@ struct FramePair {
 
 struct FrameMotion {
   Displacement displacement; ///< px
-  /// How surely the whole frame moved by it, 0..1. It rises within a few frames.
+  /// How surely the whole frame moved by it, 0..1: at once where many patches tell, else by what
+  /// they told in the last 0.5 s.
   float certainty = 0;
   bool is_unchanged = false; ///< no pixel of any patch changed
 };
@@ -33,9 +34,11 @@ public:
   void forget() {
     motion_ = {};
     moving_ = all_ = 0;
+    asked_ = 0;
   }
 
-  /// Starts from the translation before. `other`: a second start, px, used if it explains more.
+  /// Starts from the translation before. `other`: a second start, px. It and the motion of one
+  /// patch are tried where the first explains little, and used if they explain clearly more.
   /// `noise`: variance of a pixel. `seconds`: between the frames.
   FrameMotion follow(const FramePair &frames, float seconds, float noise, Displacement other);
 
@@ -59,10 +62,11 @@ public:
 private:
   struct Fit {
     Displacement at;
-    float moving = 0;   // sum over the patches that prefer it to rest, by how much they can tell
-    float all = 0;      // the same over all patches
-    float textured = 0; // the same as if each could tell
-    float extent2 = 0;  // square of how far apart those lie that prefer it (rms), in sides
+    float moving = 0;    // sum over the patches that prefer it to rest, by how much they can tell
+    float all = 0;       // the same over all patches
+    float textured = 0;  // the same as if each could tell
+    float explained = 0; // the part of it that rest or the displacement explains
+    float extent2 = 0;   // square of how far apart those lie that prefer it (rms), in sides
   };
   void sample(const FramePair &frames);
   /// The differences at a displacement; false: the patch would lie outside the frame.

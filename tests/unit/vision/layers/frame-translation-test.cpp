@@ -72,7 +72,7 @@ TEST_F(FrameTranslationTest, PartsThatStandDoNotSlowThePanThatMostOfTheFrameShow
   EXPECT_GT(found.certainty, 0.9F);
 }
 
-// Both halves move; the one that says more is the frame.
+// A third of the frame moves the other way; what says more is the frame.
 TEST_F(FrameTranslationTest, ThingsThatMoveAlikeDoNotKeepThePanFromBeingFound) {
   const test::Texture things{6, 8};
   FrameMotion found;
@@ -146,10 +146,37 @@ TEST_F(FrameTranslationTest, ACameraThatStopsIsAtRestWithinASecond) {
   EXPECT_EQ(found.certainty, 0);
 }
 
+// The parts that rest do not speak for a pan of 30 px, and no step leads from there to rest.
+TEST_F(FrameTranslationTest, AFastPanThatStopsIsForgottenInATenthOfASecond) {
+  pan({30, 0}, 60, {30, 0});
+  FrameMotion found;
+  for (int i = 0; i < 8; ++i) { // of a camera with noise
+    const Frame earlier = scene.frame(kWidth, kHeight, {1770, 0});
+    Frame later = earlier;
+    for (std::size_t at = static_cast<std::size_t>(i) % 3; at < later.pixels.size(); at += 3)
+      ++later.pixels[at];
+    found = follow(earlier, later);
+  }
+  EXPECT_LT(found.certainty, 0.1F);
+}
+
+TEST_F(FrameTranslationTest, APanIsForgottenAfterACutToWhatNoTranslationExplains) {
+  EXPECT_EQ(pan({1.3, -0.4}, 90).certainty, 1);
+  FrameMotion found;
+  for (unsigned i = 0; i < 20; ++i)
+    found = follow(test::Texture(10 + i, 3).frame(kWidth, kHeight, {}),
+                   test::Texture(11 + i, 3).frame(kWidth, kHeight, {}));
+  EXPECT_LT(found.certainty, 0.1F);
+}
+
 TEST_F(FrameTranslationTest, AFrameSmallerThanAPatchShowsNothing) {
-  const Frame small = scene.frame(10, 10, {});
-  const PlaneSource source(small);
-  EXPECT_EQ(translation->follow({source, source, 10, 10}, 1.0F / 60, 0, {}).certainty, 0);
+  for (const int side : {2, 9, 10}) {
+    const Frame earlier = scene.frame(side, side, {});
+    const Frame later = scene.frame(side, side, {1, 0});
+    const PlaneSource before(earlier);
+    const PlaneSource after(later);
+    EXPECT_EQ(translation->follow({before, after, side, side}, 1.0F / 60, 0, {}).certainty, 0);
+  }
 }
 
 } // namespace frame_translation_test
