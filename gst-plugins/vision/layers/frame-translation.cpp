@@ -110,19 +110,12 @@ HWY_EXPORT(CompareSample);
 constexpr float kFarthestFrame = 64; // px a frame
 constexpr float kLeastMotion = 0.1F; // px a frame: less is the drift of clouds
 constexpr float kLeastTrace = 2;     // of a patch that can show anything
+constexpr float kPatchRidge = 2;     // (grey levels / px)^2: what a patch shows by its noise
 
-constexpr float kFloor = 1;       // grey levels squared: rounding
-constexpr float kMostStep = 1.5F; // px, of one Gauss-Newton step
-constexpr float kPatchRidge = 2;
-
-// Of the variance of the noise: a difference of two pixels has it twice.
-float usual_energy(float trace, float noise) {
-  return 4 + 2.4F * noise + 0.1F * trace;
-}
-
-// How well a displacement explains a patch, 0..1: 0.25 at the usual energy.
+// How well a displacement explains a patch, 0..1. A difference of two pixels has twice the variance
+// of the noise; a texture has a part that no interpolation gives back.
 float explained(float energy, float trace, float noise) {
-  const float usual = usual_energy(trace, noise);
+  const float usual = 4 + 2.4F * noise + 0.1F * trace;
   const float part = usual / (usual + energy);
   return part * part;
 }
@@ -130,13 +123,13 @@ float explained(float energy, float trace, float noise) {
 // -1: the patch rests, 1: it moves. What a residual means in itself, a coder decides; which one is
 // smaller, the motion does.
 float preference(float at_rest, float moved, float noise) {
-  return (at_rest - moved) / (at_rest + moved + kFloor + 1.2F * noise);
+  constexpr float kRounding = 1; // grey levels squared
+  return (at_rest - moved) / (at_rest + moved + kRounding + 1.2F * noise);
 }
 
 Displacement step_of(const Tensor &structure, Displacement moment) {
-  const Displacement step = solve(structure, moment, kPatchRidge);
-  const float length = std::sqrt(norm2(step));
-  return length > kMostStep ? kMostStep / length * step : step;
+  constexpr float kMostStep = 1.5F; // px
+  return at_most(kMostStep, solve(structure, moment, kPatchRidge));
 }
 
 void prefetch(const LumaView &view) {
@@ -188,7 +181,7 @@ void FrameTranslation::sample(const FramePair &frames) {
       compare(frames, sample, {}, rest);
       motion_.is_unchanged = motion_.is_unchanged && rest.energy == 0;
       sample.at_rest = rest.energy;
-      if (sample.structure.xx + sample.structure.yy < kLeastTrace)
+      if (trace(sample.structure) < kLeastTrace)
         continue;
       ++count_;
     }
@@ -214,10 +207,7 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
   constexpr float kHalf = 30; // trace that counts by half
   if (norm2(at) < kLeastMotion * kLeastMotion)
     return {.at = at};
-  float moving = 0;
-  float all = 0;
-  float textured = 0;
-  float explains = 0;
+  Fit fit{.at = at};
   Displacement places;
   float squares = 0; // of their distances from the corner
   for (std::size_t i = 0; i < count_; ++i) {
@@ -225,24 +215,25 @@ FrameTranslation::Fit FrameTranslation::share_of(const FramePair &frames, Displa
     Difference moved;
     if (!compare(frames, sample, at, moved))
       continue;
-    const float trace = sample.structure.xx + sample.structure.yy;
+    const float shows = trace(sample.structure);
     const float prefers = preference(sample.at_rest, moved.energy, noise);
-    const float texture = trace / (trace + kHalf);
-    const float known = texture * explained(std::min(sample.at_rest, moved.energy), trace, noise);
+    const float texture = shows / (shows + kHalf);
+    const float known = texture * explained(std::min(sample.at_rest, moved.energy), shows, noise);
     const float weight = std::abs(prefers) * known;
-    textured += texture;
-    explains += known;
-    all += weight;
+    fit.textured += texture;
+    fit.explained += known;
+    fit.all += weight;
     if (prefers <= 0)
       continue;
     const Displacement place{static_cast<float>(sample.x) / static_cast<float>(frames.width),
                              static_cast<float>(sample.y) / static_cast<float>(frames.height)};
-    moving += weight;
+    fit.moving += weight;
     places += weight * place;
     squares += weight * norm2(place);
   }
-  return {at,       moving,   all,
-          textured, explains, moving > 0 ? squares / moving - norm2(1 / moving * places) : 0};
+  if (fit.moving > 0)
+    fit.extent2 = squares / fit.moving - norm2(1 / fit.moving * places);
+  return fit;
 }
 
 // Patches that rest, or that a coder left standing, would pull the translation towards rest.
@@ -260,9 +251,9 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
       Difference moved;
       if (!compare(frames, sample, at, moved))
         continue;
-      const float trace = sample.structure.xx + sample.structure.yy;
+      const float shows = trace(sample.structure);
       const float prefers = preference(sample.at_rest, moved.energy, noise);
-      const float weight = explained(moved.energy, trace, noise) / (1 + 0.02F * trace) *
+      const float weight = explained(moved.energy, shows, noise) / (1 + 0.02F * shows) *
                            std::max(kLeastWeight, 0.5F + 0.5F * prefers);
       structure += weight * sample.structure;
       moment += weight * moved.moment;
@@ -280,7 +271,7 @@ FrameTranslation::Fit FrameTranslation::refine(const FramePair &frames, Displace
 // The motion of one patch, another one with each pair: things that move alike can keep the
 // translation from that of the background, which no small step finds.
 Displacement FrameTranslation::motion_of_one(const FramePair &frames) {
-  constexpr int kSteps = 4;
+  constexpr int kSteps = 4;           // 6 px at most
   constexpr std::size_t kApart = 101; // a prime beyond the number of patches: all come in turn
   if (count_ == 0)
     return {};
@@ -320,15 +311,16 @@ float FrameTranslation::believe(const Fit &fit, float seconds) {
 FrameMotion FrameTranslation::follow(const FramePair &frames, float seconds, float noise,
                                      Displacement other) {
   constexpr float kMost = 0.6F;          // of the texture: a pan that was not coded explains 0.75
-  constexpr float kMore = 0.5F;          // patches
-  constexpr float kOther2 = 0.4F * 0.4F; // px squared
+  constexpr float kMore = 0.5F;          // patches, that agree by chance
+  constexpr float kOther2 = 0.4F * 0.4F; // px squared: nearer, the first start leads there too
   sample(frames);
   Fit fit = refine(frames, motion_.displacement, noise);
   const auto try_from = [&](Displacement start) {
-    if (norm2(start - fit.at) > kOther2 &&
-        share_of(frames, start, noise).moving > fit.moving + kMore)
-      if (const Fit there = refine(frames, start, noise); there.moving > fit.moving)
-        fit = there;
+    if (norm2(start - fit.at) <= kOther2 ||
+        share_of(frames, start, noise).moving <= fit.moving + kMore)
+      return;
+    if (const Fit there = refine(frames, start, noise); there.moving > fit.moving)
+      fit = there;
   };
   if (fit.moving <= kMost * fit.textured) {
     try_from(other);

@@ -4,7 +4,6 @@
 #include "layers/layer-kernels.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace haptic {
 namespace {
@@ -28,10 +27,7 @@ ExplainedTranslation RegionTranslation::refine(const LayerFrame &earlier, const 
   Displacement at = start;
   TranslationFit fit = fit_translation(earlier, later, at, noise, size, energy_);
   for (int i = 0; i < steps; ++i) {
-    Displacement step = solve(fit.structure, fit.moment, kRidge);
-    const float length = std::sqrt(norm2(step));
-    if (length > kMostStep)
-      step = kMostStep / length * step;
+    const Displacement step = at_most(kMostStep, solve(fit.structure, fit.moment, kRidge));
     at = clamped(at + step);
     fit = fit_translation(earlier, later, at, noise, size, energy_);
     if (norm2(step) < kArrived2)

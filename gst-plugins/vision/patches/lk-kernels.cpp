@@ -691,7 +691,7 @@ Alignment align_strained(const Plane &plane, const Template &patch, const Strain
 float regulariser(const Tensor &structure, float pixels) {
   constexpr float kNoise = 0.16F;
   constexpr float kOfTrace = 0.03F;
-  return kNoise * pixels + kOfTrace * (structure.xx + structure.yy);
+  return kNoise * pixels + kOfTrace * trace(structure);
 }
 
 SearchResult search_template(const Plane &plane, const Template &patch, Displacement centre,

@@ -38,6 +38,11 @@ inline float dot(Displacement a, Displacement b) {
 inline float norm2(Displacement d) {
   return dot(d, d);
 }
+/// Shortened to a length.
+inline Displacement at_most(float length, Displacement d) {
+  const float has = std::sqrt(norm2(d));
+  return has > length ? length / has * d : d;
+}
 
 /// Symmetric 2x2 matrix.
 struct Tensor {
@@ -55,6 +60,10 @@ struct Tensor {
 
 inline Tensor operator*(float scale, const Tensor &t) {
   return {scale * t.xx, scale * t.xy, scale * t.yy};
+}
+
+inline float trace(const Tensor &t) {
+  return t.xx + t.yy;
 }
 
 /// (t + ridge I)^-1 right, by Cramer's rule. The sum must be invertible.
