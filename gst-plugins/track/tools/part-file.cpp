@@ -17,18 +17,6 @@
 
 namespace haptic {
 
-namespace {
-
-// Whether the name still means this file. Its holder may have kept or removed it before the lock.
-bool is_at(const std::string &path, int fd) {
-  struct stat held = {};
-  struct stat named = {};
-  return fstat(fd, &held) == 0 && stat(path.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
-         held.st_ino == named.st_ino;
-}
-
-} // namespace
-
 PartFile::PartFile(std::string path, const std::string &name) : path_(std::move(path)) {
   for (;;) {
     fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -38,7 +26,11 @@ PartFile::PartFile(std::string path, const std::string &name) : path_(std::move(
       close(fd_);
       throw_error(messages::kFileIsBeingWritten, (name.empty() ? path_ : name).c_str());
     }
-    if (is_at(path_, fd_))
+    // Its holder may have kept or removed it before the lock.
+    struct stat held = {};
+    struct stat named = {};
+    fstat(fd_, &held);
+    if (stat(path_.c_str(), &named) == 0 && held.st_ino == named.st_ino)
       return;
     close(fd_);
   }

@@ -56,4 +56,9 @@ void print_error(const std::string &text) {
   std::fprintf(stderr, "haptic-track: %s\n", text.c_str());
 }
 
+void print_remarks(const std::string &path, const std::vector<std::string> &remarks) {
+  for (const std::string &remark : remarks)
+    print_error(about(path, remark));
+}
+
 } // namespace haptic

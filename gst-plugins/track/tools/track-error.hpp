@@ -8,6 +8,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace haptic {
 
@@ -49,5 +50,8 @@ void check_readable(const std::string &path);
 
 /// Prints an error.
 void print_error(const std::string &text);
+
+/// Prints what is remarkable in a file and ends nothing.
+void print_remarks(const std::string &path, const std::vector<std::string> &remarks);
 
 } // namespace haptic

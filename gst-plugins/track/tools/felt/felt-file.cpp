@@ -5,12 +5,10 @@
 #include "samples/region-size.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
-#include "tracks/track-remark.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <variant>
 
 namespace haptic {
 namespace {
@@ -61,12 +59,9 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
 }
 
 std::optional<double> FeltFile::film_begin() const {
-  const bool is_untied = std::ranges::any_of(track_.remarks, [](const Remark &remark) {
-    const auto *problem = std::get_if<TrackProblemKind>(&remark.kind);
-    return problem && *problem == TrackProblemKind::untied;
-  });
-  return is_untied || track_.film_begin == kNoTime ? std::nullopt
-                                                   : std::optional(seconds(track_.film_begin));
+  return track_.is_untied || track_.film_begin == kNoTime
+             ? std::nullopt
+             : std::optional(seconds(track_.film_begin));
 }
 
 double FeltFile::track_begin() const {

@@ -12,7 +12,6 @@
 #include "seconds.hpp"
 #include "tracks/source-mark.hpp"
 #include "tracks/track-file.hpp"
-#include "tracks/track-remark.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,11 +53,12 @@ Rate plan_rate(const std::string &path) {
   Rate rate{path, plan_film(path), {}};
   for (const std::string &caps : rate.plan.format.left_out)
     if (!caps.starts_with("text/") || !holds_track(path)) // which may be the haptic track
-      print_remark(path, remark(FileRemark::stream_left_out, caps.c_str()));
+      print_remarks(path, {"a further stream was left out: " + caps});
   if (rate.plan.skipped > 0)
-    print_remark(path, remark(FileRemark::frames_before_idr, rate.plan.skipped));
+    print_remarks(path, {format_text("%zu frames before the first IDR frame were left out",
+                                     rate.plan.skipped)});
   if (rate.plan.longest > kLongSegment)
-    print_remark(path, remark(FileRemark::long_segments, seconds(rate.plan.longest)));
+    print_remarks(path, {format_text(messages::kSegmentsAreLong, seconds(rate.plan.longest))});
   return rate;
 }
 
@@ -94,7 +94,7 @@ void compare_rates(const Rate &first, const Rate &other) {
   for (std::size_t i = 0; aligned && i < first.plan.starts.size(); ++i)
     aligned = !start_differs(i);
   if (!aligned)
-    print_remark(other.path, remark(FileRemark::rates_not_aligned));
+    print_remarks(other.path, {messages::kRatesAreNotAligned});
 }
 
 // ---- the track ----------------------------------------------------------------------------------

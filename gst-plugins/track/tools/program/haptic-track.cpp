@@ -389,7 +389,7 @@ void print_info(const std::string &path, const std::string &stream) {
   if (!track.samples.empty())
     info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
-    std::printf("  remark     %s\n", remark.text.c_str());
+    std::printf("  remark     %s\n", remark.c_str());
 }
 
 void check_may_be_written(const Arguments &arguments, const std::string &output) {
@@ -457,9 +457,7 @@ int cut(const Arguments &arguments) {
   if (arguments.has("--with-video")) {
     haptic::stop_when_interrupted();
     haptic::naming(arguments.files[0], [&] {
-      haptic::print_remarks(
-          arguments.files[0],
-          haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]));
+      haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]);
     });
     return EXIT_SUCCESS;
   }

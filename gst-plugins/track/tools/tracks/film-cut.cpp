@@ -65,12 +65,12 @@ void scan_film(const std::string &path, CutScan &scan) {
 // ---- the part -----------------------------------------------------------------------------------
 
 struct Part {
+  const std::string &path;
   const CutScan &scan;
   std::uint64_t begin = 0; // stream times, ns
   std::uint64_t end = kNoEnd;
   GstPad *video = nullptr;
   bool is_over = false; // of the first video; its streaming thread
-  std::vector<Remark> remarks = {};
 };
 
 bool is_within(Part &part, GstPad *pad, const GstBuffer *buffer) {
@@ -90,7 +90,8 @@ void keep_stream(Part &part, const FilmStreams &film, GstPad *pad, GstElement *m
   if (is_track || !has_place(is_matroska ? "matroskamux" : "mpegtsmux", pad)) {
     read_to_end(film.pipeline(), pad);
     if (!is_track)
-      part.remarks.push_back(remark(FileRemark::stream_left_out, name_of(caps_of(pad).get())));
+      print_remarks(part.path,
+                    {"a further stream was left out: " + std::string(name_of(caps_of(pad).get()))});
     return;
   }
   watch_buffers(pad, [&part](auto... buffer) { return is_within(part, buffer...); });
@@ -103,15 +104,15 @@ void keep_stream(Part &part, const FilmStreams &film, GstPad *pad, GstElement *m
 
 } // namespace
 
-std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint64_t from,
-                             std::uint64_t to, const std::string &output) {
+void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std::uint64_t to,
+              const std::string &output) {
   const std::string ending = std::filesystem::path(output).extension().string();
   const bool is_matroska = ending == kMatroska;
   if (!is_matroska && ending != kTransportStream)
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
   CutScan scan;
   scan_film(path, scan);
-  Part part{.scan = scan};
+  Part part{.path = path, .scan = scan};
   const auto after = std::ranges::upper_bound(scan.keys, from);
   part.begin = after == scan.keys.begin() ? *after : *(after - 1);
   if (const auto last = std::ranges::lower_bound(scan.keys, to); last != scan.keys.end())
@@ -126,7 +127,7 @@ std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint
   part.video = film.video();
   GstElement *mux = add_muxer(film.pipeline(), muxer_of(ending), file.path());
   if (scan.tracks.size() > 1)
-    part.remarks.push_back(remark(FileRemark::further_tracks));
+    print_remarks(path, {"further haptic tracks were left out"});
   // The clock and the tables of a transport stream go with its first stream.
   keep_stream(part, film, film.video(), mux, is_matroska);
   // Before other texts: who takes the first text of the file takes the track.
@@ -137,7 +138,6 @@ std::vector<Remark> cut_film(const std::string &path, TrackFile track, std::uint
   push_track(in, track);
   film.play();
   file.keep_as(output);
-  return std::move(part.remarks);
 }
 
 } // namespace haptic

@@ -30,6 +30,11 @@ constexpr std::size_t kMp4BrandAt = 4; // ISO/IEC 14496-12, 4.3: behind the size
 constexpr std::uintmax_t kLargestText = 64 << 20; // bytes of what is read as a whole
 constexpr std::size_t kMostSamples = 3'000'000;   // 27 hours of 30 a second, 300 MB
 
+// What stands before the number of a damaged part of a file; a set has none.
+constexpr char kSet[] = "";
+constexpr char kLine[] = "line ";
+constexpr char kUnit[] = "unit at byte ";
+
 // ---- reading ------------------------------------------------------------------------------------
 
 std::string read_text(const std::string &path) {
@@ -57,7 +62,7 @@ void check_length(const std::string &path, const TrackFile &track) {
 }
 
 // Reads a file of sets, lines or units, whose samples have their own times.
-void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, FileRemark damaged,
+void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, const char *damaged,
                     TrackFile &track) {
   constexpr std::size_t kMostDamaged = 20; // sets
   const std::string text = read_text(path);
@@ -68,23 +73,24 @@ void read_bare_file(const std::string &path, std::unique_ptr<TrackForm> form, Fi
   while (at < bytes.size()) {
     const auto rest = bytes.subspan(at);
     std::size_t size = rest.size(); // the reader of sets divides them
-    if (damaged == FileRemark::damaged_line) {
+    if (damaged == kLine) {
       size = std::min<std::size_t>(size, std::ranges::find(rest, '\n') - rest.begin() + 1);
-    } else if (damaged == FileRemark::damaged_unit) {
+    } else if (damaged == kUnit) {
       const auto header = read_unit_header(rest);
       size = header ? kUnitHeaderSize + header->length : 0;
       if (!header || size > rest.size()) {
-        track.remarks.push_back(remark(header ? FileRemark::cut_unit : FileRemark::no_unit, at));
+        const char *what = header ? "the last unit is cut off" : "this is no unit";
+        track.remarks.push_back(format_text("byte %zu: %s; the rest was left out", at, what));
         break;
       }
     }
-    reader.push({rest.first(size)}, damaged == FileRemark::damaged_line ? ++line : at);
+    reader.push({rest.first(size)}, damaged == kLine ? ++line : at);
     check_length(path, track);
     at += size;
   }
-  reader.finish(damaged == FileRemark::damaged_line ? line : at);
+  reader.finish(damaged == kLine ? line : at);
   check_length(path, track);
-  if (damaged == FileRemark::damaged_set && reader.damage() > kMostDamaged)
+  if (damaged == kSet && reader.damage() > kMostDamaged)
     throw_error(messages::kTrackFileIsDamaged, path.c_str());
 }
 
@@ -93,7 +99,7 @@ void read_hjif_file(const std::string &path, TrackFile &track) {
   if (!read.error.empty())
     throw_error(messages::kHjifIsWrong, path.c_str(), read.offset, read.error.c_str());
   if (!read.unsupported.empty())
-    track.remarks.push_back(remark(FileRemark::unsupported, read.unsupported.c_str()));
+    track.remarks.push_back("left out: " + read.unsupported);
   track.samples = std::move(read.samples);
 }
 
@@ -189,23 +195,19 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   });
 }
 
-template <typename Cells>
-FrameSize frame_size_of(const CodedField &coded) {
-  GridDecoder<Cells> decoder;
-  if (decoder.push(coded.bytes) != GridDecoder<Cells>::Result::field)
-    return {};
-  return {static_cast<gint>(decoder.field().frame_width),
-          static_cast<gint>(decoder.field().frame_height)};
-}
-
 // Of a track that is not empty.
 FrameSize frame_size_of(const TrackFile &track) {
+  FrameSize size;
+  const auto note = [&](const auto &frame, std::uint64_t) {
+    size = {static_cast<gint>(frame.frame_width), static_cast<gint>(frame.frame_height)};
+  };
   if (track.fields.empty())
-    return {static_cast<gint>(track.samples.front().motion.frame_width),
-            static_cast<gint>(track.samples.front().motion.frame_height)};
-  const CodedField &first = track.fields.front();
-  return first.kind == FieldKind::relief ? frame_size_of<ReliefCells>(first)
-                                         : frame_size_of<MotionCells>(first);
+    note(track.samples.front().motion, 0);
+  else if (track.fields.front().kind == FieldKind::relief)
+    for_each_relief({&track.fields.front(), 1}, note);
+  else
+    for_each_field({&track.fields.front(), 1}, note);
+  return size;
 }
 
 // What can be known of a track of another film: its frames have another size, or it does not end
@@ -217,14 +219,14 @@ void compare_with_film(const Container &container, TrackFile &track) {
       track.fields.empty() ? track.samples.back().time : track.fields.back().time;
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
-        remark(FileRemark::longer_than_film, seconds(end - container.film_end)));
+        format_text(messages::kTrackIsLonger, seconds(end - container.film_end)));
   const FrameSize own = frame_size_of(track);
   const FrameSize film = container.film_size;
   // Of a film that lies on its side, author measures the upright frame.
   const bool is_turned = own == FrameSize{film.height, film.width};
   if (own.width > 0 && film.width > 0 && own != film && !is_turned)
     track.remarks.push_back(
-        remark(FileRemark::other_frame, own.width, own.height, film.width, film.height));
+        format_text(messages::kTrackHasOtherFrame, own.width, own.height, film.width, film.height));
 }
 
 void read_container(const std::string &path, const char *demuxer, std::unique_ptr<TrackForm> form,
@@ -256,36 +258,22 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   if (!failure.empty() && track.empty())
     throw TrackFileError(about(path, failure));
   if (!failure.empty())
-    track.remarks.push_back(remark(FileRemark::ends_early, failure.c_str()));
+    track.remarks.push_back("the file ends early: " + failure);
   compare_with_film(container, track);
 }
 
 // ---- writing ------------------------------------------------------------------------------------
 
-std::string bytes_of(const TrackFile &track, const std::string &ending) {
-  if (ending == ".hjif")
-    return write_hjif(track.samples, today());
-  const bool has_lines = ending == ".txt";
-  const auto form = has_lines          ? make_text_form()
-                    : ending == ".klv" ? make_klv_form()
-                                       : make_hmpg_form(kSecond);
+std::string bytes_of(const TrackFile &track, bool has_lines) {
   std::string bytes;
-  TrackOutput output;
-  const auto take = [&] {
-    for (const OutputPacket &packet : output.packets)
-      bytes.append(packet.bytes.begin(), packet.bytes.end()).append(has_lines ? "\n" : "");
-    output.packets.clear();
+  const auto add = [&](const auto &one) {
+    if (has_lines)
+      bytes += write_text_line(one) + '\n';
+    else
+      std::ranges::copy(write_klv(one), std::back_inserter(bytes));
   };
-  for (const TrackSample &sample : track.samples) {
-    form->write(TimedSample{sample, sample.time}, output);
-    take();
-  }
-  for (const CodedField &field : track.coded()) {
-    form->write(TimedField{field, field.time}, output);
-    take();
-  }
-  form->finish(output);
-  take();
+  std::ranges::for_each(track.samples, add);
+  std::ranges::for_each(track.coded(), add);
   return bytes;
 }
 
@@ -307,13 +295,13 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   TrackFile track;
   if (begins_with(head, kKlvDesignator)) {
     track.form = "KLV";
-    read_bare_file(path, make_klv_form(), FileRemark::damaged_set, track);
+    read_bare_file(path, make_klv_form(), kSet, track);
   } else if (begins_with(head, kTextName)) {
     track.form = "text lines";
-    read_bare_file(path, make_text_form(), FileRemark::damaged_line, track);
+    read_bare_file(path, make_text_form(), kLine, track);
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
-    read_bare_file(path, make_hmpg_form(kSecond), FileRemark::damaged_unit, track);
+    read_bare_file(path, make_hmpg_form(kSecond), kUnit, track);
   } else if (const std::size_t text = start.find_first_not_of(" \n");
              text != start.npos && start[text] == '{') {
     track.form = "MPEG haptics, JSON";
@@ -340,7 +328,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   track.reliefs.assign(reliefs, track.fields.end());
   track.fields.erase(reliefs, track.fields.end());
   if (!track.samples.empty() && !track.fields.empty()) {
-    track.remarks.push_back(remark(FileRemark::points_beside_fields, track.samples.size()));
+    track.remarks.push_back(format_text("%zu samples of one point beside the fields were left out",
+                                        track.samples.size()));
     track.samples.clear();
   }
   return track;
@@ -349,7 +338,8 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
 void leave_reliefs_out(const std::string &path, TrackFile &track) {
   if (track.empty() || track.reliefs.empty())
     return;
-  print_remark(path, remark(FileRemark::reliefs_beside_motion, track.reliefs.size()));
+  print_remarks(path,
+                {format_text("%zu reliefs beside the motion were left out", track.reliefs.size())});
   track.reliefs.clear();
 }
 
@@ -408,8 +398,13 @@ void write_track_file(const std::string &path, const TrackFile &track) {
     write_container(path, track, HAPTIC_KLV_TYPE " ! mpegtsmux ! hapticmark");
   } else if (ending == ".mkv") {
     write_container(path, track, HAPTIC_TEXT_TYPE " ! matroskamux ! hapticmark");
-  } else if (ending == ".klv" || ending == ".txt" || holds_points) {
-    write_bytes(path, bytes_of(track, ending));
+  } else if (ending == ".hmpg") {
+    write_container(path, track,
+                    "haptics/x-raw ! hapticconvert unit-duration=1000 ! " HAPTIC_HMPG_TYPE);
+  } else if (ending == ".hjif") {
+    write_bytes(path, write_hjif(track.samples, today()));
+  } else if (ending == ".klv" || ending == ".txt") {
+    write_bytes(path, bytes_of(track, ending == ".txt"));
   } else {
     throw_error(messages::kOutputFormIsUnknown, path.c_str());
   }

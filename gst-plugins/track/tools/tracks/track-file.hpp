@@ -5,7 +5,6 @@
 #include "core/track-sample.hpp"
 #include "glue/gst-raii.hpp"
 #include "track-error.hpp"
-#include "tracks/track-remark.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -26,10 +25,11 @@ struct TrackFile {
   std::vector<std::string> surfaces;  ///< those of `others` that hold reliefs
   std::vector<std::string> beside;    ///< caps of the other streams in the file
   std::uint64_t film_begin = kNoTime; ///< ns, of the first frame of the video beside it
-  std::vector<Remark> remarks;
-  std::vector<TrackSample> samples; ///< with times; or else
-  std::vector<CodedField> fields;   ///< of motion, with times
-  std::vector<CodedField> reliefs;  ///< with times
+  std::vector<std::string> remarks;   ///< what is remarkable and ends nothing
+  bool is_untied = false;             ///< nothing ties its times to the video
+  std::vector<TrackSample> samples;   ///< with times; or else
+  std::vector<CodedField> fields;     ///< of motion, with times
+  std::vector<CodedField> reliefs;    ///< with times
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }

@@ -31,17 +31,17 @@ void TrackReader::take(std::vector<TrackItem> &items, std::size_t at) {
 
 void TrackReader::report(const TrackProblem &problem, std::size_t at) {
   if (!damaged_) {
+    track_.is_untied = track_.is_untied || problem.kind == TrackProblemKind::untied;
     if (const char *sentence = problems_.first_warning(problem.kind))
-      track_.remarks.push_back({problem.kind, sentence});
+      track_.remarks.emplace_back(sentence);
   } else if (problem.kind == TrackProblemKind::unsupported) {
-    track_.remarks.push_back(remark(FileRemark::unsupported, problem.details.c_str()));
+    track_.remarks.push_back("left out: " + problem.details);
   } else if (problem.kind != TrackProblemKind::damaged &&
              problem.kind != TrackProblemKind::foreign_text) {
     ++others_;
   } else if (++damage_ <= kNamed) {
-    track_.remarks.push_back(*damaged_ == FileRemark::damaged_set
-                                 ? remark(*damaged_, problem.details.c_str())
-                                 : remark(*damaged_, at, problem.details.c_str()));
+    const std::string place = *damaged_ ? damaged_ + std::to_string(at) : "damaged";
+    track_.remarks.push_back(place + ": " + problem.details);
   }
 }
 
@@ -84,9 +84,10 @@ void TrackReader::finish(std::size_t at) {
   form_->finish_reading(items);
   take(items, at);
   if (damage_ > kNamed)
-    track_.remarks.push_back(remark(FileRemark::further_damage, damage_ - kNamed));
+    track_.remarks.push_back(format_text("%zu further ones were left out", damage_ - kNamed));
   if (others_ > 0)
-    track_.remarks.push_back(remark(FileRemark::other_sets, others_));
+    track_.remarks.push_back(
+        format_text("%zu sets of other origin, version or kind were passed over", others_));
   if (!untied_.empty())
     report({TrackProblemKind::untied, {}}, 0);
   for (const Taken &one : std::exchange(untied_, {})) {

@@ -8,7 +8,6 @@
 #include "tracks/track-file.hpp"
 
 #include <memory>
-#include <optional>
 
 namespace haptic {
 
@@ -21,10 +20,9 @@ namespace haptic {
 /// before it.
 class TrackReader {
 public:
-  /// `track` gets samples, fields and remarks. `damaged`: what a damaged packet of a file is
-  /// called.
-  TrackReader(std::unique_ptr<TrackForm> form, TrackFile &track,
-              std::optional<FileRemark> damaged = {})
+  /// `track` gets samples, fields and remarks. `damaged`: what stands before the number of a
+  /// damaged packet of a file; "" if the packet has no number; null: a stream.
+  TrackReader(std::unique_ptr<TrackForm> form, TrackFile &track, const char *damaged = nullptr)
       : form_(std::move(form)), track_(track), damaged_(damaged) {}
 
   /// `at`: the number of the packet in its file, as the remark counts.
@@ -48,7 +46,7 @@ private:
 
   std::unique_ptr<TrackForm> form_;
   TrackFile &track_;
-  std::optional<FileRemark> damaged_; // of a file
+  const char *damaged_; // of a file
   std::size_t damage_ = 0;
   std::size_t others_ = 0; // sets that are none of ours, in a file
   TrackClock clock_;

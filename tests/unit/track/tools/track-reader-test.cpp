@@ -41,11 +41,6 @@ void expect_times(const TrackFile &track, std::uint64_t first) {
         << i;
 }
 
-void expect_one_remark(const TrackFile &track, haptic::TrackProblemKind kind) {
-  ASSERT_EQ(track.remarks.size(), 1U);
-  EXPECT_EQ(std::get<haptic::TrackProblemKind>(track.remarks[0].kind), kind);
-}
-
 TEST(TrackReader, TimeStampsAreTheTimes) {
   const TrackFile track = track_without(0, 0, 100);
   ASSERT_EQ(track.samples.size(), 100U);
@@ -65,19 +60,21 @@ TEST(TrackReader, PacketsBetweenTimeStampsGetTheirsAndItIsSaid) {
   const TrackFile track = track_without(20, 80, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 5 * kSecond);
-  expect_one_remark(track, haptic::TrackProblemKind::without_time);
+  EXPECT_EQ(track.remarks, std::vector<std::string>{haptic::messages::kTrackHasNoTimes});
+  EXPECT_FALSE(track.is_untied);
 }
 
 TEST(TrackReader, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
   const TrackFile track = track_without(0, 100, 100);
   ASSERT_EQ(track.samples.size(), 100U);
   expect_times(track, 0);
-  expect_one_remark(track, haptic::TrackProblemKind::untied);
+  EXPECT_EQ(track.remarks, std::vector<std::string>{haptic::messages::kTrackIsUntied});
+  EXPECT_TRUE(track.is_untied);
 }
 
 TEST(TrackReader, SamplesOfAFileKeepTheirOwnTimes) {
   TrackFile track;
-  haptic::TrackReader reader(haptic::make_text_form(), track, haptic::FileRemark::damaged_line);
+  haptic::TrackReader reader(haptic::make_text_form(), track, "line ");
   test::TrackSamples samples(1);
   for (std::size_t i = 0; i < 3; ++i) {
     TrackSample sample = samples.next();
@@ -93,15 +90,15 @@ TEST(TrackReader, SamplesOfAFileKeepTheirOwnTimes) {
 
 TEST(TrackReader, SomeDamageOfAFileIsNamedAndTheRestCounted) {
   TrackFile track;
-  haptic::TrackReader reader(haptic::make_text_form(), track, haptic::FileRemark::damaged_line);
+  haptic::TrackReader reader(haptic::make_text_form(), track, "line ");
   const std::string line = "hv1 nothing";
   for (std::size_t i = 1; i <= 8; ++i)
     reader.push({{reinterpret_cast<const std::uint8_t *>(line.data()), line.size()}}, i);
   reader.finish();
   EXPECT_EQ(reader.damage(), 8U);
   ASSERT_EQ(track.remarks.size(), 6U);
-  EXPECT_EQ(track.remarks[4].text.substr(0, 8), "line 5: ");
-  EXPECT_EQ(track.remarks[5].text, "3 further ones were left out");
+  EXPECT_EQ(track.remarks[4].substr(0, 8), "line 5: ");
+  EXPECT_EQ(track.remarks[5], "3 further ones were left out");
 }
 
 } // namespace track_reader_test
