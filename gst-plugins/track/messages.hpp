@@ -266,27 +266,12 @@
           "\"%s\": this chunk belongs to another video or version, or has other settings than " \
           "number %zu of the plan.", \
           "Run haptic-track author --chunk with this number, then merge again.") \
-  MESSAGE(kCommandNeedsPlan, \
-          "%s needs one plan.", \
-          "Make it with haptic-track author --plan VIDEO... > plan.json.") \
-  MESSAGE(kOptionNeedsSeconds, \
-          "%s needs seconds, not '%s'.", \
-          "Give a number from 0 on, such as 1.5.") \
-  MESSAGE(kOptionNeedsCount, \
-          "%s needs a number from %u to %u, not '%s'.", \
-          "See --help.") \
-  MESSAGE(kOptionNeedsValue, \
-          "%s needs a value.", \
-          "See --help.") \
-  MESSAGE(kOptionTakesNoValue, \
-          "%s takes no value.", \
-          "See --help.") \
-  MESSAGE(kOptionIsForeign, \
-          "%s is not an option of '%s'.", \
-          "Leave it out. --help lists the options of each command.") \
-  MESSAGE(kOptionIsUnknown, \
-          "unknown option '%s'.", \
-          "See --help.") \
+  MESSAGE(kOptionNeedsNumbers, \
+          "%s needs %s from %.10g to %.10g, not '%s'.", \
+          "--help after the verb says how it is written.") \
+  MESSAGE(kOptionIsWrong, \
+          "%s: %s.", \
+          "--help after the verb lists its options.") \
   MESSAGE(kCommandNeedsFiles, \
           "%s needs %s.", \
           "See --help.") \
@@ -327,18 +312,9 @@
           "\"%s\": there is never a surface at this place.", \
           "Name another place with --place X,Y. haptic-track info shows how much of the frame has " \
           "a surface.") \
-  MESSAGE(kOptionNeedsPlace, \
-          "%s needs a place in the frame, not '%s'.", \
-          "Give x and y from 0 to 1, from the top left, such as 0.5,0.25.") \
   MESSAGE(kHandIsMissing, \
           "\"%s\": there is no hand in this file.", \
           "Name a log with the columns time, fx, fy, x and y with --hand.") \
-  MESSAGE(kOptionNeedsPlaces, \
-          "%s needs columns and rows of a grid, not '%s'.", \
-          "Give two numbers from 1 to 32, such as 5x3.") \
-  MESSAGE(kOptionNeedsNumber, \
-          "%s needs a number from %g to %g, not '%s'.", \
-          "See --help.") \
   MESSAGE(kHoldIsWrong, \
           "--hold cannot be '%s': it needs auto, or X,Y or X,Y@SECONDS, at most %zu times.", \
           "X and Y are from 0 to 1, from the top left of the frame, as in --hold 0.4,0.6@2.5.") \

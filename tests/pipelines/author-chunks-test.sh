@@ -93,9 +93,9 @@ promise "no copy was begun" test ! -e out/film.haptic.ts
 promise "a damaged chunk is made again" author --chunk 0 plan.json
 promise "to what it was" cmp kept out/film.haptic.chunk-0-4
 sed 's/"version": "/&9/' plan.json >later.json
-promise "what a merge would ignore is refused" says 1 "--columns is not an option of 'author --merge'" author --columns 8 --merge plan.json
-promise "and what a plan would" says 1 "--jobs is not an option of 'author --plan'" author --jobs 2 --plan in/film.mp4
-promise "and what info would" says 1 "--force is not an option of 'info'" "$haptic_track" info --force out/film.haptic.ts
+promise "what a merge would ignore is refused" says 1 "author --merge: Unknown option --columns" author --columns 8 --merge plan.json
+promise "and what a plan would" says 1 "author --plan: Unknown option --jobs" author --jobs 2 --plan in/film.mp4
+promise "and what info would" says 1 "info: Unknown option --force" "$haptic_track" info --force out/film.haptic.ts
 promise "a plan of another version is refused" says 1 'version 9' author --merge later.json
 sed 's/"end-span": 4/"end-span": 5/' plan.json >wrong.json
 promise "so is a plan with a hole" says 1 'this is not a plan, or it was changed' author --merge wrong.json

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "program/compare.hpp"
 
-#include "felt/felt-file.hpp"
 #include "felt/perception.hpp"
 #include "json.hpp"
 #include "plot/compare-plot.hpp"
@@ -138,7 +137,8 @@ void print_json(const Hands &hands, const Comparison &result, double fitted) {
 
 } // namespace
 
-int compare(const std::string &path_a, const std::string &path_b, const CompareOptions &options) {
+int compare(const std::string &path_a, const std::string &path_b, const CompareOptions &options,
+            bool json) {
   FeltFile a(path_a, options.stream);
   FeltFile b(path_b, options.stream);
   check_kinds(a, b);
@@ -148,10 +148,8 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   const double fitted = start ? 0 : b.track_begin() - a.track_begin();
   b.delay(options.offset - start.value_or(fitted));
   const Hands hands = hands_for(a, b, options);
-  const TimeRange all;
-  const TimeRange range{options.from.value_or(all.from), options.to.value_or(all.to)};
-  a.feel(hands, options.law, range);
-  b.feel(hands, options.law, range);
+  a.feel(hands, options.law, options.range);
+  b.feel(hands, options.law, options.range);
   check_times(a, b);
   const bool touched = a.has_reliefs() || b.has_reliefs();
   SignalsAt signals = [&](std::size_t hand) { return SignalPair(a.signal(hand), b.signal(hand)); };
@@ -172,7 +170,7 @@ int compare(const std::string &path_a, const std::string &path_b, const CompareO
   if (!options.plot.empty())
     plot_comparison(result, signals, worst_place(result), caption_of(hands, result), touched,
                     options.plot);
-  if (options.json)
+  if (json)
     print_json(hands, result, fitted);
   else
     print_text(a, b, hands, result);

@@ -3,40 +3,30 @@
 #include "author/author.hpp"
 #include "felt/force-log.hpp"
 #include "forms/klv.hpp"
-#include "package/package.hpp"
-#include "plot/track-plot.hpp"
-#include "program/compare.hpp"
-#include "program/usage.hpp"
+#include "program/command-line.hpp"
 #include "samples/motion-field.hpp"
 #include "samples/motion-force.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
 #include "tracks/film-cut.hpp"
 #include "tracks/track-file.hpp"
-#include "vibration/vibration-file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <gst/gst.h>
-#include <iterator>
 #include <limits>
-#include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
-#include <thread>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace {
 
+using haptic::Arguments;
 using haptic::CodedField;
 namespace messages = haptic::messages;
 using haptic::seconds;
@@ -44,194 +34,6 @@ using haptic::throw_error;
 using haptic::TrackFile;
 using haptic::TrackFileError;
 using haptic::TrackSample;
-
-constexpr unsigned kMostSpans = 1'000'000; // of a plan
-
-// With the first of these options a verb takes these alone, else what its help explains.
-constexpr std::pair<std::string_view, std::string_view> kModes[] = {
-    {"--plan", "--plan --chunks --output --columns --hold"},
-    {"--chunk", "--chunk"},
-    {"--merge", "--merge"},
-    {"--single", "--single --columns --hold --output"}};
-
-struct Arguments {
-  std::string command;
-  std::vector<std::string> options; // as given, without their values
-  std::vector<std::string> files;
-  haptic::AuthorOptions author;
-  haptic::CompareOptions compare; // with what other verbs take, too
-  haptic::PlotOptions plot;
-  haptic::VibrationOptions vibration;
-  haptic::Carriage carriage = haptic::Carriage::fragments;
-  std::optional<unsigned> chunk;
-  unsigned chunks = 0;
-  unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
-  double alpha = haptic::kDefaultAlpha; // s/px
-
-  bool has(std::string_view option) const { return std::ranges::count(options, option) > 0; }
-};
-
-// Reads a number from `least` to `most`. Returns false if the text is none.
-template <typename Number>
-bool read(const std::string &text, Number least, Number most, Number &value) {
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  return end.ec == std::errc() && end.ptr == text.data() + text.size() && value >= least &&
-         value <= most;
-}
-
-// Reads two numbers with this character between them. Returns false if the text is none.
-template <typename Number>
-bool read_pair(const std::string &text, char between, Number least, Number most, Number &first,
-               Number &second) {
-  const std::size_t middle = std::min(text.find(between), text.size());
-  return middle < text.size() && read(text.substr(0, middle), least, most, first) &&
-         read(text.substr(middle + 1), least, most, second);
-}
-
-void read_hold(const std::string &text, haptic::HoldOptions &hold) {
-  if (text == "auto") {
-    hold.chooses = true;
-    return;
-  }
-  const auto point = haptic::read_hold_point(text);
-  if (!point || hold.points.size() == haptic::kMostFieldThings)
-    throw_error(messages::kHoldIsWrong, text.c_str(), haptic::kMostFieldThings);
-  hold.points.push_back(*point);
-}
-
-haptic::Carriage parse_carriage(const std::string &text) {
-  if (text != "ts" && text != "mp4" && text != "cmaf") // the name of mp4 before
-    throw_error(messages::kCarriageIsUnknown, text.c_str());
-  return text == "ts" ? haptic::Carriage::transport_stream : haptic::Carriage::fragments;
-}
-
-// Takes the text of an option. Throws TrackFileError. A flag has none.
-using Option = std::function<void(const std::string &option, const std::string &text)>;
-
-Option word(std::string &value) {
-  return [&value](auto &, auto &text) { value = text; };
-}
-
-template <typename Value, typename Number>
-Option number(Value &value, Number least, Number most) {
-  return [=, &value](auto &option, auto &text) {
-    Number parsed = 0;
-    if (read(text, least, most, parsed))
-      value = parsed;
-    else if constexpr (std::is_integral_v<Number>)
-      throw_error(messages::kOptionNeedsCount, option.c_str(), least, most, text.c_str());
-    else
-      throw_error(messages::kOptionNeedsNumber, option.c_str(), least, most, text.c_str());
-  };
-}
-
-Option time(std::optional<double> &value) {
-  return [&value](auto &option, auto &text) {
-    if (!read(text, 0.0, 1e9, value.emplace()))
-      throw_error(messages::kOptionNeedsSeconds, option.c_str(), text.c_str());
-  };
-}
-
-std::map<std::string, Option> options_of(Arguments &all) {
-  return {
-      {"--plan", {}},
-      {"--merge", {}},
-      {"--single", {}},
-      {"--force", {}},
-      {"--json", {}},
-      {"--with-video", {}},
-      {"--output", word(all.author.folder)},
-      {"--stream", word(all.compare.stream)},
-      {"--layout", word(all.vibration.layout)},
-      {"--map", word(all.vibration.map)},
-      {"--hand", word(all.compare.hand)},
-      {"--plot", word(all.compare.plot)},
-      {"--chunk", number(all.chunk, 0U, kMostSpans)},
-      {"--chunks", number(all.chunks, 1U, kMostSpans)},
-      {"--jobs", number(all.jobs, 1U, 1024U)},
-      {"--columns", number(all.author.columns, haptic::kFewestColumns, haptic::kMostColumns)},
-      {"--from", time(all.compare.from)},
-      {"--to", time(all.compare.to)},
-      {"--at-most", number(all.compare.at_most, 0.0, 100.0)},
-      {"--offset", number(all.compare.offset, -1e6, 1e6)},
-      {"--shift", number(all.compare.shift, -2.0, 2.0)},
-      {"--alpha", number(all.alpha, 0.0001, 10.0)},
-      {"--max-force", number(all.compare.law.max_force, 0.01, haptic::kHighestForce)},
-      {"--hold", [&](auto &, auto &text) { read_hold(text, all.author.hold); }},
-      {"--carriage", [&](auto &, auto &text) { all.carriage = parse_carriage(text); }},
-      {"--place",
-       [&](auto &option, auto &text) {
-         if (!read_pair(text, ',', 0.0, 1.0, all.plot.x, all.plot.y))
-           throw_error(messages::kOptionNeedsPlace, option.c_str(), text.c_str());
-       }},
-      {"--places",
-       [&](auto &option, auto &text) {
-         if (!read_pair(text, 'x', 1U, 32U, all.compare.columns, all.compare.rows))
-           throw_error(messages::kOptionNeedsPlaces, option.c_str(), text.c_str());
-       }},
-  };
-}
-
-// The help of the verb among these words, or else of all.
-const char *usage_of(const std::vector<std::string> &words) {
-  for (const auto &[verb, text] : haptic::kUsageOfVerbs)
-    if (std::ranges::count(words, verb) > 0)
-      return text;
-  return haptic::kUsage;
-}
-
-// Whether the option stands in this help, or in a list of options.
-bool explains(std::string_view help, const std::string &option) {
-  return option.find(' ') == std::string::npos &&
-         (' ' + std::string(help) + ' ').find(' ' + option + ' ') != std::string::npos;
-}
-
-void check_options(const Arguments &arguments) {
-  std::string verb = arguments.command;
-  std::string_view help = usage_of({verb});
-  for (const auto &[mode, options] : kModes)
-    if (arguments.has(mode) && explains(help, std::string(mode))) {
-      verb += ' ' + std::string(mode);
-      help = options;
-    }
-  for (const std::string &option : arguments.options)
-    if (!explains(help, option) || (option == "--chunks" && !arguments.has("--plan")))
-      throw_error(messages::kOptionIsForeign, option.c_str(), verb.c_str());
-}
-
-Arguments parse_arguments(const std::vector<std::string> &words) {
-  Arguments arguments;
-  const auto options = options_of(arguments);
-  bool options_end = false;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    // "--name=value" is "--name value".
-    const std::size_t equals = words[i].starts_with("--") ? words[i].find('=') : std::string::npos;
-    const bool has_value = !options_end && equals != std::string::npos;
-    const std::string word = has_value ? words[i].substr(0, equals) : words[i];
-    if (!options_end && word == "--") {
-      options_end = true;
-    } else if (options_end || !word.starts_with("-")) {
-      if (arguments.command.empty() && !options_end)
-        arguments.command = word;
-      else
-        arguments.files.push_back(word);
-    } else {
-      const auto found = options.find(word);
-      if (found == options.end())
-        throw_error(messages::kOptionIsUnknown, word.c_str());
-      const Option &set = found->second;
-      if (has_value && !set)
-        throw_error(messages::kOptionTakesNoValue, word.c_str());
-      if (set && !has_value && ++i == words.size())
-        throw_error(messages::kOptionNeedsValue, word.c_str());
-      if (set)
-        set(word, has_value ? words[i].substr(equals + 1) : words[i]);
-      arguments.options.push_back(word);
-    }
-  }
-  arguments.vibration.alpha = arguments.compare.law.alpha = arguments.alpha;
-  return arguments;
-}
 
 void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples) {
   const double length = seconds(last) - seconds(first);
@@ -393,7 +195,7 @@ void print_info(const std::string &path, const std::string &stream) {
 }
 
 void check_may_be_written(const Arguments &arguments, const std::string &output) {
-  if (!arguments.has("--force") && std::filesystem::exists(output))
+  if (!arguments.overwrites && std::filesystem::exists(output))
     throw_error(messages::kOutputExists, output.c_str());
 }
 
@@ -450,11 +252,12 @@ int convert(const Arguments &arguments) {
 int cut(const Arguments &arguments) {
   check_may_be_written(arguments, arguments.files[1]);
   TrackFile track = read_some(arguments);
-  const auto from =
-      static_cast<std::uint64_t>(std::llround(arguments.compare.from.value_or(0) * 1e9));
-  const auto to =
-      static_cast<std::uint64_t>(std::llround(arguments.compare.to.value_or(1e9) * 1e9));
-  if (arguments.has("--with-video")) {
+  const auto ns = [](double s) {
+    return static_cast<std::uint64_t>(std::llround(std::clamp(s, 0.0, 1e9) * 1e9));
+  };
+  const std::uint64_t from = ns(arguments.compare.range.from);
+  const std::uint64_t to = ns(arguments.compare.range.to);
+  if (arguments.with_video) {
     haptic::stop_when_interrupted();
     haptic::naming(arguments.files[0], [&] {
       haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]);
@@ -478,73 +281,123 @@ int plot(const Arguments &arguments) {
 }
 
 int compare(const Arguments &arguments) {
-  haptic::CompareOptions options = arguments.compare;
-  options.json = arguments.has("--json");
-  check_may_be_written(arguments, options.plot);
-  return haptic::compare(arguments.files[0], arguments.files[1], options);
+  check_may_be_written(arguments, arguments.compare.plot);
+  return haptic::compare(arguments.files[0], arguments.files[1], arguments.compare, arguments.json);
 }
 
 int author(const Arguments &arguments) {
-  const auto &files = arguments.files;
-  if ((arguments.chunk || arguments.has("--merge")) && files.size() != 1)
-    throw_error(messages::kCommandNeedsPlan, arguments.chunk ? "--chunk" : "--merge");
-  if (files.empty())
-    throw_error(messages::kCommandNeedsFiles, "author", "a video");
-  if (arguments.chunk)
-    return haptic::author_chunk(files[0], *arguments.chunk);
-  if (arguments.has("--merge"))
-    return haptic::merge_chunks(files[0]);
-  return arguments.has("--plan") ? haptic::plan_authoring(files, arguments.author, arguments.chunks)
-                                 : haptic::author(files, arguments.author, arguments.jobs);
+  return haptic::author(arguments.files, arguments.author, arguments.jobs);
+}
+
+int plan(const Arguments &arguments) {
+  return haptic::plan_authoring(arguments.files, arguments.author, arguments.chunks);
+}
+
+int chunk(const Arguments &arguments) {
+  return haptic::author_chunk(arguments.files[0], arguments.chunk);
+}
+
+int merge(const Arguments &arguments) {
+  return haptic::merge_chunks(arguments.files[0]);
+}
+
+void check_folder(const Arguments &arguments) {
+  if (arguments.author.folder.empty())
+    throw_error(messages::kPackageNeedsFolder);
 }
 
 int package(const Arguments &arguments) {
-  if (arguments.author.folder.empty())
-    throw_error(messages::kPackageNeedsFolder);
-  if (arguments.has("--single"))
-    return haptic::package_single(arguments.files, arguments.author);
+  check_folder(arguments);
   return haptic::package(arguments.files, {arguments.carriage, arguments.author});
 }
 
-struct Verb {
-  std::string_view name;
-  int (*run)(const Arguments &arguments); // returns the exit status
-  std::size_t least, most;                // files
-  const char *needs;
-};
-constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-constexpr Verb kVerbs[] = {
-    {"info", info, 1, kAny, "a file"},          {"convert", convert, 2, 2, "a file and an output"},
-    {"cut", cut, 2, 2, "a file and an output"}, {"plot", plot, 2, 2, "a file and an output"},
-    {"compare", compare, 2, 2, "two files"},    {"author", author, 0, kAny, ""},
-    {"package", package, 1, kAny, "a video"}};
-
-int run(const Arguments &arguments) {
-  const std::string &name = arguments.command;
-  if (name.empty())
-    throw_error(messages::kCommandIsMissing);
-  const auto *verb = std::ranges::find(kVerbs, name, &Verb::name);
-  if (verb == std::end(kVerbs))
-    throw_error(messages::kCommandIsUnknown, name.c_str());
-  check_options(arguments);
-  if (const std::size_t count = arguments.files.size(); count < verb->least || count > verb->most)
-    throw_error(messages::kCommandNeedsFiles, name.c_str(), verb->needs);
-  if (verb->run != author) // it forks
-    gst_init(nullptr, nullptr);
-  return verb->run(arguments);
+int package_single(const Arguments &arguments) {
+  check_folder(arguments);
+  return haptic::package_single(arguments.files, arguments.author);
 }
+
+template <int (*run)(const Arguments &)>
+int with_gstreamer(const Arguments &arguments) {
+  gst_init(nullptr, nullptr);
+  return run(arguments);
+}
+
+constexpr char kPlanNeeded[] = "a plan, which author --plan prints";
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr haptic::Verb kVerbs[] = {
+    {"info", with_gstreamer<info>, 1, kAny, "a file", "FILE...", " stream ",
+     R"(Prints what files contain
+
+The kind of each track, its times, its size and what it measured. The exit status is 0 if all files
+were read.)",
+     "info recorded.ts"},
+    {"convert", with_gstreamer<convert>, 2, 2, "a file and an output", "FILE OUTPUT",
+     " hand layout map alpha stream force ",
+     R"(Writes a track in another format
+
+A video beside the track is left out. The ending of OUTPUT chooses the format: .klv, .txt, .ts, .mkv,
+.hmpg, .hjif, or vibration: .wav (a channel for each actuator of an array), .ahap (a telephone).)",
+     "convert recorded.ts track.klv"},
+    {"cut", with_gstreamer<cut>, 2, 2, "a file and an output", "FILE OUTPUT",
+     " from to with-video stream force ",
+     R"(Writes a part of a track or of a recording
+
+The part begins at 0 s. A video is kept in .ts and .mkv.)",
+     "cut --from 10 --to 20 recorded.ts part.klv"},
+    {"plot", with_gstreamer<plot>, 2, 2, "a file and an output", "FILE OUTPUT",
+     " place hand stream force ",
+     R"(Draws a track
+
+OUTPUT.png shows velocity and force over time, or motion fields over frames of the video; OUTPUT.gif,
+for motion fields only, a moving picture.)",
+     "plot in.haptic.ts fields.png"},
+    {"compare", with_gstreamer<compare>, 2, 2, "two files", "A B",
+     " at-most json plot from to offset shift places hand alpha max-force stream force ",
+     R"(Prints how much of the time a hand could tell two files apart
+
+Each is a track, or a log of hapticsink (.csv). The result comes from a model of perception, not from
+people.)",
+     "compare before.klv after.klv"},
+    {"author", author, 1, kAny, "a video", "VIDEO...", " output columns hold jobs ",
+     R"(Measures videos, and writes copies with a haptic track
+
+A copy has the motion of the whole frame as a track: NAME.haptic.ts or NAME.haptic.mkv. Video and
+sound are copied without re-encoding. A copy that exists is kept, so a second run continues where the
+first was stopped. The exit status is 0 if all copies exist.)",
+     "author --output authored in.mp4"},
+    {"author --plan", with_gstreamer<plan>, 1, kAny, "a video", "VIDEO... > PLAN",
+     " plan chunks output columns hold ",
+     R"(Prints a plan for the same on many machines
+
+The plan has chunks, which are measured in any order.)",
+     "author --plan --chunks 8 in.mp4 > plan.json"},
+    {"author --chunk", with_gstreamer<chunk>, 1, 1, kPlanNeeded, "PLAN", " chunk ",
+     R"(Measures a chunk of a plan
+)",
+     "author --chunk 0 plan.json"},
+    {"author --merge", with_gstreamer<merge>, 1, 1, kPlanNeeded, "PLAN", " merge ",
+     R"(Writes the copies of a plan from all its chunks
+)",
+     "author --merge plan.json"},
+    {"package", with_gstreamer<package>, 1, kAny, "a video", "VIDEO...",
+     " output carriage columns hold ",
+     R"(Makes a folder for a web server: a page where a video is seen and felt
+
+It holds the segments of the video with its haptic track (HLS), and a player. The video is measured
+first if it has no track. Further videos are other bitrates of the same film.)",
+     "package --output film in.mp4"},
+    {"package --single", with_gstreamer<package_single>, 1, kAny, "a video", "VIDEO.mp4",
+     " single output columns hold ",
+     R"(Makes such a folder for a short video
+
+It holds the MP4 as it is, its track as one file, and a page.)",
+     "package --single --output film in.mp4"}};
 
 } // namespace
 
 int main(int argc, char **argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  for (const std::string &word : words)
-    if (word == "--help" || word == "-h" || word == "--version") {
-      std::fputs(word == "--version" ? "haptic-track " VERSION "\n" : usage_of(words), stdout);
-      return EXIT_SUCCESS;
-    }
   try {
-    return run(parse_arguments(words));
+    return haptic::run_verb(kVerbs, argc, argv);
   } catch (const std::exception &error) {
     haptic::print_error(error.what());
     return haptic::is_interrupted() ? haptic::kInterrupted : EXIT_FAILURE;
