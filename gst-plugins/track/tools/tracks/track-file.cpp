@@ -57,7 +57,7 @@ bool begins_with(std::span<const std::uint8_t> bytes, const Start &start) {
 
 // A unit of some bytes may last for hours, and containers have any size.
 void check_length(const std::string &path, const TrackFile &track) {
-  if (track.samples.size() > kMostSamples || track.fields.size() > kMostSamples)
+  if (track.samples.size() + track.fields.size() + track.reliefs.size() > kMostSamples)
     throw_error(messages::kTrackIsTooLong, path.c_str(), kMostSamples);
 }
 
@@ -142,7 +142,7 @@ Role role_of(Container &container, GstPad *pad, const InputPacket &first) {
   TrackFile held;
   TrackReader(begins_with(first.bytes, kTextName) ? make_text_form() : make_klv_form(), held)
       .push(first);
-  if (!held.fields.empty() && held.fields.front().kind == FieldKind::relief)
+  if (!held.reliefs.empty())
     track.surfaces.emplace_back(name.get());
   return Role::other;
 }
@@ -201,10 +201,10 @@ FrameSize frame_size_of(const TrackFile &track) {
   const auto note = [&](const auto &frame, std::uint64_t) {
     size = {static_cast<gint>(frame.frame_width), static_cast<gint>(frame.frame_height)};
   };
-  if (track.fields.empty())
+  if (!track.samples.empty())
     note(track.samples.front().motion, 0);
-  else if (track.fields.front().kind == FieldKind::relief)
-    for_each_relief({&track.fields.front(), 1}, note);
+  else if (track.fields.empty())
+    for_each_relief({&track.reliefs.front(), 1}, note);
   else
     for_each_field({&track.fields.front(), 1}, note);
   return size;
@@ -213,10 +213,10 @@ FrameSize frame_size_of(const TrackFile &track) {
 // What can be known of a track of another film: its frames have another size, or it does not end
 // with the film. It may be shorter, since frames at rest are not written.
 void compare_with_film(const Container &container, TrackFile &track) {
-  if (track.empty() || container.film_end == 0)
+  if (track.holds_nothing() || container.film_end == 0)
     return;
   const std::uint64_t end =
-      track.fields.empty() ? track.samples.back().time : track.fields.back().time;
+      track.samples.empty() ? track.coded().back().time : track.samples.back().time;
   if (end != kNoTime && end > container.film_end + kSecond)
     track.remarks.push_back(
         format_text(messages::kTrackIsLonger, seconds(end - container.film_end)));
@@ -255,7 +255,7 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
     throw_error(messages::kContainerIsEmpty, path.c_str());
   if (track.stream.empty())
     throw_error(messages::kContainerHasNoTrack, path.c_str(), track.beside.front().c_str());
-  if (!failure.empty() && track.empty())
+  if (!failure.empty() && track.holds_nothing())
     throw TrackFileError(about(path, failure));
   if (!failure.empty())
     track.remarks.push_back("the file ends early: " + failure);
@@ -318,15 +318,10 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   } else {
     throw_error(messages::kTrackFormIsUnknown, path.c_str());
   }
-  std::erase_if(track.samples, [](const TrackSample &sample) { return sample.time == kNoTime; });
-  std::erase_if(track.fields, [](const CodedField &field) { return field.time == kNoTime; });
-  // clang 14 does not compile that of std::ranges.
-  const auto reliefs =
-      std::stable_partition(track.fields.begin(), track.fields.end(), [](const CodedField &field) {
-        return field.kind == FieldKind::motion;
-      });
-  track.reliefs.assign(reliefs, track.fields.end());
-  track.fields.erase(reliefs, track.fields.end());
+  const auto has_no_time = [](const auto &one) { return one.time == kNoTime; };
+  std::erase_if(track.samples, has_no_time);
+  std::erase_if(track.fields, has_no_time);
+  std::erase_if(track.reliefs, has_no_time);
   if (!track.samples.empty() && !track.fields.empty()) {
     track.remarks.push_back(format_text("%zu samples of one point beside the fields were left out",
                                         track.samples.size()));
@@ -355,10 +350,7 @@ TrackTimes times_of(const TrackFile &track) {
 }
 
 void move_times(TrackFile &track, std::int64_t by) {
-  const auto move = [by](auto &one) { one.time += static_cast<std::uint64_t>(by); };
-  std::ranges::for_each(track.samples, move);
-  std::ranges::for_each(track.fields, move);
-  std::ranges::for_each(track.reliefs, move);
+  track.for_each([by](auto &one) { one.time += static_cast<std::uint64_t>(by); });
 }
 
 void play_track(const std::string &path, const TrackFile &track, const std::string &line,

@@ -6,6 +6,7 @@
 #include "glue/gst-raii.hpp"
 #include "track-error.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <gst/gst.h>
@@ -37,6 +38,13 @@ struct TrackFile {
   /// motion out.
   const std::vector<CodedField> &coded() const noexcept { return empty() ? reliefs : fields; }
   bool holds_nothing() const noexcept { return empty() && reliefs.empty(); }
+  /// Calls `call` with each sample, field and relief.
+  template <typename Call>
+  void for_each(const Call &call) {
+    std::ranges::for_each(samples, call);
+    std::ranges::for_each(fields, call);
+    std::ranges::for_each(reliefs, call);
+  }
 };
 
 /// Reads a file by its content, whatever its name. Of several haptic tracks in a container the

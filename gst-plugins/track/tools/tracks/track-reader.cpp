@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/track-reader.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace haptic {
@@ -18,15 +19,13 @@ void TrackReader::push(const InputPacket &packet, std::size_t at) {
 
 void TrackReader::take(std::vector<TrackItem> &items, std::size_t at) {
   for (TrackItem &item : items)
-    if (const auto *problem = std::get_if<TrackProblem>(&item)) {
+    if (const auto *problem = std::get_if<TrackProblem>(&item))
       report(*problem, at);
-    } else if (const auto *sample = std::get_if<TimedSample>(&item)) {
-      track_.samples.push_back(sample->sample);
-      place({false, track_.samples.size() - 1}, sample->time, sample->sample.duration);
-    } else if (auto *field = std::get_if<TimedField>(&item)) {
-      track_.fields.push_back(std::move(field->field));
-      place({true, track_.fields.size() - 1}, field->time, track_.fields.back().duration);
-    }
+    else if (auto *sample = std::get_if<TimedSample>(&item))
+      place(sample->sample, sample->time, track_.samples);
+    else if (auto *field = std::get_if<TimedField>(&item))
+      place(field->field, field->time,
+            field->field.kind == FieldKind::relief ? track_.reliefs : track_.fields);
 }
 
 void TrackReader::report(const TrackProblem &problem, std::size_t at) {
@@ -45,38 +44,25 @@ void TrackReader::report(const TrackProblem &problem, std::size_t at) {
   }
 }
 
-std::uint64_t &TrackReader::time_of(const Taken &one) {
-  return one.is_field ? track_.fields[one.index].time : track_.samples[one.index].time;
-}
-
-// The sample has the sender's time until it gets its own.
-void TrackReader::place(const Taken &one, std::uint64_t pts, std::uint64_t duration) {
-  const std::uint64_t sent = time_of(one);
-  if (pts == kNoTime && sent != kNoTime) {
-    if (damaged_)
-      return;
-    if (!clock_.is_tied()) {
-      untied_.push_back(one);
-      return;
-    }
+// All have the sender's time until the first time stamp. Then one that would be before 0 has none.
+template <typename Timed>
+void TrackReader::place(Timed &one, std::uint64_t pts, std::vector<Timed> &all) {
+  const std::uint64_t sent = one.time;
+  if (pts == kNoTime && sent != kNoTime && clock_.is_tied()) {
     pts = clock_.recovered(sent, 0);
     report({TrackProblemKind::without_time, {}}, 0);
   }
-  time_of(one) = pts;
-  tie(pts, sent, duration);
-}
-
-// Gives those before the first time stamp their times. One that would be before 0 has none.
-void TrackReader::tie(std::uint64_t pts, std::uint64_t sent, std::uint64_t duration) {
-  if (pts == kNoTime)
-    return;
-  for (const Taken &one : std::exchange(untied_, {})) {
-    std::uint64_t &time = time_of(one);
-    const bool is_near =
-        sent != kNoTime && time <= sent && sent - time <= pts && sent - time <= kLargestTimeStep;
-    time = is_near ? pts - (sent - time) : kNoTime;
-  }
-  clock_.remember(pts, sent, duration);
+  if (pts != kNoTime && !clock_.is_tied())
+    track_.for_each([&](auto &early) {
+      const std::uint64_t by = sent - early.time;
+      const bool is_near =
+          sent != kNoTime && early.time <= sent && by <= std::min(pts, kLargestTimeStep);
+      early.time = is_near ? pts - by : kNoTime;
+    });
+  if (pts != kNoTime)
+    one.time = pts;
+  clock_.remember(pts, sent, one.duration);
+  all.push_back(std::move(one));
 }
 
 void TrackReader::finish(std::size_t at) {
@@ -88,13 +74,24 @@ void TrackReader::finish(std::size_t at) {
   if (others_ > 0)
     track_.remarks.push_back(
         format_text("%zu sets of other origin, version or kind were passed over", others_));
-  if (!untied_.empty())
-    report({TrackProblemKind::untied, {}}, 0);
-  for (const Taken &one : std::exchange(untied_, {})) {
-    const std::uint64_t sent = time_of(one);
-    time_of(one) = clock_.recovered(sent, 0);
-    clock_.remember(time_of(one), sent, kNoTime);
-  }
+  if (damaged_ || clock_.is_tied())
+    return;
+  std::uint64_t begin = kNoTime; // the sender's
+  track_.for_each([&](const auto &one) { begin = std::min(begin, one.time); });
+  if (begin == kNoTime)
+    return;
+  report({TrackProblemKind::untied, {}}, 0);
+  const auto place_all = [&](auto &all) {
+    clock_.remember(0, begin, kNoTime);
+    for (auto &one : all)
+      if (const std::uint64_t sent = one.time; sent != kNoTime) {
+        one.time = clock_.recovered(sent, 0);
+        clock_.remember(one.time, sent, kNoTime);
+      }
+  };
+  place_all(track_.samples);
+  place_all(track_.fields);
+  place_all(track_.reliefs);
 }
 
 } // namespace haptic

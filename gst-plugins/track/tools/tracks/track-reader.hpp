@@ -33,16 +33,10 @@ public:
   std::size_t damage() const noexcept { return damage_; }
 
 private:
-  struct Taken {
-    bool is_field;
-    std::size_t index;
-  };
-
   void take(std::vector<TrackItem> &items, std::size_t at);
   void report(const TrackProblem &problem, std::size_t at);
-  std::uint64_t &time_of(const Taken &one);
-  void place(const Taken &one, std::uint64_t pts, std::uint64_t duration);
-  void tie(std::uint64_t pts, std::uint64_t time, std::uint64_t duration);
+  template <typename Timed>
+  void place(Timed &one, std::uint64_t pts, std::vector<Timed> &all);
 
   std::unique_ptr<TrackForm> form_;
   TrackFile &track_;
@@ -50,8 +44,7 @@ private:
   std::size_t damage_ = 0;
   std::size_t others_ = 0; // sets that are none of ours, in a file
   TrackClock clock_;
-  ProblemCounters problems_;  // of a stream
-  std::vector<Taken> untied_; // samples of a stream whose time is still the sender's
+  ProblemCounters problems_; // of a stream
 };
 
 } // namespace haptic
