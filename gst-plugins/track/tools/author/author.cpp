@@ -2,8 +2,8 @@
 #include "author/author.hpp"
 
 #include "author/author-file.hpp"
-#include "author/author-manifest.hpp"
 #include "json.hpp"
+#include "part-file.hpp"
 #include "seconds.hpp"
 #include "track-error.hpp"
 #include "tracks/source-mark.hpp"
@@ -15,8 +15,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
 #include <map>
-#include <optional>
+#include <sstream>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -256,45 +258,79 @@ std::vector<ChunkReader> open_chunks(const Plan &plan, std::size_t film) {
   return chunks;
 }
 
-ManifestRow row_of(const PlannedFilm &film, const std::string &copy,
-                   const std::vector<ChunkReader> &chunks) {
-  ManifestRow row;
-  row.video = film.path;
-  row.video_hash = film.hash;
-  row.copy = copy;
-  row.copy_hash = hash_of_file(copy);
-  row.size = fs::file_size(copy);
-  row.duration = rounded(seconds(film.index.duration), 1e3);
-  row.warnings = film.index.warnings;
+// Returns the rows of the manifest, or no array if there is none that can be read.
+Json read_manifest(const std::string &stem) {
+  std::ifstream file(stem + ".json", std::ios::binary);
+  return Json::parse(file, nullptr, false);
+}
+
+// Writes the rows as JSON and as a table (CSV, RFC 4180).
+void write_manifest(const std::string &stem, const Json &rows) {
+  std::ostringstream table;
+  table
+      << "video,video-sha256,copy,copy-sha256,bytes,seconds,frames,kbit/s,confidence,warnings\r\n";
+  for (const Json &row : rows) {
+    const char *comma = "";
+    for (const auto &[key, cell] : row.items()) {
+      table << std::exchange(comma, ",");
+      std::string text;
+      for (const Json &part : cell) // a text is its only part
+        if (part.is_string())
+          text += (text.empty() ? "" : "; ") + part.get<std::string>();
+      if (cell.is_number_float())
+        table << format_text("%.*f", key == "kbit/s" ? 1 : 3, cell.get<double>());
+      else if (cell.is_number())
+        table << cell;
+      else
+        table << std::quoted(text, '"', '"');
+    }
+    table << "\r\n";
+  }
+  write_bytes(stem + ".json", rows.dump(1) + "\n");
+  write_bytes(stem + ".csv", table.str());
+}
+
+Json row_of(const PlannedFilm &film, const std::string &copy,
+            const std::vector<ChunkReader> &chunks) {
+  std::uint64_t frames = 0;
   std::uint64_t confidence = 0; // millionths
-  double bytes = 0;
+  double bytes = 0;             // of the track as KLV
   for (const ChunkReader &chunk : chunks) {
-    row.frames += chunk.stats().frames;
+    frames += chunk.stats().frames;
     confidence += chunk.stats().confidence;
     bytes += static_cast<double>(chunk.fields().size());
   }
-  const auto frames = static_cast<double>(std::max<std::uint64_t>(row.frames, 1));
-  row.confidence = rounded(1e-6 * static_cast<double>(confidence) / frames, 1e3);
-  row.kilobits = row.duration > 0 ? rounded(8e-3 * bytes / row.duration, 1e3) : 0;
-  return row;
+  const double length = rounded(seconds(film.index.duration), 1e3); // s
+  const double mean = 1e-6 * static_cast<double>(confidence) /
+                      static_cast<double>(std::max<std::uint64_t>(frames, 1));
+  return {{"video", film.path},
+          {"video-sha256", film.hash},
+          {"copy", copy},
+          {"copy-sha256", hash_of_file(copy)},
+          {"bytes", fs::file_size(copy)},
+          {"seconds", length},
+          {"frames", frames},
+          {"kbit/s", length > 0 ? rounded(8e-3 * bytes / length, 1e3) : 0.0},
+          {"confidence", rounded(mean, 1e3)},
+          {"warnings", film.index.warnings}};
 }
 
-// The row of a copy that the manifest knows and that is unchanged.
-std::optional<ManifestRow> merged_row(const std::vector<ManifestRow> &manifest,
-                                      const std::string &copy) {
-  const auto row = std::ranges::find(manifest, copy, &ManifestRow::copy);
-  if (copy.empty() || row == manifest.end() || row->copy_hash != hash_of_file(copy))
-    return std::nullopt;
-  return *row;
+// Returns the row of a copy that the manifest knows and that is unchanged, or null.
+Json merged_row(const Json &manifest, const std::string &copy) {
+  for (const Json &row : manifest)
+    if (!copy.empty() && row.is_object() && row.contains("copy") && row["copy"] == Json(copy) &&
+        row.contains("copy-sha256") && row["copy-sha256"] == Json(hash_of_file(copy)))
+      return row;
+  return nullptr;
 }
 
 // Merges one film, unless it was.
-ManifestRow merge_film(const Plan &plan, std::size_t i, const std::vector<ManifestRow> &before) {
+Json merge_film(const Plan &plan, std::size_t i, const Json &before) {
   const PlannedFilm &film = plan.films[i];
   check_unchanged(film, true);
   std::string copy = find_copy(film, plan.options);
-  if (const auto row = merged_row(before, copy))
-    return *row;
+  if (Json row = merged_row(before, copy); !row.is_null())
+    return row;
   const std::vector<ChunkReader> chunks = open_chunks(plan, i);
   const char *word = "there already";
   if (copy.empty()) {
@@ -371,7 +407,7 @@ int author_chunk(const std::string &path, unsigned chunk) {
   const bool is_done = succeeds(film.path, [&] {
     check_unchanged(film, false);
     const std::string copy = find_copy(film, plan.options);
-    if (merged_row(read_manifest(manifest_stem(path, plan) + ".json"), copy))
+    if (!merged_row(read_manifest(manifest_stem(path, plan)), copy).is_null())
       std::printf("there already: %s\n", copy.c_str());
     else
       measure(film, planned.spans, plan.options);
@@ -383,8 +419,8 @@ int merge_chunks(const std::string &path) {
   stop_when_interrupted();
   const Plan plan = read_plan(path);
   const std::string stem = manifest_stem(path, plan);
-  const std::vector<ManifestRow> before = read_manifest(stem + ".json");
-  std::vector<ManifestRow> rows;
+  const Json before = read_manifest(stem);
+  Json rows = Json::array();
   std::vector<std::size_t> merged;
   for (std::size_t i = 0; i < plan.films.size() && !is_interrupted(); ++i)
     if (succeeds(plan.films[i].path, [&] { rows.push_back(merge_film(plan, i, before)); }))
