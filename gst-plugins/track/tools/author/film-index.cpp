@@ -75,14 +75,14 @@ void note_frame(GstPad *pad, const GstBuffer *buffer, IndexScan &scan) {
 
 // The edit list of an MP4 may show parts of the video in any order and at any speed. Neither
 // MPEG-TS nor Matroska can.
-void refuse_edits(GstElement *pipeline, GstEvent *event, IndexScan &scan) {
+void refuse_edits(GstEvent *event, IndexScan &scan) {
   if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
     return;
   const GstSegment *segment = nullptr;
   gst_event_parse_segment(event, &segment);
   const gint64 edit = static_cast<gint64>(segment->base) - static_cast<gint64>(segment->start);
   if (segment->rate * segment->applied_rate != 1 || scan.edit.value_or(edit) != edit)
-    GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT, ("%s", messages::kFilmIsEdited), (nullptr));
+    throw_error(messages::kFilmIsEdited);
   scan.edit = edit;
 }
 
@@ -105,13 +105,13 @@ void scan_film(FilmStreams &film, IndexScan &scan) {
     if (std::string rotation = rotation_of(event); !rotation.empty())
       scan.rotation = std::move(rotation);
     if (is_edited)
-      refuse_edits(pipeline, event, scan);
+      refuse_edits(event, scan);
   });
-  refuse_other_size(pipeline, film.video());
+  refuse_other_size(film.video());
   for (GstPad *pad : film.others()) // a copy has one haptic track
-    watch_buffers(pad, [=](GstPad *, GstBuffer *buffer) {
+    watch_buffers(pad, [](GstPad *, GstBuffer *buffer) {
       if (is_own_track(buffer))
-        GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT, ("%s", messages::kVideoHasTrack), (nullptr));
+        throw_error(messages::kVideoHasTrack);
     });
   for (GstPad *pad : film.all()) {
     watch_buffers(pad, [&](GstPad *at, GstBuffer *any) { raise(scan.end, end_of(at, any)); });
@@ -197,29 +197,19 @@ void check_whole(const IndexScan &scan, GstClockTime duration, bool counts_from_
 
 } // namespace
 
-void refuse_other_size(GstElement *pipeline, GstPad *pad) {
-  struct Seen {
-    FrameSize size;
-    double position = 0; // s
-  };
-  const auto seen = std::make_shared<Seen>();
-  watch_buffers(pad, [seen](GstPad *at, GstBuffer *buffer) {
+void refuse_other_size(GstPad *pad) {
+  const auto position = std::make_shared<double>(0); // s
+  watch_buffers(pad, [position](GstPad *at, GstBuffer *buffer) {
     if (const auto time = running_time_of(at, buffer); GST_CLOCK_TIME_IS_VALID(time))
-      seen->position = seconds(time);
+      *position = seconds(time);
   });
-  watch_events(pad, [seen, pipeline](GstPad *, GstEvent *event) {
+  watch_events(pad, [position, before = FrameSize{}](GstPad *, GstEvent *event) mutable {
     const GstCaps *caps = caps_in(event);
     const FrameSize size = caps ? size_in(caps) : FrameSize{};
-    if (size.width == 0)
-      return true;
-    const FrameSize before = std::exchange(seen->size, size);
-    if (before.width == 0 || before == size)
-      return true;
-    GST_ELEMENT_ERROR(pipeline, STREAM, FORMAT,
-                      (messages::kFrameSizeChanges, before.width, before.height, size.width,
-                       size.height, seen->position),
-                      (nullptr));
-    return false;
+    if (size.width > 0 && before.width > 0 && size != before)
+      throw_error(messages::kFrameSizeChanges, before.width, before.height, size.width, size.height,
+                  *position);
+    before = size.width > 0 ? size : before;
   });
 }
 

@@ -40,7 +40,7 @@ struct FilmIndex {
 /// Reads the whole film without decoding it. Throws TrackFileError if it cannot be authored.
 FilmIndex index_film(const std::string &path);
 
-/// Lets an error message be posted if the caps of the pad change the size of the frames.
-void refuse_other_size(GstElement *pipeline, GstPad *pad);
+/// Ends the pipeline of the pad with an error if its caps change the size of the frames.
+void refuse_other_size(GstPad *pad);
 
 } // namespace haptic

@@ -45,7 +45,6 @@ struct Measuring {
   bool over = false;
   std::unique_ptr<TrackForm> form; // with the encoder
   ChunkStats stats;
-  std::string failure;
   MotionField field; // kept for its memory
 
   KeyRequests keys{std::numeric_limits<std::size_t>::max()}; // the queue limits them
@@ -81,10 +80,9 @@ bool watch_coded(Measuring &all, GstPad *pad, const GstBuffer *buffer) {
 
 // ---- frames -------------------------------------------------------------------------------------
 
-void end(Measuring &all, std::string failure = {}) {
+void end(Measuring &all) {
   if (std::exchange(all.over, true))
     return;
-  all.failure = std::move(failure);
   GstElement *pipeline = all.film.pipeline();
   gst_element_post_message(
       pipeline, gst_message_new_application(GST_OBJECT(pipeline), gst_structure_new_empty("over")));
@@ -167,6 +165,8 @@ std::vector<std::uint8_t> renumbered(MotionField &field, std::size_t span) {
 }
 
 void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
+  if (all.repeats || all.over)
+    return;
   const ReadableBuffer readable(buffer);
   if (!readable || !unpack_motion_field(readable.bytes(), all.field))
     return;
@@ -195,16 +195,6 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
   all.position = time;
 }
 
-void convert_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
-  if (all.repeats || all.over)
-    return;
-  try {
-    write_field(all, pad, buffer);
-  } catch (const std::exception &error) {
-    end(all, error.what());
-  }
-}
-
 // ---- the pipeline -------------------------------------------------------------------------------
 
 // Links video -> decoder -> videoflip -> motionfield. The decoder has a pad when it has seen a
@@ -231,12 +221,12 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   link_elements(field, sink);
   watch_buffers(all.film.video(), [&all](auto... coded) { return watch_coded(all, coded...); });
   const PadPtr in(gst_element_get_static_pad(convert, "sink"));
-  refuse_other_size(pipeline, in.get());
+  refuse_other_size(in.get());
   const PadPtr frames(gst_element_get_static_pad(flip, "src"));
   watch_buffers(frames.get(), [&all](auto... decoded) { return divide_frames(all, decoded...); });
   all.field_in.reset(gst_element_get_static_pad(field, "sink"));
   const PadPtr fields(gst_element_get_static_pad(field, "src"));
-  watch_buffers(fields.get(), [&all](auto... made) { convert_field(all, made...); });
+  watch_buffers(fields.get(), [&all](auto... made) { write_field(all, made...); });
   all.film.watch(fields.get());
   link_when_added(decoder, convert);
   link_pad(all.film.video(), queue);
@@ -284,8 +274,6 @@ measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold
   Measuring all{.spans = index.spans, .range = range, .hold = hold, .out = out, .film = film};
   build(all, columns, direction_of(index.rotation));
   film.play([&] { report(all.frames, all.position); });
-  if (!all.failure.empty())
-    throw TrackFileError(all.failure);
   if (all.stats.frames == 0)
     throw_error(messages::kNoFrameIsDecoded);
   return all.stats;

@@ -10,12 +10,11 @@
 
 #include <algorithm>
 #include <array>
-#include <exception>
-#include <gst/app/gstappsink.h>
 #include <gst/pbutils/pbutils.h>
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -119,19 +118,21 @@ public:
   }
 
 private:
-  GstElement *link_sink(GstPad *pad, const char *parser, const char *form) {
+  void link(GstPad *pad, const char *parser, const char *form, bool is_sound) {
     GstElement *parse = add_element(film_.pipeline(), parser);
-    GstElement *sink = add_element(film_.pipeline(), "appsink");
-    const CapsPtr caps(gst_caps_from_string(form));
-    g_object_set(sink, "caps", caps.get(), "sync", FALSE, "async", FALSE, nullptr);
-    GstAppSinkCallbacks callbacks = {};
-    callbacks.new_sample = [](GstAppSink *from, gpointer data) {
-      return static_cast<Reading *>(data)->pull(from);
-    };
-    gst_app_sink_set_callbacks(GST_APP_SINK(sink), &callbacks, this, nullptr);
-    link_elements(parse, sink);
+    GstElement *filter = add_element(film_.pipeline(), "capsfilter");
+    gst_util_set_object_arg(G_OBJECT(filter), "caps", form);
+    link_elements(parse, filter);
     link_pad(pad, parse);
-    return sink;
+    const PadPtr out(gst_element_get_static_pad(filter, "src"));
+    read_to_end(film_.pipeline(), out.get());
+    watch_buffers(out.get(), [this, is_sound](GstPad *at, GstBuffer *buffer) {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(failed_, true)) // by an exception
+        return;
+      push(at, buffer, is_sound);
+      failed_ = false;
+    });
   }
 
   void link_video() {
@@ -141,14 +142,9 @@ private:
     // A browser shows no rotation of these containers.
     watch_events(film_.video(), [this](GstPad *, GstEvent *event) {
       if (const std::string turn = rotation_of(event); !turn.empty() && turn != "rotate-0")
-        GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FORMAT,
-                          (messages::kBrowserLacksVideo, path_.c_str(), kSideways), (nullptr));
+        throw_error(messages::kBrowserLacksVideo, path_.c_str(), kSideways);
     });
-    // What an edit list hides before the first shown frame, this frame depends on.
-    gst_base_sink_set_drop_out_of_segment(
-        GST_BASE_SINK(
-            link_sink(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au")),
-        FALSE);
+    link(film_.video(), "h264parse", "video/x-h264,stream-format=avc,alignment=au", false);
   }
 
   // The first sound is read.
@@ -156,10 +152,10 @@ private:
     const CapsPtr aac(gst_caps_from_string("audio/mpeg,mpegversion={2,4}"));
     for (GstPad *pad : film_.audio()) {
       const CapsPtr caps = caps_of(pad);
-      if (sound_sink_)
+      if (pad != film_.audio().front())
         leave_out(pad);
       else if (gst_caps_can_intersect(caps.get(), aac.get()))
-        sound_sink_ = link_sink(pad, "aacparse", "audio/mpeg,stream-format=raw");
+        link(pad, "aacparse", "audio/mpeg,stream-format=raw", true);
       else
         throw_error(messages::kBrowserLacksSound, path_.c_str(),
                     description_of(caps.get()).c_str());
@@ -230,23 +226,27 @@ private:
       call_(std::move(frame));
   }
 
-  void push(GstSample *sample, bool is_sound) {
-    GstBuffer *buffer = gst_sample_get_buffer(sample);
+  void push(GstPad *pad, GstBuffer *buffer, bool is_sound) {
+    const CapsPtr caps = caps_of(pad);
     if (!is_sound)
-      read_video_format(gst_sample_get_caps(sample));
+      read_video_format(caps.get());
     else if (format_.sound.empty())
-      read_sound_format(gst_sample_get_caps(sample));
-    const GstSegment *segment = gst_sample_get_segment(sample);
-    if (GST_CLOCK_TIME_IS_VALID(segment->stop) && GST_BUFFER_PTS_IS_VALID(buffer) &&
-        GST_BUFFER_PTS(buffer) >= segment->stop)
-      return;
+      read_sound_format(caps.get());
+    GstSegment segment = segment_of(pad).value();
+    const GstClockTime begin = GST_BUFFER_PTS(buffer);
     guint64 time = 0;
-    const gint sign = GST_BUFFER_PTS_IS_VALID(buffer)
-                          ? gst_segment_to_stream_time_full(segment, GST_FORMAT_TIME,
-                                                            GST_BUFFER_PTS(buffer), &time)
+    const gint sign = GST_CLOCK_TIME_IS_VALID(begin)
+                          ? gst_segment_to_stream_time_full(&segment, GST_FORMAT_TIME, begin, &time)
                           : 0;
     if (sign == 0)
       throw_error(messages::kFilmHasNoTimes, path_.c_str());
+    const GstClockTime length = GST_BUFFER_DURATION(buffer);
+    if (!is_sound)
+      segment.start = 0; // the first shown frame depends on those that an edit list hides before it
+    if (!gst_segment_clip(&segment, GST_FORMAT_TIME, begin,
+                          GST_CLOCK_TIME_IS_VALID(length) ? begin + length : length, nullptr,
+                          nullptr))
+      return;
     const std::int64_t signed_time = sign * static_cast<std::int64_t>(time);
     if (!is_sound)
       return push_video(buffer, signed_time);
@@ -254,23 +254,8 @@ private:
       call_({true, false, signed_time, {readable.bytes().begin(), readable.bytes().end()}});
   }
 
-  GstFlowReturn pull(GstAppSink *sink) {
-    const SamplePtr sample(gst_app_sink_pull_sample(sink));
-    const std::lock_guard lock(mutex_);
-    if (!sample || failed_)
-      return GST_FLOW_EOS;
-    try {
-      push(sample.get(), GST_ELEMENT(sink) == sound_sink_);
-    } catch (const std::exception &error) {
-      failed_ = true;
-      GST_ELEMENT_ERROR(film_.pipeline(), STREAM, FAILED, ("%s", error.what()), (nullptr));
-    }
-    return GST_FLOW_OK;
-  }
-
   const std::string path_;
   const std::function<void(FilmFrame &&)> &call_;
-  GstElement *sound_sink_ = nullptr;
   // Of the streaming threads, one at a time.
   std::mutex mutex_;
   FilmFormat format_;

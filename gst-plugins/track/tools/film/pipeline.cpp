@@ -86,6 +86,13 @@ GstCaps *caps_in(GstEvent *event) {
   return caps;
 }
 
+void fail(GstPad *pad, const char *text) {
+  GstObject *top = GST_OBJECT(pad);
+  while (GST_OBJECT_PARENT(top))
+    top = GST_OBJECT_PARENT(top);
+  GST_ELEMENT_ERROR(top, STREAM, FAILED, ("%s", text), (nullptr));
+}
+
 MessagePtr wait_for(GstElement *pipeline, GstMessageType wanted, const Poll &poll) {
   const BusPtr bus(gst_element_get_bus(pipeline));
   std::string missing;

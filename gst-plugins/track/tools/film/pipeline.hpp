@@ -6,6 +6,7 @@
 #include "track-error.hpp"
 
 #include <atomic>
+#include <exception>
 #include <functional>
 #include <gst/gst.h>
 #include <optional>
@@ -43,16 +44,26 @@ GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer);
 /// Returns the caps of a caps event, or null.
 GstCaps *caps_in(GstEvent *event);
 
+/// Ends the pipeline of the pad with an error of this text, which wait_for() throws.
+void fail(GstPad *pad, const char *text);
+
 /// Calls `call` with the pad and what passes it, in the pad's streaming thread, as long as the pad
-/// exists. What `call` returns false for is dropped.
+/// exists. What `call` returns false for is dropped. An exception of `call` ends the pipeline with
+/// its text, and drops a buffer.
 template <GstPadProbeType type, auto content_of, typename Call>
 void add_probe(GstPad *pad, Call call) {
   const auto run = [](GstPad *at, GstPadProbeInfo *info, gpointer data) {
     Call &with = *static_cast<Call *>(data);
-    if constexpr (std::is_void_v<decltype(with(at, content_of(info)))>)
-      with(at, content_of(info));
-    else if (!with(at, content_of(info)))
-      return GST_PAD_PROBE_DROP;
+    try {
+      if constexpr (std::is_void_v<decltype(with(at, content_of(info)))>)
+        with(at, content_of(info));
+      else if (!with(at, content_of(info)))
+        return GST_PAD_PROBE_DROP;
+    } catch (const std::exception &error) {
+      fail(at, error.what());
+      if (type == GST_PAD_PROBE_TYPE_BUFFER) // without its segment, a pad warns of each buffer
+        return GST_PAD_PROBE_DROP;
+    }
     return GST_PAD_PROBE_OK;
   };
   gst_pad_add_probe(pad, type, run, new Call(std::move(call)),
