@@ -95,27 +95,22 @@ CodedForm form_of(GstPad *pad) {
   return form;
 }
 
-// Whether it is the first slice of a picture: the first bit behind its header says that (H.265), or
-// that its first macroblock is 0 (H.264).
-bool is_first_slice(std::span<const std::uint8_t> unit, bool is_h265) {
-  const std::size_t header = is_h265 ? 2 : 1;
-  if (unit.size() <= header || (unit[header] & 0x80) == 0)
-    return false;
-  const unsigned type = is_h265 ? unit[0] >> 1 & 0x3FU : unit[0] & 0x1FU;
-  return is_h265 ? type < 32 : type == 1 || type == 2 || type == 5;
+// Whether a NAL unit with this first byte is a slice.
+bool is_slice(std::uint8_t first, bool is_h265) {
+  const int type = is_h265 ? first >> 1 & 0x3F : first & 0x1F;
+  return is_h265 ? type < 32 : type > 0 && type < 6;
 }
 
-// Returns where the first slice of a picture begins, with its length or start code; or the size.
+// Returns where the first slice of an access unit begins, with its length or start code; or the
+// size. Another message may have to be the first one (H.264, 7.4.1.2.3).
 std::size_t find_picture(std::span<const std::uint8_t> bytes, const CodedForm &form) {
   constexpr std::uint8_t kStartCode[] = {0, 0, 1};
   const std::size_t head = form.length_size > 0 ? form.length_size : std::size(kStartCode);
   for (std::size_t at = 0; at + head < bytes.size();) {
-    if (form.length_size == 0) {
-      const auto code = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end(),
-                                    std::begin(kStartCode), std::end(kStartCode));
-      at = static_cast<std::size_t>(code - bytes.begin());
-    }
-    if (at + head < bytes.size() && is_first_slice(bytes.subspan(at + head), form.is_h265))
+    if (form.length_size == 0)
+      at = static_cast<std::size_t>(std::ranges::search(bytes.subspan(at), kStartCode).begin() -
+                                    bytes.begin());
+    if (at + head < bytes.size() && is_slice(bytes[at + head], form.is_h265))
       return at;
     if (form.length_size > 0)
       read_unit(bytes, at, head);
