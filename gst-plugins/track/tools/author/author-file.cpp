@@ -255,11 +255,7 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
   {
     FilmStreams streams(film.path, FilmUse::copy);
     build(film, streams, track, part.path(), mark);
-    const bool is_dnxhd =
-        g_str_equal(name_of(caps_of(streams.video()).get()), "video/x-dnxhd") != FALSE;
     streams.play();
-    if (is_dnxhd)
-      name_dnxhd(part.path());
   }
   std::string copy = stem + film.index.ending;
   part.keep_as(copy);

@@ -5,9 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -120,18 +117,16 @@ GstPadProbeReturn drop_early(GstPad *pad, GstPadProbeInfo *info, gpointer) {
   return segment && !is_unknown_aac(caps_of(pad).get()) ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
 }
 
-// The ID of an element of Matroska (RFC 9559).
-constexpr std::string_view kCluster = "\x1f\x43\xb6\x75";
-constexpr std::string_view kHuffyuvCode = "HFYU"; // the codec's name in a BITMAPINFOHEADER
-constexpr std::string_view kDnxhdCode = "AVdn";
-constexpr std::size_t kHeaderSize = 1 << 16; // the tracks stand before the first cluster
-
-// Reads what stands before the first cluster.
-std::string read_header(std::fstream &file) {
-  std::string header(kHeaderSize, '\0');
-  file.read(header.data(), static_cast<std::streamsize>(header.size()));
-  file.clear();
-  return header.substr(0, header.find(kCluster));
+// matroskamux has no name for DNxHD. It writes such a stream as HuffYUV, and this puts the name
+// there by which others know DNxHD in V_MS/VFW/FOURCC.
+GstPadProbeReturn name_dnxhd(GstPad *, GstPadProbeInfo *info, gpointer) {
+  std::size_t at = 0;
+  edit_buffer<std::string>(info, [&](std::string &bytes) {
+    at = bytes.find("HFYU");
+    if (at != bytes.npos)
+      bytes.replace(at, 4, "AVdn");
+  });
+  return at == std::string::npos ? GST_PAD_PROBE_OK : GST_PAD_PROBE_REMOVE;
 }
 
 } // namespace
@@ -229,6 +224,9 @@ PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mu
     last = add_element(pipeline.get(), "capssetter");
     form.reset(gst_caps_from_string(is_text ? kPlainText : kHuffyuv));
     g_object_set(last, "caps", form.get(), "join", FALSE, nullptr);
+    if (!is_text)
+      gst_pad_add_probe(PadPtr(gst_element_get_static_pad(mux, "src")).get(),
+                        GST_PAD_PROBE_TYPE_BUFFER, name_dnxhd, nullptr, nullptr);
   }
   if (last != queue)
     link_elements(queue, last);
@@ -251,16 +249,6 @@ PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mu
     throw_error(messages::kMuxerHasNoPlace, name_of(caps));
   link_pad(pad, queue);
   return from_pad;
-}
-
-void name_dnxhd(const std::string &path) {
-  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-  if (const std::size_t at = read_header(file).find(kHuffyuvCode); at != std::string::npos) {
-    file.seekp(static_cast<std::streamoff>(at));
-    file << kDnxhdCode << std::flush;
-  }
-  if (!file)
-    throw_error(messages::kOutputFails, path.c_str(), std::strerror(errno));
 }
 
 } // namespace haptic

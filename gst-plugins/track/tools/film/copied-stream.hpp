@@ -64,8 +64,4 @@ void link_when_added(GstElement *from, GstElement *to);
 PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,
                    bool is_matroska);
 
-/// matroskamux has no name for DNxHD. Where it wrote such a stream as HuffYUV, this writes the name
-/// by which others know DNxHD, "AVdn" in V_MS/VFW/FOURCC. Throws TrackFileError.
-void name_dnxhd(const std::string &path);
-
 } // namespace haptic
