@@ -200,36 +200,28 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
 // Links video -> decoder -> videoflip -> motionfield. The decoder has a pad when it has seen a
 // frame. Upright frames pass videoflip as they are.
 void build(Measuring &all, unsigned columns, const char *direction) {
-  GstElement *pipeline = all.film.pipeline();
-  GstElement *queue = add_queue(pipeline, kQueueBytes);
-  GstElement *decoder = add_element(pipeline, "decodebin");
-  GstElement *convert = add_element(pipeline, "videoconvert");
-  GstElement *flip = add_element(pipeline, "videoflip");
-  gst_util_set_object_arg(G_OBJECT(flip), "video-direction",
-                          g_str_equal(direction, "auto") ? "identity" : direction);
-  GstElement *field = add_element(pipeline, "motionfield");
-  GstElement *sink = add_element(pipeline, "fakesink");
-  g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
+  std::string line = format_text(
+      "queue max-size-bytes=%u max-size-buffers=0 max-size-time=0 ! decodebin ! videoconvert "
+      "name=convert ! videoflip name=flip video-direction=%s ! motionfield name=field",
+      kQueueBytes, g_str_equal(direction, "auto") ? "identity" : direction);
   if (columns > 0)
-    g_object_set(field, "field-columns", columns, nullptr);
+    line += format_text(" field-columns=%u", columns);
   if (all.hold.chooses)
-    g_object_set(field, "things", kChosenThings, nullptr);
-  all.field_element = field;
-  link_elements(queue, decoder);
-  link_elements(convert, flip);
-  link_elements(flip, field);
-  link_elements(field, sink);
+    line += format_text(" things=%u", kChosenThings);
+  GstElement *bin = add_bin(all.film.pipeline(), line + " ! fakesink async=false sync=false");
+  const auto pad_of = [bin](const char *element, const char *pad) {
+    return PadPtr(gst_element_get_static_pad(element_in(bin, element).get(), pad));
+  };
   watch_buffers(all.film.video(), [&all](auto... coded) { return watch_coded(all, coded...); });
-  const PadPtr in(gst_element_get_static_pad(convert, "sink"));
-  refuse_other_size(in.get());
-  const PadPtr frames(gst_element_get_static_pad(flip, "src"));
-  watch_buffers(frames.get(), [&all](auto... decoded) { return divide_frames(all, decoded...); });
-  all.field_in.reset(gst_element_get_static_pad(field, "sink"));
-  const PadPtr fields(gst_element_get_static_pad(field, "src"));
+  refuse_other_size(pad_of("convert", "sink").get());
+  watch_buffers(pad_of("flip", "src").get(),
+                [&all](auto... decoded) { return divide_frames(all, decoded...); });
+  all.field_element = element_in(bin, "field").get(); // the bin's
+  all.field_in = pad_of("field", "sink");
+  const PadPtr fields = pad_of("field", "src");
   watch_buffers(fields.get(), [&all](auto... made) { write_field(all, made...); });
   all.film.watch(fields.get());
-  link_when_added(decoder, convert);
-  link_pad(all.film.video(), queue);
+  link_pad(all.film.video(), bin);
   for (const auto *others : {&all.film.audio(), &all.film.others()})
     for (GstPad *pad : *others)
       discard_stream(pad);

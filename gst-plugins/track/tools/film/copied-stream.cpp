@@ -199,16 +199,6 @@ void link_pad(GstPad *pad, GstElement *to) {
     throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 
-void link_when_added(GstElement *from, GstElement *to) {
-  g_signal_connect(from, "pad-added", G_CALLBACK(+[](GstElement *, GstPad *pad, gpointer data) {
-                     const PadPtr sink(
-                         gst_element_get_static_pad(static_cast<GstElement *>(data), "sink"));
-                     if (!gst_pad_is_linked(sink.get()))
-                       gst_pad_link(pad, sink.get());
-                   }),
-                   to);
-}
-
 PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,
                    bool is_matroska) {
   const ElementPtr pipeline(GST_ELEMENT(gst_element_get_parent(mux)));

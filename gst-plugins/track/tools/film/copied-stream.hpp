@@ -57,8 +57,6 @@ GstElement *add_queue(GstElement *pipeline, guint bytes);
 GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path);
 void link_elements(GstElement *from, GstElement *to);
 void link_pad(GstPad *pad, GstElement *to);
-/// Links the first pad that `from` gets.
-void link_when_added(GstElement *from, GstElement *to);
 /// Links the stream of the pad, which will be `offset` ns later, to the muxer behind a queue: only
 /// its form changes. Returns the pad that is linked to the muxer.
 PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,

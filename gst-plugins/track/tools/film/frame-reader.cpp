@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/frame-reader.hpp"
 
-#include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "glue/display-orientation.hpp"
 
@@ -20,21 +19,14 @@ constexpr GstClockTime kPatience = 5 * GST_SECOND;
 std::vector<Frame> read_frames(const std::string &path, const std::vector<std::uint64_t> &times,
                                int width, int height) {
   std::vector<Frame> frames(times.size());
-  FilePipeline file(path, "decodebin");
   // With these properties decodebin leaves the sound out: unlinked, it could keep it from starting.
-  const CapsPtr video(gst_caps_from_string("video/x-raw(ANY)"));
-  g_object_set(file.reader(), "caps", video.get(), "expose-all-streams", FALSE, nullptr);
-  const std::string line =
-      format_text("videoconvert ! videoflip video-direction=%s ! videoscale add-borders=false ! "
+  FilePipeline file(
+      path, "decodebin caps=video/x-raw(ANY) expose-all-streams=false",
+      format_text(" ! videoconvert ! videoflip video-direction=%s ! videoscale add-borders=false ! "
                   "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width=%d,height=%d ! "
                   "appsink name=out sync=false max-buffers=2",
-                  direction_of(orientation_in(path)), width, height);
-  GstElement *rest = gst_parse_bin_from_description(line.c_str(), TRUE, nullptr);
-  if (!rest)
-    return frames;
-  gst_bin_add(GST_BIN(file.get()), rest);
-  link_when_added(file.reader(), rest);
-  const ElementPtr out = element_in(rest, "out");
+                  direction_of(orientation_in(path)), width, height));
+  const ElementPtr out = element_in(file.get(), "out");
   gst_element_set_state(file.get(), GST_STATE_PAUSED);
   if (gst_element_get_state(file.get(), nullptr, nullptr, kPatience) != GST_STATE_CHANGE_SUCCESS)
     return frames;

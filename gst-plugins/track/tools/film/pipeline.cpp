@@ -26,6 +26,25 @@ std::string error_of(GstMessage *message) {
   return reason ? format_text("%s (%s)", error->message, reason) : error->message;
 }
 
+// Returns the pipeline of a line, or a bin with ghost pads.
+ElementPtr parse_line(const std::string &line, bool is_bin) {
+  GError *wrong = nullptr;
+  GstParseContext *context = gst_parse_context_new();
+  ElementPtr parsed(
+      is_bin ? gst_parse_bin_from_description_full(line.c_str(), TRUE, context, GST_PARSE_FLAG_NONE,
+                                                   &wrong)
+             : gst_parse_launch_full(line.c_str(), context, GST_PARSE_FLAG_NONE, &wrong));
+  const ErrorPtr error(wrong);
+  const std::unique_ptr<gchar *, decltype(&g_strfreev)> missing(
+      gst_parse_context_get_missing_elements(context), g_strfreev);
+  gst_parse_context_free(context);
+  if (missing)
+    throw_error(messages::kElementIsMissing, *missing);
+  if (!parsed || error)
+    throw TrackFileError(error ? error->message : "unknown");
+  return parsed;
+}
+
 } // namespace
 
 GstElement *add_element(GstElement *pipeline, const char *factory) {
@@ -37,12 +56,13 @@ GstElement *add_element(GstElement *pipeline, const char *factory) {
 }
 
 ElementPtr make_pipeline(const std::string &line) {
-  GError *wrong = nullptr;
-  ElementPtr pipeline(gst_parse_launch(line.c_str(), &wrong));
-  const ErrorPtr error(wrong);
-  if (!pipeline || error)
-    throw TrackFileError(error ? error->message : "unknown");
-  return pipeline;
+  return parse_line(line, false);
+}
+
+GstElement *add_bin(GstElement *pipeline, const std::string &line) {
+  GstElement *bin = parse_line(line, true).release(); // a floating reference
+  gst_bin_add(GST_BIN(pipeline), bin);
+  return bin;
 }
 
 ElementPtr element_in(GstElement *pipeline, const char *name) {
@@ -129,16 +149,16 @@ void Flow::check(const char *sentence, GstClockTime longest) {
     throw_error("%s", format_text(sentence, static_cast<int>(longest / GST_SECOND)).c_str());
 }
 
-FilePipeline::FilePipeline(const std::string &path, const char *reader) {
+FilePipeline::FilePipeline(const std::string &path, const std::string &reader,
+                           const std::string &rest) {
   gst_init(nullptr, nullptr);
-  pipeline_.reset(GST_ELEMENT(gst_object_ref_sink(gst_pipeline_new(nullptr))));
-  GstElement *source = add_element(get(), "filesrc");
-  reader_ = add_element(get(), reader);
-  g_object_set(source, "location", path.c_str(), nullptr);
+  pipeline_ = make_pipeline("filesrc name=source ! " + reader + " name=reader" + rest);
+  reader_ = element_in(get(), "reader").get(); // the pipeline's
+  const ElementPtr source = element_in(get(), "source");
+  g_object_set(source.get(), "location", path.c_str(), nullptr);
   if (g_signal_lookup("autoplug-select", G_OBJECT_TYPE(reader_)) != 0)
     open_content_only(reader_, messages::kFileNamesOthers);
-  link_elements(source, reader_);
-  watch(PadPtr(gst_element_get_static_pad(source, "src")).get());
+  watch(PadPtr(gst_element_get_static_pad(source.get(), "src")).get());
 }
 
 MessagePtr FilePipeline::run(GstState state, GstMessageType wanted, const char *sentence,

@@ -27,6 +27,9 @@ GstElement *add_element(GstElement *pipeline, const char *factory);
 
 /// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.
 ElementPtr make_pipeline(const std::string &line);
+/// The pipeline owns the bin, whose pads are those that the line leaves unlinked. Throws
+/// TrackFileError.
+GstElement *add_bin(GstElement *pipeline, const std::string &line);
 /// Returns the element of this name, or null.
 ElementPtr element_in(GstElement *pipeline, const char *name);
 
@@ -116,9 +119,9 @@ private:
 /// opened (glue/content-only.hpp).
 class FilePipeline {
 public:
-  /// The file flows to a `reader`: parsebin, decodebin or a demuxer. Throws TrackFileError.
-  /// Initializes GStreamer.
-  FilePipeline(const std::string &path, const char *reader);
+  /// The file flows to a `reader`: parsebin, decodebin or a demuxer, with its properties; `rest` is
+  /// what follows it, " ! " first. Throws TrackFileError. Initializes GStreamer.
+  FilePipeline(const std::string &path, const std::string &reader, const std::string &rest = {});
   ~FilePipeline() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
   FilePipeline(const FilePipeline &) = delete;
   FilePipeline &operator=(const FilePipeline &) = delete;
