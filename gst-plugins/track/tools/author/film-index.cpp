@@ -8,7 +8,7 @@
 #include "tracks/track-file.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -31,23 +31,15 @@ struct KeyFrame {
 };
 
 struct IndexScan {
-  std::vector<KeyFrame> keys; // the video's streaming thread, as the rest
+  FilmIndex &index; // the video's streaming thread, as the rest; rotation as the tag has it
+  std::vector<KeyFrame> keys = {};
   std::uint64_t frames = 0;
-  std::string rotation;       // as the tag has it
-  std::uint64_t position = 0; // ns, the end of the video that was read
-  std::uint64_t lead = 0;     // ns, of frames that an edit list hides before the first shown one
-  std::uint64_t begin = 0;    // ns, time stamp at running time 0
-  std::uint64_t hidden = 0;   // their number
-  std::optional<gint64> edit; // ns, running time at 0 of the media
-  // ns, the end of all streams that were read: sound may be longer. Any streaming thread.
-  std::atomic<std::uint64_t> end = 0;
+  std::uint64_t begin = 0;         // ns, time stamp at running time 0
+  std::uint64_t hidden = 0;        // frames that an edit list hides before the first shown one
+  std::optional<gint64> edit = {}; // ns, running time at 0 of the media
+  // ns, the ends of the streams, each of its own thread: sound may be longer.
+  std::deque<std::uint64_t> ends = {};
 };
-
-void raise(std::atomic<std::uint64_t> &time, std::uint64_t to) {
-  for (std::uint64_t before = time; before < to;)
-    if (time.compare_exchange_weak(before, to))
-      break;
-}
 
 // Returns the end of a buffer in running time, ns; 0 if it has no time.
 std::uint64_t end_of(GstPad *pad, const GstBuffer *buffer) {
@@ -62,13 +54,13 @@ void note_frame(GstPad *pad, const GstBuffer *buffer, IndexScan &scan) {
   if (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) && GST_CLOCK_TIME_IS_VALID(time))
     scan.keys.push_back({time, scan.frames});
   ++scan.frames;
-  scan.position = std::max(scan.position, end_of(pad, buffer));
+  scan.index.duration = std::max(scan.index.duration, end_of(pad, buffer));
   const auto segment = segment_of(pad);
   if (!segment || !GST_BUFFER_PTS_IS_VALID(buffer))
     return;
   scan.begin = segment->start;
   if (GST_BUFFER_PTS(buffer) < segment->start) {
-    scan.lead = std::max(scan.lead, segment->start - GST_BUFFER_PTS(buffer));
+    scan.index.lead = std::max(scan.index.lead, segment->start - GST_BUFFER_PTS(buffer));
     ++scan.hidden;
   }
 }
@@ -103,7 +95,7 @@ void scan_film(FilmStreams &film, IndexScan &scan) {
   watch_buffers(film.video(), [&](GstPad *pad, GstBuffer *frame) { note_frame(pad, frame, scan); });
   watch_events(film.video(), [&](GstPad *, GstEvent *event) {
     if (std::string rotation = rotation_of(event); !rotation.empty())
-      scan.rotation = std::move(rotation);
+      scan.index.rotation = std::move(rotation);
     if (is_edited)
       refuse_edits(event, scan);
   });
@@ -114,7 +106,9 @@ void scan_film(FilmStreams &film, IndexScan &scan) {
         throw_error(messages::kVideoHasTrack);
     });
   for (GstPad *pad : film.all()) {
-    watch_buffers(pad, [&](GstPad *at, GstBuffer *any) { raise(scan.end, end_of(at, any)); });
+    watch_buffers(pad, [&end = scan.ends.emplace_back()](GstPad *at, GstBuffer *any) {
+      end = std::max(end, end_of(at, any));
+    });
     read_to_end(pipeline, pad);
   }
   film.play();
@@ -166,19 +160,20 @@ std::vector<Span> divide(const std::vector<KeyFrame> &keys) {
   return spans;
 }
 
-void warn_of_sparse_keys(const IndexScan &scan, FilmIndex &index) {
+void warn_of_sparse_keys(const IndexScan &scan) {
   std::uint64_t longest = 0;
   for (std::size_t i = 0; i < scan.keys.size(); ++i) {
-    const std::uint64_t next = i + 1 < scan.keys.size() ? scan.keys[i + 1].time : scan.position;
+    const std::uint64_t next =
+        i + 1 < scan.keys.size() ? scan.keys[i + 1].time : scan.index.duration;
     longest = std::max(longest, next - std::min(next, scan.keys[i].time));
   }
   if (longest > kSparse)
-    index.warnings.push_back(format_text(messages::kKeysAreSparse, seconds(longest)));
+    scan.index.warnings.push_back(format_text(messages::kKeysAreSparse, seconds(longest)));
 }
 
 // The copy holds the rotation in the coded video. A film that is a copy has it there already.
-void find_rotation(const std::string &path, bool has_message, const std::string &tag,
-                   FilmIndex &index) {
+void find_rotation(const std::string &path, bool has_message, FilmIndex &index) {
+  const std::string tag = std::exchange(index.rotation, "");
   if (has_message && !orientation_unit(tag, false).empty())
     index.rotation = tag;
   else if (has_message && tag.empty())
@@ -189,7 +184,7 @@ void find_rotation(const std::string &path, bool has_message, const std::string 
 
 // The length that Matroska states counts from time stamp 0.
 void check_whole(const IndexScan &scan, GstClockTime duration, bool counts_from_zero) {
-  const std::uint64_t position = scan.end + (counts_from_zero ? scan.begin : 0);
+  const std::uint64_t position = std::ranges::max(scan.ends) + (counts_from_zero ? scan.begin : 0);
   if (GST_CLOCK_TIME_IS_VALID(duration) && position < duration && duration - position > kMissing &&
       static_cast<double>(duration - position) > kMissingShare * static_cast<double>(duration))
     throw_error(messages::kFileEndsEarly, seconds(position), seconds(duration));
@@ -215,8 +210,8 @@ void refuse_other_size(GstPad *pad) {
 
 FilmIndex index_film(const std::string &path) {
   FilmStreams film(path, FilmUse::copy);
-  IndexScan scan;
   FilmIndex index;
+  IndexScan scan{index};
   index.ending = choose_ending(path, film);
   find_warnings(film, index);
   const CapsPtr caps = caps_of(film.video());
@@ -228,14 +223,12 @@ FilmIndex index_film(const std::string &path) {
   scan_film(film, scan);
   check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE,
               is_matroska(path));
-  index.duration = scan.position;
-  index.lead = scan.lead;
   if (scan.hidden > 0)
     index.warnings.push_back(
         format_text(messages::kHiddenFrames, static_cast<unsigned long long>(scan.hidden)));
   index.spans = divide(scan.keys);
-  warn_of_sparse_keys(scan, index);
-  find_rotation(path, has_message, scan.rotation, index);
+  warn_of_sparse_keys(scan);
+  find_rotation(path, has_message, index);
   return index;
 }
 
