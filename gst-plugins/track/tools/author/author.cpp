@@ -150,79 +150,48 @@ bool copies_differ(std::vector<std::string> &files, const AuthorOptions &options
 
 // ---- several at a time --------------------------------------------------------------------------
 
-// A process for each video: one that crashes or runs out of memory ends no other.
-class Processes {
-public:
-  Processes(const std::vector<std::string> &files, const AuthorOptions &options)
-      : files_(files), options_(options) {}
+// Starts a process for a video: one that crashes or runs out of memory ends no other.
+pid_t start(const std::string &path, const AuthorOptions &options) {
+  std::fflush(nullptr);
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid < 0)
+    throw_error(messages::kProcessFails, std::strerror(errno));
+  if (pid > 0)
+    return pid;
+  prctl(PR_SET_PDEATHSIG, SIGTERM); // nobody works on for a dead one
+  const int status = getppid() == parent ? author_one(path, options) : EXIT_FAILURE;
+  std::fflush(nullptr);
+  _exit(status);
+}
 
-  int run(unsigned jobs) {
-    std::size_t next = 0;
-    while (next < files_.size() || !running_.empty()) {
-      if (!is_interrupted() && next < files_.size() && running_.size() < jobs)
-        start(files_[next++]);
-      else if (running_.empty())
-        break;
-      else
-        wait_for_one();
+// Returns how often each exit status came. After a signal, other videos are not begun.
+std::map<int, std::size_t> author_each(const std::vector<std::string> &files,
+                                       const AuthorOptions &options, unsigned jobs) {
+  std::map<pid_t, std::string> running;
+  std::map<int, std::size_t> counts;
+  for (auto next = files.begin();;) {
+    if (!is_interrupted() && next != files.end() && running.size() < jobs) {
+      running[start(*next, options)] = *next;
+      ++next;
+      continue;
     }
-    return summary();
-  }
-
-private:
-  void start(const std::string &path) {
-    std::fflush(nullptr);
-    const pid_t parent = getpid();
-    const pid_t pid = fork();
-    if (pid < 0)
-      throw_error(messages::kProcessFails, std::strerror(errno));
-    if (pid > 0) {
-      running_[pid] = path;
-      return;
-    }
-    prctl(PR_SET_PDEATHSIG, SIGTERM); // nobody works on for a dead one
-    const int status = getppid() == parent ? author_one(path, options_) : EXIT_FAILURE;
-    std::fflush(nullptr);
-    _exit(status);
-  }
-
-  void wait_for_one() {
+    if (running.empty())
+      return counts;
     int status = 0;
     const pid_t pid = waitpid(-1, &status, 0);
     if (pid < 0) { // a signal came
-      for (const auto &[running, path] : running_)
-        kill(running, SIGTERM);
-      return;
+      for (const auto &[process, path] : running)
+        kill(process, SIGTERM);
+      continue;
     }
     if (!WIFEXITED(status))
-      print_error(format_text(messages::kProcessCrashed, running_[pid].c_str(),
+      print_error(format_text(messages::kProcessCrashed, running[pid].c_str(),
                               strsignal(WTERMSIG(status))));
-    ++counts_[WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE];
-    running_.erase(pid);
+    ++counts[WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE];
+    running.erase(pid);
   }
-
-  int summary() {
-    rusage usage{};
-    getrusage(RUSAGE_CHILDREN, &usage);
-    const std::size_t failed = counts_[EXIT_FAILURE];
-    const std::size_t done = counts_[EXIT_SUCCESS] + counts_[kExists] + failed;
-    std::printf("%zu written, %zu there already, %zu failed", counts_[EXIT_SUCCESS],
-                counts_[kExists], failed);
-    if (is_interrupted())
-      std::printf(", %zu not done: run it again to go on", files_.size() - done);
-    std::printf("; %.0f s, at most %ld MB a process\n", seconds_since(begun_),
-                usage.ru_maxrss / 1024);
-    if (is_interrupted())
-      return kInterrupted;
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
-  }
-
-  const std::vector<std::string> &files_;
-  const AuthorOptions &options_;
-  std::map<pid_t, std::string> running_;
-  std::map<int, std::size_t> counts_; // of exit statuses
-  const Clock::time_point begun_ = Clock::now();
-};
+}
 
 // JSON holds no other names.
 void check_name(const std::string &path) {
@@ -364,7 +333,20 @@ int author(const std::vector<std::string> &files, const AuthorOptions &options, 
   if (!copies_differ(different, options))
     return EXIT_FAILURE;
   stop_when_interrupted();
-  return Processes(different, options).run(jobs);
+  const auto begun = Clock::now();
+  auto counts = author_each(different, options, jobs);
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const std::size_t failed = counts[EXIT_FAILURE];
+  const std::size_t done = counts[EXIT_SUCCESS] + counts[kExists] + failed;
+  std::printf("%zu written, %zu there already, %zu failed", counts[EXIT_SUCCESS], counts[kExists],
+              failed);
+  if (is_interrupted())
+    std::printf(", %zu not done: run it again to go on", different.size() - done);
+  std::printf("; %.0f s, at most %ld MB a process\n", seconds_since(begun), usage.ru_maxrss / 1024);
+  if (is_interrupted())
+    return kInterrupted;
+  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &options,
