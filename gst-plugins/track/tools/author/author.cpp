@@ -93,7 +93,7 @@ private:
 void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
   const std::string path = chunk_path(film, spans, options);
   const std::string mark = chunk_mark(film, spans, options);
-  if (ChunkReader(path, mark).state() == ChunkState::whole)
+  if (!ChunkReader(path, mark).problem())
     return;
   ChunkWriter out(path, mark);
   Progress progress(film, spans);
@@ -217,12 +217,8 @@ std::vector<ChunkReader> open_chunks(const Plan &plan, std::size_t film) {
     const SpanRange spans = plan.chunks[k].spans;
     const std::string path = chunk_path(plan.films[film], spans, plan.options);
     chunks.emplace_back(path, chunk_mark(plan.films[film], spans, plan.options));
-    const ChunkState state = chunks.back().state();
-    if (state != ChunkState::whole)
-      throw_error(state == ChunkState::missing   ? messages::kChunkIsMissing
-                  : state == ChunkState::damaged ? messages::kChunkIsDamaged
-                                                 : messages::kChunkIsForeign,
-                  path.c_str(), k);
+    if (const char *problem = chunks.back().problem())
+      throw_error("%s", format_text(problem, path.c_str(), k).c_str());
   }
   return chunks;
 }

@@ -42,7 +42,7 @@ ChunkReader::ChunkReader(const std::string &path, const std::string &mark) {
   file_.reset(g_mapped_file_new(path.c_str(), FALSE, nullptr));
   if (!file_)
     return;
-  state_ = ChunkState::damaged;
+  problem_ = messages::kChunkIsDamaged;
   const std::string_view all(g_mapped_file_get_contents(file_.get()),
                              g_mapped_file_get_length(file_.get()));
   const std::size_t from = all.size() > kLongestLine ? all.size() - kLongestLine : 0;
@@ -61,7 +61,7 @@ ChunkReader::ChunkReader(const std::string &path, const std::string &mark) {
     forget();
   }
   if (held_sum == hash.digits())
-    state_ = held_mark == mark ? ChunkState::whole : ChunkState::foreign;
+    problem_ = held_mark == mark ? nullptr : messages::kChunkIsForeign;
 }
 
 std::span<const std::uint8_t> ChunkReader::fields() const noexcept {

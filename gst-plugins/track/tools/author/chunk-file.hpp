@@ -5,6 +5,7 @@
 
 #include "forms/klv.hpp"
 #include "part-file.hpp"
+#include "track-error.hpp"
 #include "tracks/source-mark.hpp"
 
 #include <cstdint>
@@ -34,17 +35,12 @@ private:
   ContentHash hash_;
 };
 
-enum class ChunkState {
-  whole,
-  missing,
-  damaged,
-  foreign ///< of another film or version, or with other settings
-};
-
 class ChunkReader {
 public:
   ChunkReader(const std::string &path, const std::string &mark);
-  ChunkState state() const noexcept { return state_; }
+  /// Returns what is wrong with it, a sentence of messages.hpp for its path and number; null: it is
+  /// whole, and of this film, version and settings.
+  const char *problem() const noexcept { return problem_; }
   const ChunkStats &stats() const noexcept { return stats_; }
   /// All fields, as sets of KLV. They stay valid while this object exists.
   std::span<const std::uint8_t> fields() const noexcept;
@@ -54,7 +50,7 @@ public:
 private:
   std::unique_ptr<GMappedFile, decltype(&g_mapped_file_unref)> file_{nullptr, g_mapped_file_unref};
   std::size_t size_ = 0; // bytes of the fields
-  ChunkState state_ = ChunkState::missing;
+  const char *problem_ = messages::kChunkIsMissing;
   ChunkStats stats_;
 };
 

@@ -10,8 +10,8 @@
 namespace chunk_file_test {
 
 namespace fs = std::filesystem;
+namespace messages = haptic::messages;
 using haptic::ChunkReader;
-using haptic::ChunkState;
 using haptic::CodedField;
 using test::content_of;
 using test::TemporaryFolder;
@@ -29,7 +29,7 @@ protected:
     writer.finish({.frames = fields.size(), .confidence = 123'456});
   }
 
-  ChunkState state(const char *mark = kMark) const { return ChunkReader(path, mark).state(); }
+  const char *problem(const char *mark = kMark) const { return ChunkReader(path, mark).problem(); }
 
   const TemporaryFolder folder;
   const std::string path = folder.path_of("film.haptic.chunk-0-1");
@@ -39,7 +39,7 @@ protected:
 TEST_F(ChunkFile, WhatWasWrittenIsRead) {
   write(track);
   const ChunkReader reader(path, kMark);
-  ASSERT_EQ(reader.state(), ChunkState::whole);
+  ASSERT_EQ(reader.problem(), nullptr);
   EXPECT_EQ(reader.stats().frames, track.size());
   EXPECT_EQ(reader.stats().confidence, 123'456U);
   for (int round = 0; round < 2; ++round) {
@@ -56,12 +56,12 @@ TEST_F(ChunkFile, CutAnywhereItIsDamaged) {
   // Without its last newline it is whole.
   for (auto size = fs::file_size(path) - 2; size > 0; --size) {
     fs::resize_file(path, size);
-    ASSERT_EQ(state(), ChunkState::damaged) << size << " bytes";
+    ASSERT_STREQ(problem(), messages::kChunkIsDamaged) << size << " bytes";
   }
   fs::resize_file(path, 0);
-  EXPECT_EQ(state(), ChunkState::damaged);
+  EXPECT_STREQ(problem(), messages::kChunkIsDamaged);
   fs::remove(path);
-  EXPECT_EQ(state(), ChunkState::missing);
+  EXPECT_STREQ(problem(), messages::kChunkIsMissing);
 }
 
 TEST_F(ChunkFile, OneOtherByteInAFieldDamagesIt) {
@@ -72,14 +72,14 @@ TEST_F(ChunkFile, OneOtherByteInAFieldDamagesIt) {
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 1);
     folder.write(fs::path(path).filename(), changed);
-    ASSERT_EQ(state(), ChunkState::damaged) << at;
+    ASSERT_STREQ(problem(), messages::kChunkIsDamaged) << at;
   }
 }
 
 TEST_F(ChunkFile, OneOfAnotherFilmIsForeign) {
   write(track);
-  EXPECT_EQ(state(kOtherMark), ChunkState::foreign);
-  EXPECT_EQ(state(), ChunkState::whole);
+  EXPECT_STREQ(problem(kOtherMark), messages::kChunkIsForeign);
+  EXPECT_EQ(problem(), nullptr);
 }
 
 TEST_F(ChunkFile, AClaimOfMoreFramesThanThereAreNumbersIsDamage) {
@@ -87,7 +87,7 @@ TEST_F(ChunkFile, AClaimOfMoreFramesThanThereAreNumbersIsDamage) {
   std::string claims = content_of(path);
   claims.insert(claims.rfind(kMark) + sizeof kMark, 30, '9'); // behind the mark and a blank
   folder.write(fs::path(path).filename(), claims);
-  EXPECT_EQ(state(), ChunkState::damaged);
+  EXPECT_STREQ(problem(), messages::kChunkIsDamaged);
 }
 
 TEST_F(ChunkFile, AnUnfinishedOneLeavesNothing) {
