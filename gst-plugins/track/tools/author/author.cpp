@@ -101,15 +101,6 @@ void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &opti
                            std::ref(progress)));
 }
 
-// Removes a chunk at the end, also after an error.
-struct Removed {
-  std::string path;
-  ~Removed() {
-    std::error_code error;
-    fs::remove(path, error);
-  }
-};
-
 int author_one(const std::string &path, const AuthorOptions &options) {
   const auto begun = Clock::now();
   AuthoredFilm film;
@@ -318,9 +309,11 @@ AuthoredFilm author_film(const std::string &path, const AuthorOptions &options) 
   print_warnings(film);
   const SpanRange all = {0, film.index.spans.size()};
   measure(film, all, options);
-  const Removed chunk{chunk_path(film, all, options)};
+  const std::string path_of_chunk = chunk_path(film, all, options);
   std::vector<ChunkReader> chunks;
-  chunks.emplace_back(chunk.path, chunk_mark(film, all, options));
+  chunks.emplace_back(path_of_chunk, chunk_mark(film, all, options));
+  std::error_code error;
+  fs::remove(path_of_chunk, error); // its content stays while it is mapped
   return {write_copy(film, options, chunks), chunks[0].stats().frames};
 }
 
