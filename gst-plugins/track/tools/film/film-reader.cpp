@@ -9,11 +9,10 @@
 #include "glue/gst-raii.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstring>
 #include <gst/pbutils/pbutils.h>
 #include <mutex>
 #include <span>
-#include <string_view>
 #include <utility>
 
 namespace haptic {
@@ -65,27 +64,18 @@ std::vector<std::uint8_t> codec_data_of(const GstStructure *structure) {
                   : std::vector<std::uint8_t>();
 }
 
-std::string text_of(const GstStructure *structure, const char *field) {
-  const char *text = gst_structure_get_string(structure, field);
-  return text ? text : "";
-}
-
 // Returns what of the video no browser plays, or nothing.
 std::string unplayable(const GstStructure *caps) {
-  constexpr std::array<std::string_view, 7> kProfiles = {
-      "constrained-baseline", "baseline",         "main", "high",
-      "progressive-high",     "constrained-high", ""};
-  const std::string profile = text_of(caps, "profile");
-  if (std::ranges::find(kProfiles, profile) == kProfiles.end())
-    return "H.264 of the profile " + profile;
-  const std::string chroma = text_of(caps, "chroma-format");
-  if (!chroma.empty() && chroma != "4:2:0")
-    return "frames of the colour format " + chroma;
-  const std::string interlacing = text_of(caps, "interlace-mode");
-  const std::string coded = text_of(caps, "coded-picture-structure");
-  if ((!interlacing.empty() && interlacing != "progressive") ||
-      (!coded.empty() && coded != "frame"))
-    return "interlaced frames";
+  constexpr const char *kPlayed[][3] = {
+      {"profile", "constrained-baseline main constrained-high progressive-high",
+       "H.264 of the profile %s"},
+      {"chroma-format", "4:2:0", "frames of the colour format %s"},
+      {"interlace-mode", "progressive", "interlaced frames"},
+      {"coded-picture-structure", "frame", "interlaced frames"}};
+  for (const auto &[field, played, what] : kPlayed)
+    if (const char *text = gst_structure_get_string(caps, field);
+        text && !std::strstr(played, text)) // "baseline" and "high" end other names
+      return format_text(what, text);
   return {};
 }
 
