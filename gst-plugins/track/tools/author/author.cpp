@@ -31,8 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLineEvery = std::chrono::seconds(10); // of progress
-constexpr int kExists = 3;                            // exit status of a process
+constexpr int kExists = 3; // exit status of a process
 
 int status_of_failure() {
   return is_interrupted() ? kInterrupted : EXIT_FAILURE;
@@ -61,34 +60,6 @@ double seconds_since(Clock::time_point time) {
 
 // ---- one film -----------------------------------------------------------------------------------
 
-// Prints a line about the work on some spans now and then.
-class Progress {
-public:
-  Progress(const PlannedFilm &film, SpanRange spans) : name_(film.path) {
-    const auto &all = film.index.spans;
-    begin_ = all[spans.begin].begin;
-    length_ = (spans.end < all.size() ? all[spans.end].begin : film.index.duration) - begin_;
-  }
-
-  void operator()(std::uint64_t frames, std::uint64_t position) {
-    if (Clock::now() - shown_ < kLineEvery || position <= begin_ || length_ == 0)
-      return;
-    shown_ = Clock::now();
-    const double done =
-        std::min(1.0, static_cast<double>(position - begin_) / static_cast<double>(length_));
-    const double seconds = seconds_since(begun_);
-    std::fprintf(stderr, "\"%s\": %.0f %%, %.0f frames a second, %.0f s left\n", name_.c_str(),
-                 100 * done, static_cast<double>(frames) / seconds, seconds * (1 - done) / done);
-  }
-
-private:
-  std::string name_;
-  std::uint64_t begin_ = 0; // ns
-  std::uint64_t length_ = 0;
-  const Clock::time_point begun_ = Clock::now();
-  Clock::time_point shown_ = begun_;
-};
-
 // Measures the spans, unless they were.
 void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
   const std::string path = chunk_path(film, spans, options);
@@ -96,9 +67,7 @@ void measure(const PlannedFilm &film, SpanRange spans, const AuthorOptions &opti
   if (!ChunkReader(path, mark).problem())
     return;
   ChunkWriter out(path, mark);
-  Progress progress(film, spans);
-  out.finish(measure_spans(film.path, options.columns, options.hold, film.index, spans, out,
-                           std::ref(progress)));
+  out.finish(measure_spans(film.path, options.columns, options.hold, film.index, spans, out));
 }
 
 int author_one(const std::string &path, const AuthorOptions &options) {

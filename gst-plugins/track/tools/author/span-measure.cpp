@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <cstdio>
+#include <cstring>
 #include <deque>
 #include <iterator>
 #include <limits>
@@ -52,9 +54,6 @@ struct Measuring {
   // Whether an edit list hides coded frames, and one begins with the video. Set by that thread.
   std::atomic<bool> hides = false;
   std::atomic<bool> begins_at_frame = false;
-
-  std::atomic<std::uint64_t> frames = 0;
-  std::atomic<std::uint64_t> position = 0; // ns
 
   std::uint64_t begin_of(std::size_t span) const {
     return span < spans.size() ? spans[span].begin : kNoEnd;
@@ -191,15 +190,27 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
     }
   ++all.stats.frames;
   all.stats.confidence += mean_confidence(all.field);
-  all.frames = all.stats.frames;
-  all.position = time;
 }
 
 // ---- the pipeline -------------------------------------------------------------------------------
 
+// Prints the progress of the fields to stderr. progressreport prints a line at the end, too: that
+// of a short film is left out.
+void report_progress(GstElement *pipeline, const std::string &path, GstElement *bin) {
+  g_set_print_handler([](const gchar *text) {
+    if (!std::strstr(text, " (00:00:0"))
+      std::fputs(text, stderr);
+  });
+  GstElement *progress = gst_element_factory_make("progressreport", path.c_str());
+  g_object_set(progress, "update-freq", 10, nullptr); // s
+  gst_bin_add(GST_BIN(pipeline), progress);
+  link_elements(bin, progress);
+  read_to_end(pipeline, PadPtr(gst_element_get_static_pad(progress, "src")).get());
+}
+
 // Links video -> decoder -> videoflip -> motionfield. The decoder has a pad when it has seen a
 // frame. Upright frames pass videoflip as they are.
-void build(Measuring &all, unsigned columns, const char *direction) {
+void build(Measuring &all, const std::string &path, unsigned columns, const char *direction) {
   std::string line = format_text(
       "queue max-size-bytes=%u max-size-buffers=0 max-size-time=0 ! decodebin ! videoconvert "
       "name=convert ! videoflip name=flip video-direction=%s ! motionfield name=field",
@@ -208,7 +219,7 @@ void build(Measuring &all, unsigned columns, const char *direction) {
     line += format_text(" field-columns=%u", columns);
   if (all.hold.chooses)
     line += format_text(" things=%u", kChosenThings);
-  GstElement *bin = add_bin(all.film.pipeline(), line + " ! fakesink async=false sync=false");
+  GstElement *bin = add_bin(all.film.pipeline(), line);
   const auto pad_of = [bin](const char *element, const char *pad) {
     return PadPtr(gst_element_get_static_pad(element_in(bin, element).get(), pad));
   };
@@ -221,6 +232,7 @@ void build(Measuring &all, unsigned columns, const char *direction) {
   const PadPtr fields = pad_of("field", "src");
   watch_buffers(fields.get(), [&all](auto... made) { write_field(all, made...); });
   all.film.watch(fields.get());
+  report_progress(all.film.pipeline(), path, bin);
   link_pad(all.film.video(), bin);
   for (const auto *others : {&all.film.audio(), &all.film.others()})
     for (GstPad *pad : *others)
@@ -258,14 +270,12 @@ std::string write_hold_points(std::span<const HoldPoint> points) {
   return text;
 }
 
-ChunkStats
-measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
-              const FilmIndex &index, SpanRange range, ChunkWriter &out,
-              const std::function<void(std::uint64_t frames, std::uint64_t position)> &report) {
+ChunkStats measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
+                         const FilmIndex &index, SpanRange range, ChunkWriter &out) {
   FilmStreams film(path, FilmUse::decode);
   Measuring all{.spans = index.spans, .range = range, .hold = hold, .out = out, .film = film};
-  build(all, columns, direction_of(index.rotation));
-  film.play([&] { report(all.frames, all.position); });
+  build(all, path, columns, direction_of(index.rotation));
+  film.play();
   if (all.stats.frames == 0)
     throw_error(messages::kNoFrameIsDecoded);
   return all.stats;

@@ -5,7 +5,6 @@
 #include "author/chunk-file.hpp"
 #include "author/film-index.hpp"
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,11 +45,8 @@ struct SpanRange {
 
 /// Writes the fields of these spans, of the upright frame. They depend on the film, on `columns`
 /// (0: as motionfield has it) and on `hold` alone, not on the range: things end with their span.
-/// `report` is called some times a second with
-/// what was measured so far; what it throws ends the work. Throws TrackFileError.
-ChunkStats
-measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
-              const FilmIndex &index, SpanRange range, ChunkWriter &out,
-              const std::function<void(std::uint64_t frames, std::uint64_t position)> &report);
+/// Prints every 10 s to stderr how much of the film has passed. Throws TrackFileError.
+ChunkStats measure_spans(const std::string &path, unsigned columns, const HoldOptions &hold,
+                         const FilmIndex &index, SpanRange range, ChunkWriter &out);
 
 } // namespace haptic

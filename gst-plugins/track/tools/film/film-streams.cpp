@@ -72,7 +72,7 @@ void FilmStreams::sort() {
 // demuxer that finds the damage while it starts, and nothing more is read.
 void FilmStreams::wait_for_streams(GstClockTime longest) {
   const MessagePtr message = file_.run(GST_STATE_PAUSED, GST_MESSAGE_STREAM_COLLECTION,
-                                       messages::kFileStandsStill, {}, longest);
+                                       messages::kFileStandsStill, longest);
   GstStreamCollection *collection = nullptr;
   gst_message_parse_stream_collection(message.get(), &collection);
   const std::size_t count = gst_stream_collection_get_size(collection);
@@ -84,7 +84,7 @@ void FilmStreams::wait_for_streams(GstClockTime longest) {
     throw_error(messages::kStreamsAreUnclear);
 }
 
-void FilmStreams::play(const Poll &poll, GstClockTime longest_standstill) {
+void FilmStreams::play(GstClockTime longest_standstill) {
   gst_bin_sync_children_states(GST_BIN(pipeline()));
   for (const auto &[pad, probe] : streams_) {
     file_.watch(pad.get());
@@ -95,7 +95,7 @@ void FilmStreams::play(const Poll &poll, GstClockTime longest_standstill) {
   // queue.
   file_.run(GST_STATE_PLAYING,
             static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_APPLICATION),
-            messages::kFilmStandsStill, poll, longest_standstill);
+            messages::kFilmStandsStill, longest_standstill);
 }
 
 GstElement *read_to_end(GstElement *pipeline, GstPad *pad) {

@@ -35,7 +35,7 @@ public:
   /// Lets the streams flow, each of which is linked, to their end or until an application message.
   /// Nothing flows after it, also if it throws TrackFileError with the error of the pipeline, or
   /// because nothing flowed for so long.
-  void play(const Poll &poll = {}, GstClockTime longest_standstill = kLongestStandstill);
+  void play(GstClockTime longest_standstill = kLongestStandstill);
 
 private:
   static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);

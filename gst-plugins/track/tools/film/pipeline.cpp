@@ -162,13 +162,9 @@ FilePipeline::FilePipeline(const std::string &path, const std::string &reader,
 }
 
 MessagePtr FilePipeline::run(GstState state, GstMessageType wanted, const char *sentence,
-                             const Poll &poll, GstClockTime longest) {
+                             GstClockTime longest) {
   gst_element_set_state(get(), state);
-  return wait_for(get(), wanted, [&] {
-    if (poll)
-      poll();
-    flow_.check(sentence, longest);
-  });
+  return wait_for(get(), wanted, [&] { flow_.check(sentence, longest); });
 }
 
 } // namespace haptic

@@ -133,7 +133,7 @@ public:
   void watch(GstPad *pad) { flow_.watch(pad); }
   /// Sets the state, and waits as wait_for() does. Throws the sentence after so long without
   /// progress.
-  MessagePtr run(GstState state, GstMessageType wanted, const char *sentence, const Poll &poll = {},
+  MessagePtr run(GstState state, GstMessageType wanted, const char *sentence,
                  GstClockTime longest = kLongestStandstill);
 
 private:

@@ -80,7 +80,7 @@ void play_slowly(bool watched) {
   const haptic::PadPtr end(gst_element_get_static_pad(sink, "sink"));
   if (watched)
     film.watch(end.get());
-  film.play({}, 2 * GST_SECOND);
+  film.play(2 * GST_SECOND);
 }
 
 TEST(FilmStreams, WorkThatGoesOnWhenAllIsReadIsProgress) {
