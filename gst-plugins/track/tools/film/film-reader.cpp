@@ -8,7 +8,6 @@
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <gst/pbutils/pbutils.h>
 #include <mutex>

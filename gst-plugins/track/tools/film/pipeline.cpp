@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film/pipeline.hpp"
 
-#include "film/copied-stream.hpp"
 #include "glue/content-only.hpp"
 #include "glue/segment-time.hpp"
 
