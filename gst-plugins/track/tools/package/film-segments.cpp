@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <ranges>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -75,101 +77,35 @@ void choose_starts(const std::vector<PlannedFrame> &frames, FilmPlan &plan) {
     plan.longest = std::max(plan.longest, plan.start_of(i + 1) - plan.start_of(i));
 }
 
-// Returns the presentation of the frame of the same time as the field.
-std::int64_t frame_at(const FilmPlan &plan, std::int64_t time) {
-  const auto after = std::ranges::lower_bound(plan.times, time - kSameTime);
-  return after != plan.times.end() && *after <= time + kSameTime ? *after : time;
+// Returns the segment that holds a time, but none before the one with the number `first`.
+FilmSegment &segment_at(std::vector<FilmSegment> &segments, std::size_t first, std::int64_t time) {
+  const auto rest = segments | std::views::drop(first + 1);
+  return *std::prev(std::ranges::upper_bound(rest, time, {}, &FilmSegment::start));
 }
 
-// Returns the fields and reliefs with times of this film's frames, and key fields at each start.
-std::vector<CodedField> track_of(const FilmPlan &plan, std::span<const CodedField> track) {
-  std::vector<CodedField> fields;
-  for (const CodedField &coded : track)
-    fields.push_back(
-        {coded.bytes,
-         static_cast<std::uint64_t>(frame_at(plan, static_cast<std::int64_t>(coded.time))),
-         coded.duration, coded.kind, coded.things});
+// Returns the segments with their fields, which get the times of this film's frames. The first
+// field of each segment is a key field.
+std::vector<FilmSegment> segments_of(const FilmPlan &plan, std::span<const CodedField> track) {
+  std::vector<FilmSegment> segments;
   std::vector<std::uint64_t> starts;
-  starts.reserve(plan.starts.size());
-  for (std::size_t i = 0; i < plan.starts.size(); ++i)
+  for (std::size_t i = 0; i < plan.starts.size(); ++i) {
+    segments.push_back({i, plan.start_of(i), plan.start_of(i + 1), {}, {}, {}});
     starts.push_back(static_cast<std::uint64_t>(plan.start_of(i)));
-  return with_keys_at(fields, starts);
+  }
+  std::vector<CodedField> fields(track.begin(), track.end());
+  for (CodedField &field : fields) {
+    const auto time = static_cast<std::int64_t>(field.time);
+    const auto frame = std::ranges::lower_bound(plan.times, time - kSameTime);
+    if (frame != plan.times.end() && *frame <= time + kSameTime)
+      field.time = static_cast<std::uint64_t>(*frame);
+  }
+  fields = with_keys_at(fields, starts);
+  for (const CodedField &field : fields) {
+    const auto time = static_cast<std::int64_t>(field.time);
+    segment_at(segments, 0, time).fields.push_back({ticks_of(time), field.kind, write_klv(field)});
+  }
+  return segments;
 }
-
-// Collects the frames of the segments.
-class Collector {
-public:
-  Collector(const FilmPlan &plan, std::span<const CodedField> track,
-            const std::function<void(const FilmSegment &)> &call)
-      : plan_(plan), fields_(track_of(plan, track)), call_(call) {}
-
-  void push_video(FilmFrame &&frame) {
-    if (skipped_ < plan_.skipped) {
-      ++skipped_;
-      return;
-    }
-    const std::size_t i = count_++;
-    if (i >= plan_.times.size())
-      return; // of a file that grows
-    const std::int64_t next = i + 1 < plan_.times.size() ? plan_.times[i + 1] : plan_.end;
-    frames_.push_back({ticks_of(frame.time - plan_.origin), ticks_of(plan_.times[i]),
-                       ticks_of(next) - ticks_of(plan_.times[i]), frame.is_idr,
-                       std::move(frame.bytes)});
-  }
-
-  void push_sound(FilmFrame &&frame) {
-    const std::int64_t time = frame.time - plan_.origin;
-    heard_ = std::max(heard_, time);
-    if (time >= 0 && time < plan_.end)
-      sounds_.push_back({time, std::move(frame.bytes)});
-  }
-
-  // Finishes the segments that are complete.
-  void finish(bool over) {
-    while (number_ < plan_.starts.size()) {
-      const std::int64_t end = plan_.start_of(number_ + 1);
-      const std::size_t last =
-          number_ + 1 < plan_.starts.size() ? plan_.starts[number_ + 1] : plan_.times.size();
-      const bool is_heard = heard_ >= std::min(end, plan_.last_sound);
-      if (!over && (count_ < last || !is_heard))
-        return;
-      finish_segment(last - plan_.starts[number_], end);
-    }
-  }
-
-private:
-  void finish_segment(std::size_t count, std::int64_t end) {
-    FilmSegment segment{number_, plan_.start_of(number_), end, {}, {}, {}};
-    const bool is_last = ++number_ == plan_.starts.size();
-    const auto last =
-        frames_.begin() + static_cast<std::ptrdiff_t>(std::min(count, frames_.size()));
-    std::move(frames_.begin(), last, std::back_inserter(segment.frames));
-    frames_.erase(frames_.begin(), last);
-    const auto heard = std::ranges::find_if(
-        sounds_, [&](const SegmentSound &sound) { return !is_last && sound.time >= end; });
-    std::move(sounds_.begin(), heard, std::back_inserter(segment.sounds));
-    sounds_.erase(sounds_.begin(), heard);
-    for (; field_ < fields_.size(); ++field_) {
-      const CodedField &field = fields_[field_];
-      const auto time = static_cast<std::int64_t>(field.time);
-      if (!is_last && time >= end)
-        break;
-      segment.fields.push_back({ticks_of(time), field.kind, write_klv(field)});
-    }
-    call_(segment);
-  }
-
-  const FilmPlan &plan_;
-  std::vector<CodedField> fields_;
-  const std::function<void(const FilmSegment &)> &call_;
-  std::size_t number_ = 0; // of the segment
-  std::size_t skipped_ = 0;
-  std::size_t count_ = 0; // of frames that were read
-  std::size_t field_ = 0; // the next one
-  std::int64_t heard_ = -1;
-  std::vector<SegmentFrame> frames_;
-  std::vector<SegmentSound> sounds_;
-};
 
 } // namespace
 
@@ -201,15 +137,35 @@ FilmPlan plan_film(const std::string &path) {
 void for_each_segment(const std::string &path, const FilmPlan &plan,
                       std::span<const CodedField> track,
                       const std::function<void(const FilmSegment &)> &call) {
-  Collector collector(plan, track, call);
+  std::vector<FilmSegment> segments = segments_of(plan, track); // empty after their call
+  std::size_t next = 0;                                         // the first that is not complete
+  std::size_t count = 0;                                        // of frames that were read
+  std::int64_t heard = -1;
+  const auto finish = [&](bool over) {
+    while (next < segments.size()) {
+      const std::int64_t end = segments[next].end;
+      const bool is_seen = count == plan.times.size() || plan.times[count] >= end;
+      if (!over && (!is_seen || heard < std::min(end, plan.last_sound)))
+        return;
+      call(std::exchange(segments[next++], {}));
+    }
+  };
   read_film(path, [&](FilmFrame &&frame) {
-    if (frame.is_sound)
-      collector.push_sound(std::move(frame));
-    else
-      collector.push_video(std::move(frame));
-    collector.finish(false);
+    const std::int64_t time = frame.time - plan.origin;
+    if (frame.is_sound) {
+      heard = std::max(heard, time);
+      if (time >= 0 && time < plan.end)
+        segment_at(segments, next, time).sounds.push_back({time, std::move(frame.bytes)});
+    } else if ((count > 0 || frame.is_idr) && count < plan.times.size()) { // a file may grow
+      const std::int64_t turn = plan.times[count++];
+      const std::int64_t after = count < plan.times.size() ? plan.times[count] : plan.end;
+      segment_at(segments, next, turn)
+          .frames.push_back({ticks_of(time), ticks_of(turn), ticks_of(after) - ticks_of(turn),
+                             frame.is_idr, std::move(frame.bytes)});
+    }
+    finish(false);
   });
-  collector.finish(true);
+  finish(true);
 }
 
 } // namespace haptic
