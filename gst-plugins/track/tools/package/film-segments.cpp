@@ -53,20 +53,17 @@ void sort_groups(const std::string &path, std::vector<PlannedFrame> &frames, Fil
 // Begins a segment at the first IDR frame after the wanted length, or before where that would be
 // too long.
 void choose_starts(const std::vector<PlannedFrame> &frames, FilmPlan &plan) {
-  plan.starts = {0};
-  std::int64_t last = 0; // IDR frame within the segment, 0: none
-  std::size_t last_index = 0;
+  plan.starts = {plan.times[0]};
+  std::int64_t last = plan.times[0]; // IDR frame within the segment
   for (std::size_t i = 1; i <= frames.size(); ++i) {
     if (i < frames.size() && !frames[i].is_idr)
       continue;
     const std::int64_t time = i < frames.size() ? plan.times[i] : plan.end;
-    const std::int64_t start = plan.times[plan.starts.back()];
-    if (time - start > kLongest && last - start >= kShortest)
-      plan.starts.push_back(last_index);
-    if (i < frames.size() && time - plan.times[plan.starts.back()] >= kWanted)
-      plan.starts.push_back(i);
+    if (time - plan.starts.back() > kLongest && last - plan.starts.back() >= kShortest)
+      plan.starts.push_back(last);
+    if (i < frames.size() && time - plan.starts.back() >= kWanted)
+      plan.starts.push_back(time);
     last = time;
-    last_index = i;
   }
   // The rest of the film may be short.
   const std::size_t count = plan.starts.size();

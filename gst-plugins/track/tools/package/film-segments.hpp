@@ -24,17 +24,17 @@ constexpr std::int64_t ticks_of(std::int64_t ns) {
 /// What is known of a film before it is cut. Times are ns from its first frame on.
 struct FilmPlan {
   FilmFormat format;
-  std::int64_t origin = 0;         ///< of the first frame in its file, ns
-  std::size_t skipped = 0;         ///< frames before the first IDR frame
-  std::vector<std::int64_t> times; ///< of presentation, in order
-  std::int64_t end = 0;            ///< of the last frame
-  std::int64_t last_sound = -1;    ///< -1: none
-  std::int64_t reordering = 0;     ///< the most by which a frame is presented before its turn
-  std::vector<std::size_t> starts; ///< the first frame of each segment
-  std::int64_t longest = 0;        ///< segment
+  std::int64_t origin = 0;          ///< of the first frame in its file, ns
+  std::size_t skipped = 0;          ///< frames before the first IDR frame
+  std::vector<std::int64_t> times;  ///< of presentation, in order
+  std::int64_t end = 0;             ///< of the last frame
+  std::int64_t last_sound = -1;     ///< -1: none
+  std::int64_t reordering = 0;      ///< the most by which a frame is presented before its turn
+  std::vector<std::int64_t> starts; ///< of the segments
+  std::int64_t longest = 0;         ///< segment
 
   std::int64_t start_of(std::size_t segment) const {
-    return segment < starts.size() ? times[starts[segment]] : end;
+    return segment < starts.size() ? starts[segment] : end;
   }
 };
 

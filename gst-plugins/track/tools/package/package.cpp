@@ -87,13 +87,8 @@ void compare_rates(const Rate &first, const Rate &other) {
     differ("one has sound");
   if (first.name == other.name)
     differ("they are the same file");
-  const auto start_differs = [&](std::size_t i) {
-    return std::abs(first.plan.start_of(i) - other.plan.start_of(i)) > kSameTime;
-  };
-  bool aligned = first.plan.starts.size() == other.plan.starts.size();
-  for (std::size_t i = 0; aligned && i < first.plan.starts.size(); ++i)
-    aligned = !start_differs(i);
-  if (!aligned)
+  if (!std::ranges::equal(first.plan.starts, other.plan.starts,
+                          [](auto a, auto b) { return std::abs(a - b) <= kSameTime; }))
     print_remarks(other.path, {messages::kRatesAreNotAligned});
 }
 
