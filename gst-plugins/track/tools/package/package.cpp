@@ -2,11 +2,12 @@
 #include "package/package.hpp"
 
 #include "author/author.hpp"
+#include "core/track-buffer.hpp"
+#include "film/pipeline.hpp"
 #include "forms/klv.hpp"
 #include "package/film-segments.hpp"
 #include "package/fragment-writer.hpp"
 #include "package/package-folder.hpp"
-#include "package/poster.hpp"
 #include "package/transport-stream.hpp"
 #include "part-file.hpp"
 #include "seconds.hpp"
@@ -18,6 +19,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <gst/app/gstappsink.h>
+#include <gst/app/gstappsrc.h>
 #include <iterator>
 #include <optional>
 
@@ -169,6 +172,32 @@ std::string playlist_of(const FilmPlan &plan, Carriage carriage) {
     text += format_text("#EXTINF:%.6f,\n%s\n", seconds(plan.start_of(i + 1) - plan.start_of(i)),
                         segment_name(i, carriage).c_str());
   return text + "#EXT-X-ENDLIST\n";
+}
+
+// Returns an IDR frame as JPEG with square pixels.
+std::vector<std::uint8_t> poster_of(const FilmFormat &format, const SegmentFrame &frame) {
+  try {
+    const ElementPtr pipeline = make_pipeline(
+        "appsrc name=in caps=video/x-h264,stream-format=byte-stream,alignment=au ! h264parse"
+        " ! decodebin caps=video/x-raw(ANY) expose-all-streams=false ! videoconvert ! videoscale"
+        " ! video/x-raw,pixel-aspect-ratio=1/1 ! jpegenc quality=85 ! appsink name=out sync=false");
+    const ElementPtr in = element_in(pipeline.get(), "in");
+    const ElementPtr out = element_in(pipeline.get(), "out");
+    const Running running(pipeline.get(), GST_STATE_PAUSED);
+    gst_app_src_push_buffer(GST_APP_SRC(in.get()),
+                            make_buffer(byte_stream_of(format, frame), 0, GST_SECOND).release());
+    gst_app_src_end_of_stream(GST_APP_SRC(in.get()));
+    Flow none;
+    wait_for(pipeline.get(), GST_MESSAGE_ASYNC_DONE,
+             [&] { none.check(messages::kFileStandsStill); });
+    const SamplePtr sample(gst_app_sink_try_pull_preroll(GST_APP_SINK(out.get()), 0));
+    if (!sample)
+      throw TrackFileError("its frames are damaged");
+    const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
+    return {readable.bytes().begin(), readable.bytes().end()};
+  } catch (const TrackFileError &failure) {
+    throw_error(messages::kPosterFails, failure.what());
+  }
 }
 
 // Writes the segments, the poster and the playlist of a rate.
