@@ -19,20 +19,19 @@ constexpr std::int64_t kTimeMask = (std::int64_t{1} << 33) - 1;
 // A unit of sound begins with the next frame once it has so many bytes.
 constexpr std::size_t kSoundUnit = 2600;
 
-constexpr std::uint8_t kH264 = 0x1B; // stream types
-constexpr std::uint8_t kAac = 0x0F;
-constexpr std::uint8_t kPrivate = 0x06;
-
-// ISO/IEC 13818-1, annex A: polynomial 0x04C11DB7.
-std::uint32_t check_of(std::span<const std::uint8_t> bytes) {
-  std::uint32_t check = 0xFFFFFFFF;
-  for (const std::uint8_t byte : bytes) {
-    check ^= std::uint32_t{byte} << 24;
-    for (int bit = 0; bit < 8; ++bit)
-      check = (check & 0x80000000U) != 0 ? check << 1 ^ 0x04C11DB7U : check << 1;
-  }
-  return check;
-}
+// Sections with their checks, behind a 0, since they begin at once (2.4.4): the program association
+// table, and the program maps without and with sound. They name the pids of the header. The streams
+// are H.264, AAC, and private data with the registration "KLVA".
+constexpr std::uint8_t kPrograms[] = {0x00, 0x00, 0xB0, 0x0D, 0x00, 0x01, 0xC1, 0x00, 0x00,
+                                      0x00, 0x01, 0xF0, 0x00, 0x2A, 0xB1, 0x04, 0xB2};
+constexpr std::uint8_t kSilent[] = {0x00, 0x02, 0xB0, 0x1D, 0x00, 0x01, 0xC1, 0x00, 0x00,
+                                    0xE1, 0x00, 0xF0, 0x00, 0x1B, 0xE1, 0x00, 0xF0, 0x00,
+                                    0x06, 0xE1, 0x02, 0xF0, 0x06, 0x05, 0x04, 'K',  'L',
+                                    'V',  'A',  0x14, 0xB1, 0xAA, 0xC9};
+constexpr std::uint8_t kSounding[] = {0x00, 0x02, 0xB0, 0x22, 0x00, 0x01, 0xC1, 0x00, 0x00, 0xE1,
+                                      0x00, 0xF0, 0x00, 0x1B, 0xE1, 0x00, 0xF0, 0x00, 0x0F, 0xE1,
+                                      0x01, 0xF0, 0x00, 0x06, 0xE1, 0x02, 0xF0, 0x06, 0x05, 0x04,
+                                      'K',  'L',  'V',  'A',  0xBA, 0x82, 0x27, 0x4C};
 
 // A time in the head of a unit, with the four bits that say which (2.4.3.7).
 void put_time(std::vector<std::uint8_t> &bytes, unsigned kind, std::int64_t ticks) {
@@ -98,35 +97,14 @@ std::vector<std::uint8_t> TransportStreamWriter::write(const FilmSegment &segmen
   return std::move(out_);
 }
 
-// The program association table and the program map (2.4.4).
 void TransportStreamWriter::put_tables() {
-  put_table(0, {0x00, 0xB0, 13, 0, 1, 0xC1, 0, 0, 0, 1,
-                static_cast<std::uint8_t>(0xE0 | tables_[1].pid >> 8),
-                static_cast<std::uint8_t>(tables_[1].pid)});
-  std::vector<std::uint8_t> map = {0x02, 0xB0, 0, 0, 1, 0xC1, 0, 0};
-  put_number(map, 0xE000 | video_.pid, 2); // has the clock
-  put_number(map, 0xF000, 2);
-  const auto put_stream = [&](std::uint8_t type, const Stream &stream,
-                              std::span<const std::uint8_t> descriptors) {
-    put_number(map, type, 1);
-    put_number(map, 0xE000 | stream.pid, 2);
-    put_number(map, 0xF000 | descriptors.size(), 2);
-    map.insert(map.end(), descriptors.begin(), descriptors.end());
-  };
-  put_stream(kH264, video_, {});
-  if (!format_.sound.empty())
-    put_stream(kAac, sound_, {});
-  constexpr std::array<std::uint8_t, 6> kRegistration = {5, 4, 'K', 'L', 'V', 'A'};
-  put_stream(kPrivate, fields_, kRegistration);
-  map[2] = static_cast<std::uint8_t>(map.size() - 3 + 4); // below 1021
-  put_table(1, std::move(map));
-}
-
-void TransportStreamWriter::put_table(unsigned number, std::vector<std::uint8_t> section) {
-  put_number(section, check_of(section), 4);
-  section.insert(section.begin(), 0); // it begins at once
-  section.resize(kPacket - kPacketHead, kFill);
-  put_packets(tables_.at(number), section, {});
+  const std::array<Bytes, 2> sections = {kPrograms,
+                                         format_.sound.empty() ? Bytes(kSilent) : Bytes(kSounding)};
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    std::vector<std::uint8_t> section(sections[i].begin(), sections[i].end());
+    section.resize(kPacket - kPacketHead, kFill);
+    put_packets(tables_[i], section, {});
+  }
 }
 
 void TransportStreamWriter::put_unit(Stream &stream, std::int64_t presentation,

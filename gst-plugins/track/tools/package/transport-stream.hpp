@@ -41,7 +41,6 @@ private:
   };
 
   void put_tables();
-  void put_table(unsigned pid, std::vector<std::uint8_t> section);
   void put_unit(Stream &stream, std::int64_t presentation, std::int64_t decoding,
                 std::vector<std::uint8_t> payload, Clock clock);
   void put_packets(Stream &stream, Bytes unit, Clock clock);
