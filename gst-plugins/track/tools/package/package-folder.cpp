@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <string_view>
+#include <regex>
 
 namespace haptic {
 namespace {
@@ -16,14 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr char kWork[] = ".package"; // hidden: a web server need not show it
 constexpr char kPage[] = "index.html";
-
-// Returns whether package() makes folders of such names: ts-0123456789abcdef.
-bool is_name_of_rate(const std::string &name) {
-  const std::size_t digits = name.find('-') + 1;
-  return (name.starts_with("ts-") || name.starts_with("mp4-") || name.starts_with("cmaf-")) &&
-         name.size() == digits + 16 &&
-         name.find_first_not_of("0123456789abcdef", digits) == std::string::npos;
-}
 
 void check(const std::string &path, const std::error_code &error) {
   if (error)
@@ -69,12 +61,6 @@ void PackageFolder::publish(const std::string &name) {
   rename_on_disk(work_ / name, path_ / name);
 }
 
-void PackageFolder::write(const std::string &name, std::span<const std::uint8_t> bytes) {
-  PartFile part(work_ / "file");
-  part.write(bytes);
-  part.keep_as(path_ / name);
-}
-
 void PackageFolder::copy_in(const std::string &path, const std::string &name) {
   PartFile part(work_ / "file");
   std::error_code error;
@@ -103,15 +89,13 @@ void PackageFolder::copy_player() {
 }
 
 void PackageFolder::finish(const std::string &playlist, const std::vector<std::string> &names) {
-  write(kMainPlaylist, {reinterpret_cast<const std::uint8_t *>(playlist.data()), playlist.size()});
+  write_bytes(path_ / kMainPlaylist, playlist);
+  const std::regex rate("(ts|mp4|cmaf)-[0-9a-f]{16}"); // the folders that package() makes or made
   std::error_code error;
-  std::vector<fs::path> old;
   for (const auto &entry : fs::directory_iterator(path_, error))
-    if (const std::string name = entry.path().filename().string();
-        is_name_of_rate(name) && std::ranges::find(names, name) == names.end())
-      old.push_back(entry.path());
-  for (const fs::path &path : old)
-    fs::remove_all(path, error);
+    if (const std::string name = entry.path().filename();
+        std::regex_match(name, rate) && std::ranges::find(names, name) == names.end())
+      fs::remove_all(entry.path(), error);
   finish();
 }
 

@@ -4,9 +4,7 @@
 
 #include "part-file.hpp"
 
-#include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -32,8 +30,6 @@ public:
   /// Returns the path of an empty folder, which publish() gives its name.
   std::string begin(const std::string &name);
   void publish(const std::string &name);
-  /// Writes a file, or over it.
-  void write(const std::string &name, std::span<const std::uint8_t> bytes);
   void copy_player();
   /// Copies a file into the folder, however large it is.
   void copy_in(const std::string &path, const std::string &name);

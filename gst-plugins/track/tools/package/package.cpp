@@ -343,7 +343,7 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
   } else {
     const std::vector<std::uint8_t> track = single_track(rate, options, folder.work());
     folder.copy_in(videos[0], kSingleFilm);
-    folder.write(kSingleTrack, track);
+    write_bytes(path / kSingleTrack, track);
     std::printf("written: %s and %s (%zu kB)\n", kSingleFilm, kSingleTrack, track.size() / 1000);
   }
   folder.copy_in(bundle, kBundle);
