@@ -131,33 +131,26 @@ void put_sound_entry(Boxes &out, const FilmFormat &format) {
   });
 }
 
-struct Track {
-  std::uint32_t number;
-  std::uint32_t scale; // ticks a second
-  const char *handler;
-  int width; // px, of presentation
-  int height;
-};
-
-template <typename Entry>
-void put_track(Boxes &out, const Track &track, const Entry &put_entry) {
-  const bool is_sound = track.number == kSound;
+void put_track(Boxes &out, const FilmFormat &format, bool is_sound) {
+  const int width = format.width * std::max(format.pixel_aspect_n, 1) /
+                    std::max(format.pixel_aspect_d, 1); // px, of presentation
   out.box("trak", [&] {
     out.full_box("tkhd", 0, 3, [&] { // enabled, in the movie
-      out.numbers(4, {0, 0, track.number, 0, 0, 0, 0});
+      out.numbers(4, {0, 0, is_sound ? kSound : kVideo, 0, 0, 0, 0});
       out.numbers(2, {0, 0, is_sound ? 0x100U : 0U, 0});
       put_matrix(out);
-      out.numbers(4, {static_cast<std::uint64_t>(track.width) << 16,
-                      static_cast<std::uint64_t>(track.height) << 16});
+      out.numbers(4, {is_sound ? 0 : static_cast<std::uint64_t>(width) << 16,
+                      is_sound ? 0 : static_cast<std::uint64_t>(format.height) << 16});
     });
     out.box("mdia", [&] {
       out.full_box("mdhd", 0, 0, [&] {
-        out.numbers(4, {0, 0, track.scale, 0});
+        out.numbers(4,
+                    {0, 0, is_sound ? static_cast<std::uint64_t>(format.sound_rate) : kTicks, 0});
         out.numbers(2, {0x55C4, 0}); // language: undetermined
       });
       out.full_box("hdlr", 0, 0, [&] {
         out.number(0, 4);
-        out.text(track.handler);
+        out.text(is_sound ? "soun" : "vide");
         out.zeros(13);
       });
       out.box("minf", [&] {
@@ -172,7 +165,7 @@ void put_track(Boxes &out, const Track &track, const Entry &put_entry) {
         out.box("stbl", [&] {
           out.full_box("stsd", 0, 0, [&] {
             out.number(1, 4);
-            put_entry();
+            is_sound ? put_sound_entry(out, format) : put_video_entry(out, format);
           });
           for (const char *empty : {"stts", "stsc", "stco"})
             out.full_box(empty, 0, 0, [&] { out.number(0, 4); });
@@ -228,14 +221,9 @@ std::vector<std::uint8_t> FragmentWriter::head() const {
       out.zeros(24);
       out.number(kSound + 1, 4);
     });
-    const Track video = {kVideo, kTicks, "vide",
-                         format_.width * std::max(format_.pixel_aspect_n, 1) /
-                             std::max(format_.pixel_aspect_d, 1),
-                         format_.height};
-    put_track(out, video, [&] { put_video_entry(out, format_); });
+    put_track(out, format_, false);
     if (has_sound)
-      put_track(out, {kSound, static_cast<std::uint32_t>(format_.sound_rate), "soun", 0, 0},
-                [&] { put_sound_entry(out, format_); });
+      put_track(out, format_, true);
     out.box("mvex", [&] {
       for (std::uint32_t track = kVideo; track <= (has_sound ? kSound : kVideo); ++track)
         out.full_box("trex", 0, 0, [&] { out.numbers(4, {track, 1, 0, 0, 0}); });
