@@ -9,8 +9,10 @@
 #include "tracks/field-track.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 namespace haptic {
 namespace {
@@ -29,89 +31,76 @@ constexpr double kLeastLength = 0.2;      // cells
 
 // ---- points -------------------------------------------------------------------------------------
 
-void plot_points(const TrackFile &track, Gnuplot &out) {
+// Draws two panels, each of a label, a range of y, and curves.
+void plot_panels(Gnuplot &out, const std::array<const char *, 3> &upper,
+                 const std::array<const char *, 3> &lower) {
   out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 800);
   out.line("set multiplot layout 2,1 margins 0.1, 0.98, 0.11, 0.93 spacing 0, 0.13");
+  double key = 0.98; // share of the height
+  for (const auto &[label, range, curves] : {upper, lower}) {
+    out.line("set key at screen 0.98, %.3f", std::exchange(key, 0.505));
+    out.line("set ylabel '%s'; set yrange [%s]", label, range);
+    out.line("plot %s", curves);
+    out.line("set xlabel 'time (s)'");
+  }
+}
+
+void plot_points(const TrackFile &track, Gnuplot &out) {
   out.line("set xzeroaxis linetype -1 linecolor rgb '#444444'");
   out.line("set xrange [*:*] noextend");
-  out.line("set key at screen 0.98, 0.98");
-  out.line("set ylabel 'velocity (px/s)'");
-  out.line("plot '-' using 1:2 with lines linetype 11 title 'to the right', "
-           "'-' using 1:2 with lines linetype 12 title 'upwards'");
-  const auto send = [&](auto &&value) {
-    for (const auto &sample : track.samples) {
-      if (sample.motion.confidence > 0)
-        out.line("%.6f %.6g", seconds(sample.time), static_cast<double>(value(sample)));
-      else
-        out.line(""); // a hole in the line
-    }
-    out.line("e");
-  };
-  send([](const TrackSample &s) { return s.motion.velocity_x; });
-  send([](const TrackSample &s) { return -s.motion.velocity_y; });
-  out.line("set key at screen 0.98, 0.505");
-  out.line("set xlabel 'time (s)'");
-  out.line("set ylabel 'share of the full force'");
-  out.line("set yrange [0:1.05]");
-  out.line("plot '-' using 1:2 with lines linetype 3 title 'confidence', "
-           "'-' using 1:2 with lines linetype 13 title 'force'");
-  send([](const TrackSample &s) { return s.motion.confidence; });
-  send([](const TrackSample &s) {
-    const auto force = force_of_motion(s.motion);
-    return std::hypot(force.x, force.y);
-  });
+  out.line("$track << end");
+  for (const auto &[motion, time, duration] : track.samples) {
+    const auto force = force_of_motion(motion);
+    if (motion.confidence > 0)
+      out.line("%.6f %.6g %.6g %.6g %.6g", seconds(time), motion.velocity_x, -motion.velocity_y,
+               motion.confidence, std::hypot(force.x, force.y));
+    else
+      out.line(""); // a hole in the line
+  }
+  out.line("end");
+  plot_panels(out,
+              {"velocity (px/s)", "*:*",
+               "$track using 1:2 with lines linetype 11 title 'to the right', "
+               "$track using 1:3 with lines linetype 12 title 'upwards'"},
+              {"share of the full force", "0:1.05",
+               "$track using 1:4 with lines linetype 3 title 'confidence', "
+               "$track using 1:5 with lines linetype 13 title 'force'"});
 }
 
 // ---- reliefs ------------------------------------------------------------------------------------
 
 void plot_reliefs(const std::string &path, const TrackFile &track, const PlotOptions &options,
                   Gnuplot &out) {
-  std::vector<FeltSurface> surfaces;
-  std::vector<double> hand; // m
+  std::vector<double> times; // s
+  bool exists = false;
+  out.line("$track << end");
   for_each_relief(track.reliefs, [&](const ReliefField &relief, std::uint64_t time) {
-    PointerPosition place;
-    place.x = options.x;
-    place.y = options.y;
-    if (!options.hand.empty()) {
-      place = place_at(options.hand, seconds(time));
-      hand.push_back(kWorkspaceHalf * place.z);
-    }
-    surfaces.push_back(felt_surface(relief, place.x, place.y, time));
+    const PointerPosition place = options.hand.empty()
+                                      ? PointerPosition{.x = options.x, .y = options.y}
+                                      : place_at(options.hand, seconds(time));
+    const FeltSurface surface = felt_surface(relief, place.x, place.y, time);
+    const double hole = surface.exists ? 0 : std::numeric_limits<double>::quiet_NaN();
+    out.line("%.6f %.6g %.6g %.6g", surface.time, 1000 * surface.height + hole,
+             surface.stiffness + hole, 1000 * kWorkspaceHalf * place.z);
+    times.push_back(surface.time);
+    exists = exists || surface.exists;
   });
-  if (surfaces.empty())
+  out.line("end");
+  if (times.empty())
     throw_error(messages::kNoFieldIsDecoded);
-  if (std::ranges::none_of(surfaces, &FeltSurface::exists))
+  if (!exists)
     throw_error(messages::kNoSurfaceHere, path.c_str());
-  const std::string where = options.hand.empty()
-                                ? format_text("at (%.2f, %.2f)", options.x, options.y)
-                                : std::string("under the hand");
-  out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, 800);
-  out.line("set multiplot layout 2,1 margins 0.1, 0.98, 0.11, 0.93 spacing 0, 0.13");
-  out.line("set xrange [%.6f:%.6f] noextend", surfaces.front().time,
-           std::max(surfaces.back().time, surfaces.front().time + 0.1));
-  const auto send = [&](auto &&value) {
-    for (const FeltSurface &surface : surfaces)
-      if (surface.exists)
-        out.line("%.6f %.6g", surface.time, static_cast<double>(value(surface)));
-      else
-        out.line(""); // a hole in the line
-    out.line("e");
-  };
-  out.line("set key at screen 0.98, 0.98");
-  out.line("set ylabel 'height (mm)'");
-  out.line("plot '-' using 1:2 with lines linetype 2 title 'surface %s'%s", where.c_str(),
-           hand.empty() ? "" : ", '-' using 1:2 with lines linetype 16 title 'hand'");
-  send([](const FeltSurface &surface) { return 1000 * surface.height; });
-  for (std::size_t i = 0; i < hand.size(); ++i)
-    out.line("%.6f %.6g", surfaces[i].time, 1000 * hand[i]);
-  if (!hand.empty())
-    out.line("e");
-  out.line("set key at screen 0.98, 0.505");
-  out.line("set xlabel 'time (s)'");
-  out.line("set ylabel 'stiffness (N/m)'");
-  out.line("set yrange [0:*]");
-  out.line("plot '-' using 1:2 with lines linetype 3 title 'stiffness'");
-  send([](const FeltSurface &surface) { return surface.stiffness; });
+  out.line("set xrange [%.6f:%.6f] noextend", times.front(),
+           std::max(times.back(), times.front() + 0.1));
+  const std::string curves =
+      options.hand.empty()
+          ? format_text("$track using 1:2 with lines linetype 2 title 'surface at (%.2f, %.2f)'",
+                        options.x, options.y)
+          : "$track using 1:2 with lines linetype 2 title 'surface under the hand', "
+            "$track using 1:4 with lines linetype 16 title 'hand'";
+  plot_panels(
+      out, {"height (mm)", "*:*", curves.c_str()},
+      {"stiffness (N/m)", "0:*", "$track using 1:3 with lines linetype 3 title 'stiffness'"});
 }
 
 // ---- fields -------------------------------------------------------------------------------------
