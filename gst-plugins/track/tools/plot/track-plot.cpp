@@ -223,53 +223,45 @@ std::vector<std::uint64_t> liveliest_times(const Overview &all) {
   return moments;
 }
 
-void plot_stills(const std::string &path, const TrackFile &track, Gnuplot &out) {
-  const Overview all = overview_of(track, kStillWidth);
-  const auto times = liveliest_times(all);
-  const auto frames = read_frames(path, times, all.width, all.height);
-  const auto fields = fields_at(track, times);
-  const std::size_t columns = std::min(kStillsInARow, times.size());
-  const std::size_t rows = (times.size() + columns - 1) / columns;
-  const int width = all.width * static_cast<int>(columns);
-  const int height = all.height * static_cast<int>(rows) + kStripHeight;
-  out.set_terminal("pngcairo", width, height);
-  out.line("set multiplot");
-  const double wide = 1.0 / static_cast<double>(columns);
-  const double high = static_cast<double>(all.height) / height;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const std::size_t row = i / columns;
-    const std::size_t column = i % columns;
-    place(out, wide * static_cast<double>(column), 1 - high * static_cast<double>(row + 1), wide,
-          high);
-    draw_field(out, frames[i], fields[i], all);
-  }
-  place(out, 0.02, 50.0 / height, 0.96, (kStripHeight - 55.0) / height);
-  draw_energy(out, all, times);
-}
-
-void plot_preview(const std::string &path, const TrackFile &track, Gnuplot &out) {
-  const Overview all = overview_of(track, kPreviewWidth);
-  // Around the time with the most motion, within the track.
+// Returns times around the one with the most motion, within the track.
+std::vector<std::uint64_t> preview_times(const Overview &all) {
   const auto most = std::ranges::max_element(all.energies) - all.energies.begin();
-  const std::uint64_t middle = all.times[static_cast<std::size_t>(most)];
-  const std::uint64_t begin = std::max(
-      all.times.front(), std::min(middle > kPreview / 2 ? middle - kPreview / 2 : 0,
-                                  all.times.back() > kPreview ? all.times.back() - kPreview : 0));
+  const std::uint64_t end = std::max(
+      all.times.front() + kPreview,
+      std::min(all.times[static_cast<std::size_t>(most)] + kPreview / 2, all.times.back()));
   std::vector<std::uint64_t> times;
-  for (std::uint64_t time = begin; time < begin + kPreview && time <= all.times.back();
+  for (std::uint64_t time = end - kPreview; time < end && time <= all.times.back();
        time += kPreviewStep)
     times.push_back(time);
+  return times;
+}
+
+// Draws some fields beside each other, or one after the other if it moves.
+void plot_fields(const std::string &path, const TrackFile &track, bool moves, Gnuplot &out) {
+  const Overview all = overview_of(track, moves ? kPreviewWidth : kStillWidth);
+  const auto times = moves ? preview_times(all) : liveliest_times(all);
   const auto frames = read_frames(path, times, all.width, all.height);
   const auto fields = fields_at(track, times);
-  const int height = all.height + kStripHeight;
-  out.set_terminal("gif animate delay 10 loop 0 optimize", all.width, height);
+  const std::size_t panels = moves ? 1 : times.size(); // of a picture
+  const std::size_t columns = std::min(kStillsInARow, panels);
+  const std::size_t rows = (panels + columns - 1) / columns;
+  const int height = all.height * static_cast<int>(rows) + kStripHeight;
+  out.set_terminal(moves ? "gif animate delay 10 loop 0 optimize" : "pngcairo",
+                   all.width * static_cast<int>(columns), height);
+  const double wide = 1.0 / static_cast<double>(columns);
+  const double high = static_cast<double>(all.height) / height;
+  const double side = moves ? 0.03 : 0.02; // of the strip
   for (std::size_t i = 0; i < times.size(); ++i) {
-    out.line("set multiplot");
-    place(out, 0, static_cast<double>(kStripHeight) / height, 1,
-          static_cast<double>(all.height) / height);
+    const std::size_t panel = i % panels;
+    if (panel == 0)
+      out.line("set multiplot");
+    place(out, wide * static_cast<double>(panel % columns),
+          1 - high * static_cast<double>(panel / columns + 1), wide, high);
     draw_field(out, frames[i], fields[i], all);
-    place(out, 0.03, 50.0 / height, 0.94, (kStripHeight - 55.0) / height);
-    draw_energy(out, all, {times[i]});
+    if (panel + 1 < panels)
+      continue;
+    place(out, side, 50.0 / height, 1 - 2 * side, (kStripHeight - 55.0) / height);
+    draw_energy(out, all, moves ? std::vector{times[i]} : times);
     out.line("unset multiplot");
   }
 }
@@ -289,10 +281,8 @@ void plot_track(const std::string &path, const TrackFile &track, const PlotOptio
     plot_reliefs(path, track, options, out);
   else if (track.fields.empty())
     plot_points(track, out);
-  else if (moves)
-    plot_preview(path, track, out);
   else
-    plot_stills(path, track, out);
+    plot_fields(path, track, moves, out);
   out.finish();
 }
 
