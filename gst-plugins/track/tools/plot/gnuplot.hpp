@@ -8,8 +8,8 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace haptic {
@@ -22,39 +22,33 @@ public:
       throw_error(messages::kGnuplotIsMissing);
     if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
       throw_error(messages::kGnuplotRefusesName, output.c_str());
-    pipe_ = popen("gnuplot", "w"); // NOLINT(bugprone-command-processor): no word of a user
+    pipe_.reset(popen("gnuplot", "w")); // NOLINT(bugprone-command-processor): no word of a user
     if (!pipe_)
       throw_error(messages::kGnuplotFails);
     line(kPalette);
   }
-  ~Gnuplot() {
-    if (pipe_)
-      pclose(pipe_);
-  }
-  Gnuplot(const Gnuplot &) = delete;
-  Gnuplot &operator=(const Gnuplot &) = delete;
 
   template <typename... Values>
   void line(const char *format, Values... values) {
-    std::fprintf(pipe_, format, values...); // NOLINT(cert-err33-c): seen when it is closed
-    std::fputc('\n', pipe_);
+    std::fprintf(pipe_.get(), format, values...); // NOLINT(cert-err33-c): seen when it is closed
+    std::fputc('\n', pipe_.get());
   }
-  void line(const char *text) { std::fprintf(pipe_, "%s\n", text); }
+  void line(const char *text) { std::fprintf(pipe_.get(), "%s\n", text); }
   void bytes(const std::vector<std::uint8_t> &bytes) {
-    std::fwrite(bytes.data(), 1, bytes.size(), pipe_);
+    std::fwrite(bytes.data(), 1, bytes.size(), pipe_.get());
   }
   void set_terminal(const char *type, int width, int height) {
     line("set terminal %s size %d,%d", type, width, height);
     line("set output '%s'", output_.c_str());
   }
   void finish() {
-    if (pclose(std::exchange(pipe_, nullptr)) != 0)
+    if (pclose(pipe_.release()) != 0)
       throw_error(messages::kPlotFails, output_.c_str());
   }
 
 private:
   std::string output_;
-  std::FILE *pipe_ = nullptr;
+  std::unique_ptr<std::FILE, int (*)(std::FILE *)> pipe_ = {nullptr, pclose};
 };
 
 } // namespace haptic
