@@ -30,24 +30,19 @@ struct PlannedFrame {
 
 // IDR frames are presented after all before them: the times of a group are those of its frames in
 // order. Throws if they are not.
-void sort_groups(const std::string &path, std::vector<PlannedFrame> &frames, FilmPlan &plan) {
-  for (auto group = frames.begin(); group != frames.end();) {
-    const auto next =
-        std::find_if(group + 1, frames.end(), [](const PlannedFrame &f) { return f.is_idr; });
-    std::vector<std::int64_t> times;
-    std::transform(group, next, std::back_inserter(times), [](const auto &f) { return f.time; });
-    std::ranges::sort(times);
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      plan.reordering =
-          std::max(plan.reordering, times[i] - group[static_cast<std::ptrdiff_t>(i)].time);
-      if (!plan.times.empty() && ticks_of(times[i]) <= ticks_of(plan.times.back()))
-        throw_error(messages::kFilmRunsBackwards, path.c_str(), seconds(times[i] - plan.origin));
-      plan.times.push_back(times[i]);
+void sort_groups(const std::string &path, const std::vector<PlannedFrame> &frames, FilmPlan &plan) {
+  for (auto frame = frames.begin(); frame != frames.end();) {
+    std::vector<PlannedFrame> group(
+        frame, std::ranges::find(frame + 1, frames.end(), true, &PlannedFrame::is_idr));
+    std::ranges::sort(group, {}, &PlannedFrame::time);
+    for (const PlannedFrame &turn : group) {
+      const std::int64_t time = turn.time - plan.origin;
+      plan.reordering = std::max(plan.reordering, turn.time - (frame++)->time);
+      if (!plan.times.empty() && ticks_of(time) <= ticks_of(plan.times.back()))
+        throw_error(messages::kFilmRunsBackwards, path.c_str(), seconds(time));
+      plan.times.push_back(time);
     }
-    group = next;
   }
-  for (std::int64_t &time : plan.times)
-    time -= plan.origin;
 }
 
 // Begins a segment at the first IDR frame after the wanted length, or before where that would be
