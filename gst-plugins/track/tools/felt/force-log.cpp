@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "felt/force-log.hpp"
 
+#include "part-file.hpp"
 #include "track-error.hpp"
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 namespace haptic {
 namespace {
 
-constexpr std::size_t kMostRows = 15'000'000;   // 4 h
 constexpr std::streamsize kLongestLine = 65536; // bytes, with its end
 constexpr double kLatest = 1e6;                 // s
 constexpr double kStrongest = 1e3;              // N
@@ -54,61 +54,47 @@ bool has_force(const Places &places) {
   return has(places, {kTime, kForceX, kForceY});
 }
 
-class LogReader {
-public:
-  explicit LogReader(const std::string &path) : path_(path), file_(path) {
-    if (!file_)
-      throw_error(messages::kFileIsMissing, path.c_str());
-    if (!next_line())
-      refuse("there is no header");
-    places_ = places_in(line_.data());
-    if (!has_force(places_))
-      refuse("the header has no time, fx and fy");
-  }
+} // namespace
 
-  ForceLog read() {
-    ForceLog log;
-    while (next_line()) {
-      const auto cells = cells_of(line_.data());
-      if (cells.empty())
-        continue;
-      read_row(cells);
-      if (log.forces.size() >= kMostRows)
-        refuse("the log is longer than 4 hours");
-      append(log);
-    }
-    return log;
-  }
+bool is_force_log(const std::string &path) {
+  const std::string start = read_start(path, 4096);
+  return has_force(places_in(start.substr(0, start.find('\n'))));
+}
 
-private:
-  bool next_line() {
-    ++number_;
-    if (file_.getline(line_.data(), kLongestLine))
-      return true;
-    if (!file_.eof())
-      refuse("the line is too long");
-    return false;
-  }
-
-  void read_row(const std::vector<std::string_view> &cells) {
+ForceLog read_force_log(const std::string &path) {
+  std::ifstream file(path);
+  if (!file)
+    throw_error(messages::kFileIsMissing, path.c_str());
+  std::size_t number = 1; // of the line
+  const auto refuse = [&](const char *what) {
+    throw_error(messages::kLogIsWrong, path.c_str(), number, what);
+  };
+  std::vector<char> line(kLongestLine);
+  file.getline(line.data(), kLongestLine);
+  const Places places = places_in(line.data());
+  if (!has_force(places))
+    refuse("the header has no time, fx and fy");
+  ForceLog log;
+  for (++number; file.getline(line.data(), kLongestLine); ++number) {
+    const auto cells = cells_of(line.data());
+    if (cells.empty())
+      continue;
+    std::array<double, kColumns> values = {};
     for (std::size_t column = 0; column < kColumns; ++column) {
-      double &value = values_.at(column) = 0;
-      if (places_.at(column) == kNowhere)
+      if (places.at(column) == kNowhere)
         continue;
-      if (places_.at(column) >= cells.size())
+      if (places.at(column) >= cells.size())
         refuse("columns are missing");
-      const std::string_view text = cells[places_.at(column)];
+      const std::string_view text = cells[places.at(column)];
+      double &value = values.at(column);
       const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
       if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
         refuse("there is no number in a column");
     }
-    const double force = std::hypot(values_[kForceX], values_[kForceY], values_[kForceZ]);
-    if (!(std::abs(values_[kTime]) <= kLatest) || !(force <= kStrongest))
+    const double time = values[kTime];
+    const double force = std::hypot(values[kForceX], values[kForceY], values[kForceZ]);
+    if (!(std::abs(time) <= kLatest) || !(force <= kStrongest))
       refuse("a number is out of range");
-  }
-
-  void append(ForceLog &log) {
-    const double time = values_[kTime];
     if (!log.forces.empty() && time < log.forces.back().time)
       refuse("the time goes back");
     if (!log.forces.empty() && time == log.forces.back().time) {
@@ -116,38 +102,17 @@ private:
       if (!log.places.empty())
         log.places.pop_back();
     }
-    const auto value = [&](Column column) { return static_cast<float>(values_[column]); };
+    const auto value = [&](Column column) { return static_cast<float>(values[column]); };
     log.forces.push_back({time, {value(kForceX), value(kForceY), value(kForceZ)}});
-    if (has(places_, {kX, kY})) // equation 1 of the paper
+    if (has(places, {kX, kY})) // equation 1 of the paper
       log.places.push_back(
-          {time, static_cast<float>(std::clamp(0.5 + values_[kX] / (2 * kWorkspaceHalf), 0.0, 1.0)),
-           static_cast<float>(std::clamp(0.5 - values_[kY] / (2 * kWorkspaceHalf), 0.0, 1.0)),
-           static_cast<float>(std::clamp(values_[kZ] / kWorkspaceHalf, -1.0, 1.0))});
+          {time, static_cast<float>(std::clamp(0.5 + values[kX] / (2 * kWorkspaceHalf), 0.0, 1.0)),
+           static_cast<float>(std::clamp(0.5 - values[kY] / (2 * kWorkspaceHalf), 0.0, 1.0)),
+           static_cast<float>(std::clamp(values[kZ] / kWorkspaceHalf, -1.0, 1.0))});
   }
-
-  [[noreturn]] void refuse(const char *what) const {
-    throw_error(messages::kLogIsWrong, path_.c_str(), number_, what);
-  }
-
-  std::string path_;
-  std::ifstream file_;
-  std::size_t number_ = 0;
-  std::vector<char> line_ = std::vector<char>(kLongestLine);
-  Places places_ = {};
-  std::array<double, kColumns> values_ = {};
-};
-
-} // namespace
-
-bool is_force_log(const std::string &path) {
-  std::ifstream file(path);
-  std::array<char, 4096> line = {};
-  file.getline(line.data(), line.size());
-  return has_force(places_in(line.data()));
-}
-
-ForceLog read_force_log(const std::string &path) {
-  return LogReader(path).read();
+  if (!file.eof())
+    refuse("the line is too long");
+  return log;
 }
 
 std::vector<TimedPlace> read_hand(const std::string &path) {
