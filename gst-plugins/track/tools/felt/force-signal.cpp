@@ -11,17 +11,6 @@ namespace {
 
 constexpr double kLongestLogGap = 0.1; // s
 
-// Samples `between(before, after, share)` at each step. A gap is zero.
-template <typename Knot, typename Between>
-ForceSignal sampled(std::span<const Knot> knots, double longest_gap, const Between &between) {
-  ForceSignal signal = silence(knots);
-  KnotReader reader(knots, longest_gap);
-  std::int64_t step = signal.first;
-  for (Force &force : signal.forces)
-    force = reader.at(step++, between);
-  return signal;
-}
-
 Force force_between(const TimedForce &a, const TimedForce &b, double share) {
   const auto s = static_cast<float>(share);
   return {std::lerp(a.force.x, b.force.x, s), std::lerp(a.force.y, b.force.y, s),
@@ -51,14 +40,14 @@ FeltMotion interpolated(const FeltMotion &a, const FeltMotion &b, double share) 
 }
 
 ForceSignal signal_of_log(std::span<const TimedForce> rows) {
-  return sampled(rows, kLongestLogGap, force_between);
+  return signal_over(rows, reader_of(rows, kLongestLogGap, force_between));
 }
 
 ForceSignal signal_of_motions(std::span<const FeltMotion> motions, const ForceLaw &law) {
-  return sampled(motions, kLongestMotionGap,
-                 [&law](const FeltMotion &a, const FeltMotion &b, double share) {
-                   return force_of(interpolated(a, b, share), law);
-                 });
+  const auto between = [&](const FeltMotion &a, const FeltMotion &b, double share) {
+    return force_of(interpolated(a, b, share), law);
+  };
+  return signal_over(motions, reader_of(motions, kLongestMotionGap, between));
 }
 
 } // namespace haptic

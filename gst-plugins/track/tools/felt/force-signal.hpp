@@ -37,9 +37,31 @@ struct ForceSignal {
   }
 };
 
-/// Returns a signal of zeros that lasts as long as the knots, whose times (s) rise.
-template <typename Knot>
-ForceSignal silence(std::span<const Knot> knots) {
+/// Returns a function that is called with rising steps. It returns what `between(before, after,
+/// share)` makes of the knots around the step, whose times (s) rise; nothing outside them and in
+/// gaps longer than `longest_gap` (s).
+template <typename Knot, typename Between>
+auto reader_of(std::span<const Knot> knots, double longest_gap, Between between) {
+  return [=, next = std::size_t{0}](std::int64_t step) mutable {
+    using Value = decltype(between(knots[0], knots[0], 0.0));
+    const double time = static_cast<double>(step) * kForceStep;
+    while (next < knots.size() && knots[next].time <= time + 1e-6 * kForceStep)
+      ++next;
+    if (next == 0)
+      return Value{};
+    const Knot &before = knots[next - 1];
+    if (next == knots.size())
+      return time - before.time < kForceStep ? between(before, before, 0.0) : Value{};
+    const double length = knots[next].time - before.time;
+    if (length > longest_gap)
+      return Value{};
+    return between(before, knots[next], std::clamp((time - before.time) / length, 0.0, 1.0));
+  };
+}
+
+/// Returns the signal of `force_at(step)` that lasts as long as the knots.
+template <typename Knot, typename ForceAt>
+ForceSignal signal_over(std::span<const Knot> knots, ForceAt force_at) {
   ForceSignal signal;
   if (knots.empty())
     return signal;
@@ -48,42 +70,10 @@ ForceSignal silence(std::span<const Knot> knots) {
   };
   signal.first = step_of(knots.front().time);
   const std::int64_t last = std::max(step_of(knots.back().time), signal.first);
-  signal.forces.resize(static_cast<std::size_t>(last - signal.first + 1));
+  for (std::int64_t step = signal.first; step <= last; ++step)
+    signal.forces.push_back(force_at(step));
   return signal;
 }
-
-/// Reads knots at rising steps.
-template <typename Knot>
-class KnotReader {
-public:
-  /// `longest_gap`: s.
-  KnotReader(std::span<const Knot> knots, double longest_gap)
-      : knots_(knots), longest_gap_(longest_gap) {}
-
-  /// Returns what `between(before, after, share)` makes of the knots around the step; nothing
-  /// outside them and in gaps.
-  template <typename Between>
-  auto at(std::int64_t step, const Between &between) {
-    const double time = static_cast<double>(step) * kForceStep;
-    while (next_ < knots_.size() && knots_[next_].time <= time + 1e-6 * kForceStep)
-      ++next_;
-    using Value = decltype(between(knots_[0], knots_[0], 0.0));
-    if (next_ == 0)
-      return Value{};
-    const Knot &before = knots_[next_ - 1];
-    if (next_ == knots_.size())
-      return time - before.time < kForceStep ? between(before, before, 0.0) : Value{};
-    const double length = knots_[next_].time - before.time;
-    if (length > longest_gap_)
-      return Value{};
-    return between(before, knots_[next_], std::clamp((time - before.time) / length, 0.0, 1.0));
-  }
-
-private:
-  std::span<const Knot> knots_;
-  double longest_gap_;
-  std::size_t next_ = 0;
-};
 
 /// A row of a log.
 struct TimedForce {

@@ -27,9 +27,15 @@ float slope(const ReliefField &relief, double x, double y, double dx, double dy)
   return static_cast<float>(run > 0 ? rise / run : 0);
 }
 
-constexpr auto surface_between = [](const FeltSurface &a, const FeltSurface &b, double share) {
-  return interpolated(a, b, share);
-};
+using Surfaces = std::span<const FeltSurface>;
+
+// Returns a function that is called with rising steps and returns the surface there.
+auto surface_reader(Surfaces surfaces) {
+  return reader_of(surfaces, kLongestMotionGap,
+                   [](const FeltSurface &a, const FeltSurface &b, double share) {
+                     return interpolated(a, b, share);
+                   });
+}
 
 } // namespace
 
@@ -95,46 +101,35 @@ std::vector<TimedForce> touch_along(const std::vector<TimedPlace> &path, const R
 }
 
 ForceSignal height_signal(std::span<const FeltSurface> surfaces) {
-  ForceSignal signal = silence(surfaces);
   double sum = 0;
   double count = 0;
-  for (const FeltSurface &surface : surfaces)
-    if (surface.exists) {
-      sum += static_cast<double>(surface.height);
-      ++count;
-    }
+  for (const FeltSurface &surface : surfaces) {
+    sum += static_cast<double>(surface.height);
+    count += surface.exists;
+  }
   const double mean = sum / std::max(count, 1.0);
-  KnotReader reader(surfaces, kLongestMotionGap);
-  for (std::int64_t step = signal.first; step < signal.end(); ++step)
-    if (const FeltSurface surface = reader.at(step, surface_between); surface.exists)
-      signal.forces[static_cast<std::size_t>(step - signal.first)].z =
-          static_cast<float>(kStiffestTouch * (static_cast<double>(surface.height) - mean));
-  return signal;
+  return signal_over(surfaces, [mean, at = surface_reader(surfaces)](std::int64_t step) mutable {
+    const FeltSurface surface = at(step);
+    const double height = static_cast<double>(surface.height) - mean;
+    return Force{0, 0, surface.exists ? static_cast<float>(kStiffestTouch * height) : 0};
+  });
 }
 
 SignalPair touch_signals(std::span<const FeltSurface> a, std::span<const FeltSurface> b,
                          double max_force, double shift) {
-  SignalPair pair(silence(a), silence(b));
-  auto &[first, second] = pair;
   const std::int64_t by = std::llround(shift / kForceStep);
-  KnotReader a_reader(a, kLongestMotionGap);
-  KnotReader b_reader(b, kLongestMotionGap);
-  const std::int64_t begin = std::min(first.first, second.first - by);
-  const std::int64_t end = std::max(first.end(), second.end() - by);
-  for (std::int64_t step = begin; step < end; ++step) {
-    const FeltSurface of_a = a_reader.at(step, surface_between);
-    const FeltSurface of_b = b_reader.at(step + by, surface_between);
-    const auto height_a = static_cast<double>((of_a.exists ? of_a : of_b).height);
-    const auto height_b = static_cast<double>((of_b.exists ? of_b : of_a).height);
-    const double hand = (height_a + height_b) / 2 - kTouchDepth;
-    if (step >= first.first && step < first.end())
-      first.forces[static_cast<std::size_t>(step - first.first)] =
-          contact_force(of_a, hand, max_force);
-    if (step + by >= second.first && step + by < second.end())
-      second.forces[static_cast<std::size_t>(step + by - second.first)] =
-          contact_force(of_b, hand, max_force);
-  }
-  return pair;
+  const auto touched = [&](Surfaces own, Surfaces other, std::int64_t later) {
+    auto own_at = surface_reader(own);
+    auto other_at = surface_reader(other);
+    return signal_over(own, [&](std::int64_t step) {
+      const FeltSurface here = own_at(step);
+      const FeltSurface there = other_at(step + later);
+      const auto height = static_cast<double>(here.height);
+      const double mean = there.exists ? (height + static_cast<double>(there.height)) / 2 : height;
+      return contact_force(here, mean - kTouchDepth, max_force);
+    });
+  };
+  return {touched(a, b, by), touched(b, a, -by)};
 }
 
 } // namespace haptic
