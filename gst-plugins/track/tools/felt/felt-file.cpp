@@ -22,22 +22,44 @@ void append(std::vector<Timed> &all, const Timed &one) {
     all.push_back(one);
 }
 
-// Appends the motions under a moving hand between two fields, with the second one. The hand feels
-// both fields where it is at each time.
-void append_along(const std::vector<TimedPlace> &path, const MotionField &before,
-                  std::uint64_t time_before, const MotionField &field, std::uint64_t time,
-                  std::vector<FeltMotion> &motions) {
-  const double begin = felt_motion(frame_of(before), time_before).time;
-  const double end = felt_motion(frame_of(field), time).time;
-  const double length = end - begin;
-  if (time_before != kNoTime && length <= kLongestMotionGap)
-    for (double at = begin + kPathStep; at < end - kPathStep / 2; at += kPathStep) {
-      const PointerPosition place = place_at(path, at);
-      append(motions,
-             interpolated(felt_motion(sample_field(before, place), time_before),
-                          felt_motion(sample_field(field, place), time), (at - begin) / length));
+FeltMotion felt_at(const MotionField &field, const PointerPosition &hand, std::uint64_t time) {
+  return felt_motion(sample_field(field, hand), time);
+}
+FeltSurface felt_at(const ReliefField &relief, const PointerPosition &hand, std::uint64_t time) {
+  return felt_surface(relief, hand.x, hand.y, time);
+}
+
+// Calls `call(i, felt, hand, field)` for what hand i feels of each field or relief. Between two of
+// them, a hand on a path feels both where it is at each time.
+template <typename Field, typename Call>
+void feel_each(void (&for_each)(std::span<const CodedField>,
+                                const std::function<void(const Field &, std::uint64_t)> &),
+               std::span<const CodedField> track, const Hands &hands, const Call &call) {
+  Field before;
+  std::uint64_t time_before = kNoTime;
+  for_each(track, [&](const Field &field, std::uint64_t time) {
+    for (std::size_t i = 0; i < hands.resting.size(); ++i)
+      call(i, felt_at(field, hands.resting[i], time), hands.resting[i], field);
+    if (!hands.path.empty()) {
+      const double end = felt_at(field, {}, time).time;
+      const double begin = time_before == kNoTime ? end : felt_at(before, {}, time_before).time;
+      const double length = end - begin;
+      for (double at = begin + kPathStep; length <= kLongestMotionGap && at < end - kPathStep / 2;
+           at += kPathStep) {
+        const PointerPosition hand = place_at(hands.path, at);
+        call(0,
+             interpolated(felt_at(before, hand, time_before), felt_at(field, hand, time),
+                          (at - begin) / length),
+             hand, field);
+      }
+      const PointerPosition hand = place_at(hands.path, end);
+      call(0, felt_at(field, hand, time), hand, field);
     }
-  append(motions, felt_motion(sample_field(field, place_at(path, end)), time));
+    before = field;
+    time_before = time;
+  });
+  if (time_before == kNoTime)
+    throw_error(messages::kNoFieldIsDecoded);
 }
 
 template <typename Timed>
@@ -118,42 +140,27 @@ void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &ra
 
 void FeltFile::feel_fields(const Hands &hands) {
   motions_.resize(hands.count());
-  MotionField before;
-  std::uint64_t time_before = kNoTime;
-  for_each_field(track_.fields, [&](const MotionField &field, std::uint64_t time) {
-    if (hands.path.empty())
-      for (std::size_t i = 0; i < hands.resting.size(); ++i)
-        append(motions_[i], felt_motion(sample_field(field, hands.resting[i]), time));
-    else
-      append_along(hands.path, before, time_before, field, time, motions_.front());
-    before = field;
-    time_before = time;
-  });
-  if (time_before == kNoTime)
-    throw_error(messages::kNoFieldIsDecoded);
+  feel_each<MotionField>(
+      for_each_field, track_.fields, hands,
+      [&](std::size_t i, const FeltMotion &motion, auto &&...) { append(motions_[i], motion); });
 }
 
 void FeltFile::feel_reliefs(const Hands &hands) {
-  surfaces_.resize(hands.path.empty() ? hands.count() : 0);
-  ReliefField before;
-  std::uint64_t time_before = kNoTime;
+  surfaces_.resize(hands.resting.size());
   bool has_surface = false;
-  for_each_relief(track_.reliefs, [&](const ReliefField &relief, std::uint64_t time) {
-    for (std::size_t i = 0; i < surfaces_.size(); ++i)
-      append(surfaces_[i], felt_surface(relief, hands.resting[i].x, hands.resting[i].y, time));
-    if (!hands.path.empty())
-      for (const TimedForce &force :
-           touch_along(hands.path, time_before == kNoTime ? nullptr : &before, time_before, relief,
-                       time, law_.max_force))
-        append(log_.forces, force);
-    has_surface = has_surface || std::ranges::any_of(relief.cells, [](const ReliefCell &cell) {
-                    return cell.validity > 0;
-                  });
-    before = relief;
-    time_before = time;
-  });
-  if (time_before == kNoTime)
-    throw_error(messages::kNoFieldIsDecoded);
+  feel_each<ReliefField>(
+      for_each_relief, track_.reliefs, hands,
+      [&](std::size_t i, const FeltSurface &surface, const PointerPosition &hand,
+          const ReliefField &relief) {
+        if (hands.path.empty())
+          append(surfaces_[i], surface);
+        else
+          append(log_.forces,
+                 {surface.time, contact_force(surface, kWorkspaceHalf * hand.z, law_.max_force)});
+        has_surface = has_surface || std::ranges::any_of(relief.cells, [](const ReliefCell &cell) {
+                        return cell.validity > 0;
+                      });
+      });
   if (!has_surface)
     throw_error(messages::kNoSurface, path_.c_str());
 }

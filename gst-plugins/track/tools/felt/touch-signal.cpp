@@ -79,27 +79,6 @@ Force contact_force(const FeltSurface &surface, double z, double max_force) noex
   return {-share * surface.slope_x, -share * surface.slope_y, share};
 }
 
-std::vector<TimedForce> touch_along(const std::vector<TimedPlace> &path, const ReliefField *before,
-                                    std::uint64_t time_before, const ReliefField &relief,
-                                    std::uint64_t time, double max_force) {
-  std::vector<TimedForce> forces;
-  const double end = static_cast<double>(time) * 1e-9;
-  const double begin = static_cast<double>(time_before) * 1e-9;
-  const auto add = [&](const FeltSurface &surface, const PointerPosition &hand, double at) {
-    forces.push_back({at, contact_force(surface, kWorkspaceHalf * hand.z, max_force)});
-  };
-  if (before && end - begin <= kLongestMotionGap)
-    for (double at = begin + kPathStep; at < end - kPathStep / 2; at += kPathStep) {
-      const PointerPosition hand = place_at(path, at);
-      add(interpolated(felt_surface(*before, hand.x, hand.y, time_before),
-                       felt_surface(relief, hand.x, hand.y, time), (at - begin) / (end - begin)),
-          hand, at);
-    }
-  const PointerPosition hand = place_at(path, end);
-  add(felt_surface(relief, hand.x, hand.y, time), hand, end);
-  return forces;
-}
-
 ForceSignal height_signal(std::span<const FeltSurface> surfaces) {
   double sum = 0;
   double count = 0;

@@ -40,12 +40,6 @@ FeltSurface interpolated(const FeltSurface &a, const FeltSurface &b, double shar
 /// at most kStiffestTouch; at most `max_force` (N).
 Force contact_force(const FeltSurface &surface, double z, double max_force) noexcept;
 
-/// Returns the force along the path of a hand between two reliefs of one track, 10 ms apart, with
-/// that at the time of the second one. `before` null: that one alone.
-std::vector<TimedForce> touch_along(const std::vector<TimedPlace> &path, const ReliefField *before,
-                                    std::uint64_t time_before, const ReliefField &relief,
-                                    std::uint64_t time, double max_force);
-
 /// Returns the height above its mean, as a force of kStiffestTouch: what a shift is known by.
 ForceSignal height_signal(std::span<const FeltSurface> surfaces);
 

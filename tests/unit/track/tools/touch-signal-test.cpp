@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The model of haptic-track compare on reliefs: identity, and growth with each kind of change.
 #include "depth-scene.hpp"
+#include "felt/felt-file.hpp"
 #include "felt/touch-signal.hpp"
+#include "field-code/field-codec.hpp"
+#include "forms/klv.hpp"
+#include "part-file.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string>
+#include <unistd.h>
+#include <vector>
 
 namespace touch_signal_test {
 
@@ -164,13 +174,23 @@ TEST(TouchSignal, AHandThatMovesFeelsTheSurfaceWhereItIs) {
   std::vector<TimedPlace> path;
   for (int i = 0; i <= 100; ++i)
     path.push_back({0.001 * i, 0.01F * static_cast<float>(i), 0.5F, -0.04F});
-  const ReliefField relief = slope(0.1F);
-  const auto forces = haptic::touch_along(path, &relief, 0, relief, 100'000'000, kMaxForce);
-  ASSERT_EQ(forces.size(), 10U);
-  for (const auto &[time, force] : forces) {
-    const double x = 0.05 * (std::min(std::max(time * 10, 0.5 / 16), 15.5 / 16) - 0.5);
+  const std::string file = testing::TempDir() + "touch-" + std::to_string(getpid()) + ".klv";
+  haptic::ReliefEncoder encoder;
+  std::vector<std::uint8_t> track;
+  for (const std::uint64_t time : {0, 100'000'000})
+    std::ranges::copy(haptic::write_klv(haptic::CodedField{encoder.push(slope(0.1F)).value(), time,
+                                                           100'000'000, haptic::FieldKind::relief}),
+                      std::back_inserter(track));
+  haptic::write_bytes(file, track);
+  haptic::FeltFile felt(file);
+  std::filesystem::remove(file);
+  felt.feel({{}, path}, {.max_force = kMaxForce}, {});
+  const haptic::ForceSignal signal = felt.signal(0);
+  ASSERT_EQ(signal.forces.size(), 101U);
+  for (int ms = 0; ms <= 100; ms += 10) {
+    const double x = 0.05 * (std::min(std::max(ms / 100.0, 0.5 / 16), 15.5 / 16) - 0.5);
     const double depth = std::max(0.1 * x + 0.001, 0.0);
-    EXPECT_NEAR(force.z, 100 * depth / 1.01, 6e-3) << time;
+    EXPECT_NEAR(signal.at(ms).z, 100 * depth / 1.01, 6e-3) << ms;
   }
 }
 
