@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace haptic {
 namespace {
@@ -109,8 +108,6 @@ std::vector<TimedPlace> FeltFile::hand() const {
 
 void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &range) {
   law_ = law;
-  motions_.clear();
-  surfaces_.clear();
   if (has_places()) {
     Hands in_own_time = hands;
     add_to_times(in_own_time.path, -offset_);
@@ -123,19 +120,22 @@ void FeltFile::feel(const Hands &hands, const ForceLaw &law, const TimeRange &ra
     for (const auto &sample : track_.samples)
       append(motions, felt_motion(sample.motion, sample.time));
   }
-  bool holds_any = false;
   const auto place = [&](auto &all) {
     add_to_times(all, offset_);
     std::erase_if(all,
                   [&](const auto &one) { return one.time < range.from || one.time >= range.to; });
-    if (!all.empty() && !std::exchange(holds_any, true))
-      set_times(all.front().time, all.back().time);
+    if (!all.empty()) {
+      begin_ = all.front().time;
+      end_ = all.back().time;
+    }
   };
   place(log_.forces);
   std::ranges::for_each(motions_, place);
   std::ranges::for_each(surfaces_, place);
-  if (!holds_any)
+  if (end_ < begin_)
     throw_error(messages::kNothingToCompare, path_.c_str());
+  if (!(end_ - begin_ <= kLongest))
+    throw_error(messages::kTooLongToCompare, path_.c_str());
 }
 
 void FeltFile::feel_fields(const Hands &hands) {
@@ -163,13 +163,6 @@ void FeltFile::feel_reliefs(const Hands &hands) {
       });
   if (!has_surface)
     throw_error(messages::kNoSurface, path_.c_str());
-}
-
-void FeltFile::set_times(double begin, double end) {
-  if (!(end - begin <= kLongest))
-    throw_error(messages::kTooLongToCompare, path_.c_str());
-  begin_ = begin;
-  end_ = end;
 }
 
 ForceSignal FeltFile::signal(std::size_t hand) const {

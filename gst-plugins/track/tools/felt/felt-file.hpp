@@ -63,7 +63,6 @@ public:
 private:
   void feel_fields(const Hands &hands);
   void feel_reliefs(const Hands &hands);
-  void set_times(double begin, double end);
 
   std::string path_;
   ForceLog log_; // or the forces of reliefs on a hand that moves
@@ -73,7 +72,7 @@ private:
   std::vector<std::vector<FeltSurface>> surfaces_; // of each hand at rest; of reliefs
   double offset_ = 0;                              // s
   double begin_ = 0;                               // s
-  double end_ = 0;                                 // s
+  double end_ = -1;                                // s; before the begin: nothing is felt
 };
 
 } // namespace haptic
