@@ -9,7 +9,7 @@ run_packages=(
   gstreamer1.0-plugins-base # decodebin, videoconvert, videotestsrc
   gstreamer1.0-plugins-base-apps # gst-discoverer-1.0; gst-device-monitor-1.0 lists the cameras
   gstreamer1.0-plugins-good # avidemux, deinterlace, videoflip, jpegdec, v4l2src, autovideosink, level, progressreport
-  gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse, y4mdec
+  gstreamer1.0-plugins-bad  # mpegtsmux, tsdemux, h264parse, y4mdec, audiobuffersplit
   gstreamer1.0-plugins-ugly # x264enc
   gstreamer1.0-libav        # most video codecs, among them the Cinepak of tree.avi
   gstreamer1.0-x            # video windows

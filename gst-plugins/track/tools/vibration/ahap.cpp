@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace haptic {
@@ -69,52 +70,38 @@ Json curve(std::span<const Intensity> points) {
             {"ParameterCurveControlPoints", all}}}};
 }
 
-void write(std::string &pattern, const Json &item) {
-  pattern += (pattern.empty() ? "\n" : ",\n") + item.dump();
-}
-
 // What is felt from `felt.front()` to `felt.back()`.
-void write_stretch(std::string &pattern, std::span<const Intensity> felt) {
+void write_stretch(Json &pattern, std::span<const Intensity> felt) {
   constexpr double kShortest = 0.05;  // s
   constexpr std::size_t kPoints = 16; // of a curve
   const double begin = felt.front().time;
   const double duration = felt.back().time - begin;
   if (duration < kShortest) {
-    write(pattern, event("HapticTransient", begin, 0,
-                         intensity_of(*std::ranges::max_element(felt, {}, &Intensity::amplitude))));
+    pattern.push_back(
+        event("HapticTransient", begin, 0,
+              intensity_of(*std::ranges::max_element(felt, {}, &Intensity::amplitude))));
     return;
   }
-  write(pattern, event("HapticContinuous", begin, duration, 1));
+  pattern.push_back(event("HapticContinuous", begin, duration, 1));
   const std::vector<Intensity> points = simplify(felt);
   // The last point of a curve is the first of the next.
   for (std::size_t at = 0; at + 1 < points.size(); at += kPoints - 1)
-    write(pattern, curve(std::span(points).subspan(at, std::min(kPoints, points.size() - at))));
+    pattern.push_back(curve(std::span(points).subspan(at, std::min(kPoints, points.size() - at))));
 }
 
 } // namespace
 
-IntensityMeter::IntensityMeter(int channels, int rate, double carrier)
-    : samples_(static_cast<std::size_t>(std::lround(2 * rate / carrier)) *
-               static_cast<std::size_t>(channels)),
-      window_(static_cast<double>(samples_) / channels / rate), channels_(channels) {}
-
-void IntensityMeter::push(std::span<const float> samples) {
-  for (const float sample : samples) {
-    squares_ += static_cast<double>(sample) * sample;
-    if (++count_ < samples_)
-      continue;
-    const auto number = static_cast<double>(intensities_.size());
-    const double mean = squares_ * channels_ / static_cast<double>(samples_);
-    intensities_.push_back({(number + 0.5) * window_, std::min(1.0, std::sqrt(2 * mean))});
-    count_ = 0;
-    squares_ = 0;
-  }
+double amplitude_of(std::span<const float> samples, int channels) {
+  double squares = 0;
+  for (const double sample : samples)
+    squares += sample * sample;
+  return std::min(1.0, std::sqrt(2 * squares * channels / static_cast<double>(samples.size())));
 }
 
 std::string write_ahap(std::span<const Intensity> all) {
   constexpr double kLongest = 30; // s, of an event
   constexpr double kSilent = 0.005;
-  std::string pattern; // its items, one a line
+  Json pattern = Json::array();
   for (std::size_t from = 0; from < all.size();) {
     if (all[from].amplitude < kSilent) {
       ++from;
@@ -129,7 +116,7 @@ std::string write_ahap(std::span<const Intensity> all) {
     const bool goes_on = to < all.size() && all[to - 1].amplitude >= kSilent;
     from = goes_on ? to - 1 : to;
   }
-  return R"({"Version": 1.0, "Pattern": [)" + pattern + "]}\n";
+  return Json{{"Version", 1.0}, {"Pattern", std::move(pattern)}}.dump() + '\n';
 }
 
 } // namespace haptic

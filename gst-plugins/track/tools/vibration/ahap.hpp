@@ -13,25 +13,9 @@ struct Intensity {
   double amplitude = 0; ///< 0..1, of the carrier
 };
 
-/// Measures the amplitude of a vibration as it comes: the energy of all its channels over windows
-/// of two periods of the carrier, in their middles.
-class IntensityMeter {
-public:
-  /// `rate`: frames a second; `carrier` in Hz.
-  IntensityMeter(int channels, int rate, double carrier);
-
-  /// Adds frames, interleaved; full scale 1.
-  void push(std::span<const float> samples);
-  const std::vector<Intensity> &intensities() const noexcept { return intensities_; }
-
-private:
-  std::size_t samples_; // of a window, of all channels
-  double window_;       // s
-  double channels_;
-  std::size_t count_ = 0; // samples of the window that comes
-  double squares_ = 0;    // their sum
-  std::vector<Intensity> intensities_;
-};
+/// Returns the amplitude of some periods of a vibration, interleaved, full scale 1: by the energy
+/// of all its channels.
+double amplitude_of(std::span<const float> samples, int channels);
 
 /// Returns the intensity over time, of one actuator: continuous events of at most 30 s, whose
 /// intensity is a curve of lines, and a transient event for what lasts less than 50 ms. Intensity

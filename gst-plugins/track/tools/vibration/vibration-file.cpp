@@ -7,12 +7,16 @@
 #include "vibration/ahap.hpp"
 
 #include <gst/app/gstappsink.h>
+#include <vector>
 
 namespace haptic {
 namespace {
 
 constexpr double kLongest = 27 * 3600;    // s, as of a track that is read
 constexpr double kMostBytes = 4294901760; // of .wav, whose sizes have 32 bits
+// Two periods of the carrier of coils-2 (180 Hz) at the rate of .wav: 533 frames of two floats,
+// 4264 bytes. A shorter window at the end is dropped: less than a period has no amplitude.
+constexpr double kWindow = 533.0 / 48000; // s
 
 double length_of(const TrackFile &track) {
   const TrackTimes times = times_of(track);
@@ -68,34 +72,35 @@ void write_sound(const std::string &path, const TrackFile &track, const Vibratio
                   });
 }
 
-GstFlowReturn measure(GstAppSink *sink, gpointer meter) {
+GstFlowReturn measure(GstAppSink *sink, gpointer data) {
   const SamplePtr sample(gst_app_sink_pull_sample(sink));
   if (!sample)
     return GST_FLOW_EOS;
   const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
   const auto bytes = readable.bytes();
-  static_cast<IntensityMeter *>(meter)->push(
-      {reinterpret_cast<const float *>(bytes.data()), bytes.size() / sizeof(float)});
+  auto &all = *static_cast<std::vector<Intensity> *>(data);
+  all.push_back(
+      {(static_cast<double>(all.size()) + 0.5) * kWindow,
+       amplitude_of({reinterpret_cast<const float *>(bytes.data()), bytes.size() / sizeof(float)},
+                    2)});
   return GST_FLOW_OK;
 }
 
-// The carrier of the layout is that of coils-2.
 std::string ahap_of(const std::string &path, const TrackFile &track, VibrationOptions options) {
-  constexpr int kRate = 48000;     // as of .wav, in steps as short
-  constexpr double kCarrier = 180; // Hz, of coils-2
   options.layout = "coils-2";
-  IntensityMeter meter(2, kRate, kCarrier);
+  std::vector<Intensity> all;
   play_track(path, track,
-             "haptics/x-raw ! hapticarray name=array ! audio/x-raw,rate=" + std::to_string(kRate) +
-                 " ! appsink name=out sync=false",
+             "haptics/x-raw ! hapticarray name=array ! audio/x-raw,rate=48000"
+             " ! audiobuffersplit output-buffer-size=4264 strict-buffer-size=true"
+             " ! appsink name=out sync=false",
              [&](GstElement *pipeline) {
                array_of(pipeline, track, options);
                const ElementPtr out = element_in(pipeline, "out");
                GstAppSinkCallbacks callbacks = {};
                callbacks.new_sample = measure;
-               gst_app_sink_set_callbacks(GST_APP_SINK(out.get()), &callbacks, &meter, nullptr);
+               gst_app_sink_set_callbacks(GST_APP_SINK(out.get()), &callbacks, &all, nullptr);
              });
-  return write_ahap(meter.intensities());
+  return write_ahap(all);
 }
 
 } // namespace

@@ -16,7 +16,7 @@
 namespace ahap_test {
 
 constexpr int kRate = 8000;
-constexpr double kCarrier = 180;
+constexpr int kCarrier = 180;
 
 // A carrier whose amplitude follows a function of the time, s.
 std::vector<float> vibration(double seconds, const std::function<double(double)> &amplitude) {
@@ -33,11 +33,13 @@ std::vector<float> vibration(double seconds, const std::function<double(double)>
 class Player {
 public:
   explicit Player(const std::vector<float> &samples, int channels = 1) {
-    haptic::IntensityMeter meter(channels, kRate, kCarrier);
-    // In pieces, as they come.
-    for (std::size_t at = 0; at < samples.size(); at += 1000)
-      meter.push(std::span(samples).subspan(at, std::min<std::size_t>(1000, samples.size() - at)));
-    const auto document = nlohmann::json::parse(haptic::write_ahap(meter.intensities()));
+    constexpr std::size_t kWindow = 2 * kRate / kCarrier; // frames
+    const std::size_t size = kWindow * static_cast<std::size_t>(channels);
+    std::vector<haptic::Intensity> all;
+    for (std::size_t at = 0; at + size <= samples.size(); at += size)
+      all.push_back({(static_cast<double>(all.size()) + 0.5) * kWindow / kRate,
+                     haptic::amplitude_of(std::span(samples).subspan(at, size), channels)});
+    const auto document = nlohmann::json::parse(haptic::write_ahap(all));
     EXPECT_EQ(document.at("Version"), 1.0);
     for (const auto &item : document.at("Pattern")) {
       EXPECT_EQ(item.size(), 1U);
