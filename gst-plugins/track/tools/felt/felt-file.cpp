@@ -99,9 +99,8 @@ std::vector<TimedPlace> FeltFile::hand() const {
         side > 0 ? std::log2(side / default_region_side(static_cast<int>(sample.frame_width))) / 2
                  : 0;
     const double middle = felt_motion(sample, time).time + offset_;
-    if (path.empty() || middle > path.back().time)
-      path.push_back({middle, sample.pointer_x, sample.pointer_y,
-                      static_cast<float>(std::clamp(z, -1.0, 1.0))});
+    append(path, TimedPlace{middle, sample.pointer_x, sample.pointer_y,
+                            static_cast<float>(std::clamp(z, -1.0, 1.0))});
   }
   return path;
 }

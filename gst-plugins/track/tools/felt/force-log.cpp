@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
+#include <ranges>
 #include <string_view>
 
 namespace haptic {
@@ -25,10 +26,8 @@ constexpr std::array<std::string_view, kColumns> kNames = {"time", "fx", "fy", "
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   line = line.substr(0, line.find_last_not_of("\r ") + 1);
-  for (std::size_t at = 0, end = 0; end < line.size(); at = end + 1) {
-    end = std::min(line.find(',', at), line.size());
-    cells.push_back(line.substr(at, end - at));
-  }
+  for (const auto cell : line | std::views::split(','))
+    cells.emplace_back(cell.begin(), cell.end());
   return cells;
 }
 

@@ -3,7 +3,6 @@
 
 #include "samples/motion-force.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace haptic {

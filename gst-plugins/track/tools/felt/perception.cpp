@@ -38,8 +38,6 @@ ForceSignal coarse(const ForceSignal &signal) {
   };
   ForceSignal means;
   means.first = bin_of(signal.first);
-  if (signal.forces.empty())
-    return means;
   means.forces.resize(static_cast<std::size_t>(bin_of(signal.end() - 1) - means.first + 1));
   for (std::int64_t step = signal.first; step < signal.end(); ++step) {
     const Force force = signal.at(step);

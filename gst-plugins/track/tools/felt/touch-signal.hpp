@@ -9,7 +9,6 @@
 #include "samples/relief-field.hpp"
 
 #include <span>
-#include <vector>
 
 namespace haptic {
 
