@@ -176,12 +176,7 @@ void link_stream(GstElement *, GstPad *pad, gpointer data) {
   const std::string_view type = name_of(caps.get());
   if (type == HAPTIC_KLV_TYPE || type == HAPTIC_TEXT_TYPE)
     watch_buffers(pad, [&container, role = Role::unknown](GstPad *from, GstBuffer *buffer) mutable {
-      try {
-        read_packet(container, from, buffer, role);
-      } catch (const std::exception &error) { // too long, or no memory for hostile bytes
-        role = Role::other;
-        GST_ELEMENT_ERROR(container.file.get(), STREAM, DECODE, ("%s", error.what()), (nullptr));
-      }
+      read_packet(container, from, buffer, role);
     });
   if (!type.starts_with("video/") && !type.starts_with("image/"))
     return;

@@ -45,24 +45,17 @@ ElementPtr array_of(GstElement *pipeline, const TrackFile &track, const Vibratio
 
 void write_sound(const std::string &path, const TrackFile &track, const VibrationOptions &options) {
   const double length = length_of(track); // s
-  // Before the first byte is written.
-  const auto refuse_large = [&](GstPad *pad, GstEvent *event) {
-    const GstCaps *caps = caps_in(event);
-    if (!caps)
-      return true;
+  const auto refuse_large = [&](GstPad *, GstEvent *event) {
     gint rate = 0;
     gint channels = 0;
-    gst_structure_get_int(gst_caps_get_structure(caps, 0), "rate", &rate);
-    gst_structure_get_int(gst_caps_get_structure(caps, 0), "channels", &channels);
+    const GstCaps *caps = caps_in(event);
+    if (!caps || !gst_structure_get(gst_caps_get_structure(caps, 0), "rate", G_TYPE_INT, &rate,
+                                    "channels", G_TYPE_INT, &channels, nullptr))
+      return;
     const double fits = kMostBytes / (4.0 * rate * channels); // s, floats
-    if (length <= fits)
-      return true;
-    const ElementPtr array(gst_pad_get_parent_element(pad));
-    GST_ELEMENT_ERROR(array.get(), RESOURCE, NO_SPACE_LEFT,
-                      (messages::kSoundIsTooLarge, path.c_str(), static_cast<unsigned>(channels),
-                       fits / 60, length / 60),
-                      (nullptr));
-    return false;
+    if (length > fits)
+      throw_error(messages::kSoundIsTooLarge, path.c_str(), static_cast<unsigned>(channels),
+                  fits / 60, length / 60);
   };
   write_container(path, track, "haptics/x-raw ! hapticarray name=array ! wavenc",
                   [&](GstElement *pipeline) {
