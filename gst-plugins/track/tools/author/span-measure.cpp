@@ -196,7 +196,7 @@ void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
 
 // Prints the progress of the fields to stderr. progressreport prints a line at the end, too: that
 // of a short film is left out.
-void report_progress(GstElement *pipeline, const std::string &path, GstElement *bin) {
+void report_progress(GstElement *pipeline, const std::string &path, GstElement *field) {
   g_set_print_handler([](const gchar *text) {
     if (!std::strstr(text, " (00:00:0"))
       std::fputs(text, stderr);
@@ -204,7 +204,7 @@ void report_progress(GstElement *pipeline, const std::string &path, GstElement *
   GstElement *progress = gst_element_factory_make("progressreport", path.c_str());
   g_object_set(progress, "update-freq", 10, nullptr); // s
   gst_bin_add(GST_BIN(pipeline), progress);
-  link_elements(bin, progress);
+  link_elements(field, progress);
   read_to_end(pipeline, PadPtr(gst_element_get_static_pad(progress, "src")).get());
 }
 
@@ -212,8 +212,8 @@ void report_progress(GstElement *pipeline, const std::string &path, GstElement *
 // frame. Upright frames pass videoflip as they are.
 void build(Measuring &all, const std::string &path, unsigned columns, const char *direction) {
   std::string line = format_text(
-      "queue max-size-bytes=%u max-size-buffers=0 max-size-time=0 ! decodebin ! videoconvert "
-      "name=convert ! videoflip name=flip video-direction=%s ! motionfield name=field",
+      "queue name=in max-size-bytes=%u max-size-buffers=0 max-size-time=0 ! decodebin ! "
+      "videoconvert name=convert ! videoflip name=flip video-direction=%s ! motionfield name=field",
       kQueueBytes, g_str_equal(direction, "auto") ? "identity" : direction);
   if (columns > 0)
     line += format_text(" field-columns=%u", columns);
@@ -232,8 +232,8 @@ void build(Measuring &all, const std::string &path, unsigned columns, const char
   const PadPtr fields = pad_of("field", "src");
   watch_buffers(fields.get(), [&all](auto... made) { write_field(all, made...); });
   all.film.watch(fields.get());
-  report_progress(all.film.pipeline(), path, bin);
-  link_pad(all.film.video(), bin);
+  report_progress(all.film.pipeline(), path, all.field_element);
+  link_pad(all.film.video(), element_in(bin, "in").get());
   for (const auto *others : {&all.film.audio(), &all.film.others()})
     for (GstPad *pad : *others)
       discard_stream(pad);

@@ -195,7 +195,7 @@ void link_elements(GstElement *from, GstElement *to) {
 
 void link_pad(GstPad *pad, GstElement *to) {
   const PadPtr sink(gst_element_get_static_pad(to, "sink"));
-  if (GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get())))
+  if (!gst_pad_link_maybe_ghosting(pad, sink.get()))
     throw_error(messages::kStreamDoesNotFit, GST_PAD_NAME(pad), GST_ELEMENT_NAME(to));
 }
 

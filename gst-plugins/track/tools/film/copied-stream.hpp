@@ -55,6 +55,7 @@ GstElement *add_queue(GstElement *pipeline, guint bytes);
 // These throw TrackFileError.
 /// Adds a muxer that writes to a file, with the marks of hapticmark.
 GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path);
+/// These link what lies in bins, too.
 void link_elements(GstElement *from, GstElement *to);
 void link_pad(GstPad *pad, GstElement *to);
 /// Links the stream of the pad, which will be `offset` ns later, to the muxer behind a queue: only

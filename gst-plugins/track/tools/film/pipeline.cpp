@@ -25,14 +25,10 @@ std::string error_of(GstMessage *message) {
   return reason ? format_text("%s (%s)", error->message, reason) : error->message;
 }
 
-// Returns the pipeline of a line, or a bin with ghost pads.
-ElementPtr parse_line(const std::string &line, bool is_bin) {
+ElementPtr parse_line(const std::string &line, GstParseFlags flags) {
   GError *wrong = nullptr;
   GstParseContext *context = gst_parse_context_new();
-  ElementPtr parsed(
-      is_bin ? gst_parse_bin_from_description_full(line.c_str(), TRUE, context, GST_PARSE_FLAG_NONE,
-                                                   &wrong)
-             : gst_parse_launch_full(line.c_str(), context, GST_PARSE_FLAG_NONE, &wrong));
+  ElementPtr parsed(gst_parse_launch_full(line.c_str(), context, flags, &wrong));
   const ErrorPtr error(wrong);
   const std::unique_ptr<gchar *, decltype(&g_strfreev)> missing(
       gst_parse_context_get_missing_elements(context), g_strfreev);
@@ -55,11 +51,11 @@ GstElement *add_element(GstElement *pipeline, const char *factory) {
 }
 
 ElementPtr make_pipeline(const std::string &line) {
-  return parse_line(line, false);
+  return parse_line(line, GST_PARSE_FLAG_NONE);
 }
 
 GstElement *add_bin(GstElement *pipeline, const std::string &line) {
-  GstElement *bin = parse_line(line, true).release(); // a floating reference
+  GstElement *bin = parse_line(line, GST_PARSE_FLAG_PLACE_IN_BIN).release(); // a floating reference
   gst_bin_add(GST_BIN(pipeline), bin);
   return bin;
 }

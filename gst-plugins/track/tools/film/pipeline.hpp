@@ -27,8 +27,7 @@ GstElement *add_element(GstElement *pipeline, const char *factory);
 
 /// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.
 ElementPtr make_pipeline(const std::string &line);
-/// The pipeline owns the bin, whose pads are those that the line leaves unlinked. Throws
-/// TrackFileError.
+/// Adds what a line names as a bin, which the pipeline owns. Throws TrackFileError.
 GstElement *add_bin(GstElement *pipeline, const std::string &line);
 /// Returns the element of this name, or null.
 ElementPtr element_in(GstElement *pipeline, const char *name);
