@@ -26,21 +26,15 @@ void check(const std::string &path, const std::error_code &error) {
 
 PackageFolder::PackageFolder(const std::string &path, const std::string &player,
                              const std::string &page, const std::string &mark)
-    : path_(path), player_(player), work_(make_folder(page, mark)),
-      lock_(work_.string() + ".lock", path_) {
-  std::error_code error;
-  fs::create_directory(work_, error);
-  check(path_, error);
-}
-
-// Returns the path of a folder in it.
-std::string PackageFolder::make_folder(const std::string &page, const std::string &mark) const {
+    : path_(path), player_(player), work_(path_ / kWork) {
   if (has(kPage) && !has(mark) && hash_of_file(path_ / kPage) != hash_of_file(player_ / page))
     throw_error(messages::kFolderHoldsOther, path_.c_str());
   std::error_code error;
   fs::create_directories(path_, error);
   check(path_, error);
-  return path_ / kWork;
+  lock_.emplace(work_.string() + ".lock", path_);
+  fs::create_directory(work_, error);
+  check(path_, error);
 }
 
 bool PackageFolder::has(const std::string &name) const {

@@ -5,6 +5,7 @@
 #include "part-file.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,12 +41,10 @@ public:
   void finish();
 
 private:
-  std::string make_folder(const std::string &page, const std::string &mark) const;
-
   std::filesystem::path path_;
   std::filesystem::path player_;
   std::filesystem::path work_;
-  PartFile lock_; // beside work_, which finish() removes
+  std::optional<PartFile> lock_; // beside work_, which finish() removes
 };
 
 /// Returns the folder of the player's files. Throws TrackFileError if it is not there.
