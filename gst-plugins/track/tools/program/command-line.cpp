@@ -230,6 +230,8 @@ int run_verb(std::span<const Verb> verbs, int argc, char **argv) {
   all.vibration.alpha = all.compare.law.alpha;
   if (all.files.size() < verb->least || all.files.size() > verb->most)
     throw_error(messages::kCommandNeedsFiles, verb->name, verb->needs);
+  if (!verb->forks)
+    gst_init(nullptr, nullptr);
   return verb->run(all);
 }
 

@@ -42,6 +42,7 @@ struct Verb {
   const char *options;    ///< between spaces
   const char *summary;    ///< the first line is of the list of verbs
   const char *example;
+  bool forks = false; ///< GStreamer is not initialized before
 };
 
 /// Runs the verb that the command line names, or prints the help that it asks for. Returns the exit

@@ -16,7 +16,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <gst/gst.h>
 #include <limits>
 #include <set>
 #include <string>
@@ -24,16 +23,8 @@
 #include <utility>
 #include <vector>
 
+namespace haptic {
 namespace {
-
-using haptic::Arguments;
-using haptic::CodedField;
-namespace messages = haptic::messages;
-using haptic::seconds;
-using haptic::throw_error;
-using haptic::TrackFile;
-using haptic::TrackFileError;
-using haptic::TrackSample;
 
 void info_of_times(std::uint64_t first, std::uint64_t last, std::size_t samples) {
   const double length = seconds(last) - seconds(first);
@@ -47,8 +38,8 @@ void info_of_code(const std::vector<CodedField> &fields) {
   std::size_t keys = 0;
   std::size_t bytes = 0;
   for (const auto &coded : fields) {
-    keys += haptic::is_key_field(coded.bytes);
-    bytes += haptic::write_klv(coded).size();
+    keys += is_key_field(coded.bytes);
+    bytes += write_klv(coded).size();
   }
   info_of_times(fields.front().time, fields.back().time, fields.size());
   const double length = seconds(fields.back().time) - seconds(fields.front().time);
@@ -59,7 +50,7 @@ void info_of_code(const std::vector<CodedField> &fields) {
 
 // `known`: what a share of the cells is.
 template <typename Cell>
-void info_of_grid(const haptic::Field<Cell> &field, const char *known, double share) {
+void info_of_grid(const Field<Cell> &field, const char *known, double share) {
   std::printf("  grid       %u x %u cells\n", field.columns, field.rows);
   std::printf("  %-10s %.1f %% of the cells\n", known, 100 * share);
   std::printf("  frame      %u x %u px, pixels %u:%u\n", field.frame_width, field.frame_height,
@@ -88,22 +79,20 @@ struct Speeds {
 void info_of_reliefs(const std::vector<CodedField> &reliefs) {
   std::printf("  reliefs    %zu\n", reliefs.size());
   info_of_code(reliefs);
-  haptic::ReliefDecoder decoder;
+  ReliefDecoder decoder;
   double cells = 0;
   double surface = 0;
-  haptic::ReliefCell least = {haptic::kMostReliefHeight, haptic::kMostReliefStiffness,
-                              haptic::kMostReliefFriction, 1};
-  haptic::ReliefCell most = {-haptic::kMostReliefHeight, 0, 0, 0};
+  ReliefCell least = {kMostReliefHeight, kMostReliefStiffness, kMostReliefFriction, 1};
+  ReliefCell most = {-kMostReliefHeight, 0, 0, 0};
   for (const auto &coded : reliefs) {
-    if (decoder.push(coded.bytes) != haptic::ReliefDecoder::Result::field)
+    if (decoder.push(coded.bytes) != ReliefDecoder::Result::field)
       continue;
     cells += static_cast<double>(decoder.field().cells.size());
     for (const auto &cell : decoder.field().cells) {
       if (!(cell.validity > 0))
         continue;
       ++surface;
-      for (auto number : {&haptic::ReliefCell::height, &haptic::ReliefCell::stiffness,
-                          &haptic::ReliefCell::friction}) {
+      for (auto number : {&ReliefCell::height, &ReliefCell::stiffness, &ReliefCell::friction}) {
         least.*number = std::min(least.*number, cell.*number);
         most.*number = std::max(most.*number, cell.*number);
       }
@@ -130,8 +119,8 @@ void info_of_fields(const std::vector<CodedField> &fields) {
   std::size_t things_begun = 0;
   Speeds measured;
   double cells = 0;
-  haptic::MotionField first;
-  haptic::for_each_field(fields, [&](const haptic::MotionField &field, std::uint64_t) {
+  MotionField first;
+  for_each_field(fields, [&](const MotionField &field, std::uint64_t) {
     if (decoded++ == 0)
       first = field;
     cells += static_cast<double>(field.cells.size());
@@ -160,7 +149,7 @@ void info_of_samples(const std::vector<TrackSample> &samples) {
     if (!(s.confidence > 0))
       continue;
     measured.add(s.velocity_x, s.velocity_y);
-    const auto force = haptic::force_of_motion(s);
+    const auto force = force_of_motion(s);
     strongest = std::max(strongest, std::hypot(force.x, force.y));
   }
   info_of_times(first.time, samples.back().time, samples.size());
@@ -173,7 +162,7 @@ void info_of_samples(const std::vector<TrackSample> &samples) {
 }
 
 void print_info(const std::string &path, const std::string &stream) {
-  const TrackFile track = haptic::read_track_file(path, stream);
+  const TrackFile track = read_track_file(path, stream);
   std::printf("%s: %s\n", path.c_str(), track.form.c_str());
   if (!track.stream.empty())
     std::printf("  stream     %s\n", track.stream.c_str());
@@ -205,7 +194,7 @@ int info(const Arguments &arguments) {
     try {
       print_info(file, arguments.compare.stream);
     } catch (const TrackFileError &error) {
-      haptic::print_error(error.what());
+      print_error(error.what());
       status = EXIT_FAILURE;
     }
   return status;
@@ -213,21 +202,21 @@ int info(const Arguments &arguments) {
 
 TrackFile read_some(const Arguments &arguments) {
   const std::string &path = arguments.files[0];
-  TrackFile track = haptic::read_track_file(path, arguments.compare.stream);
-  haptic::print_remarks(path, track.remarks);
+  TrackFile track = read_track_file(path, arguments.compare.stream);
+  print_remarks(path, track.remarks);
   if (track.holds_nothing())
     throw_error(messages::kTrackIsEmpty, path.c_str());
-  haptic::leave_reliefs_out(path, track);
+  leave_reliefs_out(path, track);
   return track;
 }
 
 int write(const std::string &output, const TrackFile &track,
-          const haptic::VibrationOptions &vibration = {}) {
-  haptic::stop_when_interrupted();
-  if (haptic::is_vibration_file(output))
-    haptic::write_vibration_file(output, track, vibration);
+          const VibrationOptions &vibration = {}) {
+  stop_when_interrupted();
+  if (is_vibration_file(output))
+    write_vibration_file(output, track, vibration);
   else
-    haptic::write_track_file(output, track);
+    write_track_file(output, track);
   return EXIT_SUCCESS;
 }
 
@@ -237,15 +226,14 @@ int convert(const Arguments &arguments) {
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
-    track.samples =
-        haptic::samples_at_hand(track.fields, haptic::read_hand(arguments.compare.hand));
+    track.samples = samples_at_hand(track.fields, read_hand(arguments.compare.hand));
     track.fields.clear();
   }
   // A track beside its video begins with the video, whose copy in a recording begins later.
   const std::string &output = arguments.files[1];
-  const bool is_of_video = track.film_begin != haptic::kNoTime;
-  if (haptic::is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
-    haptic::move_times(track, -static_cast<std::int64_t>(haptic::times_of(track).first));
+  const bool is_of_video = track.film_begin != kNoTime;
+  if (is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
+    move_times(track, -static_cast<std::int64_t>(times_of(track).first));
   return write(output, track, arguments.vibration);
 }
 
@@ -258,13 +246,12 @@ int cut(const Arguments &arguments) {
   const std::uint64_t from = ns(arguments.compare.range.from);
   const std::uint64_t to = ns(arguments.compare.range.to);
   if (arguments.with_video) {
-    haptic::stop_when_interrupted();
-    haptic::naming(arguments.files[0], [&] {
-      haptic::cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]);
-    });
+    stop_when_interrupted();
+    naming(arguments.files[0],
+           [&] { cut_film(arguments.files[0], std::move(track), from, to, arguments.files[1]); });
     return EXIT_SUCCESS;
   }
-  haptic::cut_track(track, from, to);
+  cut_track(track, from, to);
   if (track.holds_nothing())
     throw_error(messages::kCutIsEmpty, arguments.files[0].c_str());
   return write(arguments.files[1], track);
@@ -273,10 +260,10 @@ int cut(const Arguments &arguments) {
 int plot(const Arguments &arguments) {
   check_may_be_written(arguments, arguments.files[1]);
   const std::string &file = arguments.files[0];
-  haptic::PlotOptions options = arguments.plot;
+  PlotOptions options = arguments.plot;
   if (!arguments.compare.hand.empty())
-    options.hand = haptic::read_hand(arguments.compare.hand);
-  haptic::plot_track(file, read_some(arguments), options, arguments.files[1]);
+    options.hand = read_hand(arguments.compare.hand);
+  plot_track(file, read_some(arguments), options, arguments.files[1]);
   return EXIT_SUCCESS;
 }
 
@@ -285,119 +272,95 @@ int compare(const Arguments &arguments) {
   return haptic::compare(arguments.files[0], arguments.files[1], arguments.compare, arguments.json);
 }
 
-int author(const Arguments &arguments) {
-  return haptic::author(arguments.files, arguments.author, arguments.jobs);
-}
-
-int plan(const Arguments &arguments) {
-  return haptic::plan_authoring(arguments.files, arguments.author, arguments.chunks);
-}
-
-int chunk(const Arguments &arguments) {
-  return haptic::author_chunk(arguments.files[0], arguments.chunk);
-}
-
-int merge(const Arguments &arguments) {
-  return haptic::merge_chunks(arguments.files[0]);
-}
-
-void check_folder(const Arguments &arguments) {
+const AuthorOptions &with_folder(const Arguments &arguments) {
   if (arguments.author.folder.empty())
     throw_error(messages::kPackageNeedsFolder);
-}
-
-int package(const Arguments &arguments) {
-  check_folder(arguments);
-  return haptic::package(arguments.files, {arguments.carriage, arguments.author});
-}
-
-int package_single(const Arguments &arguments) {
-  check_folder(arguments);
-  return haptic::package_single(arguments.files, arguments.author);
-}
-
-template <int (*run)(const Arguments &)>
-int with_gstreamer(const Arguments &arguments) {
-  gst_init(nullptr, nullptr);
-  return run(arguments);
+  return arguments.author;
 }
 
 constexpr char kPlanNeeded[] = "a plan, which author --plan prints";
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-constexpr haptic::Verb kVerbs[] = {
-    {"info", with_gstreamer<info>, 1, kAny, "a file", "FILE...", " stream ",
+constexpr Verb kVerbs[] = {
+    {"info", info, 1, kAny, "a file", "FILE...", " stream ",
      R"(Prints what files contain
 
 The kind of each track, its times, its size and what it measured. The exit status is 0 if all files
 were read.)",
      "info recorded.ts"},
-    {"convert", with_gstreamer<convert>, 2, 2, "a file and an output", "FILE OUTPUT",
+    {"convert", convert, 2, 2, "a file and an output", "FILE OUTPUT",
      " hand layout map alpha stream force ",
      R"(Writes a track in another format
 
 A video beside the track is left out. The ending of OUTPUT chooses the format: .klv, .txt, .ts, .mkv,
 .hmpg, .hjif, or vibration: .wav (a channel for each actuator of an array), .ahap (a telephone).)",
      "convert recorded.ts track.klv"},
-    {"cut", with_gstreamer<cut>, 2, 2, "a file and an output", "FILE OUTPUT",
-     " from to with-video stream force ",
+    {"cut", cut, 2, 2, "a file and an output", "FILE OUTPUT", " from to with-video stream force ",
      R"(Writes a part of a track or of a recording
 
 The part begins at 0 s. A video is kept in .ts and .mkv.)",
      "cut --from 10 --to 20 recorded.ts part.klv"},
-    {"plot", with_gstreamer<plot>, 2, 2, "a file and an output", "FILE OUTPUT",
-     " place hand stream force ",
+    {"plot", plot, 2, 2, "a file and an output", "FILE OUTPUT", " place hand stream force ",
      R"(Draws a track
 
 OUTPUT.png shows velocity and force over time, or motion fields over frames of the video; OUTPUT.gif,
 for motion fields only, a moving picture.)",
      "plot in.haptic.ts fields.png"},
-    {"compare", with_gstreamer<compare>, 2, 2, "two files", "A B",
+    {"compare", compare, 2, 2, "two files", "A B",
      " at-most json plot from to offset shift places hand alpha max-force stream force ",
      R"(Prints how much of the time a hand could tell two files apart
 
 Each is a track, or a log of hapticsink (.csv). The result comes from a model of perception, not from
 people.)",
      "compare before.klv after.klv"},
-    {"author", author, 1, kAny, "a video", "VIDEO...", " output columns hold jobs ",
+    {"author", [](const Arguments &all) { return author(all.files, all.author, all.jobs); }, 1,
+     kAny, "a video", "VIDEO...", " output columns hold jobs ",
      R"(Measures videos, and writes copies with a haptic track
 
 A copy has the motion of the whole frame as a track: NAME.haptic.ts or NAME.haptic.mkv. Video and
 sound are copied without re-encoding. A copy that exists is kept, so a second run continues where the
 first was stopped. The exit status is 0 if all copies exist.)",
-     "author --output authored in.mp4"},
-    {"author --plan", with_gstreamer<plan>, 1, kAny, "a video", "VIDEO... > PLAN",
-     " plan chunks output columns hold ",
+     "author --output authored in.mp4", true},
+    {"author --plan",
+     [](const Arguments &all) { return plan_authoring(all.files, all.author, all.chunks); }, 1,
+     kAny, "a video", "VIDEO... > PLAN", " plan chunks output columns hold ",
      R"(Prints a plan for the same on many machines
 
 The plan has chunks, which are measured in any order.)",
      "author --plan --chunks 8 in.mp4 > plan.json"},
-    {"author --chunk", with_gstreamer<chunk>, 1, 1, kPlanNeeded, "PLAN", " chunk ",
+    {"author --chunk", [](const Arguments &all) { return author_chunk(all.files[0], all.chunk); },
+     1, 1, kPlanNeeded, "PLAN", " chunk ",
      R"(Measures a chunk of a plan
 )",
      "author --chunk 0 plan.json"},
-    {"author --merge", with_gstreamer<merge>, 1, 1, kPlanNeeded, "PLAN", " merge ",
+    {"author --merge", [](const Arguments &all) { return merge_chunks(all.files[0]); }, 1, 1,
+     kPlanNeeded, "PLAN", " merge ",
      R"(Writes the copies of a plan from all its chunks
 )",
      "author --merge plan.json"},
-    {"package", with_gstreamer<package>, 1, kAny, "a video", "VIDEO...",
-     " output carriage columns hold ",
+    {"package",
+     [](const Arguments &all) {
+       return package(all.files, {all.carriage, with_folder(all)});
+     },
+     1, kAny, "a video", "VIDEO...", " output carriage columns hold ",
      R"(Makes a folder for a web server: a page where a video is seen and felt
 
 It holds the segments of the video with its haptic track (HLS), and a player. The video is measured
 first if it has no track. Further videos are other bitrates of the same film.)",
      "package --output film in.mp4"},
-    {"package --single", with_gstreamer<package_single>, 1, kAny, "a video", "VIDEO.mp4",
-     " single output columns hold ",
+    {"package --single",
+     [](const Arguments &all) { return package_single(all.files, with_folder(all)); }, 1, kAny,
+     "a video", "VIDEO.mp4", " single output columns hold ",
      R"(Makes such a folder for a short video
 
 It holds the MP4 as it is, its track as one file, and a page.)",
      "package --single --output film in.mp4"}};
 
 } // namespace
+} // namespace haptic
 
 int main(int argc, char **argv) {
   try {
-    return haptic::run_verb(kVerbs, argc, argv);
+    return haptic::run_verb(haptic::kVerbs, argc, argv);
   } catch (const std::exception &error) {
     haptic::print_error(error.what());
     return haptic::is_interrupted() ? haptic::kInterrupted : EXIT_FAILURE;
