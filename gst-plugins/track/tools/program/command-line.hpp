@@ -2,7 +2,7 @@
 // The command line of haptic-track: a verb, its options and its files.
 #pragma once
 
-#include "author/author-plan.hpp"
+#include "author/author.hpp"
 #include "package/package.hpp"
 #include "plot/track-plot.hpp"
 #include "program/compare.hpp"
