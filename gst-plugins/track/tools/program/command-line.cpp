@@ -183,6 +183,8 @@ void parse(const Verb &verb, std::span<char *> words, std::vector<Option> &optio
   const std::unique_ptr<GOptionContext, decltype(&g_option_context_free)> context(
       g_option_context_new(nullptr), g_option_context_free);
   g_option_context_set_main_group(context.get(), group);
+  // Without a verb, the first word is told that is none, whatever its options.
+  g_option_context_set_strict_posix(context.get(), !verb.run);
   g_option_context_set_summary(context.get(), verb.summary);
   g_option_context_set_description(context.get(),
                                    ("Example: haptic-track " + std::string(verb.example)).c_str());
