@@ -31,6 +31,10 @@ double norm(const Force &force) {
   return std::sqrt(squared_difference(force, {}));
 }
 
+bool is_any_felt(const Force &a, const Force &b) {
+  return std::max(norm(a), norm(b)) > kLeastForce;
+}
+
 // Means over kCoarse steps.
 ForceSignal coarse(const ForceSignal &signal) {
   const auto bin_of = [](std::int64_t step) {
@@ -132,10 +136,6 @@ bool differ(const Force &a, const Force &b) noexcept {
                          static_cast<double>(a.z) * b.z) /
                         (strong * weak);
   return std::abs(strong - weak) > least || cosine < std::cos(kLeastAngle / 180 * std::numbers::pi);
-}
-
-bool is_any_felt(const Force &a, const Force &b) noexcept {
-  return std::max(norm(a), norm(b)) > kLeastForce;
 }
 
 bool Comparison::is_late() const noexcept {

@@ -17,13 +17,10 @@ inline constexpr double kLeastDirected = 0.05;   ///< N; weaker forces have no d
 inline constexpr double kLeastAngle = 18.4;      ///< degrees
 inline constexpr double kLeastShift = 0.045;     ///< s
 
-/// Returns whether either of two forces is felt: is above kLeastForce.
-bool is_any_felt(const Force &a, const Force &b) noexcept;
-
-/// Returns whether a hand can tell two forces apart, one of which is felt. Of two forces above
-/// kLeastDirected: strengths that differ by more than kLeastForce and kLeastForceShare, or
-/// directions by more than kLeastAngle. Of others: a difference, as a vector, above kLeastForce.
-/// Symmetric.
+/// Returns whether a hand can tell two forces apart, one of which is felt: is above kLeastForce. Of
+/// two forces above kLeastDirected: strengths that differ by more than kLeastForce and
+/// kLeastForceShare, or directions by more than kLeastAngle. Of others: a difference, as a vector,
+/// above kLeastForce. Symmetric.
 bool differ(const Force &a, const Force &b) noexcept;
 
 using SignalPair = std::pair<ForceSignal, ForceSignal>;
