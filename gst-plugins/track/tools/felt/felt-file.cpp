@@ -30,10 +30,9 @@ FeltSurface felt_at(const ReliefField &relief, const PointerPosition &hand, std:
 
 // Calls `call(i, felt, hand, field)` for what hand i feels of each field or relief. Between two of
 // them, a hand on a path feels both where it is at each time.
-template <typename Field, typename Call>
-void feel_each(void (&for_each)(std::span<const CodedField>,
-                                const std::function<void(const Field &, std::uint64_t)> &),
-               std::span<const CodedField> track, const Hands &hands, const Call &call) {
+template <typename Field, typename ForEach, typename Call>
+void feel_each(const ForEach &for_each, std::span<const CodedField> track, const Hands &hands,
+               const Call &call) {
   Field before;
   std::uint64_t time_before = kNoTime;
   for_each(track, [&](const Field &field, std::uint64_t time) {
