@@ -40,15 +40,13 @@ void append_with_keys(std::span<const CodedField> track, FieldKind kind,
 
 void for_each_field(std::span<const CodedField> track,
                     const std::function<void(const MotionField &, std::uint64_t time)> &call) {
-  MotionField whole; // with its things, which stay while the frame rests
+  std::vector<FieldThing> things; // stay while the frame rests
   for_each_decoded<MotionCells>(
-      track, [&](const MotionField &field, std::uint64_t time, const CodedField *coded) {
-        auto things = std::move(whole.things);
-        whole = field;
-        whole.things = std::move(things);
+      track, [&](MotionField field, std::uint64_t time, const CodedField *coded) {
         if (coded)
-          unpack_field_things(coded->things, whole.things);
-        call(whole, time);
+          unpack_field_things(coded->things, things);
+        field.things = things;
+        call(field, time);
       });
 }
 
