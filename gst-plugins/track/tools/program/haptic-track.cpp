@@ -8,7 +8,6 @@
 #include "samples/motion-force.hpp"
 #include "seconds.hpp"
 #include "tracks/field-track.hpp"
-#include "tracks/film-cut.hpp"
 #include "tracks/track-file.hpp"
 
 #include <algorithm>

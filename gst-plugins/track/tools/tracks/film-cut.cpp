@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tracks/film-cut.hpp"
-
 #include "core/track-caps.hpp"
 #include "film/copied-stream.hpp"
+#include "film/film-streams.hpp"
 #include "film/pipeline.hpp"
 #include "part-file.hpp"
-#include "tracks/field-track.hpp"
+#include "tracks/track-file.hpp"
 
 #include <algorithm>
 #include <filesystem>
