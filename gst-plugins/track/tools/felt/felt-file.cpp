@@ -73,9 +73,7 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
     log_ = read_force_log(path);
     return;
   }
-  track_ = read_track_file(path, stream);
-  print_remarks(path, track_.remarks);
-  leave_reliefs_out(path, track_);
+  track_ = read_one_kind(path, stream);
 }
 
 std::optional<double> FeltFile::film_begin() const {

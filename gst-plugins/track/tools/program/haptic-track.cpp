@@ -200,12 +200,9 @@ int info(const Arguments &arguments) {
 }
 
 TrackFile read_some(const Arguments &arguments) {
-  const std::string &path = arguments.files[0];
-  TrackFile track = read_track_file(path, arguments.compare.stream);
-  print_remarks(path, track.remarks);
+  TrackFile track = read_one_kind(arguments.files[0], arguments.compare.stream);
   if (track.holds_nothing())
-    throw_error(messages::kTrackIsEmpty, path.c_str());
-  leave_reliefs_out(path, track);
+    throw_error(messages::kTrackIsEmpty, arguments.files[0].c_str());
   return track;
 }
 

@@ -325,12 +325,15 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   return track;
 }
 
-void leave_reliefs_out(const std::string &path, TrackFile &track) {
-  if (track.empty() || track.reliefs.empty())
-    return;
-  print_remarks(path,
-                {format_text("%zu reliefs beside the motion were left out", track.reliefs.size())});
-  track.reliefs.clear();
+TrackFile read_one_kind(const std::string &path, const std::string &stream) {
+  TrackFile track = read_track_file(path, stream);
+  if (!track.empty() && !track.reliefs.empty()) {
+    track.remarks.push_back(
+        format_text("%zu reliefs beside the motion were left out", track.reliefs.size()));
+    track.reliefs.clear();
+  }
+  print_remarks(path, track.remarks);
+  return track;
 }
 
 TrackTimes times_of(const TrackFile &track) {
@@ -353,8 +356,7 @@ void play_track(const std::string &path, const TrackFile &track, const std::stri
   const ElementPtr pipeline = make_pipeline("appsrc name=in format=time caps=\"" +
                                             std::string(caps_of_track(!track.coded().empty())) +
                                             "\" ! hapticconvert ! " + line);
-  if (prepare)
-    prepare(pipeline.get());
+  prepare(pipeline.get());
   naming(path, [&] {
     const Running running(pipeline.get());
     push_track(element_in(pipeline.get(), "in").get(), track);

@@ -34,8 +34,7 @@ struct TrackFile {
 
   /// Whether there is no motion.
   bool empty() const noexcept { return samples.empty() && fields.empty(); }
-  /// The fields, or the reliefs of a track without motion. All tools but info leave reliefs beside
-  /// motion out.
+  /// The fields, or the reliefs of a track without motion.
   const std::vector<CodedField> &coded() const noexcept { return empty() ? reliefs : fields; }
   bool holds_nothing() const noexcept { return empty() && reliefs.empty(); }
   /// Calls `call` with each sample, field and relief.
@@ -51,8 +50,8 @@ struct TrackFile {
 /// first one, or `stream`. Throws TrackFileError.
 TrackFile read_track_file(const std::string &path, const std::string &stream = {});
 
-/// Removes the reliefs beside motion, and says so on the standard error.
-void leave_reliefs_out(const std::string &path, TrackFile &track);
+/// The same without reliefs beside motion. Prints the remarks on the standard error.
+TrackFile read_one_kind(const std::string &path, const std::string &stream);
 
 /// ns; of a track that holds nothing as they stand here.
 struct TrackTimes {
@@ -72,7 +71,7 @@ void write_track_file(const std::string &path, const TrackFile &track);
 /// `prepare` gets the pipeline before it starts. `path` is of errors. Throws TrackFileError, also
 /// when the process was interrupted.
 void play_track(const std::string &path, const TrackFile &track, const std::string &line,
-                const std::function<void(GstElement *pipeline)> &prepare = {});
+                const std::function<void(GstElement *pipeline)> &prepare);
 
 /// Writes what such elements make of the track. The file appears under its name when it is whole.
 void write_container(const std::string &path, const TrackFile &track, const std::string &line,
