@@ -17,6 +17,7 @@
 #include <gst/app/gstappsrc.h>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -68,14 +69,6 @@ void push_next(GstAppSrc *in, guint, gpointer data) {
               .release());
 }
 
-// Puts the mark into the first field.
-GstPadProbeReturn mark_first(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  edit_buffer<std::vector<std::uint8_t>>(info, [&](std::vector<std::uint8_t> &field) {
-    insert_mark(field, *static_cast<const std::string *>(data));
-  });
-  return GST_PAD_PROBE_REMOVE;
-}
-
 // ---- the rotation -------------------------------------------------------------------------------
 
 // The form of a coded picture.
@@ -121,11 +114,10 @@ std::size_t find_picture(std::span<const std::uint8_t> bytes, const CodedForm &f
 }
 
 // Puts the rotation before the picture.
-GstPadProbeReturn turn_picture(GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+void turn_picture(GstPad *pad, GstBuffer *&picture, const std::string &rotation) {
   const CodedForm form = form_of(pad);
-  const auto unit =
-      orientation_unit(static_cast<const PlannedFilm *>(data)->index.rotation, form.is_h265);
-  edit_buffer<std::vector<std::uint8_t>>(info, [&](std::vector<std::uint8_t> &bytes) {
+  const auto unit = orientation_unit(rotation, form.is_h265);
+  edit_buffer(picture, [&](std::vector<std::uint8_t> &bytes) {
     const std::size_t at = find_picture(bytes, form);
     if (at == bytes.size())
       return;
@@ -134,7 +126,6 @@ GstPadProbeReturn turn_picture(GstPad *pad, GstPadProbeInfo *info, gpointer data
     message.insert(message.end(), unit.begin(), unit.end());
     bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), message.begin(), message.end());
   });
-  return GST_PAD_PROBE_OK;
 }
 
 // ---- the pipeline -------------------------------------------------------------------------------
@@ -152,23 +143,19 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
 
 // Frames that an edit list hides before the first shown one are decoded, but a muxer would leave
 // them out. Their stream begins with them, and all others by as much later.
-GstPadProbeReturn begin_earlier(GstPad *, GstPadProbeInfo *info, gpointer data) {
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+void begin_earlier(GstEvent *&event, std::uint64_t lead) {
   if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
-    return GST_PAD_PROBE_OK;
+    return;
   GstSegment segment;
   gst_event_copy_segment(event, &segment);
-  segment.start -= std::min(segment.start, *static_cast<const std::uint64_t *>(data));
-  GstEvent *earlier = gst_event_new_segment(&segment);
-  gst_event_set_seqnum(earlier, gst_event_get_seqnum(event));
-  gst_event_unref(event);
-  GST_PAD_PROBE_INFO_DATA(info) = earlier;
-  return GST_PAD_PROBE_OK;
+  segment.start -= std::min(segment.start, lead);
+  const EventPtr before(std::exchange(event, gst_event_new_segment(&segment)));
+  gst_event_set_seqnum(event, gst_event_get_seqnum(before.get()));
 }
 
 // Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
 PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska,
-                   const std::uint64_t &lead) {
+                   std::uint64_t lead) {
   if (!has_place(muxer_of(is_matroska ? kMatroska : kTransportStream), pad)) {
     discard_stream(pad);
     return nullptr;
@@ -176,26 +163,31 @@ PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool i
   if (pad != film.video())
     return copy_stream(pad, kAudioBytes, static_cast<gint64>(lead), mux, is_matroska);
   PadPtr linked = copy_stream(pad, kVideoBytes, 0, mux, is_matroska);
-  gst_pad_add_probe(PadPtr(gst_pad_get_peer(pad)).get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
-                    begin_earlier, const_cast<std::uint64_t *>(&lead), nullptr);
+  watch_events(PadPtr(gst_pad_get_peer(pad)).get(),
+               [lead](GstPad *, GstEvent *&event) { begin_earlier(event, lead); });
   return linked;
 }
 
 void build(const PlannedFilm &planned, const FilmStreams &film, Track &track,
-           const std::string &part, std::string &mark) {
+           const std::string &part, const std::string &mark) {
   const bool is_matroska = planned.index.ending == kMatroska;
   GstElement *mux = add_muxer(film.pipeline(), muxer_of(planned.index.ending), part);
   make_output_deterministic(planned, mux);
   const PadPtr video = keep_stream(film, film.video(), mux, is_matroska, planned.index.lead);
   if (!planned.index.rotation.empty() && orientation_in(planned.path).empty())
-    gst_pad_add_probe(video.get(), GST_PAD_PROBE_TYPE_BUFFER, turn_picture,
-                      const_cast<PlannedFilm *>(&planned), nullptr);
+    watch_buffers(video.get(),
+                  [rotation = planned.index.rotation](GstPad *pad, GstBuffer *&picture) {
+                    turn_picture(pad, picture, rotation);
+                  });
   for (GstPad *pad : film.audio())
     keep_stream(film, pad, mux, is_matroska, planned.index.lead);
   // Before other streams: who takes the first text of the file takes the track.
   const TrackSource source = add_track_source(film.pipeline(), true, mux, is_matroska);
-  const PadPtr coded(gst_element_get_static_pad(source.coded, "src"));
-  gst_pad_add_probe(coded.get(), GST_PAD_PROBE_TYPE_BUFFER, mark_first, &mark, nullptr);
+  const auto mark_first = [mark, is_first = true](GstPad *, GstBuffer *&buffer) mutable {
+    if (std::exchange(is_first, false))
+      edit_buffer(buffer, [&](auto &field) { insert_mark(field, mark); });
+  };
+  watch_buffers(PadPtr(gst_element_get_static_pad(source.coded, "src")).get(), mark_first);
   GstAppSrcCallbacks callbacks = {};
   callbacks.need_data = push_next;
   gst_app_src_set_callbacks(GST_APP_SRC(source.in), &callbacks, &track, nullptr);
@@ -250,11 +242,10 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
                        const std::vector<ChunkReader> &chunks) {
   const std::string stem = author_stem(film.path, options);
   PartFile part(stem + ".part");
-  std::string mark = copy_mark(film, options);
   Track track{.chunks = chunks, .lead = film.index.lead};
   {
     FilmStreams streams(film.path, FilmUse::copy);
-    build(film, streams, track, part.path(), mark);
+    build(film, streams, track, part.path(), copy_mark(film, options));
     streams.play();
   }
   std::string copy = stem + film.index.ending;

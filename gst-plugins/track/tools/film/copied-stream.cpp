@@ -45,14 +45,11 @@ CapsPtr without_form(GstCaps *caps) {
 
 // Matroska has one time for each frame. Where AVI gives only the decoding time, that is the one, as
 // in other files of these codecs.
-GstPadProbeReturn complete_time(GstPad *, GstPadProbeInfo *info, gpointer) {
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+void complete_time(GstPad *, GstBuffer *&buffer) {
   if (GST_BUFFER_PTS_IS_VALID(buffer) || !GST_BUFFER_DTS_IS_VALID(buffer))
-    return GST_PAD_PROBE_OK;
+    return;
   buffer = gst_buffer_make_writable(buffer);
   GST_BUFFER_PTS(buffer) = GST_BUFFER_DTS(buffer);
-  GST_PAD_PROBE_INFO_DATA(info) = buffer;
-  return GST_PAD_PROBE_OK;
 }
 
 // qtdemux of GStreamer 1.22 cuts the head of AV1's codec data off, and a decoder refuses the rest.
@@ -70,22 +67,18 @@ CapsPtr without_cut_data(const GstCaps *caps) {
   return form;
 }
 
-GstPadProbeReturn leave_cut_data_out(GstPad *, GstPadProbeInfo *info, gpointer) {
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+void leave_cut_data_out(GstPad *, GstEvent *&event) {
   const GstCaps *caps = caps_in(event);
-  if (const CapsPtr whole = caps ? without_cut_data(caps) : nullptr) {
-    GST_PAD_PROBE_INFO_DATA(info) = gst_event_new_caps(whole.get());
-    gst_event_unref(event);
-  }
-  return GST_PAD_PROBE_OK;
+  if (const CapsPtr whole = caps ? without_cut_data(caps) : nullptr)
+    EventPtr(std::exchange(event, gst_event_new_caps(whole.get())));
 }
 
 // matroskademux names the text of subtitles Pango's markup and escapes what would be none. They go
 // back as they were.
-GstPadProbeReturn unescape(GstPad *, GstPadProbeInfo *info, gpointer) {
+void unescape(GstPad *, GstBuffer *&buffer) {
   constexpr std::array<std::pair<std::string_view, char>, 5> kEntities = {
       {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
-  edit_buffer<std::string>(info, [&](std::string &text) {
+  edit_buffer<std::string>(buffer, [&](std::string &text) {
     for (std::size_t at = text.find('&'); at != text.npos; at = text.find('&', at + 1))
       for (const auto &[entity, character] : kEntities)
         if (text.compare(at, entity.size(), entity) == 0) {
@@ -93,40 +86,37 @@ GstPadProbeReturn unescape(GstPad *, GstPadProbeInfo *info, gpointer) {
           break;
         }
   });
-  return GST_PAD_PROBE_OK;
 }
 
 // Before its first frame, aacparse knows neither rate nor profile, and a muxer needs them.
 bool is_unknown_aac(const GstCaps *caps) {
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  gint version = 0;
-  return g_str_equal(name_of(caps), "audio/mpeg") &&
-         gst_structure_get_int(structure, "mpegversion", &version) && version > 1 &&
-         !gst_structure_has_field(structure, "rate");
+  return g_strcmp0(parser_of(caps), "aacparse") == 0 &&
+         !gst_structure_has_field(gst_caps_get_structure(caps, 0), "rate");
 }
 
 // tsdemux sends gaps until a stream begins, in GStreamer 1.22 the first one before a segment.
 // The muxer gets nothing that it cannot place, and waits for the first frame instead.
-GstPadProbeReturn drop_early(GstPad *pad, GstPadProbeInfo *info, gpointer) {
-  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+bool has_time_and_form(GstPad *pad, GstEvent *event) {
   if (const GstCaps *caps = caps_in(event))
-    return is_unknown_aac(caps) ? GST_PAD_PROBE_DROP : GST_PAD_PROBE_OK;
-  if (GST_EVENT_TYPE(event) != GST_EVENT_GAP)
-    return GST_PAD_PROBE_OK;
-  const EventPtr segment(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
-  return segment && !is_unknown_aac(caps_of(pad).get()) ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
+    return !is_unknown_aac(caps);
+  return GST_EVENT_TYPE(event) != GST_EVENT_GAP ||
+         (segment_of(pad) && !is_unknown_aac(caps_of(pad).get()));
 }
 
 // matroskamux has no name for DNxHD. It writes such a stream as HuffYUV, and this puts the name
 // there by which others know DNxHD in V_MS/VFW/FOURCC.
-GstPadProbeReturn name_dnxhd(GstPad *, GstPadProbeInfo *info, gpointer) {
-  std::size_t at = 0;
-  edit_buffer<std::string>(info, [&](std::string &bytes) {
-    at = bytes.find("HFYU");
-    if (at != bytes.npos)
-      bytes.replace(at, 4, "AVdn");
-  });
-  return at == std::string::npos ? GST_PAD_PROBE_OK : GST_PAD_PROBE_REMOVE;
+void name_dnxhd(GstElement *mux) {
+  const auto name_once = [is_named = false](GstPad *, GstBuffer *&buffer) mutable {
+    if (is_named)
+      return;
+    edit_buffer<std::string>(buffer, [&](std::string &bytes) {
+      if (const std::size_t at = bytes.find("HFYU"); at != bytes.npos) {
+        bytes.replace(at, 4, "AVdn");
+        is_named = true;
+      }
+    });
+  };
+  watch_buffers(PadPtr(gst_element_get_static_pad(mux, "src")).get(), name_once);
 }
 
 } // namespace
@@ -215,8 +205,7 @@ PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mu
     form.reset(gst_caps_from_string(is_text ? kPlainText : kHuffyuv));
     g_object_set(last, "caps", form.get(), "join", FALSE, nullptr);
     if (!is_text)
-      gst_pad_add_probe(PadPtr(gst_element_get_static_pad(mux, "src")).get(),
-                        GST_PAD_PROBE_TYPE_BUFFER, name_dnxhd, nullptr, nullptr);
+      name_dnxhd(mux);
   }
   if (last != queue)
     link_elements(queue, last);
@@ -225,16 +214,14 @@ PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mu
     g_object_set(last, "config-interval", -1, nullptr);
   PadPtr from_pad(gst_element_get_static_pad(last, "src"));
   if (is_matroska)
-    gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_BUFFER, complete_time, nullptr, nullptr);
+    watch_buffers(from_pad.get(), complete_time);
   const char *format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
   if (is_text && g_strcmp0(format, "pango-markup") == 0)
-    gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_BUFFER, unescape, nullptr, nullptr);
-  gst_pad_add_probe(from_pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, drop_early, nullptr,
-                    nullptr);
+    watch_buffers(from_pad.get(), unescape);
+  watch_events(from_pad.get(), has_time_and_form);
   const PadPtr to_pad(gst_element_get_compatible_pad(mux, from_pad.get(), form.get()));
   if (to_pad && is_matroska)
-    gst_pad_add_probe(to_pad.get(), GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, leave_cut_data_out,
-                      nullptr, nullptr);
+    watch_events(to_pad.get(), leave_cut_data_out);
   if (!to_pad || GST_PAD_LINK_FAILED(gst_pad_link(from_pad.get(), to_pad.get())))
     throw_error(messages::kMuxerHasNoPlace, name_of(caps));
   link_pad(pad, queue);

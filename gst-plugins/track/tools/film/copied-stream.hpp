@@ -4,8 +4,11 @@
 
 #include "glue/gst-raii.hpp"
 
+#include <cstdint>
 #include <gst/gst.h>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace haptic {
 
@@ -15,17 +18,14 @@ const char *name_of(const GstCaps *caps);
 /// Returns the caps of the pad, or those that it may get.
 CapsPtr caps_of(GstPad *pad);
 
-/// Puts what `edit` makes of the bytes of a probe's buffer in place of them.
-template <typename Bytes, typename Edit>
-void edit_buffer(GstPadProbeInfo *info, const Edit &edit) {
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+/// Puts a buffer with what `edit` makes of its bytes in place of it.
+template <typename Bytes = std::vector<std::uint8_t>, typename Edit>
+void edit_buffer(GstBuffer *&buffer, const Edit &edit) {
   Bytes bytes(gst_buffer_get_size(buffer), {});
   gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
   edit(bytes);
-  GstBuffer *edited = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  gst_buffer_copy_into(edited, buffer, GST_BUFFER_COPY_METADATA, 0, static_cast<gsize>(-1));
-  gst_buffer_unref(buffer);
-  GST_PAD_PROBE_INFO_DATA(info) = edited;
+  const BufferPtr before(std::exchange(buffer, gst_buffer_new_memdup(bytes.data(), bytes.size())));
+  gst_buffer_copy_into(buffer, before.get(), GST_BUFFER_COPY_METADATA, 0, static_cast<gsize>(-1));
 }
 
 /// The size of frames, px.

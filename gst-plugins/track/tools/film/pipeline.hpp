@@ -50,23 +50,25 @@ GstCaps *caps_in(GstEvent *event);
 void fail(GstPad *pad, const char *text);
 
 /// Calls `call` with the pad and what passes it, in the pad's streaming thread, as long as the pad
-/// exists. What `call` returns false for is dropped. An exception of `call` ends the pipeline with
-/// its text, and drops a buffer.
+/// exists. What `call` takes by reference it may put another in place of. What it returns false for
+/// is dropped. An exception of `call` ends the pipeline with its text, and drops a buffer.
 template <GstPadProbeType type, auto content_of, typename Call>
 void add_probe(GstPad *pad, Call call) {
   const auto run = [](GstPad *at, GstPadProbeInfo *info, gpointer data) {
     Call &with = *static_cast<Call *>(data);
+    auto *content = content_of(info);
+    bool passes = true;
     try {
-      if constexpr (std::is_void_v<decltype(with(at, content_of(info)))>)
-        with(at, content_of(info));
-      else if (!with(at, content_of(info)))
-        return GST_PAD_PROBE_DROP;
+      if constexpr (std::is_void_v<decltype(with(at, content))>)
+        with(at, content);
+      else
+        passes = with(at, content);
     } catch (const std::exception &error) {
       fail(at, error.what());
-      if (type == GST_PAD_PROBE_TYPE_BUFFER) // without its segment, a pad warns of each buffer
-        return GST_PAD_PROBE_DROP;
+      passes = type != GST_PAD_PROBE_TYPE_BUFFER; // without its segment, a pad warns of each buffer
     }
-    return GST_PAD_PROBE_OK;
+    GST_PAD_PROBE_INFO_DATA(info) = content;
+    return passes ? GST_PAD_PROBE_OK : GST_PAD_PROBE_DROP;
   };
   gst_pad_add_probe(pad, type, run, new Call(std::move(call)),
                     [](gpointer data) { delete static_cast<Call *>(data); });
