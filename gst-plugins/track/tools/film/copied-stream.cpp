@@ -53,24 +53,20 @@ void complete_time(GstPad *, GstBuffer *&buffer) {
 }
 
 // qtdemux of GStreamer 1.22 cuts the head of AV1's codec data off, and a decoder refuses the rest.
-// Each key frame has the same data. Returns the caps without them, or nothing if they are whole.
-CapsPtr without_cut_data(const GstCaps *caps) {
-  CapsPtr form(gst_caps_copy(caps));
-  GstStructure *structure = gst_caps_get_structure(form.get(), 0);
-  const GValue *value =
-      g_str_equal(name_of(caps), kAv1) ? gst_structure_get_value(structure, "codec_data") : nullptr;
-  guint8 marker = 0;
-  if (!value || gst_buffer_extract(gst_value_get_buffer(value), 0, &marker, 1) != 1 ||
-      marker == kAv1Marker)
-    return nullptr;
-  gst_structure_remove_field(structure, "codec_data");
-  return form;
-}
-
+// Each key frame has the same data.
 void leave_cut_data_out(GstPad *, GstEvent *&event) {
   const GstCaps *caps = caps_in(event);
-  if (const CapsPtr whole = caps ? without_cut_data(caps) : nullptr)
-    EventPtr(std::exchange(event, gst_event_new_caps(whole.get())));
+  if (!caps || !g_str_equal(name_of(caps), kAv1))
+    return;
+  const GValue *value = gst_structure_get_value(gst_caps_get_structure(caps, 0), "codec_data");
+  guint8 marker = kAv1Marker;
+  if (value)
+    gst_buffer_extract(gst_value_get_buffer(value), 0, &marker, 1);
+  if (marker == kAv1Marker)
+    return;
+  const CapsPtr whole(gst_caps_copy(caps));
+  gst_structure_remove_field(gst_caps_get_structure(whole.get(), 0), "codec_data");
+  gst_event_unref(std::exchange(event, gst_event_new_caps(whole.get())));
 }
 
 // matroskademux names the text of subtitles Pango's markup and escapes what would be none. They go
@@ -161,11 +157,6 @@ GstElement *add_queue(GstElement *pipeline, guint bytes) {
   g_object_set(queue, "max-size-bytes", bytes, "max-size-buffers", 0, "max-size-time", guint64{0},
                nullptr);
   return queue;
-}
-
-gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer) {
-  constexpr std::string_view kWhole[] = {"application/x-ass", "application/x-ssa"};
-  return std::ranges::find(kWhole, name_of(caps)) == std::end(kWhole);
 }
 
 GstElement *add_muxer(GstElement *pipeline, const char *factory, const std::string &path) {

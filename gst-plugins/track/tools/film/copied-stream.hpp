@@ -46,9 +46,6 @@ inline const char *muxer_of(const std::string &ending) {
 /// Returns whether the muxer has a place for the stream of the pad, in whatever form.
 bool has_place(const char *mux, GstPad *pad);
 
-/// Handler of parsebin's signal autoplug-continue: subtitles with a style stay as they are.
-gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer);
-
 /// Adds a queue with a limit of bytes alone.
 GstElement *add_queue(GstElement *pipeline, guint bytes);
 

@@ -8,26 +8,31 @@
 namespace haptic {
 namespace {
 
-constexpr gint64 kLongestShow =
-    gint64{10} * G_USEC_PER_SEC; // us, from the first stream to the last
+constexpr gint64 kLongestShow = 10'000'000; // us, from the first stream to the last
 
-} // namespace
+// Subtitles with a style stay as they are.
+gboolean is_parsed_further(GstElement *, GstPad *, GstCaps *caps, gpointer) {
+  const std::string_view name = name_of(caps);
+  return name != "application/x-ass" && name != "application/x-ssa";
+}
 
 // A decoder holds frames for each of its threads, so few threads limit the memory.
-void FilmStreams::set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data) {
+void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer is_decoded) {
   GObjectClass *properties = G_OBJECT_GET_CLASS(element);
   if (g_object_class_find_property(properties, "max-threads"))
     g_object_set(element, "max-threads", 2, nullptr);
   const GstElementFactory *factory = gst_element_get_factory(element);
-  if (static_cast<FilmStreams *>(data)->use_ == FilmUse::decode && factory &&
+  if (is_decoded && factory &&
       gst_element_factory_list_is_type(const_cast<GstElementFactory *>(factory),
                                        GST_ELEMENT_FACTORY_TYPE_PARSER) &&
       g_object_class_find_property(properties, "config-interval"))
     g_object_set(element, "config-interval", -1, nullptr);
 }
 
+} // namespace
+
 FilmStreams::FilmStreams(const std::string &path, FilmUse use, GstClockTime longest_standstill)
-    : use_(use), file_(path, "parsebin") {
+    : file_(path, "parsebin") {
   GstElement *parse = file_.reader();
   g_signal_connect(parse, "pad-added", G_CALLBACK(block), this);
   g_signal_connect(parse, "autoplug-continue", G_CALLBACK(is_parsed_further), nullptr);
@@ -36,7 +41,8 @@ FilmStreams::FilmStreams(const std::string &path, FilmUse use, GstClockTime long
                      static_cast<FilmStreams *>(data)->unknown_ = name_of(caps);
                    }),
                    this);
-  g_signal_connect(pipeline(), "deep-element-added", G_CALLBACK(set_up_element), this);
+  g_signal_connect(pipeline(), "deep-element-added", G_CALLBACK(set_up_element),
+                   GINT_TO_POINTER(use == FilmUse::decode));
   wait_for_streams(longest_standstill);
   sort();
 }

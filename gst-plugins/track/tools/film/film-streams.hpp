@@ -38,12 +38,10 @@ public:
   void play(GstClockTime longest_standstill = kLongestStandstill);
 
 private:
-  static void set_up_element(GstBin *, GstBin *, GstElement *element, gpointer data);
   static void block(GstElement *, GstPad *pad, gpointer data);
   void wait_for_streams(GstClockTime longest);
   void sort();
 
-  FilmUse use_;
   // The source's streaming thread until all streams are known, then the main thread.
   std::vector<std::pair<PadPtr, gulong>> streams_; // each held by a probe
   std::atomic<std::size_t> shown_ = 0;
