@@ -103,11 +103,10 @@ void begin_span(Measuring &all) {
   g_object_set(all.field_element, "points", points_of_span(all).c_str(), nullptr);
   all.form = make_raw_form(TrackLayout::field);
   all.within = all.repeats = true;
-  bool is_first = true;
   for (const BufferPtr &frame : all.before) {
     BufferPtr again(gst_buffer_copy(frame.get()));
     GST_BUFFER_FLAG_UNSET(again.get(), GST_BUFFER_FLAG_DISCONT);
-    if (std::exchange(is_first, false))
+    if (&frame == &all.before.front())
       GST_BUFFER_FLAG_SET(again.get(), GST_BUFFER_FLAG_DISCONT);
     gst_pad_chain(all.field_in.get(), again.release());
   }
@@ -201,9 +200,8 @@ void report_progress(GstElement *pipeline, const std::string &path, GstElement *
     if (!std::strstr(text, " (00:00:0"))
       std::fputs(text, stderr);
   });
-  GstElement *progress = gst_element_factory_make("progressreport", path.c_str());
+  GstElement *progress = add_element(pipeline, "progressreport", path.c_str());
   g_object_set(progress, "update-freq", 10, nullptr); // s
-  gst_bin_add(GST_BIN(pipeline), progress);
   link_elements(field, progress);
   read_to_end(pipeline, PadPtr(gst_element_get_static_pad(progress, "src")).get());
 }

@@ -42,8 +42,8 @@ ElementPtr parse_line(const std::string &line, GstParseFlags flags) {
 
 } // namespace
 
-GstElement *add_element(GstElement *pipeline, const char *factory) {
-  GstElement *element = gst_element_factory_make(factory, nullptr);
+GstElement *add_element(GstElement *pipeline, const char *factory, const char *name) {
+  GstElement *element = gst_element_factory_make(factory, name);
   if (!element)
     throw_error(messages::kElementIsMissing, factory);
   gst_bin_add(GST_BIN(pipeline), element);

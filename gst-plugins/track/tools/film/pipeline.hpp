@@ -23,7 +23,7 @@ inline constexpr GstClockTime kPollTime = 200 * GST_MSECOND;
 inline constexpr GstClockTime kLongestStandstill = 30 * GST_SECOND;
 
 /// The pipeline owns the element. Throws TrackFileError if there is no such one.
-GstElement *add_element(GstElement *pipeline, const char *factory);
+GstElement *add_element(GstElement *pipeline, const char *factory, const char *name = nullptr);
 
 /// Returns what a line in the syntax of gst-launch-1.0 names. Throws TrackFileError.
 ElementPtr make_pipeline(const std::string &line);
