@@ -286,13 +286,12 @@ AuthoredFilm author_film(const std::string &path, const AuthorOptions &options) 
   return {write_copy(film, options, chunks), chunks[0].stats().frames};
 }
 
-int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs) {
-  std::vector<std::string> different = files;
-  if (!copies_differ(different, options))
+int author(std::vector<std::string> files, const AuthorOptions &options, unsigned jobs) {
+  if (!copies_differ(files, options))
     return EXIT_FAILURE;
   stop_when_interrupted();
   const auto begun = Clock::now();
-  auto counts = author_each(different, options, jobs);
+  auto counts = author_each(files, options, jobs);
   rusage usage{};
   getrusage(RUSAGE_CHILDREN, &usage);
   const std::size_t failed = counts[EXIT_FAILURE];
@@ -300,25 +299,23 @@ int author(const std::vector<std::string> &files, const AuthorOptions &options, 
   std::printf("%zu written, %zu there already, %zu failed", counts[EXIT_SUCCESS], counts[kExists],
               failed);
   if (is_interrupted())
-    std::printf(", %zu not done: run it again to go on", different.size() - done);
+    std::printf(", %zu not done: run it again to go on", files.size() - done);
   std::printf("; %.0f s, at most %ld MB a process\n", seconds_since(begun), usage.ru_maxrss / 1024);
   if (is_interrupted())
     return kInterrupted;
   return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &options,
-                   unsigned chunks) {
-  std::vector<std::string> different = files;
+int plan_authoring(std::vector<std::string> files, const AuthorOptions &options, unsigned chunks) {
   Plan plan{.options = options};
-  if (!copies_differ(different, options))
+  if (!copies_differ(files, options))
     return EXIT_FAILURE;
   stop_when_interrupted();
   if (!options.folder.empty())
     plan.options.folder = fs::absolute(options.folder).lexically_normal().string();
   check_name(plan.options.folder);
   double minutes = 0;
-  for (const std::string &path : different)
+  for (const std::string &path : files)
     succeeds(path, [&] {
       PlannedFilm film = identify(path);
       check_name(film.path);
@@ -333,8 +330,8 @@ int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &o
   const auto usual = static_cast<unsigned>(std::clamp(minutes, 1.0, 1.0 * kMostChunks));
   plan.chunks = divide_films(plan.films, chunks > 0 ? chunks : usual);
   std::fputs(write_plan(plan).c_str(), stdout);
-  return std::fflush(stdout) == 0 && plan.films.size() == different.size() ? EXIT_SUCCESS
-                                                                           : EXIT_FAILURE;
+  return std::fflush(stdout) == 0 && plan.films.size() == files.size() ? EXIT_SUCCESS
+                                                                       : EXIT_FAILURE;
 }
 
 int author_chunk(const std::string &path, unsigned chunk) {

@@ -23,12 +23,11 @@ AuthoredFilm author_film(const std::string &video, const AuthorOptions &options)
 // other videos go on.
 
 /// Makes the copies, `jobs` at a time. Forks, so GStreamer must not have been initialized.
-int author(const std::vector<std::string> &files, const AuthorOptions &options, unsigned jobs);
+int author(std::vector<std::string> files, const AuthorOptions &options, unsigned jobs);
 
 /// Prints a plan of about `chunks` chunks; 0: one for each minute, not more than kMostChunks.
 /// Videos that cannot be authored are not in it.
-int plan_authoring(const std::vector<std::string> &files, const AuthorOptions &options,
-                   unsigned chunks);
+int plan_authoring(std::vector<std::string> files, const AuthorOptions &options, unsigned chunks);
 
 /// Slurm's usual limit of an array of jobs (MaxArraySize).
 inline constexpr unsigned kMostChunks = 1000;

@@ -217,12 +217,10 @@ FilmIndex index_film(const std::string &path) {
   const CapsPtr caps = caps_of(film.video());
   const bool has_message = g_str_equal(name_of(caps.get()), "video/x-h264") ||
                            g_str_equal(name_of(caps.get()), "video/x-h265");
-  gint64 duration = 0;
-  const bool has_duration =
-      gst_pad_query_duration(film.video(), GST_FORMAT_TIME, &duration) && duration > 0;
+  gint64 duration = -1; // GST_CLOCK_TIME_NONE
+  gst_pad_query_duration(film.video(), GST_FORMAT_TIME, &duration);
   scan_film(film, scan);
-  check_whole(scan, has_duration ? static_cast<GstClockTime>(duration) : GST_CLOCK_TIME_NONE,
-              is_matroska(path));
+  check_whole(scan, static_cast<GstClockTime>(duration), is_matroska(path));
   if (scan.hidden > 0)
     index.warnings.push_back(
         format_text(messages::kHiddenFrames, static_cast<unsigned long long>(scan.hidden)));

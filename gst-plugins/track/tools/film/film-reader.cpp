@@ -28,10 +28,6 @@ constexpr unsigned kPictureSet = 8;
 constexpr unsigned kDelimiter = 9;
 constexpr unsigned kFiller = 12;
 
-unsigned type_of_unit(Bytes unit) {
-  return unit.empty() ? 0 : unit[0] & 0x1FU;
-}
-
 // Reads the parameter sets of AVCDecoderConfigurationRecord (ISO/IEC 14496-15, 5.3.3.1). Returns
 // the size of the lengths before the NAL units, 0 if it is damaged.
 std::size_t read_configuration(Bytes bytes, FilmFormat &format) {
@@ -203,7 +199,7 @@ private:
     frame.time = time;
     for (std::size_t at = 0; at < readable.bytes().size();) {
       const Bytes unit = read_unit(readable.bytes(), at, length_size_);
-      const unsigned type = type_of_unit(unit);
+      const unsigned type = unit.empty() ? 0 : unit[0] & 0x1FU;
       if (unit.empty() || type == kSequenceSet || type == kPictureSet || type == kDelimiter ||
           type == kFiller)
         continue;

@@ -48,7 +48,7 @@ std::vector<Frame> read_frames(const std::string &path, const std::vector<std::u
                                        GST_BUFFER_PTS(gst_sample_get_buffer(sample.get())));
     } while (now + GST_MSECOND < times[i]);
     const ReadableBuffer readable(gst_sample_get_buffer(sample.get()));
-    frames[i].rgb.assign(readable.bytes().begin(), readable.bytes().end());
+    frames[i].assign(readable.bytes().begin(), readable.bytes().end());
   }
   return frames;
 }

@@ -8,9 +8,8 @@
 
 namespace haptic {
 
-struct Frame {
-  std::vector<std::uint8_t> rgb; ///< width * height * 3, row by row from the top; empty: none
-};
+/// width * height * 3 bytes of red, green and blue, row by row from the top.
+using Frame = std::vector<std::uint8_t>;
 
 /// Returns a frame for each of these times (ns, rising). It is empty where the file has no video or
 /// the video has ended. `width` is a multiple of four, so that no row is padded.

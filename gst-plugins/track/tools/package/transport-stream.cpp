@@ -75,10 +75,8 @@ std::vector<std::uint8_t> TransportStreamWriter::write(const FilmSegment &segmen
     while (sound != segment.sounds.end() && ticks_of(sound->time) <= until) {
       const std::int64_t time = ticks_of(sound->time);
       std::vector<std::uint8_t> unit;
-      for (; sound != segment.sounds.end() && unit.size() < kSoundUnit; ++sound) {
-        const auto framed = framed_sound(sound->bytes);
-        unit.insert(unit.end(), framed.begin(), framed.end());
-      }
+      for (; sound != segment.sounds.end() && unit.size() < kSoundUnit; ++sound)
+        put_framed(unit, sound->bytes);
       put_unit(sound_, time, time, std::move(unit), {});
     }
   };
@@ -153,8 +151,8 @@ void TransportStreamWriter::put_packets(Stream &stream, Bytes unit, Clock clock)
   }
 }
 
-// Returns the sound behind a head of ADTS (ISO/IEC 13818-7, 6.2).
-std::vector<std::uint8_t> TransportStreamWriter::framed_sound(Bytes sound) const {
+// Appends the sound behind a head of ADTS (ISO/IEC 13818-7, 6.2).
+void TransportStreamWriter::put_framed(std::vector<std::uint8_t> &unit, Bytes sound) const {
   const auto &config = format_.sound;
   const unsigned object = config[0] >> 3;
   const unsigned rate = (config[0] & 7U) << 1 | config[1] >> 7;
@@ -162,14 +160,12 @@ std::vector<std::uint8_t> TransportStreamWriter::framed_sound(Bytes sound) const
   const std::size_t size = sound.size() + 7;
   // Objects above 4 are extensions of AAC-LC, which a decoder finds itself.
   const unsigned profile = object >= 1 && object <= 4 ? object - 1 : 1;
-  std::vector<std::uint8_t> framed;
-  put_number(framed, 0xFFF1, 2);
-  put_number(framed,
+  put_number(unit, 0xFFF1, 2);
+  put_number(unit,
              std::uint64_t{profile} << 38 | std::uint64_t{rate} << 34 |
                  std::uint64_t{channels} << 30 | std::uint64_t{size} << 13 | 0x7FFU << 2,
              5);
-  framed.insert(framed.end(), sound.begin(), sound.end());
-  return framed;
+  unit.insert(unit.end(), sound.begin(), sound.end());
 }
 
 } // namespace haptic

@@ -44,7 +44,7 @@ private:
   void put_unit(Stream &stream, std::int64_t presentation, std::int64_t decoding,
                 std::vector<std::uint8_t> payload, Clock clock);
   void put_packets(Stream &stream, Bytes unit, Clock clock);
-  std::vector<std::uint8_t> framed_sound(Bytes sound) const;
+  void put_framed(std::vector<std::uint8_t> &unit, Bytes sound) const;
 
   const FilmFormat &format_;
   std::int64_t reordering_; // ticks

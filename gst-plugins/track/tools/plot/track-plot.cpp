@@ -164,13 +164,13 @@ void draw_field(Gnuplot &out, const Frame &frame, const MotionField &field, cons
   out.line("unset xtics; unset ytics; unset xlabel; unset ylabel; unset key; unset arrow");
   out.line("set border; set xrange [0:%d]; set yrange [0:%d]", all.width, all.height);
   const char *arrows = "'-' using 1:2:3:4 with vectors head filled lw 1.5 lc rgb '#E69F00'";
-  if (frame.rgb.empty()) {
+  if (frame.empty()) {
     out.line("set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#606060' behind");
     out.line("plot %s", arrows);
   } else {
     out.line("plot '-' binary array=(%d,%d) flip=y format='%%uchar' using 1:2:3 with rgbimage, %s",
              all.width, all.height, arrows);
-    out.bytes(frame.rgb);
+    out.bytes(frame);
   }
   const double cell_width = static_cast<double>(all.width) / std::max<int>(field.columns, 1);
   const double cell_height = static_cast<double>(all.height) / std::max<int>(field.rows, 1);
