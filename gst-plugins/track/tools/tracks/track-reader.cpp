@@ -76,8 +76,13 @@ void TrackReader::finish(std::size_t at) {
         format_text("%zu sets of other origin, version or kind were passed over", others_));
   if (damaged_ || clock_.is_tied())
     return;
-  std::uint64_t begin = kNoTime; // the sender's
-  track_.for_each([&](const auto &one) { begin = std::min(begin, one.time); });
+  std::uint64_t begin = kNoTime; // the sender's, of the first one: it may have been started anew
+  const auto begin_with = [&](const auto &all) {
+    begin = std::min(begin, all.empty() ? kNoTime : all.front().time);
+  };
+  begin_with(track_.samples);
+  begin_with(track_.fields);
+  begin_with(track_.reliefs);
   if (begin == kNoTime)
     return;
   report({TrackProblemKind::untied, {}}, 0);

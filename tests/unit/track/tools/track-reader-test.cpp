@@ -72,6 +72,23 @@ TEST(TrackReader, WithoutAnyTimeStampItBeginsAtZeroAndItIsSaid) {
   EXPECT_TRUE(track.is_untied);
 }
 
+TEST(TrackReader, WithoutAnyTimeStampASenderThatBeginsAnewDoesNotTurnTheTimesBack) {
+  TrackFile track;
+  haptic::TrackReader stream(haptic::make_klv_form(), track);
+  for (const std::uint64_t begin : {kSent, kSent - 3 * kSecond})
+    for (std::size_t i = 0; i < 60; ++i) {
+      TrackSample sample = test::TrackSamples(1).next();
+      sample.time = begin + i * kFrame;
+      const auto bytes = haptic::write_klv(sample);
+      stream.push({bytes, kNoTime, kNoTime});
+    }
+  stream.finish();
+  ASSERT_EQ(track.samples.size(), 120U);
+  EXPECT_EQ(track.samples[0].time, 0U);
+  for (std::size_t i = 1; i < 120; ++i)
+    EXPECT_GE(track.samples[i].time, track.samples[i - 1].time) << i;
+}
+
 TEST(TrackReader, SamplesOfAFileKeepTheirOwnTimes) {
   TrackFile track;
   haptic::TrackReader reader(haptic::make_text_form(), track, "line ");
