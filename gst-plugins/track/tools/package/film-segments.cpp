@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 namespace haptic {
@@ -71,8 +70,9 @@ void choose_starts(const std::vector<PlannedFrame> &frames, FilmPlan &plan) {
 
 // Returns the segment that holds a time, but none before the one with the number `first`.
 FilmSegment &segment_at(std::vector<FilmSegment> &segments, std::size_t first, std::int64_t time) {
-  const auto rest = segments | std::views::drop(first + 1);
-  return *std::prev(std::ranges::upper_bound(rest, time, {}, &FilmSegment::start));
+  const auto begin =
+      segments.begin() + static_cast<std::ptrdiff_t>(std::min(first + 1, segments.size()));
+  return *std::prev(std::ranges::upper_bound(begin, segments.end(), time, {}, &FilmSegment::start));
 }
 
 // Returns the segments with their fields, which get the times of this film's frames. The first

@@ -254,10 +254,11 @@ void plot_fields(const std::string &path, const TrackFile &track, bool moves, Gn
   const double side = moves ? 0.03 : 0.02; // of the strip
   for (std::size_t i = 0; i < times.size(); ++i) {
     const std::size_t panel = i % panels;
+    const std::size_t row = panel / columns;
     if (panel == 0)
       out.line("set multiplot");
-    place(out, wide * static_cast<double>(panel % columns),
-          1 - high * static_cast<double>(panel / columns + 1), wide, high);
+    place(out, wide * static_cast<double>(panel % columns), 1 - high * static_cast<double>(row + 1),
+          wide, high);
     draw_field(out, frames[i], fields[i], all);
     if (panel + 1 < panels)
       continue;
