@@ -89,6 +89,8 @@ Change noisy(float metres) {
 
 ReliefField slope(float rise) {
   ReliefField relief;
+  relief.frame_width = 16;
+  relief.frame_height = 16;
   relief.columns = 16;
   relief.rows = 16;
   for (int i = 0; i < 256; ++i)
