@@ -70,6 +70,7 @@ ForceSignal signal_over(std::span<const Knot> knots, ForceAt force_at) {
   };
   signal.first = step_of(knots.front().time);
   const std::int64_t last = std::max(step_of(knots.back().time), signal.first);
+  signal.forces.reserve(static_cast<std::size_t>(last - signal.first + 1));
   for (std::int64_t step = signal.first; step <= last; ++step)
     signal.forces.push_back(force_at(step));
   return signal;
