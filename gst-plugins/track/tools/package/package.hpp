@@ -2,7 +2,7 @@
 // Makes a folder of static files that a browser plays and feels (docs/web.md).
 #pragma once
 
-#include "author/author-file.hpp"
+#include "author/author-plan.hpp"
 
 #include <string>
 #include <vector>
