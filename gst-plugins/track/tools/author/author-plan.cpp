@@ -120,8 +120,7 @@ std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOpt
 
 std::string chunk_mark(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {
   const auto &all = film.index.spans;
-  std::string settings = "version " VERSION " ";
-  settings += settings_of(options);
+  std::string settings = "version " VERSION " " + settings_of(options);
   for (std::size_t i = spans.begin; i <= spans.end; ++i)
     settings += i < all.size() ? " " + std::to_string(all[i].begin) : " end";
   return mark_of(film.hash, settings);

@@ -88,14 +88,13 @@ int author_one(const std::string &path, const AuthorOptions &options) {
 // Two videos of one name would replace each other's copies. That is found before the work of hours
 // begins. A video that is named twice counts once. Returns false after an error.
 bool copies_differ(std::vector<std::string> &files, const AuthorOptions &options) {
-  std::error_code problem;
+  std::error_code error;
   if (!options.folder.empty() && !fs::is_directory(options.folder) &&
-      !fs::create_directories(options.folder, problem))
-    throw_error(messages::kOutputFails, options.folder.c_str(), problem.message().c_str());
+      !fs::create_directories(options.folder, error))
+    throw_error(messages::kOutputFails, options.folder.c_str(), error.message().c_str());
   std::map<std::string, std::string> videos; // of the copies
   bool differ = true;
   std::erase_if(files, [&](const std::string &path) {
-    std::error_code error;
     const auto copy = fs::weakly_canonical(author_stem(path, options), error);
     const auto [other, is_new] = videos.emplace(copy.string(), path);
     const bool is_same = path == other->second || fs::equivalent(path, other->second, error);
@@ -257,11 +256,9 @@ Json merge_film(const Plan &plan, std::size_t i, const Json &before) {
   if (Json row = merged_row(before, copy); !row.is_null())
     return row;
   const std::vector<ChunkReader> chunks = open_chunks(plan, i);
-  const char *word = "there already";
-  if (copy.empty()) {
+  const char *word = copy.empty() ? "written" : "there already";
+  if (copy.empty())
     copy = write_copy(film, plan.options, chunks);
-    word = "written";
-  }
   std::printf("%s: %s\n", word, copy.c_str());
   return row_of(film, copy, chunks);
 }

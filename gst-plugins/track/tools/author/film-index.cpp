@@ -11,6 +11,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 namespace haptic {
@@ -162,10 +163,10 @@ std::vector<Span> divide(const std::vector<KeyFrame> &keys) {
 
 void warn_of_sparse_keys(const IndexScan &scan) {
   std::uint64_t longest = 0;
-  for (std::size_t i = 0; i < scan.keys.size(); ++i) {
-    const std::uint64_t next =
-        i + 1 < scan.keys.size() ? scan.keys[i + 1].time : scan.index.duration;
-    longest = std::max(longest, next - std::min(next, scan.keys[i].time));
+  std::uint64_t next = scan.index.duration;
+  for (const KeyFrame &key : scan.keys | std::views::reverse) {
+    longest = std::max(longest, next - std::min(next, key.time));
+    next = key.time;
   }
   if (longest > kSparse)
     scan.index.warnings.push_back(format_text(messages::kKeysAreSparse, seconds(longest)));

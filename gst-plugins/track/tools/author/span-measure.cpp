@@ -18,7 +18,6 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 namespace haptic {
@@ -91,9 +90,9 @@ void end(Measuring &all) {
 std::string points_of_span(const Measuring &all) {
   const auto begin = static_cast<double>(all.begin_of(all.next - 1)) * 1e-9;
   const auto end = static_cast<double>(all.begin_of(all.next)) * 1e-9;
-  std::vector<HoldPoint> points;
-  std::ranges::copy_if(all.hold.points, std::back_inserter(points), [&](const HoldPoint &point) {
-    return (all.next == 1 || point.time >= begin) && point.time < end;
+  std::vector<HoldPoint> points = all.hold.points;
+  std::erase_if(points, [&](const HoldPoint &point) {
+    return (all.next > 1 && point.time < begin) || point.time >= end;
   });
   return write_hold_points(points);
 }
@@ -145,9 +144,9 @@ bool divide_frames(Measuring &all, GstPad *pad, GstBuffer *frame) {
 // ---- fields -------------------------------------------------------------------------------------
 
 std::uint64_t mean_confidence(const MotionField &field) {
-  const double sum = std::accumulate(
-      field.cells.begin(), field.cells.end(), 0.0,
-      [](double all, const auto &cell) { return all + static_cast<double>(cell.confidence); });
+  double sum = 0;
+  for (const FieldCell &cell : field.cells)
+    sum += static_cast<double>(cell.confidence);
   return static_cast<std::uint64_t>(1e6 * sum / static_cast<double>(field.cells.size()));
 }
 

@@ -140,7 +140,6 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
     });
   }
   std::vector<CodedField> track;
-  track.reserve(fields->size());
   for (CodedField &field : *fields) {
     const std::int64_t time = static_cast<std::int64_t>(field.time) - origin;
     if (time < -kSameTime || time >= rates[0].plan.end + kSameTime)

@@ -110,7 +110,6 @@ void TransportStreamWriter::put_unit(Stream &stream, std::int64_t presentation,
                                      Clock clock) {
   const bool has_decoding = decoding != presentation;
   std::vector<std::uint8_t> unit;
-  unit.reserve(payload.size() + 19);
   put_number(unit, 0x100 | stream.id, 4);
   const std::size_t times = has_decoding ? 10 : 5;
   const std::size_t size = 3 + times + payload.size();

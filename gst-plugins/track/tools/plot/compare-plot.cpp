@@ -48,7 +48,6 @@ void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std:
   if (std::filesystem::path(output).extension() != ".png")
     throw_error(messages::kPictureIsUnknown, output.c_str());
   const SignalPair pair = signals_at(place);
-  const bool places = result.places.size() > 1;
   Gnuplot out(output);
   out.set_terminal("pngcairo font 'DejaVu Sans,15'", 1200, is_touch ? 1180 : 900);
   out.line("set multiplot layout %d,1 margins 0.1, 0.98, 0.08, 0.94 spacing 0, 0.07",
@@ -64,7 +63,7 @@ void plot_comparison(const Comparison &result, const SignalsAt &signals_at, std:
   draw_axis(out, "upwards", result, pair, &Force::y);
   out.line("set xlabel 'time (s)' offset 0,0.5; set yrange [0:100]");
   out.line("set ylabel '%s' offset 1",
-           places ? "told apart (% of places)" : "told apart (% of time)");
+           result.places.size() > 1 ? "told apart (% of places)" : "told apart (% of time)");
   out.line("plot '-' using 1:2 with filledcurves x1 linetype 3");
   std::vector<std::uint16_t> told(static_cast<std::size_t>(result.end - result.first)); // places
   for (std::size_t i = 0; i < result.places.size(); ++i) {

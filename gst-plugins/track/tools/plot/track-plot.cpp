@@ -115,8 +115,7 @@ struct Overview {
 };
 
 Overview overview_of(const TrackFile &track, int width) {
-  Overview all;
-  all.width = width;
+  Overview all{.width = width};
   std::vector<float> speeds;
   for_each_field(track.fields, [&](const MotionField &field, std::uint64_t time) {
     if (all.times.empty())
