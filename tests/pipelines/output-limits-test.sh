@@ -102,7 +102,8 @@ promise "an option of another verb is refused" says 1 "cut: Unknown option --job
 promise "and one of another way to author" says 1 "author --plan: Unknown option --jobs" "$haptic_track" author --plan --jobs 2 a
 promise "and one that needs the other way" says 1 "author: Unknown option --chunks" "$haptic_track" author --chunks 2 a
 promise "and one that there is not" says 1 "cut: Unknown option --colour" "$haptic_track" cut --colour a b
-promise "and one without its value" says 1 "cut: Missing argument for --from" "$haptic_track" cut --from
+promise "a verb that there is not is named before its options" says 1 "unknown command 'conver'" "$haptic_track" conver --force a b
+promise "an option needs its value" says 1 "cut: Missing argument for --from" "$haptic_track" cut --from
 promise "numbers have a range" says 1 "--places needs two numbers from 1 to 32, not '5x40'" "$haptic_track" compare --places 5x40 a b
 promise "a name may begin with a dash" says 1 '"-b.klv": there is no such file' "$haptic_track" info -- -b.klv
 promise "--version is a version" says 0 "haptic-track " "$haptic_track" --version

@@ -46,7 +46,7 @@ in_step() {
         for (j = i; j > 1 && times[j] < times[j - 1]; j--) { t = times[j]; times[j] = times[j - 1]; times[j - 1] = t }
       first = times[frames - shown + 1]
       print fields " fields from " field " s on, the first shown frame at " first " s"
-      exit !(field - first < 0.0011 && first - field < 0.0011)
+      exit !(field - first < 0.001001 && first - field < 0.001001) # 1 ms, of numbers with six digits
     }'
 }
 
