@@ -268,7 +268,7 @@
           "Run haptic-track author --chunk with this number, then merge again.") \
   MESSAGE(kOptionNeedsNumbers, \
           "%s needs %s from %.10g to %.10g, not '%s'.", \
-          "--help after the verb says how it is written.") \
+          "Two are written such as 0.5,0.25 or 5x3.") \
   MESSAGE(kOptionIsWrong, \
           "%s: %s.", \
           "--help after the verb lists its options.") \

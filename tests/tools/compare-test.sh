@@ -82,7 +82,7 @@ promise 'a day' compares 1 'longer than 4 hours' a.csv days.csv
 promise 'no hand' compares 1 'there is no hand' "$field" no-hand.csv
 promise 'no place to choose' compares 1 'Leave out --places' a.csv a.csv --places 3x3
 promise 'two places' compares 1 'given twice' "$field" "$field" --places 3x3 --hand a.csv
-promise 'no grid' compares 1 'such as 5x3' "$field" "$field" --places 5
+promise 'no grid' compares 1 'such as 0.5,0.25 or 5x3' "$field" "$field" --places 5
 promise 'no track' compares 1 'this is no haptic track' a.csv "$(realpath "$0")"
 promise 'no file' compares 1 'there is no such file' a.csv nowhere.csv
 promise 'one file' compares 1 'needs two files' a.csv
