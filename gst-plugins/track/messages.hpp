@@ -268,13 +268,13 @@
           "Run haptic-track author --chunk with this number, then merge again.") \
   MESSAGE(kOptionNeedsNumbers, \
           "%s needs %s from %.10g to %.10g, not '%s'.", \
-          "Two are written such as 0.5,0.25 or 5x3.") \
+          "Write one such as 2, or two such as 0.5,0.25 or 5x3.") \
   MESSAGE(kOptionIsWrong, \
           "%s: %s.", \
           "--help after the verb lists its options.") \
   MESSAGE(kCommandNeedsFiles, \
           "%s needs %s.", \
-          "See --help.") \
+          "--help after the verb explains it.") \
   MESSAGE(kOutputExists, \
           "\"%s\" exists.", \
           "Use --force to overwrite it, or give another name.") \
@@ -320,7 +320,7 @@
           "X and Y are from 0 to 1, from the top left of the frame, as in --hold 0.4,0.6@2.5.") \
   MESSAGE(kShareIsAbove, \
           "a hand could tell the files apart in %.1f %% of the time. %.1f %% were allowed.", \
-          "Use --plot to see when. --help lists the options.") \
+          "Use --plot FILE.png to see when.") \
   MESSAGE(kBrowserLacksVideo, \
           "\"%s\": a browser does not play %s.", \
           "Re-encode it: ffmpeg -i VIDEO -vf yadif=deint=interlaced -c:v libx264 -pix_fmt yuv420p " \
@@ -384,7 +384,7 @@
           "Name it with --output.") \
   MESSAGE(kCarriageIsUnknown, \
           "--carriage is mp4 or ts, not '%s'.", \
-          "See --help.") \
+          "--help after the verb lists its options.") \
   MESSAGE(kCommandIsMissing, \
           "no command was given.", \
           "See --help.") \

@@ -91,13 +91,14 @@ explained() {
   local verb line
   for verb in $("$haptic_track" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
     "$haptic_track" "$verb" --help >"$work/help"
-    for line in "  haptic-track $verb \[OPTION" "Example: haptic-track $verb"; do
+    for line in "Usage: haptic-track $verb \[OPTION" "Example: haptic-track $verb"; do
       grep -q "^$line" "$work/help" || { echo "$verb has no '$line'" && return 1; }
     done
   done
   [ "$verb" = package ]
 }
 promise "VERB --help has its usage and an example" explained
+promise "also of a mode, in the place of a value" says 0 "--chunk=K" "$haptic_track" author --chunk --help
 promise "an option of another verb is refused" says 1 "cut: Unknown option --jobs" "$haptic_track" cut --jobs 2 a b
 promise "and one of another way to author" says 1 "author --plan: Unknown option --jobs" "$haptic_track" author --plan --jobs 2 a
 promise "and one that needs the other way" says 1 "author: Unknown option --chunks" "$haptic_track" author --chunks 2 a
@@ -105,8 +106,10 @@ promise "and one that there is not" says 1 "cut: Unknown option --colour" "$hapt
 promise "a verb that there is not is named before its options" says 1 "unknown command 'conver'" "$haptic_track" conver --force a b
 promise "an option needs its value" says 1 "cut: Missing argument for --from" "$haptic_track" cut --from
 promise "numbers have a range" says 1 "--places needs two numbers from 1 to 32, not '5x40'" "$haptic_track" compare --places 5x40 a b
+promise "behind -- are files" says 1 '"--plan": there is no such file' "$haptic_track" author -- --plan
 promise "a name may begin with a dash" says 1 '"-b.klv": there is no such file' "$haptic_track" info -- -b.klv
 promise "--version is a version" says 0 "haptic-track " "$haptic_track" --version
+promise "also behind a verb" says 0 "haptic-track " "$haptic_track" info --version
 promise "--option=value" "$haptic_track" cut --from=0.1 --to=1 "$work/track.txt" "$work/part.txt"
 promise "a flag takes no value" says 1 "--force takes no value" "$haptic_track" cut --force=1 "$work/track.txt" "$work/p.txt"
 ffmpeg -v error -f lavfi -i testsrc2=size=352x288:rate=30:duration=1 -c:v libx264 -preset ultrafast "$work/short.mp4"

@@ -6,12 +6,12 @@
 #include "track-error.hpp"
 
 #include <charconv>
-#include <clocale>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <memory>
 #include <string_view>
+#include <type_traits>
 
 namespace haptic {
 namespace {
@@ -45,8 +45,10 @@ Setter numbers(Number least, Number most, Values &...values) {
     };
     if (!((at <= end && take(values)) && ...) || at != end + 1)
       throw_error(messages::kOptionNeedsNumbers, option.c_str(),
-                  sizeof...(values) == 1 ? "a number" : "two numbers", static_cast<double>(least),
-                  static_cast<double>(most), text.c_str());
+                  sizeof...(values) == 2       ? "two numbers"
+                  : std::is_integral_v<Number> ? "a whole number"
+                                               : "a number",
+                  static_cast<double>(least), static_cast<double>(most), text.c_str());
   };
 }
 
@@ -88,28 +90,32 @@ std::vector<Option> options_of(Arguments &all) {
        numbers(0U, kMostSpans, all.chunk)},
       {"merge", nullptr, "makes the copies from all chunks of a plan", nothing},
       {"single", nullptr, "the MP4 as it is, its track as one file, and a page", nothing},
-      {"output", "FOLDER", "where the files go; the folder is made", word(all.author.folder)},
-      {"carriage", "FORMAT", "format of the segments: mp4 or ts (default: mp4)",
+      {"output", "FOLDER",
+       "where the files go; the folder is made (default of author: beside each video)",
+       word(all.author.folder)},
+      {"carriage", "FORMAT", "format of the segments: mp4 or ts, which is MPEG-TS (default: mp4)",
        [&](auto &, auto &text) { all.carriage = parse_carriage(text); }},
       {"columns", "N", "columns of the motion field, 4 to 96 (default: 32)",
        numbers(kFewestColumns, kMostColumns, all.author.columns)},
-      {"hold", "PLACE", "lets a hand hold the thing at X,Y or X,Y@SECONDS; auto: some things",
+      {"hold", "PLACE", "lets a hand hold a thing: X,Y or X,Y@SECONDS, or auto; up to 32 times",
        [&](auto &, auto &text) { read_hold(text, all.author.hold); }},
-      {"jobs", "N", "videos at a time (default: one for each processor core)",
+      {"jobs", "N", "videos at a time, 1 to 1024 (default: one for each processor core)",
        numbers(1U, 1024U, all.jobs)},
       {"chunks", "N", "about so many chunks (default: one for each minute)",
        numbers(1U, kMostSpans, all.chunks)},
-      {"from", "S", "begins here, in seconds of the first file",
+      {"from", "S", "begins here, in seconds of FILE or A (default: at its beginning)",
        numbers(0.0, 1e9, all.compare.range.from)},
-      {"to", "S", "ends here, in seconds of the first file",
+      {"to", "S", "ends here, in seconds of FILE or A (default: at its end)",
        numbers(0.0, 1e9, all.compare.range.to)},
-      {"with-video", nullptr, "also cuts video and sound, at the key frames around the part",
+      {"with-video", nullptr,
+       "also cuts video and sound (.ts, .mkv), at the key frames around the part",
        flag(all.with_video)},
-      {"place", "X,Y", "for reliefs: draws the height here, 0 to 1 from the top left",
+      {"place", "X,Y",
+       "for reliefs: draws the height here, 0 to 1 from the top left (default: 0.5,0.5)",
        numbers(0.0, 1.0, all.plot.x, all.plot.y)},
-      {"places", "CxR", "columns and rows of the compared places, 1 to 32 (default: 5x3)",
+      {"places", "CxR", "for fields, reliefs: columns and rows of places, 1 to 32 (default: 5x3)",
        numbers(1U, 32U, all.compare.columns, all.compare.rows)},
-      {"hand", "LOG", "feels fields or reliefs under the hand of this log of hapticsink (.csv)",
+      {"hand", "LOG", "the hand of this log of hapticsink (.csv) feels the track",
        word(all.compare.hand)},
       {"layout", "NAME", "for .wav: layout of hapticarray, by name or path (default: back-3x4)",
        word(all.vibration.layout)},
@@ -118,15 +124,16 @@ std::vector<Option> options_of(Arguments &all) {
        numbers(0.0001, 10.0, all.compare.law.alpha)},
       {"max-force", "N", "force of the fastest motion, 0.01 to 5 N (default: 1 N)",
        numbers(0.01, kHighestForce, all.compare.law.max_force)},
-      {"at-most", "PERCENT", "the exit status is 1 above this share of the time",
+      {"at-most", "PERCENT",
+       "exit status 1 above this share of the time, 0 to 100 % (default: never)",
        numbers(0.0, 100.0, all.compare.at_most)},
-      {"offset", "S", "seconds that are added to the times of B",
+      {"offset", "S", "seconds that are added to the times of B (default: 0)",
        numbers(-1e6, 1e6, all.compare.offset)},
       {"shift", "S", "how late B is, -2 to 2 s (default: what fits best)",
        numbers(-2.0, 2.0, all.compare.shift)},
       {"plot", "FILE.png", "draws both forces", word(all.compare.plot)},
       {"json", nullptr, "prints JSON", flag(all.json)},
-      {"stream", "NAME", "the track with this name, if info shows several",
+      {"stream", "NAME", "the track with this name (default: the first one; info names the others)",
        word(all.compare.stream)},
       {"force", nullptr, "overwrites a file that exists", flag(all.overwrites)},
   };
@@ -145,6 +152,11 @@ gboolean read_option(const gchar *name, const gchar *text, gpointer options, GEr
   }
 }
 
+// Whether only files follow.
+bool is_end(std::string_view word) {
+  return word == "--";
+}
+
 // Returns the verb that begins the command line; one with a flag if that is given, too.
 const Verb *verb_of(std::span<const Verb> verbs, std::span<char *> words) {
   const Verb *found = nullptr;
@@ -154,8 +166,9 @@ const Verb *verb_of(std::span<const Verb> verbs, std::span<char *> words) {
     const auto is_flag = [&](std::string_view word) {
       return word.substr(0, word.find('=')) == name.substr(end + 1);
     };
+    const auto files = std::ranges::find_if(words, is_end);
     if (words.size() > 0 && name.substr(0, end) == words[0] &&
-        (end == name.size() || std::ranges::any_of(words, is_flag)))
+        (end == name.size() || std::any_of(words.begin(), files, is_flag)))
       found = &verb;
   }
   return found;
@@ -163,14 +176,16 @@ const Verb *verb_of(std::span<const Verb> verbs, std::span<char *> words) {
 
 // Reads the words behind the first one. Prints the help and ends the process if they ask for it.
 void parse(const Verb &verb, std::span<char *> words, std::vector<Option> &options) {
+  const auto files = std::ranges::find_if(words, is_end);
   std::vector<GOptionEntry> entries;
   for (const Option &option : options) {
     const std::string between = ' ' + std::string(option.name) + ' ';
-    if (*option.name && std::string_view(verb.options).find(between) == std::string_view::npos)
+    if (*option.name && between != " version " &&
+        std::string_view(verb.options).find(between) == std::string_view::npos)
       continue;
     const bool is_flag = !option.value;
-    for (const std::string_view text : words) // GLib would leave the value out
-      if (is_flag && text.starts_with("--" + std::string(option.name) + '='))
+    for (auto text = words.begin(); text != files; ++text) // GLib would leave the value out
+      if (is_flag && std::string_view(*text).starts_with("--" + std::string(option.name) + '='))
         throw_error(messages::kOptionIsWrong, verb.name,
                     format_text("--%s takes no value", option.name).c_str());
     entries.push_back({option.name, 0, is_flag ? G_OPTION_FLAG_NO_ARG : G_OPTION_FLAG_FILENAME,
@@ -189,6 +204,13 @@ void parse(const Verb &verb, std::span<char *> words, std::vector<Option> &optio
   g_option_context_set_description(context.get(),
                                    ("Example: haptic-track " + std::string(verb.example)).c_str());
   g_set_prgname(("haptic-track " + std::string(verb.name)).c_str());
+  for (auto text = words.begin(); text != files; ++text) // also in the place of a value
+    if (std::string_view(*text) == "--help" || std::string_view(*text) == "-h") {
+      const GCharPtr help(g_option_context_get_help(context.get(), TRUE, nullptr));
+      // help2man knows a synopsis by its line.
+      std::printf("Usage: %s", help.get() + std::string_view("Usage:\n  ").size());
+      std::exit(EXIT_SUCCESS);
+    }
   int count = static_cast<int>(words.size());
   char **rest = words.data();
   GError *wrong = nullptr;
@@ -197,13 +219,12 @@ void parse(const Verb &verb, std::span<char *> words, std::vector<Option> &optio
   if (g_error_matches(wrong, G_OPTION_ERROR, G_OPTION_ERROR_FAILED))
     throw TrackFileError(error->message);
   if (error)
-    throw_error(messages::kOptionIsWrong, verb.name, error->message);
+    throw_error(messages::kOptionIsWrong, verb.run ? verb.name : "before the verb", error->message);
 }
 
 } // namespace
 
 int run_verb(std::span<const Verb> verbs, int argc, char **argv) {
-  std::setlocale(LC_CTYPE, ""); // the help has other characters than ASCII
   const std::span<char *> words(argv, static_cast<std::size_t>(argc));
   Arguments all;
   std::vector<Option> options = options_of(all);
@@ -220,7 +241,7 @@ int run_verb(std::span<const Verb> verbs, int argc, char **argv) {
         ".mkv, .mp4),\na track (.klv, .txt) or MPEG haptics (.hmpg, .hjif).";
     parse({.name = "VERB",
            .parameters = "FILE...",
-           .options = " version ",
+           .options = "",
            .summary = list.c_str(),
            .example = "author in.mp4"},
           words, options);

@@ -285,28 +285,29 @@ were read.)",
      "info recorded.ts"},
     {"convert", convert, 2, 2, "a file and an output", "FILE OUTPUT",
      " hand layout map alpha stream force ",
-     R"(Writes a track in another format
+     R"(Writes a track in another format, also as sound
 
 A video beside the track is left out. The ending of OUTPUT chooses the format: .klv, .txt, .ts, .mkv,
-.hmpg, .hjif, or vibration: .wav (a channel for each actuator of an array), .ahap (a telephone).)",
+.hmpg, .hjif, or vibration: .wav (a channel for each actuator of an array), .ahap (a telephone).
+--alpha is for .wav and .ahap. --hand makes points of motion fields: the motion under that hand.)",
      "convert recorded.ts track.klv"},
     {"cut", cut, 2, 2, "a file and an output", "FILE OUTPUT", " from to with-video stream force ",
      R"(Writes a part of a track or of a recording
 
-The part begins at 0 s. A video is kept in .ts and .mkv.)",
+The part begins at 0 s. Without --with-video it is the track alone.)",
      "cut --from 10 --to 20 recorded.ts part.klv"},
     {"plot", plot, 2, 2, "a file and an output", "FILE OUTPUT", " place hand stream force ",
      R"(Draws a track
 
 OUTPUT.png shows velocity and force over time, or motion fields over frames of the video; OUTPUT.gif,
-for motion fields only, a moving picture.)",
+for motion fields only, a moving picture. --place and --hand are for reliefs.)",
      "plot in.haptic.ts fields.png"},
     {"compare", compare, 2, 2, "two files", "A B",
      " at-most json plot from to offset shift places hand alpha max-force stream force ",
      R"(Prints how much of the time a hand could tell two files apart
 
 Each is a track, or a log of hapticsink (.csv). The result comes from a model of perception, not from
-people.)",
+people. --hand is for fields and reliefs, --alpha and --max-force are for tracks.)",
      "compare before.klv after.klv"},
     {"author", [](const Arguments &all) { return author(all.files, all.author, all.jobs); }, 1,
      kAny, "a video", "VIDEO...", " output columns hold jobs ",
@@ -314,39 +315,46 @@ people.)",
 
 A copy has the motion of the whole frame as a track: NAME.haptic.ts or NAME.haptic.mkv. Video and
 sound are copied without re-encoding. A copy that exists is kept, so a second run continues where the
-first was stopped. The exit status is 0 if all copies exist.)",
+first was stopped. The exit status is 0 if all copies exist.
+
+--hold follows a thing, so that a hand can hold it. X and Y are from 0 to 1 from the top left (default
+time: 0 s); with auto, the program chooses the things. author --plan, --chunk and --merge do the same
+on many machines.)",
      "author --output authored in.mp4", true},
     {"author --plan",
      [](const Arguments &all) { return plan_authoring(all.files, all.author, all.chunks); }, 1,
      kAny, "a video", "VIDEO... > PLAN", " plan chunks output columns hold ",
-     R"(Prints a plan for the same on many machines
+     R"(Prints a plan to author videos on many machines
 
-The plan has chunks, which are measured in any order.)",
+author --chunk measures its chunks, in any order. Then author --merge writes the copies.)",
      "author --plan --chunks 8 in.mp4 > plan.json"},
     {"author --chunk", [](const Arguments &all) { return author_chunk(all.files[0], all.chunk); },
      1, 1, kPlanNeeded, "PLAN", " chunk ",
      R"(Measures a chunk of a plan
-)",
+
+K is its number. Chunks are measured in any order.)",
      "author --chunk 0 plan.json"},
     {"author --merge", [](const Arguments &all) { return merge_chunks(all.files[0]); }, 1, 1,
      kPlanNeeded, "PLAN", " merge ",
      R"(Writes the copies of a plan from all its chunks
-)",
+
+It also writes a manifest beside them, and removes the chunks.)",
      "author --merge plan.json"},
     {"package",
      [](const Arguments &all) {
        return package(all.files, {all.carriage, with_folder(all)});
      },
-     1, kAny, "a video", "VIDEO...", " output carriage columns hold ",
+     1, kAny, "a video", "--output FOLDER VIDEO...", " output carriage columns hold ",
      R"(Makes a folder for a web server: a page where a video is seen and felt
 
 It holds the segments of the video with its haptic track (HLS), and a player. The video is measured
-first if it has no track. Further videos are other bitrates of the same film.)",
+first if it has no track. Further videos are other bitrates of the same film.
+package --single is for one short MP4. --hold is that of author.)",
      "package --output film in.mp4"},
     {"package --single",
      [](const Arguments &all) { return package_single(all.files, with_folder(all)); }, 1, kAny,
-     "a video", "VIDEO.mp4", " single output columns hold ",
-     R"(Makes such a folder for a short video
+     "a video", "--output FOLDER VIDEO.mp4", " single output columns hold ",
+     R"(Makes a folder for a web server of one short MP4
 
 It holds the MP4 as it is, its track as one file, and a page.)",
      "package --single --output film in.mp4"}};
