@@ -25,6 +25,11 @@ bool gives_none(const HmpgChannel &channel) {
   return !channel.direction || ((*channel.direction)[0] == 0 && (*channel.direction)[1] == 0);
 }
 
+// Of ChannelCurve.
+std::uint32_t id_of(const HmpgCurve &effect) {
+  return std::uint32_t{effect.band} << 16 | effect.effect;
+}
+
 } // namespace
 
 HmpgExperience track_experience(std::string date) {
@@ -181,18 +186,52 @@ HmpgDecoder::Result HmpgDecoder::push(std::span<const std::uint8_t> bytes, std::
   return result;
 }
 
-// Draws the rest of the curves whose last point is before this tick.
-void HmpgDecoder::draw_rest(std::int64_t before) {
+// Whether no keyframe follows, if those whose last one is before this tick do not go on. An effect
+// that is closed may go on in the next unit.
+bool HmpgDecoder::is_over(const ChannelCurve &curve, std::int64_t before) const {
+  const std::int64_t last = curve.drawing.last(curve.points.back().tick);
+  const bool is_whole = (curve.id & kWhole) != 0 && last <= *tick_; // later ones are not needed yet
+  return last < before || is_whole || (curve.is_closed && last < *tick_ - 1);
+}
+
+// Returns the effect that begins where the curve has its last keyframe, or at the next tick.
+std::vector<ChannelCurve>::iterator HmpgDecoder::next_of(const ChannelCurve &curve) {
+  const std::int64_t last = curve.drawing.last(curve.points.back().tick);
+  return std::ranges::find_if(curves_, [&](const ChannelCurve &next) {
+    const std::int64_t first = next.points.front().tick;
+    return (last == first || last == first - 1) &&
+           (next.id & kBandMask) == (curve.id & kBandMask) && curve.points.front().tick < first;
+  });
+}
+
+// Ends the curves whose last point is before this tick: draws their rest, and joins them with the
+// effect that follows. Then all are in the order of their beginnings.
+void HmpgDecoder::end_curves(std::int64_t before) {
   for (auto &curve : curves_)
     if (curve.points.back().tick < before)
       curve.drawing.finish(curve.points);
+  std::stable_sort(curves_.begin(), curves_.end(), begins_before);
+  for (std::size_t i = 0; i < curves_.size(); ++i)
+    while (is_over(curves_[i], before)) {
+      ChannelCurve &curve = curves_[i];
+      const auto next = next_of(curve);
+      if (next == curves_.end())
+        break;
+      curve.drawing.finish(curve.points);
+      join(curve, next->points);
+      curve.drawing = std::move(next->drawing);
+      curve.id = next->id;
+      curve.begin = next->begin;
+      curve.is_closed = next->is_closed;
+      curves_.erase(next); // behind this one, since it begins later
+    }
 }
 
 HmpgDecoder::Result HmpgDecoder::finish() {
   Result result;
   if (!tick_)
     return result;
-  draw_rest(std::numeric_limits<std::int64_t>::max());
+  end_curves(std::numeric_limits<std::int64_t>::max());
   std::int64_t end = *tick_;
   for (const auto &curve : curves_)
     end = std::max(end, curve.points.back().tick + 1);
@@ -221,6 +260,7 @@ HmpgDecoder::Result HmpgDecoder::begin_experience(HmpgExperience experience, std
     result = finish();
     tick_ = tick;
     end_run();
+    independent_go_on_ = false;
   }
   experience_ = std::move(experience);
   result.unsupported = left_out(false);
@@ -281,7 +321,7 @@ HmpgDecoder::Result HmpgDecoder::begin_unit(const UnitHeader &header, std::uint6
   const std::uint64_t expected = clock_.ns_at(*tick_);
   const std::uint64_t step = time > expected ? time - expected : expected - time;
   if (step > std::min(kLongestTimeStep, ns_of(header.duration, experience_->timescale) / 2)) {
-    draw_rest(std::numeric_limits<std::int64_t>::max());
+    end_curves(std::numeric_limits<std::int64_t>::max());
     std::int64_t end = sampled_;
     for (const auto &curve : curves_)
       end = std::max(end, std::min(curve.points.back().tick + 1, *tick_));
@@ -301,9 +341,16 @@ const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
   for (const auto &curve : curves_)
     points += curve.points.size();
   const char *problem = nullptr;
-  for (const auto &effect : unit.curves) {
+  // First those that go on: where one has a keyframe, another effect may begin.
+  std::vector<const HmpgCurve *> effects;
+  for (const auto &effect : unit.curves)
+    effects.push_back(&effect);
+  std::ranges::stable_partition(effects, [&](const HmpgCurve *effect) {
+    return std::ranges::find(curves_, id_of(*effect), &ChannelCurve::id) != curves_.end();
+  });
+  for (const auto *effect : effects) {
     // Keyframes may be far in the future: without a limit they would gather for ever.
-    auto curve = force_of(effect, begin, kMostHeldPoints - std::min(points, kMostHeldPoints));
+    auto curve = force_of(*effect, begin, kMostHeldPoints - std::min(points, kMostHeldPoints));
     if (!curve)
       continue;
     if (curve->points.empty()) {
@@ -311,12 +358,11 @@ const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
       continue;
     }
     const std::size_t drawn =
-        add_effect(std::move(*curve), effect.reference.has_value(), unit.header, begin);
+        add_effect(std::move(*curve), effect->reference.has_value(), unit.header, begin);
     points += drawn;
     if (drawn == 0)
       problem = "too many effects at once";
   }
-  std::stable_sort(curves_.begin(), curves_.end(), begins_before);
   return problem;
 }
 
@@ -343,7 +389,7 @@ std::optional<ChannelCurve> HmpgDecoder::force_of(const HmpgCurve &effect, std::
     return std::nullopt;
   ChannelCurve curve;
   curve.direction = {(*channel->direction)[0] / 127.0, (*channel->direction)[1] / 127.0};
-  curve.id = std::uint32_t{effect.band} << 16 | effect.effect;
+  curve.id = id_of(effect);
   curve.begin = begin + effect.begin;
   if (keyframes.size() > room)
     return curve;
@@ -354,6 +400,13 @@ std::optional<ChannelCurve> HmpgDecoder::force_of(const HmpgCurve &effect, std::
   scale_values(curve, scale);
   curve.drawing = CurveDrawing(band->curve, scale);
   return curve;
+}
+
+// An effect went on in an independent unit, so none of this track is closed by its unit.
+void HmpgDecoder::open_all() {
+  independent_go_on_ = true;
+  for (auto &curve : curves_)
+    curve.is_closed = (curve.id & kWhole) != 0;
 }
 
 // An effect of an independent unit is new, though its id may be that of an older one, unless both
@@ -372,32 +425,19 @@ std::size_t HmpgDecoder::add_effect(ChannelCurve curve, bool is_whole, const Uni
     const std::size_t before = same->points.size();
     same->drawing.append(keys, same->points);
     same->is_closed = false;
+    if (!header.dependent)
+      open_all();
     return same->points.size() - before + keys.size();
   }
   curve.drawing.append(keys, curve.points);
   if (is_whole)
     curve.drawing.finish(curve.points);
-  curve.is_closed = is_whole || (!header.dependent && !curve.drawing.waits() && keys.size() > 1 &&
-                                 keys.back().tick >= begin + header.duration - 1);
+  curve.is_closed =
+      is_whole || (!header.dependent && !independent_go_on_ && !curve.drawing.waits() &&
+                   keys.size() > 1 && keys.back().tick >= begin + header.duration - 1);
   const std::size_t points = curve.points.size();
   if (is_whole)
     curve.id |= kWhole;
-  for (auto &known : curves_) {
-    // One that may go on is not over where one of the library begins.
-    if ((known.id & kBandMask) != (curve.id & kBandMask) || (is_whole && !known.is_closed))
-      continue;
-    if (const std::int64_t last = known.drawing.last(known.points.back().tick);
-        last == first || last == first - 1)
-      known.drawing.finish(known.points);
-    if (!touches(known, first))
-      continue;
-    join(known, curve.points);
-    known.drawing = std::move(curve.drawing);
-    known.id = curve.id;
-    known.begin = curve.begin;
-    known.is_closed = curve.is_closed;
-    return points;
-  }
   if (curves_.size() == kMostEffects)
     return 0;
   curves_.push_back(std::move(curve));
@@ -411,7 +451,7 @@ std::int64_t HmpgDecoder::known_until() {
   const std::int64_t patience =
       is_live_ ? ticks_of(ns_of(kLongestHold, kTrackTimescale), experience_->timescale)
                : kLongestHmpgEffect;
-  draw_rest(end - patience);
+  end_curves(end - patience);
   std::int64_t until = end;
   std::size_t points = 0;
   for (const auto &curve : curves_) {
@@ -419,9 +459,12 @@ std::int64_t HmpgDecoder::known_until() {
     points += curve.points.size();
     if (curve.is_closed ? last >= end - 1 : last < end && end - last <= patience)
       until = std::min(until, curve.is_closed ? end - 1 : last + 1);
+    // Which of two counts at one tick is known when the first one goes on, or is over.
+    if (last <= end && !is_over(curve, end - patience) && next_of(curve) != curves_.end())
+      until = std::min(until, last - 1);
   }
   if (points > kMostForcePoints || curves_.size() > kManyEffects) {
-    draw_rest(end);
+    end_curves(end);
     until = end;
   }
   return std::max(until, sampled_);

@@ -86,7 +86,10 @@ private:
   std::optional<ChannelCurve> force_of(const HmpgCurve &effect, std::int64_t begin,
                                        std::size_t room) const;
   std::int64_t known_until();
-  void draw_rest(std::int64_t before);
+  bool is_over(const ChannelCurve &curve, std::int64_t before) const;
+  std::vector<ChannelCurve>::iterator next_of(const ChannelCurve &curve);
+  void end_curves(std::int64_t before);
+  void open_all();
   const char *sample_until(std::int64_t end, std::vector<TrackSample> &samples);
   void end_run() noexcept;
 
@@ -94,7 +97,8 @@ private:
   std::optional<std::int64_t> tick_; // end of the unit before
   bool is_live_ = false;
   bool has_composite_ = false;
-  std::string left_out_; // what was reported
+  bool independent_go_on_ = false; // effects, in independent units
+  std::string left_out_;           // what was reported
 
   std::vector<ChannelCurve> curves_; // effects that lasted at sampled_ or begin later, in order
   std::int64_t sampled_ = 0;         // ticks: samples before it were returned

@@ -482,8 +482,7 @@ INSTANTIATE_TEST_SUITE_P(, HmpgConformance,
                                   std::get<3>(test.param).name;
                          });
 
-// Up to four effects in each band, which overlap and pause as they come. No two have keyframes at
-// one tick or the next: which of them then counts is known only from the units behind.
+// Up to four effects in each band, which overlap, meet and pause as they come.
 Content random_content(std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto number = [&](int least, int most) {
@@ -495,28 +494,64 @@ Content random_content(std::uint32_t seed) {
   const int count = number(2, 8);
   for (int i = 0; i < count; ++i) {
     Effect effect{i % 2, {}};
-    int tick = 16 * number(0, 150) + 2 * i;
+    int tick = number(0, 2400);
     for (int keys = number(2, 40); keys > 0 && tick < kEnd - 400; --keys) {
       effect.keyframes.push_back({tick, coded(0.01 * number(-45, 45))});
-      tick += 16 * number(1, 9);
+      tick += number(1, 144);
     }
     content.effects.push_back(std::move(effect));
   }
   return content;
 }
 
+// Whether an effect seems to be over though it goes on: in the unit in which it begins it has a
+// keyframe at the last tick, and none in the unit behind.
+bool seems_over(const Content &content, int duration) {
+  return std::ranges::any_of(content.effects, [&](const Effect &effect) {
+    const auto &keys = effect.keyframes;
+    const auto unit_of_key = [&](const Keyframe &key) { return key.tick / duration; };
+    const auto next = std::ranges::find_if(
+        keys, [&](const auto &key) { return unit_of_key(key) != unit_of_key(keys.front()); });
+    return next != keys.end() && next - keys.begin() > 1 &&
+           ((next - 1)->tick + 1) % duration == 0 &&
+           unit_of_key(*next) > unit_of_key(keys.front()) + 1;
+  });
+}
+
 TEST(HmpgRandom, EffectsGoOnInUnitsThatAreMarkedIndependent) {
   int wrong = 0;
+  int unclear = 0;
   for (std::uint32_t seed = 1; seed <= 1000; ++seed) {
     const Content content = random_content(seed);
     const auto wanted = expected(content);
     const int duration = seed % 2 == 0 ? 100 : 330;
+    if (seems_over(content, duration)) {
+      ++unclear;
+      continue;
+    }
     const double error = rms_error(
         felt(read_units(content, duration, seed % 3 == 0, Independent::when_one_begins)), wanted);
     if (error > 1 && ++wrong <= 5)
       ADD_FAILURE() << "seed " << seed << ": " << error << " %";
   }
   EXPECT_EQ(wrong, 0);
+  EXPECT_LE(unclear, 10) << "of 1000";
+}
+
+// Which of the two counts at their common tick is known when the first one goes on.
+TEST(HmpgRandom, AnEffectMayBeginAtAKeyframeOfAnotherThatGoesOn) {
+  for (const int begin : {150, 151}) {
+    const Content content{two_channels(),
+                          {{0, {{0, coded(0.3)}, {150, coded(0.4)}, {320, coded(0.3)}}},
+                           {0, {{begin, coded(0.2)}, {260, coded(0.2)}}},
+                           {1, {{0, coded(0.1)}, {500, coded(0.1)}}}}};
+    for (const int duration : {33, 100, 330})
+      for (const auto independent : {Independent::when_all_begin, Independent::when_one_begins})
+        EXPECT_LE(
+            rms_error(felt(read_units(content, duration, false, independent)), expected(content)),
+            1)
+            << begin << ", units of " << duration;
+  }
 }
 
 TEST(HmpgUnsupported, WhatGivesNoForceIsNamedOnce) {
