@@ -343,6 +343,7 @@ const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
   const char *problem = nullptr;
   // First those that go on: where one has a keyframe, another effect may begin.
   std::vector<const HmpgCurve *> effects;
+  effects.reserve(unit.curves.size());
   for (const auto &effect : unit.curves)
     effects.push_back(&effect);
   std::ranges::stable_partition(effects, [&](const HmpgCurve *effect) {
