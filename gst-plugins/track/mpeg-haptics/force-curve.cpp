@@ -105,7 +105,7 @@ void scale_values(ChannelCurve &curve, double factor) noexcept {
 }
 
 bool touches(const ChannelCurve &curve, std::int64_t tick) noexcept {
-  const std::int64_t last = curve.points.back().tick;
+  const std::int64_t last = curve.drawing.last(curve.points.back().tick);
   return curve.points.front().tick < tick && (last == tick || last == tick - 1);
 }
 

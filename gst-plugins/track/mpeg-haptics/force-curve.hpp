@@ -51,7 +51,8 @@ void scale_values(ChannelCurve &curve, double factor) noexcept;
 /// Returns whether `a` begins before `b`.
 bool begins_before(const ChannelCurve &a, const ChannelCurve &b) noexcept;
 
-/// Returns whether an effect that begins at this tick continues the curve without a pause.
+/// Returns whether an effect that begins at this tick continues the curve without a pause: at its
+/// last keyframe, or a tick behind it.
 bool touches(const ChannelCurve &curve, std::int64_t tick) noexcept;
 
 /// Appends an effect that touches the curve. Where both have a point at one tick, that of the

@@ -196,11 +196,9 @@ bool HmpgDecoder::is_over(const ChannelCurve &curve, std::int64_t before) const 
 
 // Returns the effect that begins where the curve has its last keyframe, or at the next tick.
 std::vector<ChannelCurve>::iterator HmpgDecoder::next_of(const ChannelCurve &curve) {
-  const std::int64_t last = curve.drawing.last(curve.points.back().tick);
   return std::ranges::find_if(curves_, [&](const ChannelCurve &next) {
-    const std::int64_t first = next.points.front().tick;
-    return (last == first || last == first - 1) &&
-           (next.id & kBandMask) == (curve.id & kBandMask) && curve.points.front().tick < first;
+    return (next.id & kBandMask) == (curve.id & kBandMask) &&
+           touches(curve, next.points.front().tick);
   });
 }
 

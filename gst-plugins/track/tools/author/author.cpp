@@ -182,6 +182,9 @@ std::vector<ChunkReader> open_chunks(const Plan &plan, std::size_t film) {
   return chunks;
 }
 
+constexpr const char *kColumns[] = {"video",   "video-sha256", "copy",   "copy-sha256", "bytes",
+                                    "seconds", "frames",       "kbit/s", "confidence",  "warnings"};
+
 // Returns the rows of the manifest, or no array if there is none that can be read.
 Json read_manifest(const std::string &stem) {
   std::ifstream file(stem + ".json", std::ios::binary);
@@ -191,11 +194,14 @@ Json read_manifest(const std::string &stem) {
 // Writes the rows as JSON and as a table (CSV, RFC 4180).
 void write_manifest(const std::string &stem, const Json &rows) {
   std::ostringstream table;
-  table
-      << "video,video-sha256,copy,copy-sha256,bytes,seconds,frames,kbit/s,confidence,warnings\r\n";
+  const char *comma = "";
+  for (const char *key : kColumns)
+    table << std::exchange(comma, ",") << key;
+  table << "\r\n";
   for (const Json &row : rows) {
-    const char *comma = "";
-    for (const auto &[key, cell] : row.items()) {
+    comma = "";
+    for (const std::string key : kColumns) {
+      const Json &cell = row[key];
       table << std::exchange(comma, ",");
       std::string text;
       for (const Json &part : cell) // a text is its only part
@@ -241,9 +247,12 @@ Json row_of(const PlannedFilm &film, const std::string &copy,
 
 // Returns the row of a copy that the manifest knows and that is unchanged, or null.
 Json merged_row(const Json &manifest, const std::string &copy) {
+  const auto is_whole = [](const Json &row) { // somebody may have changed it
+    return std::ranges::all_of(kColumns, [&](const char *key) { return row.contains(key); });
+  };
   for (const Json &row : manifest)
-    if (!copy.empty() && row.is_object() && row.contains("copy") && row["copy"] == Json(copy) &&
-        row.contains("copy-sha256") && row["copy-sha256"] == Json(hash_of_file(copy)))
+    if (!copy.empty() && is_whole(row) && row["copy"] == Json(copy) &&
+        row["copy-sha256"] == Json(hash_of_file(copy)))
       return row;
   return nullptr;
 }
