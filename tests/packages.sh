@@ -63,6 +63,7 @@ server_packages=(
 engine_packages=(
   snakemake
   slurm-wlm
+  buildah # tests/container.sh
 )
 
 # npm comes with a nodejs that is not Debian's, and Debian's npm cannot be installed beside one.

@@ -5,9 +5,10 @@
 # style or scripts counts as one test.
 #
 # Usage: tests/run.sh [--gate | --all]
-#           what a user runs: 9 minutes on two processors once the packages are installed
-#   --gate  what every change passes, 20 minutes: also the tests in real time, the sanitizers, the player in node, and
-#           clang-tidy on the files that differ from the commit $FEELING_WIND_BASE, or else from the last tag
+#           what a user runs: 8 minutes on two processors once the packages are installed
+#   --gate  what every change passes, 20 minutes: also the tests in real time, of pages and of damaged tracks, the
+#           sanitizers, the player in node, shellcheck, clang-format, and clang-tidy on the files that differ from the
+#           commit $FEELING_WIND_BASE, or else from the last tag
 #   --all   everything, more than an hour: also the long tests, the player in a browser, other sanitizers, instruction
 #           sets and options, inputs that coverage guides, the virtual machine, the lab, clang-tidy on every file, the
 #           demonstration built from nothing, the Debian packages, the container and the other Debian
@@ -133,12 +134,17 @@ compile() {
 # that number for one file more, which is not there. No library that another one takes whole has 6 or 12 files.)
 unity=(-Dunity=on -Dunity_size=6)
 
-# The lab and the benchmarks, which only --all needs, are a fifth of the whole build.
+# Suites of other steps, or of other sizes.
+other_suites=(realtime hil long lab)
+[ "$size" != quick ] || other_suites+=(web docs fuzz)
+
+# What the tests of this size need. The lab and the benchmarks, which only --all needs, are a fifth of the whole build.
 build_plain() {
-  local lab=disabled
+  local lab=disabled programs=()
   [ "$size" != all ] || lab=enabled
-  configure build-tests -Dwerror=true "${unity[@]}" -Dbenchmarks=$lab \
-    -Ddocumentation-uri="file://$root/build-site" && compile build-tests
+  configure build-tests -Dwerror=true "${unity[@]}" -Dbenchmarks=$lab -Ddocumentation-uri="file://$root/build-site" || return
+  [ "$size" != quick ] || mapfile -t programs < <(of_suites programs build-tests not "${other_suites[@]}")
+  compile build-tests "${programs[@]}"
 }
 
 # All elements and what goes wrong around them, USB, and the unit tests of what reads bytes of others: tracks and `spidar`.
@@ -152,13 +158,14 @@ else
 fi
 
 # `of_suites WHAT FOLDER SUITE...`: WHAT is `programs`, what the tests of these suites need (their programs and the
-# plugins), or `realtime`, the names of those tests of real time.
+# plugins), or `realtime`, the names of those tests of real time. `not SUITE...` means all tests that are in none of them.
 of_suites() {
   meson introspect --tests --targets "$2" | python3 -c 'import json, os, sys
-what, folder, *wanted = sys.argv[1:]
+what, folder, *named = sys.argv[1:]
 found = json.load(sys.stdin)
 suites = lambda test: {suite.split(":")[-1] for suite in test["suite"]}
-tests = [test for test in found["tests"] if suites(test) & set(wanted)]
+wanted = named[0] != "not"
+tests = [test for test in found["tests"] if bool(suites(test) & set(named)) == wanted]
 needed = {name for test in tests for name in test["depends"]}
 if what == "realtime":
     print(*(test["name"] for test in tests if "realtime" in suites(test)), sep="\n")
@@ -232,11 +239,8 @@ run_meson_tests() {
 # Most of them need the processor all the time. Those of real time one at a time, so that they are not late. They mostly
 # wait, while compilers already work on the next build.
 run_plain_tests() {
-  local player=()
-  [ "$size" != quick ] || player=(--no-suite web)
   step "Tests"
-  run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 --no-suite realtime --no-suite hil --no-suite long \
-    --no-suite lab "${player[@]}"
+  run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 "${other_suites[@]/#/--no-suite=}"
   [ "$size" != quick ] || return 0
   step "Tests in real time"
   in_idle_time /dev/null build_sanitized
@@ -324,39 +328,46 @@ check_demonstration() {
     "$copy/pipelines/paper/moving-picture.sh" "$copy/moving.webp"
 }
 
+# Of time, or on one processor.
 run_referees() {
   check "No thread reads what another one writes" tests/referees/thread-sanitizer.sh || true
   check "The leaks that are excused are GStreamer's own" tests/referees/excused-leaks.sh || true
   check "The loop never allocates, locks or waits" tests/referees/real-time-sanitizer.sh || true
-  check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
-  check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
-  check "It builds for arm64, and its tests pass in an emulator" tests/referees/arm64.sh || true
   check "Other programs read and play what haptic-track writes" tests/referees/players.sh || true
   check "Damaged files open nothing, and each command ends" tests/referees/hostile-files.sh || true
-  check "It builds with each option on and off" tests/referees/options.sh || true
 }
 
-# Packages of both Debians and the container need processor time and the network, while the long tests wait.
+# What needs the processors and the network, and can wait.
 check_in_background() {
   check "It builds on the other Debian" tests/other-debian.sh --part build || true
   if check "The Debian package builds here" tests/debian-package.sh build-packages; then
     check "The image of haptic-track authors a film" tests/container.sh --packages build-packages || true
   fi
+  check "clang-tidy finds nothing" check_style || true
+  check "It builds for arm64, and its tests pass in an emulator" tests/referees/arm64.sh || true
+  check "It builds with each option on and off" tests/referees/options.sh || true
+  check "The vector code runs on other processors" tests/referees/instruction-sets.sh || true
+  check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
 }
 
 set_up
-check "Every script passes shellcheck" check_scripts || true
-check "The source is formatted with clang-format" check_format || true
-check "Everything builds without a warning" build_plain || exit 0
+if [ "$size" != quick ]; then
+  check "Every script passes shellcheck" check_scripts || true
+  check "The source is formatted with clang-format" check_format || true
+fi
+check "It builds without a warning" build_plain || exit 0
 run_plain_tests
 [ "$size" != quick ] || exit 0
 
-! check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized || run_sanitized_tests
-check "clang-tidy finds nothing" check_style || true
-[ "$size" = all ] || exit 0
-
+sanitized=no
+! check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized || sanitized=yes
+[ "$size" != all ] || in_idle_time build-tests/background.log check_in_background
+[ $sanitized = no ] || run_sanitized_tests
+if [ "$size" = gate ]; then
+  check "clang-tidy finds nothing" check_style || true
+  exit 0
+fi
 run_referees
-in_idle_time build-tests/background.log check_in_background
 run_long_tests
 check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
 check "The demonstration runs as a user starts it" check_demonstration || true

@@ -303,9 +303,7 @@ void check_guardian_hangs(Unit &unit, double force, const SignalGuardian &signal
   const auto noticed = time_until(unit, wanted, [&] { return unit.interruptions() > before; });
   const auto gap = unit.longest_gap();
   signal(SIGCONT);
-  const int noticed_at = unit.interruptions();
-  const auto back =
-      time_until(unit, Vector3::Zero(), [&] { return unit.interruptions() > noticed_at; });
+  const auto back = time_until(unit, Vector3::Zero(), [&] { return !unit.state().interrupted; });
   if (!noticed)
     report(verdict(kGuardianHangs, false, "the force went on for 1 s", messages::kCheckDefect));
   else if (!back)

@@ -55,7 +55,7 @@ public:
       move_to(before + wrong_.rests, rest_, measured);
       interrupted_ = true;
     }
-    if (stopped_ && !interrupted_while_stopped_ && now_ - *stopped_ >= wrong_.noticed_stopped)
+    if (stopped_ && now_ - *stopped_ >= wrong_.noticed_stopped)
       interrupted_ = interrupted_while_stopped_ = true;
     words_ = rested || interrupted_while_stopped_ ? rest_ : words;
     move_to(now_, words_, measured);

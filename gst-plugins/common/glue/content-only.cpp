@@ -11,12 +11,13 @@ constexpr gint kTry = 0;
 constexpr gint kSkip = 2;
 
 // Demuxers of playlists are of the class Codec/Demuxer/Adaptive, sdpdemux is of
-// Codec/Demuxer/Network/RTP.
+// Codec/Demuxer/Network/RTP. Codec/Depayloader/Network/RTP opens nothing, and rtsp:// needs it.
 gint choose(GstElement *autoplugger, GstPad *, GstCaps *, GstElementFactory *factory,
             gpointer error) {
   const std::string_view all =
       gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_KLASS);
-  if (all.find("Adaptive") == all.npos && all.find("Network") == all.npos)
+  const auto is = [&](std::string_view word) { return all.find(word) != all.npos; };
+  if (!is("Adaptive") && (!is("Network") || is("Depayloader")))
     return kTry;
   GST_ELEMENT_ERROR(autoplugger, STREAM, WRONG_TYPE, ("%s", static_cast<const char *>(error)),
                     ("%s was not taken", GST_OBJECT_NAME(factory)));

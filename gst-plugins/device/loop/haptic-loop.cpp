@@ -276,7 +276,7 @@ void HapticLoop::lose_device() noexcept {
 }
 
 void HapticLoop::exchange(std::int64_t now) noexcept {
-  run_.exchanged = false;
+  run_.exchanged = run_.interruption_begins = false;
   spidar::HapticDevice *device = run_.environment.device;
   if (!device)
     return;
@@ -306,12 +306,16 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
       run_.retry_at = 0; // puts it at rest, which it may accept even if it does not answer
     }
   }
-  if (device->state().interrupted) {
+  const bool interrupted = device->state().interrupted;
+  run_.interruption_begins = interrupted && !run_.interrupted;
+  run_.interrupted = interrupted;
+  if (interrupted) {
     run_.chain.restart(); // the motors are at rest
     run_.touch.hold();
     run_.carry.restart();
-    add<std::uint64_t>(run_.statistics.interruptions);
   }
+  if (run_.interruption_begins)
+    add<std::uint64_t>(run_.statistics.interruptions);
   if (gone)
     lose_device();
 }
@@ -491,8 +495,7 @@ void HapticLoop::record_tick(const TickRow &row, bool late) noexcept {
   run_.recorder.record(row, late);
   const std::uint32_t holds = holds_.load() | run_.chain.holds();
   // Not because of a fault.
-  const bool interrupted = run_.exchanged && !(holds & kHoldFaulted) && run_.environment.device &&
-                           run_.environment.device->state().interrupted;
+  const bool interrupted = run_.interruption_begins && !(holds & kHoldFaulted);
   const std::uint32_t begun = holds & ~std::exchange(run_.recorded_holds, holds) & kRules;
   if (begun || interrupted)
     run_.recorder.keep(begun);

@@ -284,11 +284,13 @@ private:
     Impulse impulse;
     std::uint32_t epoch = 0;
     std::uint32_t relief_epoch = 0;
-    bool flushed = false;         // samples were dropped since the last tick
-    std::int64_t last_tick = 0;   // ns, 0: none yet
-    std::int64_t rests_since = 0; // ns, end of the run before; 0: there was none
-    std::int64_t retry_at = 0;    // ns, while faulted
-    bool exchanged = false;       // on this tick
+    bool flushed = false;             // samples were dropped since the last tick
+    std::int64_t last_tick = 0;       // ns, 0: none yet
+    std::int64_t rests_since = 0;     // ns, end of the run before; 0: there was none
+    std::int64_t retry_at = 0;        // ns, while faulted
+    bool exchanged = false;           // on this tick
+    bool interrupted = false;         // at the last exchange
+    bool interruption_begins = false; // on this tick
     int failed_exchanges = 0;
     GripWatch grip;
     ShakeWatch shake;

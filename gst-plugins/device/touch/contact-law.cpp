@@ -17,7 +17,9 @@ using spidar::Vector3;
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
 
-constexpr double kDampingTime = 0.005;   // s: damper over spring
+constexpr double kDampingTime = 0.005; // s: damper over spring
+// Of what may follow the speed of a hand. The rest is left to laws.
+constexpr double kShareOfDamping = 0.75;
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
@@ -40,8 +42,13 @@ void ContactLaw::restart() noexcept {
   hand_known_ = false;
 }
 
-double ContactLaw::damping() const noexcept {
-  return contact_.touches ? kDampingTime * stiffness_ : 0;
+// Of the stiffness with ticks on time: late ones make a surface soft, but its damper only as weak
+// as they have to.
+void ContactLaw::set_damping(double whole_stiffness, const ContactLimits &limits) noexcept {
+  const double on_time =
+      std::min({whole_stiffness, limits.slew_rate / kFastestSurface, limits.device.stiffness});
+  const double most = kShareOfDamping * limits.device.most_resistance(limits.longest_dt);
+  damping_ = std::max(kDampingTime * stiffness_, std::min(kDampingTime * on_time, most));
 }
 
 void ContactLaw::hold() noexcept {
@@ -197,6 +204,7 @@ const Contact &ContactLaw::step(const ReliefSurface &surface, const Vector3 &han
   contact_.surface_work = std::max(stiffness_ * (contact_.proxy - hand - rise / 2).dot(rise), 0.0);
   const Vector3 stuck = contact_.proxy;
   slide(surface, hand, most);
+  set_damping(surface.at(contact_.proxy.x(), contact_.proxy.y()).stiffness, limits);
   const Vector3 spring = contact_.proxy - hand;
   Vector3 longer = touched ? Vector3(stuck - hand - spring_) : Vector3(before - hand);
   if (contact_.proxy != stuck) { // it does not hold the hand back along the surface
@@ -250,7 +258,7 @@ void ContactLaw::shorten_to(double energy, const ReliefSurface &surface,
 Vector3 ContactLaw::force(const ReliefSurface &surface, const Vector3 &spring) const noexcept {
   const Vector3 &proxy = contact_.proxy;
   const Vector3 normal = surface.normal(proxy.x(), proxy.y());
-  const double damper = damping() * std::min(spring.norm() / kWholeDamping, 1.0);
+  const double damper = damping_ * std::min(spring.norm() / kWholeDamping, 1.0);
   const Vector3 all = stiffness_ * spring + damper * lengthens_;
   const double press = std::max(all.dot(normal), 0.0);
   const Vector3 across = all - all.dot(normal) * normal;

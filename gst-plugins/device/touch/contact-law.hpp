@@ -46,7 +46,7 @@ public:
                       const ContactLimits &limits, double dt) noexcept HAPTIC_NONBLOCKING;
   const Contact &contact() const noexcept { return contact_; }
   /// N·s/m, of the hand against the surface; 0 while free.
-  double damping() const noexcept;
+  double damping() const noexcept { return contact_.touches ? damping_ : 0; }
   /// There is no surface, or another one. A hand that is found beneath the next one is lifted out
   /// of it slowly, at the film's cost.
   void restart() noexcept;
@@ -62,6 +62,7 @@ private:
                          double most_stiffness, double dt) noexcept;
   void slide(const ReliefSurface &surface, const spidar::Vector3 &hand,
              double most_stiffness) noexcept;
+  void set_damping(double whole_stiffness, const ContactLimits &limits) noexcept;
   bool hangs(const ReliefSurface &surface, const spidar::Vector3 &hand) const noexcept;
   void shorten_to(double energy, const ReliefSurface &surface,
                   const spidar::Vector3 &hand) noexcept;
@@ -73,6 +74,7 @@ private:
 
   Contact contact_;
   double stiffness_ = 0; // N/m, felt in the step before
+  double damping_ = 0;   // N·s/m
   double lag_ = 0;       // m, of the surface that is felt above the film's; 0 while free
   double sunk_ = 0;      // m, the same, for good: what is not the film's to lift
   bool sinks_ = false;   // the next touch begins with sunk_ instead of lag_

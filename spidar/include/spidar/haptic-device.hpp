@@ -23,7 +23,7 @@ struct DeviceState {
   Wrench realised;                      ///< what these tensions do at this pose
   bool feasible = true;                 ///< no more than 5 mN of the force is given up
   bool valid = false;                   ///< the pose was measured
-  bool interrupted = false;             ///< minimum tension was set meanwhile: begin from zero
+  bool interrupted = false;             ///< the motors were put at rest: begin from zero
   bool slipping = false;                ///< a string has just slipped: pose and wrench are wrong
   bool slipped = false;                 ///< and it was so for 0.2 s; until calibrate()
   Vector3 angular_velocity = Vector3::Zero(); ///< rad/s, low-passed; frame of the workspace

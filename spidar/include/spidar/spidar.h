@@ -57,7 +57,7 @@ typedef struct spidar_state {
   int32_t counts[SPIDAR_STRINGS];
   int32_t valid;              /* 1: the pose was measured */
   int32_t feasible;           /* 1: the commanded force is given within 5 mN */
-  int32_t interrupted;        /* 1: minimum tension was set meanwhile: begin from zero */
+  int32_t interrupted;        /* 1: the motors were put at rest: begin from zero */
   int32_t connected;          /* 0: no exchange will succeed any more; close and open again */
   double angular_velocity[3]; /* rad/s, low-passed */
 } spidar_state;

@@ -169,7 +169,7 @@ private:
     const bool let_go = guardian_->let_go();
     const bool prevents = watch == Guardian::Watch::silent || guardian_->intervenes();
     const bool changed = prevents != std::exchange(prevents_, prevents);
-    interrupted_ = interrupted_ || let_go || changed;
+    interrupted_ = interrupted_ || let_go || changed || prevents;
     link_->expect_replies(guardian_->delivered() * Protocol::kRepliesToMotors -
                           guardian_->replies_read());
     link_->set_shared(guardian_->intervenes());

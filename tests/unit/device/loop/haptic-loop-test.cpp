@@ -227,6 +227,21 @@ TEST_P(EachLoop, AForceThatTheGuardianTookAwayComesBackFromZeroAndSlowly) {
   EXPECT_EQ(loop_.statistics().device_faults, 0U);
 }
 
+TEST_P(EachLoop, AGuardianThatStandsStillInterruptsOnceAndForAsLong) {
+  open();
+  play();
+  play_motion(100, 0, 500);
+  for (int tick = 0; tick < 20; ++tick) {
+    mishaps_->let_go = true;
+    ticks(1);
+    ASSERT_LT(loop_.wrench().force.norm(), 0.021) << tick; // one tick of the slew rate
+  }
+  EXPECT_EQ(loop_.statistics().interruptions, 1U);
+  play_motion(100, 0, 500);
+  EXPECT_NEAR(realised().x(), 0.5, 0.02);
+  EXPECT_EQ(loop_.statistics().interruptions, 1U);
+}
+
 TEST_P(EachLoop, ASingleFailedExchangeChangesNothingToSpeakOf) {
   open();
   play();

@@ -166,6 +166,24 @@ TEST_P(ContactLaws, FeelsNoStifferSurfaceThanTheDeviceCanHold) {
   expect_force(pressed(relief, {0, 0, -0.001}, {0, 0, 0.01}), 0.001, {0, 0, 1});
 }
 
+TEST_P(ContactLaws, LateTicksTakeMoreOfItsSpringThanOfItsDamper) {
+  haptic::ContactLimits late = limits_;
+  late.longest_dt = 0.01;
+  const ReliefField relief = relief_of(test::flat(0.002));
+  const auto damping_at = [&](const haptic::ContactLimits &limits) {
+    ContactLaw law;
+    for (const double z : {0.003, 0.001})
+      EXPECT_EQ(law.step(test::surface_of(relief), {0, 0, z}, limits, kTick).touches, z < 0.002);
+    return law.damping();
+  };
+  const double on_time = damping_at(limits_);
+  EXPECT_NEAR(on_time, 0.005 * stiffness_, 1e-9);
+  EXPECT_LT(haptic::stiffest(late), stiffness_ / 2);
+  const double most = late.device.most_resistance(late.longest_dt);
+  EXPECT_GE(damping_at(late), std::min(on_time, 0.7 * most));
+  EXPECT_LE(damping_at(late), most);
+}
+
 TEST_P(ContactLaws, WithoutASurfaceThereIsNoForce) {
   ReliefField holes = relief_of(test::flat(0.005));
   for (auto &cell : holes.cells)
