@@ -215,17 +215,13 @@ repetitions=(
   'SafetyChain.NeitherSlewRateNorForceNorSpeedAddsToTheWork*' 'Faults.F5_FiveHundred*' 'Faults.F6_FiveHundred*'
 )
 
-# Seconds of processor time that the commands so far have used.
-processor_time() {
-  times | awk 'NR == 2 { gsub("s", ""); split($1 "m" $2, part, "m"); printf "%d", part[1] * 60 + part[2] + part[3] * 60 + part[4] }'
-}
-
 # `run_meson_tests PREFIX FOLDER PROCESSES OPTION...` records each test of a build folder, so many at once. The time limits
 # are meant for a machine with other work.
 run_meson_tests() {
   local prefix=$1 folder=$2 processes=$3 logs=$2/meson-logs status=0 start=$SECONDS used
   shift 3
-  used=$(processor_time)
+  count_processor_time
+  used=$processor_time
   run_and_repeat "$logs" "$processes" meson test -C "$folder" --no-rebuild --print-errorlogs "$@" || status=1
   python3 tests/summary.py collect "$prefix" "$logs" "$outputs" >"$scratch/collected" || status=1
   cat "$scratch/collected" >>"$results"
@@ -233,7 +229,8 @@ run_meson_tests() {
   if [ "$status" != 0 ] || [ ! -s "$scratch/collected" ]; then
     record failed "${prefix}meson test" 0 "meson ended otherwise than by failed tests"
   fi
-  record waited "$prefix$folder" $((processes * (SECONDS - start) - $(processor_time) + used)) ''
+  count_processor_time
+  record waited "$prefix$folder" $((processes * (SECONDS - start) - processor_time + used)) ''
 }
 
 # Most of them need the processor all the time. Those of real time one at a time, so that they are not late. They mostly

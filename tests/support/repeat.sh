@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# shellcheck shell=bash disable=SC2154 # $root
+# shellcheck shell=bash disable=SC2034,SC2154 # $processor_time is for its users, $root theirs
 # How the tests of a build folder are run. To be sourced with $root set.
 
 # `run_and_repeat LOGS PROCESSES COMMAND...`: COMMAND is `meson test` with its options, which writes into the folder LOGS;
@@ -22,4 +22,14 @@ run_and_repeat() {
   done <<<"$failures"
   # Its status is the number of failed tests.
   [ "$status" = "$(cut -f 1 <<<"$failures" | sort -u | grep -c .)" ]
+}
+
+# Sets $processor_time to the seconds of processor time that the commands of this shell have used. Not to be called in a
+# subshell, which counts its own.
+count_processor_time() {
+  local times
+  times=$(mktemp)
+  times >"$times"
+  processor_time=$(awk 'NR == 2 { gsub("s", ""); split($1 "m" $2, part, "m"); printf "%d", part[1] * 60 + part[2] + part[3] * 60 + part[4] }' "$times")
+  rm -f "$times"
 }

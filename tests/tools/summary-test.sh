@@ -101,3 +101,14 @@ promise "each failure is repeated" repeated
 promise "and what passes alone is noted" diff "$work/alone" <(printf 'late\tSome.Case\n')
 pretended=3
 promise "a run that went wrong otherwise is noticed" fails repeated
+
+counted() {
+  local before
+  count_processor_time
+  before=$processor_time
+  python3 -c 'import time
+while time.process_time() < 1.2: pass'
+  count_processor_time
+  [ "$processor_time" -gt "$before" ]
+}
+promise "the processor time of commands is counted" counted
