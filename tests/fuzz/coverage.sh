@@ -26,7 +26,8 @@ cd "$root"
 folder=$root/build-fuzz
 [ -f "$folder/build.ninja" ] ||
   CC=afl-clang-fast CXX=afl-clang-fast++ meson setup "$folder" -Dtrack=enabled -Dvision=disabled -Ddevice=disabled \
-    -Dtests=enabled -Dbuildtype=debugoptimized -Dwerror=false -Db_lundef=false -Db_sanitize=address,undefined >/dev/null
+    -Dtests=enabled -Dunity=on -Dunity_size=6 -Dbuildtype=debugoptimized -Dwerror=false -Db_lundef=false \
+    -Db_sanitize=address,undefined >/dev/null
 AFL_QUIET=1 ninja -C "$folder" tests/fuzz/track-fuzz >"$folder/build.log" || { tail -n 30 "$folder/build.log"; exit 1; }
 fuzzer=$folder/tests/fuzz/track-fuzz
 
