@@ -18,6 +18,7 @@
 source "$(dirname "$0")/../pipelines/shared/common.sh"
 source "$(dirname "$0")/packages.sh"
 source "$(dirname "$0")/support/repeat.sh"
+source "$(dirname "$0")/support/repetitions.sh"
 
 size=quick
 case ${1:-} in
@@ -200,21 +201,6 @@ in_idle_time() {
   set +m
 }
 
-# Cases that repeat for statistics or for hours what others check once, or that only measure time. A sanitizer
-# would find nothing more in them.
-repetitions=(
-  '*.F20_*' '*.F27_*' '*/ClosedLoop.*' '*/SlipOn.*' 'OurPart.OfATickIsMeasured*'
-  'FastTracker.HoldsUpToSixteenPixels' 'FastTracker.EverySixteenthOfAPixelHasTheSameSmallBias'
-  '*TrackerLimits.AfterTheFirst*NothingIsAllocated' 'FastTracker.ChangesOfGainAndOffsetDoNotMoveAnything'
-  'PoseSolver.TheOrientationStaysARotation*' 'TensionSolver.AgreesWithBruteForce*'
-  'OpencvTracker.AlmostNeverErrsGrosslyUpToSixteenPixels'
-  '*MotionModels.TheSmallestThatExplainsTheSceneIsChosen*' 'UniformMotion.*'
-  '*.NeitherGainEnergyNorTrembleOnRandomSurfaces/*' '*.OverAStillFrameATapOnALightHandComesToRest/*'
-  '*.LateTicksDoNotMakeAHand*' '*.NoLivelyHandIsTakenForAShakingOne/*' '*/FreeGrip.TurnsWithAtMost*'
-  '*.WhatTheForceHasSpentRemainsSpentInTheNextRun*' 'ContinuousForceBudget.IsNeverExceededOverAMinute*'
-  'SafetyChain.NeitherSlewRateNorForceNorSpeedAddsToTheWork*' 'Faults.F5_FiveHundred*' 'Faults.F6_FiveHundred*'
-)
-
 # `run_meson_tests PREFIX FOLDER PROCESSES OPTION...` records each test of a build folder, so many at once. The time limits
 # are meant for a machine with other work.
 run_meson_tests() {
@@ -274,7 +260,7 @@ run_sanitized_tests() {
   local -x LSAN_OPTIONS=suppressions=$root/tests/suppressions/lsan.supp:print_suppressions=0
   local -x UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
   local -x GTEST_FILTER
-  GTEST_FILTER=-$(IFS=: && echo "${repetitions[*]}")
+  GTEST_FILTER=$(without_repetitions)
   # The slow unwinder takes up to twenty times as long as the fast one. But only it can tell a leak from GLib's own, since
   # Debian's GLib has no frame pointers: it judges again what failed with the fast one.
   local -x ASAN_OPTIONS=$asan:fast_unwind_on_malloc=1

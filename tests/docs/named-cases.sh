@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Every filter of cases on the pages finds a case: GoogleTest calls it a success when none runs. So does each of those that
-# tests/run.sh leaves out with sanitizers, which would run otherwise.
+# tests/support/repetitions.sh leaves out, which would run otherwise.
 # Usage: named-cases.sh BUILD
 set -euo pipefail
 shopt -s globstar
@@ -18,12 +18,12 @@ done < <(grep -oE "\bbuild(-tests)?/tests/[a-z/-]+ --gtest_filter='[^']*'" READM
 
 names=$(find "$1"/tests/{unit,elements,faults,usb} -maxdepth 1 -type f -executable -exec {} --gtest_list_tests \; 2>/dev/null |
   awk '/^[^ ]+\.( |$)/ { suite = $1 } /^  [^ ]/ { print suite $1 }')
-mapfile -t patterns < <(sed -n '/^repetitions=(/,/^)/p' tests/run.sh | grep -oE "'[^']+'" | tr -d "'")
-for pattern in "${patterns[@]}"; do
+source tests/support/repetitions.sh
+for pattern in "${repetitions[@]}"; do
   count=$((count + 1))
   expression=${pattern//./\\.}
   grep -qxE -- "${expression//\*/.*}" <<<"$names" && continue
-  echo "tests/run.sh: $pattern is no case"
+  echo "tests/support/repetitions.sh: $pattern is no case"
   wrong=$((wrong + 1))
 done
 echo "$count filters, $wrong wrong"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds for arm64 (Raspberry Pi 5, Jetson) with a cross compiler, in a chroot of this machine's Debian, and runs the
-# unit and element tests there in qemu-user. Real time is left out: the emulator is too slow for it.
+# unit and element tests there in qemu-user. Real time is left out, for which the emulator is too slow, and so are
+# repetitions.
 #
 # Usage: tests/referees/arm64.sh [--fresh] [--cache FOLDER]
 #   --fresh         makes the chroot anew; without it, one that is there is used again
@@ -13,6 +14,7 @@ source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$root/tests/packages.sh"
 source "$root/tests/support/promise.sh"
 source "$root/tests/support/debian-chroot.sh"
+source "$root/tests/support/repetitions.sh"
 
 fresh=no cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/feeling-wind
 options=("$@")
@@ -80,5 +82,5 @@ promise "a chroot of Debian $version is there" make_chroot
 promise "the tree is copied" copy_tree "$chroot/feeling-wind"
 promise "the packages are installed" install_in_chroot
 promise "everything builds for arm64 without a warning" build_in_chroot
-promise "unit and element tests pass there" in_chroot meson test -C build --no-rebuild --print-errorlogs \
-  --timeout-multiplier 20 --suite unit --suite elements --no-suite realtime
+promise "unit and element tests pass there" in_chroot env "GTEST_FILTER=$(without_repetitions)" \
+  meson test -C build --no-rebuild --print-errorlogs --timeout-multiplier 20 --suite unit --suite elements --no-suite realtime

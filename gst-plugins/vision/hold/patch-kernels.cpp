@@ -144,10 +144,12 @@ NormalEquations SumNormal(const PatchTemplate &patch, const PatchSamples &errors
                           const PatchSamples &weights, float c) {
   constexpr int kSums = kSimilarity ? 10 : 3;
   constexpr int kParameters = kSimilarity ? 4 : 2;
-  std::array<Lanes, kSums> matrix;
-  std::array<Lanes, kParameters> right;
-  matrix.fill(hn::Zero(kTag));
-  right.fill(hn::Zero(kTag));
+  Lanes matrix[kSums]; // no std::array: its constructor is not compiled for this instruction set
+  Lanes right[kParameters];
+  for (Lanes &sum : matrix)
+    sum = hn::Zero(kTag);
+  for (Lanes &sum : right)
+    sum = hn::Zero(kTag);
   Lanes squares = hn::Zero(kTag);
   Lanes weight = hn::Zero(kTag);
   const Lanes one = hn::Set(kTag, 1);
@@ -159,7 +161,7 @@ NormalEquations SumNormal(const PatchTemplate &patch, const PatchSamples &errors
     const Lanes w = hn::Mul(load(weights, at), hn::Mul(robust, robust));
     squares = hn::MulAdd(w, square, squares);
     weight = hn::Add(weight, w);
-    std::array<Lanes, kParameters> slope;
+    Lanes slope[kParameters];
     slope[0] = load(patch.gradient_x, at);
     slope[1] = load(patch.gradient_y, at);
     if constexpr (kSimilarity) {
