@@ -53,8 +53,8 @@ protected:
     return ticks;
   }
 
-  /// Full force, of which nothing may reach the motors before its last interruption was reported.
-  void expect_rest_until_interrupted() {
+  /// Full force, of which nothing may reach the motors while its interruption is reported.
+  void expect_rest_while_interrupted() {
     bool interrupted = true;
     for (int ticks = 0; ticks < 1000 && interrupted; ++ticks) {
       std::this_thread::sleep_for(1ms);
@@ -124,7 +124,7 @@ TEST_P(Guarded, AForceIsInterruptedByAGuardianThatDeliversNothingToo) {
     ASSERT_EQ(unit_->words(), kRestWords) << round;
     EXPECT_TRUE(controller_->interrupted());
     guardian_->give_up();
-    expect_rest_until_interrupted();
+    expect_rest_while_interrupted();
   }
 }
 
@@ -138,7 +138,7 @@ TEST_P(Guarded, NoForceOfBeforeIsSentWhenAStoppedGuardianGoesOn) {
     ASSERT_EQ(unit_->words(), kRestWords) << round;
     controller_->interrupted();
     guardian_->go_on();
-    expect_rest_until_interrupted();
+    expect_rest_while_interrupted();
   }
 }
 

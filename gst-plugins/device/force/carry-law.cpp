@@ -17,8 +17,6 @@ using spidar::Vector3;
 constexpr double kStiffest = 300; // N/m
 // The slew rate follows the spring up to here, 20 N/s the stiffest one.
 constexpr double kFastestHand = 0.067; // m/s
-// Of what may follow the speed of a hand; the rest is left to laws.
-constexpr double kShareOfDamping = 0.75;
 // A damper acts later than its spring, by its low-pass. With a half of it a hand of 0.4 kg shook by
 // 0.06 N at late ticks, and a hand led out at 0.9 m/s at 500 Hz gained 0.5 mJ.
 constexpr double kShareThatCalms = 1.0 / 6;
@@ -34,7 +32,7 @@ double hidden_by_counts(double stiffness, double way, const spidar::DeviceLimits
 }
 
 double damping_at(const CarryLimits &limits) noexcept {
-  return kShareOfDamping * limits.device.most_resistance(limits.longest_dt);
+  return kShareOfDampers * limits.device.most_resistance(limits.longest_dt);
 }
 
 double stiffness_at(const CarryLimits &limits) noexcept {

@@ -26,6 +26,10 @@ struct LawSettings {
   double most_for_hand = std::numeric_limits<double>::infinity();
 };
 
+/// Of what may follow the speed of a hand (DeviceLimits::most_resistance): for the damper of a
+/// surface or of a held thing. Laws have the rest.
+constexpr double kShareOfDampers = 0.75;
+
 /// What a law computes, in the plane of the frame: x to the right, y down.
 struct PlanarForce {
   double x = 0; ///< N

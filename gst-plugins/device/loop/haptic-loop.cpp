@@ -306,10 +306,9 @@ void HapticLoop::exchange(std::int64_t now) noexcept {
       run_.retry_at = 0; // puts it at rest, which it may accept even if it does not answer
     }
   }
-  const bool interrupted = device->state().interrupted;
-  run_.interruption_begins = interrupted && !run_.interrupted;
-  run_.interrupted = interrupted;
-  if (interrupted) {
+  const bool before = std::exchange(run_.interrupted, device->state().interrupted);
+  run_.interruption_begins = run_.interrupted && !before;
+  if (run_.interrupted) {
     run_.chain.restart(); // the motors are at rest
     run_.touch.hold();
     run_.carry.restart();

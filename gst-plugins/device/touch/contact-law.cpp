@@ -17,9 +17,7 @@ using spidar::Vector3;
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
 
-constexpr double kDampingTime = 0.005; // s: damper over spring
-// Of what may follow the speed of a hand. The rest is left to laws.
-constexpr double kShareOfDamping = 0.75;
+constexpr double kDampingTime = 0.005;   // s: damper over spring
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
@@ -47,7 +45,7 @@ void ContactLaw::restart() noexcept {
 void ContactLaw::set_damping(double whole_stiffness, const ContactLimits &limits) noexcept {
   const double on_time =
       std::min({whole_stiffness, limits.slew_rate / kFastestSurface, limits.device.stiffness});
-  const double most = kShareOfDamping * limits.device.most_resistance(limits.longest_dt);
+  const double most = kShareOfDampers * limits.device.most_resistance(limits.longest_dt);
   damping_ = std::max(kDampingTime * stiffness_, std::min(kDampingTime * on_time, most));
 }
 
