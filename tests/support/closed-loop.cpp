@@ -983,11 +983,11 @@ std::span<const LoopRow> closed_loop_table(Bench bench) {
   return rows(bench);
 }
 
-const LoopRow &closed_loop_row(const std::string &name, Bench bench) {
+const LoopRow &closed_loop_row(std::string_view name, Bench bench) {
   for (const LoopRow &row : rows(bench))
     if (row.name == name)
       return row;
-  throw std::invalid_argument("no row '" + name + "' in the table of the closed loop");
+  throw std::invalid_argument("no row '" + std::string(name) + "' in the table of the closed loop");
 }
 
 } // namespace test

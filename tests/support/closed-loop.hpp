@@ -11,6 +11,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace test {
@@ -95,6 +96,6 @@ public:
 /// The same rows on each device: on the strings of the built-in geometries, and on the arm.
 enum class Bench { strings, arm };
 std::span<const LoopRow> closed_loop_table(Bench bench = Bench::strings);
-const LoopRow &closed_loop_row(const std::string &name, Bench bench = Bench::strings);
+const LoopRow &closed_loop_row(std::string_view name, Bench bench = Bench::strings);
 
 } // namespace test

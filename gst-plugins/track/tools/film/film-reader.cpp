@@ -8,8 +8,10 @@
 #include "glue/display-orientation.hpp"
 #include "glue/gst-raii.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <gst/pbutils/pbutils.h>
+#include <iterator>
 #include <mutex>
 #include <span>
 #include <utility>
@@ -205,7 +207,7 @@ private:
         continue;
       frame.is_idr = frame.is_idr || type == kIdr;
       put_number(frame.bytes, unit.size(), 4);
-      frame.bytes.insert(frame.bytes.end(), unit.begin(), unit.end());
+      std::ranges::copy(unit, std::back_inserter(frame.bytes));
     }
     if (!frame.bytes.empty())
       call_(std::move(frame));
