@@ -112,6 +112,7 @@ struct Sender {
 std::optional<Sender> sender_of(GstPad *pad) {
   const haptic::GCharPtr name(gst_pad_get_name(pad));
   Sender sender;
+  // rtpbin wrote the numbers. NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion)
   if (std::sscanf(name.get(), "recv_rtp_src_%u_%u_%u", &sender.session, &sender.ssrc,
                   &sender.type) != 3)
     return std::nullopt;
