@@ -9,7 +9,7 @@
 #   --gate  what every change passes, 20 minutes: also the tests in real time, of pages and of damaged tracks, the
 #           sanitizers, the player in node, shellcheck, clang-format, and clang-tidy on the files that differ from the
 #           commit $FEELING_WIND_BASE, or else from the last tag
-#   --all   everything, more than an hour: also the long tests, the player in a browser, other sanitizers, instruction
+#   --all   everything, two hours: also the long tests, the player in a browser, other sanitizers, instruction
 #           sets and options, inputs that coverage guides, the virtual machine, the lab, clang-tidy on every file, the
 #           demonstration built from nothing, the Debian packages, the container and the other Debian
 #
