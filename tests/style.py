@@ -6,6 +6,7 @@ Usage: tests/style.py BUILD [BASE]
 
 BUILD is a configured build folder whose commands clang understands. With BASE, a commit, only files are read whose
 content that commit does not have under any name; a header is read with one source that includes it.
+Tests are read alone as well, which finds a missing #include, but with one check.
 Ends with status 1 if clang-tidy finds something or a file cannot be read.
 """
 import collections
@@ -19,6 +20,8 @@ import subprocess
 import sys
 
 FOLDERS = ('gst-plugins', 'pipelines', 'spidar')
+TESTS = 'tests'
+TEST_CHECKS = '-checks=-*,bugprone-use-after-move'
 CLANG_TIDY = 'clang-tidy-22' if shutil.which('clang-tidy-22') else 'clang-tidy'
 ENDINGS = {'.c', '.cpp', '.h', '.hpp'}
 
@@ -69,7 +72,8 @@ def to_read(sources, base):
 
 
 def tidy(build, source):
-    ran = subprocess.run((CLANG_TIDY, '-quiet', '-p', build, source), capture_output=True, text=True)
+    checks = (TEST_CHECKS,) if source.parts[0] == TESTS else ()
+    ran = subprocess.run((CLANG_TIDY, '-quiet', '-p', build, *checks, source), capture_output=True, text=True)
     return source, ran.returncode, ran.stdout + ran.stderr
 
 
@@ -81,8 +85,9 @@ def main(build, base=''):
     database.mkdir(exist_ok=True)
     (database / 'compile_commands.json').write_text(json.dumps(list(commands.values())), encoding='utf-8')
     sources = {pathlib.Path(name) for name in commands if name.startswith(tuple(f'{folder}/' for folder in FOLDERS))}
-    read = sorted(to_read(sources, base))
-    print(f'{len(read)} of {len(sources)} sources' + (f', for what differs from {base}' if base else ''))
+    tests = sorted({pathlib.Path(name) for name in commands if name.startswith(f'{TESTS}/')})
+    read = sorted(to_read(sources, base) | (changed_since(base, tests) if base else set(tests)))
+    print(f'{len(read)} of {len(sources) + len(tests)} sources' + (f', for what differs from {base}' if base else ''))
     status = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for source, failed, output in pool.map(lambda source: tidy(database, source), read):
