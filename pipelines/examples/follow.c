@@ -4,7 +4,6 @@
  *   cc follow.c $(pkg-config --cflags --libs gstreamer-video-1.0) -o follow
  *   ./follow VIDEO [X Y]    (X and Y: 0..1 from the top left; 0.5 0.5) */
 #include <gst/video/gstvideometa.h>
-#include <stdlib.h>
 
 /* Runs in the streaming thread, once per frame that left roitracker. */
 static GstPadProbeReturn print_motion(GstPad *pad, GstPadProbeInfo *info, gpointer unused) {
@@ -64,8 +63,8 @@ int main(int argc, char **argv) {
     return 1;
   }
   GError *error = NULL;
-  GstElement *pipeline = make_pipeline(argv[1], argc == 4 ? atof(argv[2]) : 0.5,
-                                       argc == 4 ? atof(argv[3]) : 0.5, &error);
+  GstElement *pipeline = make_pipeline(argv[1], argc == 4 ? g_ascii_strtod(argv[2], NULL) : 0.5,
+                                       argc == 4 ? g_ascii_strtod(argv[3], NULL) : 0.5, &error);
   if (!error)
     play(pipeline, &error);
   if (error)

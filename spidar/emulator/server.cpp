@@ -80,7 +80,9 @@ class Server;
 class Connection {
 public:
   Connection(Server &server, GSocketConnection *connection)
-      : server_(server), connection_(static_cast<GSocketConnection *>(g_object_ref(connection))),
+      : server_(server),
+        // It is GLib's macro. NOLINTNEXTLINE(modernize-type-traits)
+        connection_(static_cast<GSocketConnection *>(g_object_ref(connection))),
         socket_(g_socket_connection_get_socket(connection)) {
     g_socket_set_blocking(socket_, FALSE);
     watch(readable_, G_IO_IN);

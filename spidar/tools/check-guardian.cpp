@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <poll.h>
@@ -44,6 +44,7 @@ bool lives_below(const std::string &stat, pid_t parent) {
   int of = 0;
   const auto name_end = stat.rfind(')');
   return name_end != std::string::npos &&
+         // The kernel wrote it. NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion)
          std::sscanf(stat.c_str() + name_end + 1, " %c %d", &state, &of) == 2 && of == parent &&
          state != 'Z';
 }
@@ -179,7 +180,9 @@ std::vector<pid_t> children() {
   std::vector<pid_t> found;
   std::error_code none;
   for (const auto &entry : std::filesystem::directory_iterator("/proc", none)) {
-    const pid_t process = std::atoi(entry.path().filename().c_str());
+    const std::string name = entry.path().filename();
+    pid_t process = 0; // stays so if the name is no number
+    std::from_chars(name.data(), name.data() + name.size(), process);
     if (process > 0 && lives_below(contents(entry.path() / "stat"), getpid()))
       found.push_back(process);
   }

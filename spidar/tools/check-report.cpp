@@ -47,7 +47,7 @@ std::string list(const char *name, const Numbers &numbers) {
 
 void Output::line(const std::string &text) {
   const std::string shown = without_home(text);
-  std::cout << shown << std::endl;
+  std::cout << shown << '\n' << std::flush;
   text_ += shown + "\n";
 }
 

@@ -89,7 +89,7 @@ private:
 };
 
 std::string ask(const std::string &question) {
-  std::cout << question << std::endl;
+  std::cout << question << '\n' << std::flush;
   std::string answer;
   if (!std::getline(std::cin, answer))
     spidar::fail(spidar::Cause::argument, messages::kToolNoAnswer);
@@ -105,7 +105,7 @@ double ask_number(const std::string &question) {
     const double number = std::strtod(answer.c_str(), &end);
     if (end != answer.c_str() && *end == '\0' && std::isfinite(number))
       return number;
-    std::cout << spidar::formatted(messages::kToolNumber, answer.c_str()) << std::endl;
+    std::cout << spidar::formatted(messages::kToolNumber, answer.c_str()) << '\n' << std::flush;
   }
 }
 
@@ -119,7 +119,7 @@ std::optional<std::size_t> ask_direction() {
         return i;
     if (answer == "none")
       return std::nullopt;
-    std::cout << spidar::formatted(messages::kToolDirection, answer.c_str()) << std::endl;
+    std::cout << spidar::formatted(messages::kToolDirection, answer.c_str()) << '\n' << std::flush;
   }
 }
 
@@ -134,7 +134,7 @@ auto ask_while_pulling(Session &session, const Vector3 &force, Ask ask) {
     session.pull(Vector3::Zero());
     if (!ended)
       return answer;
-    std::cout << messages::kToolPullEnded << std::endl;
+    std::cout << messages::kToolPullEnded << '\n' << std::flush;
   }
 }
 
@@ -158,10 +158,10 @@ spidar::Geometry dialogue(Session &session, spidar::Geometry geometry) {
   const spidar::Counts centre = session.counts();
 
   for (int axis = 0; axis < 3; ++axis) {
-    std::cout << "Now it pulls gently along axis " << axis + 1 << " of 3." << std::endl;
+    std::cout << "Now it pulls gently along axis " << axis + 1 << " of 3.\n" << std::flush;
     if (check_axis(session, axis))
       continue;
-    std::cout << "  The geometry has it the other way round; it is turned over." << std::endl;
+    std::cout << "  The geometry has it the other way round; it is turned over.\n" << std::flush;
     geometry = spidar::mirrored(std::move(geometry), axis);
     session.mirror(axis);
   }
@@ -209,7 +209,8 @@ int main(int argc, char **argv) {
     Session session(std::move(device));
     spidar::save_geometry(dialogue(session, geometry), output);
     std::cout << "Written. Use it with: geometry=" << std::filesystem::absolute(output).string()
-              << std::endl;
+              << '\n'
+              << std::flush;
     return kFine;
   });
 }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <Eigen/Geometry>
+#include <numbers>
 #include <spidar/limited-device.hpp>
 #include <spidar/usb.hpp>
 #include <thread>
@@ -58,7 +59,7 @@ void show(const char *name, const char *unit, const spidar::StringLengths &value
 void show(double time, const spidar::Device &device) {
   const spidar::DeviceState &state = device.state();
   const Eigen::AngleAxisd turn(state.pose.rotation);
-  const spidar::Vector3 angles = turn.angle() * turn.axis() * 180 / 3.14159265358979;
+  const spidar::Vector3 angles = turn.angle() * turn.axis() * 180 / std::numbers::pi;
   const spidar::Vector3 millimetres = state.pose.position * 1e3;
   std::printf("%.1f s  position %.2f %.2f %.2f mm  turned %.2f %.2f %.2f degrees%s\n", time,
               millimetres.x(), millimetres.y(), millimetres.z(), angles.x(), angles.y(), angles.z(),

@@ -349,11 +349,12 @@ bool examine(GstMotionField *self, GstBuffer *buffer) {
 // The camera's motion on the stream
 
 GstStructure *add_camera(const haptic::CameraMotion &camera, GstStructure *fields) {
-  gst_structure_set(fields, "model", G_TYPE_STRING, haptic::motion_model_name(camera.model).data(),
-                    "velocity-x", G_TYPE_DOUBLE, camera.x, "velocity-y", G_TYPE_DOUBLE, camera.y,
-                    "gradient-xx", G_TYPE_DOUBLE, camera.gradient[0], "gradient-xy", G_TYPE_DOUBLE,
-                    camera.gradient[1], "gradient-yx", G_TYPE_DOUBLE, camera.gradient[2],
-                    "gradient-yy", G_TYPE_DOUBLE, camera.gradient[3], nullptr);
+  const std::string model(haptic::motion_model_name(camera.model));
+  gst_structure_set(fields, "model", G_TYPE_STRING, model.c_str(), "velocity-x", G_TYPE_DOUBLE,
+                    camera.x, "velocity-y", G_TYPE_DOUBLE, camera.y, "gradient-xx", G_TYPE_DOUBLE,
+                    camera.gradient[0], "gradient-xy", G_TYPE_DOUBLE, camera.gradient[1],
+                    "gradient-yx", G_TYPE_DOUBLE, camera.gradient[2], "gradient-yy", G_TYPE_DOUBLE,
+                    camera.gradient[3], nullptr);
   return fields;
 }
 

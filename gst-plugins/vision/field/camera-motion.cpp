@@ -116,7 +116,8 @@ public:
 
   // The cells that most agree on, from parameters through a few cells drawn at random.
   Parameters search(MotionModel model) const {
-    std::minstd_rand random; // the same numbers at each call: the result is reproducible
+    // The same numbers at each call: the result is reproducible.
+    std::minstd_rand random; // NOLINT(bugprone-random-generator-seed)
     const int drawn = parameters_of(model) / 2;
     const int trials = model == MotionModel::translation ? kTranslationTrials : kTrials;
     Parameters best = Parameters::Zero();

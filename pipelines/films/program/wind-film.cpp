@@ -149,6 +149,7 @@ public:
         std::clamp(static_cast<long>(std::thread::hardware_concurrency()), 1L, 15L) + 1;
     {
       std::vector<std::jthread> threads;
+      threads.reserve(static_cast<std::size_t>(count));
       for (long i = 0; i < count; ++i)
         threads.emplace_back([this, i, count] { draw_some(i, count); });
     }

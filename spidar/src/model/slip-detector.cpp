@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace spidar {
 
@@ -33,7 +34,7 @@ double rms(const StringLengths &misfit) noexcept {
 double SlipDetector::way(const Place &from, const Place &to) const noexcept {
   // |R - S| = sqrt(2) times the angle between them, if it is small.
   return (to.pose.position - from.pose.position).norm() +
-         grip_radius_ * (to.pose.rotation - from.pose.rotation).norm() / std::sqrt(2.0);
+         grip_radius_ * (to.pose.rotation - from.pose.rotation).norm() / std::numbers::sqrt2;
 }
 
 bool SlipDetector::is_slipping(const Place &here) noexcept {

@@ -116,8 +116,8 @@ UsbLink::~UsbLink() {
   if (!wait(std::chrono::steady_clock::now() + kCloseTime, all_landed)) {
     // libusb still uses them: leak them rather than free them.
     for (Slot *slot : slots)
-      if (slot->flying)
-        static_cast<void>(slot->transfer.release());
+      if (slot->flying) [[maybe_unused]]
+        const auto *leaked = slot->transfer.release();
   }
   if (claimed_)
     libusb_release_interface(handle_.get(), interface_);

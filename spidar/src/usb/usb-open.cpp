@@ -38,6 +38,8 @@ std::vector<Kind> known_kinds() {
     Kind kind{};
     std::array<char, 8> model{};
     int end = 0;
+    // Four digits always fit.
+    // NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion)
     const bool parsed = std::sscanf(value, "%4hx:%4hx=%7s%n", &kind.vendor, &kind.product,
                                     model.data(), &end) == 3 &&
                         static_cast<std::size_t>(end) == std::strlen(value);
