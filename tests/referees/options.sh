@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds with every feature of meson_options.txt, then without each of them, and with each plugin alone; builds a second
-# time only what differs. The code is not optimised, and no test runs. Installs once with other folders than the usual
-# ones.
+# time only what differs, and nothing that a compiler cache has from build-tests/. No test runs. Installs once with other
+# folders than the usual ones.
 #
 # Usage: tests/referees/options.sh
 #
@@ -46,7 +46,7 @@ build_with() {
     # Meson 1.0 ignores some options beside --reconfigure.
     { meson configure "$folder" "${options[@]}" && meson setup --reconfigure "$folder"; } >"$log" 2>&1 || build_failed "$log"
   else
-    meson setup "$folder" -Dunity=on -Dunity_size=6 -Dwerror=true -Doptimization=0 -Ddebug=false "${options[@]}" >"$log" 2>&1 || build_failed "$log"
+    meson setup "$folder" -Dunity=on -Dunity_size=6 -Dwerror=true -Ddebug=false "${options[@]}" >"$log" 2>&1 || build_failed "$log"
   fi
   ninja -C "$folder" >"$log" 2>&1 || build_failed "$log"
   for feature in "${plugins[@]}"; do

@@ -7,7 +7,7 @@
 #
 # Usage: tests/referees/thread-sanitizer.sh
 #
-# Builds in build-threads/ and build-threads-elements/. Where ThreadSanitizer does not run, the exit status is 77.
+# Builds in build-threads/. Where ThreadSanitizer does not run, the exit status is 77.
 
 source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$(dirname "$0")/support.sh"
@@ -18,9 +18,10 @@ unit_tests=(
   newest-slot sample-ring field-sampler field-pool sample-intake tick-log call-queue haptic-loop haptic-loop-touch
   haptic-session session-state reopening
 )
-targets=(tests/unit/unit-device tests/faults/faults-loop tests/faults/faults-loop-realtime)
+targets=(tests/unit/unit-device tests/faults/faults-loop tests/faults/faults-loop-realtime tests/elements/element-torture
+  gst-plugins/vision/libgsthapticvision.so gst-plugins/track/libgsthaptictrack.so gst-plugins/device/libgsthapticdevice.so)
 folder=$root/build-threads
-build_sanitized "$folder" -Db_sanitize=thread
+build_sanitized "$folder" -Db_sanitize=thread -Dvision=enabled -Dtrack=enabled
 
 cd "$folder"
 # The sanitizer of GCC 12 does not start where the kernel randomises more than 28 bits of an address.
@@ -37,12 +38,6 @@ export GTEST_FILTER='-*.F20_*:*.F27_*'
 judge "${fixed_addresses[@]}" tests/faults/faults-loop
 judge "${fixed_addresses[@]}" tests/faults/faults-loop-realtime
 
-# With OpenCV and all plugins.
-targets=(tests/elements/element-torture gst-plugins/vision/libgsthapticvision.so gst-plugins/track/libgsthaptictrack.so
-  gst-plugins/device/libgsthapticdevice.so)
-folder=$root/build-threads-elements
-build_sanitized "$folder" -Db_sanitize=thread -Dvision=enabled -Dtrack=enabled
-cd "$folder"
 # No other plugins of GStreamer: the libraries of some do what the sanitizer reports as soon as they are loaded.
 controls=$folder/controls
 mkdir -p "$controls"
