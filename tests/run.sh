@@ -31,8 +31,9 @@ esac
 
 cd "$root"
 unset GST_PLUGIN_PATH GST_PLUGIN_PATH_1_0 GST_REGISTRY GST_REGISTRY_1_0 FEELING_WIND_BUILD
-# A checkout has new files of known content.
+# A checkout has new files of known content. Joined sources name each other by absolute paths.
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-include_file_ctime,include_file_mtime,time_macros}
+export CCACHE_BASEDIR=${CCACHE_BASEDIR-$root}
 scratch=$(mktemp -d)
 results=$scratch/results # the lines that summary.py counts
 outputs=$scratch/outputs # what each failed test printed
