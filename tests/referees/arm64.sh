@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds for arm64 (Raspberry Pi 5, Jetson) with a cross compiler, in a chroot of this machine's Debian, and runs the
-# unit and element tests there in qemu-user. Real time is left out, for which the emulator is too slow, and so are
-# repetitions.
+# unit and element tests there in qemu-user; of the room `vision` those of its vector code, which differs. Real time is
+# left out, for which the emulator is too slow, and so are repetitions.
 #
 # Usage: tests/referees/arm64.sh [--fresh] [--cache FOLDER]
 #   --fresh         makes the chroot anew; without it, one that is there is used again
@@ -12,7 +12,7 @@
 
 source "$(dirname "$0")/../../pipelines/shared/common.sh"
 source "$root/tests/packages.sh"
-source "$root/tests/support/promise.sh"
+source "$root/tests/referees/support.sh"
 source "$root/tests/support/debian-chroot.sh"
 source "$root/tests/support/repetitions.sh"
 
@@ -82,5 +82,12 @@ promise "a chroot of Debian $version is there" make_chroot
 promise "the tree is copied" copy_tree "$chroot/feeling-wind"
 promise "the packages are installed" install_in_chroot
 promise "everything builds for arm64 without a warning" build_in_chroot
-promise "unit and element tests pass there" in_chroot env "GTEST_FILTER=$(without_repetitions)" \
-  meson test -C build --no-rebuild --print-errorlogs --timeout-multiplier 20 --suite unit --suite elements --no-suite realtime
+test_in_chroot() {
+  in_chroot env GTEST_FILTER="$1" meson test -C build --no-rebuild --print-errorlogs --timeout-multiplier 20 \
+    --no-suite realtime "${@:2}"
+}
+
+promise "unit and element tests pass there" test_in_chroot "$(without_repetitions)" \
+  --suite unit --suite elements --no-suite unit-vision
+promise "the vector code works there" test_in_chroot "$(cases_of "${vector_tests[@]}")-$vector_repetitions" \
+  --suite unit-vision

@@ -16,14 +16,8 @@ emulator=qemu-x86_64
 command -v $emulator >/dev/null || skip "$emulator is not installed (qemu-user)"
 
 [ -x "$unit" ] || fail "'$unit' is not built; run tests/run.sh"
-
-# Without statistics over many scenes, and frames without an allocation: an emulator would find nothing more in them.
-unit_tests=(
-  image-kernels lk-kernels luma-crop kept-luma pixel-votes pixel-motions velocity-estimate fast-tracker-limits
-  field-tracker-limits
-)
-cases=$(cases_of "${unit_tests[@]}")
-left_out='*.TheSmallestThatExplains*:*.TheFirstFrameAlone*:*.AStationaryMixture*:MotionConfidence.*:*.AfterTheFirst*NothingIsAllocated'
+GTEST_FILTER=$(cases_of "${vector_tests[@]}")-$vector_repetitions
+export GTEST_FILTER
 
 # `run_on PROCESSOR BEST` fails if the best instruction set that Highway finds there is not BEST.
 run_on() {
@@ -32,8 +26,8 @@ run_on() {
   best=$($emulator -cpu "$processor" "$unit-motion-models" --gtest_list_tests 2>/dev/null |
     sed -n '\|^ .*/\([A-Z0-9]*\)\( .*\)\?$|{s||\1|p;q}')
   [ "$best" = "$2" ] || fail "the best instruction set on $processor is '$best', not $2"
-  GTEST_FILTER=-$left_out judge $emulator -cpu "$processor" "$unit-motion-models"
-  GTEST_FILTER=$cases-$left_out judge $emulator -cpu "$processor" "$unit"
+  judge $emulator -cpu "$processor" "$unit-motion-models"
+  judge $emulator -cpu "$processor" "$unit"
 }
 
 run_on Conroe SSSE3

@@ -66,3 +66,12 @@ cases_of() {
   done
   (IFS=: && echo "${patterns[*]}")
 }
+
+# The unit tests of the vector code. Without statistics over many scenes, and frames without an allocation: an emulator
+# would find nothing more in them.
+vector_tests=(
+  image-kernels lk-kernels luma-crop kept-luma pixel-votes pixel-motions velocity-estimate motion-models
+  fast-tracker-limits field-tracker-limits
+)
+vector_repetitions='*.TheSmallestThatExplains*:*.TheFirstFrameAlone*:*.AStationaryMixture*:MotionConfidence.*'
+vector_repetitions+=':*.AfterTheFirst*NothingIsAllocated'
