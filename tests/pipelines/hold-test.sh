@@ -57,16 +57,13 @@ promise "it is felt until it has left the frame" felt_then_gone no
 promise "a hand that is free is carried along" env -u DISPLAY -u WAYLAND_DISPLAY \
   "$hold" --at 0.3,0.5 --law carry "$work/short.mkv" -- sim-hand=free "log-location=$work/log.csv"
 # The thing goes 100 px/s to the right, and the width of the frame, 352 px, is that of the workspace, 50 mm.
-# A late tick makes the spring soft, and what it gave then has to be paid: the hand falls behind.
+# A late tick makes the spring soft, and what it gave then has to be paid: after one, the hand may fall behind.
 # shellcheck disable=SC2016 # $1 and $2 are awk's: time and x
 promise "with the thing" awk -F, '
-  NR > 2 && $1 - before > 0.01 { late = 1 }
-  { before = $1 }
-  NR > 1 && !late { away = $2 - 0.05 * 100 / 352 * $1; if (away > -0.003 && away < 0.003) rows++; else behind++ }
-  END {
-    print rows + 0 " rows with the thing, " behind + 0 " without it" (late ? ", then a tick was late" : "")
-    exit rows < 1000 && !(late && behind == 0)
-  }' "$work/log.csv"
+  NR > 2 && $1 - before > 0.01 { late++ }
+  NR > 1 { before = $1; away = $2 - 0.05 * 100 / 352 * $1 }
+  NR > 1 && $2 > 0.003 && away > -0.003 && away < 0.003 { rows++ }
+  END { print rows + 0 " rows with the thing, " late + 0 " late ticks"; exit rows < (late ? 200 : 1000) }' "$work/log.csv"
 
 # A line a point: t, x, y, z, pressed.
 printf '%s\n' 0,-0.4,0,0,1 4.5,-0.4,0,0,1 4.51,-0.4,0,0,0 >"$work/hand.csv"

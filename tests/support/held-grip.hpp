@@ -86,8 +86,9 @@ protected:
     }
     position_ += dt * velocity_;
     if (const double distance = position_.norm(); distance > reach_) {
-      position_ *= reach_ / distance;
-      velocity_.setZero();
+      const spidar::Vector3 outwards = position_ / distance;
+      position_ = reach_ * outwards;
+      velocity_ -= std::max(velocity_.dot(outwards), 0.0) * outwards;
     }
   }
 
