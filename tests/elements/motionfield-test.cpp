@@ -337,6 +337,18 @@ TEST_F(MotionFieldElement, ThingsRestWithTheFrameAndEndWithTheirProperties) {
   EXPECT_TRUE(field_of(pass(6 * kFrame, {10, 0})).things.empty());
 }
 
+// They are numbered from 1 again: whoever holds one must not take another for it.
+TEST_F(MotionFieldElement, OtherPointsComeAfterADiscontinuity) {
+  g_object_set(element.get(), "points", "0.5,0.5", nullptr);
+  pass(0, {60, 0});
+  EXPECT_FALSE(is_gap(pass(kFrame, {60, 0})));
+  g_object_set(element.get(), "points", "0.2,0.2", nullptr);
+  const MotionField field = field_of(pass(2 * kFrame, {60, 0}));
+  EXPECT_TRUE(field.flags & haptic::kMotionDiscontinuity);
+  ASSERT_EQ(field.things.size(), 1U);
+  EXPECT_NEAR(field.things[0].x, 0.2, 1e-4);
+}
+
 TEST_F(MotionFieldElement, ADiscontinuityEndsThings) {
   g_object_set(element.get(), "points", "0.5,0.5", nullptr);
   pass(0, {60, 0});

@@ -147,6 +147,26 @@ TEST_F(Hold, LatchedItNeedsNoPressAndNoneLetsGo) {
   EXPECT_NEAR(motion_of(pass(8)).held_x, kWidth / 2.0, 0.1) << "taken anew";
 }
 
+TEST_F(Hold, LetGoAndPressedAgainBetweenTwoFramesItTakesAnew) {
+  held_until(6);
+  press(false);
+  g_object_set(tracker.get(), "pointer-x", 0.25, nullptr);
+  press(true);
+  const BufferPtr frame = pass(7);
+  EXPECT_NEAR(motion_of(frame).held_x, kWidth / 4.0, 0.1);
+  EXPECT_EQ(motion_of(frame).held_time, 0U);
+}
+
+TEST_F(Hold, LatchedAgainBetweenTwoFramesItTakesAnew) {
+  pass(0);
+  gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "latched");
+  for (int i = 1; i <= 6; ++i)
+    pass(i);
+  gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "pressed");
+  gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "latched");
+  EXPECT_NEAR(motion_of(pass(7)).held_x, kWidth / 2.0, 0.1);
+}
+
 TEST_F(Hold, APressOnAPlainWallIsRefusedAndFeltAsNothing) {
   const Frame wall(kWidth, kHeight, 120);
   pass(wall, 0);
@@ -184,6 +204,19 @@ TEST_F(Hold, OfTwoFingersTheFirstOneHolds) {
   EXPECT_TRUE(is_pressed());
   send(gst_navigation_event_new_touch_up(7, 80, 60, kNone));
   EXPECT_FALSE(is_pressed());
+}
+
+TEST_F(Hold, AFingerThatOnlyTremblesDoesNotPoint) {
+  constexpr auto kNone = GST_NAVIGATION_MODIFIER_NONE;
+  pass(0);
+  send(gst_navigation_event_new_touch_down(7, 80, 60, 1, kNone));
+  send(gst_navigation_event_new_touch_down(8, 20, 20, 1, kNone));
+  send(gst_navigation_event_new_touch_up(7, 80, 60, kNone));
+  send(gst_navigation_event_new_touch_motion(8, 21, 20, 1, kNone));
+  EXPECT_EQ(motion_of(pass(1)).pointer_x, 80);
+  send(gst_navigation_event_new_touch_down(7, 60, 50, 1, kNone));
+  EXPECT_TRUE(is_pressed());
+  EXPECT_NEAR(motion_of(pass(2)).held_x, 60, 0.1);
 }
 
 TEST_F(Hold, ATouchThatIsCancelledLetsGoAndTheNextFingerHolds) {
@@ -238,6 +271,51 @@ TEST_F(Hold, ASeekLosesTheThingUntilTheNextPress) {
   gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
   EXPECT_EQ(motion_of(pass(40)).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
   EXPECT_EQ(motion_of(pass(41)).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
+}
+
+// A queue that leaks marks the frame after those that it dropped.
+TEST_F(Hold, OutlivesFramesThatWereDropped) {
+  held_until(6);
+  const Frame later = texture.frame(kWidth, kHeight, {2.0 * 8, -1.0 * 8});
+  const BufferPtr frame = harness.pass(later, 8 * kFrame, GST_BUFFER_FLAG_DISCONT);
+  EXPECT_EQ(motion_of(frame).hold, static_cast<guint>(GST_HAPTIC_HOLD_HELD));
+  EXPECT_NEAR(motion_of(frame).held_x, kWidth / 2.0 + 2 * 7, 0.1);
+  EXPECT_NEAR(motion_of(pass(9)).held_x, kWidth / 2.0 + 2 * 8, 0.1);
+}
+
+TEST_F(Hold, EndsWhereMoreThanASecondWasDropped) {
+  held_until(6);
+  const Frame later = texture.frame(kWidth, kHeight, {2.0 * 6, -1.0 * 6});
+  const BufferPtr frame = harness.pass(later, 32 * kFrame, GST_BUFFER_FLAG_DISCONT);
+  EXPECT_EQ(motion_of(frame).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
+}
+
+// The pointer stays where it was pressed, and there the ground rests.
+TEST_F(Hold, WhatWasHiddenIsFoundAgainBeforeAGroundThatRests) {
+  constexpr int kRadius = 30; // px
+  const Texture ground{8};
+  // A disc that goes right by 4 px a frame.
+  const auto seen = [&](int i, bool is_hidden) {
+    Frame frame = ground.frame(kWidth, kHeight, {});
+    const Frame disc = texture.frame(kWidth, kHeight, {4.0 * i, 0});
+    for (int y = 0; y < kHeight && !is_hidden; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (std::hypot(x - 50 - 4 * i, y - kHeight / 2) < kRadius)
+          frame.at(x, y) = disc.pixels[static_cast<std::size_t>(y) * kWidth + x];
+    return frame;
+  };
+  g_object_set(tracker.get(), "pointer-x", 50.0 / kWidth, nullptr);
+  pass(seen(0, false), 0);
+  press(true);
+  for (int i = 1; i <= 10; ++i)
+    ASSERT_EQ(motion_of(pass(seen(i, false), i)).hold, static_cast<guint>(GST_HAPTIC_HOLD_HELD));
+  for (int i = 11; i <= 15; ++i)
+    EXPECT_EQ(motion_of(pass(seen(i, true), i)).hold, static_cast<guint>(GST_HAPTIC_HOLD_HIDDEN));
+  BufferPtr frame;
+  for (int i = 16; i <= 20; ++i)
+    frame = pass(seen(i, false), i);
+  EXPECT_EQ(motion_of(frame).hold, static_cast<guint>(GST_HAPTIC_HOLD_HELD));
+  EXPECT_NEAR(motion_of(frame).held_x, 50 + 4 * 19, 1); // pressed in frame 1
 }
 
 TEST_F(Hold, ARepeatedFrameMovesNothing) {

@@ -179,7 +179,8 @@ void follow_settings(GstMotionField *self, const Settings &settings) {
   state.things_wanted = settings.things;
   if (std::exchange(state.points_read, settings.points_given) != settings.points_given) {
     state.points = points_of(self, settings.points);
-    state.things = {}; // numbered from 1 again
+    state.things = {}; // numbered from 1 again, after a discontinuity
+    state.forget_frames();
   }
   state.follows = settings.things > 0 || !settings.points.empty();
   if (state.follows)
@@ -226,7 +227,7 @@ void follow_things(GstMotionField *self, GstBuffer *buffer) {
   if (begins)
     state.forget_things();
   else if ((field.flags & haptic::kMotionStill) != 0)
-    state.things.rest(seconds);
+    state.things.rest(luma, seconds);
   else
     state.things.follow(luma, seconds);
   take_points(self, luma,

@@ -72,6 +72,7 @@ struct Shared {
   TrackerMethod method = TrackerMethod::layers;
   RegionShape region = RegionShape::square;
   HoldMode hold = HoldMode::pressed;
+  bool let_go = false;         // since the frame before
   std::optional<guint> finger; // of a touch screen that points
   int frame_width = 0;         // px; 0: no caps yet
   int frame_height = 0;
@@ -103,6 +104,10 @@ struct State {
     reference.reset();
     thing.lose();
   }
+  void release() {
+    thing.release();
+    was_pressed = false;
+  }
 };
 
 // A copy for one frame.
@@ -115,6 +120,7 @@ struct Settings {
   TrackerMethod method;
   RegionShape region;
   bool holds;
+  bool let_go; // since the frame before
 };
 
 } // namespace
@@ -161,9 +167,35 @@ haptic::Property<Shared> pointer_row(const char *name, const char *nick, const c
           }};
 }
 
+bool holds(const Shared &shared, Clock::time_point now) {
+  return shared.hold == HoldMode::latched ||
+         (shared.hold == HoldMode::pressed && shared.pointers.in_use(now).pressed);
+}
+
+// Runs what may press or let go. Both may happen between two frames: that is another press.
+template <typename Change>
+void change_hold(Shared &shared, Change &&change) {
+  const auto now = Clock::now();
+  const bool held = holds(shared, now);
+  change();
+  shared.let_go = shared.let_go || (held && !holds(shared, now));
+}
+
 std::span<const haptic::Property<Shared>> properties() {
   using Rows = haptic::Rows<Shared>;
   constexpr guint kLargestRoi = 8192; // px
+  static const haptic::Property<Shared> hold = Rows::choice<&Shared::hold>(
+      "hold", "Hold", "When the thing under the pointer is taken",
+      haptic::register_enum<HoldMode>(
+          "GstRoiTrackerHold",
+          {{HoldMode::off, "The region stays under the pointer", "off"},
+           {HoldMode::pressed,
+            "While the pointer is pressed, the region follows the thing that was under it",
+            "pressed"},
+           {HoldMode::latched,
+            "The region follows the thing that is under the pointer now, pressed or not, until "
+            "this is set again",
+            "latched"}}));
   static const haptic::Property<Shared> table[] = {
       Rows::number<&Shared::roi_size>(
           "roi-size", "Region Size",
@@ -217,23 +249,15 @@ std::span<const haptic::Property<Shared>> properties() {
                             "that of the pointer in use",
                             FALSE, static_cast<GParamFlags>(haptic::kControllable)),
        [](Shared &shared, const GValue *value) {
-         shared.pointers.property.pressed = g_value_get_boolean(value) != FALSE;
+         change_hold(shared, [&] { haptic::read_value(value, shared.pointers.property.pressed); });
        },
        [](const Shared &shared, GValue *value) {
          g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
        }},
-      Rows::choice<&Shared::hold>(
-          "hold", "Hold", "When the thing under the pointer is taken",
-          haptic::register_enum<HoldMode>(
-              "GstRoiTrackerHold",
-              {{HoldMode::off, "The region stays under the pointer", "off"},
-               {HoldMode::pressed,
-                "While the pointer is pressed, the region follows the thing that was under it",
-                "pressed"},
-               {HoldMode::latched,
-                "The region follows the thing that is under the pointer now, pressed or not, until "
-                "this is set again",
-                "latched"}})),
+      {hold.spec,
+       [](Shared &shared,
+          const GValue *value) { change_hold(shared, [&] { hold.set(shared, value); }); },
+       hold.get},
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
                                         haptic::kMaxPatches),
@@ -372,13 +396,29 @@ Rectangle region_of(State &state, const GstVideoInfo &info, const Settings &sett
 
 // Holding
 
+// How long after the reference a frame comes that cannot be compared with it, since frames between
+// them were dropped. Nothing: it may be of another scene.
+std::optional<GstClockTime> gap_before(const State &state, GstClockTime now) {
+  constexpr auto kLongest = static_cast<GstClockTimeDiff>(GST_SECOND);
+  if (!state.reference || !GST_CLOCK_TIME_IS_VALID(now))
+    return std::nullopt;
+  const GstClockTimeDiff gap =
+      std::abs(GST_CLOCK_DIFF(GST_BUFFER_PTS(state.reference.get()), now)); // it may run backwards
+  return gap <= kLongest ? std::optional(static_cast<GstClockTime>(gap)) : std::nullopt;
+}
+
 // Follows the thing into this frame, after the motion of the region was measured.
-void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &finding) {
-  const float seconds = static_cast<float>(finding.interval) / static_cast<float>(GST_SECOND);
-  if ((finding.flags & (haptic::kMotionCut | haptic::kMotionDiscontinuity)) != 0)
+void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &finding,
+                  GstClockTime now) {
+  const bool is_compared = (finding.flags & haptic::kMotionDiscontinuity) == 0;
+  const auto interval = is_compared ? std::optional(finding.interval) : gap_before(state, now);
+  if ((finding.flags & haptic::kMotionCut) != 0 || !interval) {
     state.thing.lose();
-  else if ((finding.flags & haptic::kMotionStill) != 0)
-    state.thing.rest(seconds);
+    return;
+  }
+  const float seconds = static_cast<float>(*interval) / static_cast<float>(GST_SECOND);
+  if ((finding.flags & haptic::kMotionStill) != 0)
+    state.thing.rest(luma, seconds);
   else if (finding.becomes_reference && seconds > 0)
     state.thing.follow(luma, seconds);
 }
@@ -387,11 +427,11 @@ void follow_thing(State &state, const haptic::FrameLuma &luma, const Finding &fi
 bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, const Finding &finding,
           const std::optional<Rectangle> &object) {
   State &state = *self->state;
-  const bool was_pressed = std::exchange(state.was_pressed, settings.holds);
   if (!settings.holds) {
-    state.thing.release();
+    state.release();
     return true;
   }
+  const bool was_pressed = std::exchange(state.was_pressed, true);
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
   const MappedFrame frame(info, buffer);
   if (!frame)
@@ -405,7 +445,7 @@ bool hold(GstRoiTracker *self, GstBuffer *buffer, const Settings &settings, cons
         state.taken = now;
       state.held_time = now > state.taken ? now - state.taken : state.taken - now;
     }
-    follow_thing(state, luma, finding);
+    follow_thing(state, luma, finding, now);
     return true;
   }
   const int width = GST_VIDEO_INFO_WIDTH(&info);
@@ -544,24 +584,25 @@ void notify_pointer(GstRoiTracker *self, const Pointer &pointer) {
 
 Settings current_settings(GstRoiTracker *self) {
   const ObjectLock lock(self);
-  const Shared &shared = self->state->shared;
+  Shared &shared = self->state->shared;
   const auto now = Clock::now();
-  const Pointer pointer = shared.pointers.in_use(now);
-  return {pointer,
+  return {shared.pointers.in_use(now),
           shared.pointers.force(now),
           shared.pointers.proxy(now),
           shared.roi_size,
           shared.max_points,
           shared.method,
           shared.region,
-          shared.hold == HoldMode::latched ||
-              (shared.hold == HoldMode::pressed && pointer.pressed)};
+          holds(shared, now),
+          std::exchange(shared.let_go, false)};
 }
 
 GstFlowReturn transform_ip(GstRoiTracker *self, GstBuffer *buffer) {
   State &state = *self->state;
   haptic::sync_controllers(self, GST_BASE_TRANSFORM(self)->segment, buffer);
   const Settings settings = current_settings(self);
+  if (settings.let_go)
+    state.release();
   const GstVideoInfo &info = GST_VIDEO_FILTER(self)->in_info;
   const std::optional<Rectangle> object = object_under_pointer(state, buffer, info, settings);
   const Rectangle region = region_of(state, info, settings, object);
@@ -603,13 +644,13 @@ gboolean stop(GstRoiTracker *self) {
   state.forget_frames();
   state.region_size = {};
   state.object.reset();
-  state.thing.release();
-  state.was_pressed = false;
+  state.release();
   state.timeline.report_faults_again();
   state.reader = {};
   state.warned_of_tracker = false;
   const ObjectLock lock(self);
   state.shared.pointers.forget();
+  state.shared.let_go = false;
   state.shared.finger.reset();
   state.shared.frame_width = 0;
   state.shared.frame_height = 0;
@@ -660,7 +701,8 @@ bool is_of_another_finger(Shared &shared, GstEvent *event) {
       shared.finger.reset(); // of all fingers
     return false;
   }
-  if (shared.finger && *shared.finger != finger)
+  // One that only moves did not point, and does not begin to.
+  if (shared.finger ? *shared.finger != finger : type != GST_NAVIGATION_EVENT_TOUCH_DOWN)
     return true;
   shared.finger = finger;
   if (type == GST_NAVIGATION_EVENT_TOUCH_UP)
@@ -699,7 +741,7 @@ void on_navigation(GstRoiTracker *self, GstEvent *event) {
   if (gst_navigation_event_get_coordinates(event, &x, &y) && std::isfinite(x) && std::isfinite(y))
     shared.pointers.point_navigation(x, y, shared.frame_width, shared.frame_height);
   if (const std::optional<bool> pressed = press_of(event))
-    shared.pointers.press_navigation(*pressed);
+    change_hold(shared, [&] { shared.pointers.press_navigation(*pressed); });
 }
 
 // Returns whether the event ends here.
@@ -714,9 +756,11 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   if (!position)
     return false;
   const ObjectLock lock(self);
-  self->state->shared.pointers.point_haptic(
-      {position->x, position->y, position->z, position->pressed}, Clock::now(), position->force,
-      position->proxy);
+  Shared &shared = self->state->shared;
+  change_hold(shared, [&] {
+    shared.pointers.point_haptic({position->x, position->y, position->z, position->pressed},
+                                 Clock::now(), position->force, position->proxy);
+  });
   return true;
 }
 

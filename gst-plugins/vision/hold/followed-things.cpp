@@ -48,9 +48,9 @@ void FollowedThings::follow(const LumaSource &frame, float seconds) {
   });
 }
 
-void FollowedThings::rest(float seconds) {
+void FollowedThings::rest(const LumaSource &frame, float seconds) {
   for (Followed &followed : followed_)
-    followed.thing.rest(seconds);
+    followed.thing.rest(frame, seconds);
 }
 
 void FollowedThings::take(const LumaSource &frame, int width, int height, float x, float y) {

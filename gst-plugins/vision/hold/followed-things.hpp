@@ -23,7 +23,7 @@ public:
   /// The next frame, so many seconds later. Things that are lost end.
   void follow(const LumaSource &frame, float seconds);
   /// The next frame, with the same pixels.
-  void rest(float seconds);
+  void rest(const LumaSource &frame, float seconds);
 
   /// Takes what is under a place (fractions of the frame), unless there is nothing to hold or there
   /// are kMostFieldThings already. `frame` is the frame of the last follow().

@@ -543,11 +543,17 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
   return report_;
 }
 
-const HeldReport &HeldThing::rest(float seconds) {
+const HeldReport &HeldThing::rest(const LumaSource &frame, float seconds) {
+  if (report_.state == HoldState::hidden)
+    return follow(frame, seconds);
   time_ += seconds;
   coarse_time_ += seconds; // the same pixels teach nothing
   velocity_ = {};
   report_.dx = report_.dy = 0;
+  if (report_.state == HoldState::about && is_unique_) {
+    read(frame, pose_, reach_of_search() + kAroundFound);
+    look_for(seconds);
+  }
   return report_;
 }
 

@@ -37,8 +37,9 @@ public:
   /// The next frame, of the same size, so many seconds later (> 0).
   const HeldReport &follow(const LumaSource &frame, float seconds);
 
-  /// The next frame, with the same pixels.
-  const HeldReport &rest(float seconds);
+  /// The next frame, in which the region that is measured has the same pixels. It is that of the
+  /// thing, unless the thing is hidden.
+  const HeldReport &rest(const LumaSource &frame, float seconds);
 
   /// Another scene began: it cannot be found.
   void lose();

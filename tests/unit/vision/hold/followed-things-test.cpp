@@ -57,11 +57,12 @@ TEST(SomeFollowedThings, AreWhereTheyMovedTo) {
   followed.take(PlaneSource(first), kWidth, kHeight, 0.5F, 0.5F);
   followed.take(PlaneSource(first), kWidth, kHeight, 0.25F, 0.75F);
   ASSERT_EQ(things_of(followed).size(), 2U);
+  Frame frame;
   for (int i = 1; i <= 10; ++i) {
-    const Frame frame = textured({2.0 * i, -1.0 * i});
+    frame = textured({2.0 * i, -1.0 * i});
     followed.follow(PlaneSource(frame), kSeconds);
   }
-  followed.rest(kSeconds);
+  followed.rest(PlaneSource(frame), kSeconds);
   const auto things = things_of(followed);
   ASSERT_EQ(things.size(), 2U);
   EXPECT_NE(things[0].id, things[1].id);

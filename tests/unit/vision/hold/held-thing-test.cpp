@@ -190,10 +190,11 @@ TEST_F(AHeldThing, IsTheSameInEveryInstructionSet) {
 
 TEST_F(AHeldThing, StaysWhereTheSamePixelsStay) {
   take(stage.frame({}));
-  follow(stage.frame(sway(1 / kRate)));
+  const Frame still = stage.frame(sway(1 / kRate));
+  follow(still);
   const HeldReport before = thing.report();
   for (int i = 0; i < 300; ++i)
-    thing.rest(static_cast<float>(1 / kRate));
+    thing.rest(PlaneSource(still), static_cast<float>(1 / kRate));
   EXPECT_EQ(thing.report().x, before.x);
   EXPECT_EQ(thing.report().y, before.y);
   EXPECT_EQ(thing.report().dx, 0);
@@ -343,8 +344,9 @@ TEST_F(AHeldThing, WhateverTheFilmDoesIsAtAFinitePlace) {
       if (one_in(40))
         thing.lose();
       const double rate = one_in(10) ? 1 + 1000 * share(random) : kRate;
-      const HeldReport report =
-          one_in(10) ? thing.rest(static_cast<float>(1 / rate)) : follow(frame, rate);
+      const HeldReport report = one_in(10)
+                                    ? thing.rest(PlaneSource(frame), static_cast<float>(1 / rate))
+                                    : follow(frame, rate);
       seen += report.state == HoldState::held || report.state == HoldState::about;
       ASSERT_TRUE(std::isfinite(report.x + report.y + report.radius + report.dx + report.dy +
                                 report.variance))
