@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The time of the film, as browsers tell it: a force lasts as long as frames come, and no longer.
-import { FakeVideo, pass, waiting } from './fake-browser.mjs';
+import { FakeVideo, beBusy, pass, waiting } from './fake-browser.mjs';
 import { point } from './motion-sets.mjs';
 import { promise } from './promise.mjs';
 import { attach } from '../../pipelines/web/player/player.js';
@@ -58,6 +58,19 @@ promise('play is felt at once again', first.force.x > 0);
 first.detach();
 pass(0.1, stuck);
 promise('nothing is waited for after detach()', waiting() === 0);
+
+// A film that plays on in a frame of a page, scrolled out of view: browsers stop the frames of the screen there.
+const unseen = new FakeVideo(16);
+const { player: away } = feel(unseen);
+unseen.play();
+pass(2, unseen);
+beBusy(0.3, unseen);
+promise('the force stays until somebody notices', away.force.x > 0);
+unseen.dispatchEvent(new Event('timeupdate'));
+promise('and is zero where no frame of the screen came', away.force.x === 0);
+pass(0.5, unseen);
+promise('it is felt again in view', away.force.x > 0);
+away.detach();
 
 // A busy browser, which shows frames for 0.1 s and then none for 0.25 s, again and again.
 const busy = new FakeVideo(16);

@@ -37,15 +37,16 @@ export class ForceSound {
   }
 }
 
-let context = null;
+let context = null, hear = null;
 
 /** Turns the sound of the player's force on or off. */
 export function hearForce(stage, film, player, on) {
   if (on && !context) {
     context = new AudioContext();
     const sound = new ForceSound(context);
-    player.addEventListener('force', ({ detail }) => sound.hear(detail));
-    sound.hear(player.force);
+    // In another state its time stands still, and nothing that is asked of it would ever be past.
+    hear = force => { if (context.state === 'running') sound.hear(force); };
+    player.addEventListener('force', ({ detail }) => hear(detail));
   }
-  return on ? context.resume() : context?.suspend();
+  return on ? context.resume().then(() => hear(player.force)) : context?.suspend();
 }

@@ -90,7 +90,7 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
     const refuse = refusal => this.#say(refusal.message);
     if (/\.m3u8([?#]|$)/i.test(src ?? '')) return void this.#player.load(src).catch(refuse);
     if (src !== null && this.#video.getAttribute('src') !== src) this.#video.src = src;
-    if (track !== null) this.#player.loadTrack(track).catch(refuse);
+    this.#player.loadTrack(track).catch(refuse);
   }
 
   #listen(signal) {

@@ -48,6 +48,7 @@ function problemOf({ fatal, details, response, reason }) {
  * Plays the playlist `address` in `video` until `signal` is aborted. `hls` is the class of hls.js or an instance of it,
  * `hlsConfig` is for the class; without `hls` plain playlists play. Calls `onPacket(bytes, time)` for each packet of
  * the track, and `onProblem(problem)`. `onDamage(goOn)` gives what goes on after an error of the decoder, if it can.
+ * @returns false if the track cannot be read here
  */
 export async function playFilm(video, address, options) {
   const { hls, origins, signal, onProblem } = options;
@@ -58,7 +59,7 @@ export async function playFilm(video, address, options) {
   if (await playPlainly(video, address, { ...options, load: url => load(url, { origins, signal }) })) return;
   if (signal.aborted) return;
   onProblem(new Problem('needs-hls'));
-  playNatively(video, address, signal);
+  return playNatively(video, address, signal);
 }
 
 function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket, onProblem, onDamage }) {
@@ -124,18 +125,23 @@ function goOnWith(player, video, signal) {
 
 function playNatively(video, address, signal) {
   if (video.canPlayType('application/vnd.apple.mpegurl')) playFile(video, address, signal);
+  return false;
 }
 
-/** Ends what a video plays. */
-export function letGo(video) {
-  video.removeAttribute('src');
-  video.load();
+/** Ends what a video plays with `signal`, unless it plays something else by then. */
+export function letGoWith(signal, video) {
+  const { src } = video;
+  signal.addEventListener('abort', () => {
+    if (video.src !== src) return;
+    video.removeAttribute('src');
+    video.load();
+  });
 }
 
 /** Plays a file that the browser plays by itself until `signal` is aborted. */
 export function playFile(video, address, signal) {
   video.src = address;
-  signal.addEventListener('abort', () => letGo(video));
+  letGoWith(signal, video);
 }
 
 /** @returns the bytes of a file. Tries again where a network or a server may mend itself. */

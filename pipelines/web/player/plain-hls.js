@@ -2,11 +2,12 @@
 // Plays a plain playlist of CMAF by Media Source Extensions alone, where hls.js is not beside the page: one rendition,
 // VOD, segments as whole files, not encrypted, as `haptic-track package` writes them.
 
-import { letGo } from './film.js';
+import { letGoWith } from './film.js';
 import { Problem } from './problems.js';
 
 const AHEAD = 20; // s to be buffered
 const BEHIND = 60; // s to be kept
+const BEHIND_IF_FULL = 2; // s
 const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
 
 /** @returns {variant} or {map, segments: [{url, start: s, duration: s}]}, or null */
@@ -105,7 +106,7 @@ class PlainFilm {
     const source = new MediaSource();
     const opened = new Promise(done => source.addEventListener('sourceopen', done, { once: true }));
     const url = this.#video.src = URL.createObjectURL(source);
-    signal.addEventListener('abort', () => letGo(this.#video));
+    letGoWith(signal, this.#video);
     await opened;
     URL.revokeObjectURL(url);
     if (signal.aborted) return;
@@ -143,8 +144,24 @@ class PlainFilm {
     for (const { time, bytes: packet } of readPackets(bytes, segment.start)) onPacket(packet, time);
     const old = this.#video.currentTime - BEHIND;
     if (old > 0) await this.#change(() => this.#buffer.remove(0, old));
-    await this.#change(() => this.#buffer.appendBuffer(bytes));
+    while (!await this.#fits(bytes) && !signal.aborted) await this.#makeRoom();
     if (isLast && source.readyState === 'open') source.endOfStream();
+  }
+
+  // Appends it, unless the buffer is full.
+  #fits(bytes) {
+    return this.#change(() => this.#buffer.appendBuffer(bytes)).then(() => true, error => {
+      if (error.name !== 'QuotaExceededError') throw error;
+      return false;
+    });
+  }
+
+  // Where nothing is left to play, more than one segment does not fit.
+  async #makeRoom() {
+    const { buffered } = this.#buffer, { currentTime } = this.#video, old = currentTime - BEHIND_IF_FULL;
+    if (buffered.length && buffered.start(0) < old) return this.#change(() => this.#buffer.remove(0, old));
+    if (!(buffered.length && buffered.end(buffered.length - 1) > currentTime + 0.2)) throw new Problem('part-large');
+    await changeOf(this.#video);
   }
 
   #change(begin) {

@@ -104,8 +104,8 @@ export interface Player extends EventTarget {
   readonly gamepads: string[];
   /** Plays a playlist instead of the film before. Fails with a Refusal if its address is refused. */
   load(playlist: string): Promise<void>;
-  /** Feels another track beside the film that the video plays by itself. */
-  loadTrack(track: string): Promise<void>;
+  /** Feels another track beside the film that the video plays by itself; null: none. */
+  loadTrack(track: string | null): Promise<void>;
   /** KLV sets of the frame at `time`, s; without it, each has its own time. */
   addPacket(bytes: Uint8Array, time?: number): void;
   /** Zero, and lets go of the video. */

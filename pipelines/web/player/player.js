@@ -10,6 +10,7 @@ export { Problem, Refusal } from './problems.js';
 
 const STOPS = ['pause', 'seeking', 'ended', 'waiting', 'emptied', 'abort'];
 const BEGINS = ['playing', 'seeked', 'timeupdate'];
+const LONGEST_FRAME = 250; // ms, of the screen: no such frames come where nobody looks
 const UNTRACKED = 3; // s of film without a packet until it is said that there is no track
 const HIGHEST_ALPHA = 0.2; // s/px
 
@@ -32,6 +33,8 @@ class Player extends EventTarget {
   #ended = new AbortController();
   #loading = new AbortController(); // for the film that is played
   #goOn = null; // past damage of this film
+  #awaitsTrack = false; // it is still asked for, or cannot be had
+  #ticked = 0; // ms
 
   constructor(video, options) {
     super();
@@ -65,16 +68,17 @@ class Player extends EventTarget {
     return this.#load(playlist, (address, options) => playFilm(this.#video, address, options));
   }
 
-  /** Feels the track in a file of KLV, which has the times of the film that the video plays by itself. */
+  /** Feels the track in a file of KLV, which has the times of the film that the video plays by itself; null: none. */
   loadTrack(track) {
     return this.#load(track, async (address, { origins, signal }) => {
+      if (!address) return;
       const bytes = await loadTrack(address, { origins, signal });
       if (!signal.aborted) this.addPacket(bytes);
     });
   }
 
   async #load(name, load) {
-    const address = addressOf(name, this.#options.allowedOrigins);
+    const address = name === null ? null : addressOf(name, this.#options.allowedOrigins);
     this.#silence();
     this.hold?.release();
     this.#loading.abort();
@@ -82,11 +86,13 @@ class Player extends EventTarget {
     this.#said.clear();
     this.#track = new MotionTrack(); // no later film is felt by the packets of this one
     this.#touch = this.#goOn = null;
+    this.#awaitsTrack = true;
     const { hls = standardHls, hlsConfig, allowedOrigins: origins = [] } = this.#options;
     const onProblem = problem => signal.aborted || this.#say(problem);
     const onPacket = (bytes, time) => signal.aborted || this.addPacket(bytes, time);
     const onDamage = goOn => { this.#goOn = goOn; };
-    await load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket, onDamage }).catch(onProblem);
+    const isRead = load(address, { hls, hlsConfig, origins, signal, onProblem, onPacket, onDamage });
+    await isRead.then(read => { if (!signal.aborted) this.#awaitsTrack = read === false; }, onProblem);
   }
 
   addPacket(bytes, time) {
@@ -156,8 +162,10 @@ class Player extends EventTarget {
 
   // While the film plays, each frame of the screen is a step; nothing runs while it rests.
   #begin() {
+    if (this.#ticks && performance.now() - this.#ticked > LONGEST_FRAME) this.#silence();
     if (this.#ticks || !this.#plays) return;
     this.#ticks = true;
+    this.#ticked = performance.now();
     requestAnimationFrame(now => this.#tick(now));
   }
 
@@ -167,7 +175,7 @@ class Player extends EventTarget {
     this.#begin();
     const { currentTime, playbackRate, videoWidth } = this.#video;
     if (!videoWidth || !this.#video.requestVideoFrameCallback) this.#clock.look(now);
-    if (currentTime > UNTRACKED && !this.hasTrack) this.#say(new Problem('no-track'));
+    if (currentTime > UNTRACKED && !this.hasTrack && !this.#awaitsTrack) this.#say(new Problem('no-track'));
     const place = this.#place ?? this.hold?.held;
     if (this.#clock.stalls(now) || !place) return this.#silence();
     this.#chain.advance(this.#clock.at(now), (time, since) => {
@@ -194,6 +202,7 @@ class Player extends EventTarget {
   }
 
   #say(problem) {
+    if (!(problem instanceof Problem)) problem = new Problem('cannot-play', { details: problem.message });
     const sentence = sentenceFor(problem, this.#options.texts);
     if (this.#said.has(sentence)) return;
     this.#said.add(sentence);

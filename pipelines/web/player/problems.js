@@ -10,6 +10,7 @@ const TEXTS = {
   'no-media':
     'A part of the film has neither picture nor sound. Is it a track alone? Play the film that it belongs to.',
   'part-damaged': 'A part of the film is damaged; it is left out.',
+  'part-large': 'A part of the film is too large for this browser; it is left out. Package it with shorter segments.',
   'part-missing': 'A part of the film cannot be loaded{status}. Check the server.',
   'playlist-missing': 'The playlist cannot be loaded{status}. Check its name and the server.',
   'playlist-damaged': 'The playlist is damaged: it is no HLS playlist.',
