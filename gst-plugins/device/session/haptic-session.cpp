@@ -71,6 +71,7 @@ void HapticSession::close() {
   // disarmed a grip, do not.
   loop_.unhold(kHoldFaulted);
   device_.reset();
+  opened_as_.reset();
   update_state();
 }
 
@@ -144,14 +145,14 @@ bool HapticSession::prepare(const RunSettings &settings) {
   read_description();
   if (device_)
     warn_of_what_is_beyond(settings);
-  rate_ = std::min(static_cast<double>(opened_as_.rate), limits.rate);
+  rate_ = std::min(static_cast<double>(opened_as_->rate), limits.rate);
 
   loop_.prepare({.device = device_.get(),
-                 .lost = !device_ && opened_as_.device != "none", // in a run before this one
+                 .lost = !device_ && opened_as_->device != "none", // in a run before this one
                  .log = log_.get(),
                  .clock = clock_,
                  .rate = rate_,
-                 .dead_man = opened_as_.dead_man == DeadMan::button,
+                 .dead_man = opened_as_->dead_man == DeadMan::button,
                  .records = !settings.fault_location.empty(),
                  .callbacks = settings.callbacks});
   loop_.set_running_time(clock_->now(), 0); // until the client has a clock
@@ -305,7 +306,7 @@ void HapticSession::reopen_lost_device(std::int64_t now) {
     return run_.reopening.rest();
   device_.reset();
   device_ = run_.reopening.attempt(
-      now, [this] { return opener_.reopen(opened_as_, identity_); }, client_);
+      now, [this] { return opener_.reopen(*opened_as_, identity_); }, client_);
   if (!device_)
     return;
   loop_.replace_device(device_.get());

@@ -166,9 +166,9 @@ private:
 
   // The thread that changes the state; the pointer thread while it runs and the loop has lost the
   // device.
-  DeviceChoice opened_as_;
-  double rate_ = 1000;   // Hz, of the loop
-  std::string identity_; // of the device opened last
+  std::optional<DeviceChoice> opened_as_; // nothing: closed
+  double rate_ = 1000;                    // Hz, of the loop
+  std::string identity_;                  // of the device opened last
   std::unique_ptr<spidar::HapticDevice> device_;
   std::unique_ptr<TickLog> log_;
   SessionStateMachine state_; // any thread

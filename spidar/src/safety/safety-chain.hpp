@@ -157,9 +157,11 @@ public:
     return output_.torque.dot(turning) > 0;
   }
   /// N·m that may come with a force unasked: what turns a free grip under no force is no more than
-  /// what minimum tension does in the workspace.
+  /// what minimum tension does in the workspace. A limit below that would take forces away, and by
+  /// how much would change within a millimetre.
   double most_side_torque(const spidar::Vector3 &force, double max_torque) const noexcept {
-    return std::min(max_torque, device_.side_torque + kTorqueArm * force.norm());
+    const double least = device_.side_torque;
+    return std::clamp(max_torque, least, least + kTorqueArm * force.norm());
   }
   /// J that the hand may have back. A touch whose spring holds more than the account pays would be
   /// cut off on the hand's way out and felt on its way in: the force would go on and off.

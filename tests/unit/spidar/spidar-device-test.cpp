@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "counted-allocations.hpp"
 #include "model/string-kinematics.hpp"
+#include "safety/safety-chain.hpp"
 #include "spidar-poses.hpp"
 #include "spidar/device.hpp"
 #include "spidar/error.hpp"
@@ -289,6 +290,18 @@ TEST(Device, TellsWhatTheLimitOfTheSideTorqueTakesFromTheForce) {
   EXPECT_LE(most_turned(0.008), 0.008001);
   EXPECT_FALSE(device.state().feasible);
   EXPECT_GT(device.state().given_up.force.norm(), 0.1);
+}
+
+// A limit of the torque that is commanded takes no force away.
+TEST(Device, WithoutAnyTorqueAForceIsGivenAboutTheCentre) {
+  for (const char *hand : {"hold:0,0,0", "hold:0.3,-0.2,0.1", "hold:0,0.4,0.4"}) {
+    Wire wire;
+    Device device = device_with(hand, wire);
+    const haptic::SafetyChain chain(device.limits());
+    device.limit_side_torque(chain.most_side_torque({0.5, 0, 0}, 0));
+    run(device, 500, push(0.5, 0, 0));
+    EXPECT_LT(device.state().given_up.force.norm(), 0.005) << hand;
+  }
 }
 
 TEST(Device, AWrenchThatIsNotFiniteCountsAsZero) {

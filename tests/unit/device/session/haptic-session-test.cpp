@@ -404,6 +404,10 @@ TEST_F(Session, AnotherChoiceAtTheStartOpensAnotherDevice) {
   refusal_ = spidar::Cause::busy;
   EXPECT_FALSE(session_->prepare({.choice = choice_}));
   EXPECT_EQ(bench_.alive, 0);
+  choice_.rate = 1000; // as before
+  refusal_.reset();
+  EXPECT_TRUE(session_->prepare({.choice = choice_}));
+  EXPECT_EQ(bench_.alive, 1);
 }
 
 TEST_F(Session, ALogThatCannotBeWrittenIsAnErrorThatNamesIt) {
