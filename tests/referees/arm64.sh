@@ -78,15 +78,16 @@ END
     in_chroot ninja -C build
 }
 
-promise "a chroot of Debian $version is there" make_chroot
-promise "the tree is copied" copy_tree "$chroot/feeling-wind"
-promise "the packages are installed" install_in_chroot
-promise "everything builds for arm64 without a warning" build_in_chroot
+# `test_in_chroot FILTER OPTION...`
 test_in_chroot() {
   in_chroot env GTEST_FILTER="$1" meson test -C build --no-rebuild --print-errorlogs --timeout-multiplier 20 \
     --no-suite realtime "${@:2}"
 }
 
+promise "a chroot of Debian $version is there" make_chroot
+promise "the tree is copied" copy_tree "$chroot/feeling-wind"
+promise "the packages are installed" install_in_chroot
+promise "everything builds for arm64 without a warning" build_in_chroot
 promise "unit and element tests pass there" test_in_chroot "$(without_repetitions)" \
   --suite unit --suite elements --no-suite unit-vision
 promise "the vector code works there" test_in_chroot "$(cases_of "${vector_tests[@]}")-$vector_repetitions" \

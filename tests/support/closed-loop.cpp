@@ -253,19 +253,13 @@ double blow(LoopInHand &held, const LoopPoint &point) {
 }
 
 // Pushes for 20 ms. A tap that would make the hand faster than 0.8 m/s lets go of the grip (1 m/s).
-// A hand that nothing but its damping stops would be thrown to the end of the strings, which are 50
-// mm from the centre at the least.
 double tap(LoopInHand &held, const LoopPoint &point) {
-  constexpr double kTap = 0.02;      // s
-  constexpr double kFastest = 0.8;   // m/s
-  constexpr double kFarthest = 0.04; // m
+  constexpr double kTap = 0.02;    // s
+  constexpr double kFastest = 0.8; // m/s
   const Vector3 direction =
       point.touch == TouchMode::off ? Vector3::UnitX() : Vector3(0.8, 0, -0.6);
   const Vector3 push = held.hand().push;
-  double momentum = std::min(point.tap, kFastest * point.hand.mass); // N·s
-  if (point.hand.stiffness == 0)
-    momentum = std::min(momentum, kFarthest * point.hand.damping);
-  held.hand().push += momentum / kTap * direction;
+  held.hand().push += std::min(point.tap, kFastest * point.hand.mass) / kTap * direction;
   const double most = largest_force(held, kTap);
   held.hand().push = push;
   return most;

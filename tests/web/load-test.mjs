@@ -74,7 +74,6 @@ broken.detach();
 
 // Segments of 4 s, one after the other, of which a buffer holds so many seconds.
 function fullBrowser(most) {
-  const held = [];
   const buffer = {
     start: 0, end: 0,
     get buffered() { return { length: +(this.end > this.start), start: () => this.start, end: () => this.end }; },
@@ -82,7 +81,6 @@ function fullBrowser(most) {
       const seconds = bytes.length === 4 ? 4 : 0;
       if (this.end - this.start + seconds > most) throw new DOMException('full', 'QuotaExceededError');
       this.end += seconds;
-      held.push(this.end);
       queueMicrotask(() => this.onupdateend());
     },
     remove(_, end) {

@@ -7,7 +7,6 @@ import { Problem } from './problems.js';
 
 const AHEAD = 20; // s to be buffered
 const BEHIND = 60; // s to be kept
-const BEHIND_IF_FULL = 2; // s
 const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
 
 /** @returns {variant} or {map, segments: [{url, start: s, duration: s}]}, or null */
@@ -156,11 +155,13 @@ class PlainFilm {
     });
   }
 
-  // Where nothing is left to play, more than one segment does not fit.
+  // What is before the present segment goes. A browser removes whole groups of frames, and a segment begins with one.
   async #makeRoom() {
-    const { buffered } = this.#buffer, { currentTime } = this.#video, old = currentTime - BEHIND_IF_FULL;
-    if (buffered.length && buffered.start(0) < old) return this.#change(() => this.#buffer.remove(0, old));
-    if (!(buffered.length && buffered.end(buffered.length - 1) > currentTime + 0.2)) throw new Problem('part-large');
+    const { buffered } = this.#buffer, { currentTime } = this.#video;
+    const { start } = this.#list.segments.findLast(segment => segment.start <= currentTime);
+    if (buffered.length && buffered.start(0) < start) return this.#change(() => this.#buffer.remove(0, start));
+    const isPlayedOut = !buffered.length || buffered.end(buffered.length - 1) <= currentTime + 0.2;
+    if (isPlayedOut) throw new Problem('part-large');
     await changeOf(this.#video);
   }
 
