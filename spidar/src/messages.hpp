@@ -89,7 +89,7 @@
   MESSAGE(kHoldNoPose, "The pose of the grip is not known. The force is off.",                     \
           "Hold the grip still. If that does not help, hold it in the centre and call "            \
           "spidar_calibrate().")                                                                   \
-  MESSAGE(kHoldLate, "An exchange came more than 10 ms late. The force begins again from zero.",   \
+  MESSAGE(kHoldLate, "An exchange came more than 10 ms after the one before. The force is off.",   \
           "Call spidar_exchange() once a period, from a thread with real-time priority.")          \
   MESSAGE(kHoldNotFinite, "The command is not a finite number, so it counts as zero.",             \
           "Check what the program computes from a pose that is not valid.")                        \

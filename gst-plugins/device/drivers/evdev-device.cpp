@@ -3,6 +3,7 @@
 
 #include "drivers/evdev-list.hpp"
 #include "drivers/force-effect.hpp"
+#include "drivers/stick.hpp"
 #include "format-text.hpp"
 #include "messages.hpp"
 #include "non-blocking.hpp"
@@ -40,10 +41,6 @@ constexpr auto kDriverStands = 300ms;  // then the device does not answer; its e
 constexpr double kStickHalf = 0.04;    // m, travel of the top of a stick to either side
 constexpr double kVelocityCutoff = 10; // Hz; the stick reports its position some 100 times a second
 
-// Of sticks, gamepads and wheels; not the positions of a gear lever (BTN_GEAR_UP), which stay on.
-constexpr unsigned kFirstButton = BTN_JOYSTICK;
-constexpr unsigned kEndOfButtons = BTN_DIGI;
-
 struct CloseFile {
   int file = -1;
   ~CloseFile() {
@@ -79,33 +76,6 @@ int open_node(const std::string &path) {
   }
 }
 
-// An axis of the stick: -1..1, 0 in the middle.
-class Axis {
-public:
-  Axis() = default;
-  Axis(const libevdev *device, unsigned code) : code_(code) {
-    if (const input_absinfo *info = libevdev_get_abs_info(device, code)) {
-      middle_ = (static_cast<double>(info->minimum) + info->maximum) / 2;
-      half_ = std::max((static_cast<double>(info->maximum) - info->minimum) / 2, 0.5);
-      exists_ = true;
-    }
-  }
-  bool exists() const noexcept { return exists_; }
-  double step() const noexcept { return exists_ ? 1 / half_ : 0; } // of its value
-  double value(const libevdev *device) const noexcept {
-    if (!exists_)
-      return 0;
-    const double there = libevdev_get_event_value(device, EV_ABS, code_);
-    return std::clamp((there - middle_) / half_, -1.0, 1.0);
-  }
-
-private:
-  unsigned code_ = 0;
-  double middle_ = 0;
-  double half_ = 1;
-  bool exists_ = false;
-};
-
 EvdevUnit unit_of(const std::string &path, const libevdev *device) {
   const char *serial = libevdev_get_uniq(device);
   const std::string name = libevdev_get_name(device);
@@ -115,18 +85,6 @@ EvdevUnit unit_of(const std::string &path, const libevdev *device) {
                       libevdev_get_id_version(device), serial ? serial : "", name.c_str())};
 }
 
-bool has_button(const libevdev *device) {
-  for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
-    if (libevdev_has_event_code(device, EV_KEY, button))
-      return true;
-  return false;
-}
-
-struct StickState {
-  spidar::Vector3 place = spidar::Vector3::Zero(); // -1..1, y up
-  bool pressed = false;                            // any of its buttons
-};
-
 class EvdevDevice final : public spidar::HapticDevice {
 public:
   EvdevDevice(const std::string &path, bool needs_button) : file_{open_node(path)} {
@@ -135,8 +93,7 @@ public:
       throw Error(Cause::argument, format_text(messages::kNotAnInput, path.c_str()));
     evdev_.reset(device);
     unit_ = unit_of(path, device);
-    x_ = Axis(device, libevdev_has_event_code(device, EV_ABS, ABS_X) ? ABS_X : ABS_WHEEL);
-    y_ = Axis(device, ABS_Y);
+    stick_ = Stick(device);
     if (libevdev_has_event_code(device, EV_FF, FF_CONSTANT))
       kind_ = ForceKind::constant;
     else if (libevdev_has_event_code(device, EV_FF, FF_RUMBLE))
@@ -144,17 +101,17 @@ public:
     else
       throw Error(Cause::argument,
                   format_text(messages::kNoForceFeedback, description_of(unit_).c_str()));
-    if (!x_.exists())
+    if (!stick_.has_x())
       throw Error(Cause::argument, format_text(messages::kNoStick, description_of(unit_).c_str()));
     limits_.force = kFullForce;
-    limits_.degrees_of_freedom = y_.exists() ? 2 : 1;
-    limits_.metres_per_count = kStickHalf * std::max(x_.step(), y_.step());
-    if (needs_button && !has_button(device))
+    limits_.degrees_of_freedom = stick_.has_y() ? 2 : 1;
+    limits_.metres_per_count = kStickHalf * stick_.step();
+    if (needs_button && !stick_.has_button())
       throw Error(Cause::argument, format_text(messages::kNoButton, description_of(unit_).c_str()));
     if (libevdev_grab(device, LIBEVDEV_GRAB) != 0)
       throw Error(Cause::busy, format_text(messages::kJoystickBusy, description_of(unit_).c_str()));
     upload(spidar::Vector3::Zero()); // fails now if the driver refuses effects
-    publish_position();
+    publish();
     round_at_ = tick_at_ = spidar::monotonic_time();
     exchange(tick_at_);
     state_.velocity.setZero();
@@ -178,8 +135,8 @@ public:
     state_.moved.setZero();
     if (!answered)
       return false;
-    stick_.refresh();
-    const StickState &stick = stick_.value();
+    stick_state_.refresh();
+    const StickState &stick = stick_state_.value();
     const spidar::Vector3 position = kStickHalf * (stick.place - centre_);
     state_.moved = position - state_.pose.position;
     state_.acted.force = commanded_;
@@ -198,7 +155,7 @@ public:
     force_.write(wrench.force);
   }
   void calibrate() noexcept override {
-    centre_ = stick_.value().place;
+    centre_ = stick_state_.value().place;
     state_.pose.position.setZero();
     state_.velocity.setZero();
   }
@@ -214,7 +171,7 @@ private:
   void run(const std::stop_token &stop) noexcept {
     while (!stop.stop_requested() && !gone_) {
       read_events();
-      publish_position();
+      publish();
       force_.refresh();
       const bool loop_stands = spidar::monotonic_time() - tick_at_.load() >
                                std::chrono::nanoseconds(kLoopStands).count();
@@ -247,20 +204,11 @@ private:
     }
   }
 
-  void publish_position() noexcept {
-    stick_.write({{x_.value(evdev_.get()), -y_.value(evdev_.get()), 0}, is_pressed()});
-  }
-
-  bool is_pressed() const noexcept {
-    for (unsigned button = kFirstButton; button < kEndOfButtons; ++button)
-      if (libevdev_get_event_value(evdev_.get(), EV_KEY, button) != 0)
-        return true;
-    return false;
-  }
+  void publish() noexcept { stick_state_.write(stick_.read(evdev_.get())); }
 
   // Returns false if the driver refuses. The present effect then ends by itself.
   bool play(const spidar::Vector3 &force) noexcept {
-    const ff_effect wanted = force_effect(force, kind_, y_.exists(), effect_.id);
+    const ff_effect wanted = force_effect(force, kind_, stick_.has_y(), effect_.id);
     if (!feels_alike(wanted, effect_) && !send(wanted))
       return false;
     if (is_silent(effect_))
@@ -294,7 +242,7 @@ private:
   // ---- opening ----------------------------------------------------------------------------------
 
   void upload(const spidar::Vector3 &force) {
-    if (send(force_effect(force, kind_, y_.exists(), -1)))
+    if (send(force_effect(force, kind_, stick_.has_y(), -1)))
       return;
     const int error = errno;
     if (error == ENOSPC)
@@ -312,8 +260,8 @@ private:
   spidar::DeviceLimits limits_; // no stiffness and no damping: its strength is unknown
 
   // Between the two threads.
-  NewestSlot<StickState> stick_;      // driver's thread -> loop
-  NewestSlot<spidar::Vector3> force_; // N: loop -> driver's thread
+  NewestSlot<StickState> stick_state_; // driver's thread -> loop
+  NewestSlot<spidar::Vector3> force_;  // N: loop -> driver's thread
   std::atomic<std::int64_t> round_at_ = 0;
   std::atomic<std::int64_t> tick_at_ = 0;
   std::atomic<bool> gone_ = false;
@@ -326,8 +274,7 @@ private:
 
   // The driver's thread.
   std::unique_ptr<libevdev, FreeEvdev> evdev_;
-  Axis x_;
-  Axis y_;
+  Stick stick_;
   ff_effect effect_{};
   bool playing_ = false;
   Clock::time_point played_;

@@ -51,7 +51,8 @@ public:
     kAll = ~0U,      ///< these, every other limit, every fade and every latch
   };
 
-  /// `device` outlives this object. It is armed. `period`: s between two exchanges.
+  /// `device` outlives this object. It is armed. `period`: s between two exchanges. Later than
+  /// kLongestSilence after the one before, an exchange holds the force at zero, whatever the period.
   explicit LimitedDevice(HapticDevice &device, double period = 0.001);
   ~LimitedDevice();
 

@@ -41,7 +41,8 @@ typedef struct spidar_options {
   const char *geometry; /* name or file; default "spidar-g6x3r" */
   const char *sim_hand; /* of "sim": "hold:X,Y,Z" (default "hold:0,0,0"), "circle:RADIUS,PERIOD",
                            "file:PATH" or "free" */
-  double period;        /* s between two exchanges, 0.00001 to 0.1; 0 stands for 0.001 */
+  double period;        /* s between two exchanges, 0.00001 to 0.1; 0 stands for 0.001. Above 0.01
+                           there is no force (SPIDAR_HOLD_LATE) */
 } spidar_options;
 
 /* Begin with SPIDAR_STATE_INIT. */
@@ -68,7 +69,7 @@ typedef enum spidar_hold {
   SPIDAR_HOLD_RELEASED = 1 << 4,    /* spidar_release() was called: a latch */
   SPIDAR_HOLD_LET_GO = 1 << 5,      /* the grip moved or turned as if it was let go: a latch */
   SPIDAR_HOLD_FAULTED = 1 << 6,     /* three exchanges in a row failed, or it is gone: a latch */
-  SPIDAR_HOLD_LATE = 1 << 7,        /* an exchange came 10 ms late; until the force is zero */
+  SPIDAR_HOLD_LATE = 1 << 7,        /* more than 10 ms after the one before; until it is zero */
   SPIDAR_HOLD_NO_POSE = 1 << 8,     /* the pose of the grip is not known */
   SPIDAR_HOLD_NOT_FINITE = 1 << 13, /* the command was not finite; this exchange only */
   SPIDAR_HOLD_SLIPPED = 1 << 16     /* a string slips; if it did for 0.2 s, until calibrated */

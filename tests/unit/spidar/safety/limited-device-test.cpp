@@ -169,6 +169,17 @@ TEST_F(Limited, AnExchangeThatComes10MillisecondsLateBeginsFromZero) {
   EXPECT_NEAR(after(300), 1, 1e-12);
 }
 
+TEST(LimitedPeriod, BeyondThePatienceOfTheGuardianThereIsNoForceAndItSaysSo) {
+  Grip grip;
+  LimitedDevice device(grip, 0.02);
+  device.command(push(1));
+  for (int tick = 1; tick <= 100; ++tick) {
+    device.exchange(tick * 20 * kTick);
+    ASSERT_EQ(device.wrench().force.x(), 0) << tick;
+    ASSERT_EQ(device.holds(), unsigned{SPIDAR_HOLD_LATE});
+  }
+}
+
 TEST_F(Limited, WithoutAPoseTheForceFadesAndComesBackByItself) {
   device_.command(push(1));
   after(200);
