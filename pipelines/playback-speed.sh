@@ -34,12 +34,13 @@ need_video "$input"
 
 trap exit INT # instead of the next speed
 
-# The new frame rate shows each frame once: repeated frames would make a uniform motion uneven.
+# The new frame rate shows each frame once: repeated frames would make a uniform motion uneven. 100100 has the usual
+# rates without a remainder, and keeps the numerator below 2^31.
 rate=${film_rate:-30/1}
 for speed in "${speeds[@]}"; do
   echo "at $speed times normal speed"
   played=$(awk -v "rate=$rate" -v "speed=$speed" \
-    'BEGIN { split(rate, f, "/"); printf "%d/%d", f[1] * speed * 1000 + 0.5, f[2] * 1000 }')
+    'BEGIN { split(rate, f, "/"); printf "%d/100100", f[1] / f[2] * speed * 100100 + 0.5 }')
   (launch "${film[@]}" ! videorate "rate=$speed" ! "video/x-raw,framerate=$played" \
     ! roitracker ! velocityavg ! hapticsink "${sink_options[@]}")
 done

@@ -182,8 +182,8 @@
   MESSAGE(kFileEndsEarly, \
           "the file ends after %.1f s of %.1f s. It was not copied or recorded to its end.", \
           "Copy it again. Or repair it by a remux, and author the result.") \
-  MESSAGE(kCopyHoldsNoFields, \
-          "\"%s\": this file exists and holds no motion fields.", \
+  MESSAGE(kCopyIsForeign, \
+          "\"%s\": this file exists and is no copy that author made.", \
           "Move it away, or name another folder with --output.") \
   MESSAGE(kCopyIsOfAnother, \
           "\"%s\": this file may be the copy of \"%s\", a video of the same name.", \

@@ -30,7 +30,7 @@ status=0
   "${inputs[@]}" >plan.json || status=1
 [ -s plan.json ] || exit 1
 seq 0 $(($(grep -c '"first-span"' plan.json) - 1)) |
-  parallel --will-cite --sshlogin "$machines" --env GST_PLUGIN_PATH --env GST_REGISTRY --workdir "$PWD" \
+  parallel --will-cite --quote --sshlogin "$machines" --env GST_PLUGIN_PATH --env GST_REGISTRY --workdir "$PWD" \
     --line-buffer "$program" author --chunk {} plan.json || status=1
 "$program" author --merge plan.json || status=1
 exit $status

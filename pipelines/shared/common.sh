@@ -279,9 +279,9 @@ use_elements() {
   done
 }
 
-# `make_output FOLDER` makes it, with an empty log in it.
+# `make_output FOLDER` makes it. A log can be written in it; that of the last run stays until then.
 make_output() {
-  if ! mkdir -p "$1" 2>/dev/null || ! : 2>/dev/null >"$1/trace.csv"; then
+  if ! mkdir -p "$1" 2>/dev/null || ! : 2>/dev/null >>"$1/trace.csv"; then
     fail "the folder '$1' cannot be written to; give another with --output"
   fi
 }

@@ -8,6 +8,7 @@ second and behind every limit. This program only moves the layer as far as the h
 """
 
 import math
+import os
 import pathlib
 import signal
 import struct
@@ -87,6 +88,9 @@ def read(arguments):
         named[name] = value
     if len(options) != 1 or not pathlib.Path(options[0]).is_file():
         sys.exit(f"pull-character.sh: there is no file '{' '.join(options)}'; see --help")
+    for option, path in named.items():
+        if os.path.exists(path) and os.path.samefile(path, options[0]):
+            sys.exit(f"pull-character.sh: {option} would overwrite the film; give another name")
     return options[0], named, sink
 
 
@@ -103,10 +107,11 @@ def main(arguments):
         f" caps=video/x-raw,format=RGBA,width={SIZE},height={SIZE},framerate=30/1 format=time ! layers.sink_1"
     )
     # Not in one pipeline: beside a live source, compositor does not wait for frames that come late.
-    hand = Gst.parse_launch(
-        'appsrc name=reliefs format=time is-live=true do-timestamp=true caps="haptics/x-field,kind=relief"'
-        " ! hapticsink touch=surface " + " ".join(sink_options)
-    )
+    feels = "appsrc name=reliefs format=time is-live=true do-timestamp=true caps=haptics/x-field,kind=relief ! hapticsink touch=surface"
+    try:
+        hand = Gst.parse_launchv([*feels.split(), *sink_options])
+    except GLib.Error as error:
+        sys.exit(f"pull-character.sh: hapticsink: {error.message}")
     reliefs = hand.get_by_name("reliefs")
     if "--story" in named:
         line += " story. ! queue ! filesink name=story-file"

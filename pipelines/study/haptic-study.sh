@@ -49,7 +49,7 @@ read_run_options() {
   [[ $participant =~ ^[[:alnum:]_-]+$ ]] || fail "--participant takes letters, digits, _ and -, not '$participant'"
   [[ $seconds =~ ^([1-9][0-9]{0,5})?$ ]] || fail "--seconds needs a whole number from 1, not '$seconds'"
   [[ $seed =~ ^[0-9]{0,9}$ ]] || fail "--seed needs a whole number, not '$seed'"
-  [ -z "$seed" ] || RANDOM=$seed
+  [ -z "$seed" ] || RANDOM=$((10#$seed))
   [ "$no_window" = yes ] || need_display
 }
 

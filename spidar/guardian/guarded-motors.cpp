@@ -151,7 +151,6 @@ GuardedMotors::Written GuardedMotors::rest() noexcept {
   }
   switch (errno) {
   case ENODEV:
-  case ESHUTDOWN:
   case ECONNRESET:
   case ENOTCONN:
   case ENOTTY: // the four after these: no attempt can ever succeed
@@ -164,7 +163,7 @@ GuardedMotors::Written GuardedMotors::rest() noexcept {
       return Written::gone;
     ioctl(device_, USBDEVFS_CLEAR_HALT, &endpoint_);
     return Written::refused;
-  default:
+  default: // of an unplugged device, ESHUTDOWN comes once, and then ENODEV
     read_replies();
     return Written::refused;
   }

@@ -59,8 +59,10 @@
   MESSAGE(kCodeBusy, "Another program uses the device.", "Close that program first.")              \
   MESSAGE(kCodeGeometry, "The geometry cannot be used.",                                           \
           "Read spidar_open_error(): it names the key to correct.")                                \
-  MESSAGE(kCodeArgument, "A value makes no sense.",                                                \
-          "Read spidar_open_error(): it names the value.")                                         \
+  MESSAGE(                                                                                         \
+      kCodeArgument, "A value makes no sense.",                                                    \
+      "After spidar_open(), read spidar_open_error(): it names the value. spidar/spidar.h has "    \
+      "the ranges of spidar_limits.")                                                              \
   MESSAGE(                                                                                         \
       kCodeIo, "The device does not answer.",                                                      \
       "Check its cable and power; if spidar_state.connected is 0, close it and open it again.")    \
@@ -126,6 +128,8 @@
       "Switch it off and on, and plug it in again. If that does not help, use another USB port.")  \
   MESSAGE(kUsbRefuses, "The %s does not take commands.",                                           \
           "Switch it off and on, and plug it in again.")                                           \
+  MESSAGE(kUsbOld, "A USB 1 controller (0cec:0201) cannot be driven.",                             \
+          "Use one for USB 2.0, a Simple or an SH4.")                                              \
   MESSAGE(kUsbSwitch, "'%s' is not a position of a rotary switch.",                                \
           "Give a number from 0 to 15 (A on the switch is 10, F is 15).")                          \
   MESSAGE(kUsbSameSwitch, "Two SPIDAR-Gs have their rotary switch at %d: the %s, and the %s.",     \
@@ -172,6 +176,8 @@
           "The pull ended before the answer: the grip moved fast, its pose was unknown, or the "   \
           "guardian intervened.",                                                                  \
           "Hold the grip still, and answer again.")                                                \
+  MESSAGE(kToolSlipped, "A string has slipped, so the force is off. Nothing has been written.",    \
+          "Check the strings, then begin again.")                                                  \
   MESSAGE(kToolNoPull, "The motors do not pull. Nothing has been written.",                        \
           "Switch their power on, and release the emergency stop.")                                \
   MESSAGE(kToolOtherPull, "It should pull %s or %s. Nothing has been written.",                    \

@@ -36,7 +36,7 @@ std::size_t usable_processors() {
 
 } // namespace
 
-TimedTicks time_ticks(double length, const std::function<void()> &exchange) {
+TimedTicks time_ticks(double length, const std::function<bool()> &exchange) {
   const auto ticks = static_cast<std::size_t>(length / seconds(kPeriod));
   TimedTicks result;
   std::vector<double> late;
@@ -50,16 +50,14 @@ TimedTicks time_ticks(double length, const std::function<void()> &exchange) {
       std::this_thread::sleep_until(next);
       const auto now = Clock::now();
       late.push_back(seconds(now - next));
-      if (exchange) {
-        exchange();
+      if (exchange && exchange())
         taken.push_back(seconds(Clock::now() - now));
-      }
       if (now - next > kPeriod) // the periods that are past are skipped, as in the loop
         next += (now - next) / kPeriod * kPeriod;
     }
   }).join();
   result.lateness = spidar::lateness_of(std::move(late));
-  if (exchange)
+  if (!taken.empty())
     result.round_trip = spidar::lateness_of(std::move(taken)).usual;
   return result;
 }

@@ -21,7 +21,7 @@ struct TimedTicks {
 
 /// Lets a clock tick for so many seconds, in a thread that has the priority of hapticsink's loop
 /// where the user may have it. `exchange` is called in each tick; null: there is no device.
-TimedTicks time_ticks(double seconds, const std::function<void()> &exchange);
+TimedTicks time_ticks(double seconds, const std::function<bool()> &exchange);
 
 /// Keeps all processors of this process busy, at normal priority, as long as it lives.
 class BusyProcessors {

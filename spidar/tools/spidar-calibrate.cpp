@@ -5,6 +5,7 @@
 #include "tool.hpp"
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -15,6 +16,7 @@
 #include <spidar/calibration.hpp>
 #include <spidar/limited-device.hpp>
 #include <thread>
+#include <unistd.h>
 
 using namespace spidar_tools;
 using namespace std::chrono_literals;
@@ -50,10 +52,13 @@ public:
     const std::lock_guard lock(mutex_);
     device_->calibrate();
   }
-  /// Whether it has stopped pulling by itself. Throws Error (io) when the device is silent.
+  /// Whether it has stopped pulling by itself. Throws Error (io) when the device is silent or a
+  /// string has slipped: then no answer comes from a force.
   bool pull_ended() {
     const std::lock_guard lock(mutex_);
     check_answers();
+    if (device_->state().slipped)
+      spidar::fail(spidar::Cause::io, messages::kToolSlipped);
     return pull_.ended();
   }
   /// Throws Error (io) when the device is silent.
@@ -173,6 +178,7 @@ spidar::Geometry dialogue(Session &session, spidar::Geometry geometry) {
 
   if (ask("Hold the grip in the centre with a spring balance on its left, and press Enter; or type "
           "skip.") != "skip") {
+    session.calibrate();
     const double newtons = ask_while_pulling(session, {kMeasured, 0, 0}, [] {
       return ask_number("  It pulls to the right. How many newtons does the balance show?");
     });
@@ -202,6 +208,10 @@ int main(int argc, char **argv) {
       spidar::fail(spidar::Cause::argument, messages::kToolNoOutput);
     if (!overwrite && std::filesystem::exists(output))
       spidar::fail(spidar::Cause::argument, messages::kToolExists, output);
+    const std::string folder = std::filesystem::absolute(output).parent_path();
+    if (access(folder.c_str(), W_OK) != 0) // nobody measures for nothing
+      spidar::fail(spidar::Cause::not_found, messages::kGeometryUnwritable, output,
+                   std::strerror(errno));
     const Choice choice = options.choice();
     const spidar::Geometry geometry = spidar::load_geometry(choice.geometry);
     auto device = open_device(choice);

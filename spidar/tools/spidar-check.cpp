@@ -44,13 +44,13 @@ bool ask(const std::string &question) {
   return std::getline(std::cin, answer) && answer != "n" && answer != "no";
 }
 
-/// No Ctrl-C leaves a force behind while there is no guardian.
+/// No Ctrl-C leaves a force behind while there is no guardian, and no Ctrl-Z lets one stand.
 class SignalsBlocked {
 public:
   SignalsBlocked() {
     sigset_t set;
     sigemptyset(&set);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU})
       sigaddset(&set, number);
     pthread_sigmask(SIG_BLOCK, &set, &before_);
   }
@@ -254,9 +254,9 @@ Status check_machine(const Settings &settings) {
   Output output;
   output.describe_machine();
   const auto device = open_at_rest(settings, output);
-  std::function<void()> exchange;
+  std::function<bool()> exchange;
   if (device && !settings.simulated())
-    exchange = [&] { device->exchange(spidar::monotonic_time()); };
+    exchange = [&] { return device->exchange(spidar::monotonic_time()); };
   const TimedTicks idle = time_ticks(settings.seconds, exchange);
   output.line(spidar::formatted("real-time priority: %s", idle.priority ? "yes" : "no"));
   output.line(spidar::formatted("idle for %g s: %s", settings.seconds, figures(idle).c_str()));
@@ -264,6 +264,8 @@ Status check_machine(const Settings &settings) {
   const TimedTicks loaded = time_ticks(settings.seconds, exchange);
   output.line(spidar::formatted("%zu processors busy for %g s: %s", busy.count(), settings.seconds,
                                 figures(loaded).c_str()));
+  if (device && !device->connected())
+    spidar::fail(spidar::Cause::io, messages::kToolSilent);
   const spidar::MachineVerdict verdict = spidar::judge_machine(
       {.priority = idle.priority && loaded.priority,
        .lateness = idle.lateness,

@@ -94,11 +94,13 @@ protected:
   void play() { gst_element_set_state(pipeline.get(), GST_STATE_PLAYING); }
 
   template <typename Bytes>
-  void push_bytes(const Bytes &bytes, GstClockTime duration = kFrame) {
+  void push_bytes(const Bytes &bytes, GstClockTime duration = kFrame,
+                  GstBufferFlags flags = GstBufferFlags{}) {
     GstBuffer *buffer = gst_buffer_new_allocate(nullptr, bytes.size(), nullptr);
     gst_buffer_fill(buffer, 0, bytes.data(), bytes.size());
     GST_BUFFER_PTS(buffer) = next;
     GST_BUFFER_DURATION(buffer) = duration;
+    GST_BUFFER_FLAG_SET(buffer, flags);
     next += kFrame;
     gst_app_src_push_buffer(GST_APP_SRC(in.get()), buffer);
   }
@@ -324,6 +326,21 @@ TEST_F(HapticArray, AGapIsSilentAndNoDamage) {
   push(moving(200, 0), 10);
   gst_element_send_event(in.get(), gst_event_new_gap(next, 10 * kFrame));
   next += 10 * kFrame;
+  push(moving(200, 0), 10);
+  pull_all();
+  EXPECT_GT(energy(0.2, 0.3), 0.1);
+  EXPECT_EQ(energy(0.4, 0.6), 0);
+  EXPECT_GT(energy(0.8, 0.9), 0.1);
+  EXPECT_FALSE(was_said(GST_MESSAGE_WARNING));
+}
+
+TEST_F(HapticArray, ABufferOfAGapIsSilentWhateverItsBytesSay) {
+  build("");
+  play();
+  push(moving(200, 0), 10);
+  for (int i = 0; i < 10; ++i)
+    push_bytes(haptic::pack_motion_sample(moving(200, 0)), kFrame, GST_BUFFER_FLAG_GAP);
+  push_bytes(std::string("no sample"), kFrame, GST_BUFFER_FLAG_GAP);
   push(moving(200, 0), 10);
   pull_all();
   EXPECT_GT(energy(0.2, 0.3), 0.1);

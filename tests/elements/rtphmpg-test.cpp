@@ -86,6 +86,24 @@ TEST_F(RtpHmpg, AggregationSendsBothInOnePacket) {
   EXPECT_EQ(headers(pay.get()), (std::vector{0x50, 0x40, 0x50}));
 }
 
+TEST_F(RtpHmpg, BothUnitsOfAPacketHaveTheTimeAtTheReceiver) {
+  const Harness pay(gst_harness_new_parse("rtphmpgpay aggregate=true config-interval=0"));
+  gst_harness_set_src_caps_str(pay.get(), kUnits);
+  push(pay.get(), initialization(), 0);
+  push(pay.get(), silent, 0);
+  const Harness depay(gst_harness_new("rtphmpgdepay"));
+  gst_harness_set_src_caps_str(depay.get(), kRtp);
+  GstBuffer *packet = gst_harness_pull(pay.get());
+  constexpr GstClockTime kThere = 60 * GST_SECOND; // it has run for so long
+  GST_BUFFER_PTS(packet) = kThere;
+  ASSERT_EQ(gst_harness_push(depay.get(), packet), GST_FLOW_OK);
+  for (int unit = 0; unit < 2; ++unit) {
+    const haptic::BufferPtr buffer(gst_harness_try_pull(depay.get()));
+    ASSERT_TRUE(buffer) << unit;
+    EXPECT_EQ(GST_BUFFER_PTS(buffer.get()), kThere) << unit;
+  }
+}
+
 TEST_F(RtpHmpg, AUnitIsOneListOfPacketsThatShareItsMemory) {
   const Harness pay(gst_harness_new_parse("rtphmpgpay config-interval=0 mtu=64"));
   gst_harness_set_src_caps_str(pay.get(), kUnits);

@@ -135,6 +135,19 @@ promise "a name that no plan can hold is refused" says 1 'this name is not in UT
   author --plan --output out $'in/f\xfcr.mp4'
 rm $'in/f\xfcr.mp4'
 
+# What was made of a film is known while the film is away.
+mkdir pair made
+cp in/sparse.mp4 pair/a.mp4
+cp in/film.mp4 pair/b.mp4
+author --plan --chunks 2 --output made pair/a.mp4 pair/b.mp4 >pair.json
+author --chunk 0 pair.json >/dev/null
+promise "the first of two films is merged without the second" says 1 'this chunk is missing' author --merge pair.json
+mv pair/a.mp4 elsewhere.mp4
+promise "then it is away" says 1 'a.mp4"' author --merge pair.json
+mv elsewhere.mp4 pair/a.mp4
+for ((chunk = 1; chunk < $(count pair.json); chunk++)); do author --chunk "$chunk" pair.json; done >/dev/null
+promise "it is not measured again" author --merge pair.json
+
 # Far more key frames are read than were measured.
 ffmpeg -v error -f lavfi -i testsrc=size=64x48:rate=30:duration=40 -c:v libx264 -preset ultrafast -g 1 -pix_fmt yuv420p in/intra.mp4
 promise "a film of key frames alone is authored" author --columns 4 --output one in/intra.mp4
@@ -150,7 +163,9 @@ by_engine() {
 }
 missing=()
 if command -v parallel >/dev/null; then
-  promise "GNU parallel gives the same bytes" by_engine "$root/pipelines/batch/parallel.sh" --chunks 3 --output out in/film.mp4
+  ln -s "$build" "$work/a build"
+  promise "GNU parallel gives the same bytes, from a folder with a space in its name" \
+    by_engine env FEELING_WIND_BUILD="$work/a build" "$root/pipelines/batch/parallel.sh" --chunks 3 --output out in/film.mp4
 else
   missing+=("parallel is not installed")
 fi

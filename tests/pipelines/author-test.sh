@@ -98,6 +98,10 @@ for ending in ts mkv; do
   promise "every picture can be decoded" test -z "$(ffprobe -v error -count_frames "$work/film.$ending" 2>&1)"
   promise "with as many fields" says 0 "fields     60" "$haptic_track" info "$work/film.$ending"
 done
+promise "behind its end there is nothing to cut" says 1 'no sample between these times' \
+  "$haptic_track" cut --with-video --from 100 --to 110 "$work/reordered.haptic.ts" "$work/behind.ts"
+promise "nor backwards" says 1 'no sample between these times' \
+  "$haptic_track" cut --with-video --from 2 --to 1 "$work/reordered.haptic.ts" "$work/behind.ts"
 promise "a film is no bare track" says 1 "must end in .ts or .mkv" "$haptic_track" cut --with-video "$work/reordered.haptic.ts" "$work/film.klv"
 
 # A replaced video, or another setting.
@@ -136,6 +140,20 @@ rm "$work/same/film.mkv"
 promise "a copy of no video here is removed" author "$work/same/film.mp4"
 promise "and its own stays" test "$(ls "$work/same")" = "$(printf 'film.haptic.ts\nfilm.mp4')"
 
+# Fields that author did not write are somebody's work.
+mkdir "$work/own"
+cp "$work/in/wind.mp4" "$work/own/film.mp4"
+author "$work/own/film.mp4" >/dev/null
+"$haptic_track" convert "$work/own/film.haptic.ts" "$work/own/film.haptic.mkv" 2>/dev/null
+promise "a converted copy is left alone" says 0 "1 there already" author "$work/own/film.mp4"
+rm "$work/own/film.haptic.ts"
+promise "so it is when a new one is written" says 0 "1 written" author "$work/own/film.mp4"
+promise "and it is there" test "$(ls "$work/own")" = "$(printf 'film.haptic.mkv\nfilm.haptic.ts\nfilm.mp4')"
+"$haptic_track" cut --with-video --from 0 --to 1 "$work/own/film.haptic.ts" "$work/part.ts"
+cp "$work/part.ts" "$work/own/film.haptic.ts"
+promise "a part of one is not written over" says 1 'is no copy that author made' author "$work/own/film.mp4"
+promise "it stays" cmp "$work/part.ts" "$work/own/film.haptic.ts"
+
 # Two of one name in one call are found before work begins.
 mkdir "$work/elsewhere"
 cp "$work/in/sea.mkv" "$work/elsewhere/wind.mkv"
@@ -163,6 +181,9 @@ felt() {
 }
 promise "on the left one feels the motion up" felt "$work/out/wind.haptic.ts" tsdemux meta/x-klv -0.5,0,0 1
 promise "on the right the motion down" felt "$work/out/sea.haptic.mkv" matroskademux text/x-raw 0.5,0,0 -1
+
+promise "a parent that ignores its children does not matter" says 0 "1 there already" \
+  timeout 60 env --ignore-signal=CHLD "$haptic_track" author --output "$work/out" "$work/in/wind.mp4"
 
 # Killed at any moment, and run again: the same bytes.
 killed_and_again() {
@@ -280,7 +301,7 @@ promise "a file without a video" says 1 "there is no video in this file" author 
 promise "a file that is none" says 1 '1 failed' author "$work/none.mp4"
 promise "a missing file" says 1 'there is no such file' author "$work/missing.mp4"
 promise "a picture that changes its size" says 1 'size changes from 320 x 288 to 352 x 288' author "$work/turns.ts"
-promise "an output that is not ours stays" says 1 'holds no motion fields' \
+promise "an output that is not ours stays" says 1 'is no copy that author made' \
   author --output "$work/foreign" "$work/in/wind.mp4"
 promise "as it was" grep -q 'my notes' "$work/foreign/wind.haptic.ts"
 promise "a full disk" says 1 '1 failed' \

@@ -32,6 +32,11 @@ promise "and the force in blue" has_colour "$folder/out/trace.png" '00 72 b2' 50
 read -r fx fy < <(force_of -30 -100)
 promise "the force is that of the motion" felt "$folder/out/trace.csv" "$fx" "$fy"
 
+spoilt() { ! run_demo "$folder/out" --video "$work/notes.txt"; }
+echo 'no film' >"$work/notes.txt"
+promise "demo.sh refuses what is no film" spoilt
+promise "and leaves the last log" sound_log "$folder/out/trace.csv" 1 2
+
 promise "demo.sh plays a live source for the seconds given" \
   run_demo "$work/live" --camera test --seconds 2
 results "$work/live" 0.1

@@ -128,6 +128,12 @@ promise "its fields begin with the film" says 0 "0.000 to " times_of "$work/sing
 promise "a converted copy has the same track" "$haptic_track" convert --force "$work/wind.haptic.ts" "$work/single.klv"
 promise "at the same times" test "$(times_of "$work/single.klv")" = "$(times_of "$work/single/film.klv")"
 promise "it is not made again" says 0 "there already: film.klv" package --single --output "$work/single" "$work/wind.mp4"
+promise "with other settings it is" says 0 "written: film.mp4 and film.klv" \
+  package --single --columns 16 --output "$work/single" "$work/wind.mp4"
+"$haptic_track" cut --from 0 --to 2 "$work/single/film.klv" "$work/other.klv"
+cp "$work/other.klv" "$work/single/film.klv"
+promise "a track that is not that of the film is made anew" says 0 "written: film.mp4 and film.klv" \
+  package --single --output "$work/single" "$work/wind.mp4"
 promise "only one MP4 is taken" says 1 "--single takes one MP4" package --single --output "$work/no" "$work/wind.haptic.ts"
 promise "a site of segments is not written over" says 1 "another site's index.html" \
   package --single --output "$work/film" "$work/wind.mp4"

@@ -26,3 +26,11 @@ promise "the leash pulls the hand back" is_pulled
 promise "without a hand it stays" test "$(sort -u "$work/alone")" = "272 132 free"
 promise "the story is the same, byte for byte" cmp "$work/pulled.raw" "$work/alone.raw"
 promise "all of it" test "$(stat -c %s "$work/alone.raw")" = $((120 * 352 * 288 * 3 / 2))
+
+# `refused WORDS ARGUMENT...`
+refused() {
+  ! "$root/pipelines/pull-character.sh" "$work/clip.mkv" "${@:2}" >"$work/said" 2>&1 &&
+    grep "pull-character.sh: .*$1" "$work/said"
+}
+promise "the film itself is not overwritten" refused 'would overwrite the film' --output "$work/../${work##*/}/clip.mkv"
+promise "what is no property of hapticsink is told" refused 'strength' --output "$work/no.mkv" -- strength=1

@@ -16,7 +16,8 @@ session() {
 }
 
 promise "a session asks six questions, and again where the answer is none" \
-  session $'5\nseven\n4\n3\n\n2\n2\n1' --participant p1 --seed 1
+  session $'5\nseven\n4\n3\n\n2\n2\n1' --participant p1 --seed 08
+promise "with a seed that may begin with a zero" test "$(grep -c 'value too great' "$work/output")" = 0
 promise "the answers are kept" test "$(wc -l <"$work/answers.csv")" = 3
 promise "in the order in which they were given" \
   grep -qE '^[0-9T-]+,[0-9TZ:-]+,p1,clip.mkv,1,(yes|no),5,4,3$' "$work/answers.csv"

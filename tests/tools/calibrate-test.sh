@@ -40,6 +40,7 @@ expect 0 'is turned over' dialogue '' left up towards '' -20 skip
 expect 0 'Written' dialogue '' right up towards '' 20 '' 0.5
 grep -q '^volts-per-newton=0.7305' "$work/measured.ini" ||
   { echo "FAILED: half the force needs twice the voltage"; failed=1; }
+expect 2 'cannot be written' "$calibrate" --device sim --output "$work/nowhere/measured.ini"
 expect 1 'exists already' "$calibrate" --device sim --output "$work/measured.ini"
 expect 1 'stands turned' dialogue '' up
 expect 1 'do not pull' dialogue '' none

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What reaches the motors when the guardian, the endpoint or the replies misbehave.
 #include "direct-fixture.hpp"
+#include "eventually.hpp"
 #include "fake-guardian.hpp"
 #include "loop-priority.hpp"
 
@@ -156,6 +157,26 @@ TEST_P(Guarded, TheGuardianIsToldWhatWasDelivered) {
   for (int i = 0; i < 5; ++i)
     controller_->exchange(kRestWords, counts);
   EXPECT_TRUE(guardian_->is_told(spidar::kRest));
+}
+
+class Closing : public DirectlyOnBusOf {};
+INSTANTIATE_TEST_SUITE_P(Both, Closing, ::testing::Values(Model::simple, Model::sh4),
+                         name_of_model);
+
+TEST_P(Closing, WhatTakesNothingMeanwhileIsAtRestAsSoonAsItTakesSomething) {
+  allow_exchanges(5ms);
+  plug(GetParam(), 4);
+  const ThreadedGuardian guardian;
+  auto controller = spidar::open_usb("4");
+  controller->guard(kRestWords);
+  Counts counts{};
+  while (unit_->words() != kForceWords)
+    controller->exchange(kForceWords, counts);
+  unit_->faults([](Faults &faults) { faults.refuse_out = true; });
+  controller.reset();
+  EXPECT_EQ(unit_->words(), kForceWords);
+  unit_->faults([](Faults &faults) { faults.refuse_out = false; });
+  EXPECT_TRUE(eventually([&] { return unit_->words() == kRestWords; }));
 }
 
 TEST_P(Guarded, AnEndpointThatTakesDataAgainGetsRestWordsFirst) {

@@ -239,8 +239,12 @@ struct MockBus::Socket {
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
       return claim(client);
-    case USBDEVFS_RELEASEINTERFACE:
+    case USBDEVFS_RELEASEINTERFACE: // ends the transfers of all who have the device open
       claimed_by = nullptr;
+      for (const auto &[sequence, one] : std::exchange(flying, {})) {
+        unit->use([&](emulator::Unit &u) { return u.unlink(sequence); });
+        land(one, -ESHUTDOWN, 0);
+      }
       return {};
     case USBDEVFS_CLEAR_HALT:
       return clear_halt(as<unsigned>(argument));

@@ -92,6 +92,10 @@ TEST_F(Refusals, AUnitThatTakesNothing) {
 TEST_F(Refusals, TheOldControllerIsNamed) {
   bus_->plug(std::make_shared<MockUnit>(Model::simple, 0), 0x0cec, 0x0201);
   expect_words(refusal(""), Cause::not_found, {"0cec:0201", "cannot be driven"});
+  const auto units = spidar::list_usb();
+  ASSERT_EQ(units.size(), 1U);
+  ASSERT_TRUE(units[0].problem);
+  expect_words(*units[0].problem, Cause::io, {"0cec:0201", "cannot be driven"});
 }
 
 TEST_F(Refusals, AnImpossibleGeometryBeforeAnythingMoves) {

@@ -167,11 +167,6 @@ Settings settings_of(GstHapticArray *self) {
 
 // Motion in
 
-// Whether the class made the buffer of a gap event: there is no motion.
-bool is_gap(GstBuffer *buffer) {
-  return GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(buffer) == 0;
-}
-
 // Takes over what a buffer says, from `time` (running time) on.
 void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Settings &settings) {
   State &state = *self->state;
@@ -179,8 +174,11 @@ void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Se
   if (!readable)
     return;
   guint64 interval = 0;
+  const bool is_gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP); // whatever its bytes say
   bool is_read = false;
-  if (state.is_field) {
+  if (is_gap) {
+    state.drive->rest();
+  } else if (state.is_field) {
     is_read = haptic::unpack_motion_field(readable.bytes(), state.field);
     if (is_read) {
       interval = state.field.interval;
@@ -191,9 +189,8 @@ void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Se
     interval = sample->interval;
     state.drive->follow(*sample, settings);
   }
-  if (!is_read) {
-    if (!is_gap(buffer))
-      GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
+  if (!is_read && !is_gap) {
+    GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
     state.drive->rest();
   }
   const double seconds = haptic::stale_after(static_cast<double>(interval) / GST_SECOND);

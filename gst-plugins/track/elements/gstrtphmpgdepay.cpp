@@ -62,8 +62,9 @@ gboolean set_caps(GstRTPBaseDepayload *depayload, GstCaps *caps) {
   return gst_pad_set_caps(GST_RTP_BASE_DEPAYLOAD_SRCPAD(depayload), out.get());
 }
 
-GstBuffer *make_unit(const std::vector<std::uint8_t> &unit, bool after_loss) {
-  BufferPtr buffer = haptic::make_buffer(unit, GST_CLOCK_TIME_NONE, GST_CLOCK_TIME_NONE);
+// The base class gives a time to the first unit of a packet only.
+GstBuffer *make_unit(const std::vector<std::uint8_t> &unit, GstClockTime time, bool after_loss) {
+  BufferPtr buffer = haptic::make_buffer(unit, time, GST_CLOCK_TIME_NONE);
   const auto header = haptic::read_unit_header(unit);
   if (header && header->type == haptic::UnitType::initialization)
     GST_BUFFER_FLAG_SET(buffer.get(), GST_BUFFER_FLAG_HEADER);
@@ -85,7 +86,8 @@ GstBuffer *process(GstRTPBaseDepayload *depayload, GstRTPBuffer *rtp) {
     state.key_asker.ask(GST_RTP_BASE_DEPAYLOAD_SINKPAD(depayload), GST_BUFFER_PTS(rtp->buffer));
   bool after_loss = result.after_loss;
   for (const auto &unit : result.units)
-    gst_rtp_base_depayload_push(depayload, make_unit(unit, std::exchange(after_loss, false)));
+    gst_rtp_base_depayload_push(
+        depayload, make_unit(unit, GST_BUFFER_PTS(rtp->buffer), std::exchange(after_loss, false)));
   return nullptr;
 }
 

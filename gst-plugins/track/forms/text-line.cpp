@@ -216,6 +216,8 @@ TextLine read_field(std::string_view line, FieldKind kind) {
     const auto equals = std::min(word.find('='), word.size());
     const auto name = word.substr(0, equals);
     const auto value = word.substr(std::min(equals + 1, word.size()));
+    if ((name == "t" && field.time != kNoTime) || (name == "d" && field.duration != kNoTime))
+      return wrong("the value " + std::string(name) + " is there twice");
     if ((name == "t" && !parse_time(value, field.time)) ||
         (name == "d" && !parse_time(value, field.duration)))
       return wrong("the value " + std::string(name) + " cannot be read");

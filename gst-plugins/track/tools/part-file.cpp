@@ -16,15 +16,26 @@
 #include <utility>
 
 namespace haptic {
+namespace {
+
+// Of a file system: Lustre without the mount option flock, NFS without lockd, some of FUSE.
+bool knows_no_locks(int error) {
+  return error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP;
+}
+
+} // namespace
 
 PartFile::PartFile(std::string path, const std::string &name) : path_(std::move(path)) {
   for (;;) {
     fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd_ < 0)
       throw_error(messages::kOutputFails, path_.c_str(), std::strerror(errno));
-    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    if (flock(fd_, LOCK_EX | LOCK_NB) != 0 && !knows_no_locks(errno)) {
+      const int error = errno;
       close(fd_);
-      throw_error(messages::kFileIsBeingWritten, (name.empty() ? path_ : name).c_str());
+      if (error == EWOULDBLOCK)
+        throw_error(messages::kFileIsBeingWritten, (name.empty() ? path_ : name).c_str());
+      throw_error(messages::kOutputFails, path_.c_str(), std::strerror(error));
     }
     // Its holder may have kept or removed it before the lock.
     struct stat held = {};

@@ -117,7 +117,7 @@ bool Player::can_seek() const {
 void Player::close() {
   if (!pipeline_)
     return;
-  if (setup.is_real()) { // let the force fade before the device is closed
+  if (drives_device_) { // let the force fade before the device is closed
     gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
     g_usleep(kFade);
   }
@@ -145,8 +145,8 @@ void Player::start() {
     return;
   apply_setup();
   // The device of a person begins without force, until that person asks for it.
-  if (setup.is_real())
-    release();
+  if (setup.is_real() || released_)
+    emit("release");
   GtkWidget *video = nullptr;
   g_object_get(element("picture").get(), "widget", &video, nullptr);
   client_.on_widget(video);
@@ -196,7 +196,22 @@ bool Player::build(bool with_sound) {
   return true;
 }
 
+// A log of its own for each pipeline: hapticsink begins it anew.
+std::string Player::numbered(const std::string &option) const {
+  if (pipelines_ == 1 || !option.starts_with("log-location=") ||
+      option.starts_with("log-location=/dev/"))
+    return option;
+  const std::size_t ending = option.rfind('.');
+  const std::size_t folders = option.rfind('/');
+  const bool has_ending =
+      ending != std::string::npos && (folders == std::string::npos || ending > folders + 1);
+  std::string other = option;
+  return other.insert(has_ending ? ending : other.size(), "-" + std::to_string(pipelines_));
+}
+
 bool Player::configure_sink() {
+  ++pipelines_;
+  drives_device_ = setup.is_real();
   const ElementPtr sink = element("force");
   g_object_set(sink.get(), "device", setup.device.c_str(), nullptr);
   if (const ElementPtr relief = element("relief")) {
@@ -205,7 +220,7 @@ bool Player::configure_sink() {
     gst_util_set_object_arg(G_OBJECT(sink.get()), "touch", "surface+motion");
   }
   for (const std::string &option : setup.options)
-    if (const std::string problem = set_option(sink.get(), option); !problem.empty()) {
+    if (const std::string problem = set_option(sink.get(), numbered(option)); !problem.empty()) {
       fail(problem);
       return false;
     }
@@ -220,8 +235,10 @@ void Player::add_array() {
   if (setup.array.layout.empty())
     return;
   const std::string problem = array_.add(GST_BIN(pipeline_.get()), element("t").get(), setup.array);
-  if (problem.empty())
+  if (problem.empty()) {
+    g_object_set(element("array").get(), "level", 0.0, nullptr); // until the force is on
     return;
+  }
   setup.array.layout.clear();
   client_.on_note(problem + " The film goes on without the array.");
 }
@@ -394,10 +411,18 @@ void Player::handle_element_message(GstMessage *message) {
   else if (std::strcmp(message_name(message), "haptic-motion") == 0)
     add_reading(fields);
   else if (std::strcmp(message_name(message), "haptic-session") == 0)
-    client_.on_session(
-        {text_of(fields, "state"), text_of(fields, "reason"), text_of(fields, "device")});
+    hear_session(fields);
   else if (std::strcmp(message_name(message), "level") == 0)
     array_.read_levels(fields);
+}
+
+// Nothing is felt on the array either while the force is off.
+void Player::hear_session(const GstStructure *fields) {
+  const Session session{text_of(fields, "state"), text_of(fields, "reason"),
+                        text_of(fields, "device")};
+  if (const ElementPtr array = element("array"))
+    g_object_set(array.get(), "level", session.state == "armed" ? 1.0 : 0.0, nullptr);
+  client_.on_session(session);
 }
 
 // Sound, array and device are replaced, and the film goes on.
@@ -497,11 +522,16 @@ SamplePtr Player::last_frame() const {
 void Player::emit(const char *signal) {
   if (const ElementPtr sink = element("force"))
     g_signal_emit_by_name(sink.get(), signal);
-  // Nothing is felt on the array either while the force is off.
-  const bool releases = std::strcmp(signal, "release") == 0;
-  const ElementPtr array = element("array");
-  if (array && (releases || std::strcmp(signal, "arm") == 0))
-    g_object_set(array.get(), "level", releases ? 0.0 : 1.0, nullptr);
+}
+
+void Player::arm() {
+  released_ = false;
+  emit("arm");
+}
+
+void Player::release() {
+  released_ = true;
+  emit("release");
 }
 
 void Player::latch(bool holds) {

@@ -104,8 +104,9 @@ public:
   Setup setup;
   void apply_setup();
 
-  void arm() { emit("arm"); }
-  void release() { emit("release"); }
+  void arm();
+  /// Also of the pipelines that follow, until arm().
+  void release();
   void calibrate() { emit("calibrate"); }
   /// Takes what is under the pointer now and holds it without a press. A thing that is lost, with
   /// its scene or by a seek, is let go, and so is one that cannot be taken.
@@ -128,6 +129,7 @@ public:
 private:
   bool build(bool with_sound);
   bool configure_sink();
+  std::string numbered(const std::string &option) const;
   void add_array();
   std::string direction() const;
   void start();
@@ -138,6 +140,7 @@ private:
   void handle_element_message(GstMessage *message);
   void handle_error(GstMessage *message);
   void handle_warning(GstMessage *message);
+  void hear_session(const GstStructure *fields);
   void add_reading(const GstStructure *fields);
   void note_frame();
   void emit(const char *signal);
@@ -156,6 +159,9 @@ private:
   std::optional<Playback> playback_;
   ArrayOutput array_;
   guint watch_ = 0;
+  bool drives_device_ = false; // that exerts a force; setup may name another one by now
+  bool released_ = false;      // by a person
+  int pipelines_ = 0;          // since the program began
   bool with_sound_ = true;
   bool seekable_ = true;     // as far as is known
   bool has_frame_ = false;   // of this pipeline

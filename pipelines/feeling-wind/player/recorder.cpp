@@ -29,6 +29,15 @@ constexpr const char *kSoundInput = "appsrc name=sound format=time max-bytes=0 !
                                     "audioresample ! avenc_aac ! aacparse ! queue ! mux. ";
 constexpr GstClockTime kPatience = 10 * GST_SECOND; // for the encoder at the end
 
+// That has not ended yet.
+bool has_sound(const Player &player) {
+  const ElementPtr volume = player.element("volume");
+  if (!volume)
+    return false;
+  const PadPtr pad(gst_element_get_static_pad(volume.get(), "sink"));
+  return !EventPtr(gst_pad_get_sticky_event(pad.get(), GST_EVENT_EOS, 0));
+}
+
 bool ends_in(const std::string &text, const char *ending) {
   return g_str_has_suffix(text.c_str(), ending);
 }
@@ -40,7 +49,8 @@ struct Recorder::Shared {
   std::atomic<GstClockTime> start = GST_CLOCK_TIME_NONE; // running time of the first frame
 };
 
-// Copies the buffers of a pad of the player to an input of the recording.
+// Copies the buffers of a pad of the player to an input of the recording, and its end: sound may be
+// shorter than the film, and a muxer waits for each of its inputs.
 struct Recorder::Tap {
   std::shared_ptr<Shared> shared;
   ElementPtr input;
@@ -48,7 +58,15 @@ struct Recorder::Tap {
   bool has_caps = false; // streaming thread of the pad
 
   void push(GstPad *pad, GstBuffer *buffer);
+  void push(GstEvent *event);
 };
+
+void Recorder::Tap::push(GstEvent *event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS)
+    gst_app_src_end_of_stream(GST_APP_SRC(input.get()));
+  else if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    has_caps = false;
+}
 
 void Recorder::Tap::push(GstPad *pad, GstBuffer *buffer) {
   const EventPtr event(gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0));
@@ -80,7 +98,7 @@ std::string Recorder::start(const Player &player, const std::string &path) {
   const bool transport_stream = ends_in(path, ".ts");
   if (!transport_stream && !ends_in(path, ".mkv"))
     return "The name of a recording ends in .ts or .mkv.";
-  const bool sound = player.has_sound();
+  const bool sound = has_sound(player);
   const std::string line = std::string(kFilm) + kTrack +
                            (transport_stream ? "meta/x-klv" : "text/x-raw") + " ! queue ! mux. " +
                            (sound ? kSoundInput : "") +
@@ -121,9 +139,14 @@ void Recorder::tap(const Player &player, const char *element, const char *pad, c
   auto *state = new Tap{shared_, ElementPtr(gst_bin_get_by_name(GST_BIN(pipeline_.get()), input)),
                         std::string(input) == "film"}; // freed with the probe
   const gulong probe = gst_pad_add_probe(
-      source.get(), GST_PAD_PROBE_TYPE_BUFFER,
+      source.get(),
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
       [](GstPad *from_pad, GstPadProbeInfo *info, gpointer self) noexcept {
-        static_cast<Tap *>(self)->push(from_pad, GST_PAD_PROBE_INFO_BUFFER(info));
+        auto &tap = *static_cast<Tap *>(self);
+        if (info->type & GST_PAD_PROBE_TYPE_BUFFER)
+          tap.push(from_pad, GST_PAD_PROBE_INFO_BUFFER(info));
+        else
+          tap.push(GST_PAD_PROBE_INFO_EVENT(info));
         return GST_PAD_PROBE_OK;
       },
       state, [](gpointer self) { delete static_cast<Tap *>(self); });

@@ -262,11 +262,14 @@ void Window::change_rate(bool (Playback::*change)()) {
   Playback *playback = player_.playback();
   if (!playback)
     return;
+  constexpr const char *kNot = "this video cannot be played at that speed or backwards";
+  if (!player_.can_seek())
+    return show_note(kNot);
   end_recording_before("another speed");
-  const bool done = player_.can_seek() && (playback->*change)();
+  const bool done = (playback->*change)();
   player_.apply_setup();
   show_note(done ? haptic::format_text("playing at %g times normal speed", playback->rate())
-                 : "this video cannot be played at that speed or backwards");
+                 : kNot);
 }
 
 void Window::rotate() {
@@ -387,6 +390,7 @@ void Window::default_region() {
 }
 
 void Window::next_law() {
+  remembers_law_ = true;
   player_.setup.law =
       next_of({"arctan", "arctan-axis", "linear", "drag", "inertial"}, player_.setup.law);
   player_.apply_setup();

@@ -51,7 +51,8 @@ Window::Window(GtkApplication *application, const WindowOptions &options)
         add_info(sentence);
       }),
       settings_(Settings::load()), on_close_(options.on_close), verbose_(options.verbose),
-      start_(options.start), remembers_strength_(!options.strength_given) {
+      start_(options.start), remembers_strength_(!options.strength_given),
+      remembers_law_(!options.law_given) {
   player_.setup = options.setup;
   if (!options.strength_given && settings_.alpha > 0)
     player_.setup.alpha = settings_.alpha;
@@ -93,7 +94,8 @@ Window::~Window() {
 void Window::save_settings() {
   if (remembers_strength_)
     settings_.alpha = player_.setup.alpha;
-  settings_.law = player_.setup.law;
+  if (remembers_law_)
+    settings_.law = player_.setup.law;
   settings_.region = static_cast<int>(player_.setup.region);
   settings_.drawing = player_.setup.drawing;
   settings_.volume = player_.setup.volume;
@@ -350,12 +352,13 @@ void Window::seek_to(double seconds) {
     wanted_position_ = seconds;
     return;
   }
+  if (!player_.can_seek())
+    return show_note("this film cannot be sought in");
   end_recording_before("seeking");
   last_seek_ = Clock::now();
-  if (!player_.can_seek() || !playback->seek_to(static_cast<gint64>(seconds * kSecond)))
-    show_note("this film cannot be sought in");
-  else
-    show_note("at " + time_text(seconds));
+  show_note(playback->seek_to(static_cast<gint64>(seconds * kSecond))
+                ? "at " + time_text(seconds)
+                : "this film cannot be sought in");
 }
 
 void Window::end_recording_before(const char *what) {

@@ -173,6 +173,7 @@ private:
   bool demonstration_drawn_ = false;              // it has just ended
 
   bool remembers_strength_; // not one of the command line
+  bool remembers_law_;      // not one of the command line
   Session session_;
   Reading newest_;
   LimitWatch limits_;

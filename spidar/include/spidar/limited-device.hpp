@@ -52,7 +52,8 @@ public:
   };
 
   /// `device` outlives this object. It is armed. `period`: s between two exchanges. Later than
-  /// kLongestSilence after the one before, an exchange holds the force at zero, whatever the period.
+  /// kLongestSilence after the one before, an exchange holds the force at zero, whatever the
+  /// period.
   explicit LimitedDevice(HapticDevice &device, double period = 0.001);
   ~LimitedDevice();
 

@@ -189,11 +189,16 @@ bool Guardian::await_ready() {
   return true;
 }
 
-Guardian::~Guardian() {
+bool Guardian::end() noexcept {
+  if (socket_.get() < 0)
+    return true;
   shutdown(socket_.get(), SHUT_WR);
   GuardianNotice notice;
-  while (readable(socket_.get(), kEndTime) && recv(socket_.get(), &notice, sizeof notice, 0) > 0) {
-  }
+  bool has_ended = false;
+  while (!has_ended && readable(socket_.get(), kEndTime))
+    has_ended = recv(socket_.get(), &notice, sizeof notice, 0) <= 0;
+  socket_.reset();
+  return has_ended;
 }
 
 void Guardian::read_notices() noexcept {

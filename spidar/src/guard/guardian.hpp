@@ -37,10 +37,14 @@ public:
   Guardian(int device, unsigned char endpoint, std::span<const std::uint8_t> packet,
            std::chrono::milliseconds patience = kPatience,
            bool use_service = guardian_service_wanted(), unsigned char reply_endpoint = 0);
-  /// Lets the guardian put the motors at rest and end, and waits for it: it shares the claim.
-  ~Guardian();
+  ~Guardian() { end(); }
   Guardian(const Guardian &) = delete;
   Guardian &operator=(const Guardian &) = delete;
+
+  /// Lets the guardian put the motors at rest and end, and waits for it for 0.2 s. False: the
+  /// device takes nothing, and the guardian still tries. It shares the claim, which must not be
+  /// released under it. Call nothing else afterwards.
+  bool end() noexcept;
 
   enum class Watch {
     kept,   ///< it watches

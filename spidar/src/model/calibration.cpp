@@ -7,8 +7,10 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <locale>
 
 namespace spidar {
 
@@ -80,7 +82,9 @@ Geometry mirrored(Geometry geometry, int axis) {
 
 void save_geometry(const Geometry &geometry, const std::string &path) {
   check_geometry(geometry);
-  std::ofstream file(path);
+  const std::string unfinished = path + ".new"; // a full disk leaves the file of before
+  std::ofstream file(unfinished);
+  file.imbue(std::locale::classic()); // whatever the program has
   file << "# Measured by spidar-calibrate. docs/formats/geometry.md explains every key.\n"
        << "\n[device]"
        << "\ndigits-per-volt=" << shortest(geometry.digits_per_volt)
@@ -98,7 +102,7 @@ void save_geometry(const Geometry &geometry, const std::string &path) {
          << "\nmetres-per-count=" << shortest(geometry.metres_per_count[i])
          << "\nvolts-per-newton=" << shortest(geometry.volts_per_newton[i]) << "\n";
   file.close();
-  if (!file)
+  if (!file || std::rename(unfinished.c_str(), path.c_str()) != 0)
     fail(Cause::not_found, messages::kGeometryUnwritable, path.c_str(), std::strerror(errno));
 }
 

@@ -278,7 +278,7 @@ struct Device::Implementation {
 
   /// Waits until the motors have wound up the slack: it would shift the centre.
   void settle() {
-    Counts before = counts;
+    std::optional<Counts> before; // those of the first answer are of before the motors pulled
     int silent = 0;
     double still = 0;
     for (double time = 0; time < kLongestSettling && still < kSettleWindow; time += period) {
@@ -288,7 +288,7 @@ struct Device::Implementation {
       } else {
         silent = 0;
         still += period;
-        if (moved_since(before)) {
+        if (!before || moved_since(*before)) {
           before = counts;
           still = 0;
         }

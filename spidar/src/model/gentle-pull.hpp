@@ -18,10 +18,10 @@ public:
   /// No force from now on.
   void release() noexcept { force_ = wanted_ = Vector3::Zero(); }
   /// Call it after each exchange: releases when the guardian has intervened, when the device is not
-  /// `armed` (LimitedDevice), and where no pose is known.
+  /// `armed` (LimitedDevice), after a string slipped, and where no pose is known.
   void release_if_unsafe(const DeviceState &state, bool armed) noexcept {
     without_pose_ = state.valid ? 0 : without_pose_ + 1;
-    if (state.interrupted || !armed || without_pose_ >= kMostWithoutPose) {
+    if (state.interrupted || state.slipped || !armed || without_pose_ >= kMostWithoutPose) {
       release();
       ended_ = true;
     }

@@ -171,7 +171,9 @@ void LimitedDevice::release() noexcept {
 }
 
 bool LimitedDevice::armed() const noexcept {
-  return !implementation_->latches;
+  const std::uint32_t obeyed =
+      implementation_->switched_off == kAll ? std::uint32_t{haptic::kHoldReleased} : ~0U;
+  return !(implementation_->latches & obeyed);
 }
 
 void LimitedDevice::set_limits(const ForceLimits &limits) {

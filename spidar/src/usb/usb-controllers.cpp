@@ -101,6 +101,12 @@ public:
     fail(Cause::io, messages::kUsbSilent, description().c_str());
   }
 
+  ~ControllerOf() override {
+    // To release the interface ends every transfer, those of the guardian, too.
+    if (guardian_ && !guardian_->end())
+      link_->leave_claim();
+  }
+
   int rotary_switch() const noexcept override { return rotary_switch_; }
 
   bool reset() noexcept override { return Protocol::reset(*link_, Clock::now() + open_timeout_); }
@@ -189,7 +195,7 @@ private:
   std::unique_ptr<UsbLink> link_;
   std::chrono::milliseconds exchange_timeout_;
   std::chrono::milliseconds open_timeout_;
-  std::optional<Guardian> guardian_; ///< ends before the link releases the claim
+  std::optional<Guardian> guardian_;
   DacWords rest_{};
   int rotary_switch_ = -1;
   Counts counts_{};

@@ -100,6 +100,9 @@ public:
   /// Whether that program may be sending, so that a reply to it may come before expect_replies().
   void set_shared(bool shared) noexcept { shared_ = shared; }
 
+  /// Another program with this device open keeps the claim when this link ends.
+  void leave_claim() noexcept { claimed_ = false; }
+
   /// The device has been unplugged: nothing will ever go through again.
   bool gone() const noexcept { return gone_; }
 

@@ -28,7 +28,7 @@ struct Found {
 
 struct Findings {
   std::vector<Found> units;
-  bool old_controller = false; ///< one whose protocol is not known
+  std::optional<UsbPlace> old_controller; ///< one whose protocol is not known
 };
 
 std::vector<Kind> known_kinds() {
@@ -77,7 +77,7 @@ Findings find_controllers() {
       if (descriptor.idVendor == kind.vendor && descriptor.idProduct == kind.product)
         findings.units.push_back({place_of(device.get()), kind.model});
     if (descriptor.idVendor == kVendor && descriptor.idProduct == kH8Product)
-      findings.old_controller = true;
+      findings.old_controller = place_of(device.get());
   }
   libusb_free_device_list(list, 0);
   return findings;
@@ -145,7 +145,8 @@ std::unique_ptr<UsbController> only_one_at(int wanted, const Findings &findings,
 
 std::vector<UsbUnit> list_usb() {
   std::vector<UsbUnit> units;
-  for (const Found &found : find_controllers().units) {
+  const Findings findings = find_controllers();
+  for (const Found &found : findings.units) {
     UsbUnit unit{name_of(found.model), found.place.bus, found.place.address,
                  found.place.port,     std::nullopt,    std::nullopt};
     try {
@@ -155,6 +156,9 @@ std::vector<UsbUnit> list_usb() {
     }
     units.push_back(std::move(unit));
   }
+  if (const auto &old = findings.old_controller)
+    units.push_back({"USB 1", old->bus, old->address, old->port, std::nullopt,
+                     Error(Cause::io, messages::kUsbOld)});
   return units;
 }
 

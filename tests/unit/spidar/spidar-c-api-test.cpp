@@ -222,6 +222,9 @@ TEST_F(CApi, ExplainsEveryCode) {
     EXPECT_NE(spidar_error_text(code), unknown) << code;
     EXPECT_GT(std::string(spidar_error_text(code)).size(), 10U) << code;
   }
+  EXPECT_NE(std::string(spidar_error_text(SPIDAR_E_ARGUMENT)).find("spidar_limits"),
+            std::string::npos)
+      << "spidar_set_limits() gives it, too";
 }
 
 TEST_F(CApi, HasTheVersionOfItsHeaders) {

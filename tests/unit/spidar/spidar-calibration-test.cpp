@@ -11,6 +11,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <limits>
+#include <locale>
 
 namespace spidar_calibration_test {
 
@@ -99,6 +100,26 @@ TEST(Calibration, AMirroredGeometryPullsTheOtherWayAndNoOther) {
           EXPECT_EQ(turned.motors[i][other], (other == axis ? -1 : 1) * geometry.motors[i][other]);
     }
   }
+}
+
+/// 1.000.000,5
+struct OtherDigits : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(Calibration, WhatIsSavedInAProgramWithAnotherLocaleIsReadable) {
+  const std::string path = std::filesystem::temp_directory_path() / "spidar-locale-test.ini";
+  const Geometry geometry = load_geometry("spidar-g6x3r");
+  const std::locale before =
+      std::locale::global(std::locale(std::locale::classic(), new OtherDigits));
+  save_geometry(geometry, path);
+  std::locale::global(before);
+  const Geometry loaded = load_geometry(path);
+  EXPECT_EQ(loaded.dac_limit, geometry.dac_limit);
+  EXPECT_EQ(loaded.motors, geometry.motors);
+  std::filesystem::remove(path);
 }
 
 TEST(Calibration, WhatIsSavedIsWhatIsLoaded) {
@@ -204,6 +225,8 @@ TEST(GentlePull, IsReleasedWhereItMustNotPull) {
   EXPECT_EQ(ticks_to_release(state), 1);
   state.interrupted = false;
   EXPECT_EQ(ticks_to_release(state, false), 1) << "let go";
+  state.slipped = true;
+  EXPECT_EQ(ticks_to_release(state), 1) << "the force stays off until it is calibrated";
 }
 
 TEST(GentlePull, ALostReplyDoesNotEndIt) {

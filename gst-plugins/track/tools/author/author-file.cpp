@@ -223,10 +223,11 @@ std::string find_copy(const PlannedFilm &film, const AuthorOptions &options) {
     const std::string copy = author_stem(film.path, options) + ending;
     if (!fs::exists(copy, error))
       continue;
-    const auto held = mark_in(copy);
-    if (!held)
-      throw_error(messages::kCopyHoldsNoFields, copy.c_str());
-    (*held == mark ? found : other) = copy;
+    const std::string held = mark_in(copy).value_or("");
+    if (!held.empty())
+      (held == mark ? found : other) = copy;
+    else if (ending == film.index.ending)
+      throw_error(messages::kCopyIsForeign, copy.c_str());
   }
   if (other.empty())
     return found;
@@ -251,8 +252,9 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
   std::string copy = stem + film.index.ending;
   part.keep_as(copy);
   // One of another video of this name, in the other container.
-  std::error_code error;
-  fs::remove(stem + (film.index.ending == kMatroska ? kTransportStream : kMatroska), error);
+  const std::string other = stem + (film.index.ending == kMatroska ? kTransportStream : kMatroska);
+  if (std::error_code error; !mark_in(other).value_or("").empty())
+    fs::remove(other, error);
   return copy;
 }
 

@@ -139,7 +139,7 @@ std::map<int, std::size_t> author_each(const std::vector<std::string> &files,
       return counts;
     int status = 0;
     const pid_t pid = waitpid(-1, &status, 0);
-    if (pid < 0) { // a signal came
+    if (pid < 0) { // a signal came: SIGCHLD is not ignored (author())
       for (const auto &[process, path] : running)
         kill(process, SIGTERM);
       continue;
@@ -296,6 +296,7 @@ int author(std::vector<std::string> files, const AuthorOptions &options, unsigne
   if (!copies_differ(files, options))
     return EXIT_FAILURE;
   stop_when_interrupted();
+  std::signal(SIGCHLD, SIG_DFL); // a parent may have left it ignored; then nobody can be waited for
   const auto begun = Clock::now();
   auto counts = author_each(files, options, jobs);
   rusage usage{};
@@ -365,9 +366,19 @@ int merge_chunks(const std::string &path) {
   const Json before = read_manifest(stem);
   Json rows = Json::array();
   std::vector<std::size_t> merged;
-  for (std::size_t i = 0; i < plan.films.size() && !is_interrupted(); ++i)
-    if (succeeds(plan.films[i].path, [&] { rows.push_back(merge_film(plan, i, before)); }))
+  bool is_whole = true;
+  for (std::size_t i = 0; i < plan.films.size() && !is_interrupted(); ++i) {
+    const std::string &video = plan.films[i].path;
+    if (succeeds(video, [&] { rows.push_back(merge_film(plan, i, before)); })) {
       merged.push_back(i);
+      continue;
+    }
+    is_whole = false;
+    // It may be elsewhere for a while; what was made of it is known.
+    std::ranges::copy_if(before, std::back_inserter(rows), [&](const Json &row) {
+      return row.contains("video") && row["video"] == Json(video);
+    });
+  }
   if (is_interrupted())
     return kInterrupted;
   write_manifest(stem, rows);
@@ -376,7 +387,7 @@ int merge_chunks(const std::string &path) {
     if (std::ranges::find(merged, chunk.film) != merged.end())
       fs::remove(chunk_path(plan.films[chunk.film], chunk.spans, plan.options), error);
   std::printf("manifest: %s.json, .csv\n", stem.c_str());
-  return rows.size() == plan.films.size() ? EXIT_SUCCESS : EXIT_FAILURE;
+  return is_whole ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 } // namespace haptic

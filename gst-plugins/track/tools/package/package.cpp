@@ -11,10 +11,12 @@
 #include "package/transport-stream.hpp"
 #include "part-file.hpp"
 #include "seconds.hpp"
+#include "tracks/field-track.hpp"
 #include "tracks/source-mark.hpp"
 #include "tracks/track-file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -49,6 +51,11 @@ struct Rate {
   FilmPlan plan;
   std::string name; // of its folder
 };
+
+std::string package_settings(const AuthorOptions &options) {
+  return std::string(kForm) + " columns " + std::to_string(options.columns) +
+         settings_of(options.hold);
+}
 
 // ---- the films ----------------------------------------------------------------------------------
 
@@ -139,6 +146,10 @@ std::vector<CodedField> track_of(const std::vector<Rate> &rates, const PackageOp
         throw_error(messages::kNoFieldIsDecoded);
     });
   }
+  // Those of frames that are left out may have the key of the first that stays.
+  const auto first = static_cast<std::uint64_t>(std::max<std::int64_t>(origin - kSameTime, 0));
+  if (std::ranges::any_of(*fields, [&](const CodedField &field) { return field.time < first; }))
+    fields = with_keys_at(*fields, std::array{first});
   std::vector<CodedField> track;
   for (CodedField &field : *fields) {
     const std::int64_t time = static_cast<std::int64_t>(field.time) - origin;
@@ -292,8 +303,7 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
   for (const std::string &video : videos)
     rates.push_back(plan_rate(video));
   // The fields depend on all videos, of which one has them.
-  std::string settings = std::string(kForm) + " columns " + std::to_string(options.author.columns) +
-                         settings_of(options.author.hold) + ' ';
+  std::string settings = package_settings(options.author) + ' ';
   for (const std::string &video : videos)
     settings += hash_of_file(video);
   for (Rate &rate : rates) {
@@ -308,14 +318,17 @@ std::vector<Rate> plan_rates(const std::vector<std::string> &videos,
 // Returns the track as sets of KLV with the times of the video itself: a browser counts from the
 // begin of the file, not from the first frame.
 std::vector<std::uint8_t> single_track(const Rate &rate, const AuthorOptions &author,
-                                       const std::string &work) {
+                                       const std::string &work, const std::string &mark) {
   std::vector<std::uint8_t> track;
   for (CodedField &field : track_of({rate}, {Carriage::fragments, author}, work)) {
     const std::int64_t time = static_cast<std::int64_t>(field.time) + rate.plan.origin;
     if (time < 0) // of a frame that an edit list hides
       continue;
     field.time = static_cast<std::uint64_t>(time);
-    std::ranges::copy(write_klv(field), std::back_inserter(track));
+    std::vector<std::uint8_t> set = write_klv(field);
+    if (track.empty())
+      insert_mark(set, mark);
+    std::ranges::copy(set, std::back_inserter(track));
   }
   if (track.size() > kMostTrack)
     throw_error(messages::kTrackIsLarge, rate.path.c_str(),
@@ -336,11 +349,13 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
   const Rate rate{videos[0], plan_film(videos[0]), {}};
   PackageFolder folder(options.folder, player, kSinglePage, kSingleTrack);
   const fs::path path = folder.path();
-  if (folder.has(kSingleTrack) && folder.has(kSingleFilm) &&
-      hash_of_file(path / kSingleFilm) == hash_of_file(videos[0])) {
+  const std::string hash = hash_of_file(videos[0]);
+  const std::string mark = mark_of(hash, package_settings(options));
+  if (folder.has(kSingleTrack) && folder.has(kSingleFilm) && mark_in(path / kSingleTrack) == mark &&
+      hash_of_file(path / kSingleFilm) == hash) {
     std::printf("there already: %s\n", kSingleTrack);
   } else {
-    const std::vector<std::uint8_t> track = single_track(rate, options, folder.work());
+    const std::vector<std::uint8_t> track = single_track(rate, options, folder.work(), mark);
     folder.copy_in(videos[0], kSingleFilm);
     write_bytes(path / kSingleTrack, track);
     std::printf("written: %s and %s (%zu kB)\n", kSingleFilm, kSingleTrack, track.size() / 1000);

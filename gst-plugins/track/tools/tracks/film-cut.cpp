@@ -21,6 +21,7 @@ constexpr std::uint64_t kNoEnd = GST_CLOCK_TIME_NONE;
 
 struct CutScan {
   std::vector<std::uint64_t> keys; // stream times, ns; the video's streaming thread, as the rest
+  std::uint64_t last = 0;          // stream time of the last frame, ns
   std::uint64_t delay = 0;         // ns by which a key frame is decoded before it is shown
   std::int64_t start = 0;          // stream time at running time 0, ns
   std::mutex mutex;
@@ -34,7 +35,10 @@ std::string id_of(GstPad *pad) {
 
 void note_frame(CutScan &scan, GstPad *pad, const GstBuffer *frame) {
   const auto time = stream_time_of(pad, frame);
-  if (GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_DELTA_UNIT) || time == kNoEnd)
+  if (time == kNoEnd)
+    return;
+  scan.last = std::max(scan.last, time);
+  if (GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_DELTA_UNIT))
     return;
   scan.keys.push_back(time);
   if (const auto running = running_time_of(pad, frame); running != kNoEnd)
@@ -111,6 +115,8 @@ void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std:
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
   CutScan scan;
   scan_film(path, scan);
+  if (from >= to || from > scan.last)
+    throw_error(messages::kCutIsEmpty, path.c_str());
   Part part{.path = path, .scan = scan};
   const auto after = std::ranges::upper_bound(scan.keys, from);
   part.begin = after == scan.keys.begin() ? *after : *(after - 1);

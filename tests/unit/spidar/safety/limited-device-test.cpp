@@ -244,6 +244,16 @@ TEST_F(Limited, TheWorkOnTheHandIsLimitedUnlessThatIsSwitchedOff) {
   EXPECT_NEAR(lead(1000), 2.5, 1e-9);
 }
 
+TEST_F(Limited, WithEverythingSwitchedOffALatchOfBeforeHoldsNothing) {
+  device_.command(push(1));
+  grip_.now.velocity.x() = 3;
+  after(100);
+  ASSERT_FALSE(device_.armed());
+  device_.switch_off_safety(LimitedDevice::kAll);
+  EXPECT_EQ(after(1), 1);
+  EXPECT_TRUE(device_.armed());
+}
+
 TEST_F(Limited, WithEverythingSwitchedOffTheDeviceGetsTheCommandAsItIs) {
   device_.switch_off_safety(LimitedDevice::kAll);
   device_.command(push(7));
@@ -251,9 +261,11 @@ TEST_F(Limited, WithEverythingSwitchedOffTheDeviceGetsTheCommandAsItIs) {
   EXPECT_EQ(after(1), 7);
   EXPECT_EQ(device_.holds(), 0U);
   EXPECT_EQ(device_.limited_by(), 0U);
+  EXPECT_TRUE(device_.armed());
   device_.release();
   EXPECT_EQ(after(1), 0);
   EXPECT_EQ(device_.holds(), unsigned{SPIDAR_HOLD_RELEASED});
+  EXPECT_FALSE(device_.armed());
   device_.arm();
   grip_.now.velocity.setZero();
   after(1);

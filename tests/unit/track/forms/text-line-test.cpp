@@ -73,6 +73,8 @@ TEST(TextLine, SaysWhatIsWrong) {
   for (const char *b : {"b=", "b=AQI", "b=A===", "b=AQ=I", "b=A-_=", "b=AQID b=AQID"})
     EXPECT_EQ(error(std::string("hv1 field ") + b), "the value b cannot be read") << b;
   EXPECT_EQ(error("hv1 field t=x b=AQID"), "the value t cannot be read");
+  EXPECT_EQ(error("hv1 field t=1 b=AQID t=500"), "the value t is there twice");
+  EXPECT_EQ(error("hv1 field d=1 d=1 b=AQID"), "the value d is there twice");
   EXPECT_EQ(error("hv1 point"), "the value i is missing");
   EXPECT_EQ(error(line + " vx=1"), "the value vx is there twice");
   EXPECT_EQ(error("hv1 point vx=fast"), "the value vx cannot be read");

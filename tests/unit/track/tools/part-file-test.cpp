@@ -4,8 +4,12 @@
 #include "temporary-folder.hpp"
 #include "track-error.hpp"
 
+#include <cerrno>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 namespace part_file_test {
 
@@ -14,6 +18,15 @@ using haptic::PartFile;
 using haptic::TrackFileError;
 using test::content_of;
 using test::TemporaryFolder;
+
+bool has_locks = true; // the file system
+
+extern "C" int flock(int file, int operation) noexcept {
+  if (has_locks)
+    return static_cast<int>(syscall(SYS_flock, file, operation));
+  errno = ENOSYS;
+  return -1;
+}
 
 std::string refusal(const std::string &path) {
   try {
@@ -36,6 +49,14 @@ TEST(PartFile, ItHasItsNameOnlyWhenItIsWhole) {
     EXPECT_FALSE(fs::exists(part.path()));
   }
   EXPECT_EQ(content_of(name), "all of it") << "and it stays";
+}
+
+TEST(PartFile, AFileSystemWithoutLocksIsWrittenTo) {
+  const TemporaryFolder folder;
+  const std::string name = folder.path_of("track.ts");
+  has_locks = false;
+  EXPECT_EQ(refusal(name + ".part"), "");
+  has_locks = true;
 }
 
 TEST(PartFile, WhatIsNotKeptIsRemovedAndTheFileOfBeforeStays) {
