@@ -149,10 +149,10 @@ promise "a converted copy is left alone" says 0 "1 there already" author "$work/
 rm "$work/own/film.haptic.ts"
 promise "so it is when a new one is written" says 0 "1 written" author "$work/own/film.mp4"
 promise "and it is there" test "$(ls "$work/own")" = "$(printf 'film.haptic.mkv\nfilm.haptic.ts\nfilm.mp4')"
-"$haptic_track" cut --with-video --from 0 --to 1 "$work/own/film.haptic.ts" "$work/part.ts"
-cp "$work/part.ts" "$work/own/film.haptic.ts"
+"$haptic_track" cut --with-video --from 0 --to 1 "$work/own/film.haptic.ts" "$work/own-part.ts"
+cp "$work/own-part.ts" "$work/own/film.haptic.ts"
 promise "a part of one is not written over" says 1 'is no copy that author made' author "$work/own/film.mp4"
-promise "it stays" cmp "$work/part.ts" "$work/own/film.haptic.ts"
+promise "it stays" cmp "$work/own-part.ts" "$work/own/film.haptic.ts"
 
 # Two of one name in one call are found before work begins.
 mkdir "$work/elsewhere"
