@@ -245,11 +245,13 @@ Json row_of(const PlannedFilm &film, const std::string &copy,
           {"warnings", film.index.warnings}};
 }
 
+// Somebody may have changed it.
+bool is_whole(const Json &row) {
+  return std::ranges::all_of(kColumns, [&](const char *key) { return row.contains(key); });
+}
+
 // Returns the row of a copy that the manifest knows and that is unchanged, or null.
 Json merged_row(const Json &manifest, const std::string &copy) {
-  const auto is_whole = [](const Json &row) { // somebody may have changed it
-    return std::ranges::all_of(kColumns, [&](const char *key) { return row.contains(key); });
-  };
   for (const Json &row : manifest)
     if (!copy.empty() && is_whole(row) && row["copy"] == Json(copy) &&
         row["copy-sha256"] == Json(hash_of_file(copy)))
@@ -366,17 +368,17 @@ int merge_chunks(const std::string &path) {
   const Json before = read_manifest(stem);
   Json rows = Json::array();
   std::vector<std::size_t> merged;
-  bool is_whole = true;
+  bool is_complete = true;
   for (std::size_t i = 0; i < plan.films.size() && !is_interrupted(); ++i) {
     const std::string &video = plan.films[i].path;
     if (succeeds(video, [&] { rows.push_back(merge_film(plan, i, before)); })) {
       merged.push_back(i);
       continue;
     }
-    is_whole = false;
+    is_complete = false;
     // It may be elsewhere for a while; what was made of it is known.
     std::ranges::copy_if(before, std::back_inserter(rows), [&](const Json &row) {
-      return row.contains("video") && row["video"] == Json(video);
+      return is_whole(row) && row["video"] == Json(video);
     });
   }
   if (is_interrupted())
@@ -387,7 +389,7 @@ int merge_chunks(const std::string &path) {
     if (std::ranges::find(merged, chunk.film) != merged.end())
       fs::remove(chunk_path(plan.films[chunk.film], chunk.spans, plan.options), error);
   std::printf("manifest: %s.json, .csv\n", stem.c_str());
-  return is_whole ? EXIT_SUCCESS : EXIT_FAILURE;
+  return is_complete ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 } // namespace haptic
