@@ -283,6 +283,7 @@ AuthoredFilm author_film(const std::string &path, const AuthorOptions &options) 
   if (std::string copy = find_copy(film, options); !copy.empty())
     return {std::move(copy)};
   film.index = index_film(film.path);
+  find_copy(film, options); // throws where another file has its name
   print_warnings(film);
   const SpanRange all = {0, film.index.spans.size()};
   measure(film, all, options);
@@ -328,8 +329,8 @@ int plan_authoring(std::vector<std::string> files, const AuthorOptions &options,
     succeeds(path, [&] {
       PlannedFilm film = identify(path);
       check_name(film.path);
-      find_copy(film, plan.options); // throws where another file has its name
       film.index = index_film(film.path);
+      find_copy(film, plan.options); // throws where another file has its name
       print_warnings(film);
       minutes += static_cast<double>(film.index.duration) / 60e9;
       plan.films.push_back(std::move(film));
