@@ -20,7 +20,8 @@ struct TimedTicks {
 };
 
 /// Lets a clock tick for so many seconds, in a thread that has the priority of hapticsink's loop
-/// where the user may have it. `exchange` is called in each tick; null: there is no device.
+/// where the user may have it. `exchange` is called in each tick, and says whether the
+/// device answered: no other call counts. Null: there is no device.
 TimedTicks time_ticks(double seconds, const std::function<bool()> &exchange);
 
 /// Keeps all processors of this process busy, at normal priority, as long as it lives.

@@ -562,7 +562,11 @@ haptic::StructurePtr Player::statistics() const {
 }
 
 bool Player::has_sound() const {
-  return element("sound") != nullptr;
+  const ElementPtr volume = element("volume");
+  if (!volume)
+    return false;
+  const PadPtr pad(gst_element_get_static_pad(volume.get(), "sink"));
+  return !haptic::EventPtr(gst_pad_get_sticky_event(pad.get(), GST_EVENT_EOS, 0));
 }
 
 // A seek takes the last frame away, and leaves the caps.

@@ -117,6 +117,7 @@ public:
   /// Of hapticsink; null while no film is open.
   haptic::StructurePtr statistics() const;
   int frame_width() const;
+  /// It may be shorter than the film, and then it has ended.
   bool has_sound() const;
   /// The last frame in the window, or nothing.
   haptic::SamplePtr last_frame() const;

@@ -29,15 +29,6 @@ constexpr const char *kSoundInput = "appsrc name=sound format=time max-bytes=0 !
                                     "audioresample ! avenc_aac ! aacparse ! queue ! mux. ";
 constexpr GstClockTime kPatience = 10 * GST_SECOND; // for the encoder at the end
 
-// That has not ended yet.
-bool has_sound(const Player &player) {
-  const ElementPtr volume = player.element("volume");
-  if (!volume)
-    return false;
-  const PadPtr pad(gst_element_get_static_pad(volume.get(), "sink"));
-  return !EventPtr(gst_pad_get_sticky_event(pad.get(), GST_EVENT_EOS, 0));
-}
-
 bool ends_in(const std::string &text, const char *ending) {
   return g_str_has_suffix(text.c_str(), ending);
 }
@@ -98,7 +89,7 @@ std::string Recorder::start(const Player &player, const std::string &path) {
   const bool transport_stream = ends_in(path, ".ts");
   if (!transport_stream && !ends_in(path, ".mkv"))
     return "The name of a recording ends in .ts or .mkv.";
-  const bool sound = has_sound(player);
+  const bool sound = player.has_sound();
   const std::string line = std::string(kFilm) + kTrack +
                            (transport_stream ? "meta/x-klv" : "text/x-raw") + " ! queue ! mux. " +
                            (sound ? kSoundInput : "") +

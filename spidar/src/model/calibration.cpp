@@ -3,14 +3,7 @@
 
 #include "fail.hpp"
 
-#include <array>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
-#include <locale>
 
 namespace spidar {
 
@@ -22,19 +15,9 @@ constexpr double kWorstFit = 0.3;    // of the change of length that is not expl
 
 constexpr const char *kAxes[] = {"x", "y", "z"};
 
-std::string shortest(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
-
-std::string shortest(const Vector3 &vector) {
-  return shortest(vector.x()) + ";" + shortest(vector.y()) + ";" + shortest(vector.z());
-}
-
 void check_factor(double factor, const char *what) {
   if (!(factor > 1 / kLargestFactor && factor < kLargestFactor))
-    fail(Cause::argument, messages::kScaleTooFar, what, shortest(factor).c_str());
+    fail(Cause::argument, messages::kScaleTooFar, what, formatted("%g", factor).c_str());
 }
 
 } // namespace
@@ -78,32 +61,6 @@ Geometry mirrored(Geometry geometry, int axis) {
     geometry.attachments[i][axis] *= -1;
   }
   return geometry;
-}
-
-void save_geometry(const Geometry &geometry, const std::string &path) {
-  check_geometry(geometry);
-  const std::string unfinished = path + ".new"; // a full disk leaves the file of before
-  std::ofstream file(unfinished);
-  file.imbue(std::locale::classic()); // whatever the program has
-  file << "# Measured by spidar-calibrate. docs/formats/geometry.md explains every key.\n"
-       << "\n[device]"
-       << "\ndigits-per-volt=" << shortest(geometry.digits_per_volt)
-       << "\ndac-limit=" << geometry.dac_limit << "\ntension-min=" << shortest(geometry.tension_min)
-       << "\ntension-max=" << shortest(geometry.tension_max)
-       << "\ngrip-radius=" << shortest(geometry.grip_radius)
-       << "\nworkspace-half=" << shortest(geometry.workspace_half) << "\n";
-  if (geometry.button)
-    file << "button-bit=" << geometry.button->bit << "\nbutton-pressed=" << geometry.button->pressed
-         << "\n";
-  for (std::size_t i = 0; i < kStrings; ++i)
-    file << "\n[string-" << i << "]"
-         << "\nmotor=" << shortest(geometry.motors[i])
-         << "\nattachment=" << shortest(geometry.attachments[i])
-         << "\nmetres-per-count=" << shortest(geometry.metres_per_count[i])
-         << "\nvolts-per-newton=" << shortest(geometry.volts_per_newton[i]) << "\n";
-  file.close();
-  if (!file || std::rename(unfinished.c_str(), path.c_str()) != 0)
-    fail(Cause::not_found, messages::kGeometryUnwritable, path.c_str(), std::strerror(errno));
 }
 
 } // namespace spidar

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads a Geometry from a GKeyFile and finds the file for a name.
+// Reads a Geometry from a GKeyFile, finds the file for a name, and writes one.
 #include "builtin-geometries.hpp"
 #include "fail.hpp"
+#include "spidar/calibration.hpp"
 #include "spidar/geometry.hpp"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <glib.h>
+#include <locale>
 #include <set>
+#include <sstream>
 
 namespace spidar {
 
@@ -164,6 +169,16 @@ std::vector<fs::path> search_path() {
   return directories;
 }
 
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::string shortest(const Vector3 &vector) {
+  return shortest(vector.x()) + ";" + shortest(vector.y()) + ";" + shortest(vector.z());
+}
+
 } // namespace
 
 std::vector<std::string> builtin_geometries() {
@@ -196,6 +211,35 @@ Geometry load_geometry(const std::string &name_or_file) {
     names += (names.empty() ? "" : ", ") + name;
   fail(Cause::not_found, messages::kNoGeometry, name_or_file.c_str(), names.c_str(),
        SPIDAR_GEOMETRY_DIR);
+}
+
+void save_geometry(const Geometry &geometry, const std::string &path) {
+  check_geometry(geometry);
+  std::ostringstream file;
+  file.imbue(std::locale::classic()); // whatever the program has
+  file << "# Measured by spidar-calibrate. docs/formats/geometry.md explains every key.\n"
+       << "\n[device]"
+       << "\ndigits-per-volt=" << shortest(geometry.digits_per_volt)
+       << "\ndac-limit=" << geometry.dac_limit << "\ntension-min=" << shortest(geometry.tension_min)
+       << "\ntension-max=" << shortest(geometry.tension_max)
+       << "\ngrip-radius=" << shortest(geometry.grip_radius)
+       << "\nworkspace-half=" << shortest(geometry.workspace_half) << "\n";
+  if (geometry.button)
+    file << "button-bit=" << geometry.button->bit << "\nbutton-pressed=" << geometry.button->pressed
+         << "\n";
+  for (std::size_t i = 0; i < kStrings; ++i)
+    file << "\n[string-" << i << "]"
+         << "\nmotor=" << shortest(geometry.motors[i])
+         << "\nattachment=" << shortest(geometry.attachments[i])
+         << "\nmetres-per-count=" << shortest(geometry.metres_per_count[i])
+         << "\nvolts-per-newton=" << shortest(geometry.volts_per_newton[i]) << "\n";
+  // A full disk leaves the file of before.
+  const std::string text = file.str();
+  GError *raw = nullptr;
+  if (!g_file_set_contents(path.c_str(), text.data(), static_cast<gssize>(text.size()), &raw)) {
+    const std::unique_ptr<GError, Unref> error(raw);
+    fail(Cause::not_found, messages::kGeometryUnwritable, path.c_str(), error->message);
+  }
 }
 
 } // namespace spidar

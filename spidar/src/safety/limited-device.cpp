@@ -134,7 +134,7 @@ struct LimitedDevice::Implementation {
     if (wanted && switched_off == kAll)
       command_as_it_is();
     else if (wanted)
-      command_within_limits(since > kTooLate); // the guardian has rested by then
+      command_within_limits(since > kTooLate); // by then the guardian acts
     exchanged_at = now;
     elapsed = since;
     const bool answered = device.exchange(now);

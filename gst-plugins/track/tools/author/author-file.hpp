@@ -11,8 +11,8 @@
 namespace haptic {
 
 /// Returns the copy of this film with these settings, or nothing if it is not there. Throws
-/// TrackFileError where the copy would replace what is not its own; of a file without a mark only
-/// a film with an index knows.
+/// TrackFileError where the copy would replace what is not its own. Only a film with an index knows
+/// which file that is; without one, a file that author did not make is passed over.
 std::string find_copy(const PlannedFilm &film, const AuthorOptions &options);
 
 /// Writes NAME.haptic.ts, or NAME.haptic.mkv where MPEG-TS has no place for the film, and returns
