@@ -87,6 +87,7 @@ meson install -C "$folder" --no-rebuild --quiet --destdir "$folder/installed" >"
 for file in plugins/libgsthaptic{vision,device,track}.so rules/70-spidar.rules; do
   [ -f "$folder/installed/elsewhere/$file" ] || fail "$file is not where gst-plugin-dir or udev-dir says"
 done
-grep -q https://example.org "$folder/installed/elsewhere/plugins/libgsthapticdevice.so" ||
+GST_PLUGIN_PATH_1_0=$folder/installed/elsewhere/plugins GST_REGISTRY=$folder/registry.bin \
+  gst-inspect-1.0 roitracker | grep 'Doc-uri.*https://example.org' >/dev/null ||
   fail "the plugins do not name what documentation-uri says"
 [ -z "$(find "$folder/installed" -name 'hls*')" ] || fail "hls.js is installed although hls-js is none"

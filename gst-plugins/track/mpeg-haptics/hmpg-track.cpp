@@ -344,8 +344,8 @@ const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
   effects.reserve(unit.curves.size());
   for (const auto &effect : unit.curves)
     effects.push_back(&effect);
-  std::ranges::stable_partition(effects, [&](const HmpgCurve *effect) {
-    return std::ranges::find(curves_, id_of(*effect), &ChannelCurve::id) != curves_.end();
+  std::ranges::stable_sort(effects, {}, [&](const HmpgCurve *effect) {
+    return std::ranges::find(curves_, id_of(*effect), &ChannelCurve::id) == curves_.end();
   });
   for (const auto *effect : effects) {
     // Keyframes may be far in the future: without a limit they would gather for ever.
