@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The property tables in docs/elements/ match the elements, and each element names its page.
+// The property tables in docs/elements/ match the elements, and each element names its page. The
+// program has words for each reason that the page of the log names.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <gst/gst.h>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -135,6 +137,29 @@ TEST(Pages, EachElementNamesItsPage) {
     }
     gst_plugin_feature_list_free(features);
   }
+}
+
+TEST(Pages, TheProgramHasWordsForEachReasonThatHoldsTheForce) {
+  std::ifstream words_file(SOURCE_ROOT "/pipelines/feeling-wind/window/session-text.cpp");
+  const std::string words(std::istreambuf_iterator<char>(words_file), {});
+  std::ifstream page(SOURCE_ROOT "/docs/formats/csv-log.md");
+  std::size_t reasons = 0;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## "))
+      inside = line == "## The reasons in `hold`";
+    const auto cells = cells_of(line);
+    if (!inside || cells.size() != 3 || cells[0].empty() || !g_ascii_isdigit(cells[0][0])) {
+      continue;
+    }
+    ++reasons;
+    const std::string &name = cells[1];
+    // The first two are states of their own. The last one holds nothing.
+    if (name != "closed" && name != "released" && name != "spent") {
+      EXPECT_NE(words.find("Words{\"" + name + "\""), std::string::npos) << name;
+    }
+  }
+  EXPECT_GT(reasons, 10U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,

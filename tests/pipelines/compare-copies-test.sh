@@ -51,3 +51,5 @@ promise "which is said" grep -q "^shift  *unknown, since nothing ties one of the
 late() { ! "$haptic_track" compare --at-most 5 "$ts" late.ts; }
 quiet_ffmpeg -i "$ts" -itsoffset 0.3 -i "$ts" -map 0:v -map 1:d -c copy late.ts
 promise "a track 300 ms behind its film is not" late
+"$haptic_track" convert late.ts late.klv
+promise "and stays behind it without the film" grep -q '^  time       0\.300 to' <("$haptic_track" info late.klv)

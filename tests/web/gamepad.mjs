@@ -16,7 +16,8 @@ export function installGamepad() {
     },
   };
   const pad = {
-    id: 'Test pad (Vendor: 0001)', index: 0, connected: true, axes: [0, 0], buttons: [], vibrationActuator: actuator,
+    id: 'Test pad (Vendor: 0001)', index: 0, connected: true, mapping: 'standard', axes: [0, 0], buttons: [],
+    vibrationActuator: actuator,
   };
   let pads = [pad, null, null, null];
   navigator.getGamepads = () => pads;

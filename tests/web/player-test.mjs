@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The player without a browser: a phone that vibrates, and motion that is no number.
+// The player without a browser: a phone that vibrates, a gamepad and a wheel, and motion that is no number.
 import { ForceChain } from '../../pipelines/web/player/force-chain.js';
-import { Rumble, magnitudes } from '../../pipelines/web/player/rumble.js';
+import { StickHand } from '../../pipelines/web/page/stick-hand.js';
+import { Rumble, isButtonDown, magnitudes } from '../../pipelines/web/player/rumble.js';
 import { promise } from './promise.mjs';
 
 // ---- a phone, which writes down when its motor is on
 
 const pulses = []; // {at, on: ms}
 let active = true;
+let pads = [null];
 const navigator = {
-  getGamepads: () => [null],
+  getGamepads: () => pads,
   userActivation: { get hasBeenActive() { return active; } },
   vibrate(on) {
     const last = pulses.at(-1);
@@ -55,6 +57,24 @@ active = false;
 phone.play(magnitudes(1, 1, 1), now += 100);
 promise('nothing is asked before the first tap', pulses.length === 2);
 active = true;
+
+// ---- a wheel, whose pedal rests at the end of its axis, and a gamepad
+
+let effects = 0;
+const vibrationActuator = { playEffect: () => Promise.resolve(++effects), reset: () => Promise.resolve() };
+const moves = mapping => {
+  pads = [{ connected: true, mapping, axes: [0, 1], buttons: [{ pressed: true }], vibrationActuator }];
+  effects = 0;
+  const rumble = new Rumble();
+  rumble.play(magnitudes(1, 1, 1), now += 100);
+  rumble.stop();
+  return { felt: effects > 0, hand: new StickHand().step(now) !== null, pressed: isButtonDown() };
+};
+const pad = moves('standard');
+promise('a gamepad vibrates, moves the hand and presses', pad.felt && pad.hand && pad.pressed);
+const wheel = moves('');
+promise('a wheel does none of it', !wheel.felt && !wheel.hand && !wheel.pressed);
+pads = [null];
 
 // ---- a motion that is no number
 

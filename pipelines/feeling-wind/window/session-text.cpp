@@ -17,6 +17,7 @@ struct Words {
 constexpr std::array kHeld = {
     Words{"paused", "Force off: the film is paused"},
     Words{"no-pose", "Force off: the position of the grip is not known"},
+    Words{"slipped", "Force off: a string slipped. Hold the grip in the centre and press Ctrl+C"},
     Words{"dead-man", "Force off: press the button of the device"},
     Words{"flushing", "Force off: seeking"},
     Words{"ended", "Force off: the film has ended"},

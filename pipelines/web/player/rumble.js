@@ -16,10 +16,13 @@ export function magnitudes(newtons, full, strength) {
   return { strongMagnitude: m * m, weakMagnitude: m };
 }
 
-/** The gamepads that are connected; none in a frame whose policy forbids them, where asking is an error. */
+/**
+ * The gamepads that are connected and whose layout the browser knows: a wheel has none, and its pedals at rest are no
+ * centre. None in a frame whose policy forbids them, where asking is an error.
+ */
 export function gamepads() {
   try {
-    return Array.from(navigator.getGamepads?.() ?? []).filter(pad => pad?.connected);
+    return Array.from(navigator.getGamepads?.() ?? []).filter(pad => pad?.connected && pad.mapping === 'standard');
   } catch {
     return [];
   }

@@ -225,11 +225,13 @@ int convert(const Arguments &arguments) {
     track.samples = samples_at_hand(track.fields, read_hand(arguments.compare.hand));
     track.fields.clear();
   }
-  // A track beside its video begins with the video, whose copy in a recording begins later.
+  // The time 0 is the beginning of a sound, or of the video beside the track, which a recording has later.
   const std::string &output = arguments.files[1];
-  const bool is_of_video = track.film_begin != kNoTime;
-  if (is_vibration_file(output) || (is_of_video && output.ends_with(".klv")))
-    move_times(track, -static_cast<std::int64_t>(times_of(track).first));
+  const std::uint64_t first = times_of(track).first;
+  if (is_vibration_file(output))
+    move_times(track, -static_cast<std::int64_t>(first));
+  else if (output.ends_with(".klv") && track.film_begin != kNoTime)
+    move_times(track, -static_cast<std::int64_t>(std::min(track.film_begin, first)));
   return write(output, track, arguments.vibration);
 }
 
