@@ -361,6 +361,6 @@ check "The demonstration runs as a user starts it" check_demonstration || true
 # They mostly wait.
 while kill -0 "$background" 2>/dev/null && ! grep -q "$other_debian_builds" "$results"; do sleep 1; done
 check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true
-wait "$background" || true
+wait "$background" || record failed "The checks in the background" 0 "they ended early with status $?"
 background=
 cat build-tests/background.log

@@ -165,7 +165,7 @@ TEST(Pages, TheProgramHasWordsForEachReasonThatHoldsTheForce) {
 INSTANTIATE_TEST_SUITE_P(Elements, PropertyTable,
                          testing::Values("roitracker", "velocityavg", "motionfield", "depthfield",
                                          "reliefmap", "hapticsink", "hapticconvert", "rtphmpgpay",
-                                         "rtponesender"),
+                                         "rtponesender", "hapticarray", "hapticoverlay"),
                          [](const auto &element) { return std::string(element.param); });
 
 } // namespace

@@ -285,7 +285,18 @@ TEST_F(HapticSink, AGapEventIsFeltAsNothing) {
   const haptic::PadPtr pad(gst_element_get_static_pad(source_.get(), "src"));
   complete([&] { gst_pad_push_event(pad.get(), gst_event_new_gap(pts_, kFrame)); });
   EXPECT_EQ(count("gaps"), 1U);
-  EXPECT_TRUE(advance_until([&] { return number("force-max") > 0; }));
+  EXPECT_TRUE(advance_until([&] {
+    const auto row = newest_row();
+    return row && row->held(kHeldGap) && row->force() == 0;
+  }));
+  const auto rows = stop_and_read_log();
+  const Row last = last_free_row(rows);
+  EXPECT_GT(last.force(), 0.1);
+  for (const Row &row : rows)
+    if (row.mono > last.mono) {
+      EXPECT_TRUE(row.held(kHeldGap) && !row.held(kHeldStale)) << row.mono;
+      break;
+    }
 }
 
 TEST_F(HapticSink, GarbageIsNeverAForceAndIsWarnedOfOnce) {

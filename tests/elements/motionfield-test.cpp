@@ -457,6 +457,24 @@ protected:
     return meta ? gst_structure_get_string(gst_custom_meta_get_structure(meta), "model") : "";
   }
 
+  // The models that the messages of a run name.
+  static std::vector<std::string> announced_by(GstElement *pipeline) {
+    std::vector<std::string> models;
+    const haptic::BusPtr bus(gst_element_get_bus(pipeline));
+    gst_bus_set_sync_handler(
+        bus.get(),
+        [](GstBus *, GstMessage *message, gpointer data) {
+          if (gst_message_has_name(message, "haptic-camera-motion"))
+            static_cast<std::vector<std::string> *>(data)->emplace_back(
+                gst_structure_get_string(gst_message_get_structure(message), "model"));
+          return GST_BUS_PASS;
+        },
+        &models, nullptr);
+    EXPECT_EQ(test::run_to_end(pipeline), std::nullopt);
+    gst_bus_set_sync_handler(bus.get(), nullptr, nullptr, nullptr);
+    return models;
+  }
+
   static haptic::FieldCell cell_at(const MotionField &field, int x, int y) {
     return field.cells[static_cast<std::size_t>(y * field.rows / kHeight * field.columns +
                                                 x * field.columns / kWidth)];
@@ -478,6 +496,14 @@ TEST_F(FilmedFromACar, WithoutTheCameraTheBackgroundRestsAndTheThingMovesAgainst
   const haptic::FieldCell thing = cell_at(field, 160, 90);
   EXPECT_NEAR(thing.velocity_x, kThing.x - kCamera.x, 5);
   EXPECT_NEAR(thing.velocity_y, kThing.y - kCamera.y, 5);
+}
+
+TEST_F(FilmedFromACar, EachRunAnnouncesTheCameraAnew) {
+  const test::ElementPtr pipeline(gst_parse_launch(
+      "videotestsrc num-buffers=4 ! motionfield camera=remove ! fakesink", nullptr));
+  const std::vector<std::string> first = announced_by(pipeline.get());
+  EXPECT_FALSE(first.empty());
+  EXPECT_EQ(announced_by(pipeline.get()), first);
 }
 
 TEST_F(FilmedFromACar, AStandingCameraLeavesEachByteAsItWas) {

@@ -47,6 +47,14 @@ protected:
     send(haptic::make_pointer_event(position).release());
   }
 
+  void seek() {
+    gst_harness_push_event(harness.get(), gst_event_new_flush_start());
+    gst_harness_push_event(harness.get(), gst_event_new_flush_stop(TRUE));
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  }
+
   // What the frames until then make of the press at frame 1.
   BufferPtr held_until(int last) {
     pass(0);
@@ -112,6 +120,7 @@ TEST_F(Hold, WhatIsFeltIsTheMotionOfTheThing) {
   EXPECT_NEAR(found->x, 2, 0.05);
   EXPECT_NEAR(found->y, -1, 0.05);
   EXPECT_EQ(motion_of(frame).n_patches, 1U);
+  EXPECT_EQ(motion_of(frame).flags & GST_HAPTIC_MOTION_TILED, 0U) << "it is no tile of the region";
 }
 
 TEST_F(Hold, TheRegionGoesWithTheThing) {
@@ -165,6 +174,17 @@ TEST_F(Hold, LatchedAgainBetweenTwoFramesItTakesAnew) {
   gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "pressed");
   gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "latched");
   EXPECT_NEAR(motion_of(pass(7)).held_x, kWidth / 2.0, 0.1);
+}
+
+TEST_F(Hold, LatchedOnceMoreItTakesWhatIsUnderThePointerThen) {
+  pass(0);
+  gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "latched");
+  for (int i = 1; i <= 6; ++i)
+    pass(i);
+  g_object_set(tracker.get(), "pointer-x", 0.25, nullptr);
+  EXPECT_NEAR(motion_of(pass(7)).held_x, kWidth / 2.0 + 2 * 6, 0.2);
+  gst_util_set_object_arg(G_OBJECT(tracker.get()), "hold", "latched");
+  EXPECT_NEAR(motion_of(pass(8)).held_x, kWidth / 4.0, 0.1);
 }
 
 TEST_F(Hold, APressOnAPlainWallIsRefusedAndFeltAsNothing) {
@@ -231,6 +251,19 @@ TEST_F(Hold, ATouchThatIsCancelledLetsGoAndTheNextFingerHolds) {
   EXPECT_NEAR(motion_of(pass(1)).held_x, 60, 0.1);
 }
 
+TEST_F(Hold, AFingerThatWasLiftedDuringASeekHoldsNoLonger) {
+  constexpr auto kNone = GST_NAVIGATION_MODIFIER_NONE;
+  pass(0);
+  send(gst_navigation_event_new_touch_down(7, 80, 60, 1, kNone));
+  pass(1);
+  seek();
+  EXPECT_FALSE(is_pressed());
+  pass(2);
+  send(gst_navigation_event_new_touch_down(9, 60, 50, 1, kNone));
+  EXPECT_TRUE(is_pressed());
+  EXPECT_NEAR(motion_of(pass(3)).held_x, 60, 0.1);
+}
+
 TEST_F(Hold, AButtonOfTheGripPresses) {
   pass(0);
   // The device counts as long as it reports: a test that is late sends again.
@@ -264,11 +297,7 @@ TEST_F(Hold, ASceneThatEndsLosesTheThingUntilTheNextPress) {
 
 TEST_F(Hold, ASeekLosesTheThingUntilTheNextPress) {
   held_until(4);
-  gst_harness_push_event(harness.get(), gst_event_new_flush_start());
-  gst_harness_push_event(harness.get(), gst_event_new_flush_stop(TRUE));
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+  seek();
   EXPECT_EQ(motion_of(pass(40)).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
   EXPECT_EQ(motion_of(pass(41)).hold, static_cast<guint>(GST_HAPTIC_HOLD_LOST));
 }

@@ -321,11 +321,14 @@ TEST_F(RoiTracker, AsksForOneBufferMoreThanDownstreamWants) {
           return gst_pad_query_default(pad, parent, query);
         gst_query_add_allocation_pool(query, nullptr, kWidth * kHeight, 3, 5);
         gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+        gst_query_add_allocation_meta(query, GST_VIDEO_CROP_META_API_TYPE, nullptr);
         return TRUE;
       });
   const haptic::QueryPtr query = ask();
   EXPECT_EQ(least_of(query), 4U);
   EXPECT_TRUE(gst_query_find_allocation_meta(query.get(), GST_VIDEO_META_API_TYPE, nullptr));
+  EXPECT_FALSE(gst_query_find_allocation_meta(query.get(), GST_VIDEO_CROP_META_API_TYPE, nullptr))
+      << "the tracker reads whole buffers";
 }
 
 // Formats and sizes

@@ -205,13 +205,21 @@ TEST_F(SinkRate, SteppingFromFrameToFrameIsZero) {
   ASSERT_TRUE(advance_until([&] { return count("samples") >= 15; }));
   wait_for(GST_STATE_PAUSED);
   advance(150ms);
+  const auto paused = newest_row();
+  ASSERT_TRUE(paused);
   const auto ticks = count("ticks");
   for (int i = 0; i < 5; ++i) {
     gst_element_send_event(sink_.get(), gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1, TRUE, FALSE));
     advance(50ms);
   }
   EXPECT_TRUE(advance_until([&] { return count("ticks") > ticks + 200; }));
-  EXPECT_EQ(stop_and_read_log().back().force(), 0);
+  const auto rows = stop_and_read_log();
+  EXPECT_EQ(rows.back().force(), 0);
+  for (const Row &row : rows)
+    if (row.mono > paused->mono) {
+      ASSERT_EQ(row.force(), 0)
+          << row.mono; // while paused, rows are only written if there is a force
+    }
 }
 
 // ---- time ---------------------------------------------------------------------------------------

@@ -191,7 +191,7 @@ killed_and_again() {
   for delay in 0.15 0.3 0.45 0.6; do
     rm -rf "$work/again"
     mkdir "$work/again"
-    author --jobs 2 --output "$work/again" "$work"/in/* >/dev/null 2>&1 &
+    "$haptic_track" author --jobs 2 --output "$work/again" "$work"/in/* >/dev/null 2>&1 &
     sleep "$delay"
     kill -KILL $!
     wait $! 2>/dev/null || true

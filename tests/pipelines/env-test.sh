@@ -13,7 +13,11 @@ finds_the_elements() { in_env gst-inspect-1.0 --exists --atleast-version=0.1 roi
 stays() { [ "$(in_env pwd)" = "$PWD" ]; }
 # shellcheck disable=SC2016 # the command gets the dollars
 hands_on_words() { [ "$(in_env printf '%s|' 'two words' '' '$HOME')" = "two words||\$HOME|" ]; }
-hands_on_status() { in_env sh -c 'exit 7' || [ $? = 7 ]; }
+hands_on_status() {
+  local status=0
+  in_env sh -c 'exit 7' || status=$?
+  [ "$status" = 7 ]
+}
 # shellcheck disable=SC2016
 hands_on_locale() { [ "$(unset LC_ALL && in_env sh -c 'echo "${LC_ALL-none}"')" = none ]; }
 # shellcheck disable=SC2016

@@ -41,11 +41,16 @@ felt_up() {
 hidden() {
   ! grep -qzF -f <(printf '%s\n' "$@") /proc/[0-9]*/cmdline "$work"/*.out "$work/sender" 2>/dev/null
 }
-# The key of a description is hidden while both ends run.
+# Only the description of an encrypted stream has a key. Only the user can read it, and it is hidden while both ends run.
 key_is_hidden() {
   local key
   key=$(sed -n 's/^a=crypto.*inline://p' "$1") || return 1
-  [ -z "$key" ] || hidden "$key" "$(base64 -d <<<"$key" | od -An -v -tx1 | tr -d ' \n')"
+  if [[ $1 != */srtp.sdp ]]; then
+    [ -z "$key" ]
+  else
+    [ -n "$key" ] && [ "$(stat -c %a "$1")" = 600 ] &&
+      hidden "$key" "$(base64 -d <<<"$key" | od -An -v -tx1 | tr -d ' \n')"
+  fi
 }
 felt_and_hidden() {
   # shellcheck disable=SC2016 # $9 is awk's

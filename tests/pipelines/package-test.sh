@@ -137,8 +137,9 @@ promise "a track that is not that of the film is made anew" says 0 "written: fil
 promise "only one MP4 is taken" says 1 "--single takes one MP4" package --single --output "$work/no" "$work/wind.haptic.ts"
 promise "a site of segments is not written over" says 1 "another site's index.html" \
   package --single --output "$work/film" "$work/wind.mp4"
+promise "--single and --carriage do not go together" says 1 "carriage" \
+  package --single --carriage ts --output "$work/no" "$work/wind.mp4"
 rm -r "$FEELING_WIND_WEB"/{player,single.html}
-promise "--single and --carriage do not go together" says 1 "" package --single --carriage ts --output "$work/no" "$work/wind.mp4"
 
 # A film with a surface, as a stream of its own, and alone.
 # `with_surface FILE [BRANCH...]`: the authored copy without its track, and reliefs of its colours.
@@ -176,7 +177,7 @@ killed_and_again() {
   local delay
   for delay in 0.1 0.2 0.4; do
     rm -rf "$work/again"
-    package --output "$work/again" "$work/wind.mp4" >/dev/null 2>&1 &
+    "$haptic_track" package --output "$work/again" "$work/wind.mp4" >/dev/null 2>&1 &
     sleep "$delay"
     kill -KILL $! 2>/dev/null || true
     wait $! 2>/dev/null || true
@@ -194,7 +195,7 @@ interrupted_and_again() {
     rm -rf "$work/again"
     status=0
     "$haptic_track" package --output "$work/again" "$work/wind.mp4" >"$work/output" 2>&1 &
-    sleep 0.3
+    until [ -e "$work/again/.package.lock" ]; do sleep 0.01; done
     kill "-$signal" $!
     wait $! || status=$?
     cat "$work/output"

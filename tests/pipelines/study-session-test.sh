@@ -24,13 +24,14 @@ promise "in the order in which they were given" \
 promise "once with force and once without" \
   test "$(cut -d, -f6 "$work/answers.csv" | sort | tr '\n' ' ')" = 'force no yes '
 
-# The last round's log: force only if it was the one with force.
-felt=$(tail -n 1 "$work/answers.csv" | cut -d, -f6)
-strongest=$(awk -F, 'NR > 1 { f = sqrt($8 ^ 2 + $9 ^ 2); if (f > most) most = f } END { printf "%.3f", most }' "$work/trace.csv")
-case $felt in
-yes) promise "with force it is felt" awk -v f="$strongest" 'BEGIN { exit !(f > 0.1) }' ;;
-no) promise "without force nothing is felt" awk -v f="$strongest" 'BEGIN { exit !(f == 0) }' ;;
-esac
+# `last_round FELT CONDITION`: the last round was the one with (yes) or without force, and so was its log.
+last_round() {
+  [ "$(tail -n 1 "$work/answers.csv" | cut -d, -f6)" = "$1" ] &&
+    awk -F, "NR > 1 { f = sqrt(\$8 ^ 2 + \$9 ^ 2); if (f > most) most = f } END { print most; exit !(NR > 1 && most $2) }" "$work/trace.csv"
+}
+promise "with force it is felt" last_round yes '> 0.1'
+promise "another seed gives another order" session $'4\n4\n4\n4\n4\n4' --participant p0 --seed 1
+promise "and without force nothing is felt" last_round no '== 0'
 
 broken_off() { ! session "$@"; }
 promise "a session may be broken off" broken_off $'4\n4\n4\n1' --participant p2 --seconds 1

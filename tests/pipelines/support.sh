@@ -77,7 +77,6 @@ in_log() {
   done
   awk -F, "${assignments[@]}" '
     function abs(x) { return x < 0 ? -x : x }
-    function atan(x) { return atan2(x, 1) }
     NR == 1 {
       if (index($0, "time,x,y,z,vx,vy,spin,fx,fy,fz,tx,ty,tz,confidence,t0,t1,t2,t3,t4,t5,t6,t7") != 1) {
         print "the header is " $0; bad = 1; exit
@@ -86,8 +85,8 @@ in_log() {
       next
     }
     {
-      time = $1; x = $2; y = $3; z = $4; vx = $5; vy = $6; fx = $8; fy = $9; fz = $10
-      confidence = $14; force = sqrt(fx * fx + fy * fy + fz * fz)
+      time = $1; x = $2; y = $3; z = $4; fx = $8; fy = $9; fz = $10
+      force = sqrt(fx * fx + fy * fy + fz * fz)
       rows++
       if (!('"$condition"')) { print "row " NR ": " $0; bad = 1; exit }
       before = time

@@ -126,6 +126,7 @@ constexpr unsigned kHeldPaused = 1 << 1;
 constexpr unsigned kHeldFlushing = 1 << 2;
 constexpr unsigned kHeldEnded = 1 << 3;
 constexpr unsigned kHeldReleased = 1 << 4;
+constexpr unsigned kHeldGap = 1 << 9;
 constexpr unsigned kHeldStale = 1 << 10;
 
 /// The rows for which the force was not held, nor in the 0.3 s before them: neither a test's event

@@ -108,8 +108,6 @@ promise('a slope towards the light is bright, one away from it dark', pixel(16, 
 const HERE = { x: 0.5, y: 0.5, z: 0 };
 const NOTHING = { x: 0, y: 0, confidence: 0, measured: false, cut: false, age: 0, interval: 0 };
 const MOVES = { ...NOTHING, x: 50, confidence: 1, measured: true, interval: 0.04, width: 352, aspect: 1 };
-// A hand on the side of a ball for the first second.
-const BALL = { x: 0.9, y: 0.42, z: 0 };
 function forceOn(motion, place, pressed) {
   const chain = new ForceChain();
   touch.release();

@@ -459,6 +459,7 @@ static void gst_motion_field_class_init(GstMotionFieldClass *klass) {
     const haptic::StreamLock stream(self);
     self->state->forget_frames();
     self->state->points_read.reset();
+    self->state->announced_camera = haptic::MotionModel::none;
     self->state->timeline.report_faults_again();
     return TRUE;
   }>;

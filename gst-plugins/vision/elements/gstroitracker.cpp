@@ -255,8 +255,10 @@ std::span<const haptic::Property<Shared>> properties() {
          g_value_set_boolean(value, shared.pointers.in_use(Clock::now()).pressed);
        }},
       {hold.spec,
-       [](Shared &shared,
-          const GValue *value) { change_hold(shared, [&] { hold.set(shared, value); }); },
+       [](Shared &shared, const GValue *value) {
+         change_hold(shared, [&] { hold.set(shared, value); });
+         shared.let_go = shared.let_go || shared.hold == HoldMode::latched; // another thing now
+       },
        hold.get},
       Rows::number<&Shared::max_points>("max-points", "Maximum Points",
                                         "Most points that are tracked in the region", 1,
@@ -525,6 +527,8 @@ const GstHapticMotionMeta &attach_motion(GstRoiTracker *self, GstBuffer *buffer,
     gst_buffer_remove_meta(buffer, &meta->meta);
   meta = gst_buffer_add_haptic_motion_meta(buffer);
   meta->flags = finding.flags;
+  if (felt.patches.data() == &of_thing) // which is no tile of the region
+    meta->flags &= ~static_cast<guint>(GST_HAPTIC_MOTION_TILED);
   meta->frame_width = static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info));
   meta->frame_height = static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info));
   meta->region_x = static_cast<gfloat>(region.x);
@@ -674,10 +678,20 @@ void post_statistics(GstRoiTracker *self) {
                            gst_message_new_element(GST_OBJECT(self), to_structure(statistics)));
 }
 
+// The event that says that it was lifted may have been lost while pads were flushing.
+void forget_finger(GstRoiTracker *self) {
+  const ObjectLock lock(self);
+  Shared &shared = self->state->shared;
+  if (std::exchange(shared.finger, std::nullopt))
+    change_hold(shared, [&] { shared.pointers.press_navigation(false); });
+}
+
 void on_sink_event(GstRoiTracker *self, GstEvent *event) {
   switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_SEGMENT:
   case GST_EVENT_FLUSH_STOP:
+    forget_finger(self);
+    [[fallthrough]];
+  case GST_EVENT_SEGMENT:
     self->state->forget_frames();
     break;
   case GST_EVENT_EOS:
@@ -764,7 +778,8 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   return true;
 }
 
-// Frames pass through, so the query goes downstream. The reference holds one buffer more.
+// Frames pass through, so the query goes downstream. The reference holds one buffer more. Pixels
+// that only downstream would crop would be measured.
 gboolean propose_allocation(GstBaseTransform *trans, GstQuery *, GstQuery *query) {
   constexpr guint kHeld = 1;
   GstCaps *caps = nullptr;
@@ -774,6 +789,9 @@ gboolean propose_allocation(GstBaseTransform *trans, GstQuery *, GstQuery *query
     return FALSE;
   if (!gst_pad_peer_query(GST_BASE_TRANSFORM_SRC_PAD(trans), query))
     GST_DEBUG_OBJECT(trans, "downstream does not answer the ALLOCATION query");
+  guint crop = 0;
+  while (gst_query_find_allocation_meta(query, GST_VIDEO_CROP_META_API_TYPE, &crop))
+    gst_query_remove_nth_allocation_meta(query, crop);
 
   const guint pools = gst_query_get_n_allocation_pools(query);
   for (guint i = 0; i < pools; ++i) {

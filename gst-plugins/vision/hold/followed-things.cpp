@@ -43,23 +43,28 @@ std::vector<Candidate> candidates_in(const MotionField &field) {
 void FollowedThings::follow(const LumaSource &frame, float seconds) {
   for (Followed &followed : followed_)
     followed.thing.follow(frame, seconds);
-  std::erase_if(followed_, [](const Followed &followed) {
-    return followed.thing.report().state == HoldState::lost;
-  });
+  end_lost();
 }
 
 void FollowedThings::rest(const LumaSource &frame, float seconds) {
   for (Followed &followed : followed_)
     followed.thing.rest(frame, seconds);
+  end_lost();
+}
+
+void FollowedThings::end_lost() {
+  std::erase_if(followed_, [](const Followed &followed) {
+    return followed.thing.report().state == HoldState::lost;
+  });
 }
 
 void FollowedThings::take(const LumaSource &frame, int width, int height, float x, float y) {
-  take(frame, width, height, x, y, HoldState::about);
+  take(frame, width, height, x, y, false);
 }
 
-// Takes what is held, or at worst in the state `worst`.
+// What is chosen can be told from its neighbours. What is pointed at may be followed about.
 void FollowedThings::take(const LumaSource &frame, int width, int height, float x, float y,
-                          HoldState worst) {
+                          bool is_chosen) {
   if (followed_.size() == kMostFieldThings)
     return;
   Followed &taken = followed_.emplace_back();
@@ -67,10 +72,12 @@ void FollowedThings::take(const LumaSource &frame, int width, int height, float 
       taken.thing
           .take(frame, width, height, x * static_cast<float>(width), y * static_cast<float>(height))
           .state;
-  if (state == HoldState::held || state == worst)
+  if (state == HoldState::held || (state == HoldState::about && !is_chosen)) {
     taken.id = next_id_++;
-  else
+    taken.is_chosen = is_chosen;
+  } else {
     followed_.pop_back();
+  }
 }
 
 bool FollowedThings::is_near(float x, float y) const noexcept {
@@ -81,19 +88,20 @@ bool FollowedThings::is_near(float x, float y) const noexcept {
 }
 
 void FollowedThings::choose(const LumaSource &frame, const MotionField &field, std::size_t most) {
-  if (followed_.size() >= most)
-    return;
-  std::size_t tries = kTriedForEach * (most - followed_.size());
+  const auto chosen = [&] {
+    return static_cast<std::size_t>(std::ranges::count_if(followed_, &Followed::is_chosen));
+  };
+  std::size_t tries = kTriedForEach * (most - std::min(chosen(), most));
   const auto width = static_cast<float>(field.frame_width);
   const auto height = static_cast<float>(field.frame_height);
   for (const Candidate &place : candidates_in(field)) {
-    if (followed_.size() == most || tries == 0)
+    if (tries == 0 || chosen() == most)
       return;
     if (is_near(place.x, place.y))
       continue;
     --tries;
     take(frame, static_cast<int>(field.frame_width), static_cast<int>(field.frame_height),
-         place.x / width, place.y / height, HoldState::held);
+         place.x / width, place.y / height, true);
   }
 }
 

@@ -18,19 +18,18 @@ public:
   /// All of them end.
   void forget() noexcept { followed_.clear(); }
 
-  bool empty() const noexcept { return followed_.empty(); }
-
   /// The next frame, so many seconds later. Things that are lost end.
   void follow(const LumaSource &frame, float seconds);
-  /// The next frame, with the same pixels.
+  /// The same, of a frame with the same pixels.
   void rest(const LumaSource &frame, float seconds);
 
   /// Takes what is under a place (fractions of the frame), unless there is nothing to hold or there
   /// are kMostFieldThings already. `frame` is the frame of the last follow().
   void take(const LumaSource &frame, int width, int height, float x, float y);
 
-  /// Takes things until there are `most`: first those where the field moves fastest, far enough
-  /// from each other, and only those that can be told from their neighbours.
+  /// Takes things until it has chosen `most` that still are there: first those where the field
+  /// moves fastest, far enough from each other, and only those that can be told from their
+  /// neighbours.
   void choose(const LumaSource &frame, const MotionField &field, std::size_t most);
 
   /// As a field has them.
@@ -39,9 +38,11 @@ public:
 private:
   struct Followed {
     std::uint16_t id = 0;
+    bool is_chosen = false;
     HeldThing thing;
   };
-  void take(const LumaSource &frame, int width, int height, float x, float y, HoldState worst);
+  void take(const LumaSource &frame, int width, int height, float x, float y, bool is_chosen);
+  void end_lost();
   bool is_near(float x, float y) const noexcept;
 
   std::list<Followed> followed_;

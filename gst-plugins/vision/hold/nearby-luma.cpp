@@ -12,10 +12,6 @@ namespace {
 constexpr int kSmoothing = 1;  // pixels that smoothing takes from each side
 constexpr int kLeastSide = 10; // pixels that smoothing needs
 
-LumaView part_of(const LumaView &view, int x, int y, int width, int height) {
-  return {view.pixels + y * view.stride + x, width, height, view.stride};
-}
-
 // The view with its outermost pixels repeated on all sides.
 LumaView repeat_border(const LumaView &view, int left, int top, int width, int height,
                        ByteImage &padded) {
@@ -103,7 +99,7 @@ const LumaLayer &NearbyLuma::layer(int index, float x, float y, int radius, int 
     layer.plane.resize(0, 0);
     return layer;
   }
-  const LumaView part = part_of(view_, from_x, from_y, to_x - from_x, to_y - from_y);
+  const LumaView part = part_of(view_, {from_x, from_y, to_x - from_x, to_y - from_y});
   smooth(layer_reduction_.reduce(part, index), layer.plane);
   layer.x = static_cast<float>(left_ + from_x + kSmoothing * unit);
   layer.y = static_cast<float>(top_ + from_y + kSmoothing * unit);

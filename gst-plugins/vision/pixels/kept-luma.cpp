@@ -14,13 +14,6 @@ bool is_empty(const Rectangle &area) {
   return area.width <= 0 || area.height <= 0;
 }
 
-Rectangle common_part(const Rectangle &one, const Rectangle &other) {
-  const int left = std::max(one.x, other.x);
-  const int top = std::max(one.y, other.y);
-  return {left, top, std::min(one.x + one.width, other.x + other.width) - left,
-          std::min(one.y + one.height, other.y + other.height) - top};
-}
-
 } // namespace
 
 std::ptrdiff_t KeptLuma::offset(int x, int y) const {
@@ -44,8 +37,8 @@ void KeptLuma::convert(const LumaSource &frame, const Rectangle &part) {
 LumaView KeptLuma::read(const LumaSource &frame, const Rectangle &area) {
   if (const LumaView plane = frame.plane(area); plane.pixels)
     return plane;
-  const Rectangle known = common_part(kept_, area);
-  if (is_empty(known) || common_part(room_, area) != area) {
+  const Rectangle known = intersection(kept_, area);
+  if (is_empty(known) || intersection(room_, area) != area) {
     make_room(area);
     convert(frame, area);
   } else {

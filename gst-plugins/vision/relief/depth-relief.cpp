@@ -165,9 +165,9 @@ bool DepthRelief::make(const DepthView &depth, const DepthScale &scale, ReliefFi
                            static_cast<std::ptrdiff_t>(place.row) * relief.columns + place.column;
         for (std::size_t i = 0; i < static_cast<std::size_t>(place.cells); ++i, ++cell) {
           const int count = valid[static_cast<int>(i)];
-          found |= count > 0;
           if (count < kFewest)
             continue;
+          found = true;
           const int rank = scale.cell_height == CellHeight::median ? (count - 1) / 2 : count / 10;
           *cell = {distances.height(samples[static_cast<std::size_t>(rank)][i]),
                    static_cast<float>(scale.stiffness), static_cast<float>(scale.friction),

@@ -38,8 +38,8 @@ struct DepthView {
 /// Keeps its memory from frame to frame.
 class DepthRelief {
 public:
-  /// Fills the cells of `relief`, whose columns and rows are set. Returns whether any pixel that
-  /// was read lies between near and far.
+  /// Fills the cells of `relief`, whose columns and rows are set. Returns whether there is a
+  /// surface: a cell of which some pixels lie between near and far.
   bool make(const DepthView &depth, const DepthScale &scale, ReliefField &relief);
 
 private:

@@ -136,9 +136,8 @@ private:
 
 // The region of one of the views.
 LumaView inside(const CropPair &pair, const LumaView &view) {
-  const std::ptrdiff_t x = pair.region.x - pair.crop.x;
-  const std::ptrdiff_t y = pair.region.y - pair.crop.y;
-  return {view.pixels + y * view.stride + x, pair.region.width, pair.region.height, view.stride};
+  return part_of(view, {pair.region.x - pair.crop.x, pair.region.y - pair.crop.y, pair.region.width,
+                        pair.region.height});
 }
 
 // After so many reductions.

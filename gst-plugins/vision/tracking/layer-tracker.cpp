@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -80,20 +79,6 @@ private:
   std::unique_ptr<Ladder> ladder_ = make_ladder();
   int translations_ = 0; // pairs in a row that one translation explains
 };
-
-LumaView part(const LumaView &view, const Rectangle &area) {
-  return {view.pixels + area.y * view.stride + area.x, area.width, area.height, view.stride};
-}
-
-bool same_pixels(const LumaView &one, const LumaView &other) {
-  if (one.width != other.width || one.height != other.height)
-    return false;
-  for (int y = 0; y < one.height; ++y)
-    if (std::memcmp(one.pixels + y * one.stride, other.pixels + y * other.stride,
-                    static_cast<std::size_t>(one.width)) != 0)
-      return false;
-  return true;
-}
 
 // Each patch by its share of the pixels, if they were counted.
 Displacement mean_of(std::span<const Patch> patches) {
@@ -240,8 +225,8 @@ CropPair part(const CropPair &pair, const Rectangle &crop) {
   const Rectangle inside{crop.x - pair.crop.x, crop.y - pair.crop.y, crop.width, crop.height};
   CropPair close = pair;
   close.crop = crop;
-  close.previous = part(pair.previous, inside);
-  close.current = part(pair.current, inside);
+  close.previous = part_of(pair.previous, inside);
+  close.current = part_of(pair.current, inside);
   return close;
 }
 
@@ -257,17 +242,14 @@ bool LayerTracker::divide(const CropPair &pair, const Rectangle &before,
   const LumaView later = later_reduction_.reduce(pair.current, count);
   LumaView earlier = last_.view();
   const bool moves = pair.crop != before;
-  bool continues = has_last_ && pair.continues;
+  const bool continues = has_last_ && pair.continues;
   if (!continues || moves)
     earlier = earlier_reduction_.reduce(pair.previous, count);
   if (continues && moves)
     layers_.carry((pair.crop.x - before.x) / (kCellSide << count),
                   (pair.crop.y - before.y) / (kCellSide << count), earlier, noise_.variance());
-  // After frames that repeated the last one.
-  if (!continues && !moves)
-    continues = has_last_ && pair.repeats > 0 && same_pixels(earlier, last_.view());
   const ChangeFinding change =
-      find_change(part(earlier, region), part(later, region), noise_.variance());
+      find_change(part_of(earlier, region), part_of(later, region), noise_.variance());
   std::optional<Displacement> likely;
   if (whole)
     likely = 1 / static_cast<float>(1 << count) * *whole;

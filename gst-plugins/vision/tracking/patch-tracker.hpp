@@ -31,7 +31,9 @@ struct CropPair {
   Rectangle crop;         ///< where both views lie in the frame
   Rectangle region;       ///< the region of interest in the frame, inside crop
   bool continues = false; ///< previous is the frame that was `current` in the call before
-  int repeats = 0;        ///< frames since that call that repeated the one before, not handed over
+  /// Frames since that call that repeated the one before, not handed over; 0 for one that
+  /// measures_unchanged().
+  int repeats = 0;
   /// Both frames, for a tracker that looks beyond the crop; nothing: it cannot.
   const FramePair *frames = nullptr;
   float seconds = 0; ///< between the two frames; 0: not known

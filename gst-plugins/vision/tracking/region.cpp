@@ -46,13 +46,6 @@ Rectangle crop_around(const Rectangle &region, int margin, int frame_width, int 
   return {left, top, right - left, bottom - top};
 }
 
-Rectangle intersection(const Rectangle &a, const Rectangle &b) {
-  const int left = std::max(a.x, b.x);
-  const int top = std::max(a.y, b.y);
-  return {left, top, std::min(a.x + a.width, b.x + b.width) - left,
-          std::min(a.y + a.height, b.y + b.height) - top};
-}
-
 bool is_measurable(const Rectangle &region) {
   return region.width >= kSmallestRegion && region.height >= kSmallestRegion;
 }

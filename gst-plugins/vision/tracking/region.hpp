@@ -27,9 +27,6 @@ Rectangle region_at(double pointer_x, double pointer_y, int side, int frame_widt
 /// The rectangle grown by `margin` px on each side and clipped at the frame.
 Rectangle crop_around(const Rectangle &region, int margin, int frame_width, int frame_height);
 
-/// What two rectangles share; they must overlap.
-Rectangle intersection(const Rectangle &a, const Rectangle &b);
-
 /// Whether both sides are kSmallestRegion or more.
 bool is_measurable(const Rectangle &region);
 

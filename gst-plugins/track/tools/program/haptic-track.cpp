@@ -225,7 +225,8 @@ int convert(const Arguments &arguments) {
     track.samples = samples_at_hand(track.fields, read_hand(arguments.compare.hand));
     track.fields.clear();
   }
-  // The time 0 is the beginning of a sound, or of the video beside the track, which a recording has later.
+  // The time 0 is the beginning of a sound, or of the video beside the track, which a recording has
+  // later.
   const std::string &output = arguments.files[1];
   const std::uint64_t first = times_of(track).first;
   if (is_vibration_file(output))

@@ -25,15 +25,6 @@ TEST(DriverTable, EachSchemeIsDifferentAndNamedWhereADeviceIsNotKnown) {
   }
 }
 
-TEST(DriverTable, WhatIsListedIsOpenedByTheDriverThatListsIt) {
-  for (const haptic::Driver &driver : haptic::drivers()) {
-    if (!driver.list)
-      continue;
-    for (const haptic::FoundDevice &found : driver.list())
-      EXPECT_EQ(found.device.substr(0, found.device.find(':')), driver.scheme);
-  }
-}
-
 TEST(DriverTable, OnlyADriverWithIdsTakesOne) {
   for (const haptic::Driver &driver : haptic::drivers()) {
     if (driver.has_ids)

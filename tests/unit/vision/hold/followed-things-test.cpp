@@ -78,7 +78,7 @@ TEST(SomeFollowedThings, AreNotTakenWhereThereIsNothingToHold) {
   const Frame frame = blank();
   followed.take(PlaneSource(frame), kWidth, kHeight, 0.5F, 0.5F);
   followed.choose(PlaneSource(frame), field(), 16);
-  EXPECT_TRUE(followed.empty());
+  EXPECT_TRUE(things_of(followed).empty());
 }
 
 TEST(SomeFollowedThings, AreChosenWhereTheFrameMovesAndApartFromEachOther) {
@@ -97,6 +97,34 @@ TEST(SomeFollowedThings, AreChosenWhereTheFrameMovesAndApartFromEachOther) {
   }
 }
 
+TEST(SomeFollowedThings, EndWhenTheyAreLostWhileThePictureRests) {
+  FollowedThings followed;
+  const Frame frame = textured();
+  const Frame wall = blank();
+  followed.take(PlaneSource(frame), kWidth, kHeight, 0.5F, 0.5F);
+  for (int i = 0; i < 10; ++i)
+    followed.follow(PlaneSource(wall), kSeconds);
+  ASSERT_EQ(things_of(followed).size(), 1U);
+  EXPECT_EQ(things_of(followed)[0].state, HoldState::hidden);
+  for (int i = 0; i < 120; ++i) { // 4 s
+    followed.rest(PlaneSource(wall), kSeconds);
+    for (const FieldThing &thing : things_of(followed))
+      ASSERT_EQ(thing.state, HoldState::hidden) << i; // no field has one that is lost
+  }
+  EXPECT_TRUE(things_of(followed).empty());
+}
+
+TEST(SomeFollowedThings, ThatArePointedAtAreNoneOfThoseThatAreChosen) {
+  FollowedThings followed;
+  const Frame frame = textured();
+  followed.take(PlaneSource(frame), kWidth, kHeight, 0.25F, 0.25F);
+  followed.take(PlaneSource(frame), kWidth, kHeight, 0.25F, 0.75F);
+  followed.choose(PlaneSource(frame), field(), 2);
+  EXPECT_EQ(things_of(followed).size(), 4U);
+  followed.choose(PlaneSource(frame), field(), 2);
+  EXPECT_EQ(things_of(followed).size(), 4U);
+}
+
 TEST(SomeFollowedThings, EndWhenTheyAreLostAndOthersComeWithOtherNumbers) {
   FollowedThings followed;
   const Frame frame = textured();
@@ -107,7 +135,7 @@ TEST(SomeFollowedThings, EndWhenTheyAreLostAndOthersComeWithOtherNumbers) {
   const Frame wall = blank();
   for (int i = 0; i < 120; ++i) // 4 s
     followed.follow(PlaneSource(wall), kSeconds);
-  EXPECT_TRUE(followed.empty());
+  EXPECT_TRUE(things_of(followed).empty());
   followed.choose(PlaneSource(frame), field(), 4);
   ASSERT_EQ(things_of(followed).size(), 4U);
   for (const FieldThing &thing : things_of(followed))

@@ -48,13 +48,18 @@ DepthScale metre_scale() {
   return scale;
 }
 
-ReliefField relief_of(const Depth &depth, const DepthScale &scale = metre_scale()) {
+ReliefField empty_relief() {
   ReliefField relief;
   relief.frame_width = kWidth;
   relief.frame_height = kHeight;
   relief.columns = 32;
   relief.rows = 24;
   relief.cells.resize(32UL * 24);
+  return relief;
+}
+
+ReliefField relief_of(const Depth &depth, const DepthScale &scale = metre_scale()) {
+  ReliefField relief = empty_relief();
   haptic::DepthRelief maker;
   maker.make(depth.view(), scale, relief);
   EXPECT_TRUE(is_valid(relief));
@@ -156,6 +161,21 @@ TEST(DepthRelief, WhatCannotBeADepthIsSilence) {
   scale = metre_scale();
   std::swap(scale.near, scale.far);
   EXPECT_TRUE(is_silent(relief_of(depth, scale)));
+}
+
+TEST(DepthRelief, SaysWhetherThereIsASurface) {
+  std::mt19937 random(5);
+  int surfaces = 0;
+  for (const double share : {0.0, 0.001, 0.01, 0.03, 0.1, 1.0}) { // of the pixels
+    std::bernoulli_distribution is_known(share);
+    const Depth depth([&](int, int) { return is_known(random) ? 2000 : kNothing; });
+    ReliefField relief = empty_relief();
+    haptic::DepthRelief maker;
+    EXPECT_EQ(maker.make(depth.view(), metre_scale(), relief), !is_silent(relief)) << share;
+    surfaces += !is_silent(relief);
+  }
+  EXPECT_GT(surfaces, 0);
+  EXPECT_LT(surfaces, 5);
 }
 
 TEST(DepthRelief, ReadsEightBitsAndNoByteOutsideTheFrame) {
