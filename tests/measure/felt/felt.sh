@@ -57,28 +57,30 @@ draw() {
   [ ! -d "$films/$name" ] || return 0
   echo "Drawing $name ..." >&2
   rm -rf "$films/.part"
-  "$@" --truth "$films/.part" --places "$places" "$films/$name.mkv" 2>"$work/errors" || status=$?
+  "$@" --truth "$films/.part" --places "$places" "$films/$name.mkv" >&2 2>"$work/errors" || status=$?
   [ "$status" != 77 ] || return 77
   [ "$status" = 0 ] || fail "$(tail -n 1 "$work/errors")"
   mv "$films/.part" "$films/$name"
 }
 # The films of a group: at 60 frames a second, and one at 30.
 films_of() {
-  local seed speed rate=60 name kind=$1
+  local seed speed rate=60 name kind=$1 wind scenes
+  wind=$(version_of "$program") scenes=$(version_of "$felt"/{scenes,photographs}.py)
   [ "$of" = square ] || kind=$1-$of
   for seed in "${seeds[@]}"; do
     case $1 in
     wind)
-      draw "wind-$of-$seed-$rate" "$program" --seed "$seed" --rate $rate --duration 5 --truth-of "$of" && echo "wind-$of-$seed-$rate"
+      name=wind-$of-$seed-$rate-$wind
+      draw "$name" "$program" --seed "$seed" --rate $rate --duration 5 --truth-of "$of" && echo "$name"
       ;;
     still)
       for speed in 15 30 60 120 240 480; do
-        name=$kind-$seed-$speed
+        name=$kind-$seed-$speed-$scenes
         draw "$name" "$felt/scenes.py" --scene still --seed "$seed" --speed $speed --duration 3 --truth-of "$of" && echo "$name"
       done
       ;;
     *)
-      name=$kind-$seed-$rate
+      name=$kind-$seed-$rate-$scenes
       draw "$name" "$felt/scenes.py" --scene "$1" --seed "$seed" --rate $rate --truth-of "$of" && echo "$name"
       ;;
     esac

@@ -60,9 +60,12 @@ elif [ ${#clips[@]} -gt 0 ]; then
   exec "${judge[@]}" --round-trip "${clips[@]}"
 fi
 
+source "$here/film-and-places.sh"
+
 # `film NAME COMMAND...` makes a film with its points, if it is not there. Without the photographs there are no cut-outs.
 film() {
-  local name=$films/$1-$rate-$duration status=0
+  local name status=0
+  name=$films/$1-$rate-$duration-$(version_of "$program" "$here"/{cut-outs,films_with_points,photographs}.py)
   shift
   if [ ! -s "$name.csv" ]; then
     echo "Making $name.mkv ..." >&2
@@ -77,7 +80,7 @@ film() {
 mkdir -p "$films"
 judged=()
 for seed in "${wind[@]}"; do
-  film "wind-$seed" "$build/pipelines/films/wind-film" --width 1920 --height 1080 --seed "$seed"
+  film "wind-$seed" "$program" --width 1920 --height 1080 --seed "$seed"
 done
 for seed in "${cut_outs[@]}"; do
   for kind in leaf thing face; do
@@ -90,7 +93,8 @@ if [ -n "$authored" ]; then
   judge=("$here/judge-hold.py" --run "$build/tests/measure/felt/hold-track" ${every:+--every "$every"})
   judge+=(--author "$build/gst-plugins/track/tools/haptic-track")
   "${judge[@]}" "${judged[@]}"
-  exec "${judge[@]}" --choose "${judged[@]}"
+  "${judge[@]}" --choose "${judged[@]}"
+  exit
 fi
 "${judge[@]}" "${judged[@]}"
 [ -n "$peers" ] || exit 0

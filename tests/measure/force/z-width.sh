@@ -19,9 +19,13 @@ program=$build/tests/measure/force/z-width
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+panels=()
 for panel in geometry hand rate lateness; do
   "$program" "$panel" >"$work/$panel.txt" &
+  panels+=($!)
 done
-wait
+for panel in "${panels[@]}"; do
+  wait "$panel" || fail "a panel could not be measured; see above"
+done
 gnuplot -c "$root/tests/measure/force/z-width.gp" "$work" "$1"
 echo "$1"
