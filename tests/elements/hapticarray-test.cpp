@@ -5,6 +5,7 @@
 #include "samples/motion-field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <gst/app/gstappsink.h>
@@ -242,6 +243,32 @@ TEST_F(HapticArray, TheEnergyIsTheSameAllAlongAStraightPath) {
     EXPECT_NEAR(energy(from, from + 0.025), whole, 0.01 * whole) << from;
 }
 
+TEST_F(HapticArray, WhatAnActuatorMayDoInAMinuteIsKeptOverRestarts) {
+  build("map=point layout=coils-2");
+  double used = 0; // amplitude², s
+  for (int round = 0; round < 10; ++round) {
+    next = expected = 0;
+    sound.clear();
+    play();
+    push(moving(1e5, 0), 180);
+    pull_all();
+    used += 6 * std::pow(amplitude(0, 0, 5.9), 2);
+    gst_element_set_state(pipeline.get(), GST_STATE_NULL);
+  }
+  EXPECT_GT(used, 10);
+  EXPECT_LT(used, 60 * std::pow(0.5, 2) * 1.02);
+}
+
+TEST_F(HapticArray, DamagedSamplesAreWarnedOfOnce) {
+  build("");
+  play();
+  for (int i = 0; i < 5; ++i)
+    push_bytes(std::array<std::uint8_t, 7>{});
+  pull_all();
+  EXPECT_TRUE(was_said(GST_MESSAGE_WARNING));
+  EXPECT_FALSE(was_said(GST_MESSAGE_WARNING));
+}
+
 // With the latency that it reports: what is added between frame and sound.
 TEST_F(HapticArray, AMotionIsHeardWithinABufferOfItsFrame) {
   build("map=point layout=coils-2");
@@ -278,7 +305,7 @@ TEST_F(HapticArray, AStrokeRunsInTheDirectionOfTheMotionWithConstantEnergy) {
     before = x;
   }
   EXPECT_GE(back, 1);
-  EXPECT_GT(forward, 5 * back);
+  EXPECT_GT(forward, 2 * back);
 }
 
 TEST_F(HapticArray, AFieldIsFeltWhereItMoves) {

@@ -114,6 +114,26 @@ TEST_F(HapticConvert, MatroskaTextGivesBackEverySample) {
   EXPECT_LE(time_error(got.packets), 1);
 }
 
+TEST_F(HapticConvert, AGapBehindASampleGoesToMuxersOnly) {
+  const Bytes klv = haptic::write_klv(test::TrackSamples(1).next());
+  const auto gaps_in = [&](const char *out) {
+    const std::unique_ptr<GstHarness, decltype(&gst_harness_teardown)> harness(
+        gst_harness_new("hapticconvert"), gst_harness_teardown);
+    gst_harness_set_sink_caps_str(harness.get(), out);
+    gst_harness_set_src_caps_str(harness.get(), "meta/x-klv,parsed=true");
+    GstBuffer *buffer = gst_buffer_new_memdup(klv.data(), klv.size());
+    GST_BUFFER_PTS(buffer) = 0;
+    EXPECT_EQ(gst_harness_push(harness.get(), buffer), GST_FLOW_OK);
+    gst_harness_push_event(harness.get(), gst_event_new_gap(2 * GST_SECOND, 0));
+    int gaps = 0;
+    while (const haptic::EventPtr event{gst_harness_try_pull_event(harness.get())})
+      gaps += GST_EVENT_TYPE(event.get()) == GST_EVENT_GAP ? 1 : 0;
+    return gaps;
+  };
+  EXPECT_EQ(gaps_in("text/x-raw,format=utf8"), 1);
+  EXPECT_EQ(gaps_in(HAPTIC_MOTION_CAPS), 0) << "a resting field would become unmeasured";
+}
+
 // tests/pipelines/remux-test.sh has the other copies.
 TEST_F(HapticConvert, ACopyByFfmpegKeepsEverySampleAndItsTime) {
   if (std::system("command -v ffmpeg >/dev/null") != 0)
@@ -344,6 +364,31 @@ TEST_F(HapticConvert, ASeekOverAChangeOfBandsIsFelt) {
   }
 }
 
+// Its units lie at the same places as those of the stream before.
+TEST_F(HapticConvert, AnotherStreamOfHmpgHasItsOwnTimes) {
+  const std::unique_ptr<GstHarness, decltype(&gst_harness_teardown)> harness(
+      gst_harness_new("hmpgparse"), gst_harness_teardown);
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_BYTES);
+  for (const std::uint32_t duration : {haptic::kTrackTimescale, haptic::kTrackTimescale / 10}) {
+    gst_harness_push_event(harness.get(),
+                           gst_event_new_stream_start(std::to_string(duration).c_str()));
+    gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
+    Bytes bytes = haptic::write_initialization_unit(haptic::track_experience("2026-01-01"));
+    const Bytes silence = haptic::write_silent_unit(duration);
+    for (int i = 0; i < 4; ++i)
+      bytes.insert(bytes.end(), silence.begin(), silence.end());
+    EXPECT_EQ(gst_harness_push(harness.get(), gst_buffer_new_memdup(bytes.data(), bytes.size())),
+              GST_FLOW_OK);
+    const haptic::BufferPtr initialization(gst_harness_try_pull(harness.get()));
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      const haptic::BufferPtr unit(gst_harness_try_pull(harness.get()));
+      ASSERT_NE(unit, nullptr);
+      EXPECT_EQ(GST_BUFFER_PTS(unit.get()), haptic::ns_of(i * duration, haptic::kTrackTimescale));
+    }
+  }
+}
+
 TEST_F(HapticConvert, TheLatencyIsOneUnitAndWhatALiveReaderHoldsBack) {
   for (const bool live : {false, true}) {
     test::Pipeline pipeline(kIn + (live ? " is-live=true" : "") +
@@ -502,6 +547,24 @@ TEST_F(HapticConvert, ASegmentNeedNotCountInTime) {
       run(bytes + " ! hapticconvert ! meta/x-klv ! appsink name=out sync=false", track);
   EXPECT_EQ(outcome.error, "");
   EXPECT_EQ(outcome.packets.size(), track.size());
+}
+
+TEST_F(HapticConvert, HapticmarkMarksTheHeaderInTheCaps) {
+  test::Pipeline pipeline(kIn + " ! hapticconvert ! text/x-raw ! matroskamux streamable=true ! "
+                                "hapticmark ! appsink name=out sync=false");
+  ASSERT_EQ(pipeline.run(track).error, "");
+  const haptic::ElementPtr out(gst_bin_get_by_name(GST_BIN(pipeline.get()), "out"));
+  const haptic::PadPtr pad(gst_element_get_static_pad(out.get(), "sink"));
+  const haptic::CapsPtr caps(gst_pad_get_current_caps(pad.get()));
+  ASSERT_NE(caps, nullptr);
+  const GValue *headers =
+      gst_structure_get_value(gst_caps_get_structure(caps.get(), 0), "streamheader");
+  ASSERT_NE(headers, nullptr);
+  const Bytes header =
+      test::packet_of_buffer(gst_value_get_buffer(gst_value_array_get_value(headers, 0))).bytes;
+  EXPECT_NE(std::string(header.begin(), header.end()).find(std::string("\x88\x81\0Sn", 5)),
+            std::string::npos)
+      << "the text track is not the default, and has a name";
 }
 
 TEST_F(HapticConvert, HapticmarkRefusesBytesWithoutCaps) {

@@ -4,6 +4,8 @@
 
 #include "samples/relief-field.hpp"
 
+#include <thread>
+
 namespace hapticsink_touch_test {
 
 using namespace test;
@@ -222,6 +224,24 @@ TEST_F(HapticSinkTouch, AFlushOfTheReliefsAloneDiscardsThem) {
   EXPECT_NEAR(row.fz, 0, 1e-6);
   EXPECT_NEAR(row.fx, 0.5, 0.02);
   expect_within_slew_rate(rows);
+}
+
+TEST_F(HapticSinkTouch, AfterASeekReliefsWaitUntilTheTimeIsKnown) {
+  build_logging("touch=surface+motion");
+  push_motion(100, 0, 1);
+  ReliefPadOf relief(sink_.get());
+  set(GST_STATE_PLAYING);
+  ASSERT_TRUE(advance_until([&] { return count("samples") >= 15; }));
+  flush();
+  relief.flush();
+  std::thread source([&] {
+    for (GstClockTime pts = 0; relief.push(plane(), pts) == GST_FLOW_OK;)
+      pts += kFrame;
+  });
+  advance(100ms);
+  EXPECT_EQ(count("reliefs"), 0U) << "the clocks are related as before the seek";
+  stop();
+  source.join();
 }
 
 TEST_F(HapticSinkTouch, APadOfReliefsMayFollowARunThatHadThemOnThePadSink) {

@@ -2,6 +2,7 @@
 // The pointer on its way over a network: pointerextract at the hand, pointerinject at the tracker.
 #include "forms/klv.hpp"
 #include "glue/pointer-event.hpp"
+#include "track-pipeline.hpp"
 
 #include <cstring>
 #include <gst/check/gstharness.h>
@@ -165,6 +166,33 @@ TEST(PointerElements, StartAndStopAtOnceManyTimes) {
     EXPECT_EQ(gst_element_set_state(pipeline, GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
     gst_object_unref(pipeline);
   }
+}
+
+// Neither element can be pulled.
+TEST(PointerElements, AFileBehindThemIsPushedIntoItsParser) {
+  gst_init(nullptr, nullptr);
+  for (const std::string name : {"pointerextract", "pointerinject"}) {
+    const test::Pipeline pipeline("filesrc location=" SOURCE_ROOT "/tests/data/golden.hmpg ! " +
+                                  name + " ! hmpgparse ! fakesink");
+    gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+    EXPECT_EQ(gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND),
+              GST_STATE_CHANGE_SUCCESS)
+        << name;
+  }
+}
+
+// The message comes when all sinks have a stream. It has a group if all are of one.
+TEST(PointerElements, APipelineBeginsBeforeAHandPoints) {
+  gst_init(nullptr, nullptr);
+  const test::Pipeline pipeline("appsrc ! pointerextract name=p ! fakesink async=false "
+                                "p.pointer ! fakesink async=false");
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const haptic::BusPtr bus(gst_element_get_bus(pipeline.get()));
+  const haptic::MessagePtr begin(
+      gst_bus_timed_pop_filtered(bus.get(), 10 * GST_SECOND, GST_MESSAGE_STREAM_START));
+  ASSERT_NE(begin, nullptr);
+  guint group = GST_GROUP_ID_INVALID;
+  EXPECT_TRUE(gst_message_parse_group_id(begin.get(), &group));
 }
 
 } // namespace pointer_test

@@ -59,4 +59,42 @@ TEST(RtpOneSender, OfAnotherKindOfPayloadOneWarningSaysSo) {
       << outcome.warnings[0];
 }
 
+TEST(RtpOneSender, SessionsThatEndWithoutASenderAreDifferentStreams) {
+  gst_init(nullptr, nullptr);
+  if (!test::has_elements({"rtpbin"}))
+    GTEST_SKIP() << "rtpbin is missing";
+  test::Pipeline pipeline("fakesrc num-buffers=0 ! rtp.recv_rtp_sink_0 "
+                          "fakesrc num-buffers=0 ! rtp.recv_rtp_sink_1 rtponesender name=rtp "
+                          "rtp.recv_rtp_src_0 ! fakesink name=first async=false "
+                          "rtp.recv_rtp_src_1 ! fakesink name=second async=false");
+  EXPECT_EQ(pipeline.run().error, "");
+  const auto stream_of = [&](const char *sink) {
+    const haptic::ElementPtr element(gst_bin_get_by_name(GST_BIN(pipeline.get()), sink));
+    const haptic::PadPtr pad(gst_element_get_static_pad(element.get(), "sink"));
+    const haptic::EventPtr begin(gst_pad_get_sticky_event(pad.get(), GST_EVENT_STREAM_START, 0));
+    if (!begin)
+      return std::string();
+    guint group = GST_GROUP_ID_INVALID;
+    EXPECT_TRUE(gst_event_parse_group_id(begin.get(), &group)) << sink;
+    const gchar *id = nullptr;
+    gst_event_parse_stream_start(begin.get(), &id);
+    return std::string(id);
+  };
+  EXPECT_NE(stream_of("first"), stream_of("second"));
+}
+
+TEST(RtpOneSender, APadWithoutANumberGetsTheLowestFreeOne) {
+  gst_init(nullptr, nullptr);
+  if (!test::has_elements({"rtpbin"}))
+    GTEST_SKIP() << "rtpbin is missing";
+  const haptic::ElementPtr rtp(gst_element_factory_make("rtponesender", nullptr));
+  for (const char *form : {"recv_rtp_sink_", "recv_rtp_src_"})
+    for (const char *number : {"0", "1"}) {
+      const haptic::PadPtr pad(
+          gst_element_request_pad_simple(rtp.get(), (std::string(form) + "%u").c_str()));
+      ASSERT_NE(pad, nullptr);
+      EXPECT_EQ(haptic::GCharPtr(gst_pad_get_name(pad.get())).get(), std::string(form) + number);
+    }
+}
+
 } // namespace rtponesender_test

@@ -19,11 +19,11 @@ gst-launch-1.0 -q mpegtsmux name=mux ! filesink "location=$work/two.ts" \
 gst-launch-1.0 -q matroskamux name=mux ! filesink "location=$work/two.mkv" \
   filesrc "location=$work/right.ts" ! tsdemux ! meta/x-klv ! hapticconvert ! text/x-raw ! queue ! mux.subtitle_0 \
   filesrc "location=$work/up.ts" ! tsdemux ! meta/x-klv ! hapticconvert ! text/x-raw ! queue ! mux.subtitle_1
-# `moves FILE STREAM VX VY`: the tenth sample of the track moves so, within 2 px/s.
+# `moves FILE STREAM VX VY [WITHIN]`: the tenth sample of the track moves so, within 2 px/s.
 moves() {
   haptic_track convert --force --stream "$2" "$1" "$work/one.txt" || return 1
   sed -n '10s/.* vx=\([^ ]*\) vy=\([^ ]*\) .*/\1 \2/p' "$work/one.txt" |
-    awk -v "x=$3" -v "y=$4" '{ print; exit !(($1 - x) ^ 2 + ($2 - y) ^ 2 < 4) }'
+    awk -v "x=$3" -v "y=$4" -v "within=${5:-2}" '{ print; exit !(($1 - x) ^ 2 + ($2 - y) ^ 2 < within ^ 2) }'
 }
 for ending in ts mkv; do
   about=$(haptic_track info "$work/two.$ending")
@@ -53,7 +53,7 @@ promise "a part is cut with one of two tracks" haptic_track cut --with-video --f
   "$work/both.ts" "$work/part.ts"
 about=$(haptic_track info "$work/part.ts")
 promise "which is the only one there" test "$(grep -cE '^  (stream|another) ' <<<"$about")" = 1
-promise "and is that one" moves "$work/part.ts" "$(sed -n 's/^  stream  *//p' <<<"$about")" 0 -100
+promise "and is that one" moves "$work/part.ts" "$(sed -n 's/^  stream  *//p' <<<"$about")" 0 -100 5
 
 # The track of another film.
 gst-launch-1.0 -q matroskamux name=mux ! filesink "location=$work/wrong.mkv" \

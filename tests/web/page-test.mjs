@@ -111,6 +111,7 @@ const side = await open({ width: 844, height: 390, phone: true });
 const tall = await side.$eval('#stage', stage => stage.clientHeight);
 console.log(`${tall} of 390 px`);
 promise('a telephone on its side gives the film its height', tall >= 0.9 * 390);
+promise('but for a strip by which a finger scrolls', tall <= 390 - 32);
 promise('problems are a list that is announced', await side.$eval('#problems', list => !list.hasAttribute('role')
   && list.parentElement.getAttribute('role') === 'alert'));
 await side.close();

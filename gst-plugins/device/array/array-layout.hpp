@@ -17,10 +17,12 @@ struct Actuator {
   double y = 0;       ///< m
   double carrier = 0; ///< Hz, the vibration it makes best
   double gain = 1;    ///< 0..1, of its channel
+  bool operator==(const Actuator &) const = default;
 };
 
 struct ArrayLayout {
   std::vector<Actuator> actuators; ///< in the order of the channels
+  bool operator==(const ArrayLayout &) const = default;
 };
 
 /// `name`: a path, if it has a slash or ends in .ini, else a built-in layout. Throws

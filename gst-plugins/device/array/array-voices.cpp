@@ -62,8 +62,9 @@ bool ArrayVoices::silent() const noexcept {
   return std::ranges::all_of(voices_, [](const Voice &voice) { return voice.amplitude == 0; });
 }
 
-void ArrayVoices::restart() noexcept {
+void ArrayVoices::restart(double rested) noexcept {
   for (Voice &voice : voices_) {
+    voice.budget.step(0, rested);
     voice.amplitude = 0;
     voice.phasor = {1, 0};
   }

@@ -39,8 +39,9 @@ public:
   /// Whether all amplitudes are 0.
   bool silent() const noexcept;
 
-  /// Begins anew from silence. What is left of the budgets is kept.
-  void restart() noexcept;
+  /// Begins anew from silence, after nothing was made for so many seconds. What is left of the
+  /// budgets is kept.
+  void restart(double rested = 0) noexcept;
 
 private:
   struct Voice {

@@ -69,6 +69,8 @@ struct State {
 
   // Streaming thread only, or while it is stopped.
   std::unique_ptr<ArrayVoices> voices; // once the rate is known
+  gint64 stopped = 0;                  // µs, monotonic; what was used of the budgets is kept
+  bool warned = false;                 // of a damaged sample
   std::vector<double> amplitudes;
   haptic::MotionField field;
   bool is_field = false;   // of the caps
@@ -190,7 +192,8 @@ void follow(GstHapticArray *self, GstBuffer *buffer, GstClockTime time, const Se
     state.drive->follow(*sample, settings);
   }
   if (!is_read && !is_gap) {
-    GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
+    if (!std::exchange(state.warned, true))
+      GST_ELEMENT_WARNING(self, STREAM, DECODE, (haptic::messages::kArraySampleDamaged), (nullptr));
     state.drive->rest();
   }
   const double seconds = haptic::stale_after(static_cast<double>(interval) / GST_SECOND);
@@ -386,8 +389,9 @@ gboolean on_caps(GstHapticArray *self, GstCaps *caps) {
     state.voices = std::make_unique<ArrayVoices>(state.layout, rate);
   } else if (rate != state.rate) {
     state.voices->set_rate(rate);
-    state.frames_made = gst_util_uint64_scale(state.frames_made, static_cast<guint64>(rate),
-                                              static_cast<guint64>(state.rate));
+    if (state.rate > 0)
+      state.frames_made = gst_util_uint64_scale(state.frames_made, static_cast<guint64>(rate),
+                                                static_cast<guint64>(state.rate));
   }
   state.rate = rate;
   const GstClockTime latency = state.time_of(kFrames);
@@ -400,17 +404,27 @@ gboolean on_caps(GstHapticArray *self, GstCaps *caps) {
 gboolean start(GstHapticArray *self) {
   State &state = *self->state;
   try {
-    state.layout = haptic::load_array_layout(settings_of(self).layout);
+    haptic::ArrayLayout layout = haptic::load_array_layout(settings_of(self).layout);
+    if (layout != state.layout)
+      state.voices.reset(); // other actuators
+    state.layout = std::move(layout);
   } catch (const std::runtime_error &error) {
     GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
     return FALSE;
   }
   state.drive = std::make_unique<haptic::ArrayDrive>(state.layout);
   state.amplitudes.assign(state.layout.actuators.size(), 0);
-  state.voices.reset();
   state.rate = 0;
   state.flushed = false;
+  state.warned = false;
+  if (state.voices)
+    state.voices->restart(static_cast<double>(g_get_monotonic_time() - state.stopped) * 1e-6);
   state.begin_anew();
+  return TRUE;
+}
+
+gboolean stop(GstHapticArray *self) {
+  self->state->stopped = g_get_monotonic_time();
   return TRUE;
 }
 
@@ -463,6 +477,7 @@ static void gst_haptic_array_class_init(GstHapticArrayClass *klass) {
 
   auto *aggregator_class = GST_AGGREGATOR_CLASS(klass);
   aggregator_class->start = kGuarded<start>;
+  aggregator_class->stop = kGuarded<stop>;
   aggregator_class->flush = kGuarded<flush>;
   aggregator_class->sink_event = [](GstAggregator *aggregator, GstAggregatorPad *pad,
                                     GstEvent *event) {

@@ -11,6 +11,7 @@
 #include "drivers/device-list.hpp"
 #include "glue/gst-raii.hpp"
 #include "samples/motion-field.hpp"
+#include "samples/relief-field.hpp"
 
 #include <exception>
 #include <gst/gst.h>
@@ -90,7 +91,8 @@ namespace {
 constexpr const char *kDeviceClass = "Sink/Haptics";
 
 GstDevice *make_device(const haptic::FoundDevice &found) {
-  const haptic::CapsPtr caps(gst_caps_from_string(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS));
+  const haptic::CapsPtr caps(
+      gst_caps_from_string(HAPTIC_MOTION_CAPS "; " HAPTIC_FIELD_CAPS "; " HAPTIC_RELIEF_CAPS));
   const haptic::StructurePtr properties(
       gst_structure_new("haptic-device", "device", G_TYPE_STRING, found.device.c_str(), nullptr));
   if (!found.problem.empty())

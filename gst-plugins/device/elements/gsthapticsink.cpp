@@ -203,8 +203,11 @@ bool choose_reliefs(State &state, bool by_sink) {
 // ---- states -------------------------------------------------------------------------------------
 
 void set_running_time(GstHapticSink *self) {
-  if (const auto reading = self->state->client.read_clocks())
-    self->state->session.set_running_time(*reading);
+  const auto reading = self->state->client.read_clocks();
+  if (!reading)
+    return;
+  self->state->session.set_running_time(*reading);
+  self->state->presentation_time.set_known(true);
 }
 
 void end_pointer_thread(GstHapticSink *self) {
@@ -354,10 +357,12 @@ gboolean set_caps(GstBaseSink *sink, GstCaps *caps) {
 gboolean event(GstBaseSink *sink, GstEvent *event) {
   haptic::HapticSession &session = state_of(sink).session;
   const GstEventType type = GST_EVENT_TYPE(event);
-  if (type == GST_EVENT_FLUSH_START)
+  if (type == GST_EVENT_FLUSH_START) {
+    state_of(sink).presentation_time.set_known(false);
     session.begin_flush();
-  else if (type == GST_EVENT_STREAM_START || type == GST_EVENT_SEGMENT)
+  } else if (type == GST_EVENT_STREAM_START || type == GST_EVENT_SEGMENT) {
     session.begin_stream();
+  }
   const gboolean result = parent_class()->event(sink, event);
   if (type == GST_EVENT_FLUSH_STOP)
     session.end_flush();

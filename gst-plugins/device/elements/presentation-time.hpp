@@ -17,6 +17,10 @@ public:
 
   /// Before the streaming threads run.
   void begin_run() noexcept { liveness_ = Liveness::unknown; }
+  /// Any thread. After a flush the clocks are related as before it, until every sink of the
+  /// pipeline has a frame.
+  void set_known(bool known) noexcept { known_ = known; }
+  bool is_known() const noexcept { return known_; }
   /// Whether samples are felt as soon as they come.
   bool is_immediate();
   /// Presentation running time of `pts` in ns, or kAtOnce.
@@ -33,6 +37,7 @@ private:
   const SinkSettings &settings_;
   const HapticSession &session_;
   std::atomic<Liveness> liveness_ = Liveness::unknown; // of the source, asked once a run
+  std::atomic<bool> known_ = true;
 };
 
 } // namespace haptic

@@ -91,7 +91,8 @@ private:
   bool wait_until(std::int64_t running) {
     const std::stop_token flush = flushing();
     LoopClock &clock = session_.clock();
-    while (!flush.stop_requested() && (session_.is_paused() || session_.running_time() < running))
+    while (!flush.stop_requested() &&
+           (session_.is_paused() || !time_.is_known() || session_.running_time() < running))
       clock.wait_until(clock.now() + kLook, flush);
     return !flush.stop_requested();
   }

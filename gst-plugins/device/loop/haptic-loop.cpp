@@ -363,9 +363,10 @@ void HapticLoop::update_motion(std::int64_t now) noexcept {
 void HapticLoop::update_touch(double dt) noexcept {
   const LoopSettings &settings = run_.settings;
   const spidar::HapticDevice *device = run_.environment.device;
-  if (settings.touch == TouchMode::off || !device || !device->state().valid ||
-      !run_.limits.knows_newtons())
+  if (settings.touch == TouchMode::off || !device || !run_.limits.knows_newtons())
     return run_.touch.leave();
+  if (!device->state().valid) // the hand may be anywhere when it is known again
+    return run_.touch.hold();
   if (run_.chain.holds() & ~kHoldsOfFilm)
     run_.touch.hold();
   const spidar::DeviceState &state = device->state();

@@ -78,7 +78,7 @@ void MotionInterpolator::clear() noexcept {
   now_.held = {};
   path_.end();
   newest_held_ = {};
-  begun_ = false;
+  begun_ = cut_ = false;
   hold_.lose();
 }
 
@@ -86,6 +86,7 @@ void MotionInterpolator::pop_front(double z) noexcept {
   from_ = std::move(pending_[first_]);
   first_ = (first_ + 1) % kCapacity;
   --count_;
+  cut_ = cut_ || (from_.sample.flags & kMotionCut) != 0;
   if (!hold_.is_pressed())
     return;
   if (from_.field)
@@ -144,6 +145,12 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
   const std::int64_t closest = knot.measured ? interval / kClosestInIntervals : 0;
   bool replaces = false;
   for (; count_ > 0 && pending(count_ - 1).time > knot.time - closest; --count_) {
+    // A scene that ends with what is replaced has ended all the same.
+    const std::uint16_t ends =
+        pending(count_ - 1).sample.flags & (kMotionCut | kMotionDiscontinuity);
+    knot.sample.flags |= ends;
+    if (knot.field)
+      knot.field->flags |= ends;
     pending(count_ - 1) = {};
     replaces = true;
   }
@@ -159,11 +166,9 @@ void MotionInterpolator::add(TimedMotion knot, std::int64_t now) noexcept {
 }
 
 const MotionAt &MotionInterpolator::at(std::int64_t now, const PointerPosition &place) noexcept {
-  now_.cut = false;
-  while (count_ > 0 && (pending(0).time <= now || pending(0).time > now + kFarthest)) {
+  while (count_ > 0 && (pending(0).time <= now || pending(0).time > now + kFarthest))
     pop_front(place.z);
-    now_.cut = now_.cut || (from_.sample.flags & kMotionCut) != 0;
-  }
+  now_.cut = std::exchange(cut_, false);
   if (count_ == 0 || from_.time > now)
     from_.time = now; // the next line begins here
   follow_thing(now);

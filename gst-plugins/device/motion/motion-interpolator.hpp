@@ -66,6 +66,7 @@ private:
   std::uint64_t thing_since_ = 0; // ns, HeldPlace::time of from_
   std::int64_t known_until_ = 0;  // ns, when the newest frame is due
   bool begun_ = false;
+  bool cut_ = false; // was passed since at() was called
 };
 
 } // namespace haptic

@@ -392,8 +392,13 @@ gboolean sink_event(GstBaseTransform *trans, GstEvent *event) {
     break;
   case GST_EVENT_GAP:
     // Demuxers send them when other streams run ahead, tsdemux 1.22 also before its segment. A
-    // track has samples where nothing was measured.
-    if ((state.in != Form::raw && state.begun) || trans->segment.format != GST_FORMAT_TIME) {
+    // muxer behind KLV or text needs them, or it waits for a track that has ended. For a device
+    // they would mean that nothing is measured where a field rests: such a field comes once a
+    // second, and matroskademux sends gaps half a second after it. Beside a queue of 1 s its gaps
+    // behind the end of a track reach no further, so that no limit tells one from the other.
+    if ((state.in != Form::raw && state.begun && state.out != Form::klv &&
+         state.out != Form::text) ||
+        trans->segment.format != GST_FORMAT_TIME) {
       gst_event_unref(event);
       return TRUE;
     }

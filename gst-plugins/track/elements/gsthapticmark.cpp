@@ -16,6 +16,7 @@
 #include "glue/gst-raii.hpp"
 #include "glue/stream-lock.hpp"
 
+#include <cstdint>
 #include <gst/base/gstbasetransform.h>
 #include <span>
 
@@ -42,23 +43,58 @@ namespace {
 
 using haptic::kGuarded;
 
+bool is_transport_stream(const GstCaps *caps) {
+  return gst_structure_has_name(gst_caps_get_structure(caps, 0), "video/mpegts");
+}
+
+// Calls `change` with the bytes of a writable buffer. Returns false if they cannot be mapped.
+template <typename Change>
+bool change_bytes(GstBuffer *buffer, const Change &change) {
+  GstMapInfo map;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READWRITE))
+    return false;
+  change(std::span<std::uint8_t>(map.data, map.size));
+  gst_buffer_unmap(buffer, &map);
+  return true;
+}
+
+// Servers send the header of Matroska that is in the caps to who comes later.
+GstCaps *fixate_caps(GstHapticMark *, GstPadDirection, GstCaps *, GstCaps *othercaps) {
+  GstCaps *caps = gst_caps_fixate(othercaps);
+  GstStructure *structure = gst_caps_get_structure(caps, 0);
+  const GValue *headers = gst_structure_get_value(structure, "streamheader");
+  if (!headers || !GST_VALUE_HOLDS_ARRAY(headers) || is_transport_stream(caps))
+    return caps;
+  GValue marked = G_VALUE_INIT;
+  g_value_init(&marked, GST_TYPE_ARRAY);
+  for (guint i = 0; i < gst_value_array_get_size(headers); ++i) {
+    GstBuffer *header =
+        gst_buffer_copy_deep(gst_value_get_buffer(gst_value_array_get_value(headers, i)));
+    change_bytes(header, haptic::hide_text_track);
+    GValue value = G_VALUE_INIT;
+    g_value_init(&value, GST_TYPE_BUFFER);
+    gst_value_take_buffer(&value, header);
+    gst_value_array_append_and_take_value(&marked, &value);
+  }
+  gst_structure_take_value(structure, "streamheader", &marked);
+  return caps;
+}
+
 GstFlowReturn mark(GstHapticMark *self, GstBuffer *buffer) {
   const haptic::CapsPtr caps(
       gst_pad_get_current_caps(GST_BASE_TRANSFORM_SINK_PAD(GST_BASE_TRANSFORM(self))));
   if (!caps)
     return GST_FLOW_NOT_NEGOTIATED;
-  GstMapInfo map;
-  if (!gst_buffer_map(buffer, &map, GST_MAP_READWRITE)) {
-    GST_ELEMENT_ERROR(self, RESOURCE, READ, (nullptr), ("a buffer cannot be mapped"));
-    return GST_FLOW_ERROR;
-  }
-  const std::span bytes(map.data, map.size);
-  if (gst_structure_has_name(gst_caps_get_structure(caps.get(), 0), "video/mpegts"))
-    haptic::keep_times_of_track(bytes);
-  else if (!self->behind_header)
-    self->behind_header = haptic::hide_text_track(bytes);
-  gst_buffer_unmap(buffer, &map);
-  return GST_FLOW_OK;
+  const bool is_mapped = change_bytes(buffer, [&](std::span<std::uint8_t> bytes) {
+    if (is_transport_stream(caps.get()))
+      haptic::keep_times_of_track(bytes);
+    else if (!self->behind_header)
+      self->behind_header = haptic::hide_text_track(bytes);
+  });
+  if (is_mapped)
+    return GST_FLOW_OK;
+  GST_ELEMENT_ERROR(self, RESOURCE, READ, (nullptr), ("a buffer cannot be mapped"));
+  return GST_FLOW_ERROR;
 }
 
 } // namespace
@@ -76,5 +112,6 @@ static void gst_haptic_mark_class_init(GstHapticMarkClass *klass) {
     GST_HAPTIC_MARK(trans)->behind_header = FALSE;
     return TRUE;
   };
+  transform_class->fixate_caps = kGuarded<fixate_caps>;
   transform_class->transform_ip = kGuarded<mark>;
 }

@@ -45,6 +45,7 @@ struct State {
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<PointerPosition> newest;
+  guint group = GST_GROUP_ID_INVALID; // of the stream beside the pointer, once it has begun
   bool ended = false;
   bool stopping = false;
 
@@ -75,13 +76,14 @@ State &state_of(gpointer object) {
   return *GST_POINTER_EXTRACT(object)->state;
 }
 
-void begin_stream(GstPointerExtract *self) {
+void begin_stream(GstPointerExtract *self, guint group) {
   State &state = *self->state;
   if (std::exchange(state.begun, true))
     return;
   const haptic::GCharPtr id(gst_pad_create_stream_id(state.pointer, GST_ELEMENT(self), "pointer"));
   GstEvent *start = gst_event_new_stream_start(id.get());
   gst_event_set_stream_flags(start, GST_STREAM_FLAG_SPARSE);
+  gst_event_set_group_id(start, group != GST_GROUP_ID_INVALID ? group : gst_util_group_id_next());
   gst_pad_push_event(state.pointer, start);
   const haptic::CapsPtr caps(gst_caps_from_string(HAPTIC_KLV_CAPS));
   gst_pad_push_event(state.pointer, gst_event_new_caps(caps.get()));
@@ -108,27 +110,37 @@ GstFlowReturn push_pointer(GstPointerExtract *self, const PointerPosition &posit
   return gst_pad_push(state.pointer, buffer.release());
 }
 
-// Sends the newest pointer, or the end, once there is one. The pointer's thread.
+// Sends the newest pointer, or the end, once there is one. The stream begins with the one beside
+// it: a pipeline has begun when all its streams have, and a hand may not point for long. The
+// pointer's thread.
 void send_next(GstPointerExtract *self) {
   State &state = *self->state;
   std::optional<PointerPosition> position;
+  guint group = GST_GROUP_ID_INVALID;
+  bool ends = false;
   {
     std::unique_lock lock(state.mutex);
-    state.changed.wait(lock, [&] { return state.newest || state.ended || state.stopping; });
+    state.changed.wait(lock, [&] {
+      return state.newest || state.ended || state.stopping ||
+             (!state.begun && state.group != GST_GROUP_ID_INVALID);
+    });
     if (state.stopping) {
       gst_pad_pause_task(state.pointer);
       return;
     }
     position = std::exchange(state.newest, std::nullopt);
-    if (!position) // before another stream may start the task again
+    group = state.group;
+    ends = !position && state.ended;
+    if (ends) // before another stream may start the task again
       gst_pad_pause_task(state.pointer);
   }
-  begin_stream(self);
-  if (!position) {
+  begin_stream(self, group);
+  if (ends) {
     gst_pad_push_event(state.pointer, gst_event_new_eos());
     state.begun = false; // another stream may follow
-    return;
   }
+  if (!position)
+    return;
   const GstFlowReturn result = push_pointer(self, *position);
   if (result == GST_FLOW_OK || result == GST_FLOW_NOT_LINKED)
     return;
@@ -155,6 +167,7 @@ gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
     state.stopping = !active;
     if (active) {
       state.newest.reset();
+      state.group = GST_GROUP_ID_INVALID;
       state.ended = false;
       state.begun = false;
       state.sequence = 0;
@@ -189,14 +202,17 @@ gboolean sink_event(GstPad *pad, GstObject *parent, GstEvent *event) {
     }
     state.changed.notify_all();
   }
-  // After its end, the track begins again.
   if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START ||
       GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) {
     std::unique_lock lock(state.mutex);
-    if (std::exchange(state.ended, false)) {
-      lock.unlock();
+    if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START &&
+        !gst_event_parse_group_id(event, &state.group))
+      state.group = gst_util_group_id_next();
+    const bool begins_again = std::exchange(state.ended, false);
+    lock.unlock();
+    state.changed.notify_all();
+    if (begins_again)
       start_task(state.pointer, parent);
-    }
   }
   return gst_pad_event_default(pad, parent, event);
 }

@@ -219,8 +219,9 @@ void on_sender_left(GstRtpOneSender *self, guint number, guint ssrc) {
     session->second.senders.leave(ssrc);
 }
 
-// The stream of a session ends although no sender ever came, or the last one left.
-void end_without_sender(GstRtpOneSender *self, guint number) {
+// The stream of a session ends although no sender ever came, or the last one left. Its id and its
+// group are those of the input of the session.
+void end_without_sender(GstRtpOneSender *self, guint number, GstPad *in) {
   State &state = *self->state;
   PadPtr out;
   {
@@ -231,7 +232,8 @@ void end_without_sender(GstRtpOneSender *self, guint number) {
   }
   if (!out || PadPtr(gst_ghost_pad_get_target(GST_GHOST_PAD(out.get()))))
     return;
-  gst_pad_push_event(out.get(), gst_event_new_stream_start("nobody"));
+  if (GstEvent *begin = gst_pad_get_sticky_event(in, GST_EVENT_STREAM_START, 0))
+    gst_pad_push_event(out.get(), begin);
   gst_pad_push_event(out.get(), gst_event_new_eos());
 }
 
@@ -240,7 +242,7 @@ GstPadProbeReturn on_input_event(GstRtpOneSender *self, GstPad *pad, GstPadProbe
   guint number = 0;
   if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS &&
       std::sscanf(name.get(), rtp_sink_template.name_template, &number) == 1)
-    end_without_sender(self, number);
+    end_without_sender(self, number, pad);
   return GST_PAD_PROBE_OK;
 }
 
@@ -337,11 +339,23 @@ GstPadProbeReturn on_rtcp(GstRtpOneSender *self, GstPad *pad, GstPadProbeInfo *i
 
 // ---- pads ---------------------------------------------------------------------------------------
 
-GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const gchar *name) {
+// The name of this form with the lowest number that no pad has.
+std::string free_name(GstRtpOneSender *self, const std::string &form) {
+  const std::string stem = form.substr(0, form.find('%'));
+  guint number = 0;
+  const auto name = [&] { return stem + std::to_string(number); };
+  while (PadPtr(gst_element_get_static_pad(GST_ELEMENT(self), name().c_str())))
+    ++number;
+  return name();
+}
+
+// `wanted` is nullptr if any number will do.
+GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const gchar *wanted) {
   State &state = *self->state;
   guint number = 0;
   const std::string form = GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template);
-  if (!state.rtpbin || !name || std::sscanf(name, form.c_str(), &number) != 1)
+  const std::string name = wanted ? wanted : free_name(self, form);
+  if (!state.rtpbin || std::sscanf(name.c_str(), form.c_str(), &number) != 1)
     return nullptr;
   GstPad *pad = nullptr;
   if (form == rtp_src_template.name_template) {
@@ -349,12 +363,12 @@ GstPad *request_pad(GstRtpOneSender *self, GstPadTemplate *pad_template, const g
     Session &session = state.sessions[number];
     if (session.out)
       return nullptr;
-    pad = session.out = gst_ghost_pad_new_no_target_from_template(name, pad_template);
+    pad = session.out = gst_ghost_pad_new_no_target_from_template(name.c_str(), pad_template);
   } else {
-    const PadPtr inner(gst_element_request_pad_simple(state.rtpbin, name));
+    const PadPtr inner(gst_element_request_pad_simple(state.rtpbin, name.c_str()));
     if (!inner)
       return nullptr;
-    pad = gst_ghost_pad_new_from_template(name, inner.get(), pad_template);
+    pad = gst_ghost_pad_new_from_template(name.c_str(), inner.get(), pad_template);
     add_probe<on_input_event>(self, pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM);
     if (form == rtp_sink_template.name_template)
       add_probe<on_packet>(self, pad, GST_PAD_PROBE_TYPE_BUFFER);

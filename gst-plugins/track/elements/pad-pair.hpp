@@ -38,7 +38,6 @@ inline void link_inside(const PadPair &pads) {
     gst_pad_set_iterate_internal_links_function(pad, links);
     GST_PAD_SET_PROXY_CAPS(pad);
     GST_PAD_SET_PROXY_ALLOCATION(pad);
-    GST_PAD_SET_PROXY_SCHEDULING(pad);
   }
 }
 

@@ -29,6 +29,24 @@ constexpr const char *kSoundInput = "appsrc name=sound format=time max-bytes=0 !
                                     "audioresample ! avenc_aac ! aacparse ! queue ! mux. ";
 constexpr GstClockTime kPatience = 10 * GST_SECOND; // for the encoder at the end
 
+// The muxer of MPEG-TS fails at an input that never had anything. The sound of a film may have
+// ended, or be under way, when a recording begins: then a moment of silence stands for it.
+void end_input(GstAppSrc *input) {
+  const CapsPtr known(gst_app_src_get_caps(input));
+  if (!known && g_str_equal(GST_OBJECT_NAME(input), "sound")) {
+    constexpr gsize kFrames = 1024; // of an AAC packet
+    const CapsPtr caps(
+        gst_caps_from_string("audio/x-raw,format=F32LE,layout=interleaved,rate=48000,channels=1"));
+    gst_app_src_set_caps(input, caps.get());
+    GstBuffer *silence = gst_buffer_new_allocate(nullptr, kFrames * sizeof(float), nullptr);
+    gst_buffer_memset(silence, 0, 0, kFrames * sizeof(float));
+    GST_BUFFER_PTS(silence) = 0;
+    GST_BUFFER_DURATION(silence) = gst_util_uint64_scale(kFrames, GST_SECOND, 48000);
+    gst_app_src_push_buffer(input, silence);
+  }
+  gst_app_src_end_of_stream(input);
+}
+
 bool ends_in(const std::string &text, const char *ending) {
   return g_str_has_suffix(text.c_str(), ending);
 }
@@ -54,7 +72,7 @@ struct Recorder::Tap {
 
 void Recorder::Tap::push(GstEvent *event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS)
-    gst_app_src_end_of_stream(GST_APP_SRC(input.get()));
+    end_input(GST_APP_SRC(input.get()));
   else if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
     has_caps = false;
 }
@@ -153,7 +171,7 @@ void Recorder::stop() {
   probes_.clear();
   for (const char *input : {"film", "track", "sound"})
     if (const ElementPtr element{gst_bin_get_by_name(GST_BIN(pipeline_.get()), input)})
-      gst_app_src_end_of_stream(GST_APP_SRC(element.get()));
+      end_input(GST_APP_SRC(element.get()));
 }
 
 void Recorder::finish() {

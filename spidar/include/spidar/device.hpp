@@ -45,6 +45,7 @@ public:
   /// Controller::inputs().
   std::uint16_t inputs() const noexcept;
 
+  /// As given, but with a tension_max that the largest word of each string reaches.
   const Geometry &geometry() const noexcept;
 
 private:

@@ -181,7 +181,8 @@ SPIDAR_C_API int spidar_release(spidar_device *device);
 
 /* Switches off these parts (SPIDAR_SAFETY_...), and no others: 0 switches all on. For an experiment
  * whose own program, or a person at the power switch, stands in for them. With SPIDAR_SAFETY_ALL
- * the tensions of the strings alone are limited, and spidar_release() takes the force off at once.
+ * the tensions of the strings alone are limited, and the torque that comes with a force unasked
+ * (20 mN.m); spidar_release() takes the force off at once.
  * Real-time safe. */
 SPIDAR_C_API int spidar_switch_off_safety(spidar_device *device, uint32_t parts);
 

@@ -88,6 +88,18 @@ DeviceLimits limits_of(const Geometry &geometry) noexcept {
   return limits;
 }
 
+namespace {
+
+// No string pulls more than its largest word says, or the solver would count on more than comes.
+Geometry within_words(Geometry geometry) noexcept {
+  for (std::size_t i = 0; i < kStrings; ++i)
+    geometry.tension_max = std::min(geometry.tension_max,
+                                    geometry.dac_limit / std::abs(digits_per_newton(geometry, i)));
+  return geometry;
+}
+
+} // namespace
+
 struct Device::Implementation {
   std::unique_ptr<Controller> controller;
   Geometry geometry;
@@ -118,7 +130,7 @@ struct Device::Implementation {
 
   Implementation(std::unique_ptr<Controller> the_controller, Geometry the_geometry,
                  double the_period)
-      : controller(std::move(the_controller)), geometry(std::move(the_geometry)),
+      : controller(std::move(the_controller)), geometry(within_words(std::move(the_geometry))),
         limits(limits_of(geometry)), period(the_period), pose_solver(geometry),
         tension_solver(geometry), slip(geometry.grip_radius),
         home_lengths(string_lengths(geometry, {})), pull(string_kinematics(geometry, {}).pull) {

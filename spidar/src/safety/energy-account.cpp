@@ -34,6 +34,8 @@ void EnergyAccount::charge(const Charge &charge) noexcept {
   const double time = std::max(charge.time, 0.0);
   const double all = work(charge.acted, charge);
   film_ = std::min(film_ + kWorkRate * time - std::max(all, 0.0), kWorkAtOnce);
+  if (!charge.limits_film)
+    film_ = std::max(film_, 0.0);
   hand_ += charge.surface_work;
   if (charge.by_hand)
     hand_ += charge.trickle * time - (all - work(charge.film, charge)) +

@@ -29,7 +29,8 @@ public:
     double hidden_work = 0;  ///< J, of a thing, that the measured way hides; pays only a debt
     spidar::Vector3 carried = spidar::Vector3::Zero(); ///< m, a thing that pulls at the hand
     double most = 0; ///< J, that the hand may have back; what is above it is lost, a debt is not
-    double time = 0; ///< s
+    bool limits_film = true; ///< else the film's work is no debt
+    double time = 0;         ///< s
   };
   void charge(const Charge &charge) noexcept;
   /// The pose is measured anew.

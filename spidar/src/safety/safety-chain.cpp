@@ -28,6 +28,9 @@ constexpr std::array kFadeTimes = {
     FadeTimes{kHoldSlipped, 0.05, 0.2},   FadeTimes{kHoldShaking, 0.05, 0.5},
 };
 
+// Of a film's part that ends beside a touch or a carried hand: that of kHoldGap and kHoldStale.
+constexpr double kFilmFade = 0.1; // s
+
 // These may last for one tick only; the fade must still reach zero.
 constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate | kHoldCut;
 
@@ -122,6 +125,7 @@ double stale_after(double interval) noexcept {
 void SafetyChain::Input::make_certain(double share) noexcept {
   const bool fresh = measured && age <= stale_after(interval);
   share *= fresh ? trust : 0;
+  film_has_ended = film_has_ended || !fresh;
   wanted.force *= share;
   wanted.torque *= share;
   of_hand *= share;
@@ -262,6 +266,7 @@ void SafetyChain::account_for_energy(const Input &input) noexcept {
                    .carried = input.touch.carried.value_or(Vector3::Zero()),
                    .most = std::min(std::max(input.touch.energy, fading) + of_law + lent_,
                                     device_.most_for_hand() * input.max_force),
+                   .limits_film = input.limits_work,
                    .time = input.dt});
 }
 
@@ -275,12 +280,15 @@ bool SafetyChain::Parts::limit_force(double limit) noexcept {
   return true;
 }
 
-// At most so many N, each part and both together; `released` more where the hand's part falls.
-void SafetyChain::approach(const Parts &wanted, double step, double released) noexcept {
+// At most so many N, each part and both together; `released` more where the hand's part falls. A
+// film's part that has ended goes first.
+void SafetyChain::approach(const Parts &wanted, double step, const Input &input) noexcept {
   const bool falls = wanted.hand.norm() < parts_.hand.norm();
-  const double most = falls ? step + released : step;
+  const double most = falls ? step + input.touch.released : step;
   const Vector3 film = clamp_norm(wanted.film.force - parts_.film.force, step);
-  const Vector3 hand = clamp_norm(wanted.hand - parts_.hand, most);
+  Vector3 hand = clamp_norm(wanted.hand - parts_.hand, most);
+  if (input.film_has_ended)
+    hand = clamp_norm(hand, std::max(most - film.norm(), 0.0));
   const double both = (film + hand).norm();
   const double share = both > most ? most / both : 1;
   parts_.film.force += share * film;
@@ -317,13 +325,24 @@ void SafetyChain::follow(const Input &input) noexcept {
   const double before = output_.force.norm();
   const double most = std::min(std::max(input.max_force, before - fall),
                                std::max(force_limit_, before - budget_fall));
-  approach(wanted, step, input.touch.released);
+  const Wrench film = parts_.film; // before
+  approach(wanted, step, input);
   note_limit((wanted.force() - parts_.force()).norm() > kRounding * input.max_force, kLimitSlew);
   note_limit(parts_.limit_force(most), kLimitForce);
   Vector3 &torque = parts_.film.torque;
   const double torque_limit = std::max(input.max_torque, torque.norm() - fall * kTorqueArm);
   torque += clamp_norm(wanted.film.torque - torque, step * kTorqueArm);
   torque = clamp_norm(torque, torque_limit);
+
+  // Where the slew rate is slower.
+  if (!input.film_has_ended)
+    film_left_ = kFilmFade;
+  const double kept = film_left_ > dt * (1 + 1e-6) ? (film_left_ - dt) / film_left_ : 0;
+  film_left_ = std::max(film_left_ - dt, 0.0);
+  if (input.film_has_ended) {
+    parts_.film.force = clamp_norm(parts_.film.force, kept * film.force.norm());
+    torque = clamp_norm(torque, kept * film.torque.norm());
+  }
 
   // The slew rate does not delay this limit: a carried hand uses up the work within milliseconds.
   const double left = input.limits_work ? account_.share_of_film() : 1;

@@ -101,7 +101,7 @@ struct TouchForce {
   double released = 0; ///< N, by the hand\'s own way out since the step before: not slew-limited
 };
 
-/// Order: finite or nothing, holds and staleness (fade), trust, norm clamp, budget for
+/// Order: finite or nothing, holds and staleness (fade), norm clamp, trust, budget for
 /// continuous force, damping, slew limit, norm clamp, energy account, brake of the turning grip.
 /// The slew limit delays what the law, its trust and the touch say, and no hold, lowered
 /// maximum, end of a touch or of the energy. One thread; real-time safe.
@@ -132,11 +132,13 @@ public:
     double slew_rate = 0;        ///< N/s; for the torque at kTorqueArm
     double damping = 0;          ///< N·s/m
     bool limits_work = true;     ///< of the film on the hand
+    bool film_has_ended = false; ///< only what acts beside the law is measured
     double dt = 0;               ///< s since the step before
     double longest_dt = 0;       ///< s, the longest that may come
 
     /// What acts beside the law is certain: of the sum, the law fades with its own trust, and
-    /// only `share` of it (0..1) is left.
+    /// only `share` of it (0..1) is left. Where the law has no measurement, its part fades as it
+    /// would alone.
     void make_certain(double share = 1) noexcept;
   };
 
@@ -202,7 +204,7 @@ private:
   void silence() noexcept;
   void fade_out(std::uint32_t holds, double dt) noexcept;
   void follow(const Input &input) noexcept;
-  void approach(const Parts &wanted, double step, double released) noexcept;
+  void approach(const Parts &wanted, double step, const Input &input) noexcept;
   void account_for_energy(const Input &input) noexcept;
   void note_limit(bool acted, Limit limit) noexcept { limits_ |= acted ? limit : 0U; }
 
@@ -216,6 +218,7 @@ private:
   double envelope_ = 0;            // 0..1
   double fade_left_ = 0;           // s until zero, while held
   double fade_in_ = 0.05;          // s from zero to full, when no longer held
+  double film_left_ = 0;           // s until the film's part is zero, once it has ended
   double gate_ = 0;                // 0..1, from the trust
   EnergyAccount account_;
   double lent_ = 0; // J, beyond what the purse holds, in the last step

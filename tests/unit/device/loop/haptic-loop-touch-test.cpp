@@ -81,6 +81,32 @@ TEST_P(TouchingLoop, AfterTheGuardianTookTheForceTheSurfaceBeginsAtTheHand) {
   EXPECT_LT(force().z(), 0.1);
 }
 
+// A hold has left the surface at the hand.
+TEST_P(TouchingLoop, ALostReplyLiftsNoHandThatIsBeneathTheSurface) {
+  open_touching(TouchMode::surface, "hold:0,0,0");
+  touch_for(plane_, 1000);
+  mishaps_->let_go = true;
+  touch_for(plane_, 500);
+  mishaps_->cut = true;
+  ticks(1);
+  mishaps_->cut = false;
+  touch_for(plane_, 1000);
+  EXPECT_LT(force().z(), 0.1);
+}
+
+TEST_P(TouchingLoop, AMotionThatEndsBesideASurfaceFadesWhateverTheSlewRate) {
+  open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
+  haptic::LoopSettings settings;
+  settings.touch = TouchMode::surface_and_motion;
+  settings.slew_rate = 0.5; // N/s
+  loop_.set_settings(settings);
+  touch_for(plane_, 2000, 100);
+  ASSERT_GT(force().x(), 0.4);
+  touch_for(plane_, 250); // stale after 100 ms
+  EXPECT_NEAR(force().head<2>().norm(), 0, 0.005);
+  EXPECT_GT(force().z(), 0.01); // at this slew rate a surface is soft
+}
+
 TEST_P(TouchingLoop, SurfaceAndMotionAddUp) {
   open_touching(TouchMode::surface_and_motion, "hold:0,0,0");
   touch_for(plane_, 1000, 100);

@@ -131,6 +131,18 @@ TEST(MotionInterpolator, ACutIsToldOnceWhenItIsPassed) {
   EXPECT_FALSE(motion.at(141 * kMs).cut);
 }
 
+TEST(MotionInterpolator, ACutThatTheNextFrameReplacesIsToldAllTheSame) {
+  MotionInterpolator motion;
+  motion.add(at(kAtOnce, 50), 20 * kMs);
+  motion.at(20 * kMs);
+  auto cut = gap(kAtOnce);
+  cut.sample.flags = haptic::kMotionCut;
+  motion.add(std::move(cut), 60 * kMs);
+  motion.add(at(kAtOnce, -50), 60 * kMs);
+  EXPECT_TRUE(motion.at(60 * kMs).cut);
+  EXPECT_FALSE(motion.at(61 * kMs).cut);
+}
+
 TEST(MotionInterpolator, AgeCountsFromWhenTheNewestFrameIsDue) {
   MotionInterpolator motion;
   motion.add(at(100 * kMs, 50), 60 * kMs); // due at 120 ms

@@ -244,6 +244,21 @@ TEST_F(Limited, TheWorkOnTheHandIsLimitedUnlessThatIsSwitchedOff) {
   EXPECT_NEAR(lead(1000), 2.5, 1e-9);
 }
 
+TEST_F(Limited, WorkThatWasDoneWithoutItsLimitIsNoDebtLater) {
+  device_.set_limits({.force = 5, .continuous_force = 0, .damping = 0});
+  device_.switch_off_safety(LimitedDevice::kWork);
+  device_.command(push(5));
+  for (int i = 0; i < 10'000; ++i) { // 25 J
+    grip_.now.acted = grip_.sent.value_or(Wrench{});
+    grip_.now.moved.x() = 0.5e-3;
+    after(1);
+  }
+  grip_.now.moved.setZero();
+  device_.switch_off_safety(0);
+  after(1000);
+  EXPECT_NEAR(grip_.sent->force.x(), 5, 1e-9);
+}
+
 TEST_F(Limited, WithEverythingSwitchedOffALatchOfBeforeHoldsNothing) {
   device_.command(push(1));
   grip_.now.velocity.x() = 3;

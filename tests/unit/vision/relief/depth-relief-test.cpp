@@ -171,7 +171,8 @@ TEST(DepthRelief, SaysWhetherThereIsASurface) {
     const Depth depth([&](int, int) { return is_known(random) ? 2000 : kNothing; });
     ReliefField relief = empty_relief();
     haptic::DepthRelief maker;
-    EXPECT_EQ(maker.make(depth.view(), metre_scale(), relief), !is_silent(relief)) << share;
+    const bool is_told = maker.make(depth.view(), metre_scale(), relief);
+    EXPECT_EQ(is_told, !is_silent(relief)) << share;
     surfaces += !is_silent(relief);
   }
   EXPECT_GT(surfaces, 0);
