@@ -364,31 +364,6 @@ TEST_F(HapticConvert, ASeekOverAChangeOfBandsIsFelt) {
   }
 }
 
-// Its units lie at the same places as those of the stream before.
-TEST_F(HapticConvert, AnotherStreamOfHmpgHasItsOwnTimes) {
-  const std::unique_ptr<GstHarness, decltype(&gst_harness_teardown)> harness(
-      gst_harness_new("hmpgparse"), gst_harness_teardown);
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_BYTES);
-  for (const std::uint32_t duration : {haptic::kTrackTimescale, haptic::kTrackTimescale / 10}) {
-    gst_harness_push_event(harness.get(),
-                           gst_event_new_stream_start(std::to_string(duration).c_str()));
-    gst_harness_push_event(harness.get(), gst_event_new_segment(&segment));
-    Bytes bytes = haptic::write_initialization_unit(haptic::track_experience("2026-01-01"));
-    const Bytes silence = haptic::write_silent_unit(duration);
-    for (int i = 0; i < 4; ++i)
-      bytes.insert(bytes.end(), silence.begin(), silence.end());
-    EXPECT_EQ(gst_harness_push(harness.get(), gst_buffer_new_memdup(bytes.data(), bytes.size())),
-              GST_FLOW_OK);
-    const haptic::BufferPtr initialization(gst_harness_try_pull(harness.get()));
-    for (std::uint64_t i = 0; i < 4; ++i) {
-      const haptic::BufferPtr unit(gst_harness_try_pull(harness.get()));
-      ASSERT_NE(unit, nullptr);
-      EXPECT_EQ(GST_BUFFER_PTS(unit.get()), haptic::ns_of(i * duration, haptic::kTrackTimescale));
-    }
-  }
-}
-
 TEST_F(HapticConvert, TheLatencyIsOneUnitAndWhatALiveReaderHoldsBack) {
   for (const bool live : {false, true}) {
     test::Pipeline pipeline(kIn + (live ? " is-live=true" : "") +

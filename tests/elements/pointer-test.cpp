@@ -168,15 +168,18 @@ TEST(PointerElements, StartAndStopAtOnceManyTimes) {
   }
 }
 
-// Neither element can be pulled.
-TEST(PointerElements, AFileBehindThemIsPushedIntoItsParser) {
+TEST(PointerElements, OfferNoPullingOfTheFileBehindThem) {
   gst_init(nullptr, nullptr);
   for (const std::string name : {"pointerextract", "pointerinject"}) {
     const test::Pipeline pipeline("filesrc location=" SOURCE_ROOT "/tests/data/golden.hmpg ! " +
-                                  name + " ! hmpgparse ! fakesink");
+                                  name + " name=e ! fakesink");
     gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
-    EXPECT_EQ(gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND),
-              GST_STATE_CHANGE_SUCCESS)
+    gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND);
+    const haptic::ElementPtr element(gst_bin_get_by_name(GST_BIN(pipeline.get()), "e"));
+    const haptic::PadPtr pad(gst_element_get_static_pad(element.get(), "src"));
+    const haptic::QueryPtr query(gst_query_new_scheduling());
+    EXPECT_FALSE(gst_pad_query(pad.get(), query.get()) &&
+                 gst_query_has_scheduling_mode(query.get(), GST_PAD_MODE_PULL))
         << name;
   }
 }

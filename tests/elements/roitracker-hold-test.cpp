@@ -120,7 +120,27 @@ TEST_F(Hold, WhatIsFeltIsTheMotionOfTheThing) {
   EXPECT_NEAR(found->x, 2, 0.05);
   EXPECT_NEAR(found->y, -1, 0.05);
   EXPECT_EQ(motion_of(frame).n_patches, 1U);
-  EXPECT_EQ(motion_of(frame).flags & GST_HAPTIC_MOTION_TILED, 0U) << "it is no tile of the region";
+}
+
+// A disc goes right by 1 px a frame before a ground that rests.
+TEST_F(Hold, AThingIsNoTileOfItsRegion) {
+  constexpr int kRadius = 18; // px
+  const Texture ground{8};
+  const auto is_tiled = [&](int i) {
+    Frame frame = ground.frame(kWidth, kHeight, {});
+    Frame disc = texture.frame(kWidth, kHeight, {1.0 * i, 0});
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (std::hypot(x - kWidth / 2 + 10 - i, y - kHeight / 2) < kRadius)
+          frame.at(x, y) = disc.at(x, y);
+    return (motion_of(pass(frame, i)).flags & GST_HAPTIC_MOTION_TILED) != 0;
+  };
+  for (int i = 0; i < 15; ++i)
+    is_tiled(i);
+  ASSERT_TRUE(is_tiled(15)) << "two layers";
+  press(true);
+  is_tiled(16);
+  EXPECT_FALSE(is_tiled(17));
 }
 
 TEST_F(Hold, TheRegionGoesWithTheThing) {

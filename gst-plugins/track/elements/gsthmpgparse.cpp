@@ -49,7 +49,7 @@ struct IndexEntry {
 constexpr std::size_t kMostIndexed = 1'000'000; // nine hours of 33 ms
 
 struct State {
-  // Object lock. Of the newest stream, in order from its beginning.
+  // Object lock. In order, from the beginning of the stream.
   std::vector<IndexEntry> index;
   std::uint64_t index_end = 0; // bytes
 
@@ -377,17 +377,6 @@ GstFlowReturn handle_frame(GstBaseParse *parse, GstBaseParseFrame *frame, gint *
       parse, frame, static_cast<gint>(haptic::kUnitHeaderSize + found.header->length));
 }
 
-// The units of another file lie elsewhere.
-gboolean sink_event(GstBaseParse *parse, GstEvent *event) {
-  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
-    State &state = *GST_HMPG_PARSE(parse)->state;
-    const haptic::ObjectLock lock(parse);
-    state.index.clear();
-    state.index_end = 0;
-  }
-  return GST_BASE_PARSE_CLASS(gst_hmpg_parse_parent_class)->sink_event(parse, event);
-}
-
 gboolean start(GstBaseParse *parse) {
   gst_base_parse_set_min_frame_size(parse, haptic::kUnitHeaderSize);
   return TRUE;
@@ -414,7 +403,6 @@ static void gst_hmpg_parse_class_init(GstHmpgParseClass *klass) {
       "Cuts a stream of MPEG haptics (.hmpg) into units", HAPTIC_HMPG_TYPE, HAPTIC_HMPG_CAPS);
   parse_class->start = kGuarded<start>;
   parse_class->stop = kGuarded<stop>;
-  parse_class->sink_event = kGuarded<sink_event>;
   parse_class->convert = kGuarded<convert>;
   parse_class->pre_push_frame = kGuarded<push_initialization>;
   parse_class->handle_frame = kGuarded<handle_frame>;

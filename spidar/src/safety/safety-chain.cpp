@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -17,19 +18,18 @@ struct FadeTimes {
   double in;  // s, from zero to full
 };
 
-constexpr std::array kFadeTimes = {
-    FadeTimes{kHoldClosed, 0, 0.05},      FadeTimes{kHoldPaused, 0.1, 0.05},
-    FadeTimes{kHoldFlushing, 0.05, 0.2},  FadeTimes{kHoldEnded, 0.1, 0.2},
-    FadeTimes{kHoldReleased, 0.05, 0.5},  FadeTimes{kHoldOverspeed, 0.05, 0.5},
-    FadeTimes{kHoldFaulted, 0, 0.5},      FadeTimes{kHoldLate, 0.05, 0.2},
-    FadeTimes{kHoldNoPose, 0.05, 0.2},    FadeTimes{kHoldGap, 0.1, 0.05},
-    FadeTimes{kHoldStale, 0.1, 0.05},     FadeTimes{kHoldCut, 0.05, 0.05},
-    FadeTimes{kHoldSuspended, 0.05, 0.5}, FadeTimes{kHoldDeadMan, 0.05, 0.2},
-    FadeTimes{kHoldSlipped, 0.05, 0.2},   FadeTimes{kHoldShaking, 0.05, 0.5},
-};
+constexpr double kFilmFade = 0.1; // s, of a force whose motion is no longer measured
 
-// Of a film's part that ends beside a touch or a carried hand: that of kHoldGap and kHoldStale.
-constexpr double kFilmFade = 0.1; // s
+constexpr std::array kFadeTimes = {
+    FadeTimes{kHoldClosed, 0, 0.05},        FadeTimes{kHoldPaused, 0.1, 0.05},
+    FadeTimes{kHoldFlushing, 0.05, 0.2},    FadeTimes{kHoldEnded, 0.1, 0.2},
+    FadeTimes{kHoldReleased, 0.05, 0.5},    FadeTimes{kHoldOverspeed, 0.05, 0.5},
+    FadeTimes{kHoldFaulted, 0, 0.5},        FadeTimes{kHoldLate, 0.05, 0.2},
+    FadeTimes{kHoldNoPose, 0.05, 0.2},      FadeTimes{kHoldGap, kFilmFade, 0.05},
+    FadeTimes{kHoldStale, kFilmFade, 0.05}, FadeTimes{kHoldCut, 0.05, 0.05},
+    FadeTimes{kHoldSuspended, 0.05, 0.5},   FadeTimes{kHoldDeadMan, 0.05, 0.2},
+    FadeTimes{kHoldSlipped, 0.05, 0.2},     FadeTimes{kHoldShaking, 0.05, 0.5},
+};
 
 // These may last for one tick only; the fade must still reach zero.
 constexpr std::uint32_t kUntilZero = kHoldFlushing | kHoldLate | kHoldCut;
@@ -55,6 +55,15 @@ constexpr double kUsualPeriod = 0.001; // s
 // The budget for continuous force spares motors and hand over a minute, and has time.
 constexpr double kBudgetFalls = 20; // N/s
 
+// Returns the factor of a step of a fall in a straight line that reaches zero in `left` s, which
+// becomes less. The tolerance keeps rounding from adding a step.
+double factor_of_fade(double &left, double dt) {
+  if (left <= dt * (1 + 1e-6))
+    return left = 0;
+  const double before = std::exchange(left, left - dt);
+  return left / before;
+}
+
 bool is_finite(const SafetyChain::Input &input) {
   return input.wanted.force.allFinite() && input.wanted.torque.allFinite() &&
          input.of_hand.allFinite() && input.touch.force.allFinite() &&
@@ -77,11 +86,11 @@ double credit(const SafetyChain::Input &input, const spidar::DeviceLimits &devic
 }
 
 // The spring to a held thing has some µJ, less than the errors of the measured force and way are
-// worth: it is lent more.
-double lent(const SafetyChain::Input &input, const spidar::DeviceLimits &device) {
+// worth: it is lent more. `fades`: of a touch that has ended the force still acts.
+double lent(const SafetyChain::Input &input, const spidar::DeviceLimits &device, bool fades) {
   if (input.touch.carried)
     return credit(input, device);
-  return input.touch.energy > 0 ? kLent * input.max_force : 0;
+  return input.touch.energy > 0 || fades ? kLent * input.max_force : 0;
 }
 
 // Returns -min(b (|v| - v_0), |F|) v / |v| for |v| > v_0 = kUndamped. Never stronger than the force
@@ -233,13 +242,9 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
   holds_ = holds;
   note_limit(true, kLimitFade);
 
-  // The tolerance keeps rounding from adding a step.
-  if (fade_left_ <= dt * (1 + 1e-6)) {
-    fade_left_ = 0;
+  const double factor = factor_of_fade(fade_left_, dt);
+  if (factor == 0)
     return silence();
-  }
-  const double factor = (fade_left_ - dt) / fade_left_;
-  fade_left_ -= dt;
   envelope_ *= factor;
   parts_.film.force *= factor;
   parts_.film.torque *= factor;
@@ -248,7 +253,7 @@ void SafetyChain::fade_out(std::uint32_t holds, double dt) noexcept {
 
 // The device sends a command at the next exchange, and it acts until the one after that.
 void SafetyChain::account_for_energy(const Input &input) noexcept {
-  lent_ = lent(input, device_);
+  lent_ = lent(input, device_, accepted_.hand.isZero(0) && !parts_.hand.isZero(0));
   const double most_for_law = device_.let_go_speed * device_.delay * kUsualPeriod; // J per N
   const double of_law = accepted_.hand.isZero(0) ? 0 : most_for_law * input.max_force;
   // Of a touch that has ended the force still acts, with its energy.
@@ -334,12 +339,10 @@ void SafetyChain::follow(const Input &input) noexcept {
   torque += clamp_norm(wanted.film.torque - torque, step * kTorqueArm);
   torque = clamp_norm(torque, torque_limit);
 
-  // Where the slew rate is slower.
-  if (!input.film_has_ended)
+  if (!input.film_has_ended) {
     film_left_ = kFilmFade;
-  const double kept = film_left_ > dt * (1 + 1e-6) ? (film_left_ - dt) / film_left_ : 0;
-  film_left_ = std::max(film_left_ - dt, 0.0);
-  if (input.film_has_ended) {
+  } else { // where the slew rate is slower
+    const double kept = factor_of_fade(film_left_, dt);
     parts_.film.force = clamp_norm(parts_.film.force, kept * film.force.norm());
     torque = clamp_norm(torque, kept * film.torque.norm());
   }
