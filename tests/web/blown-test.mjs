@@ -19,10 +19,12 @@ const GAP = 100; // ms without a frame of the film, which other work on the mach
 
 // Runs in the page before its scripts: what force it computes, in each frame of the screen.
 function keepForces() {
-  window.computed = []; // {frame: ms, x, y: N}
+  window.computed = []; // {frame, now: ms, x, y: N}; after a stall Firefox may still tell the frame before it
   const dispatch = EventTarget.prototype.dispatchEvent;
   EventTarget.prototype.dispatchEvent = function (event) {
-    if (event.type === 'force') window.computed.push({ frame: document.timeline.currentTime, ...event.detail });
+    if (event.type === 'force') {
+      window.computed.push({ frame: document.timeline.currentTime, now: performance.now(), ...event.detail });
+    }
     return dispatch.call(this, event);
   };
 }
@@ -113,9 +115,9 @@ for (const name of browsers()) {
   promise('within 1 px of the force, at most one frame late', most('late') <= WITHIN);
   promise('which two frames late it would not be', seen.some(hand => hand.old > WITHIN));
   const expected = expectedForces(`${films}/cmaf-film.m4s`, { place, alpha: ALPHA, until: UNTIL + 1 });
-  const isHeldUp = frame => shown.some((time, i) => frame > time && frame < (shown[i + 1] ?? Infinity) + GAP
-    && (shown[i + 1] ?? frame) - time > GAP);
-  const forces = computed.filter(({ frame, time }) => frame > shown[0] && time < UNTIL && !isHeldUp(frame));
+  const isHeldUp = now => shown.some((time, i) => now > time && now < (shown[i + 1] ?? Infinity) + GAP
+    && (shown[i + 1] ?? now) - time > GAP);
+  const forces = computed.filter(({ now, time }) => now > shown[0] + GAP && time < UNTIL && !isHeldUp(now));
   const drops = forces.filter(({ time, newtons }) => newtons === 0 && isFelt(expected, time));
   const errors = forces.map(({ time, newtons }) => Math.abs(newtons - expected[Math.round(60 * time)][1]))
     .sort((a, b) => a - b);
