@@ -70,6 +70,16 @@ for (const name of browsers()) {
   await page.keyboard.press('ArrowRight');
   promise('so are the arrow keys', await page.evaluate(() =>
     document.querySelector('feeling-wind').player.place.x > 0.43));
+  await page.keyboard.press('Escape');
+  promise('until Escape', await page.evaluate(() => document.querySelector('feeling-wind').player.place === null));
+  const presses = async button => {
+    await page.mouse.down({ button });
+    const pressed = await page.evaluate(() => document.querySelector('feeling-wind').player.pressed);
+    await page.mouse.up({ button });
+    return pressed;
+  };
+  await page.evaluate(() => { document.querySelector('feeling-wind').video.controls = false; }); // Firefox keeps theirs
+  promise('the left button presses, and no other', await presses('left') && !await presses('right'));
   const second = await page.evaluate(async place => {
     const { video, player } = document.querySelector('feeling-wind');
     const forces = [];
@@ -91,6 +101,15 @@ for (const name of browsers()) {
   await page.evaluate(() => document.querySelector('feeling-wind').setAttribute('src', 'missing.mp4'));
   promise('a film that is missing is said', await page.waitForFunction(() => /cannot be played/.test(
     document.querySelector('feeling-wind').shadowRoot.querySelector('[role=alert]').textContent)));
+  promise('a film that is refused is said in the words of the page, as an event, too', await page.evaluate(async () => {
+    const element = document.querySelector('feeling-wind'), told = [];
+    element.addEventListener('problem', ({ detail, code }) => told.push(detail, code));
+    element.texts = { 'origin-refused': 'Nicht von {host}.' };
+    element.setAttribute('src', 'http://elsewhere.example/film.m3u8');
+    await new Promise(done => setTimeout(done, 100));
+    const shown = element.shadowRoot.querySelector('[role=alert]').textContent;
+    return told.join() === 'Nicht von elsewhere.example.,origin-refused' && shown === told[0];
+  }));
   promise('an element that is removed lets go', await page.evaluate(() => {
     const element = document.querySelector('feeling-wind');
     element.remove();

@@ -58,8 +58,8 @@ export class FakeVideo extends EventTarget {
   /** Goes to a place, whose first frame is still to be shown. */
   seek(time) {
     this.seeking = true;
-    this.#tell('seeking');
     this.#time = this.currentTime = time;
+    this.#tell('seeking');
     this.seeking = false;
     this.#tell('seeked');
   }

@@ -241,6 +241,17 @@ async function inElement(browser, name) {
   await delay(200);
   promise('a click there does what it did', await plays() === (name !== 'chromium'));
   await page.evaluate(() => {
+    const { player, video } = document.querySelector('feeling-wind');
+    Object.defineProperty(player, 'hasReliefs', { value: true, configurable: true });
+    return video.play();
+  });
+  await page.mouse.down();
+  await delay(800);
+  await page.mouse.up();
+  await delay(200);
+  promise('nor does the end of a touch stop it, which holds nothing', await plays());
+  await page.evaluate(() => { delete document.querySelector('feeling-wind').player.hasReliefs; });
+  await page.evaluate(() => {
     const { video } = document.querySelector('feeling-wind');
     video.controls = true;
     return video.play();

@@ -55,6 +55,28 @@ console.log(`cells in a call: ${work}`);
 promise('a seek in a hostile track does a little in each call', Math.max(...work) <= 1e5 + cells && work[1] > 0);
 promise('and ends', decoded === fields * cells && work.at(-1) === 0);
 
+// Many packets, at none of which decoding may begin, from the last to the first.
+const many = 5000, backwards = [];
+for (let frame = many; frame > 0; --frame)
+  backwards.push(...set([[1, [1]], [2, [1]], [3, [...whole(0), ...whole(1e5 * frame * 2)]], [32, key(2, 2, 13, 40_000)]]));
+const { splice } = Array.prototype;
+let moved = 0, looked = 0;
+Array.prototype.splice = function (at, ...rest) {
+  moved += this.length - at;
+  return splice.call(this, at, ...rest);
+};
+Object.defineProperty(Object.prototype, 'starts', { configurable: true, set(starts) {
+  Object.defineProperty(this, 'starts', { get: () => (++looked, starts) });
+} });
+const turned = new MotionTrack();
+turned.add(Uint8Array.from(backwards));
+promise('a track that is written backwards is put in order at once', turned.length === many && moved < many);
+for (let tick = 0; tick < 100; ++tick) turned.at(1 + tick / 1000, HERE);
+Array.prototype.splice = splice;
+delete Object.prototype.starts;
+console.log(`${looked} packets were asked whether decoding may begin there`);
+promise('and where decoding begins is not looked for in each tick', looked > 0 && looked < 4 * many);
+
 // A server that fails, and one that has no such file.
 Object.assign(globalThis, { location: { origin: 'http://here' }, setTimeout: done => queueMicrotask(done) });
 const answers = [null, { status: 503 }, { ok: true, arrayBuffer: async () => { throw new Error('cut'); } },
@@ -93,10 +115,18 @@ for (let i = 0; i < 20_000; ++i) {
   mediaType(damaged);
 }
 promise('damaged segments are read without an error', true);
-const list = readPlaylist('#EXTM3U\n#EXT-X-MAP:URI="a.mp4"\n#EXTINF:4,\nb.m4s\n#EXTINF:2.5,\nc.m4s\n',
-  'http://here/film/x.m3u8');
+const PLAIN = '#EXTM3U\n#EXT-X-MAP:URI="a.mp4"\n#EXTINF:4,\nb.m4s\n#EXTINF:2.5,\nc.m4s\n#EXT-X-ENDLIST\n';
+const list = readPlaylist(PLAIN, 'http://here/film/x.m3u8');
 promise('a plain playlist is read', list.map === 'http://here/film/a.mp4' && list.segments[1].start === 4
-  && list.segments[1].url === 'http://here/film/c.m4s');
-promise('one that is encrypted or not CMAF is left to hls.js', [
-  '#EXTM3U\n#EXT-X-KEY:METHOD=AES-128,URI="k"\n#EXT-X-MAP:URI="a.mp4"\n#EXTINF:4,\nb.m4s', '#EXTM3U\n#EXTINF:4,\nb.ts', '<html>',
-].every(text => readPlaylist(text, 'http://here/') === null));
+  && list.segments[1].url === 'http://here/film/c.m4s' && list.from === 0);
+promise('and where its film begins', readPlaylist(
+  PLAIN.replace('#EXT-X-MAP', '#EXT-X-START:TIME-OFFSET=0.500000,PRECISE=YES\n#EXT-X-MAP'), 'http://here/').from === 0.5);
+for (const [what, text] of [
+  ['that is encrypted', PLAIN.replace('#EXTINF', '#EXT-X-KEY:METHOD=AES-128,URI="k"\n#EXTINF')],
+  ['that is not CMAF', '#EXTM3U\n#EXTINF:4,\nb.ts\n#EXT-X-ENDLIST\n'],
+  ['that goes on', PLAIN.replace('#EXT-X-ENDLIST\n', '')],
+  ['of two films', PLAIN.replace('#EXTINF:2.5', '#EXT-X-DISCONTINUITY\n#EXTINF:2.5')],
+  ['with a second header', PLAIN.replace('#EXTINF:2.5', '#EXT-X-MAP:URI="d.mp4"\n#EXTINF:2.5')],
+  ['with sound of its own', '#EXTM3U\n#EXT-X-MEDIA:TYPE=AUDIO,GROUP-ID="a",URI="a.m3u8"\n#EXT-X-STREAM-INF:AUDIO="a"\nb.m3u8\n'],
+  ['that is none', '<html>'],
+]) promise(`a playlist ${what} is left to hls.js`, readPlaylist(text, 'http://here/') === null);

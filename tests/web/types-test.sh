@@ -11,7 +11,7 @@ promise "the types and what uses them compile" tsc --noEmit --strict --lib es202
 
 # The members of the interface Player are those of the class in player.js that have a name without #, be they fields.
 declared() {
-  sed -n '/^export interface Player/,/^}/s/^  \(readonly \)\?\([a-zA-Z]*\)[(:].*/\2/p' $web/player.d.ts | sort
+  sed -n '/^export interface Player /,/^}/s/^  \(readonly \)\?\([a-zA-Z]*\)[(:].*/\2/p' $web/player.d.ts | sort
 }
 defined() {
   sed -n '/^class Player/,/^}/s/^  \(async \|get \|set \)\?\([a-zA-Z]*\)\((.*{\| = \).*/\2/p' $web/player.js | grep -v constructor | sort -u

@@ -6,7 +6,10 @@ import { Hold, watchHolding, type FeelingWind } from '../../pipelines/web/player
 // As much of a browser as is needed: all of it takes seconds to compile.
 declare global {
   interface HTMLVideoElement { readonly currentTime: number }
-  interface EventTarget { addEventListener(type: string, listener: (event: { detail: unknown }) => void): void }
+  interface AddEventListenerOptions { once?: boolean; signal?: AbortSignal }
+  interface Event { readonly type: string }
+  interface EventTarget { addEventListener(type: string, listener: (event: Event) => void, options?: AddEventListenerOptions): void }
+  interface HTMLElementTagNameMap { video: HTMLVideoElement }
   class HTMLElement extends EventTarget {}
   class EventTarget {}
   interface CanvasRenderingContext2D { readonly canvas: unknown }
@@ -30,7 +33,10 @@ player.place = place;
 player.place = null;
 [player.strength, player.alpha] = [1, 0.01];
 player.addPacket(new Uint8Array(3), player.force.x + player.force.y);
-player.addEventListener('force', ({ detail }) => console.log(detail));
+player.addEventListener('force', ({ detail }) => console.log(detail.newtons));
+player.addEventListener('problem', ({ detail, code }) => console.log(detail.toUpperCase(), code), { once: true });
+player.addEventListener('hold', ({ detail }) => console.log(detail?.state));
+player.addEventListener('another', ({ type }) => console.log(type));
 player.addPacket(new Uint8Array(3));
 player.loadTrack('film.klv');
 player.load('film.m3u8').catch((error: unknown) => console.log(error instanceof Refusal && error.code));
@@ -51,11 +57,14 @@ console.log(player.hold === hold, player.hold?.held?.id);
 watchHolding(element, hold, element)();
 element.allowedOrigins = ['https://films.example'];
 console.log(element.player?.force.x, element.video?.currentTime);
+element.addEventListener('force', ({ detail }) => console.log(detail.newtons));
 
 // @ts-expect-error: it is read only
 player.force = { x: 1, y: 1 };
 // @ts-expect-error: so is this
 player.hold = hold;
+// @ts-expect-error: a force has no such number
+player.addEventListener('force', ({ detail }) => console.log(detail.strength));
 // @ts-expect-error: y is missing
 player.place = { x: 1 };
 // @ts-expect-error: there is no such option

@@ -47,6 +47,7 @@ export function hearForce(stage, film, player, on) {
     // In another state its time stands still, and nothing that is asked of it would ever be past.
     hear = force => { if (context.state === 'running') sound.hear(force); };
     player.addEventListener('force', ({ detail }) => hear(detail));
+    context.addEventListener('statechange', () => hear(player.force)); // after a call, iOS goes on by itself
   }
   return on ? context.resume().then(() => hear(player.force)) : context?.suspend();
 }

@@ -93,6 +93,7 @@ element('begin').addEventListener('click', () => {
 // ---- hand
 
 function pointAt(event) {
+  if (!event.isPrimary) return;
   const box = stage.getBoundingClientRect();
   const picture = pictureIn(stage, film);
   const x = (event.clientX - box.left - picture.x) / picture.width;
@@ -101,13 +102,13 @@ function pointAt(event) {
 }
 
 stage.addEventListener('pointerdown', event => {
-  touching = event.pointerType !== 'mouse';
+  if (event.isPrimary) touching = event.pointerType !== 'mouse';
   pointAt(event);
 });
 stage.addEventListener('pointermove', pointAt);
-stage.addEventListener('pointerleave', () => { player.place = null; });
+stage.addEventListener('pointerleave', ({ isPrimary }) => { if (isPrimary) player.place = null; });
 for (const event of ['pointerup', 'pointercancel'])
-  stage.addEventListener(event, () => { if (touching) player.place = null; });
+  stage.addEventListener(event, ({ isPrimary }) => { if (isPrimary && touching) player.place = null; });
 stage.addEventListener('dblclick', toggleFull);
 
 function moveHand(dx, dy) {
@@ -219,7 +220,6 @@ function showBlown() {
   const slider = element('blow');
   slider.disabled = !mayBeBlown(player);
   blow = slider.disabled ? 0 : Number(slider.value) / 100;
-  stage.classList.toggle('blown', blow > 0); // the drawn hand in the place of the pointer of the system
 }
 
 function direction({ x, y }) {
@@ -251,6 +251,7 @@ function frame(now) {
   if (step) moveHand(step.x, step.y);
   showForce();
   const blown = blownBy(player.force, blow);
+  stage.classList.toggle('blown', blow > 0 && player.place !== null); // the drawn hand in the place of the system's pointer
   draw(canvas, stage, film, {
     place: player.place, force: player.force, blown, hold: player.hold,
     field: element('field').getAttribute('aria-pressed') === 'true' ? player.field : null,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import type { Held, Player } from './player.js';
+import type { AddPlayerListener, Held, Player } from './player.js';
 
 export * from './player.js';
 
@@ -32,4 +32,8 @@ export class FeelingWind extends HTMLElement {
   hlsConfig?: object;
   allowedOrigins?: string[];
   texts?: Record<string, string>;
+  addEventListener: AddPlayerListener & HTMLElement['addEventListener'];
+}
+declare global {
+  interface HTMLElementTagNameMap { 'feeling-wind': FeelingWind }
 }

@@ -4,6 +4,7 @@
 import { draw, pictureIn } from './drawing.js';
 import { Hold, watchHolding } from './hold.js';
 import { attach } from './player.js';
+import { sentenceFor } from './problems.js';
 
 export { Hold, watchHolding } from './hold.js';
 export { Problem, Refusal, attach, useHls } from './player.js';
@@ -87,7 +88,11 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
   #load() {
     const src = this.getAttribute('src'), track = this.getAttribute('track');
     this.#problems.textContent = '';
-    const refuse = refusal => this.#say(refusal.message);
+    const refuse = refusal => {
+      const detail = sentenceFor(refusal, this.texts);
+      this.#say(detail);
+      this.dispatchEvent(Object.assign(new Event('problem'), { detail, code: refusal.code }));
+    };
     if (/\.m3u8([?#]|$)/i.test(src ?? '')) return void this.#player.load(src).catch(refuse);
     if (src !== null && this.#video.getAttribute('src') !== src) this.#video.src = src;
     this.#player.loadTrack(track).catch(refuse);
@@ -97,15 +102,20 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
     const on = (target, events, listener) => {
       for (const event of events) target.addEventListener(event, listener, { signal });
     };
-    on(this.#video, ['pointerdown', 'pointermove'], event => this.#point(event));
-    on(this.#video, ['pointerdown'], () => { this.#player.pressed = true; });
-    on(this.#video, ['pointerup', 'pointercancel', 'pointerleave'], ({ type, pointerType }) => {
+    on(this.#video, ['pointerdown', 'pointermove'], event => event.isPrimary && this.#point(event));
+    on(this.#video, ['pointerdown'], ({ isPrimary, button }) => {
+      if (isPrimary && button === 0) this.#player.pressed = true;
+    });
+    on(this.#video, ['pointerup', 'pointercancel', 'pointerleave'], ({ type, pointerType, isPrimary }) => {
+      if (!isPrimary) return;
       this.#player.pressed = false;
       if (type === 'pointerleave' || pointerType !== 'mouse') this.#move(null);
     });
     on(this, ['keydown'], event => {
       const arrow = ARROWS[event.key];
-      if (!arrow || event.target !== this || event.composedPath()[0] !== this) return;
+      if (event.target !== this || event.composedPath()[0] !== this) return;
+      if (event.key === 'Escape') this.#move(null);
+      if (!arrow) return;
       const { x, y } = this.#player.place ?? { x: 0.5, y: 0.5 };
       this.#move({ x: x + STEP * arrow[0], y: y + STEP * arrow[1] });
       event.preventDefault();
@@ -124,12 +134,12 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
     this.#draw();
   }
 
-  #draw() {
-    if (this.#player) draw(this.#canvas, this.#video, this.#video, { ...handOf(this.#player), field: null });
-  }
-
   #say(sentence) {
     this.#problems.append(sentence, make('br'));
+  }
+
+  #draw() {
+    if (this.#player) draw(this.#canvas, this.#video, this.#video, { ...handOf(this.#player), field: null });
   }
 }
 

@@ -85,14 +85,24 @@ function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket
     for (const sample of data.samples)
       if (String(sample.type ?? KLV_SCHEME).startsWith(KLV_SCHEME)) onPacket(sample.data, sample.pts);
   };
-  let recoveries = 0;
+  let recoveries = 0, isCutOff = false;
   const onError = (_, error) => {
     const problem = problemOf(error);
     if (problem) onProblem(problem);
-    if (error.fatal && error.type === Hls.ErrorTypes.MEDIA_ERROR && recoveries++ < 3) player.recoverMediaError();
+    if (!error.fatal) return;
+    if (error.type === Hls.ErrorTypes.NETWORK_ERROR) isCutOff = true; // it has given up
+    if (error.type === Hls.ErrorTypes.MEDIA_ERROR && recoveries++ < 3) player.recoverMediaError();
   };
+  const onBuffered = () => { recoveries = 0; };
+  const again = () => {
+    if (isCutOff) player.startLoad(video.currentTime);
+    isCutOff = false;
+  };
+  video.addEventListener('seeking', again, { signal });
+  window.addEventListener('online', again, { signal });
   player.on(Hls.Events.FRAG_PARSING_METADATA, onMetadata);
   player.on(Hls.Events.ERROR, onError);
+  player.on(Hls.Events.FRAG_BUFFERED, onBuffered);
   player.loadSource(address);
   player.attachMedia(video);
   onDamage?.(goOnWith(player, video, signal));
@@ -100,6 +110,7 @@ function playWithHls(video, address, { hls, hlsConfig, origins, signal, onPacket
     if (isClass) return player.destroy();
     player.off(Hls.Events.FRAG_PARSING_METADATA, onMetadata);
     player.off(Hls.Events.ERROR, onError);
+    player.off(Hls.Events.FRAG_BUFFERED, onBuffered);
     player.config.xhrSetup = xhrSetup;
     player.detachMedia();
   });

@@ -41,6 +41,9 @@ export class Hold {
     this.#tell();
   }
 
+  /** Whether a press touches a surface, and holds nothing. */
+  get touches() { return this.#player.hasReliefs; }
+
   /** {state, x, y, radius, time} in the frame that is shown, or null */
   get held() { return this.#shown.at(-1)?.held ?? this.#hold.held; }
 
@@ -184,12 +187,12 @@ export function watchHolding(stage, hold, keys, signal) {
   });
   on(window, ['pointerup', 'pointercancel'], ({ isPrimary, timeStamp }) => {
     if (!isPrimary || !down) return;
-    isLong = by === 'pointer' && hold.held !== null && timeStamp - down.timeStamp >= LONG_PRESS;
+    isLong = by === 'pointer' && (hold.held !== null || hold.touches) && timeStamp - down.timeStamp >= LONG_PRESS;
     down = null;
     stopWaiting();
     letGo('pointer');
   });
-  // The end of a hold is no click, and a finger that holds asks for no menu.
+  // The end of a hold or of a touch is no click, and a finger that holds asks for no menu.
   on(stage, ['click'], event => {
     if (isLong) [event.stopPropagation(), event.preventDefault()];
   }, { capture: true });

@@ -38,6 +38,7 @@ export class PacketTrack {
   #first = 0; // the first one that was
   #things = null; // of the last one
   #bytes = 0; // of all packets
+  #walked = { from: 0, to: -1 }; // packets between which decoding begins at `from` only
   #decoder;
   #kinds;
   /** Sets that could not be read. */
@@ -56,6 +57,7 @@ export class PacketTrack {
    */
   add(bytes, time) {
     let relief = false;
+    const packets = [];
     for (const item of readKlv(bytes)) {
       const at = time ?? item.time;
       if (item.kind === 'damaged') ++this.damaged;
@@ -64,8 +66,10 @@ export class PacketTrack {
       if (!this.#kinds.includes(item.kind)) continue;
       const packet = { time: at, code: item.code?.slice(), things: item.things?.slice(), point: item.point };
       packet.starts = !item.code || beginsPair(item.code);
-      this.#insert(packet);
+      packets.push(packet);
     }
+    // In order, each is the last one of most tracks: a hostile file would be moved once for each of its packets.
+    for (const packet of packets.sort((a, b) => a.time - b.time)) this.#insert(packet);
     return relief;
   }
 
@@ -78,6 +82,7 @@ export class PacketTrack {
     if (this.#bytes + grown > MOST_BYTES) return;
     this.#bytes += grown;
     this.#packets.splice(at - same, same, packet);
+    if (at <= this.#walked.to) this.#walked = { from: 0, to: -1 };
     if (at < this.#next + same) this.#restart();
   }
 
@@ -86,6 +91,7 @@ export class PacketTrack {
     const count = after(this.#packets, time) - 1;
     if (count < 1000) return; // seldom, and many at once
     for (const packet of this.#packets.splice(0, count)) this.#bytes -= sizeOf(packet);
+    this.#walked = { from: 0, to: -1 };
     this.#next -= count;
     if (this.#next < 0) this.#restart();
   }
@@ -138,11 +144,15 @@ export class PacketTrack {
     return isReached();
   }
 
-  // The last packet until `time` at which decoding may begin.
+  // The last packet until `time` at which decoding may begin. A hostile track has one for an hour.
   #start(time) {
-    let i = after(this.#packets, time) - 1;
-    while (i > 0 && !this.#packets[i].starts) --i;
-    return Math.max(i, 0);
+    const at = Math.max(after(this.#packets, time) - 1, 0), { from, to } = this.#walked;
+    let i = at;
+    while (i > 0 && !this.#packets[i].starts && !(from <= i && i <= to)) --i;
+    const isSame = from <= i && i <= to;
+    if (isSame) i = from;
+    this.#walked = { from: i, to: isSame ? Math.max(at, to) : at };
+    return i;
   }
 
   /** The knot of the frame shown at `time` (s), or undefined. */

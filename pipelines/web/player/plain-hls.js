@@ -9,9 +9,11 @@ const AHEAD = 20; // s to be buffered
 const BEHIND = 60; // s to be kept
 const KLV_SCHEME = 'urn:misb:KLV:bin:1910.1';
 
-/** @returns {variant} or {map, segments: [{url, start: s, duration: s}]}, or null */
+const NOT_PLAIN = /^#EXT-X-(KEY|BYTERANGE|DISCONTINUITY|MEDIA:.*URI=)|^#EXT-X-MAP[^]*^#EXT-X-MAP/m;
+
+/** @returns {variant} or {map, segments: [{url, start: s, duration: s}], from: s, where the film begins}, or null */
 export function readPlaylist(text, address) {
-  if (!text.startsWith('#EXTM3U') || /^#EXT-X-(KEY|BYTERANGE)/m.test(text)) return null;
+  if (!text.startsWith('#EXTM3U') || NOT_PLAIN.test(text)) return null;
   const lines = text.split(/\r?\n/);
   const urlOf = name => new URL(name, address).href;
   const variant = lines.findIndex(line => line.startsWith('#EXT-X-STREAM-INF'));
@@ -26,7 +28,8 @@ export function readPlaylist(text, address) {
     segments.push({ url: urlOf(line), start, duration });
     start += duration;
   }
-  return map && segments.length ? { map: urlOf(map), segments } : null;
+  const isWhole = /^#EXT-X-ENDLIST/m.test(text), from = Number(text.match(/^#EXT-X-START:.*TIME-OFFSET=([\d.]+)/m)?.[1] ?? 0);
+  return map && segments.length && isWhole ? { map: urlOf(map), segments, from } : null;
 }
 
 // Yields the boxes at the top of a file.
@@ -71,7 +74,7 @@ export function mediaType(header) {
   return `video/mp4; codecs="avc1.${avc}${text.includes('mp4a') ? ', mp4a.40.2' : ''}"`;
 }
 
-// What is wanted next changes with the time of the film only.
+// What is wanted next changes with the time of the film, and with the network.
 function changeOf(video) {
   const changed = new AbortController();
   return new Promise(done => {
@@ -81,6 +84,7 @@ function changeOf(video) {
     };
     for (const event of ['timeupdate', 'seeking', 'emptied'])
       video.addEventListener(event, end, { signal: changed.signal });
+    window.addEventListener('online', end, { signal: changed.signal });
   });
 }
 
@@ -93,7 +97,9 @@ class PlainFilm {
 
   constructor(video, list, options) {
     [this.#video, this.#list, this.#options] = [video, list, options];
-    video.addEventListener('seeking', () => { this.#last = null; }, { signal: options.signal });
+    const again = () => { this.#last = null; };
+    video.addEventListener('seeking', again, { signal: options.signal });
+    window.addEventListener('online', again, { signal: options.signal });
   }
 
   async begin() {
@@ -113,24 +119,29 @@ class PlainFilm {
     source.duration = last.start + last.duration;
     this.#buffer = source.addSourceBuffer(type);
     await this.#change(() => this.#buffer.appendBuffer(header));
+    if (this.#list.from > 0 && this.#video.currentTime === 0) this.#video.currentTime = this.#list.from;
     while (!signal.aborted) {
       const segment = this.#wanted();
-      if (segment && segment !== this.#last) // after a failure a seek goes on elsewhere
+      if (segment && segment !== this.#last) // after a failure a seek or the network goes on
         await this.#append(segment, source, segment === last).catch(onProblem);
       else if (segment === undefined && source.readyState === 'open') source.endOfStream(); // after a seek back, too
       else await changeOf(this.#video);
     }
   }
 
-  // The segment that follows what is buffered at the present time: null if there is enough, undefined at the end.
+  // The segment that follows what is buffered at the present time: null if there is enough, undefined at the end. Where a
+  // seek led to, it is the one of that time; later, frames may begin or end a little beside what the playlist says.
   #wanted() {
-    const { buffered } = this.#buffer;
-    let time = this.#video.currentTime;
-    const now = time;
-    for (let i = 0; i < buffered.length; ++i)
-      if (buffered.start(i) <= time + 0.2 && buffered.end(i) > time) time = buffered.end(i);
-    if (time - now > AHEAD) return null;
+    const { buffered } = this.#buffer, now = this.#video.currentTime;
     const { segments } = this.#list, last = segments.at(-1);
+    let time = now, isHere = false;
+    for (let i = 0; i < buffered.length; ++i) {
+      isHere ||= buffered.start(i) <= now && buffered.end(i) > now;
+      if (buffered.start(i) <= time + 0.2 && buffered.end(i) > time) time = buffered.end(i);
+    }
+    const here = segments.find(({ start, duration }) => start + duration > now);
+    if (!isHere && here && !this.#last) return here;
+    if (time - now > AHEAD) return null;
     const isLastThere = buffered.length > 0 && buffered.end(buffered.length - 1) > last.start;
     return segments.find(({ start, duration }) => start + duration > time + 0.15) ?? (isLastThere ? undefined : last);
   }

@@ -78,10 +78,22 @@ export interface Held {
 }
 
 /**
- * Sends the events force, relief, problem and hold; `detail` is what the callback gets, `code` that of a problem. Of hold it
- * is what is held, or null, when its state changes or another press takes something.
+ * `detail` is what the callback gets, `code` that of a problem. Of hold it is what is held, or null, when its state changes
+ * or another press takes something.
  */
-export interface Player extends EventTarget {
+export interface PlayerEvents {
+  force: Event & { readonly detail: Force };
+  relief: Event;
+  problem: Event & { readonly detail: string; readonly code: string };
+  hold: Event & { readonly detail: Held | null };
+}
+export type AddPlayerListener = <Name extends keyof PlayerEvents>(
+  type: Name, listener: (event: PlayerEvents[Name]) => void, options?: boolean | AddEventListenerOptions) => void;
+export interface PlayerEventTarget extends EventTarget {
+  addEventListener: AddPlayerListener & EventTarget['addEventListener'];
+}
+
+export interface Player extends PlayerEventTarget {
   /** Where the hand is; null: nowhere, and nothing is felt. */
   place: Place | null;
   /** Whether the hand presses on the surface; without it only motion is felt. */

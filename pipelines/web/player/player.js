@@ -125,10 +125,16 @@ class Player extends EventTarget {
   }
 
   #keep(track, bytes, time) {
-    const hasReliefs = track.add(bytes, time);
-    if (time !== undefined) track.forgetBefore(forgottenBefore(this.#video.currentTime));
-    if (track.damaged) this.#say(new Problem('track-damaged'));
+    const hasReliefs = track.add(bytes, time), { buffered, currentTime } = this.#video;
+    const kept = buffered?.length ? buffered.start(0) : Infinity; // no packet of it comes again
+    if (time !== undefined) track.forgetBefore(Math.min(forgottenBefore(currentTime), kept));
+    this.#tellDamage();
     return hasReliefs;
+  }
+
+  // Of a set as it comes, and of what is in it when it is decoded.
+  #tellDamage() {
+    if (this.#track.damaged || this.#touch?.track.damaged) this.#say(new Problem('track-damaged'));
   }
 
   // What reliefs need is loaded with the first one.
@@ -182,6 +188,7 @@ class Player extends EventTarget {
       const motion = this.#track.at(time, place, since, this.hold?.felt);
       return this.#touch?.felt(motion, time, since, place, this.#pressed) ?? motion;
     }, playbackRate);
+    this.#tellDamage();
     this.#report(now);
   }
 
