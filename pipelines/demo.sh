@@ -164,7 +164,7 @@ run() {
   set +e
   {
     echo "$BASHPID"
-    exec gst-launch-1.0 -e -m "${line[@]}" 2>&1
+    exec "${with_us[@]}" gst-launch-1.0 -e -m "${line[@]}" 2>&1
   } | follow "$log"
   status=${PIPESTATUS[0]}
   set -e

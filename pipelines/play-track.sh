@@ -40,7 +40,8 @@ if [ -z "$stream" ]; then
   folder=$(mktemp -d)
   trap 'rm -rf "$folder"' EXIT
   haptic_track convert "$input" "$folder/track.mkv"
-  (launch filesrc "location=$folder/track.mkv" ! matroskademux \
+  # In small pieces: Ctrl-C ends the track behind what was read.
+  (launch filesrc "location=$folder/track.mkv" blocksize=1024 ! queue max-size-buffers=1 ! matroskademux \
     ! hapticconvert ! hapticsink "${sink_options[@]}")
   exit
 fi

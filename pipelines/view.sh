@@ -50,19 +50,22 @@ file)
 esac
 need_display
 
-# Installs packages and builds, unless FEELING_WIND_BUILD names a finished build.
+# Installs packages and builds, where the sources are newer or something is missing.
 set_up() {
-  [ -z "${FEELING_WIND_BUILD:-}" ] ||
-    fail "feeling-wind is not in the build '$build'; as root run: apt-get install ${view_packages[*]}, then build again"
   install_packages "${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}"
-  if [ -f "$build/build.ninja" ]; then # configured before the packages were installed
+  if [ -f "$build/build.ninja" ] && [ ! -x "$program" ]; then # configured before the packages were installed
     meson setup --reconfigure "$build" >"$build/build.log" 2>&1 || build_failed "$build/build.log"
   fi
   build_plugins
 }
 
 program=$build/pipelines/feeling-wind/feeling-wind
-[ -x "$program" ] || program=$(command -v feeling-wind) || { set_up && program=$build/pipelines/feeling-wind/feeling-wind; }
+if in_checkout && [ -z "${FEELING_WIND_BUILD:-}" ]; then
+  set_up
+elif [ ! -x "$program" ]; then
+  program=$(command -v feeling-wind) ||
+    fail "feeling-wind is not in the build '$build'; as root run: apt-get install ${view_packages[*]}, then build again"
+fi
 use_elements hapticoverlay
 [ ! -x "$build/pipelines/films/wind-film" ] || PATH=$build/pipelines/films:$PATH # for the film of the demonstration
 [ "$kind" != file ] || [ -n "$input" ] || input=$(wind_film)

@@ -19,7 +19,7 @@ in_checkout() {
 }
 if ! in_checkout; then
   kept=${XDG_CACHE_HOME:-$HOME/.cache}/feeling-wind
-  get_it="as root run: apt-get install --reinstall --install-recommends feeling-wind"
+  get_it="install the package feeling-wind again"
 fi
 
 # `fail MESSAGE` prints what is wrong and its cure, and ends the script with status 1.
@@ -146,12 +146,16 @@ need_input() {
 # to yes or no, $film_rate to the frames in a second as a fraction, $film_width to px, and $film_colours to its
 # colorimetry; to nothing if unknown.
 need_video() {
-  local facts missing cause sound='' seconds=15
+  local facts missing cause sound='' seconds=15 place=$1
   need_input "$1"
-  ! is_url "$1" || seconds=30 # a server may be slow
+  if is_url "$1"; then
+    seconds=30 # a server may be slow
+  elif [[ $1 != /* ]]; then
+    place=./$1 # with a colon in it, it would be taken for a URL
+  fi
   find_plugins
   need_packaged_elements deinterlace videoflip
-  facts=$(timeout $((2 * seconds)) gst-discoverer-1.0 -v -t $seconds "$1" 2>&1 | cut -c 1-1000) || true
+  facts=$(timeout $((2 * seconds)) gst-discoverer-1.0 -v -t $seconds "$place" 2>&1 | cut -c 1-1000) || true
   has_sound=no
   ! grep -qE '^ *audio #' <<<"$facts" || has_sound=yes sound=${2:-}
   film_width=$(sed -n 's|^ *Width: \([1-9][0-9]*\)$|\1|p' <<<"$facts" | head -n 1)
@@ -245,6 +249,9 @@ build_plugins() {
     meson setup "$build" "$root" --buildtype=release --unity=on --unity-size=6 -Dvision=enabled -Ddevice=enabled \
       -Dtrack=enabled -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
   fi
+  if [ ! -f "$build/gst-plugins/vision/libgsthapticvision.so" ]; then # the folder may be of before the packages came
+    meson setup --reconfigure "$build" -Dvision=enabled -Ddevice=enabled -Dtrack=enabled >"$log" 2>&1 || build_failed "$log"
+  fi
   meson compile -C "$build" >"$log" 2>&1 || build_failed "$log"
 }
 
@@ -259,11 +266,12 @@ find_plugins() {
     export GST_PLUGIN_PATH=$build/gst-plugins${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
     export GST_REGISTRY=${GST_REGISTRY:-$build/registry.bin}
     export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
+    [ ! -x "$build/spidar/spidar-guardian" ] || export SPIDAR_GUARDIAN=${SPIDAR_GUARDIAN:-$build/spidar/spidar-guardian}
   fi
   local tool
   for tool in gst-inspect-1.0 gst-discoverer-1.0; do
     command -v $tool >/dev/null ||
-      fail "GStreamer's tool $tool is not installed; $get_it"
+      fail "GStreamer's tool $tool is not installed; as root run: apt-get install gstreamer1.0-tools gstreamer1.0-plugins-base-apps"
   done
 }
 
@@ -311,19 +319,25 @@ show_line() {
 # Elements of this project that launch() requires; if empty, the usual three.
 elements=()
 
+# Stands before a command that a script waits for: if the script is killed, the command ends as with Ctrl-C, and leaves no
+# force behind.
+with_us=(setpriv --pdeathsig INT)
+
 # Prints the gst-launch-1.0 line and replaces this shell by it. With -e, Ctrl-C ends the stream properly:
 # the force fades out and the log is complete. $secret stands where the line has @secret@; it is not shown. $launcher
 # is launch.py where a pipeline without a secret needs it, too.
 launch() {
+  local before=()
+  [ "$BASHPID" = $$ ] || before=("${with_us[@]}") # in a subshell
   use_elements "${elements[@]}"
   show_line gst-launch-1.0 -e "$@"
   if [ -n "${secret:-${launcher:-}}" ]; then
     /usr/bin/python3 -c 'import gi; gi.require_version("Gst", "1.0")' 2>/dev/null ||
       fail "a key, or RIST, needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
     [ -z "${secret:-}" ] || export LAUNCH_SECRET=$secret
-    exec /usr/bin/python3 "$root/pipelines/shared/launch.py" "$@"
+    exec "${before[@]}" /usr/bin/python3 "$root/pipelines/shared/launch.py" "$@"
   fi
-  exec gst-launch-1.0 -e "$@"
+  exec "${before[@]}" gst-launch-1.0 -e "$@"
 }
 
 # The packages that hold the elements which the scripts need.

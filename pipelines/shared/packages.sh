@@ -167,20 +167,21 @@ found_opencv_file() {
 }
 
 fetch_opencv_files() {
-  local folder data=./usr/share/doc/opencv-doc/examples/data
+  local data=./usr/share/doc/opencv-doc/examples/data
   mkdir -p "$kept" || fail "the folder '$kept' cannot be made; check the permissions of its parent"
-  folder=$(mktemp -d "$kept/fetch.XXXXXX")
   echo "Fetching the Debian package opencv-doc (91 MB, it is not installed) to extract its tree and its aloe ..."
-  if download_package opencv-doc "$folder" &&
-    dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb |
-      tar -x -C "$folder" --strip-components=7 $data/{tree.avi,aloeL.jpg,aloeGT.png}; then
+  (
+    folder=$(mktemp -d "$kept/fetch.XXXXXX")
+    trap 'rm -rf "$folder"' EXIT
+    trap exit INT TERM HUP
+    if ! download_package opencv-doc "$folder" ||
+      ! dpkg-deb --fsys-tarfile "$folder"/opencv-doc_*.deb |
+        tar -x -C "$folder" --strip-components=7 $data/{tree.avi,aloeL.jpg,aloeGT.png}; then
+      tail -n 5 "$folder/log" >&2
+      exit 1
+    fi
     mv "$folder"/{tree.avi,aloeL.jpg,aloeGT.png} "$kept"
-    rm -rf "$folder"
-  else
-    tail -n 5 "$folder/log" >&2
-    rm -rf "$folder"
-    fail "the package opencv-doc could not be fetched; check the network, or give a video of your own"
-  fi
+  ) || fail "the package opencv-doc could not be fetched; check the network, or give a video of your own"
 }
 
 # `download_package NAME FOLDER` fetches a package without installing it, with a log in FOLDER/log.

@@ -10,6 +10,7 @@ read_touch_options() {
   read_options "$1 video= touch= output= no-window --" "${@:2}"
   [ ${#inputs[@]} = 0 ] ||
     fail "'${inputs[0]}' is not an option; give a video with --video, and options of hapticsink after --"
+  [[ " ${sink_options[*]} " != *' log-location='* ]] || fail "the log is in the folder that --output names; leave log-location= out"
   [[ $touch =~ ^(off|surface|surface\+motion)$ ]] || fail "--touch is surface+motion, surface or off, not '$touch'"
 }
 
@@ -35,7 +36,7 @@ play() {
   shift
   show_line gst-launch-1.0 -e "$@"
   trap : INT
-  gst-launch-1.0 -e "$@" 2>&1 | tee -i "$log" || status=$?
+  "${with_us[@]}" gst-launch-1.0 -e "$@" 2>&1 | tee -i "$log" || status=$?
   [ "$status" = 0 ] || fail "$(reason <"$log") (log: $log)"
   summarise_touch
   draw_trace "$output" touch.gp "$title"

@@ -71,7 +71,7 @@ play() {
   line+=(velocityavg ! hapticsink "${sink_options[@]}" "max-force=$2")
   # Ctrl-C ends the video, not the session.
   trap : INT
-  timeout --foreground --preserve-status -k 20 -s INT "${seconds:-0}" gst-launch-1.0 -q -e "${line[@]}" ||
+  "${with_us[@]}" timeout --foreground --preserve-status -k 20 -s INT "${seconds:-0}" gst-launch-1.0 -q -e "${line[@]}" ||
     status=$?
   trap - INT
   [ "$status" = 0 ] || [ "$status" = 130 ] || fail "'$1' could not be played to its end; try another video (no question was asked about it)"

@@ -60,6 +60,9 @@ for script in play-file.sh playback-speed.sh; do
   refuses "still picture" "$script" "$work/still.jpg"
   refuses "not a video" "$script" "http://127.0.0.1:1/nothing.mp4"
 done
+cp "$work/clip.mkv" "$work/Interview: one.mkv"
+plays_a_name_like_a_scheme() { cd "$work" && "$root/pipelines/play-file.sh" "Interview: one.mkv" -- device=sim; }
+promise "a colon in a name is no scheme" plays_a_name_like_a_scheme
 GST_PLUGIN_FEATURE_RANK=jpegdec:NONE,avdec_mjpeg:NONE refuses "is not installed .*JPEG" play-file.sh "$work/clip.mkv"
 refuses "from 0.01 to 100" playback-speed.sh --speed 0 "$work/clip.mkv"
 refuses "is empty" record.sh "$work/empty.mp4" "$work/never.ts"
@@ -113,6 +116,7 @@ for script in touch-depth.sh touch-colour.sh; do
   refuses "still picture" "$script" --video "$work/still.jpg"
   refuses "cannot be written" "$script" --video "$work/clip.mkv" --output /proc/touch-output
 done
+refuses "leave log-location= out" touch-colour.sh --video "$work/clip.mkv" -- log-location="$work/mine.csv"
 refuses "not both" touch-depth.sh --still --video "$work/clip.mkv"
 refuses "unknown option '--table'" touch-depth.sh --table fabric
 refuses "unknown option '--still'" touch-colour.sh --still

@@ -42,7 +42,13 @@ says_what_to_do() {
 says_how_to_complete_the_build() {
   ! in_env haptic-none 2>"$work/said" && grep -q "no command 'haptic-none'.*meson compile -C" "$work/said"
 }
+# shellcheck disable=SC2016
+scripts_find_the_guardian() {
+  (unset SPIDAR_GUARDIAN && bash -c 'source "$1/pipelines/shared/common.sh" && find_plugins && [ -x "$SPIDAR_GUARDIAN" ]' \
+    - "$root")
+}
 promise "it finds the elements of the build" finds_the_elements
+promise "the scripts find its guardian, too" scripts_find_the_guardian
 promise "it finds the tools of the build" in_env spidar-info --help
 promise "it stays in the user's folder" stays
 promise "the command gets the words that the user wrote" hands_on_words

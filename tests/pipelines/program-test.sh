@@ -129,8 +129,11 @@ if [ $# = 4 ]; then
     press less 'strength (alpha) 0.04 s/px'
     press l 'force law arctan-axis'
     press o 'rotation 90r'
+    press space paused
     press d 'deinterlacing always'
     until_true opened 2
+    until_true stands another-pipeline 90 90
+    press space playing
     open_url "file://$video"
     until_true opened 3
     press o 'rotation 90r' # from upright again
@@ -151,7 +154,7 @@ if [ $# = 4 ]; then
     until_true grep -q 'first frame' said
     press v 'motion and force are drawn'
     press c 'with curves'
-    kill -INT "$process"
+    kill -HUP "$process" # as a terminal that is closed
     ended
   }
 

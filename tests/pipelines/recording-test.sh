@@ -30,6 +30,31 @@ for ending in klv txt hmpg hjif; do
   promise "with the motion of the video" measured "(vx - 60) ^ 2 + vy ^ 2 < (0.05 * 60) ^ 2"
 done
 
+# A track of a minute, whose script is killed.
+awk 'BEGIN {
+  for (i = 0; i < 1500; i++)
+    printf "hv1 point t=%.2f d=0.04 i=0.04 vx=60 vy=0 spin=0 div=0 x=0.5 y=0.5 w=0.1 h=0.1 conf=1 pic=352x288 par=1:1 " \
+      "n=17 model=translation\n", i / 25
+}' >"$work/minute.txt"
+ends_with_its_script() {
+  local script player
+  "$root/pipelines/play-track.sh" "$work/minute.txt" -- device=sim "log-location=$work/minute.csv" >/dev/null 2>&1 &
+  script=$!
+  until [ -s "$work/minute.csv" ]; do
+    kill -0 $script || return 1
+    sleep 0.1
+  done
+  player=$(pgrep -P $script gst-launch) || return 1
+  kill -TERM $script
+  for _ in {1..100}; do
+    kill -0 "$player" 2>/dev/null || return 0
+    sleep 0.1
+  done
+  kill -KILL "$player"
+  return 1
+}
+promise "no force is left behind by a script that is killed" ends_with_its_script
+
 # `complains PATTERN COMMAND...`: fails with a message that matches.
 complains() {
   local pattern=$1

@@ -15,7 +15,7 @@ public:
   explicit Playback(GstElement *pipeline) : pipeline_(pipeline) {}
 
   /// These return false if the pipeline refuses.
-  bool start() { return set_paused(false); }
+  bool start(bool paused) { return set_paused(paused); }
   bool toggle_pause() { return set_paused(!paused_); }
   bool slower() { return play_at(rate_ / 2); }
   bool faster() { return play_at(rate_ * 2); }

@@ -99,9 +99,10 @@ void Player::open_again() {
   if (!is_open())
     return;
   const gint64 position = source_.is_live() ? 0 : playback_->position();
+  const bool paused = playback_->paused();
   close();
   start_at_ = std::max<gint64>(position, 0);
-  start();
+  start(paused);
 }
 
 void Player::begin_again() {
@@ -134,7 +135,7 @@ void Player::fail(const std::string &sentence) {
   client_.on_failure(sentence);
 }
 
-void Player::start() {
+void Player::start(bool paused) {
   has_frame_ = false;
   type_seen_ = false;
   latched_ = false;
@@ -165,7 +166,7 @@ void Player::start() {
       },
       this);
   playback_.emplace(pipeline_.get());
-  playback_->start(); // a failure arrives as a message on the bus
+  playback_->start(paused); // a failure arrives as a message on the bus
 }
 
 bool Player::build(bool with_sound) {
@@ -454,7 +455,7 @@ void Player::handle_error(GstMessage *message) {
   }
   if (is_inside(message, "force"))
     return fail(error->message);
-  fail(failure_sentence(*error, source_, missing_));
+  fail(failure_sentence(*error, source_, had_frame_ ? "" : missing_));
 }
 
 void Player::handle_warning(GstMessage *message) {

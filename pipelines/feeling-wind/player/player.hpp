@@ -133,7 +133,7 @@ private:
   std::string numbered(const std::string &option) const;
   void add_array();
   std::string direction() const;
-  void start();
+  void start(bool paused = false);
   void begin_again();
   void connect_source(GstElement *source);
   void fail(const std::string &sentence);

@@ -161,7 +161,7 @@ int main(int argc, char **argv) {
   g_application_set_option_context_description(G_APPLICATION(application), keys_as_text().c_str());
   g_signal_connect(application, "handle-local-options", G_CALLBACK(read_line), &program);
   g_signal_connect(application, "activate", G_CALLBACK(activate), &program);
-  for (const int signal : {SIGINT, SIGTERM})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) // its terminal is closed
     g_unix_signal_add(signal, on_interrupt, &program);
   gst_init(nullptr, nullptr);
   const int status = g_application_run(G_APPLICATION(application), argc, argv);
