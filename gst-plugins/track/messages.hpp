@@ -146,6 +146,9 @@
   MESSAGE(kMuxerHasNoPlace, \
           "the muxer cannot hold %s.", \
           "Re-encode the video as H.264.") \
+  MESSAGE(kCutNeedsMatroska, \
+          "the frames of this Matroska file have no decoding times, which MPEG-TS needs.", \
+          "Name an output that ends in .mkv.") \
   MESSAGE(kNoContainer, \
           "neither MPEG-TS nor Matroska can hold %s.", \
           "Re-encode the video as H.264.") \
@@ -186,7 +189,7 @@
           "\"%s\": this file exists and is no copy that author made.", \
           "Move it away, or name another folder with --output.") \
   MESSAGE(kCopyIsOfAnother, \
-          "\"%s\": this file may be the copy of \"%s\", a video of the same name.", \
+          "\"%s\": this file may be the copy of another video of the same name.", \
           "Remove the copy, rename one of the videos, or name another folder with --output.") \
   MESSAGE(kVideoHasTrack, \
           "there is a haptic track in this file already.", \
@@ -362,7 +365,7 @@
           "rate takes longer.", \
           "Encode all with -force_key_frames 'expr:gte(t,n_forced*4)'.") \
   MESSAGE(kFolderHoldsOther, \
-          "\"%s\": this folder has another site's index.html.", \
+          "\"%s\": this folder has another %s.", \
           "Name a new folder with --output.") \
   MESSAGE(kPlayerIsMissing, \
           "\"%s\": the web player is not there.", \

@@ -34,10 +34,11 @@ static int hold(spidar_device *device) {
   spidar_limits limits = SPIDAR_LIMITS_INIT;
   limits.force = 0.5; /* N */
   int code = spidar_set_limits(device, &limits);
-  struct timespec next;
+  struct timespec next, now;
   clock_gettime(CLOCK_MONOTONIC, &next);
   for (int tick = 0; tick < kTicks && code == SPIDAR_OK; ++tick) {
-    code = spidar_exchange(device, 1000000000LL * next.tv_sec + next.tv_nsec);
+    clock_gettime(CLOCK_MONOTONIC, &now); /* a tick may be late */
+    code = spidar_exchange(device, 1000000000LL * now.tv_sec + now.tv_nsec);
     if (code == SPIDAR_OK)
       code = spidar_get_state(device, &state);
     if (code != SPIDAR_OK)

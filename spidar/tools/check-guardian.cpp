@@ -183,7 +183,8 @@ std::vector<pid_t> children() {
     const std::string name = entry.path().filename();
     pid_t process = 0; // stays so if the name is no number
     std::from_chars(name.data(), name.data() + name.size(), process);
-    if (process > 0 && lives_below(contents(entry.path() / "stat"), getpid()))
+    if (process > 0 && lives_below(contents(entry.path() / "stat"), getpid()) &&
+        contents(entry.path() / "comm").starts_with("spidar-guardian"))
       found.push_back(process);
   }
   return found;

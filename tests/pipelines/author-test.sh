@@ -104,6 +104,18 @@ promise "nor backwards" says 1 'no sample between these times' \
   "$haptic_track" cut --with-video --from 2 --to 1 "$work/reordered.haptic.ts" "$work/behind.ts"
 promise "a film is no bare track" says 1 "must end in .ts or .mkv" "$haptic_track" cut --with-video "$work/reordered.haptic.ts" "$work/film.klv"
 
+ffmpeg -v error -i "$work/reordered.mp4" -c copy "$work/from-matroska.mkv" </dev/null
+author "$work/from-matroska.mkv" >/dev/null
+promise "frames without decoding times are not cut into MPEG-TS" says 1 'have no decoding times' \
+  "$haptic_track" cut --with-video --from 1.4 --to 2.6 "$work/from-matroska.haptic.mkv" "$work/no.ts"
+promise "but into Matroska" "$haptic_track" cut --with-video --from 1.4 --to 2.6 "$work/from-matroska.haptic.mkv" "$work/cut.mkv"
+promise "with every picture" in_step "$work/cut.mkv"
+clip "$work/jpegs.mkv" 352 288 30 2 uniform:60,0
+author "$work/jpegs.mkv" >/dev/null
+promise "no part leaves its video out" says 1 'the muxer cannot hold image/jpeg' \
+  "$haptic_track" cut --with-video --from 0 --to 1 "$work/jpegs.haptic.mkv" "$work/no.ts"
+promise "and there is no file" test ! -e "$work/no.ts"
+
 # A replaced video, or another setting.
 mkdir "$work/new"
 cp "$work/in/sea.mkv" "$work/new/film.mkv"
@@ -133,12 +145,30 @@ mkdir "$work/same"
 cp "$work/in/wind.mp4" "$work/same/film.mp4"
 promise "the first of two videos of one name is authored" author "$work/same/film.mp4"
 cp "$work/in/sea.mkv" "$work/same/film.mkv"
-promise "the second is refused" says 1 'film.haptic.ts": this file may be the copy of' author "$work/same/film.mkv"
+promise "the second is refused" says 1 'film.haptic.ts": this file may be the copy of another' author "$work/same/film.mkv"
 promise "the copy of the first stays" says 0 "1 there already" author "$work/same/film.mp4"
 cp "$work/out/sea.haptic.mkv" "$work/same/film.haptic.mkv"
 rm "$work/same/film.mkv"
-promise "a copy of no video here is removed" author "$work/same/film.mp4"
-promise "and its own stays" test "$(ls "$work/same")" = "$(printf 'film.haptic.ts\nfilm.mp4')"
+promise "so does a copy of a video elsewhere" author "$work/same/film.mp4"
+promise "in another container" test "$(ls "$work/same")" = "$(printf 'film.haptic.mkv\nfilm.haptic.ts\nfilm.mp4')"
+
+# Videos of one name in several folders.
+mkdir "$work"/{one,two,three,shared}
+cp "$work/in/wind.mp4" "$work/one/film.mp4"
+video "$work/two/film.mp4" 320 1
+video "$work/three/film.mkv" 320 1 matroskamux
+promise "the video of one folder is authored" author --output "$work/shared" "$work/one/film.mp4"
+cp "$work/shared/film.haptic.ts" "$work/first.ts"
+promise "that of another, with its name, is refused" says 1 'film.haptic.ts": this file may be the copy of another' \
+  author --output "$work/shared" "$work/two/film.mp4"
+promise "in another container it has another copy" author --output "$work/shared" "$work/three/film.mkv"
+promise "and the first one stays" cmp "$work/first.ts" "$work/shared/film.haptic.ts"
+
+# Subtitles, of which a word begins as a line of the track does.
+printf '1\n00:00:00,000 --> 00:00:01,000\nhvis du vil hjem.\n' >"$work/danish.srt"
+ffmpeg -v error -i "$work/in/wind.mp4" -i "$work/danish.srt" -map 0:v -map 1 -c copy -c:s mov_text "$work/danish.mp4" </dev/null
+promise "words are no track" says 1 'no haptic track in this file, only' "$haptic_track" info "$work/danish.mp4"
+promise "and a film with them is authored" says 0 "1 written" author "$work/danish.mp4"
 
 # Fields that author did not write are somebody's work.
 mkdir "$work/own"
@@ -160,7 +190,8 @@ cp "$work/in/sea.mkv" "$work/elsewhere/wind.mkv"
 both=("$work/in/wind.mp4" "$work/elsewhere/wind.mkv")
 promise "two videos of one name are refused" says 1 "Nothing was written" author --output "$work/same" "${both[@]}"
 promise "in a plan too" says 1 "Nothing was written" author --plan --output "$work/same" "${both[@]}"
-promise "and no copy was made" test "$(ls "$work/same")" = "$(printf 'film.haptic.ts\nfilm.mp4')"
+no_copy_was_made() { ! compgen -G "$work/same/wind*"; }
+promise "and no copy was made" no_copy_was_made
 promise "into their own folders they go" says 0 "1 written, 0 there already, 0 failed" author "$work/elsewhere/wind.mkv" "$work/elsewhere/wind.mkv"
 
 # A recording has a track.

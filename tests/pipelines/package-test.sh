@@ -134,8 +134,13 @@ promise "with other settings it is" says 0 "written: film.mp4 and film.klv" \
 cp "$work/other.klv" "$work/single/film.klv"
 promise "a track that is not that of the film is made anew" says 0 "written: film.mp4 and film.klv" \
   package --single --output "$work/single" "$work/wind.mp4"
+mkdir "$work/videos"
+echo 'my film' >"$work/videos/film.mp4"
+promise "a film of that name is not written over" says 1 "this folder has another film.mp4" \
+  package --single --output "$work/videos" "$work/wind.mp4"
+promise "it stays" test "$(cat "$work/videos"/*)" = 'my film'
 promise "only one MP4 is taken" says 1 "--single takes one MP4" package --single --output "$work/no" "$work/wind.haptic.ts"
-promise "a site of segments is not written over" says 1 "another site's index.html" \
+promise "a site of segments is not written over" says 1 "this folder has another index.html" \
   package --single --output "$work/film" "$work/wind.mp4"
 promise "--single and --carriage do not go together" says 1 "carriage" \
   package --single --carriage ts --output "$work/no" "$work/wind.mp4"
@@ -239,8 +244,15 @@ odd -pix_fmt yuv420p -c:v libx264 -g 1000 -vf 'setpts=5*PTS' -an "$work/long.mp4
 promise "long segments are said" says 0 "segments of up to 10" package --output "$work/long" "$work/long.mp4"
 mkdir "$work/site"
 echo 'my site' >"$work/site/index.html"
-promise "another site is not written over" says 1 "another site's index.html" package --output "$work/site" "$work/wind.mp4"
+promise "another site is not written over" says 1 "this folder has another index.html" package --output "$work/site" "$work/wind.mp4"
 promise "it stays" grep -qx 'my site' "$work/site/index.html"
+mkdir "$work/mine"
+for name in poster.jpg player.js; do
+  echo 'my work' >"$work/mine/$name"
+  promise "nor is another $name" says 1 "this folder has another $name" package --output "$work/mine" "$work/wind.mp4"
+  promise "it stays" test "$(cat "$work/mine/$name")" = 'my work'
+  rm "$work/mine/$name"
+done
 promise "a full disk" says 1 "cannot be written" bash -c "ulimit -f 50; '$haptic_track' package --output '$work/full' '$work/wind.haptic.ts'"
 promise "leaves nothing under a final name" test "$(ls "$work/full")" = ""
 

@@ -108,6 +108,16 @@ promise "a part is cut out" haptic_track cut --from 1 --to 2 "$work/session.ts" 
 promise "with the samples of one second" test "$(wc -l <"$work/part.txt")" = 30
 promise "a picture is drawn" haptic_track plot "$work/session.ts" "$work/plot.png"
 promise "which is not empty" test -s "$work/plot.png"
+promise "one that has no place is told" complains 'gnuplot|nowhere' haptic_track plot "$work/session.ts" /nowhere/plot.png
+prints_no_picture() { [ -z "$(haptic_track plot "$work/session.ts" /nowhere/plot.png 2>/dev/null)" ]; }
+promise "and does not go to the terminal" prints_no_picture
+
+{ printf '\t\r\n' && cat "$work/track.hjif"; } >"$work/blanks.hjif"
+promise "blanks before JSON do not matter" haptic_track info "$work/blanks.hjif"
+printf 'hvis du vil hjem.\n' >"$work/words.txt"
+promise "words are no track" complains 'no haptic track' haptic_track info "$work/words.txt"
+LC_ALL=C sed 's/HAPTIC/OTHERS/g' "$work/track.klv" >"$work/others.klv"
+promise "sets of others are none either" complains 'no sample' haptic_track info "$work/others.klv"
 
 # By its first byte it could be JSON.
 { printf n && head -c 9999 /dev/urandom; } >"$work/noise.ts"

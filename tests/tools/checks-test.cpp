@@ -11,6 +11,7 @@
 #include <map>
 #include <spidar/error.hpp>
 #include <spidar/simulator.hpp>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
@@ -377,6 +378,7 @@ void start_guardian(Afterwards afterwards) {
   ASSERT_EQ(pipe(program), 0);
   const pid_t starting = fork();
   if (starting == 0) {
+    prctl(PR_SET_NAME, "spidar-guardian");
     setsid(); // before this function returns: the program's process group is killed then
     if (fork() != 0)
       _exit(0);

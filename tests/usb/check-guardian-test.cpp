@@ -3,6 +3,10 @@
 #include "check-guardian.hpp"
 #include "direct-fixture.hpp"
 
+#include <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
+
 namespace check_guardian_test {
 
 using namespace test;
@@ -36,6 +40,18 @@ TEST_P(CheckGuardian, ThatIsStoppedOrKilledIsNoticed) {
   check_guardian_dies(checked, 0.2, signal_guardian, report);
   EXPECT_NE(figure.find("ms promised"), std::string::npos) << figure;
   EXPECT_FALSE(checked.connected());
+}
+
+// Its shell may have left a child to it, as in `exec spidar-check --device usb > >(tee log)`.
+TEST(SignalGuardian, ReachesNoOtherChild) {
+  const pid_t other = fork();
+  if (other == 0) {
+    pause();
+    _exit(0);
+  }
+  EXPECT_FALSE(signal_guardian(0));
+  kill(other, SIGKILL);
+  waitpid(other, nullptr, 0);
 }
 
 } // namespace check_guardian_test

@@ -105,6 +105,8 @@ public:
       std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   void go_on() { stopped_ = false; }
+  /// As if it was killed.
+  void die() { shutdown(control_, SHUT_RDWR); }
 
   /// What the driver has told last. Waits until it is `word`.
   bool is_told(std::uint8_t word) const {

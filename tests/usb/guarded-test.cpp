@@ -114,6 +114,18 @@ TEST_P(Guarded, AStoppedGuardianIsNoticedAndTheMotorsStayAtRestUntilItAnswers) {
   report("stopped-guardian-to-rest-ms", slowest);
 }
 
+TEST_P(Guarded, AGuardianThatDiesDuringAnExchangeLeavesNoForce) {
+  open();
+  drive_to(kForceWords);
+  ASSERT_EQ(unit_->words(), kForceWords);
+  unit_->faults([this](Faults &faults) {
+    faults.watch = [this](std::span<const std::uint8_t>) { guardian_->die(); };
+  });
+  EXPECT_FALSE(controller_->exchange(kForceWords, counts_));
+  EXPECT_FALSE(controller_->connected());
+  EXPECT_EQ(unit_->words(), kRestWords) << "and no exchange will follow";
+}
+
 TEST_P(Guarded, AForceIsInterruptedByAGuardianThatDeliversNothingToo) {
   open();
   for (int round = 0; round < rounds(3); ++round) {

@@ -153,7 +153,17 @@ TEST_F(Refusals, AnotherVendorIsTakenOnlyIfToldTo) {
   EXPECT_NO_THROW(spidar::open_usb("7"));
   setenv("SPIDAR_USB_ID", "04b4:8613=smart", 1);
   expect_words(refusal(""), Cause::argument, {"SPIDAR_USB_ID", "=sh4"});
+  EXPECT_THROW(spidar::usb_present(), spidar::Error) << "else a simulated device would be taken";
   unsetenv("SPIDAR_USB_ID");
+}
+
+TEST_F(Refusals, AKnownUnitThatIsNamedAgainIsOneUnit) {
+  bus_->plug(std::make_shared<MockUnit>(Model::sh4, 7), 0x0cec, 0x0205);
+  setenv("SPIDAR_USB_ID", "0cec:0205=sh4", 1);
+  const auto units = spidar::list_usb();
+  unsetenv("SPIDAR_USB_ID");
+  ASSERT_EQ(units.size(), 1U);
+  EXPECT_FALSE(units[0].problem);
 }
 
 } // namespace refusals_test

@@ -19,8 +19,9 @@ double ArrayDrive::Site::amplitude(double alpha, double dt) {
 }
 
 void ArrayDrive::set(Site &site, const MotionSample &sample) {
-  site.motion = scale_motion(sample, kReferenceWidth);
   site.gate = is_plausible(sample) ? confidence_gate(sample.confidence) : 0;
+  if (is_plausible(sample)) // the noise beside a speed is not felt
+    site.motion = scale_motion(sample, kReferenceWidth);
 }
 
 PointerPosition ArrayDrive::place_in_frame(const SkinPlace &place) const {

@@ -51,17 +51,17 @@ Opened open_spidar(const std::string &id, const DeviceChoice &choice) {
   return std::make_unique<spidar::Device>(std::move(controller), geometry, 1.0 / choice.rate);
 }
 
-std::vector<spidar::UsbUnit> units_on_usb() {
+std::vector<FoundDevice> list_spidars() {
+  std::vector<spidar::UsbUnit> units;
   try {
-    return spidar::list_usb();
-  } catch (const spidar::Error &) {
+    units = spidar::list_usb();
+  } catch (const spidar::Error &error) {
+    if (error.cause() == spidar::Cause::argument)
+      return {{"SPIDAR-G", "usb", error.what()}};
     return {}; // where USB cannot be used there is none
   }
-}
-
-std::vector<FoundDevice> list_spidars() {
   std::vector<FoundDevice> devices;
-  for (const spidar::UsbUnit &unit : units_on_usb()) {
+  for (const spidar::UsbUnit &unit : units) {
     FoundDevice found{"SPIDAR-G, " + unit.model + " at USB port " + unit.port, "usb", ""};
     if (unit.switch_at) {
       const std::string id = std::to_string(*unit.switch_at);

@@ -28,6 +28,9 @@ public:
   /// safe.
   bool write(const TickRow &row) noexcept HAPTIC_NONBLOCKING;
 
+  /// Writes the rows that are left. None may come afterwards.
+  void finish() { thread_ = {}; }
+
   /// Returns the errno of the first write that failed (nothing is written after it), or 0.
   int error() const noexcept { return error_.load(std::memory_order_relaxed); }
 

@@ -166,6 +166,8 @@ void HapticSession::start_loop() {
 
 void HapticSession::end_run() {
   loop_.adopt_replacement(); // if no tick has
+  if (log_)
+    log_->finish(); // its last rows may fail
   report(clock_->now());
   services_.reset();
   log_.reset();

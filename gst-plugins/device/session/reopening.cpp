@@ -18,15 +18,17 @@ Reopening::Device Reopening::attempt(std::int64_t now, const std::function<Devic
     next_at_.reset();
     return device;
   } catch (const spidar::Error &error) {
-    wait_ = std::min(2 * wait_, kLast);
-    next_at_ = now + wait_;
-    report(error, client);
-    return nullptr;
+    report(error, now, client);
+  } catch (const std::exception &error) { // no thread or no memory is left
+    report(spidar::Error(spidar::Cause::io, error.what()), now, client);
   }
+  return nullptr;
 }
 
 // A device that has just been plugged in may need a moment until it may be opened.
-void Reopening::report(const spidar::Error &error, SessionClient &client) {
+void Reopening::report(const spidar::Error &error, std::int64_t now, SessionClient &client) {
+  wait_ = std::min(2 * wait_, kLast);
+  next_at_ = now + wait_;
   client.note(Severity::debug, std::string("not opened again yet: ") + error.what());
   if (error.cause() == spidar::Cause::not_found) {
     reported_.clear();

@@ -24,7 +24,7 @@ private:
   static constexpr std::int64_t kFirst = 100'000'000; // ns after the loss; doubled each time
   static constexpr std::int64_t kLast = 500'000'000;  // ns
 
-  void report(const spidar::Error &error, SessionClient &client);
+  void report(const spidar::Error &error, std::int64_t now, SessionClient &client);
 
   std::int64_t wait_ = kFirst;          // ns, between two attempts
   std::optional<std::int64_t> next_at_; // ns, monotonic; nothing: it has not begun

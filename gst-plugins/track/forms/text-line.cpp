@@ -237,6 +237,13 @@ TextLine read_field(std::string_view line, FieldKind kind) {
 
 } // namespace
 
+bool begins_text_line(std::span<const std::uint8_t> bytes) noexcept {
+  const std::string_view line(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+  const auto version = std::min(kTextName.size(), line.size());
+  const auto end = line.find_first_not_of("0123456789", version);
+  return line.starts_with(kTextName) && end > version && end != line.npos && line[end] == ' ';
+}
+
 std::string write_text_line(const TrackSample &sample) {
   const MotionSample &s = sample.motion;
   LineWriter out(kPoint);

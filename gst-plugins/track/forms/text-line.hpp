@@ -4,7 +4,9 @@
 
 #include "core/track-sample.hpp"
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,6 +19,10 @@ inline constexpr std::string_view kTextFieldStart = "hv1 field ";
 inline constexpr std::string_view kTextReliefStart = "hv1 relief ";
 inline constexpr std::string_view kTextPointStart = "hv1 point ";
 static_assert(kTextMagic.starts_with(kTextName) && kTextFieldStart.starts_with(kTextMagic));
+
+/// Whether a line of some version begins here: its name, its number and a blank. A word of a
+/// subtitle may begin with the name, too.
+bool begins_text_line(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Returns a line without a newline and without characters that mark-up would escape. Reading its
 /// numbers gives the same bits.

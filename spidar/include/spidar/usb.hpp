@@ -37,7 +37,8 @@ SPIDAR_API std::unique_ptr<Controller> open_usb(const std::string &id);
 /// network or in an emulated machine. Throws Error (argument) if that is no such number.
 SPIDAR_API std::chrono::milliseconds usb_exchange_timeout();
 
-/// Whether a controller is plugged in. Opens none.
-SPIDAR_API bool usb_present() noexcept;
+/// Whether a controller is plugged in. Opens none. Throws Error (argument) if $SPIDAR_USB_ID is
+/// wrong.
+SPIDAR_API bool usb_present();
 
 } // namespace spidar

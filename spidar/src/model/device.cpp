@@ -15,6 +15,7 @@
 #include <numbers>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace spidar {
 
@@ -28,7 +29,8 @@ constexpr double kLargestResidual = 0.005; // m rms
 constexpr double kTurningCutoff = 100;     // Hz; a grip turns up faster than it moves off
 
 // To minimum tension and back. It changes no tension by more than 0.05 N a millisecond.
-constexpr double kBalancing = 0.1; // s
+constexpr double kBalancing = 0.1;  // s
+constexpr double kOldCounts = 0.01; // s: a tick that is later holds the force
 
 constexpr double kSettleWindow = 0.05; // s without movement: the strings are taut
 constexpr double kLongestSettling = 1; // s
@@ -118,6 +120,8 @@ struct Device::Implementation {
   std::optional<std::int64_t> exchanged_at; ///< ns, monotonic
   double since_exchange = 0;                ///< s, between the last two exchanges
   double since_valid = 0;                   ///< s, from the last valid pose to the last exchange
+  double since_answer = 0;                  ///< s, from the counts to the last exchange
+  bool takes_centre = false;                ///< again at the next answer, if the counts were old
   bool velocity_known = false;              ///< the pose before is part of the same movement
   Tensions at_rest;                         ///< N, of relax()
   Tensions at_motors;                       ///< N, since the last exchange
@@ -244,9 +248,12 @@ struct Device::Implementation {
   bool exchange(std::int64_t now) noexcept {
     since_exchange = exchanged_at ? std::max(seconds(now - *exchanged_at), 0.0) : period;
     since_valid += since_exchange;
+    const double age_of_counts = since_answer + since_exchange;
+    const bool are_old = !exchanged_at || age_of_counts > kOldCounts;
     exchanged_at = now;
     controller->set_time(now);
     const bool answered = controller->exchange(words, counts);
+    since_answer = answered ? 0 : age_of_counts;
     state.interrupted = controller->interrupted();
     if (state.interrupted)
       balanced = 0;
@@ -256,6 +263,8 @@ struct Device::Implementation {
       reject();
       return false;
     }
+    if (std::exchange(takes_centre, false) && are_old)
+      take_centre();
     update_lengths();
     update_pose();
     state.slipping = slip.slipping();
@@ -271,7 +280,15 @@ struct Device::Implementation {
     return pressed && button_released;
   }
 
+  /// The counts are those of the last answer. The hand may have moved since.
   void calibrate() noexcept {
+    const bool answers = since_answer == 0;
+    take_centre();
+    state.valid = answers;
+    takes_centre = true;
+  }
+
+  void take_centre() noexcept {
     home_counts = counts;
     update_lengths();
     state.pose = last_solved = {};
@@ -322,7 +339,7 @@ struct Device::Implementation {
       return;
     }
     settle();
-    calibrate();
+    take_centre();
   }
 };
 

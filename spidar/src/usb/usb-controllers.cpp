@@ -131,6 +131,10 @@ public:
     const auto reply = Protocol::exchange(*link_, sent, now + exchange_timeout_);
     note_delivery(sent);
     ask_guardian(Clock::now());
+    if (unguarded_ && force_) { // it died meanwhile: nobody else ends this force in time
+      Protocol::exchange(*link_, rest_, Clock::now() + exchange_timeout_);
+      note_delivery(rest_);
+    }
     // Else the reply may be to a packet of the guardian.
     const bool ours = !shared && !guardian_wrote_;
     if (!reply || !ours || unguarded_ || reply->rotary_switch != rotary_switch_)

@@ -47,7 +47,7 @@ std::vector<Kind> known_kinds() {
     if (!parsed || (!simple && std::strcmp(model.data(), "sh4") != 0))
       fail(Cause::argument, messages::kUsbId, value);
     kind.model = simple ? UsbModel::simple : UsbModel::sh4;
-    kinds.push_back(kind);
+    kinds.insert(kinds.begin(), kind); // it may say what a known one is
   }
   return kinds;
 }
@@ -73,9 +73,11 @@ Findings find_controllers() {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(device.get(), &descriptor) != 0)
       continue;
-    for (const Kind &kind : kinds)
-      if (descriptor.idVendor == kind.vendor && descriptor.idProduct == kind.product)
-        findings.units.push_back({place_of(device.get()), kind.model});
+    const auto kind = std::ranges::find_if(kinds, [&](const Kind &one) {
+      return descriptor.idVendor == one.vendor && descriptor.idProduct == one.product;
+    });
+    if (kind != kinds.end())
+      findings.units.push_back({place_of(device.get()), kind->model});
     if (descriptor.idVendor == kVendor && descriptor.idProduct == kH8Product)
       findings.old_controller = place_of(device.get());
   }
@@ -180,10 +182,12 @@ std::unique_ptr<Controller> open_usb(const std::string &id) {
   fail(Cause::not_found, messages::kNotOnUsb, which.c_str(), others.seen.c_str());
 }
 
-bool usb_present() noexcept {
+bool usb_present() {
   try {
     return !find_controllers().units.empty();
-  } catch (...) {
+  } catch (const Error &error) {
+    if (error.cause() == Cause::argument)
+      throw;
     return false; // where USB cannot be used there is no controller either
   }
 }

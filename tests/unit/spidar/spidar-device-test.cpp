@@ -378,6 +378,35 @@ TEST(Device, CalibrateTakesThePresentPlaceAsCentreWithoutAVelocity) {
   }
 }
 
+// A program waits for its user to bring the grip to the centre.
+TEST(Device, CalibrateBeforeTheFirstExchangeTakesThePlaceOfItsAnswer) {
+  Wire wire;
+  Device device = device_with("circle:1,1", wire);
+  device.calibrate();
+  run(device, 1);
+  EXPECT_LT(device.state().pose.position.norm(), 0.0003);
+}
+
+TEST(Device, CalibrateAfterAPauseTakesThePlaceOfTheNextAnswer) {
+  for (const int silent : {0, 20}) {
+    Wire wire;
+    Device device = device_with("circle:1,1", wire);
+    run(device, 50);
+    const std::int64_t begin = next_tick();
+    device.exchange(begin);
+    wire.silent_exchanges = silent;
+    for (int tick = 1; tick <= silent; ++tick)
+      EXPECT_FALSE(device.exchange(begin + 5'000'000 * tick));
+    device.calibrate();
+    EXPECT_EQ(device.state().valid, silent == 0) << "nobody has said where it is";
+    EXPECT_TRUE(device.exchange(begin + 250'000'000)); // a quarter of a turn further
+    EXPECT_TRUE(device.state().valid);
+    EXPECT_LT(device.state().pose.position.norm(), 0.0003);
+    for (int tick = 0; tick < 250; ++tick)
+      next_tick();
+  }
+}
+
 TEST(Device, VelocityIsThatOfTheHand) {
   Wire wire;
   Device device = device_with("circle:1,1", wire);

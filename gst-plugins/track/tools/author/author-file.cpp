@@ -218,24 +218,31 @@ std::string find_copy(const PlannedFilm &film, const AuthorOptions &options) {
   const std::string mark = copy_mark(film, options);
   std::error_code error;
   std::string found;
-  std::string other;
+  std::string older;
   for (const char *ending : {kTransportStream, kMatroska}) {
     const std::string copy = author_stem(film.path, options) + ending;
     if (!fs::exists(copy, error))
       continue;
     const std::string held = mark_in(copy).value_or("");
-    if (!held.empty())
-      (held == mark ? found : other) = copy;
-    else if (ending == film.index.ending)
+    const bool is_in_the_way = ending == film.index.ending;
+    if (held.empty() && is_in_the_way)
       throw_error(messages::kCopyIsForeign, copy.c_str());
+    if (held.empty())
+      continue;
+    if (made_of(held) == made_of(mark))
+      found = copy;
+    else if (place_of(held) == place_of(mark))
+      older = copy;
+    else if (is_in_the_way)
+      throw_error(messages::kCopyIsOfAnother, copy.c_str());
   }
-  if (other.empty())
+  if (older.empty())
     return found;
-  const std::string video = video_of_same_name(film.path);
-  if (found.empty() && !video.empty())
-    throw_error(messages::kCopyIsOfAnother, other.c_str(), video.c_str());
-  if (!found.empty() && video.empty())
-    fs::remove(other, error);
+  const bool may_be_of_another = !video_of_same_name(film.path).empty();
+  if (found.empty() && may_be_of_another)
+    throw_error(messages::kCopyIsOfAnother, older.c_str());
+  if (!found.empty() && !may_be_of_another)
+    fs::remove(older, error);
   return found;
 }
 
@@ -251,9 +258,10 @@ std::string write_copy(const PlannedFilm &film, const AuthorOptions &options,
   }
   std::string copy = stem + film.index.ending;
   part.keep_as(copy);
-  // One of another video of this name, in the other container.
+  // An older one, in the other container.
   const std::string other = stem + (film.index.ending == kMatroska ? kTransportStream : kMatroska);
-  if (std::error_code error; !mark_in(other).value_or("").empty())
+  const std::string held = mark_in(other).value_or("");
+  if (std::error_code error; !held.empty() && place_of(held) == place_of(copy_mark(film, options)))
     fs::remove(other, error);
   return copy;
 }

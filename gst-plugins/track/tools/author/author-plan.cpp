@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 // What a field depends on beside the film and the columns.
 constexpr char kRules[] = "spans 2 columns ";
 constexpr char kHoldRules[] = " hold 1 ";
+constexpr std::size_t kMadeOf = 12; // digits of a mark
 
 // The fields of a film depend on the film and on this.
 std::string settings_of(const AuthorOptions &options) {
@@ -110,7 +111,18 @@ std::string author_stem(const std::string &path, const AuthorOptions &options) {
 }
 
 std::string copy_mark(const PlannedFilm &film, const AuthorOptions &options) {
-  return mark_of(film.hash, settings_of(options));
+  std::error_code error;
+  const std::string place = fs::weakly_canonical(film.path, error).replace_extension();
+  return std::string(made_of(mark_of(film.hash, settings_of(options)))) +
+         std::string(place_of(mark_of(place, "")));
+}
+
+std::string_view made_of(std::string_view mark) {
+  return mark.substr(0, kMadeOf);
+}
+
+std::string_view place_of(std::string_view mark) {
+  return mark.size() > kMadeOf ? mark.substr(kMadeOf) : mark;
 }
 
 std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options) {

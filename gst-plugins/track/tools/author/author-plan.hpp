@@ -85,8 +85,11 @@ std::vector<PlannedChunk> divide_films(const std::vector<PlannedFilm> &films, st
 /// Returns the name of the copy without its ending. Two videos may not have the same one.
 std::string author_stem(const std::string &path, const AuthorOptions &options);
 
-/// Returns the mark of the copy.
+/// Returns the mark of the copy. Its digits say from which content and with which settings the copy
+/// was made, and the last ones where the video lies, without its ending.
 std::string copy_mark(const PlannedFilm &film, const AuthorOptions &options);
+std::string_view made_of(std::string_view mark);
+std::string_view place_of(std::string_view mark);
 
 /// Returns the file with the fields of a chunk, and its mark.
 std::string chunk_path(const PlannedFilm &film, SpanRange spans, const AuthorOptions &options);

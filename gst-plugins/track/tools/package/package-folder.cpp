@@ -15,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kWork[] = ".package"; // hidden: a web server need not show it
-constexpr char kPage[] = "index.html";
 
 void check(const std::string &path, const std::error_code &error) {
   if (error)
@@ -24,11 +23,14 @@ void check(const std::string &path, const std::error_code &error) {
 
 } // namespace
 
-PackageFolder::PackageFolder(const std::string &path, const std::string &player,
-                             const std::string &page, const std::string &mark)
-    : path_(path), player_(player), work_(path_ / kWork) {
-  if (has(kPage) && !has(mark) && hash_of_file(path_ / kPage) != hash_of_file(player_ / page))
-    throw_error(messages::kFolderHoldsOther, path_.c_str());
+PackageFolder::PackageFolder(const std::string &path, const std::string &mark,
+                             const std::vector<PackageFile> &files)
+    : path_(path), work_(path_ / kWork) {
+  const bool is_ours = has(mark) || has(kWork);
+  for (const auto &[name, source] : files)
+    if (!is_ours && has(name) &&
+        (source.empty() || hash_of_file(path_ / name) != hash_of_file(source)))
+      throw_error(messages::kFolderHoldsOther, path_.c_str(), name.c_str());
   std::error_code error;
   fs::create_directories(path_, error);
   check(path_, error);
@@ -63,23 +65,12 @@ void PackageFolder::copy_in(const std::string &path, const std::string &name) {
   part.keep_as(path_ / name);
 }
 
-void PackageFolder::copy_player() {
-  std::error_code error;
-  for (auto entry = fs::recursive_directory_iterator(player_, error);
-       entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    const std::string name = fs::relative(entry->path(), player_, error).string();
-    const bool is_of_build = entry->path().extension() == ".p";
-    if (entry->is_directory(error)) {
-      if (is_of_build)
-        entry.disable_recursion_pending();
-      else
-        fs::create_directories(path_ / name, error);
-    } else if (entry->is_regular_file(error) && name != kSinglePage &&
-               !entry->path().filename().string().starts_with(".")) {
-      copy_in(entry->path(), name);
-    }
+void PackageFolder::copy_in(const std::vector<PackageFile> &files) {
+  for (const auto &[name, source] : files) {
+    std::error_code error;
+    fs::create_directories((path_ / name).parent_path(), error);
+    copy_in(source, name);
   }
-  check(path_, error);
 }
 
 void PackageFolder::finish(const std::string &playlist, const std::vector<std::string> &names) {
@@ -98,11 +89,27 @@ void PackageFolder::finish() {
   fs::remove_all(work_, error);
 }
 
+std::vector<PackageFile> player_files(const std::string &player) {
+  std::vector<PackageFile> files;
+  std::error_code error;
+  for (auto entry = fs::recursive_directory_iterator(player, error);
+       entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const std::string name = fs::relative(entry->path(), player, error).string();
+    if (entry->is_directory(error) && entry->path().extension() == ".p") // of the build
+      entry.disable_recursion_pending();
+    else if (entry->is_regular_file(error) && name != kSinglePage &&
+             !entry->path().filename().string().starts_with("."))
+      files.push_back({name, entry->path()});
+  }
+  check(player, error);
+  return files;
+}
+
 std::string player_folder() {
   const char *named = std::getenv("FEELING_WIND_WEB");
   std::string path = named ? named : WEB_FOLDER;
   std::error_code error;
-  if (!fs::is_regular_file(fs::path(path) / kPage, error))
+  if (!fs::is_regular_file(fs::path(path) / "index.html", error))
     throw_error(messages::kPlayerIsMissing, path.c_str());
   return path;
 }

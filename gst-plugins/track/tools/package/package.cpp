@@ -347,7 +347,16 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
   if (std::error_code error; !fs::exists(bundle, error))
     throw_error(messages::kBundleIsMissing, bundle.c_str());
   const Rate rate{videos[0], plan_film(videos[0]), {}};
-  PackageFolder folder(options.folder, player, kSinglePage, kSingleTrack);
+  const std::vector<PackageFile> files = {
+      {kBundle, bundle},
+      {kBundleLicence, bundle.parent_path() / kBundleLicence},
+      {"index.html", fs::path(player) / kSinglePage},
+  };
+  PackageFolder folder(options.folder, kSingleTrack, [&] {
+    std::vector<PackageFile> all = files;
+    all.insert(all.end(), {{kSingleFilm, videos[0]}, {kSingleTrack, ""}});
+    return all;
+  }());
   const fs::path path = folder.path();
   const std::string hash = hash_of_file(videos[0]);
   const std::string mark = mark_of(hash, package_settings(options));
@@ -360,9 +369,7 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
     write_bytes(path / kSingleTrack, track);
     std::printf("written: %s and %s (%zu kB)\n", kSingleFilm, kSingleTrack, track.size() / 1000);
   }
-  folder.copy_in(bundle, kBundle);
-  folder.copy_in(bundle.parent_path() / kBundleLicence, kBundleLicence);
-  folder.copy_in(fs::path(player) / kSinglePage, "index.html");
+  folder.copy_in(files);
   folder.finish();
   std::printf("Open %s from a web server; docs/web.md says how.\n", (path / "index.html").c_str());
   return EXIT_SUCCESS;
@@ -372,7 +379,12 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
   stop_when_interrupted();
   const std::string player = player_folder();
   const std::vector<Rate> rates = plan_rates(videos, options);
-  PackageFolder folder(options.author.folder, player);
+  const std::vector<PackageFile> files = player_files(player);
+  PackageFolder folder(options.author.folder, kMainPlaylist, [&] {
+    std::vector<PackageFile> all = files;
+    all.push_back({kPoster, ""});
+    return all;
+  }());
   const auto is_there = [&](const Rate &rate) { return folder.has(rate.name); };
   std::vector<CodedField> track;
   if (!std::ranges::all_of(rates, is_there))
@@ -389,7 +401,7 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
     playlist += entry_of(rate, options, folder.path());
     names.push_back(rate.name);
   }
-  folder.copy_player();
+  folder.copy_in(files);
   folder.copy_in(folder.path() / names[0] / kPoster, kPoster);
   folder.finish(playlist, names);
   std::printf("Open %s from a web server; docs/web.md has the configuration.\n",

@@ -4,8 +4,10 @@
 
 #include "glue/gst-raii.hpp"
 #include "palette.hpp"
+#include "part-file.hpp"
 #include "track-error.hpp"
 
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -17,14 +19,17 @@ namespace haptic {
 /// Throws TrackFileError if there is no gnuplot, and in finish() if it could not draw.
 class Gnuplot {
 public:
-  explicit Gnuplot(const std::string &output) : output_(output) {
+  explicit Gnuplot(const std::string &output) : output_(output), part_(output + ".part") {
     if (!GCharPtr(g_find_program_in_path("gnuplot")))
       throw_error(messages::kGnuplotIsMissing);
     if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
       throw_error(messages::kGnuplotRefusesName, output.c_str());
-    pipe_.reset(popen("gnuplot", "w")); // NOLINT(bugprone-command-processor): no word of a user
+    // Its output goes there if it cannot open the file. NOLINTNEXTLINE(bugprone-command-processor):
+    // no word of a user
+    pipe_.reset(popen("exec gnuplot >/dev/null", "w"));
     if (!pipe_)
       throw_error(messages::kGnuplotFails);
+    std::signal(SIGPIPE, SIG_IGN); // Ctrl-C ends it, too
     line(kPalette);
   }
 
@@ -39,15 +44,19 @@ public:
   }
   void set_terminal(const char *type, int width, int height) {
     line("set terminal %s size %d,%d", type, width, height);
-    line("set output '%s'", output_.c_str());
+    line("set output '%s'", part_.path().c_str());
   }
   void finish() {
-    if (pclose(pipe_.release()) != 0)
+    const bool has_drawn = pclose(pipe_.release()) == 0;
+    throw_if_interrupted();
+    if (!has_drawn)
       throw_error(messages::kPlotFails, output_.c_str());
+    part_.keep_as(output_);
   }
 
 private:
   std::string output_;
+  PartFile part_;
   std::unique_ptr<std::FILE, int (*)(std::FILE *)> pipe_ = {nullptr, pclose};
 };
 

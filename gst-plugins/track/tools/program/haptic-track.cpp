@@ -180,6 +180,8 @@ void print_info(const std::string &path, const std::string &stream) {
     info_of_samples(track.samples);
   for (const auto &remark : track.remarks)
     std::printf("  remark     %s\n", remark.c_str());
+  if (track.holds_nothing())
+    throw_error(messages::kTrackIsEmpty, path.c_str());
 }
 
 void check_may_be_written(const Arguments &arguments, const std::string &output) {
@@ -257,6 +259,7 @@ int cut(const Arguments &arguments) {
 }
 
 int plot(const Arguments &arguments) {
+  stop_when_interrupted();
   check_may_be_written(arguments, arguments.files[1]);
   const std::string &file = arguments.files[0];
   PlotOptions options = arguments.plot;
@@ -267,6 +270,7 @@ int plot(const Arguments &arguments) {
 }
 
 int compare(const Arguments &arguments) {
+  stop_when_interrupted();
   check_may_be_written(arguments, arguments.compare.plot);
   return haptic::compare(arguments.files[0], arguments.files[1], arguments.compare, arguments.json);
 }

@@ -23,7 +23,8 @@ struct CutScan {
   std::vector<std::uint64_t> keys; // stream times, ns; the video's streaming thread, as the rest
   std::uint64_t last = 0;          // stream time of the last frame, ns
   std::uint64_t delay = 0;         // ns by which a key frame is decoded before it is shown
-  std::int64_t start = 0;          // stream time at running time 0, ns
+  bool has_no_order = false; // frames are shown in another order than they come, and say no more
+  std::int64_t start = 0;    // stream time at running time 0, ns
   std::mutex mutex;
   std::set<std::string> tracks; // stream ids of the haptic ones; guarded by mutex
 };
@@ -37,6 +38,7 @@ void note_frame(CutScan &scan, GstPad *pad, const GstBuffer *frame) {
   const auto time = stream_time_of(pad, frame);
   if (time == kNoEnd)
     return;
+  scan.has_no_order = scan.has_no_order || (time < scan.last && !GST_BUFFER_DTS_IS_VALID(frame));
   scan.last = std::max(scan.last, time);
   if (GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_DELTA_UNIT))
     return;
@@ -91,6 +93,8 @@ void keep_stream(Part &part, const FilmStreams &film, GstPad *pad, GstElement *m
                  bool is_matroska) {
   const bool is_track = part.scan.tracks.contains(id_of(pad));
   if (is_track || !has_place(is_matroska ? "matroskamux" : "mpegtsmux", pad)) {
+    if (pad == part.video)
+      throw_error(messages::kMuxerHasNoPlace, name_of(caps_of(pad).get()));
     read_to_end(film.pipeline(), pad);
     if (!is_track)
       print_remarks(part.path,
@@ -115,6 +119,8 @@ void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std:
     throw_error(messages::kFilmFormIsUnknown, output.c_str());
   CutScan scan;
   scan_film(path, scan);
+  if (scan.has_no_order && !is_matroska)
+    throw_error(messages::kCutNeedsMatroska);
   if (from >= to || from > scan.last)
     throw_error(messages::kCutIsEmpty, path.c_str());
   Part part{.path = path, .scan = scan};

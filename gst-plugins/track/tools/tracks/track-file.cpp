@@ -140,8 +140,7 @@ Role role_of(Container &container, GstPad *pad, const InputPacket &first) {
   }
   track.others.emplace_back(name.get());
   TrackFile held;
-  TrackReader(begins_with(first.bytes, kTextName) ? make_text_form() : make_klv_form(), held)
-      .push(first);
+  TrackReader(begins_text_line(first.bytes) ? make_text_form() : make_klv_form(), held).push(first);
   if (!held.reliefs.empty())
     track.surfaces.emplace_back(name.get());
   return Role::other;
@@ -280,7 +279,7 @@ const char *caps_of_track(bool is_coded) {
 
 bool is_own_track(GstBuffer *buffer) {
   const ReadableBuffer readable(buffer);
-  return begins_with(readable.bytes(), kTextName) || begins_with(readable.bytes(), kMotionKey);
+  return begins_text_line(readable.bytes()) || begins_with(readable.bytes(), kMotionKey);
 }
 
 TrackFile read_track_file(const std::string &path, const std::string &stream) {
@@ -291,13 +290,13 @@ TrackFile read_track_file(const std::string &path, const std::string &stream) {
   if (begins_with(head, kKlvDesignator)) {
     track.form = "KLV";
     read_bare_file(path, make_klv_form(), kSet, track);
-  } else if (begins_with(head, kTextName)) {
+  } else if (begins_text_line(head)) {
     track.form = "text lines";
     read_bare_file(path, make_text_form(), kLine, track);
   } else if (looks_like_unit(head)) {
     track.form = "MPEG haptics, binary";
     read_bare_file(path, make_hmpg_form(kSecond), kUnit, track);
-  } else if (const std::size_t text = start.find_first_not_of(" \n");
+  } else if (const std::size_t text = start.find_first_not_of(" \t\r\n");
              text != start.npos && start[text] == '{') {
     track.form = "MPEG haptics, JSON";
     read_hjif_file(path, track);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "array/array-drive.hpp"
 #include "array/array-layout.hpp"
 #include "array/array-mapping.hpp"
 #include "array/array-voices.hpp"
@@ -214,6 +215,27 @@ TEST(Stroke, RestsWhenNothingMoves) {
 }
 
 // Vibrations
+
+// A damaged sample. The noise beside its speed would be felt for seconds.
+TEST(ArrayDrive, ASpeedThatIsNoneIsForgottenAtOnce) {
+  haptic::ArrayDrive drive(haptic::load_array_layout("ring-8"));
+  const haptic::DriveSettings settings{.map = haptic::MapChoice::point};
+  haptic::MotionSample sample;
+  sample.frame_width = 352;
+  sample.frame_height = 288;
+  sample.confidence = 1;
+  std::vector<double> amplitudes(8);
+  const auto felt_at = [&](float speed) {
+    sample.velocity_x = speed; // px/s
+    drive.follow(sample, settings);
+    for (int step = 0; step < 100; ++step)
+      drive.step(0.01, settings, amplitudes);
+    return sum(amplitudes);
+  };
+  EXPECT_GT(felt_at(100), 0.5);
+  EXPECT_EQ(felt_at(1e30F), 0);
+  EXPECT_EQ(felt_at(2), 0);
+}
 
 class Voices : public ::testing::Test {
 protected:

@@ -3,14 +3,17 @@
 
 #include "share/running-time.hpp"
 
+#include <cerrno>
 #include <clocale>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <limits>
 #include <sstream>
+#include <sys/resource.h>
 #include <system_error>
 
 namespace tick_log_test {
@@ -109,6 +112,21 @@ TEST_F(TickLogFile, ThatCannotBeCreatedIsAnErrorThatNamesIt) {
     EXPECT_EQ(error.code().value(), ENOENT);
     EXPECT_NE(std::string(error.what()).find("missing/log.csv"), std::string::npos);
   }
+}
+
+// The disk becomes full while the last rows wait to be written.
+TEST_F(TickLogFile, ThatFailsAtItsEndSaysSoOnceItHasFinished) {
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  TickLog log(path());
+  const rlimit full{std::filesystem::file_size(path()), usual.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  EXPECT_TRUE(log.write(numbered_row()));
+  log.finish();
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, before);
+  EXPECT_EQ(log.error(), EFBIG);
 }
 
 TEST(TickLogDisk, ThatIsFullIsAnErrorAtTheStart) {

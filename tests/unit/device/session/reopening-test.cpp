@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session/reopening.hpp"
 
+#include <cerrno>
 #include <gtest/gtest.h>
+#include <system_error>
 #include <vector>
 
 namespace reopening_test {
@@ -57,6 +59,19 @@ TEST_F(Reopening, BeginsAnewAfterTheDeviceWasThere) {
   reopening_.rest();
   const std::vector<std::int64_t> expected = {2300, 2500};
   EXPECT_EQ(tries(500, spidar::Cause::not_found), expected);
+}
+
+TEST_F(Reopening, TriesAgainWithoutAThreadOrMemoryToOpenItWith) {
+  int attempts = 0;
+  for (; now_ < 1000 * kMs; now_ += 10 * kMs)
+    reopening_.attempt(
+        now_,
+        [&]() -> haptic::Reopening::Device {
+          ++attempts;
+          throw std::system_error(EAGAIN, std::generic_category());
+        },
+        *this);
+  EXPECT_EQ(attempts, 3);
 }
 
 TEST_F(Reopening, WarnsOnceOfADeviceThatIsThereButStaysClosed) {
