@@ -68,6 +68,19 @@ every_field_decodes() {
 }
 promise "every field of a part can be decoded" every_field_decodes "$work/out/wind.haptic.ts"
 
+# A hand that moves to the other half 0.5 s behind the first frame of the video, which the containers have at other times.
+printf 'time,fx,fy,x,y\n0,0,0,-0.02,0\n0.499,0,0,0.02,0\n' >"$work/step.csv"
+ffmpeg -v error -i "$work/in/wind.mp4" -c copy "$work/wind.mkv" </dev/null
+author "$work/wind.mkv" >/dev/null
+steps_at_half_a_second() {
+  "$haptic_track" convert --force --hand "$work/step.csv" "$1" "$work/step.txt" || return 1
+  awk -v RS='hv1 ' '/^point/ { n++; split($0, words, " x="); if (words[2] + 0 > 0.5 && !first) first = n }
+    END { print "frame " first; exit first != 16 }' "$work/step.txt"
+}
+for copy in "$work/out/wind.haptic.ts" "$work/wind.haptic.mkv"; do
+  promise "a log counts from the first frame of ${copy##*.}" steps_at_half_a_second "$copy"
+done
+
 # Tuned into the middle, cut between two packets.
 frames_from_the_middle() {
   local half count

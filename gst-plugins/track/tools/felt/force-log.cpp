@@ -114,10 +114,12 @@ ForceLog read_force_log(const std::string &path) {
   return log;
 }
 
-std::vector<TimedPlace> read_hand(const std::string &path) {
+std::vector<TimedPlace> read_hand(const std::string &path, double begin) {
   auto hand = read_force_log(path).places;
   if (hand.empty())
     throw_error(messages::kHandIsMissing, path.c_str());
+  for (TimedPlace &place : hand)
+    place.time += begin;
   return hand;
 }
 

@@ -25,7 +25,8 @@ bool is_force_log(const std::string &path);
 /// while paused, the last one counts. Throws TrackFileError.
 ForceLog read_force_log(const std::string &path);
 
-/// Returns the path of the hand in a log. Throws TrackFileError, also if it has none.
-std::vector<TimedPlace> read_hand(const std::string &path);
+/// Returns the path of the hand in a log, which counts from the first frame of the video, at
+/// `begin` s. Throws TrackFileError, also if it has none.
+std::vector<TimedPlace> read_hand(const std::string &path, double begin);
 
 } // namespace haptic

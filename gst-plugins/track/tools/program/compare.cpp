@@ -38,7 +38,9 @@ Hands hands_for(const FeltFile &a, const FeltFile &b, const CompareOptions &opti
     throw_error(messages::kPlacesAreGiven);
   if (!options.hand.empty() || !both) {
     const FeltFile &other = a.has_places() ? b : a;
-    auto path = options.hand.empty() ? other.hand() : read_hand(options.hand);
+    const FeltFile &places = a.has_places() ? a : b;
+    auto path = options.hand.empty() ? other.hand()
+                                     : read_hand(options.hand, places.film_begin().value_or(0));
     if (path.empty())
       throw_error(messages::kHandIsMissing, other.path().c_str());
     return {{}, std::move(path)};
