@@ -194,12 +194,18 @@ bool HmpgDecoder::is_over(const ChannelCurve &curve, std::int64_t before) const 
   return last < before || is_whole || (curve.is_closed && last < *tick_ - 1);
 }
 
-// Returns the effect that begins where the curve has its last keyframe, or at the next tick.
+// Returns the effect that begins where the curve has its last keyframe, or at the next tick. The
+// curves are in the order of their beginnings: a hostile file has thousands of them in each unit.
 std::vector<ChannelCurve>::iterator HmpgDecoder::next_of(const ChannelCurve &curve) {
-  return std::ranges::find_if(curves_, [&](const ChannelCurve &next) {
-    return (next.id & kBandMask) == (curve.id & kBandMask) &&
-           touches(curve, next.points.front().tick);
-  });
+  const std::int64_t last = curve.drawing.last(curve.points.back().tick);
+  const auto begin = [](const ChannelCurve &one) { return one.points.front().tick; };
+  const std::int64_t first = std::max(last, begin(curve) + 1); // at which one can touch it
+  const auto behind = std::ranges::upper_bound(curves_, last + 1, {}, begin);
+  const auto next = std::find_if(
+      std::ranges::lower_bound(curves_, first, {}, begin), behind, [&](const ChannelCurve &one) {
+        return (one.id & kBandMask) == (curve.id & kBandMask) && touches(curve, begin(one));
+      });
+  return next == behind ? curves_.end() : next;
 }
 
 // Ends the curves whose last point is before this tick: draws their rest, and joins them with the
