@@ -36,6 +36,13 @@ awk 'BEGIN {
     printf "hv1 point t=%.2f d=0.04 i=0.04 vx=60 vy=0 spin=0 div=0 x=0.5 y=0.5 w=0.1 h=0.1 conf=1 pic=352x288 par=1:1 " \
       "n=17 model=translation\n", i / 25
 }' >"$work/minute.txt"
+sed -n 1,250p "$work/minute.txt" | awk '{ sub(/t=[0-9.]*/, sprintf("t=%.2f", 12 + NR / 25)); print }' >"$work/late.txt"
+for ending in ts mkv; do
+  haptic_track convert "$work/late.txt" "$work/late.$ending"
+  promise "a track alone has the times of its sender in .$ending" \
+    grep -q "^  time       12.040 to 22.000 s" <(haptic_track info "$work/late.$ending")
+  promise "and is no later" haptic_track compare --at-most 0 "$work/late.txt" "$work/late.$ending"
+done
 ends_with_its_script() {
   local script player
   "$root/pipelines/play-track.sh" "$work/minute.txt" -- device=sim "log-location=$work/minute.csv" >/dev/null 2>&1 &

@@ -29,6 +29,11 @@ for (const name of browsers()) {
   await cursorIs('crosshair');
   promise('beside a gamepad the hand stays at the pointer', await page.$eval('#blow', blow => blow.disabled));
   await page.evaluate(() => window.unplug());
+  await page.waitForFunction(() => !document.getElementById('blow').disabled);
+  await cursorIs('crosshair');
+  promise('where there is no hand, the mouse is seen', true);
+  const { x, y, width, height } = await (await page.$('#stage')).boundingBox();
+  await page.mouse.move(x + width / 2, y + height / 2);
   await cursorIs('none');
   promise('without one it is blown, in the place of the pointer of the system', true);
   if (name === 'chromium') { // the driver of Firefox cannot say so

@@ -239,7 +239,7 @@ int convert(const Arguments &arguments) {
   const std::uint64_t first = times_of(track).first;
   if (is_vibration_file(output))
     move_times(track, -static_cast<std::int64_t>(first));
-  else if (output.ends_with(".klv") && track.film_begin != kNoTime)
+  else if (track.film_begin != kNoTime)
     move_times(track, -static_cast<std::int64_t>(std::min(track.film_begin, first)));
   return write(output, track, arguments.vibration);
 }

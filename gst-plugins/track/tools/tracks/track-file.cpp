@@ -241,6 +241,8 @@ void read_container(const std::string &path, const char *demuxer, std::unique_pt
   throw_if_interrupted();
   container.reader.finish();
   track.film_begin = container.film_begin;
+  if (track.beside.empty())
+    container.reader.take_times_of_sender();
   check_length(path, track);
   if (track.stream.empty() && !track.others.empty())
     throw_error(messages::kStreamIsNoTrack, path.c_str(), wanted.c_str(),

@@ -59,10 +59,17 @@ void TrackReader::place(Timed &one, std::uint64_t pts, std::vector<Timed> &all) 
           sent != kNoTime && early.time <= sent && by <= std::min(pts, kLargestTimeStep);
       early.time = is_near ? pts - by : kNoTime;
     });
+  if (pts != kNoTime && sent != kNoTime && !sender_ahead_)
+    sender_ahead_ = sent - pts;
   if (pts != kNoTime)
     one.time = pts;
   clock_.remember(pts, sent, one.duration);
   all.push_back(std::move(one));
+}
+
+void TrackReader::take_times_of_sender() noexcept {
+  const std::uint64_t by = sender_ahead_.value_or(0);
+  track_.for_each([by](auto &one) { one.time += one.time == kNoTime ? 0 : by; });
 }
 
 void TrackReader::finish(std::size_t at) {

@@ -8,6 +8,7 @@
 #include "tracks/track-file.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace haptic {
 
@@ -29,6 +30,9 @@ public:
   void push(const InputPacket &packet, std::size_t at = 0);
   /// A stream without any time stamp begins at 0. `at`: where a file ends, as the remark counts.
   void finish(std::size_t at = 0);
+  /// Of a stream alone in its container, which a demuxer begins at a time of its own: all times are
+  /// those of the sender again.
+  void take_times_of_sender() noexcept;
   /// Returns how many damaged packets or sets a file has so far.
   std::size_t damage() const noexcept { return damage_; }
 
@@ -44,7 +48,8 @@ private:
   std::size_t damage_ = 0;
   std::size_t others_ = 0; // sets that are none of ours, in a file
   TrackClock clock_;
-  ProblemCounters problems_; // of a stream
+  std::optional<std::uint64_t> sender_ahead_; // ns, of the first time stamp
+  ProblemCounters problems_;                  // of a stream
 };
 
 } // namespace haptic
