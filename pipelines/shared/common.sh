@@ -327,17 +327,17 @@ with_us=(setpriv --pdeathsig INT)
 # the force fades out and the log is complete. $secret stands where the line has @secret@; it is not shown. $launcher
 # is launch.py where a pipeline without a secret needs it, too.
 launch() {
-  local before=()
-  [ "$BASHPID" = $$ ] || before=("${with_us[@]}") # in a subshell
+  local parent=()
+  [ "$BASHPID" = $$ ] || parent=("${with_us[@]}") # in a subshell
   use_elements "${elements[@]}"
   show_line gst-launch-1.0 -e "$@"
   if [ -n "${secret:-${launcher:-}}" ]; then
     /usr/bin/python3 -c 'import gi; gi.require_version("Gst", "1.0")' 2>/dev/null ||
       fail "a key, or RIST, needs two more packages; as root run: apt-get install python3-gi gir1.2-gstreamer-1.0"
     [ -z "${secret:-}" ] || export LAUNCH_SECRET=$secret
-    exec "${before[@]}" /usr/bin/python3 "$root/pipelines/shared/launch.py" "$@"
+    exec "${parent[@]}" /usr/bin/python3 "$root/pipelines/shared/launch.py" "$@"
   fi
-  exec "${before[@]}" gst-launch-1.0 -e "$@"
+  exec "${parent[@]}" gst-launch-1.0 -e "$@"
 }
 
 # The packages that hold the elements which the scripts need.
