@@ -266,8 +266,8 @@ find_plugins() {
     export GST_PLUGIN_PATH=$build/gst-plugins${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
     export GST_REGISTRY=${GST_REGISTRY:-$build/registry.bin}
     export SPIDAR_GEOMETRY_PATH=${SPIDAR_GEOMETRY_PATH:-$root/spidar/geometry}
-    [ ! -x "$build/spidar/spidar-guardian" ] || export SPIDAR_GUARDIAN=${SPIDAR_GUARDIAN:-$build/spidar/spidar-guardian}
   fi
+  [ ! -x "$build/spidar/spidar-guardian" ] || export SPIDAR_GUARDIAN=${SPIDAR_GUARDIAN:-$build/spidar/spidar-guardian}
   local tool
   for tool in gst-inspect-1.0 gst-discoverer-1.0; do
     command -v $tool >/dev/null ||

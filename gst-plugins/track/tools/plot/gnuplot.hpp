@@ -24,9 +24,8 @@ public:
       throw_error(messages::kGnuplotIsMissing);
     if (output.find('\'') != std::string::npos || output.find('\n') != std::string::npos)
       throw_error(messages::kGnuplotRefusesName, output.c_str());
-    // Its output goes there if it cannot open the file. NOLINTNEXTLINE(bugprone-command-processor):
-    // no word of a user
-    pipe_.reset(popen("exec gnuplot >/dev/null", "w"));
+    // If it cannot open the file, it draws into its output. No word of a user is in the command.
+    pipe_.reset(popen("exec gnuplot >/dev/null", "w")); // NOLINT(bugprone-command-processor)
     if (!pipe_)
       throw_error(messages::kGnuplotFails);
     std::signal(SIGPIPE, SIG_IGN); // Ctrl-C ends it, too
