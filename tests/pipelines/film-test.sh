@@ -56,6 +56,20 @@ fails_with() {
   cat "$work/said"
   [ "$status" = 1 ] && grep -q -- "$text" "$work/said"
 }
+leaves_nothing() {
+  local process status=0
+  "$program" --width 320 --height 180 --duration 600 "$work/long.ts" 2>"$work/said" &
+  process=$!
+  until [ -e "$work/long.ts.part" ]; do
+    kill -0 $process || return 1
+    sleep 0.05
+  done
+  kill -TERM $process
+  wait $process || status=$?
+  cat "$work/said"
+  [ $status = 1 ] && grep -q interrupted "$work/said" && ! compgen -G "$work/long*"
+}
+promise "an interrupted film leaves nothing" leaves_nothing
 promise "a foreign ending is refused" fails_with "must end in .ts, .mkv or .png" "$work/film.avi"
 promise "an odd size" fails_with "even numbers" --width 321 "$work/other.ts"
 promise "a folder that is not there" fails_with "Give another name" "${small[@]}" "$work/none/film.ts"

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <utility>
 
@@ -76,7 +77,7 @@ Window::~Window() {
                         nullptr);
   g_source_remove(timer_);
   if (drawing_film_)
-    g_subprocess_force_exit(drawing_film_.get());
+    g_subprocess_send_signal(drawing_film_.get(), SIGTERM); // it leaves nothing behind
   save_settings();
   chooser_.reset();
   gtk_widget_hide(window_);

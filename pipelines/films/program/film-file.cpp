@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "program/film-file.hpp"
 
+#include <csignal>
 #include <cstdio>
 #include <gst/app/gstappsrc.h>
 
 namespace film {
 
 namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
 
 void need_element(const char *name, const char *cure) {
   GstElementFactory *factory = gst_element_factory_find(name);
@@ -35,6 +38,8 @@ void end_source(GstElement *source) {
 
 FilmFile::FilmFile(const std::string &path, int width, int height, int rate, int quality)
     : path_(path), part_(path + ".part"), rate_(rate) {
+  for (const int signal : {SIGINT, SIGTERM})
+    std::signal(signal, [](int) { interrupted = 1; });
   need_element("x264enc", "as root run: apt-get install gstreamer1.0-plugins-ugly");
   need_element("h264parse", "as root run: apt-get install gstreamer1.0-plugins-bad");
   need_element("hapticconvert", "run it by: meson devenv -C build wind-film");
@@ -108,6 +113,8 @@ void FilmFile::push(GstElement *source, haptic::BufferPtr buffer) {
 }
 
 void FilmFile::write(std::span<const std::uint8_t> frame, const haptic::MotionField &field) {
+  if (interrupted)
+    throw FilmError("interrupted: there is no film; run the command again");
   haptic::BufferPtr motion(gst_buffer_new_allocate(nullptr, haptic::packed_size(field), nullptr));
   GstMapInfo map;
   gst_buffer_map(motion.get(), &map, GST_MAP_WRITE);

@@ -30,7 +30,8 @@ public:
   FilmFile(const FilmFile &) = delete;
   FilmFile &operator=(const FilmFile &) = delete;
 
-  /// The next frame (I420) and its motion. Waits while the encoder is behind. Throws FilmError.
+  /// The next frame (I420) and its motion. Waits while the encoder is behind. Throws FilmError,
+  /// also after SIGINT and SIGTERM.
   void write(std::span<const std::uint8_t> frame, const haptic::MotionField &field);
 
   /// Completes the file, which appears now. Throws FilmError.
