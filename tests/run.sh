@@ -116,11 +116,8 @@ set_up() {
 configure() {
   local folder=$1 again=()
   shift
-  if [ -f "$folder/build.ninja" ]; then
-    again=(--reconfigure)
-  else
-    rm -rf "$folder"/meson-{private,info} # left by an interrupted setup
-  fi
+  forget_interrupted_setup "$folder"
+  [ ! -f "$folder/build.ninja" ] || again=(--reconfigure)
   mkdir -p "$folder"
   meson setup "$folder" "${again[@]}" -Dtests=enabled -Dvision=enabled -Ddevice=enabled -Dtrack=enabled -Ddebug=false \
     "$@" >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log"; return 1; }

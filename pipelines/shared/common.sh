@@ -238,18 +238,22 @@ file_window() {
 }
 file_window videoconvert !
 
+# `forget_interrupted_setup FOLDER`: else Meson would take it for a configured one.
+forget_interrupted_setup() {
+  [ -f "$1/build.ninja" ] || rm -rf "$1"/meson-{private,info}
+}
+
 # Configures (the first time) and builds the plugins in $build, with a log in build.log.
 build_plugins() {
   local log=$build/build.log
   mkdir -p "$build" || fail "the folder '$build' cannot be made; check the permissions of its parent"
   if [ ! -f "$build/build.ninja" ]; then
     echo "Building the plugins in $build (a minute or two, once) ..."
-    rm -rf "$build/meson-private" "$build/meson-info" # left by an interrupted setup
+    forget_interrupted_setup "$build"
     # Joined sources take half of the time to compile.
     meson setup "$build" "$root" --buildtype=release --unity=on --unity-size=6 -Dvision=enabled -Ddevice=enabled \
       -Dtrack=enabled -Dtests=disabled -Dbenchmarks=disabled >"$log" 2>&1 || build_failed "$log"
-  fi
-  if [ ! -f "$build/gst-plugins/vision/libgsthapticvision.so" ]; then # the folder may be of before the packages came
+  elif [ ! -f "$build/gst-plugins/vision/libgsthapticvision.so" ]; then # it may have been configured before the packages came
     meson setup --reconfigure "$build" -Dvision=enabled -Ddevice=enabled -Dtrack=enabled >"$log" 2>&1 || build_failed "$log"
   fi
   meson compile -C "$build" >"$log" 2>&1 || build_failed "$log"

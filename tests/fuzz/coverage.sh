@@ -24,12 +24,11 @@ command -v afl-clang-fast++ >/dev/null || fail "afl++ is not installed; as root 
 
 cd "$root"
 folder=$root/build-fuzz
-if [ ! -f "$folder/build.ninja" ]; then
-  rm -rf "$folder"/meson-{private,info} # left by an interrupted setup
+forget_interrupted_setup "$folder"
+[ -f "$folder/build.ninja" ] ||
   CC=afl-clang-fast CXX=afl-clang-fast++ meson setup "$folder" -Dtrack=enabled -Dvision=disabled -Ddevice=disabled \
     -Dtests=enabled -Dunity=on -Dunity_size=6 -Dbuildtype=debugoptimized -Dwerror=false -Db_lundef=false \
     -Db_sanitize=address,undefined >/dev/null
-fi
 AFL_QUIET=1 ninja -C "$folder" tests/fuzz/track-fuzz >"$folder/build.log" || { tail -n 30 "$folder/build.log"; exit 1; }
 fuzzer=$folder/tests/fuzz/track-fuzz
 

@@ -47,6 +47,31 @@ scripts_find_the_guardian() {
   (unset SPIDAR_GUARDIAN && bash -c 'source "$1/pipelines/shared/common.sh" && find_plugins && [ -x "$SPIDAR_GUARDIAN" ]' \
     - "$root")
 }
+# How build_plugins calls Meson in the folder $work/some, which holds these files.
+meson_calls() {
+  local file
+  rm -rf "$work/some"
+  mkdir -p "$work/some/gst-plugins/vision" "$work/some/meson-private"
+  for file; do
+    touch "$work/some/$file"
+  done
+  # shellcheck disable=SC2317 # build_plugins calls it
+  (
+    meson() { echo "$@" >&3; }
+    build=$work/some
+    build_plugins >/dev/null
+  ) 3>&1
+}
+configures_what_was_interrupted() {
+  [[ $(meson_calls) = "setup $work/some "*-Dvision=enabled* ]] && [ ! -e "$work/some/meson-private" ]
+}
+completes_what_has_no_vision() { [[ $(meson_calls build.ninja) = "setup --reconfigure $work/some "*-Dvision=enabled* ]]; }
+only_compiles_what_is_whole() {
+  [ "$(meson_calls build.ninja gst-plugins/vision/libgsthapticvision.so)" = "compile -C $work/some" ]
+}
+promise "what an interrupted setup left is configured anew" configures_what_was_interrupted
+promise "a build of before the packages came is completed" completes_what_has_no_vision
+promise "a whole one is compiled, no more" only_compiles_what_is_whole
 promise "it finds the elements of the build" finds_the_elements
 promise "the scripts find its guardian, too" scripts_find_the_guardian
 promise "it finds the tools of the build" in_env spidar-info --help

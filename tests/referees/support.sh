@@ -22,13 +22,12 @@ build_failed() {
 build_sanitized() {
   local folder=$1 log=$1/build.log
   mkdir -p "$folder"
-  if [ ! -f "$folder/build.ninja" ]; then
-    rm -rf "$folder"/meson-{private,info} # left by an interrupted setup
+  forget_interrupted_setup "$folder"
+  [ -f "$folder/build.ninja" ] ||
     meson setup "$folder" "$root" -Db_lundef=false -Dunity=on -Dunity_size=6 -Doptimization=1 \
       -Ddebug=false -Dtests=enabled -Ddevice=enabled -Dvision=disabled -Dtrack=disabled -Dview=disabled \
       -Dbenchmarks=disabled -Dman-pages=disabled \
       "${@:2}" >"$log" 2>&1 || build_failed "$log"
-  fi
   ninja -C "$folder" "${targets[@]}" >"$log" 2>&1 || build_failed "$log"
 }
 

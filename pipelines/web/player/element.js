@@ -134,12 +134,12 @@ export class FeelingWind extends (globalThis.HTMLElement ?? Object) {
     this.#draw();
   }
 
-  #say(sentence) {
-    this.#problems.append(sentence, make('br'));
-  }
-
   #draw() {
     if (this.#player) draw(this.#canvas, this.#video, this.#video, { ...handOf(this.#player), field: null });
+  }
+
+  #say(sentence) {
+    this.#problems.append(sentence, make('br'));
   }
 }
 

@@ -68,7 +68,7 @@ export class PacketTrack {
       packet.starts = !item.code || beginsPair(item.code);
       packets.push(packet);
     }
-    // In order, each is the last one of most tracks: a hostile file would be moved once for each of its packets.
+    // In order, each goes to the end. In a file that is written backwards, all others would move for each of them.
     for (const packet of packets.sort((a, b) => a.time - b.time)) this.#insert(packet);
     return relief;
   }
@@ -82,7 +82,7 @@ export class PacketTrack {
     if (this.#bytes + grown > MOST_BYTES) return;
     this.#bytes += grown;
     this.#packets.splice(at - same, same, packet);
-    if (at <= this.#walked.to) this.#walked = { from: 0, to: -1 };
+    if (at - same <= this.#walked.to) this.#walked = { from: 0, to: -1 };
     if (at < this.#next + same) this.#restart();
   }
 
@@ -147,12 +147,11 @@ export class PacketTrack {
   // The last packet until `time` at which decoding may begin. A hostile track has one for an hour.
   #start(time) {
     const at = Math.max(after(this.#packets, time) - 1, 0), { from, to } = this.#walked;
+    const isWalked = i => from <= i && i <= to;
     let i = at;
-    while (i > 0 && !this.#packets[i].starts && !(from <= i && i <= to)) --i;
-    const isSame = from <= i && i <= to;
-    if (isSame) i = from;
-    this.#walked = { from: i, to: isSame ? Math.max(at, to) : at };
-    return i;
+    while (i > 0 && !this.#packets[i].starts && !isWalked(i)) --i;
+    this.#walked = isWalked(i) ? { from, to: Math.max(at, to) } : { from: i, to: at };
+    return this.#walked.from;
   }
 
   /** The knot of the frame shown at `time` (s), or undefined. */

@@ -77,9 +77,7 @@ FeltFile::FeltFile(const std::string &path, const std::string &stream) : path_(p
 }
 
 std::optional<double> FeltFile::film_begin() const {
-  return track_.is_untied || track_.film_begin == kNoTime
-             ? std::nullopt
-             : std::optional(seconds(track_.film_begin));
+  return film_begin_of(track_);
 }
 
 double FeltFile::track_begin() const {

@@ -352,11 +352,9 @@ int package_single(const std::vector<std::string> &videos, const AuthorOptions &
       {kBundleLicence, bundle.parent_path() / kBundleLicence},
       {"index.html", fs::path(player) / kSinglePage},
   };
-  PackageFolder folder(options.folder, kSingleTrack, [&] {
-    std::vector<PackageFile> all = files;
-    all.insert(all.end(), {{kSingleFilm, videos[0]}, {kSingleTrack, ""}});
-    return all;
-  }());
+  std::vector<PackageFile> all = files;
+  all.insert(all.end(), {{kSingleFilm, videos[0]}, {kSingleTrack, ""}});
+  PackageFolder folder(options.folder, kSingleTrack, all);
   const fs::path path = folder.path();
   const std::string hash = hash_of_file(videos[0]);
   const std::string mark = mark_of(hash, package_settings(options));
@@ -380,11 +378,9 @@ int package(const std::vector<std::string> &videos, const PackageOptions &option
   const std::string player = player_folder();
   const std::vector<Rate> rates = plan_rates(videos, options);
   const std::vector<PackageFile> files = player_files(player);
-  PackageFolder folder(options.author.folder, kMainPlaylist, [&] {
-    std::vector<PackageFile> all = files;
-    all.push_back({kPoster, ""});
-    return all;
-  }());
+  std::vector<PackageFile> all = files;
+  all.push_back({kPoster, ""});
+  PackageFolder folder(options.author.folder, kMainPlaylist, all);
   const auto is_there = [&](const Rate &rate) { return folder.has(rate.name); };
   std::vector<CodedField> track;
   if (!std::ranges::all_of(rates, is_there))

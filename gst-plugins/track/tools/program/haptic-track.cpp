@@ -218,19 +218,14 @@ int write(const std::string &output, const TrackFile &track,
   return EXIT_SUCCESS;
 }
 
-// s
-double film_begin_of(const TrackFile &track) {
-  return track.film_begin == kNoTime ? 0 : seconds(track.film_begin);
-}
-
 int convert(const Arguments &arguments) {
   check_may_be_written(arguments, arguments.files[1]);
   TrackFile track = read_some(arguments);
   if (!arguments.compare.hand.empty() && !track.reliefs.empty())
     throw_error(messages::kHandTouches, arguments.files[0].c_str());
   if (!arguments.compare.hand.empty() && !track.fields.empty()) {
-    track.samples =
-        samples_at_hand(track.fields, read_hand(arguments.compare.hand, film_begin_of(track)));
+    track.samples = samples_at_hand(
+        track.fields, read_hand(arguments.compare.hand, film_begin_of(track).value_or(0)));
     track.fields.clear();
   }
   // The time 0 is the beginning of a sound, or of the video beside the track, which a recording has
@@ -271,7 +266,7 @@ int plot(const Arguments &arguments) {
   PlotOptions options = arguments.plot;
   const TrackFile track = read_some(arguments);
   if (!arguments.compare.hand.empty())
-    options.hand = read_hand(arguments.compare.hand, film_begin_of(track));
+    options.hand = read_hand(arguments.compare.hand, film_begin_of(track).value_or(0));
   plot_track(file, track, options, arguments.files[1]);
   return EXIT_SUCCESS;
 }

@@ -348,6 +348,11 @@ TrackTimes times_of(const TrackFile &track) {
   return times;
 }
 
+std::optional<double> film_begin_of(const TrackFile &track) {
+  return track.is_untied || track.film_begin == kNoTime ? std::nullopt
+                                                        : std::optional(seconds(track.film_begin));
+}
+
 void move_times(TrackFile &track, std::int64_t by) {
   track.for_each([by](auto &one) { one.time += static_cast<std::uint64_t>(by); });
 }

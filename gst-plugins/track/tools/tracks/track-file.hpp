@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <gst/gst.h>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,6 +53,9 @@ TrackFile read_track_file(const std::string &path, const std::string &stream = {
 
 /// The same without reliefs beside motion. Prints the remarks on the standard error.
 TrackFile read_one_kind(const std::string &path, const std::string &stream);
+
+/// s, of the first frame of the video beside the track; nothing if the track does not say it.
+std::optional<double> film_begin_of(const TrackFile &track);
 
 /// ns; of a track that holds nothing as they stand here.
 struct TrackTimes {
