@@ -110,6 +110,20 @@ edit "1000 0 1" "1000 30720 1"
 promise "and one with a gap" says 1 "joins several parts" "$haptic_track" author "$work/edited.mp4"
 promise "nothing is left" test "$(cd "$work" && echo edited*)" = edited.mp4
 
+# Beside a track such a file is cut, too. The first field of the track is a key field at 1 s.
+"$haptic_track" author --output "$work" "$work/whole.mp4" >/dev/null
+"$haptic_track" convert "$work/whole.haptic.ts" "$work/track.mkv"
+ffmpeg -v error -i "$work/whole.mp4" -i "$work/track.mkv" -map 0 -map 1 -c copy -c:s mov_text "$work/tracked.mp4"
+ffmpeg -v error -ss 0.99 -i "$work/tracked.mp4" -map 0 -c copy "$work/trimmed.mp4"
+for part in part.ts part.mkv; do
+  promise "$part of a trimmed video is cut" "$haptic_track" cut --with-video --from 0 --to 9 "$work/trimmed.mp4" "$work/$part"
+  promise "every frame is in $part" ends_with "$work/$part" "$work/trimmed.mp4"
+  promise "and the fields begin with the first of them" in_step "$work/$part" "$work/trimmed.mp4"
+done
+promise "a part that begins behind a shown key frame hides nothing" "$haptic_track" cut --with-video --from 1.5 --to 9 \
+  "$work/trimmed.mp4" "$work/late.ts"
+promise "and begins with that frame" ends_with "$work/whole.mp4" "$work/late.ts"
+
 # A package begins where the video does.
 promise "a trimmed video is packaged" says 0 "written: " \
   "$haptic_track" package --output "$work/web" "$work/in/inside.mp4"

@@ -141,18 +141,6 @@ void make_output_deterministic(const PlannedFilm &film, GstElement *mux) {
   g_date_time_unref(date);
 }
 
-// Frames that an edit list hides before the first shown one are decoded, but a muxer would leave
-// them out. Their stream begins with them, and all others by as much later.
-void begin_earlier(GstEvent *&event, std::uint64_t lead) {
-  if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
-    return;
-  GstSegment segment;
-  gst_event_copy_segment(event, &segment);
-  segment.start -= std::min(segment.start, lead);
-  const EventPtr before(std::exchange(event, gst_event_new_segment(&segment)));
-  gst_event_set_seqnum(event, gst_event_get_seqnum(before.get()));
-}
-
 // Links the stream to the muxer if that has a place for it. Returns the pad before the muxer.
 PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool is_matroska,
                    std::uint64_t lead) {
@@ -163,8 +151,7 @@ PadPtr keep_stream(const FilmStreams &film, GstPad *pad, GstElement *mux, bool i
   if (pad != film.video())
     return copy_stream(pad, kAudioBytes, static_cast<gint64>(lead), mux, is_matroska);
   PadPtr linked = copy_stream(pad, kVideoBytes, 0, mux, is_matroska);
-  watch_events(PadPtr(gst_pad_get_peer(pad)).get(),
-               [lead](GstPad *, GstEvent *&event) { begin_earlier(event, lead); });
+  begin_earlier(pad, lead);
   return linked;
 }
 

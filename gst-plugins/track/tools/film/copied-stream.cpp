@@ -219,4 +219,16 @@ PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mu
   return from_pad;
 }
 
+void begin_earlier(GstPad *pad, std::uint64_t by) {
+  watch_events(PadPtr(gst_pad_get_peer(pad)).get(), [by](GstPad *, GstEvent *&event) {
+    if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
+      return;
+    GstSegment segment;
+    gst_event_copy_segment(event, &segment);
+    segment.start -= std::min(segment.start, by);
+    const EventPtr before(std::exchange(event, gst_event_new_segment(&segment)));
+    gst_event_set_seqnum(event, gst_event_get_seqnum(before.get()));
+  });
+}
+
 } // namespace haptic

@@ -60,4 +60,9 @@ void link_pad(GstPad *pad, GstElement *to);
 PadPtr copy_stream(GstPad *pad, guint queue_bytes, gint64 offset, GstElement *mux,
                    bool is_matroska);
 
+/// Frames that an edit list hides before the first shown one are decoded, but a muxer would leave
+/// them out. The copied stream of the pad begins with them, so many ns earlier; what is shown is as
+/// much later.
+void begin_earlier(GstPad *pad, std::uint64_t by);
+
 } // namespace haptic

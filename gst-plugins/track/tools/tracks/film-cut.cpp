@@ -9,20 +9,21 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <set>
 
 namespace haptic {
 namespace {
 
 constexpr guint kQueueBytes = 48 << 20;
-constexpr std::uint64_t kNoEnd = GST_CLOCK_TIME_NONE;
+constexpr std::int64_t kNoEnd = G_MAXINT64;
 
 // ---- where the key frames are -------------------------------------------------------------------
 
 struct CutScan {
-  std::vector<std::uint64_t> keys; // stream times, ns; the video's streaming thread, as the rest
-  std::uint64_t last = 0;          // stream time of the last frame, ns
-  std::uint64_t delay = 0;         // ns by which a key frame is decoded before it is shown
+  std::vector<std::int64_t> keys; // stream times, ns; the video's streaming thread, as the rest
+  std::int64_t last = G_MININT64; // stream time of the last frame, ns
+  std::int64_t delay = 0;         // ns by which a key frame is decoded before it is shown
   bool has_no_order = false; // frames are shown in another order than they come, and say no more
   std::int64_t start = 0;    // stream time at running time 0, ns
   std::mutex mutex;
@@ -34,20 +35,33 @@ std::string id_of(GstPad *pad) {
   return id ? id.get() : "";
 }
 
+// ns, negative of what an edit list hides before the first shown frame: that one may depend on it.
+// Nothing for a frame without a time, and for one behind the end.
+std::optional<std::int64_t> signed_time_of(GstPad *pad, const GstBuffer *frame) {
+  const auto segment = segment_of(pad);
+  const GstClockTime stamp =
+      GST_BUFFER_PTS_IS_VALID(frame) ? GST_BUFFER_PTS(frame) : GST_BUFFER_DTS(frame);
+  guint64 time = 0;
+  const gint sign = segment && GST_CLOCK_TIME_IS_VALID(stamp) && stamp <= segment->stop
+                        ? gst_segment_to_stream_time_full(&*segment, GST_FORMAT_TIME, stamp, &time)
+                        : 0;
+  return sign == 0 ? std::nullopt : std::optional(sign * static_cast<std::int64_t>(time));
+}
+
 void note_frame(CutScan &scan, GstPad *pad, const GstBuffer *frame) {
-  const auto time = stream_time_of(pad, frame);
-  if (time == kNoEnd)
+  const auto time = signed_time_of(pad, frame);
+  if (!time)
     return;
-  scan.has_no_order = scan.has_no_order || (time < scan.last && !GST_BUFFER_DTS_IS_VALID(frame));
-  scan.last = std::max(scan.last, time);
+  scan.has_no_order = scan.has_no_order || (*time < scan.last && !GST_BUFFER_DTS_IS_VALID(frame));
+  scan.last = std::max(scan.last, *time);
+  if (const auto running = running_time_of(pad, frame); GST_CLOCK_TIME_IS_VALID(running))
+    scan.start = *time - static_cast<std::int64_t>(running);
   if (GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_DELTA_UNIT))
     return;
-  scan.keys.push_back(time);
-  if (const auto running = running_time_of(pad, frame); running != kNoEnd)
-    scan.start = static_cast<std::int64_t>(time) - static_cast<std::int64_t>(running);
+  scan.keys.push_back(*time);
   if (GST_BUFFER_DTS_IS_VALID(frame) && GST_BUFFER_PTS_IS_VALID(frame) &&
       GST_BUFFER_PTS(frame) > GST_BUFFER_DTS(frame))
-    scan.delay = std::max(scan.delay, GST_BUFFER_PTS(frame) - GST_BUFFER_DTS(frame));
+    scan.delay = std::max(scan.delay, GST_CLOCK_DIFF(GST_BUFFER_DTS(frame), GST_BUFFER_PTS(frame)));
 }
 
 void scan_film(const std::string &path, CutScan &scan) {
@@ -72,20 +86,22 @@ void scan_film(const std::string &path, CutScan &scan) {
 struct Part {
   const std::string &path;
   const CutScan &scan;
-  std::uint64_t begin = 0; // stream times, ns
-  std::uint64_t end = kNoEnd;
+  std::int64_t begin = 0; // stream times, ns
+  std::int64_t end = kNoEnd;
   GstPad *video = nullptr;
   bool is_over = false; // of the first video; its streaming thread
+
+  std::int64_t hidden() const { return std::max<std::int64_t>(-begin, 0); } // ns before the film
 };
 
 bool is_within(Part &part, GstPad *pad, const GstBuffer *buffer) {
-  const std::uint64_t time = stream_time_of(pad, buffer);
+  const auto time = signed_time_of(pad, buffer);
   if (pad != part.video)
-    return time != kNoEnd && time >= part.begin && time < part.end;
+    return time && *time >= part.begin && *time < part.end;
   // Frames behind the last key frame may be shown before it, and depend on it.
   part.is_over = part.is_over || (!GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT) &&
-                                  time != kNoEnd && time >= part.end);
-  return time != kNoEnd && time >= part.begin && !part.is_over;
+                                  time && *time >= part.end);
+  return time && *time >= part.begin && !part.is_over;
 }
 
 // Links the stream to the muxer, or leaves it out and says so.
@@ -103,15 +119,18 @@ void keep_stream(Part &part, const FilmStreams &film, GstPad *pad, GstElement *m
   }
   watch_buffers(pad, [&part](auto... buffer) { return is_within(part, buffer...); });
   // A muxer drops what is decoded before 0.
-  copy_stream(pad, kQueueBytes,
-              part.scan.start + static_cast<gint64>(part.scan.delay) -
-                  static_cast<gint64>(part.begin),
-              mux, is_matroska);
+  const std::int64_t offset = part.scan.start + part.scan.delay - part.begin;
+  if (pad != part.video) {
+    copy_stream(pad, kQueueBytes, offset, mux, is_matroska);
+    return;
+  }
+  copy_stream(pad, kQueueBytes, offset - part.hidden(), mux, is_matroska);
+  begin_earlier(pad, part.hidden());
 }
 
 } // namespace
 
-void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std::uint64_t to,
+void cut_film(const std::string &path, TrackFile track, std::int64_t from, std::int64_t to,
               const std::string &output) {
   const std::string ending = std::filesystem::path(output).extension().string();
   const bool is_matroska = ending == kMatroska;
@@ -128,10 +147,10 @@ void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std:
   part.begin = after == scan.keys.begin() ? *after : *(after - 1);
   if (const auto last = std::ranges::lower_bound(scan.keys, to); last != scan.keys.end())
     part.end = *last;
-  cut_track(track, part.begin, part.end);
+  cut_track(track, std::max<std::int64_t>(part.begin, 0), part.end);
   if (track.holds_nothing() || part.begin >= part.end)
     throw_error(messages::kCutIsEmpty, path.c_str());
-  move_times(track, static_cast<std::int64_t>(scan.delay));
+  move_times(track, scan.delay + part.hidden());
 
   PartFile file(output + ".part");
   FilmStreams film(path, FilmUse::copy);

@@ -87,9 +87,10 @@ void cut_track(TrackFile &track, std::uint64_t from, std::uint64_t to);
 /// Writes a part of the film `path`, whose track is `track`, as .ts or .mkv, nothing encoded anew.
 /// It begins with the last key frame of the first video that is not behind `from` (ns), ends before
 /// the first one that is not before `to`, and its times begin at 0, or later by as much as a key
-/// frame is decoded before it is shown. Says on the standard error what is left out.
+/// frame is decoded before it is shown. Where that key frame is hidden by an edit list, the part
+/// shows it and what follows. Says on the standard error what is left out.
 /// Throws TrackFileError, which leaves nothing behind.
-void cut_film(const std::string &path, TrackFile track, std::uint64_t from, std::uint64_t to,
+void cut_film(const std::string &path, TrackFile track, std::int64_t from, std::int64_t to,
               const std::string &output);
 
 /// Returns whether the buffer begins with a sample or field of this project.
