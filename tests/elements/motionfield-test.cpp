@@ -291,7 +291,8 @@ TEST_F(MotionFieldElement, HasNoThingsUnlessTheyAreAskedFor) {
 }
 
 TEST_F(MotionFieldElement, AThingIsTakenWhereAndWhenAPointSaysAndFollowed) {
-  g_object_set(element.get(), "points", "0.5,0.5 0.25,0.75@0.1 2,3 nonsense", nullptr);
+  g_object_set(element.get(), "points",
+               "0.5,0.5 0.25,0.75@0.1 2,3 nonsense 0.2, 0.3,0.3@ 0.4,0.4@nan", nullptr);
   const MotionField first = field_of(pass(0, {60, -30}));
   ASSERT_EQ(first.things.size(), 1U);
   EXPECT_NEAR(first.things[0].x, 0.5, 1e-4);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The pointer on its way over a network: pointerextract at the hand, pointerinject at the tracker.
+#include "eventually.hpp"
 #include "forms/klv.hpp"
 #include "glue/pointer-event.hpp"
 #include "track-pipeline.hpp"
 
 #include <cstring>
+#include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 #include <gtest/gtest.h>
 #include <memory>
@@ -153,6 +155,40 @@ TEST_F(PointerTravel, PointersComeAgainAfterTheEnd) {
   ASSERT_TRUE(ends());
   gst_harness_push_event(extract.get(), gst_event_new_stream_start("another"));
   EXPECT_TRUE(arrives()) << "of another stream";
+}
+
+TEST(PointerElements, AfterTheEndASeekLetsASinkHavePointersAgain) {
+  gst_init(nullptr, nullptr);
+  const test::Pipeline pipeline("videotestsrc ! pointerextract name=p ! fakesink name=main "
+                                "p.pointer ! appsink name=pointers async=false sync=false");
+  const auto element = [&](const char *name) {
+    return haptic::ElementPtr(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
+  };
+  const haptic::PadPtr main(gst_element_get_static_pad(element("main").get(), "sink"));
+  const haptic::ElementPtr pointers = element("pointers");
+  const auto seek = [&](GstClockTime end) {
+    return gst_element_seek(pipeline.get(), 1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
+                            GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_SET, static_cast<gint64>(end));
+  };
+  gst_element_set_state(pipeline.get(), GST_STATE_PAUSED);
+  gst_element_get_state(pipeline.get(), nullptr, nullptr, 10 * GST_SECOND);
+  EXPECT_TRUE(seek(GST_SECOND));
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  const haptic::BusPtr bus(gst_element_get_bus(pipeline.get()));
+  const haptic::MessagePtr end(
+      gst_bus_timed_pop_filtered(bus.get(), 10 * GST_SECOND, GST_MESSAGE_EOS));
+  ASSERT_NE(end, nullptr);
+  EXPECT_TRUE(seek(GST_CLOCK_TIME_NONE));
+  EXPECT_TRUE(test::eventually([&] {
+    gst_pad_push_event(main.get(), make_pointer_event(position(0.25, 0.5)).release());
+    GstSample *sample =
+        gst_app_sink_try_pull_sample(GST_APP_SINK(pointers.get()), 10 * GST_MSECOND);
+    if (sample)
+      gst_sample_unref(sample);
+    return sample != nullptr;
+  }));
+  const haptic::MessagePtr error(gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR));
+  EXPECT_EQ(error, nullptr);
 }
 
 TEST(PointerElements, StartAndStopAtOnceManyTimes) {

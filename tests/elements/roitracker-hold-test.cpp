@@ -284,6 +284,19 @@ TEST_F(Hold, AFingerThatWasLiftedDuringASeekHoldsNoLonger) {
   EXPECT_NEAR(motion_of(pass(3)).held_x, 60, 0.1);
 }
 
+TEST_F(Hold, AMouseButtonThatWasLetGoDuringASeekHoldsNoLonger) {
+  constexpr auto kNone = GST_NAVIGATION_MODIFIER_NONE;
+  pass(0);
+  send(gst_navigation_event_new_mouse_button_press(1, 80, 60, kNone));
+  pass(1);
+  seek();
+  EXPECT_FALSE(is_pressed());
+  pass(2);
+  send(gst_navigation_event_new_mouse_button_press(1, 60, 50, kNone));
+  EXPECT_TRUE(is_pressed());
+  EXPECT_NEAR(motion_of(pass(3)).held_x, 60, 0.1);
+}
+
 TEST_F(Hold, AButtonOfTheGripPresses) {
   pass(0);
   // The device counts as long as it reports: a test that is late sends again.

@@ -30,8 +30,9 @@ protected:
   void SetUp() override { harness.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight); }
 
   // Frame number i of a texture that moves 2 px to the right and 1 up in each, with marks.
-  BufferPtr pass(int i, const std::vector<Mark> &marks) {
-    BufferPtr buffer = to_buffer(texture.frame(kWidth, kHeight, {2.0 * i, -1.0 * i}), harness.info);
+  BufferPtr pass(int i, const std::vector<Mark> &marks) { return pass(i, kWidth, kHeight, marks); }
+  BufferPtr pass(int i, int width, int height, const std::vector<Mark> &marks) {
+    BufferPtr buffer = to_buffer(texture.frame(width, height, {2.0 * i, -1.0 * i}), harness.info);
     GST_BUFFER_PTS(buffer.get()) = static_cast<GstClockTime>(i) * kFrame;
     for (const Mark &mark : marks)
       gst_buffer_add_video_region_of_interest_meta(buffer.get(), mark.kind, mark.x, mark.y,
@@ -91,6 +92,18 @@ TEST_F(MarkedObject, IsClippedAtTheFrameWhereverItEnds) {
 TEST_F(MarkedObject, OfALargeOneTheRegionIsThePartAboutThePointer) {
   EXPECT_EQ(region_of(pass(0, {{.x = 0, .y = 0, .width = 176, .height = 144}})),
             (std::vector<float>{52, 36, 72, 72})); // half of the shorter side of the frame
+}
+
+TEST_F(MarkedObject, ThatIsLongAndThinIsMeasuredAboutThePointer) {
+  harness.set_format(GST_VIDEO_FORMAT_GRAY8, 704, 576);
+  for (const Mark &mark : {Mark{.x = 200, .y = 278, .width = 300, .height = 20},
+                           Mark{.x = 342, .y = 150, .width = 20, .height = 280}}) {
+    pass(0, 704, 576, {mark});
+    const auto found = test::displacement(pass(1, 704, 576, {mark}).get());
+    ASSERT_TRUE(found.has_value()) << mark.width;
+    EXPECT_NEAR(found->x, 2, 0.05);
+    EXPECT_NEAR(found->y, -1, 0.05);
+  }
 }
 
 TEST_F(MarkedObject, TooSmallToBeMeasuredIsNone) {

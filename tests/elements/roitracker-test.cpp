@@ -211,6 +211,32 @@ TEST_F(RoiTracker, ScalingTheFrameScalesItsMotion) {
   EXPECT_EQ(motion_of(frame).pointer_x, 176);
 }
 
+// Borders may be about the picture, and nothing says how wide.
+TEST_F(RoiTracker, AFrameOfAnotherShapeHasNoMotion) {
+  VideoHarness scaling("roitracker ! videoscale ! "
+                       "capsfilter caps=video/x-raw,width=352,height=352,pixel-aspect-ratio=1/1");
+  scaling.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+  EXPECT_EQ(gst_buffer_get_haptic_motion_meta(scaling.pass(moving(0), 0).get()), nullptr);
+}
+
+TEST_F(RoiTracker, ScalingBelievesNoNumberOfPatches) {
+  const BufferPtr frame(gst_buffer_new());
+  GstHapticMotionMeta &motion = test::add_motion(frame);
+  motion.frame_width = kWidth;
+  motion.frame_height = kHeight;
+  motion.n_patches = G_MAXUINT;
+  GstVideoInfo in;
+  GstVideoInfo out;
+  gst_video_info_set_format(&in, GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);
+  gst_video_info_set_format(&out, GST_VIDEO_FORMAT_GRAY8, 2 * kWidth, 2 * kHeight);
+  GstVideoMetaTransform scaled{&in, &out};
+  const BufferPtr larger(gst_buffer_new());
+  ASSERT_TRUE(gst_meta_get_info(GST_HAPTIC_MOTION_META_NAME)
+                  ->transform_func(larger.get(), &motion.meta, frame.get(),
+                                   gst_video_meta_transform_scale_get_quark(), &scaled));
+  EXPECT_EQ(motion_of(larger).frame_width, 2U * kWidth);
+}
+
 TEST_F(RoiTracker, CroppingTheFrameDropsWhatWouldBeWrong) {
   VideoHarness cropping("roitracker ! videocrop left=8 ! identity");
   cropping.set_format(GST_VIDEO_FORMAT_GRAY8, kWidth, kHeight);

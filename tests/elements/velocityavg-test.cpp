@@ -120,6 +120,18 @@ TEST_F(VelocityAvg, EveryFrameShownTwiceHasAConstantVelocity) {
   }
 }
 
+TEST_F(VelocityAvg, FramesShownManyTimesNeverMoveFasterThanTheFilm) {
+  const Shift velocity{70, 30};
+  for (const GstClockTime shown : {4U, 5U, 6U, 8U}) {
+    harness.pass(at(0, velocity), 0, GST_BUFFER_FLAG_DISCONT);
+    for (GstClockTime i = 1; i < 6 * shown; ++i) {
+      const BufferPtr buffer = harness.pass(at(i / shown * shown * kFrame, velocity), i * kFrame);
+      if (i >= 2 * shown) // the first of them is not known to be shown again
+        expect_velocity(buffer, velocity, 0.02);
+    }
+  }
+}
+
 TEST_F(VelocityAvg, NothingMeasuredIsAGap) {
   const BufferPtr first = pass(0, {60, 0});
   EXPECT_TRUE(is_gap(first));

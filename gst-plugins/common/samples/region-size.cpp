@@ -24,7 +24,8 @@ double region_side(double z, double base, double frame_width, double frame_heigh
   const double smallest = std::max<double>(
       kSmallestRegion, std::round(frame_width * kSmallestRegion / kReferenceWidth));
   const double largest = std::max(smallest, std::min(frame_width, frame_height) / 2);
-  return std::clamp(base * region_growth(z), smallest, largest);
+  // A base beyond these bounds is its own: the hand makes it no smaller by pulling.
+  return std::clamp(base * region_growth(z), std::min(smallest, base), std::max(largest, base));
 }
 
 } // namespace haptic

@@ -51,6 +51,7 @@ struct State {
 
   // The pointer's thread, or while it is stopped.
   bool begun = false;
+  bool had_end = false;
   std::uint32_t sequence = 0;
 };
 
@@ -80,6 +81,11 @@ void begin_stream(GstPointerExtract *self, guint group) {
   State &state = *self->state;
   if (std::exchange(state.begun, true))
     return;
+  // A sink that has had the end takes nothing more before a flush.
+  if (std::exchange(state.had_end, false)) {
+    gst_pad_push_event(state.pointer, gst_event_new_flush_start());
+    gst_pad_push_event(state.pointer, gst_event_new_flush_stop(FALSE));
+  }
   const haptic::GCharPtr id(gst_pad_create_stream_id(state.pointer, GST_ELEMENT(self), "pointer"));
   GstEvent *start = gst_event_new_stream_start(id.get());
   gst_event_set_stream_flags(start, GST_STREAM_FLAG_SPARSE);
@@ -138,6 +144,7 @@ void send_next(GstPointerExtract *self) {
   if (ends) {
     gst_pad_push_event(state.pointer, gst_event_new_eos());
     state.begun = false; // another stream may follow
+    state.had_end = true;
   }
   if (!position)
     return;
@@ -170,6 +177,7 @@ gboolean activate_pointer(GstPad *pad, GstObject *parent, gboolean active) {
       state.group = GST_GROUP_ID_INVALID;
       state.ended = false;
       state.begun = false;
+      state.had_end = false;
       state.sequence = 0;
     }
   }
@@ -226,10 +234,12 @@ gboolean pointer_query(GstPad *pad, GstObject *parent, GstQuery *query) {
   return gst_pad_query_default(pad, parent, query);
 }
 
-// Events from downstream end here: nobody upstream makes this stream.
+// Events from downstream end here: nobody upstream makes this stream. A seek of the pipeline is not
+// refused: these times are those of now.
 gboolean drop_event(GstPad *, GstObject *, GstEvent *event) {
+  const bool is_seek = GST_EVENT_TYPE(event) == GST_EVENT_SEEK;
   gst_event_unref(event);
-  return FALSE;
+  return is_seek;
 }
 
 void add_pads(GstPointerExtract *self) {

@@ -2,9 +2,11 @@
 #include "gsthapticmotionmeta.h"
 
 #include <algorithm>
+#include <cmath>
 #include <gst/video/gstvideometa.h>
 #include <gst/video/video.h>
 #include <limits>
+#include <span>
 
 namespace {
 
@@ -52,8 +54,11 @@ void scale_fields(GstHapticMotionMeta &meta, guint width, guint height) {
   for (gfloat *y :
        {&meta.region_y, &meta.region_height, &meta.pointer_y, &meta.proxy_y, &meta.held_y})
     *y *= sy;
-  std::for_each_n(meta.patches, meta.n_patches,
-                  [&](GstHapticPatch &patch) { scale_patch(patch, sx, sy); });
+  // Other programs write the metadata, too.
+  for (GstHapticPatch &patch :
+       std::span(meta.patches)
+           .first(std::min<std::size_t>(meta.n_patches, std::size(meta.patches))))
+    scale_patch(patch, sx, sy);
 }
 
 gboolean init(GstMeta *meta, gpointer, GstBuffer *) {
@@ -68,9 +73,25 @@ gboolean init(GstMeta *meta, gpointer, GstBuffer *) {
   return TRUE;
 }
 
+double display_aspect(const GstVideoInfo &info) {
+  return static_cast<double>(GST_VIDEO_INFO_WIDTH(&info)) * GST_VIDEO_INFO_PAR_N(&info) /
+         (static_cast<double>(GST_VIDEO_INFO_HEIGHT(&info)) * GST_VIDEO_INFO_PAR_D(&info));
+}
+
+// Into a frame of another shape videoscale draws borders, unless told otherwise. Nothing says how
+// wide they are, and no motion is better than a wrong one. (What rounding makes of a shape is
+// less.)
+bool keeps_shape(const GstVideoMetaTransform &scaled) {
+  constexpr double kRounding = 0.02;
+  const double ratio = display_aspect(*scaled.out_info) / display_aspect(*scaled.in_info);
+  return std::abs(ratio - 1) <= kRounding;
+}
+
 gboolean transform(GstBuffer *to, GstMeta *meta, GstBuffer *, GQuark type, gpointer data) {
   const bool is_copy = GST_META_TRANSFORM_IS_COPY(type);
   if (!is_copy && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+    return FALSE;
+  if (!is_copy && !keeps_shape(*static_cast<const GstVideoMetaTransform *>(data)))
     return FALSE;
   GstHapticMotionMeta *copy = gst_buffer_add_haptic_motion_meta(to);
   copy_fields(*cast(meta), *copy);

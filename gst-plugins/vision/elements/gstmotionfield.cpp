@@ -17,6 +17,7 @@
 #include "glue/property-table.hpp"
 #include "glue/segment-time.hpp"
 #include "glue/stream-lock.hpp"
+#include "hold-point.hpp"
 #include "hold/followed-things.hpp"
 #include "messages.hpp"
 #include "samples/motion-field.hpp"
@@ -26,6 +27,7 @@
 #include <gst/base/gstbasetransform.h>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -37,6 +39,7 @@ GST_DEBUG_CATEGORY_STATIC(motionfield_debug);
 namespace {
 
 using haptic::guarded;
+using haptic::HoldPoint;
 using haptic::kGuarded;
 using haptic::MotionField;
 
@@ -46,13 +49,6 @@ using haptic::MotionField;
 constexpr char kCameraMotion[] = "haptic-camera-motion";
 
 enum class Camera { keep, remove };
-
-/// Where and when a thing is to be taken.
-struct Point {
-  double x = 0; // 0..1
-  double y = 0;
-  double time = 0; // s, running time
-};
 
 struct Settings {
   guint columns = haptic::kFieldColumns;
@@ -79,7 +75,7 @@ struct State {
   bool follows = false;             // things, in this frame
   guint things_wanted = 0;          // in this frame
   std::optional<guint> points_read; // Settings::points_given
-  std::vector<Point> points;        // not yet taken
+  std::vector<HoldPoint> points;    // not yet taken, of running time
   haptic::FollowedThings things;
   std::optional<GstClockTime> since_choice; // ns; none was made in this scene
   std::vector<std::uint8_t> scratch;
@@ -152,25 +148,14 @@ std::span<const haptic::Property<Settings>> properties() {
 
 // Things to hold
 
-std::vector<Point> points_of(GstMotionField *self, const std::string &text) {
-  std::vector<Point> points;
-  gchar **words = g_strsplit(text.c_str(), " ", -1);
-  for (gchar **word = words; *word; ++word) {
-    Point point;
-    gchar *end = *word;
-    point.x = g_ascii_strtod(*word, &end);
-    const bool has_y = end != *word && *end == ',';
-    if (has_y)
-      point.y = g_ascii_strtod(end + 1, &end);
-    if (has_y && *end == '@')
-      point.time = g_ascii_strtod(end + 1, &end);
-    const auto is_share = [](double value) { return value >= 0 && value <= 1; };
-    if (has_y && *end == '\0' && is_share(point.x) && is_share(point.y))
-      points.push_back(point);
-    else if (**word != '\0')
-      GST_WARNING_OBJECT(self, "\"%s\" is no place", *word);
-  }
-  g_strfreev(words);
+std::vector<HoldPoint> points_of(GstMotionField *self, const std::string &text) {
+  std::vector<HoldPoint> points;
+  std::istringstream words(text);
+  for (std::string word; words >> word;)
+    if (const auto point = haptic::read_hold_point(word))
+      points.push_back(*point);
+    else
+      GST_WARNING_OBJECT(self, "\"%s\" is no place", word.c_str());
   return points;
 }
 
@@ -192,7 +177,7 @@ void follow_settings(GstMotionField *self, const Settings &settings) {
 // Takes what is under the points whose time has come. Containers round times to 1 ms.
 void take_points(GstMotionField *self, const haptic::LumaSource &luma, GstClockTime time) {
   State &state = *self->state;
-  std::erase_if(state.points, [&](const Point &point) {
+  std::erase_if(state.points, [&](const HoldPoint &point) {
     const bool is_due = GST_CLOCK_TIME_IS_VALID(time) &&
                         static_cast<double>(time + GST_MSECOND) >= point.time * GST_SECOND;
     if (is_due)

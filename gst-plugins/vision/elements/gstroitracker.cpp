@@ -365,8 +365,11 @@ std::optional<Rectangle> object_under_pointer(State &state, GstBuffer *buffer,
   const std::optional<Rectangle> before = std::exchange(state.object, std::nullopt);
   if (!marked)
     return std::nullopt;
-  const Rectangle near =
-      haptic::region_at(pointer.x, pointer.y, std::min(width, height) / 2, width, height);
+  // Of a long one too: the tracker needs some pixels across, of a region reduced to 128 px.
+  constexpr int kLongest = 8; // times as long as wide
+  const int longest = kLongest * std::min(marked->width, marked->height);
+  const Rectangle near = haptic::region_at(
+      pointer.x, pointer.y, std::min({width / 2, height / 2, longest}), width, height);
   const Rectangle shown = haptic::intersection(*marked, near);
   Rectangle object = steadied(shown, before, width, height);
   if (haptic::intersection(object, pixel) != pixel)
@@ -678,18 +681,19 @@ void post_statistics(GstRoiTracker *self) {
                            gst_message_new_element(GST_OBJECT(self), to_structure(statistics)));
 }
 
-// The event that says that it was lifted may have been lost while pads were flushing.
-void forget_finger(GstRoiTracker *self) {
+// The event that says that the finger or the button was lifted may have been lost while pads were
+// flushing.
+void let_go(GstRoiTracker *self) {
   const ObjectLock lock(self);
   Shared &shared = self->state->shared;
-  if (std::exchange(shared.finger, std::nullopt))
-    change_hold(shared, [&] { shared.pointers.press_navigation(false); });
+  shared.finger.reset();
+  change_hold(shared, [&] { shared.pointers.press_navigation(false); });
 }
 
 void on_sink_event(GstRoiTracker *self, GstEvent *event) {
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_FLUSH_STOP:
-    forget_finger(self);
+    let_go(self);
     [[fallthrough]];
   case GST_EVENT_SEGMENT:
     self->state->forget_frames();
@@ -773,7 +777,7 @@ bool on_src_event(GstRoiTracker *self, GstEvent *event) {
   Shared &shared = self->state->shared;
   change_hold(shared, [&] {
     shared.pointers.point_haptic({position->x, position->y, position->z, position->pressed},
-                                 Clock::now(), position->force, position->proxy);
+                                 Clock::now(), position->force, position->proxy, position->device);
   });
   return true;
 }

@@ -238,23 +238,6 @@ void build(Measuring &all, const std::string &path, unsigned columns, const char
 
 } // namespace
 
-std::optional<HoldPoint> read_hold_point(const std::string &text) {
-  const char *const end = text.data() + text.size();
-  const char *at = text.data();
-  const auto number = [&](double &value, double most) {
-    const auto read = std::from_chars(at, end, value);
-    at = read.ptr;
-    return read.ec == std::errc() && value >= 0 && value <= most;
-  };
-  const auto is = [&](char sign) { return at < end && *at++ == sign; };
-  constexpr double kLatest = 1e9; // s
-  HoldPoint point;
-  if (!number(point.x, 1) || !is(',') || !number(point.y, 1) ||
-      (at < end && (!is('@') || !number(point.time, kLatest))) || at != end)
-    return std::nullopt;
-  return point;
-}
-
 std::string write_hold_points(std::span<const HoldPoint> points) {
   std::string text;
   for (const HoldPoint &point : points)

@@ -4,8 +4,8 @@
 
 #include "author/chunk-file.hpp"
 #include "author/film-index.hpp"
+#include "hold-point.hpp"
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,21 +18,12 @@ namespace haptic {
 inline constexpr std::size_t kFramesBefore = 4;
 
 /// Things of a film that are followed, so that whoever feels its track can hold them.
-struct HoldPoint {
-  double x = 0; ///< 0..1
-  double y = 0;
-  double time = 0; ///< s, of the film
-  bool operator==(const HoldPoint &) const = default;
-};
 struct HoldOptions {
   bool chooses = false; ///< motionfield chooses kChosenThings of them
   std::vector<HoldPoint> points;
   bool operator==(const HoldOptions &) const = default;
 };
 inline constexpr unsigned kChosenThings = 16;
-
-/// Reads X,Y or X,Y@SECONDS. Returns nothing if the text is none.
-std::optional<HoldPoint> read_hold_point(const std::string &text);
 
 /// As read_hold_point() and the property `points` of motionfield read them, with spaces between
 /// them, in the order given.

@@ -54,6 +54,19 @@ TEST(PointerArbiter, TheForceIsKnownForASecondAfterTheDeviceReportedIt) {
   EXPECT_EQ(arbiter.force(kNow + 3s), std::nullopt);
 }
 
+TEST(PointerArbiter, WhileADevicePressesNoOtherOnePoints) {
+  PointerArbiter arbiter;
+  constexpr Pointer kPressed{0.1, 0.2, 0, true};
+  constexpr Pointer kOther{0.8, 0.9};
+  arbiter.point_haptic(kPressed, kNow, {}, {}, "mine");
+  arbiter.point_haptic(kOther, kNow, {}, {}, "other");
+  EXPECT_EQ(arbiter.in_use(kNow), kPressed);
+  arbiter.point_haptic(kOther, kNow + 1001ms, {}, {}, "other"); // the first one is silent
+  EXPECT_EQ(arbiter.in_use(kNow + 1001ms), kOther);
+  arbiter.point_haptic(kDevice, kNow + 1001ms, {}, {}, "mine");
+  EXPECT_EQ(arbiter.in_use(kNow + 1001ms), kDevice);
+}
+
 TEST(PointerArbiter, TheProxyIsKnownAsLongAsTheForce) {
   PointerArbiter arbiter;
   const haptic::ProxyPosition proxy{0.25, 0.75, 0.002};

@@ -62,7 +62,19 @@ TEST(RegionSize, IsBoundedByWhatCanBeMeasuredAndByHalfTheFrame) {
   EXPECT_EQ(haptic::RegionSize().side(-1, 30, 352, 288), 12);
   EXPECT_EQ(haptic::RegionSize().side(-1, 164, 1920, 1080), 66);
   EXPECT_EQ(haptic::RegionSize().side(1, 60, 352, 288), 144);
-  EXPECT_EQ(haptic::RegionSize().side(1, 30, 20, 16), 12);
+  EXPECT_EQ(haptic::RegionSize().side(1, 12, 20, 16), 12);
+}
+
+TEST(RegionSize, OfASizeBeyondTheBoundsPullingAndPushingGoOppositeWays) {
+  for (const int base : {14, 20, 300})
+    for (const auto &[width, height] : {std::pair(640, 360), std::pair(1920, 1080)}) {
+      int before = 0;
+      for (const double z : {-1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0}) {
+        const int side = haptic::RegionSize().side(z, base, width, height);
+        EXPECT_GE(side, before) << base << ' ' << z;
+        before = side;
+      }
+    }
 }
 
 TEST(RegionSize, ATremblingHandLeavesItAlone) {

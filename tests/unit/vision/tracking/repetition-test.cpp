@@ -31,6 +31,32 @@ TEST(RepetitionJudge, AThirdOneInARowIsStandstill) {
   EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still);
 }
 
+TEST(RepetitionJudge, AFilmThatRepeatsItsFramesMoreOftenGoesOnToDoSo) {
+  for (const int repeats : {3, 5, 7}) {
+    RepetitionJudge judge;
+    judge.judge(false, kAsThere);
+    for (int i = 0; i < repeats; ++i)
+      judge.judge(true, kAsThere);
+    for (int frame = 0; frame < 3; ++frame) {
+      EXPECT_EQ(judge.judge(false, kAsThere), Repetition::none);
+      for (int i = 0; i < repeats; ++i)
+        EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate) << repeats;
+    }
+    EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still) << repeats;
+  }
+}
+
+TEST(RepetitionJudge, WhatStoodStillForLongIsNoFilmThatRepeatsItsFrames) {
+  RepetitionJudge judge;
+  judge.judge(false, kAsThere);
+  for (int i = 0; i < 8; ++i)
+    judge.judge(true, kAsThere);
+  judge.judge(false, kAsThere);
+  judge.judge(true, kAsThere);
+  judge.judge(true, kAsThere);
+  EXPECT_EQ(judge.judge(true, kAsThere), Repetition::still);
+}
+
 TEST(RepetitionJudge, AStreamMayBeginWithADuplicate) {
   RepetitionJudge judge;
   EXPECT_EQ(judge.judge(true, kAsThere), Repetition::duplicate);
