@@ -147,9 +147,8 @@ TEST_F(HapticSink, F23_TenThousandPropertyChangesASecond) {
     }
     advance(50us);
   }
-  const auto rows = stop_and_read_log();
-  for (const Row &row : rows) {
-    ASSERT_TRUE(std::isfinite(row.force()));
+  EXPECT_EQ(count("faults"), 0U); // the log has 0 for what is not finite
+  for (const Row &row : stop_and_read_log()) {
     ASSERT_LE(row.force(), 5 + 1e-6);
   }
 }

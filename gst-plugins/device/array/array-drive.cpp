@@ -46,10 +46,11 @@ void ArrayDrive::follow(const MotionSample &sample, const DriveSettings &) {
 void ArrayDrive::follow(const MotionField &field, const DriveSettings &settings) {
   set(pointer_, sample_field(field, settings.pointer));
   place_ = place_on_skin(settings.pointer.x, settings.pointer.y);
-  if (settings.map != MapChoice::field)
-    return;
   for (std::size_t i = 0; i < sites_.size(); ++i)
-    set(sites_[i], sample_field(field, place_in_frame(map_.places()[i])));
+    if (settings.map != MapChoice::field)
+      sites_[i].gate = 0;
+    else
+      set(sites_[i], sample_field(field, place_in_frame(map_.places()[i])));
 }
 
 void ArrayDrive::rest() {

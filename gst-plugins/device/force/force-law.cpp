@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace haptic {
 namespace {
@@ -109,9 +110,11 @@ class DragLaw final : public RelativeLaw {
 // u += (1 - exp(-dt / T)) (v - u), it is equation 5 on the velocity v - u that the frame gained
 // within T, less the hand's.
 class InertialLaw final : public RelativeLaw {
+  void restart() noexcept override { begins_ = true; }
+
   Relative force(const Motion &m, const PlanarVelocity &hand, const LawSettings &s,
                  double dt) noexcept override {
-    const double share = 1 - std::exp(-dt / kResponse);
+    const double share = std::exchange(begins_, false) ? 1 : 1 - std::exp(-dt / kResponse);
     return relative_force(gained(m.velocity, frame_, share), gained(hand, hand_, share),
                           kShareForHand * s.most_for_hand, s);
   }
@@ -133,6 +136,7 @@ class InertialLaw final : public RelativeLaw {
 
   PlanarVelocity frame_; // low-passed
   PlanarVelocity hand_;
+  bool begins_ = true; // both from what they are now
 };
 
 template <typename Law>

@@ -43,9 +43,11 @@ public:
 
   /// Returns force and torque on the grip: x to the right, y up, z towards the user. It is the
   /// law's force, and what all laws share: rotation as torque about z, approach as a push along z.
-  /// `dt` in s since the call before.
+  /// `dt` in s since the call before; 0 while there is no motion to follow.
   spidar::Wrench wrench(const Motion &motion, const PlanarVelocity &hand,
                         const LawSettings &settings, double dt) noexcept;
+  /// Motion begins, or goes on after nothing was measured: what changed meanwhile is no motion.
+  virtual void restart() noexcept {}
   /// N, of that force: what the motion of the hand has changed in it.
   const spidar::Vector3 &of_hand() const noexcept { return of_hand_; }
 

@@ -54,7 +54,6 @@ public:
 
   // One other thread.
 
-  bool has_record() const noexcept { return kept_.load() != kNone; }
   /// Calls `use(rules, ticks)`, the earliest tick first, if there is a record; then it is gone.
   template <typename Use>
   void take(const Use &use) {

@@ -20,6 +20,8 @@ constexpr std::uint32_t kTickHolds = kHoldFlushing | kHoldLate | kHoldNoPose | k
 // Of these the film is the reason: the hand has done nothing, and the surface stays where it is.
 constexpr std::uint32_t kHoldsOfFilm =
     kHoldGap | kHoldStale | kHoldCut | kHoldFlushing | kHoldEnded | kHoldSpent;
+// ns, before the thread ends: a pause fades within 100 ms.
+constexpr std::int64_t kLongestFade = 150'000'000;
 // s, time constants. A late tick is rarely alone. While a spring holds, what the tick owes is paid
 // first: with 1 s, a way gave 0.70 of 0.5 mJ.
 constexpr double kForgetsLate = 1;
@@ -123,7 +125,17 @@ void HapticLoop::stop() noexcept {
 void HapticLoop::run(const std::stop_token &stop) noexcept {
   LoopClock &clock = *run_.environment.clock;
   std::int64_t next = clock.now() + run_.period;
-  while (!stop.stop_requested()) {
+  std::int64_t deadline = 0; // ns, of the fade before the end; 0: not yet
+  const auto ends = [&] {
+    if (!stop.stop_requested())
+      return false;
+    if (deadline == 0) {
+      hold(kHoldPaused);
+      deadline = clock.now() + kLongestFade;
+    }
+    return run_.silent.load() || clock.now() >= deadline;
+  };
+  while (!ends()) {
     clock.sleep_until(next);
     const std::int64_t now = clock.now();
     if (run_.suspend.has_slept(now, clock.boot_time())) {
@@ -464,7 +476,12 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
     run_.conditioner.restart_low_pass();
   const Motion &motion = run_.conditioner.step(scale_motion(now.sample, settings.reference_width),
                                                settings.smooth_hz, dt);
-  input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, dt);
+  // Of a film that is paused or shows nothing the time stands still.
+  const bool moves = now.measured && !(input.holds & kHoldPaused);
+  if (moves && !std::exchange(run_.moved, moves))
+    run_.laws[settings.law]->restart();
+  run_.moved = moves;
+  input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, moves ? dt : 0);
   input.of_hand = run_.laws[settings.law]->of_hand();
   calm_law(input, dt);
   input.measured = now.measured;

@@ -85,8 +85,13 @@ void HapticSession::release() {
   update_state();
 }
 
+void HapticSession::end_stream() {
+  loop_.hold(kHoldEnded);
+  update_state();
+}
+
 void HapticSession::update_state() {
-  const auto read = [this] { return SessionCause{loop_.reasons(), loop_.homed()}; };
+  const auto read = [this] { return SessionCause{loop_.reasons(), loop_.homed(), clock_->now()}; };
   state_.update(read, [this](const SessionStatus &status) { client_.on_session_changed(status); });
 }
 

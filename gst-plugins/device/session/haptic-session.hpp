@@ -98,7 +98,7 @@ public:
   void accept(std::span<const std::uint8_t> bytes, bool gap, const Presentation &presentation);
   void accept_gap(std::int64_t time) noexcept;
   void begin_stream() noexcept { loop_.unhold(kHoldEnded); }
-  void end_stream() noexcept { loop_.hold(kHoldEnded); }
+  void end_stream();
 
   // The streaming thread of the reliefs.
 

@@ -49,10 +49,24 @@ std::string session_reason(std::uint32_t holds, SessionState state) {
   return names_of_holds(shown);
 }
 
+std::uint32_t SessionStateMachine::settled(const SessionCause &cause) {
+  constexpr std::uint32_t kOfFilm = kHoldGap | kHoldStale | kHoldCut | kHoldLate;
+  constexpr std::int64_t kLasting = 200'000'000; // ns
+  if (const std::uint32_t now = cause.holds & kOfFilm; now == of_film_) {
+    as_told_ = cause.time;
+  } else if (cause.time - as_told_ >= kLasting) {
+    of_film_ = now;
+    as_told_ = cause.time;
+  }
+  return (cause.holds & ~kOfFilm) | of_film_;
+}
+
 void SessionStateMachine::update(const std::function<SessionCause()> &read,
                                  const std::function<void(const SessionStatus &)> &on_change) {
   const std::lock_guard lock(mutex_);
-  const auto [holds, homed] = read();
+  const SessionCause cause = read();
+  const std::uint32_t holds = settled(cause);
+  const bool homed = cause.homed;
   const SessionState wanted = session_state(holds, homed);
   SessionState state = status_.state;
   do {

@@ -88,9 +88,12 @@ struct SessionStatus {
 struct SessionCause {
   std::uint32_t holds = 0;
   bool homed = false;
+  std::int64_t time = 0; ///< ns
 };
 
-/// Follows the holds by the transitions of the table. Any thread.
+/// Follows the holds by the transitions of the table. Those of the film (nothing measured, no
+/// sample, a cut, a late tick) may come and go with every frame: it follows them once they have
+/// lasted for 0.2 s. Any thread.
 class SessionStateMachine {
 public:
   /// Reads the cause and calls `on_change` for each state on the way, with a lock held: in order,
@@ -103,9 +106,13 @@ public:
   void set_device(std::string description);
 
 private:
+  std::uint32_t settled(const SessionCause &cause);
+
   mutable std::mutex mutex_;
-  SessionStatus status_; // mutex_
-  std::string device_;   // mutex_
+  std::uint32_t of_film_ = 0; // mutex_; as told
+  std::int64_t as_told_ = 0;  // mutex_; ns, when the holds of the film were so last
+  SessionStatus status_;      // mutex_
+  std::string device_;        // mutex_
 };
 
 } // namespace haptic

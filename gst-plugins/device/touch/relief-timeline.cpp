@@ -53,6 +53,7 @@ bool ReliefTimeline::begin_next(std::int64_t now) noexcept {
   const std::int64_t due = due_at(next);
   if (!line && due > now)
     return false;
+  newest_ = std::max(due, next.arrival);
   begin_ = line ? std::max(std::min(end_, now), next.arrival) : std::max(due, next.arrival);
   end_ = begin_;
   if (line)
@@ -79,7 +80,7 @@ const ReliefAt &ReliefTimeline::at(std::int64_t now) noexcept {
     return now_;
   now_.weight =
       end_ > begin_ ? std::clamp(seconds(now - begin_) / seconds(end_ - begin_), 0.0, 1.0) : 1.0;
-  now_.age = std::max(0.0, seconds(now - end_));
+  now_.age = std::max(0.0, seconds(now - newest_));
   now_.interval = seconds(interval_of(*to_));
   return now_;
 }

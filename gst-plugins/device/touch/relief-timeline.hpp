@@ -55,6 +55,7 @@ private:
   ReliefPool::Field to_;
   std::int64_t begin_ = 0; // ns, of the line
   std::int64_t end_ = 0;
+  std::int64_t newest_ = 0; // when it was due, or came
   ReliefAt now_;
 };
 

@@ -39,7 +39,6 @@ constexpr const char *kSoundBranch = "queue ! audioconvert ! audioresample ! vol
                                      "autoaudiosink name=loudspeaker";
 
 constexpr double kLongestGap = 0.5; // s; a longer pause takes no more room on the strip
-constexpr gulong kFade = 120'000;   // us: the force is zero 100 ms after PAUSED
 
 const char *message_name(GstMessage *message) {
   const GstStructure *structure = gst_message_get_structure(message);
@@ -118,10 +117,6 @@ bool Player::can_seek() const {
 void Player::close() {
   if (!pipeline_)
     return;
-  if (drives_device_) { // let the force fade before the device is closed
-    gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
-    g_usleep(kFade);
-  }
   if (watch_)
     g_source_remove(watch_);
   watch_ = 0;
@@ -212,7 +207,6 @@ std::string Player::numbered(const std::string &option) const {
 
 bool Player::configure_sink() {
   ++pipelines_;
-  drives_device_ = setup.is_real();
   const ElementPtr sink = element("force");
   g_object_set(sink.get(), "device", setup.device.c_str(), nullptr);
   if (const ElementPtr relief = element("relief")) {

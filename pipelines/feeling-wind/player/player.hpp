@@ -160,9 +160,8 @@ private:
   std::optional<Playback> playback_;
   ArrayOutput array_;
   guint watch_ = 0;
-  bool drives_device_ = false; // that exerts a force; setup may name another one by now
-  bool released_ = false;      // by a person
-  int pipelines_ = 0;          // since the program began
+  bool released_ = false; // by a person
+  int pipelines_ = 0;     // since the program began
   bool with_sound_ = true;
   bool seekable_ = true;     // as far as is known
   bool has_frame_ = false;   // of this pipeline

@@ -237,6 +237,31 @@ TEST(ArrayDrive, ASpeedThatIsNoneIsForgottenAtOnce) {
   EXPECT_EQ(felt_at(2), 0);
 }
 
+TEST(ArrayDrive, AnotherMapAndBackFeelsNothingOfBefore) {
+  haptic::ArrayDrive drive(haptic::load_array_layout("ring-8"));
+  haptic::MotionField field;
+  field.frame_width = 352;
+  field.frame_height = 288;
+  field.columns = 32;
+  field.rows = 26;
+  field.interval = 33'333'333; // ns
+  std::vector<double> amplitudes(8);
+  const auto felt = [&](haptic::MapChoice map) {
+    for (int step = 0; step < 100; ++step)
+      drive.step(0.01, {.map = map}, amplitudes);
+    return sum(amplitudes);
+  };
+  const auto follow = [&](haptic::MapChoice map, float speed) {
+    field.cells.assign(32 * 26, {.velocity_x = speed, .confidence = 1});
+    drive.follow(field, {.map = map});
+  };
+  follow(haptic::MapChoice::field, 100);
+  EXPECT_GT(felt(haptic::MapChoice::field), 0.5);
+  follow(haptic::MapChoice::stroke, 0);
+  EXPECT_EQ(felt(haptic::MapChoice::stroke), 0);
+  EXPECT_EQ(felt(haptic::MapChoice::field), 0);
+}
+
 class Voices : public ::testing::Test {
 protected:
   void run(const std::vector<double> &wanted, int steps, const haptic::VoiceLimits &limits = {}) {

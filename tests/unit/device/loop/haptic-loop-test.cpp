@@ -367,6 +367,52 @@ TEST_P(EachLoop, ARunBeginsWithoutTheMaximumOfTheOneBefore) {
   }
 }
 
+TEST_P(EachLoop, WhatMovedBeforeNothingWasMeasuredIsNotFeltAfterIt) {
+  for (std::size_t law = 0; law < haptic::force_laws().size(); ++law) {
+    loop_.set_settings({.law = law, .law_settings = {.alpha = 0.04}});
+    open();
+    play();
+    play_motion(200, 0, 500);
+    loop_.submit_gap({}, now_);
+    ticks(150);
+    EXPECT_TRUE(loop_.silent());
+    for (int ms = 0; ms < 500; ++ms) { // another scene, which stands still
+      if (ms % 33 == 0)
+        loop_.submit(moving(0, 0), now_);
+      ticks(1);
+      ASSERT_LT(loop_.wrench().force.norm(), 0.01) << haptic::force_laws()[law].name;
+    }
+  }
+}
+
+TEST_P(EachLoop, TheFirstMotionOfAFilmIsNoAcceleration) {
+  loop_.set_settings({.law = 4, .law_settings = {.alpha = 0.04}});
+  ASSERT_STREQ(haptic::force_laws()[4].name, "inertial");
+  open();
+  play();
+  for (int ms = 0; ms < 500; ++ms) {
+    if (ms % 33 == 0)
+      loop_.submit(moving(200, 0), now_);
+    ticks(1);
+    ASSERT_LT(loop_.wrench().force.norm(), 0.01);
+  }
+}
+
+TEST_P(EachLoop, APauseDoesNotForgetTheFastestMotion) {
+  loop_.set_settings({.law = 2, .law_settings = {.gain_window = 1.2}});
+  ASSERT_STREQ(haptic::force_laws()[2].name, "linear");
+  open();
+  play();
+  play_motion(200, 0, 500);
+  play_motion(20, 0, 200);
+  EXPECT_NEAR(loop_.wrench().force.x(), 0.1, 0.01);
+  loop_.hold(haptic::kHoldPaused);
+  ticks(3000);
+  loop_.unhold(haptic::kHoldPaused);
+  play_motion(20, 0, 300);
+  EXPECT_NEAR(loop_.wrench().force.x(), 0.1, 0.01);
+}
+
 TEST_P(EachLoop, ACalibrationThatWasNotDoneIsNotDoneInTheNextRun) {
   open("hold:0.5,0,0");
   ticks(50);

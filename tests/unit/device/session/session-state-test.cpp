@@ -53,6 +53,31 @@ TEST(SessionState, ALostDeviceIsAFaultAndNeedsArm) {
   EXPECT_EQ(way(machine, 0, true), (Names{"homed", "armed"}));
 }
 
+TEST(SessionState, AFilmThatFlickersChangesNothingUntilItLasts) {
+  constexpr std::int64_t kMs = 1'000'000; // ns
+  SessionStateMachine machine;
+  int changes = 0;
+  const auto until = [&](std::int64_t from, std::int64_t to, auto &&holds_at) {
+    for (std::int64_t ms = from; ms < to; ms += 10)
+      machine.update(
+          [&] {
+            return haptic::SessionCause{holds_at(ms), true, ms * kMs};
+          },
+          [&](const SessionStatus &) { ++changes; });
+  };
+  until(0, 1000, [](std::int64_t) { return 0U; });
+  changes = 0;
+  until(1000, 11'000, [](std::int64_t ms) { return ms / 40 % 2 ? haptic::kHoldGap + 0U : 0U; });
+  EXPECT_EQ(changes, 0);
+  until(11'000, 11'190, [](std::int64_t) { return haptic::kHoldGap + 0U; });
+  EXPECT_EQ(changes, 0);
+  until(11'190, 11'500, [](std::int64_t) { return haptic::kHoldGap + 0U; });
+  EXPECT_EQ(changes, 1);
+  EXPECT_EQ(machine.state(), SessionState::held);
+  until(11'500, 11'510, [](std::int64_t) { return haptic::kHoldGap | haptic::kHoldReleased; });
+  EXPECT_EQ(machine.state(), SessionState::homed) << "what a person does is told at once";
+}
+
 TEST(SessionState, TheReasonNamesTheHolds) {
   using haptic::session_reason;
   constexpr std::uint32_t kHolds = haptic::kHoldPaused | haptic::kHoldDeadMan;
@@ -71,13 +96,14 @@ TEST(SessionState, EveryReasonHasAName) {
 }
 
 TEST(SessionState, WhateverHappensOnlyTheTransitionsOfTheTableHappen) {
+  constexpr std::int64_t kSecond = 1'000'000'000; // ns
   std::mt19937 random(14);
   SessionStateMachine machine;
   SessionState before = machine.state();
   for (int i = 0; i < 20'000; ++i) {
     const std::uint32_t holds = random() & random() & (2 * haptic::kHoldShaking - 1);
     const bool homed = random() % 4 != 0;
-    const auto cause = [&] { return haptic::SessionCause{holds, homed}; };
+    const auto cause = [&] { return haptic::SessionCause{holds, homed, i * kSecond}; };
     machine.update(cause, [&](const SessionStatus &status) {
       const SessionTransition step{before, status.state};
       if (status.state != before) {

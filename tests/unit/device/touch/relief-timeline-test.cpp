@@ -52,6 +52,7 @@ TEST_F(Timeline, ReachesALateReliefOverAnInterval) {
   EXPECT_NEAR(height_at(150), 0, 1e-9);
   EXPECT_NEAR(height_at(170), 0.004, 1e-8);
   EXPECT_NEAR(height_at(190), 0.008, 1e-8);
+  EXPECT_NEAR(timeline_.at(250 * kMs).age, 0.1, 1e-9);
 }
 
 TEST_F(Timeline, DrawsNoLineIntoAnotherScene) {
